@@ -8,9 +8,11 @@ from pathlib import Path
 
 import pytest
 
+import polhode
 from polhode.studies import report
 from polhode.studies.page import html
-from polhode.studies.page.blocks import Figure, Heading, Items, PageTable, Text, markdown
+from polhode.studies.page.blocks import Figure, Heading, Items, Number, PageTable, Text, markdown
+from polhode.studies.page.hero import hero
 
 COMMITTED = Path(__file__).parents[2] / "reports"
 VOID = {"meta", "br", "wbr", "hr", "img", "link", "input"}
@@ -87,6 +89,9 @@ def check(text: str) -> Page:
             assert value[1:] in page.ids, value
         elif tag == "image":  # pixels that the figure carries itself
             assert value.startswith("data:image/png;base64,")
+        elif value.endswith(".json"):  # of the same folder, for who wants the rows
+            assert tag == "a"
+            assert value in ("first.json", *(path.name for path in COMMITTED.glob("*.json")))
         else:
             assert tag == "a", (tag, value)
             assert value.startswith(("https://", "http://"))
@@ -101,7 +106,9 @@ def test_the_page_is_whole_and_needs_nothing_else():
     text = html.page("A title & more", SECTIONS)
     page = check(text)
     assert page.tags["table"] == 1
-    assert page.tags["svg"] == page.tags["figure"] == 2
+    assert page.tags["figure"] == 2
+    assert page.tags["svg"] == 3  # one small, on the card
+    assert '<use href="#one-figure" width="72" height="36"/>' in text
     assert {"first", "published", "first-1", "first-2", "one-m1", "two-m1", "two-c1"} <= {*page.ids}
     assert "First <study>" in page.text
     assert "metadata" not in text
@@ -178,3 +185,53 @@ def test_the_committed_page_holds_every_table_and_figure():
         figures += sum(isinstance(block, Figure) for block in blocks)
     assert page.tags["table"] == tables
     assert page.tags["svg"] == figures >= len(report.STUDIES)
+
+
+def test_a_card_tells_a_sentence_and_the_section_all():
+    long = "Of 3.5 runs 2 end. At t = 1 none does."
+    section = html.Section("first", "First", long, BLOCKS, {"one": SVG, "two": SVG})
+    text = html.page("t", [section])
+    card = text[text.index("<nav") : text.index("</nav>")]
+    assert "<p>Of 3.5 runs 2 end.</p>" in card
+    brief = html.page("t", [section._replace(brief="In short.")])
+    assert "<p>In short.</p>" in brief
+    assert "Of 3.5 runs" not in brief
+
+
+def test_words_stand_beside_the_one_figure_that_follows_them():
+    blocks = (Heading("A"), Text("a"), Heading("B"), Text("b"), Figure("one", "1"), Text("c"))
+    text = html.page("t", [html.Section("s", "S", "", blocks, {"one": SVG})])
+    (pair,) = re.findall(r'<div class="pair">.*?</figure>\n</div></div>', text, re.S)
+    assert "<p>b</p>" in pair
+    assert "<p>a</p>" not in pair
+    assert "<p>c</p>" not in pair
+
+
+def test_rows_of_a_figure_may_be_fetched():
+    section = SECTIONS[0]._replace(data="first.json")
+    text = html.page("t", [section])
+    assert text.count('<a href="first.json" download>first.json</a>') == 2
+
+
+def test_the_first_screen_tells_what_it_is_and_moves():
+    run = polhode.integrate("lagrange/looping", at=[0, 1, 2, 3])
+    number = Number("5 of 6", "runs < all & others")
+    text = html.page("t", SECTIONS, hero=hero(run, [number]), made=PageTable(("a",), (("b",),)))
+    page = check(text)
+    assert page.tags["animate"] == 4
+    top = text[: text.index("<nav")]
+    assert "heavy rigid body" in top
+    assert "<b>5 of 6</b>runs &lt; all &amp; others" in top
+    for values in re.findall(r'values="([^"]+)"', top):
+        assert len(values.split(";")) == 4
+    assert text.index("How this was made") > text.index("<h2>Second")
+
+
+def test_the_committed_page_begins_with_numbers_of_its_rows():
+    text = (COMMITTED / report.PAGE).read_text()
+    top = text[: text.index("<nav")]
+    assert top.count("<li><b>") == 3
+    needs = report.results(COMMITTED, "needs")["needs"]
+    fifty = next(row for row in needs if row["need"] == "50 digits")
+    assert f"{int(fifty['digits'])} digits" in top
+    assert "Provenance" not in text

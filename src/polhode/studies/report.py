@@ -10,9 +10,11 @@ from __future__ import annotations
 
 import inspect
 import json
+import math
 import shlex
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from fractions import Fraction
 from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
@@ -23,10 +25,23 @@ from polhode.common.files import check_writable, make_folder, write_whole
 from polhode.common.progress import Message
 from polhode.common.provenance import cpu, digest, versions
 from polhode.figures.canvas import canvas
+from polhode.judging.adaptive_precision import integrate
+from polhode.judging.references.reference import Reference
+from polhode.judging.references.reference import reference as reference_of
 from polhode.output.json_results import as_json
+from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.studies.page import html
-from polhode.studies.page.blocks import Block, Figure, Heading, PageTable, Text, markdown
+from polhode.studies.page.blocks import (
+    Block,
+    Figure,
+    Heading,
+    Number,
+    PageTable,
+    Text,
+    markdown,
+)
+from polhode.studies.page.hero import hero
 from polhode.studies.row_filter import Only
 
 #: The studies in the order of the report; each is a folder of that name, with _ for -.
@@ -37,6 +52,8 @@ STUDIES = (
 PAGE = "report.html"
 #: The study that the page of all begins with.
 LEAD = "needs"
+#: The motion that moves there, for so many periods of its nutation, so many samples each.
+_SHOWN, _PERIODS, _SAMPLES = "lagrange/looping", 41, 14
 #: What makes pages of results: a change there makes no result out of date.
 _PRESENTATION = {"page.py", "figure.py", "page", "figures", "verbs", "cli.py", "report.py"}
 
@@ -108,16 +125,47 @@ def write_pages(folder: Path, tick: Message | None = None) -> list[Path]:
     kept: list[Path] = []
     texts: dict[Path, str] = {}
     sections: list[html.Section] = []
-    for name in STUDIES:
-        found = results(folder, name)
-        if found is not None:
-            made, section = _made(folder, found, tick)
-            kept.append(folder / f"{name}.json")
-            texts |= made
-            sections.append(section)
-    texts[folder / PAGE] = html.page("polhode: digits, and what limits them", sections, LEAD)
+    every = [found for name in STUDIES if (found := results(folder, name)) is not None]
+    for found in every:
+        made, section = _made(folder, found, tick)
+        kept.append(folder / f"{found['study']}.json")
+        texts |= made
+        sections.append(section)
+    first = hero(_motion(), [number for found in every for number in _numbers(found)])
+    texts[folder / PAGE] = html.page(
+        "polhode: digits, and what limits them", sections, LEAD, first, _origins(every)
+    )
     write_whole(texts)
     return [*kept, *texts]
+
+
+def _numbers(found: dict[str, Any]) -> Iterator[Number]:
+    """What a study's page puts on the first screen, if anything."""
+    module = _module(found["study"], "page")
+    if hasattr(module, "headline") and (number := module.headline(found)) is not None:
+        yield number
+
+
+def _motion() -> Trajectory:
+    """A motion that is shown there: periods after which it is nearly back where it began."""
+    scene = library.load(_SHOWN)
+    known = reference_of(scene)
+    assert isinstance(known, Reference)
+    step = Fraction(2 * math.pi / float(known.frequencies["nutation"])) / _SAMPLES
+    return integrate(scene.at([step * k for k in range(_PERIODS * _SAMPLES)]))
+
+
+def _origins(every: Sequence[dict[str, Any]]) -> PageTable:
+    """How each study was made."""
+    rows = []
+    for found in every:
+        origin = found["provenance"]
+        packages = ", ".join(f"{name} {version}" for name, version in origin["versions"].items())
+        took = f"{origin['seconds']:.0f}" if "seconds" in origin else ""
+        cells = (f"`{origin['command']}`", took, packages, origin["cpu"])
+        rows.append((found["study"], *cells, f"`{origin['key']}`" if "key" in origin else ""))
+    header = ("study", "command", "seconds", "versions", "processor", "key")
+    return PageTable(header, tuple(rows), "llrlll")
 
 
 def _made(
@@ -130,7 +178,9 @@ def _made(
     drawn, parts = figures(found), tuple(blocks(found))
     texts = {folder / f"{figure}.svg": svg for figure, svg in drawn.items()}
     texts[folder / f"{name}.md"] = markdown(title(name), parts)
-    return texts, html.Section(name, title(name), finding(found), parts, drawn)
+    own = (Text(found["question"]), *_module(name, "page").blocks(found))
+    told = (name, title(name), finding(found), own, drawn)
+    return texts, html.Section(*told, brief(found), f"{name}.json")
 
 
 def results(folder: Path, name: str) -> dict[str, Any] | None:
@@ -163,6 +213,12 @@ def finding(found: dict[str, Any]) -> str:
     module = _module(found["study"], "page")
     told: str = module.finding(found) if hasattr(module, "finding") else found["question"]
     return told
+
+
+def brief(found: dict[str, Any]) -> str:
+    """The one sentence of a study's card; empty where it is the first of its finding."""
+    module = _module(found["study"], "page")
+    return module.brief(found) if hasattr(module, "brief") else ""
 
 
 def page(found: dict[str, Any]) -> str:

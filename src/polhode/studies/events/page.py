@@ -17,7 +17,7 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "run and repeated with the period. Errors are in ulps: units in the last place of the "
         "time in the run's type."
     )
-    yield Figure("events", "Errors of event times over time, and the cost of events")
+    yield Figure("events", "How large errors of event times are, and what events cost")
     for part, title in (
         ("near", "Ten periods, in every number type"),
         ("far", "Far out: every event once"),

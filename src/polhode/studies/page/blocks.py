@@ -6,6 +6,13 @@ from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 
+class Number(NamedTuple):
+    """A number of a study's rows for the first screen of all, and what of, with its conditions."""
+
+    value: str
+    words: str
+
+
 class Heading(NamedTuple):
     """A section's title."""
 

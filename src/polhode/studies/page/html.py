@@ -5,23 +5,39 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from html import escape
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable, Text
+from polhode.studies.page.style import STYLE
 
 
 class Section(NamedTuple):
-    """One study's page: its name, title, what it found, blocks, and figures as SVG by name."""
+    """One study's page: its name, title, what it found, blocks, and figures as SVG by name.
+
+    ``brief``: the finding in a sentence, its first unless given; ``data``: the file of its rows.
+    """
 
     name: str
     title: str
     finding: str
     blocks: tuple[Block, ...]
     figures: Mapping[str, str]
+    brief: str = ""
+    data: str = ""
 
 
-def page(title: str, sections: Iterable[Section], lead: str = "") -> str:
-    """The sections as one page; ``lead``: the one that stands before the table of contents."""
+def page(
+    title: str,
+    sections: Iterable[Section],
+    lead: str = "",
+    hero: Iterable[str] = (),
+    made: PageTable | None = None,
+) -> str:
+    """The sections as one page.
+
+    ``lead``: the section that stands before the table of contents; ``hero``: lines of HTML before
+    that; ``made``: how each was made, at the end.
+    """
     sections = tuple(sections)
     names = {section.name for section in sections}
     first = [_tables_first(section) for section in sections if section.name == lead]
@@ -34,13 +50,15 @@ def page(title: str, sections: Iterable[Section], lead: str = "") -> str:
             '<meta charset="utf-8">',
             '<meta name="viewport" content="width=device-width, initial-scale=1">',
             f"<title>{escape(title)}</title>",
-            f"<style>{_STYLE}</style>",
+            f"<style>{STYLE}</style>",
             "</head>",
             "<body>",
             f"<h1>{escape(title)}</h1>",
+            *hero,
             *(line for section in first for line in _section(section, names, folded=False)),
             *_contents(others),
             *(line for section in others for line in _section(section, names)),
+            *([] if made is None else _made(made, names)),
             "</body>",
             "</html>",
             "",
@@ -96,17 +114,51 @@ def _link(words: str, target: str, pages: frozenset[str]) -> str:
 
 
 def _contents(sections: tuple[Section, ...]) -> Iterator[str]:
+    """A card a section: its first figure, small, its title, and its finding in a sentence."""
     yield '<nav aria-label="Contents">'
     yield "<ol>"
     for section in sections:
-        yield f'<li><a href="#{section.name}">{escape(section.title)}</a>'
-        yield f"<p>{inline(section.finding)}</p>"
+        first = next(iter(section.figures), None)
+        small = "" if first is None else _thumbnail(section.figures[first], first)
+        link = f'<a href="#{section.name}">{escape(section.title)}</a>'
+        yield f"<li>{small}{link}"
+        yield f"<p>{inline(section.brief or _first_sentence(section.finding))}</p>"
         yield "<details><summary>sections</summary><ul>"
         for slug, text in _headings(section):
             yield f'<li><a href="#{slug}">{inline(text)}</a></li>'
         yield "</ul></details></li>"
     yield "</ol>"
     yield "</nav>"
+
+
+def _thumbnail(svg: str, name: str) -> str:
+    """A figure of the page once more, small: a reference to it, no copy."""
+    box = re.search(r'viewBox="([^"]+)"', svg)
+    if box is None:
+        return ""
+    *_, width, height = box[1].split()
+    size = f'width="{width}" height="{height}"'
+    return (
+        f'<svg viewBox="0 0 {width} {height}" preserveAspectRatio="xMidYMin slice" '
+        'aria-hidden="true">'
+        f'<use href="#{name}-figure" {size}/></svg>'
+    )
+
+
+def _first_sentence(text: str) -> str:
+    return re.split(r"(?<=[^A-Z]\.) (?=[A-Z])", text, maxsplit=1)[0]
+
+
+def _made(table: PageTable, names: set[str]) -> Iterator[str]:
+    yield '<section id="made">'
+    yield "<h2>How this was made</h2>"
+    yield (
+        "<p>By the commands below; no number was edited by hand. <code>polhode study NAME -o "
+        "DIR</code> makes one study again, with <code>--only 'PART OF ITS NAME'</code> one row, "
+        "which it prints. The key is of the code, the cases and the versions.</p>"
+    )
+    yield from _table(table, names, folded=False)
+    yield "</section>"
 
 
 def _headings(section: Section) -> Iterator[tuple[str, str]]:
@@ -120,22 +172,61 @@ def _section(section: Section, names: set[str], folded: bool = True) -> Iterator
     yield f'<section id="{section.name}">'
     yield f"<h2>{escape(section.title)}</h2>"
     slugs = (slug for slug, _ in _headings(section))
-    for block in section.blocks:
-        match block:
-            case Heading(text):
-                yield f'<h3 id="{next(slugs)}">{inline(text, names)}</h3>'
-            case Text(text):
-                yield f"<p>{inline(text, names)}</p>"
-            case Items(items):
-                yield "<ul>"
-                yield from (f"<li>{inline(item, names)}</li>" for item in items)
-                yield "</ul>"
-            case PageTable():
-                yield from _table(block, names, folded)
-            case Figure(name, alt):
-                yield f'<figure><div class="wide">{_svg(section.figures[name], name, alt)}</div>'
-                yield f"<figcaption>{inline(alt, names)}</figcaption></figure>"
+    for words, figures, table in _groups(section.blocks):
+        text = [line for block in words for line in _words(block, names, slugs)]
+        drawn = [line for block in figures for line in _figure(block, section, names)]
+        if text and len(figures) == 1:  # beside each other where there is room
+            text = ['<div class="pair"><div>', *text, "</div><div>", *drawn, "</div></div>"]
+        else:
+            text += drawn
+        yield from text
+        if table is not None:
+            yield from _table(table, names, folded)
     yield "</section>"
+
+
+_Group: TypeAlias = tuple[list[Heading | Text | Items], list[Figure], PageTable | None]
+
+
+def _groups(blocks: Iterable[Block]) -> Iterator[_Group]:
+    """Words, the figures that follow them, and the table that follows these."""
+    words: list[Heading | Text | Items] = []
+    figures: list[Figure] = []
+    for block in blocks:
+        if isinstance(block, PageTable):
+            yield words, figures, block
+            words, figures = [], []
+        elif isinstance(block, Figure):
+            figures.append(block)
+        else:
+            if figures or (isinstance(block, Heading) and words):
+                yield words, figures, None
+                words, figures = [], []
+            words.append(block)
+    if words or figures:
+        yield words, figures, None
+
+
+def _words(block: Heading | Text | Items, names: set[str], slugs: Iterator[str]) -> Iterator[str]:
+    match block:
+        case Heading(text):
+            yield f'<h3 id="{next(slugs)}">{inline(text, names)}</h3>'
+        case Text(text):
+            yield f"<p>{inline(text, names)}</p>"
+        case Items(items):
+            yield "<ul>"
+            yield from (f"<li>{inline(item, names)}</li>" for item in items)
+            yield "</ul>"
+
+
+def _figure(block: Figure, section: Section, names: set[str]) -> Iterator[str]:
+    drawn = _svg(section.figures[block.name], block.name, block.alt)
+    yield f'<figure><div class="wide">{drawn}</div>'
+    yield f"<figcaption>{inline(block.alt, names)}</figcaption>"
+    if section.data:
+        file = escape(section.data)
+        yield f'<p class="data">Its rows: <a href="{file}" download>{file}</a></p>'
+    yield "</figure>"
 
 
 def _table(table: PageTable, names: set[str], folded: bool) -> Iterator[str]:
@@ -185,67 +276,10 @@ def _svg(text: str, name: str, alt: str) -> str:
     head, rest = text.split(">", 1)
     width = re.search(r'\swidth="([\d.]+)pt"', head)
     most = f' style="max-width: {1.6 * float(width[1]):.0f}px"' if width else ""
-    head = re.sub(r'\s(?:width|height|role|aria-label)="[^"]*"', "", head)
-    head += f'{most} role="img" aria-label="{escape(alt)}"'
+    head = re.sub(r'\s(?:id|width|height|role|aria-label)="[^"]*"', "", head)
     own = f"{name}-"
     body = re.sub(r'\bid="([^"]+)"', rf'id="{own}\1"', f"{head}>{rest}")
+    named = f'<svg id="{own}figure"{most} role="img" aria-label="{escape(alt)}"'
+    body = body.replace("<svg", named, 1)
     body = re.sub(r'href="#([^"]+)"', rf'href="#{own}\1"', body)
     return re.sub(r"url\(#([^)]+)\)", rf"url(#{own}\1)", body)
-
-
-_STYLE = """
-:root { font: 16px/1.5 system-ui, "Segoe UI", Roboto, sans-serif; color: #1b1b1b; }
-body { max-width: 80rem; margin: 0 auto; padding: 1rem; background: #fff; }
-h1 { font-size: 1.6rem; line-height: 1.2; }
-h2 { font-size: 1.3rem; line-height: 1.25; margin-top: 3rem; border-top: 2px solid #0072b2;
-     padding-top: .6rem; }
-h3 { font-size: 1.05rem; margin: 1.2rem 0 .3rem; }
-p, li, figcaption { max-width: 46rem; overflow-wrap: anywhere; }
-a { color: #005a9c; }
-code { font: .9em ui-monospace, "DejaVu Sans Mono", monospace; background: #f2f2f2;
-       padding: 0 .2em; }
-nav ol { padding-left: 1.4rem; }
-nav p { margin: 0; }
-nav details { font-size: .85rem; color: #555; }
-nav ul { padding-left: 1rem; font-size: .85rem; list-style: none; columns: 18rem; }
-.wide { overflow-x: auto; max-width: 100%; }
-.wide { background: linear-gradient(90deg, #fff 30%, #fff0) left / 3rem 100% local no-repeat,
-                    linear-gradient(270deg, #fff 30%, #fff0) right / 3rem 100% local no-repeat,
-                    linear-gradient(270deg, #0003, #0000) right / .8rem 100% scroll no-repeat; }
-details.rows > summary { cursor: pointer; color: #005a9c; font-size: .85rem; margin: .3rem 0; }
-table { border-collapse: collapse; font-size: .75rem; font-variant-numeric: tabular-nums;
-        margin: .5rem 0; }
-th, td { padding: .2rem .45rem; border-bottom: 1px solid #ddd; text-align: left;
-         vertical-align: top; white-space: nowrap; }
-td.long { white-space: normal; min-width: 18rem; max-width: 30rem; }
-th { border-bottom: 2px solid #999; }
-th.r, td.r { text-align: right; }
-p.again { font-size: .75rem; color: #444; margin: 0 0 .6rem; }
-tbody tr:nth-child(even) { background: #0000000a; }
-figure { margin: 1rem 0; }
-figure svg { display: block; width: 100%; height: auto; }
-#gallery figure svg { width: 20rem; max-width: 100%; }
-figcaption { font-size: .85rem; color: #444; margin-top: .3rem; }
-@media (max-width: 40rem) {
-  td:not(.r) { white-space: normal; min-width: 6.5rem; }
-  th:first-child, td:first-child { position: sticky; left: 0; background: #fff;
-                                   white-space: normal; overflow-wrap: anywhere;
-                                   min-width: 7rem; max-width: 8.5rem; }
-  #needs th, #needs td { padding: .2rem .25rem; min-width: 0; }
-  #needs td:first-child { min-width: 4.5rem; }
-  #needs td code { overflow-wrap: anywhere; font-size: .62rem; }
-}
-@page { size: landscape; margin: 1cm; }
-@media print {
-  body { max-width: none; padding: 0; }
-  .wide { overflow: visible; }
-  nav { display: none; }
-  figure svg { min-width: 0; max-height: 17cm; }
-  table { font-size: .55rem; }
-  th, td:not(.r) { white-space: normal; padding: .1rem .25rem; }
-  td.long { min-width: 0; overflow-wrap: anywhere; }
-  h2 { break-before: page; }
-  tr, figure { break-inside: avoid; }
-  thead { display: table-header-group; }
-}
-"""

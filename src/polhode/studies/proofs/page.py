@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterator
 
 from polhode.output.json_object import JsonObject
-from polhode.studies.page.blocks import Block, Figure, Heading, PageTable, Text
+from polhode.studies.page.blocks import Block, Figure, Heading, Number, PageTable, Text
 
 TITLE = "Proofs: periodic orbits and chaos that exist"
 
@@ -63,6 +63,19 @@ def blocks(found: JsonObject) -> Iterator[Block]:
                     "planes of their own.",
                 )
         yield _chaos(found["chaos"])
+
+
+def headline(found: JsonObject) -> Number | None:
+    """How many periodic orbits were proved, and in what time."""
+    orbits = [row for one in found["orbits"] for row in one["orbits"]]
+    proved = [row["seconds"] for row in orbits if row["proved"]]
+    if not proved:
+        return None
+    words = (
+        f"periodic orbits that a search found of {len(found['orbits'])} tops are proved to exist, "
+        f"in {statistics.median(proved):.2g} s each (median); the others are refused with cause"
+    )
+    return Number(f"{len(proved)} of {len(orbits)}", words)
 
 
 def finding(found: JsonObject) -> str:

@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable, Text
+from polhode.studies.page.blocks import (
+    Block,
+    Figure,
+    Heading,
+    Items,
+    Number,
+    PageTable,
+    Text,
+)
 from polhode.studies.speed.page import contest
 
 TITLE = "Speed: what a correct digit costs"
@@ -37,6 +45,16 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
 def finding(found: dict[str, Any]) -> str:
     """The study in a few sentences."""
     return contest.finding(found)
+
+
+def brief(found: dict[str, Any]) -> str:
+    """Where polhode is ahead, and where it is not, in a sentence."""
+    return contest.brief(found)
+
+
+def headline(found: dict[str, Any]) -> Number | None:
+    """In how many cells it is ahead, with those in which it is not."""
+    return contest.headline(found)
 
 
 def _best(motions: Sequence[dict[str, Any]]) -> PageTable:

@@ -6,7 +6,7 @@ import statistics
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, TypeAlias
 
-from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable, Text
+from polhode.studies.page.blocks import Block, Figure, Heading, Items, Number, PageTable, Text
 from polhode.studies.speed.programs import ENGINE, OURS, RUN
 
 #: Part of the study's JSON object: the whole, a cell, a level of it.
@@ -36,6 +36,32 @@ def finding(found: Told) -> str:
     sentences += [_losses(cells), _engine(cells), _trajectories(cells), _compensated(cells)]
     sentences += [_first(found["first"]), _absent(found)]
     return " ".join(text for text in sentences if text)
+
+
+def brief(found: Told) -> str:
+    """The same in a sentence."""
+    cells = found["cells"]
+    told = [
+        _stands(cells, "to 6, 9 and 12 digits from t = 100 on", lambda c, _: c["end"] >= 100),
+        _stands(cells, "at t = 1 and 10", lambda c, _: c["end"] <= 10),
+    ]
+    return "; ".join(text for text in told if text).capitalize() + "."
+
+
+def headline(found: Told) -> Number | None:
+    """How often a propagator is ahead, in long runs and in short ones."""
+    cells = found["cells"]
+    long, short = (
+        _ahead(cells, wanted)
+        for wanted in (lambda c, _: c["end"] >= 100, lambda c, _: c["end"] <= 10)
+    )
+    if not long[1]:
+        return None
+    words = (
+        "cells of the speed study from t = 100 on, to 6, 9 and 12 digits, in which a polhode "
+        f"propagator is ahead of every other program; at t = 1 and 10 {short[0]} of {short[1]}"
+    )
+    return Number(f"{long[0]} of {long[1]}", words)
 
 
 def short(found: Told) -> str:
@@ -116,16 +142,21 @@ def counted(found: Sequence[tuple[Told, Told]]) -> dict[str, int]:
 
 def _stands(cells: Sequence[Told], where: str, wanted: Callable[[Told, float], bool]) -> str:
     """In how many of the cells a propagator is ahead of all others, where it reaches the digits."""
-    here = levels(cells, wanted)
-    count = counted(here)
-    reached = len(here) - count["not reached"]
+    count = counted(levels(cells, wanted))
+    ahead, reached = _ahead(cells, wanted)
     if not reached:
         return ""
-    ahead = count["ahead"] + count["alone"]
     text = f"{where} a polhode propagator is ahead of every other program in {ahead} of "
     text += f"{reached} cells"
     more = [f"{count[word]} {word}" for word in ("even", "behind") if count[word]]
     return f"{text} ({', '.join(more)})" if more else text
+
+
+def _ahead(cells: Sequence[Told], wanted: Callable[[Told, float], bool]) -> tuple[int, int]:
+    """In how many cells it is ahead, of how many in which it reaches the digits."""
+    here = levels(cells, wanted)
+    count = counted(here)
+    return count["ahead"] + count["alone"], len(here) - count["not reached"]
 
 
 def _losses(cells: Sequence[Told]) -> str:
