@@ -90,6 +90,7 @@ PAPER = {
 #: Colours of Okabe and Ito's set, told apart by every eye; the same hue, lighter, for what is
 #: hidden behind a surface.
 BODY, SPACE, REST = "#0072b2", "#d55e00", "#009e73"
+SERIES = (BODY, SPACE, REST, "#a0508a")  # motions, in the order in which they are drawn
 PLAIN = "#333333"  # where a colour would say something
 HIDDEN = {BODY: "#a6cbe3", SPACE: "#f3c6a5", REST: "#a6dccb", PLAIN: "#b0b0b0"}
 TIME = "t (units of the scene)"

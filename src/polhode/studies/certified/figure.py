@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from polhode.figures.canvas.canvas import as_svg, pyplot
+from polhode.figures.canvas.canvas import SERIES, as_svg, pyplot
 from polhode.figures.canvas.direct_labels import GRID, LOOKS, WIDTH, End, label_ends
 
 _MARKS = ("o", "s", "D", "^")
@@ -30,9 +30,9 @@ def svg(found: dict[str, Any]) -> str:
 
 def _lost(ax: Any, rows: list[dict[str, Any]]) -> None:
     """Digits lost over time; dashed without the integrals."""
-    colour, ends = LOOKS["proof"].colour, []
+    ends = []
     ax.set_position([0.17, 0.6, 0.43, 0.38])
-    for mark, row in zip(_MARKS, rows, strict=False):
+    for mark, colour, row in zip(_MARKS, SERIES, rows, strict=False):
         ax.plot(row["times"], row["lost"], mark + "-", color=colour, ms=3.5, lw=1)
         ax.plot(row["times"], row["lost_without"], "--", color=colour, lw=0.8)
         ends.append(End(row["times"][-1], row["lost"][-1], row["case"], colour))

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from polhode.figures.canvas.canvas import as_svg, pyplot
+from polhode.figures.canvas.canvas import SERIES, as_svg, pyplot
 from polhode.figures.canvas.direct_labels import GRID, GUIDE, LOOKS, WIDTH, End, label_ends
 
 _MARKS = {"euler": "o", "lagrange": "s", "kovalevskaya": "D"}
+_COLOURS = dict(zip(_MARKS, SERIES, strict=False))
 _SLOPES = {"error": (1.5, "$t^{3/2}$"), "drift": (0.5, "$t^{1/2}$")}
 
 
@@ -63,10 +64,11 @@ def _walks(ax: Any, tops: Sequence[Mapping[str, Any]]) -> None:
         for row in top["methods"][0]["integrals"]:
             if row["integral"] == "h":
                 times, mark, look = top["times"], _MARKS[top["top"]], LOOKS["double"]
-                ax.plot(times, row["deviation"], look.line, marker=mark, color=look.colour, ms=4)
+                colour = _COLOURS[top["top"]]
+                ax.plot(times, row["deviation"], look.line, marker=mark, color=colour, ms=4)
                 sizes = [abs(x) or None for x in row["mean"]]
-                ax.plot(times, sizes, mark, color=look.colour, mfc="none", ms=5)
-                ends.append(End(times[-1], row["deviation"][-1], top["top"], look.colour))
+                ax.plot(times, sizes, mark, color=colour, mfc="none", ms=5)
+                ends.append(End(times[-1], row["deviation"][-1], top["top"], colour))
     if ends:
         low, high = tops[0]["fitted_since"], tops[0]["times"][-1]
         height = min(end.y for end in ends) / 6
@@ -81,11 +83,11 @@ def _walks(ax: Any, tops: Sequence[Mapping[str, Any]]) -> None:
 
 def _series(ax: Any, top: Mapping[str, Any], method: str, found: Mapping[str, Any]) -> End:
     times, middle, look = top["times"], found["median"], LOOKS[method]
-    mark = _MARKS[top["top"]]
-    ax.plot(times, middle, look.line, marker=mark, color=look.colour, ms=4, lw=look.width)
-    ax.vlines(times, middle, found["largest"], color=look.colour, lw=2, alpha=0.3)
+    mark, colour = _MARKS[top["top"]], _COLOURS[top["top"]]
+    ax.plot(times, middle, look.line, marker=mark, color=colour, ms=4, lw=look.width)
+    ax.vlines(times, middle, found["largest"], color=colour, lw=2, alpha=0.3)
     put_back = "projected" if "projected" in method else "not projected"
-    return End(times[-1], middle[-1], f"{top['top']}, {put_back}", look.colour)
+    return End(times[-1], middle[-1], f"{top['top']}, {put_back}", colour)
 
 
 def _guides(ax: Any, top: Mapping[str, Any], name: str) -> list[End]:
