@@ -48,13 +48,13 @@ def test_the_page_is_the_one_that_is_made():
     assert (HELD / folder.PAGE).read_text() == folder.page()
 
 
-@pytest.mark.sample(4, first=7)
+@pytest.mark.sample(3, first=7, slow=4)
 @pytest.mark.parametrize("name", NAMED)
 def test_values_are_made_again_to_the_bit(name):
     assert (HELD / f"{name}.csv").read_text() == certified_values(NAMED[name]).csv
 
 
-@pytest.mark.sample(1, first=7, slow=3)
+@pytest.mark.sample(1, first=7, slow=2)
 @pytest.mark.parametrize("name", NAMED)
 def test_certificates_are_made_again_to_the_bit_and_proved(name, tmp_path):
     assert main(["benchmark", "--only", name, "-o", str(tmp_path)]) == 0
@@ -106,7 +106,7 @@ def exactly_of(x):
     return binary(*rounded(x, 2000))
 
 
-@pytest.mark.sample(5, first=3)
+@pytest.mark.sample(4, first=3, slow=4)
 @pytest.mark.parametrize("name", NAMED)
 def test_values_are_those_of_the_closed_form(name):
     """Which shares no code with the enclosure: every place, rounded."""
