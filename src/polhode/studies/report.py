@@ -28,6 +28,7 @@ from polhode.figures.canvas import canvas
 from polhode.judging.adaptive_precision import integrate
 from polhode.judging.references.reference import Reference
 from polhode.judging.references.reference import reference as reference_of
+from polhode.output.json_object import JsonObject
 from polhode.output.json_results import as_json
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
@@ -139,7 +140,7 @@ def write_pages(folder: Path, tick: Message | None = None) -> list[Path]:
     return [*kept, *texts]
 
 
-def _numbers(found: dict[str, Any]) -> Iterator[Number]:
+def _numbers(found: JsonObject) -> Iterator[Number]:
     """What a study's page puts on the first screen, if anything."""
     module = _module(found["study"], "page")
     if hasattr(module, "headline") and (number := module.headline(found)) is not None:
@@ -155,7 +156,7 @@ def _motion() -> Trajectory:
     return integrate(scene.at([step * k for k in range(_PERIODS * _SAMPLES)]))
 
 
-def _origins(every: Sequence[dict[str, Any]]) -> PageTable:
+def _origins(every: Sequence[JsonObject]) -> PageTable:
     """How each study was made."""
     rows = []
     for found in every:
@@ -215,7 +216,7 @@ def finding(found: dict[str, Any]) -> str:
     return told
 
 
-def brief(found: dict[str, Any]) -> str:
+def brief(found: JsonObject) -> str:
     """The one sentence of a study's card; empty where it is the first of its finding."""
     module = _module(found["study"], "page")
     return module.brief(found) if hasattr(module, "brief") else ""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from polhode.output.json_object import JsonObject
 from polhode.studies.page.blocks import Block, Number, PageTable, Text
 
 TITLE = "What you get: need, command, digits, seconds"
@@ -32,7 +33,7 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     )
 
 
-def headline(found: dict[str, Any]) -> Number | None:
+def headline(found: JsonObject) -> Number | None:
     """Fifty digits, what they are of and what they took."""
     row = next((row for row in found["needs"] if row["need"] == "50 digits"), None)
     if row is None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+from polhode.output.json_object import JsonObject
 from polhode.studies.page.blocks import (
     Block,
     Figure,
@@ -47,12 +48,12 @@ def finding(found: dict[str, Any]) -> str:
     return contest.finding(found)
 
 
-def brief(found: dict[str, Any]) -> str:
+def brief(found: JsonObject) -> str:
     """Where polhode is ahead, and where it is not, in a sentence."""
     return contest.brief(found)
 
 
-def headline(found: dict[str, Any]) -> Number | None:
+def headline(found: JsonObject) -> Number | None:
     """In how many cells it is ahead, with those in which it is not."""
     return contest.headline(found)
 
