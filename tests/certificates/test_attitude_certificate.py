@@ -40,6 +40,7 @@ SCENES = {
     "lagrange/turned-axes": ([1], 20),
     "kovalevskaya/generic": ([-1, -4], 30),
     "hard/very-fast-top": (["0.0001"], 16),
+    "staude/unstable": ([1, 20], 50),  # whose rates are constant, and its turn is no polynomial
     "steklov/upper": ([0, 1], 16),  # irrational data, and a time 0
 }
 
@@ -139,8 +140,8 @@ def faulty(fault, given, monkeypatch):
     if fault == "turning":
         turning = verify.turning
 
-        def altered(y, h):
-            rows = turning(y, h)
+        def altered(y, h, bits):
+            rows = turning(y, h, bits)
             rows[2][3] += arb("1e-12").mid()
             return rows
 

@@ -20,7 +20,7 @@ from polhode.scenes.scene import Scene
 
 DATA, PAGE = "tops.json", "README.md"
 CHECKERS = ("check.py", "check.c", "check.js", "check.jl", "check.m")
-SECONDS = 9  # of the processor that a top takes, about
+SECONDS = 7  # of the processor that a top takes, about
 NAME = "heavy top benchmark"
 _PLACES, _BITS = 60, 1000  # of decimals of data that have no end, and of what they are made from
 _HERE = Path(__file__).parent / "checkers"

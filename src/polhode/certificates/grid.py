@@ -64,7 +64,7 @@ def steps(
     body = verify.Body(inertia, [x * arb(2) ** (-2 * shift) for x in torque])
     sense = 1 if end > 0 else -1
     last = math.ceil(abs(end) * Fraction(2) ** (_FINE + shift))
-    state_bits = bits // 2 + 30
+    state_bits = max(bits // 2 + 30, bits - verify.STATES)  # V's bits are those that are left
     powers = [state_bits + shift] * 3 + [state_bits] * 3
     x = [(x * arb(2) ** (-shift if k < 3 else 0)).mid() for k, x in enumerate(start)]
     grid, centres = [0], list[list[int]]()

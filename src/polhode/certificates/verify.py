@@ -330,18 +330,21 @@ def transition(a: Sequence[arb_mat], fine: int) -> list[arb_mat]:
     return v
 
 
-def turning(y: Sequence[arb_poly], h: arb) -> list[list[arb]]:
+def turning(y: Sequence[arb_poly], h: arb, bits: int) -> list[list[arb]]:
     """Exact coefficients of polynomials near v' = h/2 v (0, y), v(0) = 1."""
-    rows = [[arb(int(i == 0))] for i in range(4)]
+    rows, least, small = [[arb(int(i == 0))] for i in range(4)], arb(2) ** -bits, 0
 
     def product(i: int, j: int) -> arb:
         k = len(rows[0]) - 1
         return summed(rows[i][n] * y[j][k - n] for n in range(k + 1))
 
-    for k in range(max(len(x) for x in y)):
+    for k in range(bits + 20):
         rates = _turned(product)
         for row, rate in zip(rows, rates, strict=True):
             row.append((rate * h / (2 * (k + 1))).mid())
+        small = small + 1 if largest(row[-1] for row in rows) < least else 0
+        if small == 2:
+            break
     return rows
 
 
@@ -643,7 +646,7 @@ class Attitude:
         """v and a bound of what q v misses, at every moment of a step; raises NotProved."""
         y, r = stage.rates()
         ctx.prec = stage.step.bits
-        v = [arb_poly(row) for row in turning(y, h)]
+        v = [arb_poly(row) for row in turning(y, h, stage.step.bits)]
         delta = defect_of_turn(v, y, h)
         ctx.prec = COARSE
         miss = upper(delta + upper(h) / 2 * arb(3).sqrt() * r)
