@@ -16,7 +16,7 @@ from polhode.cli import main
 from polhode.enclosures.fixed_point_problem import Refused
 from polhode.enclosures.proof_loop import HONEST
 from polhode.numbers.flint_context import ctx
-from polhode.proofs.chaos import chain_candidate, covering, h_set, theorem, transit
+from polhode.proofs.chaos import chain_candidate, covering, h_set, homoclinic, theorem, transit
 from polhode.proofs.chaos.h_set import HSet
 from polhode.proofs.chaos.theorem import Chain
 from polhode.proofs.chaos.transit import Image
@@ -63,6 +63,20 @@ def crossed(chart, x, ticks):
         time -= float(chart.plane @ (end[:, 0] - c) / rate)
     frame = np.hstack([chart.wide, chart.deep])
     return np.linalg.solve(frame, end[:, 0] - c), time
+
+
+def test_directions_keep_their_sign_whatever_linear_algebra_chooses(monkeypatch):
+    made, orbit = np.linalg.eig, chains.example().orbit
+    point = np.array([float(x.mid()) for x in orbit.start])
+    period = float(orbit.period.mid())
+    found = []
+    for sign in (1.0, -1.0):
+        monkeypatch.setattr(np.linalg, "eig", lambda a, s=sign: (made(a)[0], s * made(a)[1]))
+        found.append(homoclinic.saddle(chains.example().lanes, point, period))
+    for name in ("unstable", "stable"):
+        one, other = (getattr(x, name) for x in found)
+        assert np.array_equal(one, other)
+        assert np.max(one) == 1.0 == np.max(np.abs(one))
 
 
 def test_the_example_is_proved_with_the_entropy_of_its_times():

@@ -18,7 +18,7 @@ from polhode.proofs.periodic_orbit import Theorem
 from shared import orbit_proofs as proofs
 
 #: As the search finds it.
-NEAR = Homoclinic(-0.000179164892, 0.000465148702, 23.4075408124, 24.4302533376, 0.17)
+NEAR = Homoclinic(0.000179164892, -0.000465148702, 23.4075408124, 24.4302533376, 0.17)
 NOISE = chain_candidate.NOISE
 
 

@@ -88,7 +88,7 @@ def turned(panels: Panels, rule: Lobatto, turn: Extendeds | None, counted: bool)
         for end, sense in ((0, -1), (-1, 1)):  # from one end's state to the other's
             grown += sense * shift[:, end] * (rate[:, end] + inmost)
     half = grown / 2
-    phase = np.cos(half) + 1j * np.sin(half)
+    phase: LongComplexes = np.asarray(np.cos(half) + 1j * np.sin(half), dtype=np.clongdouble)
     k = spinors.of_direction(a)
     first, final = (spinors.section(k, gamma[:, :, i]) for i in (0, -1))
     psi = phi = np.zeros(len(half))

@@ -70,7 +70,8 @@ def saddle(lanes: Lanes, point: Doubles, period: float) -> Saddle | None:
     for i in (last, first):
         v = vectors[:, i].real
         v = v - rates * (rates @ v) / (rates @ rates)
-        pair.append(v / np.max(np.abs(v)))
+        # The largest component is +1: the library of linear algebra chooses no sign.
+        pair.append(v / v[np.argmax(np.abs(v))])
     multiplier = float(values[last].real)
     return Saddle(point, period, multiplier, pair[0], pair[1], rates)
 
