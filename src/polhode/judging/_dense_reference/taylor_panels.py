@@ -32,7 +32,7 @@ _PILOTS = 8  # panels that tell how far the others may reach
 SPARE = 3  # digits of the closed form beyond those asked for
 _LAST = 4  # terms of a series that must be below the digits
 _SINGLE = 1e13  # times the digits asked for: terms below it need no second double
-_PAYS = 2  # rows for each panel: below that rows are asked for one by one
+_PAYS = 3  # rows for each panel: below that rows are asked for one by one
 _BLOCK = 2048  # times that are told together: what stays in the processor's cache
 
 Numbers: TypeAlias = npt.NDArray[np.int64]
