@@ -31,11 +31,11 @@ VERBS = (
 
 
 #: What follows is a name, even if it looks like an option.
-_BEFORE = "the verb and its options before it: what follows -- is taken for a name"
+_BEFORE = "the verb and its options before it: what follows -- is read as a name"
 
 WITHOUT_HEYOKA = (
-    "heyoka: expected installed, for whatever integrates: conda install -c conda-forge heyoka.py, "
-    "or on Linux pip install heyoka"
+    "heyoka: expected to be installed, since integration needs it: "
+    "conda install -c conda-forge heyoka.py, or on Linux pip install heyoka"
 )
 
 WELCOME = f"""\
@@ -79,7 +79,7 @@ class _Parser(argparse.ArgumentParser):
         known = [name for name in self._option_string_actions if name.startswith("--")]
         if first.startswith("-"):
             raise BadInput(self.prog, "option", first, nearest(first, known))
-        raise BadInput(self.prog, "argument", first, f"nothing more; {self.prog} --help tells")
+        raise BadInput(self.prog, "argument", first, f"nothing more; see {self.prog} --help")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -134,7 +134,7 @@ def _main(arguments: Sequence[str] | None) -> int:
         return BAD_INPUT
     except OSError as fault:
         where = fault.filename or "the system"
-        terminal.note(f"polhode: {where}: expected to do its work ({fault.strerror})")
+        terminal.note(f"polhode: {where}: expected to be usable ({fault.strerror})")
         return BAD_INPUT
 
 

@@ -155,7 +155,7 @@ def test_the_verb_tells_them(tmp_path, capsys):
     assert len(found["digits"][0]) == 80
     (first,) = found["none_left_from"]
     assert found["digits"][0][first - 1] < 1 <= found["digits"][0][first - 2]
-    assert f"no digit is left from crossing {first} on in 1 of 1 orbits" in printed.err
+    assert f"no digits are left from crossing {first} on in 1 of 1 orbits" in printed.err
     assert main([*command, "-o", str(held)]) == 0
     with np.load(held) as arrays:
         assert arrays["digits"].round(2).tolist() == found["digits"]
@@ -165,7 +165,7 @@ def test_the_verb_tells_them(tmp_path, capsys):
     assert main(["section", "lagrange/nutation", "--grid", "2x1", "--crossings", "3"]) == 0
     printed = capsys.readouterr()
     assert printed.out.splitlines()[0].split() == ["orbit", "crossing", "t", "l", "L/G", "digits"]
-    assert "digits or more are to be expected of every crossing" in printed.err
+    assert "digits or more are expected at every crossing" in printed.err
 
 
 def test_crossings_soon_after_the_start_are_not_told_of_what_comes_later():

@@ -218,7 +218,9 @@ def test_what_is_refused_for_its_size_says_the_largest_that_works(monkeypatch):
     with pytest.raises(polhode.BadInput, match="2 orbits to 16 crossings: expected at most 30 "):
         polhode.section(REGULAR, starts=[[1.5, 0.5], [1.5, -0.5]], crossings=16)
     assert polhode.section(REGULAR, starts=[[1.5, 0.5], [1.5, -0.5]], crossings=15).complete
-    with pytest.raises(polhode.BadInput, match="motions with 16 looks each: expected at most 500 "):
+    with pytest.raises(
+        polhode.BadInput, match="motions with 16 samples each: expected at most 500 "
+    ):
         polhode.chaos_map(REGULAR, (8, 8), end=10)
 
 

@@ -92,7 +92,7 @@ def test_a_statement_says_what_is_proven_and_what_it_rests_on(capsys) -> None:
         "libm",
     ):
         assert words in err
-    assert "taken by the rule" not in err
+    assert "by the rule for equal" not in err
     code, out, _ = run(capsys, *case, "--json")
     told = json.loads(out)["statement"]
     assert "exists on [0, 2]" in told[1]

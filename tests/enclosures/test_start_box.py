@@ -257,7 +257,7 @@ def test_a_huge_box_is_refused_at_once():
 def test_what_a_box_cannot_have_is_refused(tmp_path):
     path = tmp_path / "box.toml"
     path.write_text(FILE, encoding="utf-8")
-    with pytest.raises(BadInput, match="nothing beside intervals"):
+    with pytest.raises(BadInput, match="no value together with intervals"):
         polhode.certify(path, [1], omega_radius="1e-9")
     with pytest.raises(BadInput, match="numbers, for a certificate"):
         polhode.certify(path, [1]).save(tmp_path / "box.json")

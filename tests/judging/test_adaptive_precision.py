@@ -83,7 +83,7 @@ def test_a_plain_run_says_from_when_on_no_digit_is_left(capsys):
     assert 10 < early < 13
     assert late == 0
     assert 80 < answer["no_digits_left_after"] < 120  # kappa·eps reaches 1 at t = 100
-    assert "fewer than half to be right from t = " in err
+    assert "digits printed to be right from t = " in err
     assert "and none from t = 10" in err
 
 

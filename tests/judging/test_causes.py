@@ -214,7 +214,7 @@ def test_a_cause_is_printed_and_in_json(tmp_path, capsys):
     path = tmp_path / "x.csv"
     path.write_text(text)
     assert main(["compare", str(path), name]) == 0
-    line = "explained by the moment C = 0.51 (the scene's is 0.5): 15.0 digits then"
+    line = "explained by the moment C = 0.51 (the scene's is 0.5), which gives 15.0 digits"
     assert line in capsys.readouterr().out.splitlines()
     assert main(["compare", str(path), name, "--json"]) == 0
     told = json.loads(capsys.readouterr().out)["causes"]

@@ -87,4 +87,6 @@ def test_the_sentence_says_what_the_numbers_mean():
     assert 1 < digits < 4
     assert "3.60" in wrong
     assert "Yehia" in wrong
-    assert told(Fraction(5), 1).endswith("too far apart for derivatives, so this tells nothing")
+    assert told(Fraction(5), 1).endswith(
+        "the samples are too far apart for derivatives: no conclusion"
+    )

@@ -203,8 +203,8 @@ def test_the_command_line_tells_method_and_errors(capsys):
     ("errors", "told"),
     [
         ((0.0, 1e-34, 3e-34), "refined, estimated error 3.0e-34"),
-        ((0.0, 1e-34, None), "refined, estimated error 1.0e-34 to t = 5, beyond it no estimate"),
-        ((0.0, None, None), "refined, no estimate of the error"),
+        ((0.0, 1e-34, None), "refined, estimated error 1.0e-34 to t = 5, no estimate beyond it"),
+        ((0.0, None, None), "refined, without an estimate of the error"),
     ],
 )
 def test_an_estimate_is_told_only_where_there_is_one(errors, told):

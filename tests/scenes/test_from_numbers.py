@@ -205,7 +205,7 @@ def test_a_top_in_si_units_is_the_same_by_shape_by_mass_and_by_weight():
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ({"mass": 1}, "body.g: expected g or weight beside mass; 0 for none"),
+        ({"mass": 1}, "body.g: expected g or weight together with mass; 0 for none"),
         ({"g": 1}, "body.mass: expected given with g"),
         ({"mass": 0, "g": 1}, "body.mass = 0: expected a mass above 0"),
         ({"mass": 1, "g": 1, "weight": 1}, "body.weight = 1: expected only one of weight and g"),
@@ -226,12 +226,15 @@ def test_a_top_in_si_units_is_the_same_by_shape_by_mass_and_by_weight():
         ({"moments": None, "parts": [3]}, "body.parts[1] = 3: expected a Part, or a mapping"),
         ({"moments": None, "parts": [{"shap": 3}]}, "did you mean 'shape'?"),
         ({"moments": [1, 2, 4], "about": "centre", "mass": 1, "centre": [0, 0, 9]}, "g or weight"),
-        ({"angles": [0, 0, 0], "gamma": [0, 0, 1]}, "start.angles = [0, 0, 0]: expected nothing"),
+        ({"angles": [0, 0, 0], "gamma": [0, 0, 1]}, "start.angles = [0, 0, 0]: expected no value"),
         ({"rates": [0, 0, 0]}, "start.omega = [0.1"),
         ({"quaternion": [1, 1, 0, 0]}, "length exactly 1, or normalise = true"),
         ({"quaternion": [0, 0, 0, 0], "normalise": True}, "a vector that is not zero"),
         ({"quaternion": [1, 0, 0]}, "an array of 4 numbers"),
-        ({"quaternion": [1, 0, 0, 0], "psi": 1}, "start.psi = 1: expected nothing beside quater"),
+        (
+            {"quaternion": [1, 0, 0, 0], "psi": 1},
+            "start.psi = 1: expected no value together with quater",
+        ),
         ({"omega": [1, 2, "x"]}, "start.omega = x: expected a number"),
         ({"omega": [1, 2, float("inf")]}, "start.omega = inf: expected a number"),
         ({"omega": 3}, "start.omega = 3: expected an array of 3 numbers"),

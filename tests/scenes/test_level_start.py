@@ -69,10 +69,16 @@ def test_numbers_of_a_level_can_be_varied():
         (LEVEL.replace("f = 0.5\n", ""), "start.f: expected a number"),
         (LEVEL + 'sign = "plus"\n', r"start.sign = plus: expected [+] or -"),
         (LEVEL + "sign = 1\n", "start.sign = 1: expected a string"),
-        (LEVEL + "omega = [1, 0, 0]\n", r"start.omega = \[1, 0, 0\]: expected nothing beside h"),
+        (
+            LEVEL + "omega = [1, 0, 0]\n",
+            r"start.omega = \[1, 0, 0\]: expected no value together with h",
+        ),
         ("h = 3\nf = 0.5\n", "start.gamma: expected given, since"),
-        (LEVEL + "angles = [0, 1, 0]\n", "start.angles.*nothing beside gamma"),
-        ("h = 3\nf = 0\nangles = [0, 1, 0]\nrates = [1, 0, 0]\n", "start.h.*nothing beside rates"),
+        (LEVEL + "angles = [0, 1, 0]\n", "start.angles.*no value together with gamma"),
+        (
+            "h = 3\nf = 0\nangles = [0, 1, 0]\nrates = [1, 0, 0]\n",
+            "start.h.*no value together with rates",
+        ),
         (LEVEL.replace('"3/5", 0, "4/5"', '"3/5", 0, 1'), "start.gamma.*length exactly 1"),
         (
             "gamma = [0.3, 0.2, 0.5]\nnormalise = true\nh = 9\nf = 0.5\n",

@@ -187,7 +187,7 @@ def test_a_fault_of_the_system_is_not_blamed_on_stdout(capsys, monkeypatch):
     monkeypatch.setattr(library, "load", fail)
     code, out, err = ran(capsys, "show", "top.toml")
     assert (code, out) == (2, "")
-    assert err == "polhode: cases: expected to do its work (Too many open files)\n"
+    assert err == "polhode: cases: expected to be usable (Too many open files)\n"
 
 
 @pytest.mark.slow

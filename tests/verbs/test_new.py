@@ -60,7 +60,7 @@ def test_a_case_is_written_with_comments(tmp_path, capsys):
     [
         (["--cone", "3 cm,5 cm"], "--cone = 3 cm,5 cm: expected RADIUS,HEIGHT,MASS"),
         (["--cone", "3 cm,5 s,1 g"], "height = 5 s: expected a number (in s, not in m)"),
-        (["--like", "lagrange/nutation", "--spin", "3"], "nothing beside --like"),
+        (["--like", "lagrange/nutation", "--spin", "3"], "no value together with --like"),
         (["--like", "lagrange/nutatio"], "lagrange/nutation"),
         (["--tilt", "3 m"], "in m, not in rad"),
         (["--spin", ""], "expected a number"),

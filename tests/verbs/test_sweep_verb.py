@@ -231,7 +231,10 @@ def test_a_number_that_is_not_there_is_null(scene, capsys):
 @pytest.mark.parametrize(
     ("more", "message"),
     [
-        (["--keep", "final", "--digits", "20"], "--digits = 20: expected --number, beside --keep"),
+        (
+            ["--keep", "final", "--digits", "20"],
+            "--digits = 20: expected --number instead, with --keep",
+        ),
         (["--keep", "largest"], "final, largest X, smallest X, first EVENT or lyapunov"),
         (["--keep", "final", "--number", "quad"], "double or extended, where numbers are kept"),
     ],

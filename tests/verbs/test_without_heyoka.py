@@ -42,5 +42,5 @@ def test_a_scene_can_be_made(tmp_path):
 def test_what_integrates_says_how_to_get_it(command):
     code, out, err = said(*command.split())
     assert (code, out) == (2, "")
-    assert err.startswith("polhode: heyoka: expected installed")
+    assert err.startswith("polhode: heyoka: expected to be installed")
     assert len(err.splitlines()) == 1

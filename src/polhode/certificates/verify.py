@@ -599,7 +599,7 @@ class Stage(NamedTuple):
         """Where in the step a time of the grid's unit lies, from 0 to 1; raises NotProved."""
         tau = (time - self.first) / (self.last - self.first)
         if not 0 <= tau <= 1:
-            raise NotProved("a time is not in the step that is to tell of it")
+            raise NotProved("a time is not in the step that should contain it")
         return tau
 
     def at(self, time: Fraction) -> Table:
@@ -726,7 +726,7 @@ def state(certificate: object, tell: Tell | None = None) -> list[str]:
     ctx.prec = bits + 2 * COARSE
     scene, first = read_scene(held["scene"]), read_attitude(held["scene"])
     if turns and not first:
-        raise Damaged("scene: expected attitude, of which the statement tells")
+        raise Damaged("scene: expected attitude, which the statement is about")
     _check_start(NAMES, claims, scene[2])
     _check_start(TURN, turns, first)
     inertia, torque, start = balls_of(scene)
@@ -985,7 +985,7 @@ def orbit(certificate: object, tell: Tell | None = None) -> list[str]:
         box = [x + arb(0, r) for x in run.centres[0]]
         steep = steep.max(steepness(slope(run.body, near.reached)))
         most = upper((period + 4 * r) * steep / (2 * arb.pi()))
-        certainly(most < MOST_PARTS, "the orbit is too long for its least period to be told")
+        certainly(most < MOST_PARTS, "the orbit is too long for its least period to be decided")
         for p in _primes(int(float(most)) + 1):
             certainly(p in back, f"whether the period is {p} times the least one was not looked at")
             there = around(run.body, back[p], 4 * r / p)
@@ -1300,10 +1300,10 @@ def chaos(certificate: object, tell: Tell | None = None) -> list[str]:
     h, f, square = (str(y) if not r else f"{y} +- {r}" for y, r in level)
     return [
         f"proved: on the level h = {h}, f = {f}, |gamma|^2 = {square} of this body an unstable "
-        "periodic orbit has a transversal homoclinic orbit; to every sequence of two loops, "
-        f"shorter than {about((short, short))} and {about((long, long))}, there is exactly one "
-        "motion beside them, to every periodic sequence a periodic one; the topological entropy of "
-        f"the motion on the level is at least {decimal(entropy, up=False, minus=False)}",
+        "periodic orbit has a transversal homoclinic orbit; for every sequence of two loops, "
+        f"shorter than {about((short, short))} and {about((long, long))}, exactly one motion "
+        "follows it, a periodic one if the sequence is periodic; the topological entropy of the "
+        f"motion on the level is at least {decimal(entropy, up=False, minus=False)}",
         f"by {len(sets) + 1} covering relations with cone conditions between {len(sets)} sets",
     ]
 

@@ -70,15 +70,15 @@ TRUSTED = (
 
 #: What trusted files import and rest nothing on, and why: folders and files.
 BESIDE = {
-    "common": "complaints, limits, progress, how values are kept and shown: no number of a ball",
+    "common": "error messages, limits, progress, storage and display of values: no ball's number",
     "certificates": "a certificate, which is checked by itself",
     "motion/outcomes": "how a proof ended, in words",
-    "enclosures/approximation": "believed in nothing",
+    "enclosures/approximation": "guesses, which the proof does not trust",
     "scenes/library": "where a case's file is",
     "scenes/added_families": "names of closed forms",
     "scenes/presentation": "how a scene is shown",
     "scenes/column_expressions": "whether an expression of a run can be read",
-    "scenes/variation": "scenes of a sweep, told as text",
+    "scenes/variation": "scenes of a sweep, as text",
     "numbers/double_double": "columns of tables",
 }
 
@@ -116,26 +116,26 @@ def stated(
         + ("" if scene.gamma is not None else " (gamma left out: no moment)")
         + f", with {names}:",
         f"{motion} on [{_exactly(reach[0])}, "
-        f"{_exactly(reach[1])}], and at each time told each component of its state lies within "
+        f"{_exactly(reach[1])}], and at each time given each component of its state lies within "
         f"the ball's radius of its midpoint{beside}.",
         "Numbers are those of the scene, exactly: a decimal is that decimal, a fraction that "
-        "fraction, a float of Python the binary number that it is; one that is told with ... is "
-        "the root, angle or pi of the scene's text. So are the times.",
-        "Decimals: each number of the ball rounds to the one told; radii are rounded up.",
-        "It rests on doubles of IEEE 754, rounded to the nearest without making small ones 0 "
-        f"(looked at as the proof ran, on {platform.machine()}); on FLINT "
+        "fraction, a Python float the binary number that it is; one that is shown with ... is "
+        "the root, angle or pi of the scene's text. The times are exact likewise.",
+        "Decimals: each number of the ball rounds to the one printed; radii are rounded up.",
+        "The proof rests on doubles of IEEE 754, rounded to nearest, without flushing small ones "
+        f"to 0 (checked while the proof ran, on {platform.machine()}); on FLINT "
         f"{flint.__FLINT_VERSION__} through python-flint {version('python-flint')}; on numpy "
         f"{version('numpy')} adding and multiplying in some order; on Python; and on "
         f"{trusted_lines()} lines of polhode in {len(TRUSTED)} files.",
     ]
     if "angles" in outputs:
         lines.append(
-            "The turns of psi and phi rest on the arctangent and the exponential of libm, right to "
-            "1e-15, too."
+            "The turns of psi and phi also rest on the arctangent and the exponential of libm, "
+            "with errors up to 1e-15."
         )
     if equal:
         lines.append(
-            "Not proven, but taken by the rule for equal numbers (4096 bits do not tell them "
+            "Not proven, but assumed by the rule for equal numbers (4096 bits do not tell them "
             f"apart): {'; '.join(equal)}."
         )
     return tuple(lines)

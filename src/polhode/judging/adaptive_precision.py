@@ -173,7 +173,7 @@ def integrate(
     if digits is not None:
         digits = whole(scene.name, "digits", digits, 1, number_types.MAX_DIGITS)
     elif proved is not None:
-        raise BadInput(scene.name, "proved", proved, "digits that are to be checked")
+        raise BadInput(scene.name, "proved", proved, "digits given, for their check")
     if digits is None:
         chosen, free, need = choose_number(scene, number, None), False, Need(0.0, math.inf)
     else:

@@ -56,7 +56,7 @@ def checked(
     if judge is None and proved is not False:
         judge = _proof(run, scene, times, digits, proved is True, progress)
         if judge is None and proved:
-            return replace(run, correct_digits=0.0, checked_by=f"{PROOF}, which cannot be had")
+            return replace(run, correct_digits=0.0, checked_by=f"{PROOF}, which failed")
     if judge is None:
         found = _second(run, scene, progress)
         if found.outcome is Outcome.INTERRUPTED:

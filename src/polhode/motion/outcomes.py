@@ -90,7 +90,7 @@ _CAUSES = {
     ),
     "singular set": (
         "the form of the equations met its singular set",
-        "use a form without one there, such as principal (--form)",
+        "use a form that is regular there, such as principal (--form)",
     ),
     "too few digits": (
         "the end was reached with fewer correct digits than were asked for",
@@ -98,7 +98,7 @@ _CAUSES = {
     ),
     "interrupted": ("the run was interrupted", "run again, or ask for a shorter run"),
     "too wide": (
-        "the motions from the start's intervals are too far apart by then for one proof of all",
+        "the motions from the start's intervals are by then too far apart for one proof of all",
         "give narrower intervals, or earlier times",
     ),
     "not run": ("the sweep was interrupted before this member was done", "run it again"),

@@ -63,7 +63,7 @@ def body_of(reading: Reading, table: Mapping[str, Any]) -> Body:
 def _of_parts(reading: Reading, table: Mapping[str, Any]) -> Body:
     for other in ("moments", "inertia", "about", "centre", "mass"):
         if other in table:
-            raise reading.bad(f"body.{other}", table[other], "nothing beside parts")
+            raise reading.bad(f"body.{other}", table[other], "no value together with parts")
     given = table["parts"]
     if not isinstance(given, list) or not given or not all(isinstance(p, dict) for p in given):
         raise reading.bad("body.parts", given, "tables [[body.parts]]")
@@ -121,7 +121,7 @@ def _weight(reading: Reading, table: Mapping[str, Any], mass: Exact | None) -> E
             raise reading.bad("body.weight", table["weight"], "only one of weight and g")
         return mass * reading.number("body.g", table["g"])
     if mass is not None and "weight" not in table:
-        raise reading.bad("body.g", None, "g or weight beside mass; 0 for none")
+        raise reading.bad("body.g", None, "g or weight together with mass; 0 for none")
     return reading.number("body.weight", reading.given("body", table, "weight"))
 
 
@@ -141,12 +141,13 @@ def start_of(
     turned = [way for way in _WAYS_TO_TURN if way in table]
     if len(turned) > 1:
         first, other = turned[:2]
-        raise reading.bad(f"start.{other}", table[other], f"nothing beside {first}")
+        raise reading.bad(f"start.{other}", table[other], f"no value together with {first}")
     moved = [way for way in _WAYS_TO_MOVE if way in table]
     for whole in ("rates", "h"):
         others = [way for way in moved if way != whole]
         if whole in moved and others:
-            raise reading.bad(f"start.{others[0]}", table[others[0]], f"nothing beside {whole}")
+            expected = f"no value together with {whole}"
+            raise reading.bad(f"start.{others[0]}", table[others[0]], expected)
     for idle in ("f", "sign"):
         if idle in table and "h" not in table:
             raise reading.bad("start.h", None, "a number, for a start on the level h, f")
@@ -187,18 +188,19 @@ def _turn(reading: Reading, table: Mapping[str, Any], body: Body) -> Turn | None
     if "angles" in table:
         for other in ("psi", "normalise"):
             if other in table:
-                raise reading.bad(f"start.{other}", table[other], "nothing beside angles")
+                expected = "no value together with angles"
+                raise reading.bad(f"start.{other}", table[other], expected)
         return _of_angles(reading, table)
     if "quaternion" in table:
         if "psi" in table:
-            raise reading.bad("start.psi", table["psi"], "nothing beside quaternion")
+            raise reading.bad("start.psi", table["psi"], "no value together with quaternion")
         return _of_quaternion(reading, table["quaternion"], normalise)
     if "gamma" not in table:
         if not body.torque_free:
             raise reading.bad("start.gamma", None, "given, since the weight has a moment")
         for idle in ("psi", "normalise"):
             if idle in table:
-                raise reading.bad(f"start.{idle}", table[idle], "nothing without start.gamma")
+                raise reading.bad(f"start.{idle}", table[idle], "no value without start.gamma")
         return None
     psi = reading.number("start.psi", reading.given("start", table, "psi"))
     gamma = reading.vector("start.gamma", table["gamma"])

@@ -52,7 +52,7 @@ def top(
 ) -> Scene:
     """Make a scene from plain numbers, without a file: the arguments are the keys of a scene file.
 
-    Numbers of any kind are taken exactly, a float as the binary number that it is, which
+    Numbers of any kind are exact: a float is the binary number that it is, which
     :func:`polhode.as_toml` shows; the text "0.1" is one tenth, "600 rpm" a number with its unit.
 
     Parameters
@@ -84,13 +84,14 @@ def top(
     normalise : bool
         Bring gamma or the quaternion to length 1.
     h, f : number, optional
-        Or gamma on this level of energy and vertical momentum.
-    sign : str, optional
-        Which of the two gammas on it.
+        Or the energy h and the area integral f: omega is then one of the two on that level in the
+        given orientation.
+    sign : {"+", "-"}, optional
+        Which of the two.
     end : number, optional
-        The end of the run.
+        The last output time, in the scene's unit of time; may be negative.
     samples : int, optional
-        Equally spaced times up to ``end``.
+        The number of equally spaced output times from 0 to ``end``, both included.
     at : iterable of numbers, optional
         Or the output times themselves.
     form : str, optional
@@ -98,17 +99,17 @@ def top(
     outputs : sequence of str
         More outputs: "attitude", "angles" and others.
     events : sequence of Event or mapping
-        What to look for on the way.
+        Zeros to find along the motion.
     reference : str, optional
-        The closed form that judges it, instead of the one that is found.
+        The reference that judges runs, instead of the one that is found.
     title : str
-        A line on what it is.
+        A title of one line.
     units : {"SI"}, optional
         Left out for any consistent units.
     name : str
-        What messages call it.
+        The name in messages.
     **unknown
-        Nothing else: another argument is refused with the nearest that there are.
+        No other argument is accepted; one is refused with the nearest known names.
 
     Returns
     -------
@@ -122,7 +123,7 @@ def top(
 
     See Also
     --------
-    load : a scene from a file; ``polhode guide scene`` tells each key.
+    load : a scene from a file; ``polhode guide scene`` explains each key.
 
     Examples
     --------

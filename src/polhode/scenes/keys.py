@@ -56,24 +56,24 @@ def _listed(words: Any) -> str:
 KEYS: dict[str, tuple[Key, ...]] = {
     "": (
         Key("schema", WHOLE, "version of the format: 1", "1"),
-        Key("title", WORD, "what it is called in lists and figures", '"My top"', '""'),
+        Key("title", WORD, "name in lists and figures", '"My top"', '""'),
         Key("tags", WORDS, "for `polhode list --tag`", '["fast"]', "[]"),
         Key("cite", WORDS, "where the scene comes from", '["Euler 1758"]', "[]"),
         Key(
             "units",
             WORD,
-            "`SI`: m, kg, s and rad, also of numbers without a unit; so it is wherever a number "
-            "has one, as `5 cm`; left out: any consistent units",
+            "`SI`: numbers without a unit are in m, kg, s and rad; implied where any number has a "
+            "unit, as `5 cm`; left out otherwise: any consistent units",
             '"SI"',
             '""',
         ),
         Key("body", TABLE, "the body"),
         Key("start", TABLE, "its state at t = 0"),
         Key("run", TABLE, "what is asked for", default="{}"),
-        Key("events", TABLES, "what to look for on the way", default="[]"),
-        Key("published", TABLES, "figures that somebody printed", default="[]"),
+        Key("events", TABLES, "zeros to find along the motion", default="[]"),
+        Key("published", TABLES, "published values", default="[]"),
         Key("reference", TABLE, "what a run is judged against", default="{}"),
-        Key("section", TABLE, "how its level is cut, for `polhode section`", default="{}"),
+        Key("section", TABLE, "the section of its level, for `polhode section`", default="{}"),
         Key("expect", TABLE, "least and most correct digits by number type", default="{}"),
     ),
     "body": (
@@ -90,14 +90,14 @@ KEYS: dict[str, tuple[Key, ...]] = {
             "about",
             WORD,
             "the point that moments or inertia are about: `fixed point`, or `centre`, the centre "
-            "of mass, from which they are carried by Huygens and Steiner's theorem with `mass`",
+            "of mass, from which Huygens and Steiner's theorem carries them, with `mass`",
             f'"{CENTRE}"',
             f'"{FIXED_POINT}"',
         ),
         Key(
             "centre",
             VECTOR,
-            "centre of mass from the fixed point; given where there is a weight",
+            "centre of mass from the fixed point; required if there is a weight",
             "[0, 0, 1]",
             unit="m",
         ),
@@ -175,7 +175,7 @@ KEYS: dict[str, tuple[Key, ...]] = {
             f'"{SIGNS[1]}"',
             f'"{SIGNS[0]}"',
         ),
-        Key("psi", NUMBER, "precession angle, beside gamma", '"pi/3"', "0", unit="rad"),
+        Key("psi", NUMBER, "precession angle, with gamma", '"pi/3"', "0", unit="rad"),
         Key(
             "angles",
             VECTOR,
@@ -206,7 +206,13 @@ KEYS: dict[str, tuple[Key, ...]] = {
     ),
     "run": (
         Key("end", NUMBER, "last time; may be negative", "200", unit="s"),
-        Key("samples", WHOLE, "so many times from 0 to end, evenly spread", "401", "2"),
+        Key(
+            "samples",
+            WHOLE,
+            "number of evenly spaced times from 0 to end, both included",
+            "401",
+            "2",
+        ),
         Key(
             "at",
             "list of numbers",
@@ -215,7 +221,7 @@ KEYS: dict[str, tuple[Key, ...]] = {
             unit="s",
         ),
         Key("form", WORD, f"form of the equations: {_listed(FORMS)}", '"principal"', '"principal"'),
-        Key("outputs", WORDS, f"beside omega and gamma: {_listed(COLUMNS)}", '["angles"]', "[]"),
+        Key("outputs", WORDS, f"besides omega and gamma: {_listed(COLUMNS)}", '["angles"]', "[]"),
     ),
     "events": (
         Key(
@@ -249,8 +255,8 @@ KEYS: dict[str, tuple[Key, ...]] = {
             '"height"',
             '"momentum"',
         ),
-        Key("extremum", WORD, f"of the first two, one of {_listed(EXTREMA)}", '"min"', '"max"'),
-        Key("crossings", WHOLE, "so many of each orbit", "100", "500"),
+        Key("extremum", WORD, f"for the first two, one of {_listed(EXTREMA)}", '"min"', '"max"'),
+        Key("crossings", WHOLE, "number of crossings of each orbit", "100", "500"),
         Key("starts", "rows of numbers", "starts in the section's coordinates", "[[1, 0.5]]", "[]"),
     ),
     "expect": tuple(

@@ -146,7 +146,7 @@ class _File(Reading):
         if "at" in run:
             for other in ("end", "samples"):
                 if other in run:
-                    raise self.bad(f"run.{other}", run[other], "nothing beside at")
+                    raise self.bad(f"run.{other}", run[other], "no value together with at")
             values = self.array("run.at", run["at"])
             if not values:
                 raise self.bad("run.at", values, "at least one time")

@@ -79,7 +79,8 @@ def chosen(scene: Scene | str | Path, radius: AnyNumber | AnyVector | None) -> S
         return box
     scene = box.scene
     if box.radii is not None:
-        raise BadInput(scene.name, "omega_radius", None, "nothing beside intervals in the scene")
+        expected = "no value together with intervals in the scene"
+        raise BadInput(scene.name, "omega_radius", None, expected)
     listed = (radius,) * 3 if isinstance(radius, (str, int, float, Fraction)) else radius
     radii = each(scene.name, "omega_radius", listed, _radius, "a number, or three")
     if len(radii) != 3:

@@ -26,7 +26,7 @@ def options(parser: ArgumentParser) -> None:
         metavar="NAME",
         action="append",
         default=[],
-        help="one top, its values and certificate alone (all of several)",
+        help="one top, its values and certificate alone (may be repeated)",
     )
 
 

@@ -21,7 +21,9 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--forms", action="store_true", help="cross-checks between the forms, alone or after SCENEs"
     )
-    parser.add_argument("--number", action="append", help="this number type instead of the case's")
+    parser.add_argument(
+        "--number", action="append", help="this number type instead of the case's (may be repeated)"
+    )
 
 
 def main(options: Namespace) -> int:

@@ -52,12 +52,12 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--read",
         metavar="WORDS",
-        help="the conventions to read it in, as a reading tells them: 'degrees, scalar-last, y up'",
+        help="the conventions to read it in, in a reading's words: 'degrees, scalar-last, y up'",
     )
     parser.add_argument(
         "--columns",
         metavar="NAMES",
-        help="the file's columns in order, t,qw,qx,...; or of some: 'time_ms=t*1e-3, Q.W=q0'",
+        help="the file's columns in order, t,qw,qx,...; or some of them: 'time_ms=t*1e-3, Q.W=q0'",
     )
     parser.add_argument(
         "--at-least",
@@ -68,18 +68,18 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--orders",
         action="store_true",
-        help="of files made with different steps: the order of their method at each time",
+        help="for files made with different steps: the order of their method at each time",
     )
     parser.add_argument(
         "--steps",
         metavar="H,H",
-        help="of these files, where they are not the distances of their rows",
+        help="with --orders: the files' step sizes, if they are not the spacing of the rows",
     )
     parser.add_argument(
         "--max-seconds",
         type=seconds,
         metavar="S",
-        help="a limit on the proof that judges where no closed form answers",
+        help="a limit on the proof that judges where there is no closed form",
     )
 
 
@@ -166,7 +166,7 @@ def _judged(options: Namespace, file: str, answer: Callable[[Judgement], T]) -> 
                 hint = f"; its t looks like {unit}" if unit else ""
                 progress.clear()
                 note(
-                    f"{path}: no closed form answers here, and the proof that judges will take "
+                    f"{path}: there is no closed form here, and the proof that judges will take "
                     f"about {seconds:.2g} s; --max-seconds S or Ctrl-C ends it sooner{hint}"
                 )
 

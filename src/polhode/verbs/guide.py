@@ -6,7 +6,7 @@ from argparse import ArgumentParser, Namespace
 
 from polhode.verbs.terminal import DONE, print_json, say
 
-HELP = "the guide: topics, one of them, a public name of the package, or where a word stands"
+HELP = "the guide: topics, one of them, a public name of the package, or where a word occurs"
 
 _MOST = 12  # places of a word that are shown
 
@@ -47,7 +47,7 @@ def _names() -> str:
     """The list of public names."""
     from polhode.output import api_reference
 
-    lines = ["# The public names", "", "`polhode guide api NAME` tells one.", ""]
+    lines = ["# The public names", "", "`polhode guide api NAME` describes one.", ""]
     return "\n".join([*lines, *api_reference.table()])
 
 

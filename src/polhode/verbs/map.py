@@ -18,16 +18,16 @@ from polhode.verbs.terminal import (
     word,
 )
 
-HELP = "a chaos map: growth of one tangent a motion, over a section's grid or two varied numbers"
+HELP = "a chaos map: growth of one tangent per motion, over a section's grid or two varied numbers"
 
 
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
     parser.add_argument("scene", type=word, metavar="SCENE", help="a case that ships, or a path")
     parser.add_argument("--grid", metavar="NxM", help="cells of the section's coordinates (50x50)")
-    vary = "a number of the scene file and N values for it, or KEY=a,b,c; two of them"
+    vary = "a number of the scene file and N values for it, or KEY=a,b,c; given twice"
     parser.add_argument("--vary", metavar="KEY=FROM:TO:N", action="append", help=vary)
-    parser.add_argument("--end", metavar="T", help="how far: 1000 radians or so unless given")
+    parser.add_argument("--end", metavar="T", help="last time (default: about 1000 radians)")
     parser.add_argument("--by", help="momentum (default) or height: see polhode section")
     parser.add_argument("--extremum", help="max (default) or min")
     parser.add_argument("--tol", metavar="X", help="tolerance of a step (1e-8)")

@@ -54,7 +54,7 @@ def main(options: Namespace) -> int:
 def _of_case(options: Namespace) -> str:
     for name in ("tilt", "spin", "end"):
         if getattr(options, name) is not None:
-            expected = "nothing beside --like: change it in the file"
+            expected = "no value together with --like: change it in the file"
             raise BadInput("new", f"--{name}", getattr(options, name), expected)
     return new_scene.commented(library.load(options.like).source, options.file)
 

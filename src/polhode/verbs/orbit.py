@@ -38,17 +38,19 @@ HELP = "periodic orbits to any number of digits, their stability, their families
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
     parser.add_argument("scene", type=word, metavar="SCENE", help="a case that ships, or a path")
-    parser.add_argument("--digits", type=positive, metavar="D", help="of start and period (15)")
+    parser.add_argument(
+        "--digits", type=positive, metavar="D", help="digits of start and period (15)"
+    )
     parser.add_argument("--period", metavar="T", help="a guess of the period")
-    returns = "near returns of the motion that are tried (10); of a search crossings (3)"
+    returns = "number of near returns of the motion to try (10); in a search, of crossings (3)"
     parser.add_argument("--returns", type=positive, metavar="N", help=returns)
     search = "search the level from N x M cells of its section (20x20)"
     parser.add_argument("--search", metavar="NxM", nargs="?", const="20x20", help=search)
     parser.add_argument("--pick", type=positive, metavar="K", help="the K-th orbit of the search")
     along = "the family along h (or f), at most N orbits (200), through folds"
     parser.add_argument("--continue", dest="along", metavar="h=[FROM:]TO[:N]", help=along)
-    output = "the start as a scene, .toml; of a family or a search .npz; of a family .svg .png .pdf"
-    proof = "the orbit is proved to exist, or each of a search: see polhode prove"
+    output = "the start as a scene, .toml; a family or a search as .npz; a family as .svg .png .pdf"
+    proof = "prove that the orbit exists, or each one of a search: see polhode prove"
     parser.add_argument("--prove", action="store_true", help=proof)
     level_options(parser, output)
 

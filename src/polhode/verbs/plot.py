@@ -56,12 +56,13 @@ def options(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--end", metavar="T", help="draw to this time instead of the scene's end")
     parser.add_argument(
-        "--scene", type=word, metavar="SCENE", help="of a FILE: the scene that it belongs to"
+        "--scene", type=word, metavar="SCENE", help="for a FILE: the scene that it belongs to"
     )
     parser.add_argument(
-        "--number", help="double (default), extended, quad or mp; of a FILE: what its decimals are"
+        "--number", help="double (default), extended, quad or mp; for a FILE: of its decimals"
     )
-    parser.add_argument("--digits", type=whole, help="digits wanted; they choose the number type")
+    digits = "digits wanted, by which the number type is chosen"
+    parser.add_argument("--digits", type=whole, help=digits)
 
 
 def main(options: Namespace) -> int:

@@ -38,19 +38,21 @@ def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
     parser.add_argument("what", choices=["orbit", "chaos"], help="what is to be proved")
     parser.add_argument("scene", type=word, metavar="SCENE", help="a case that ships, or a path")
-    parser.add_argument("--digits", type=positive, metavar="D", help="of start and period (30)")
+    parser.add_argument(
+        "--digits", type=positive, metavar="D", help="digits of start and period (30)"
+    )
     parser.add_argument("--orbit", type=word, metavar="FILE", help="a guess: a scene of one period")
     parser.add_argument("--period", metavar="T", help="a guess of the period")
-    returns = "near returns of the motion that are tried (10); of a search crossings (3)"
+    returns = "number of near returns of the motion to try (10); in a search, of crossings (3)"
     parser.add_argument("--returns", type=positive, metavar="N", help=returns)
     search = "all orbits of a search from N x M cells of the level's section (20x20)"
     parser.add_argument("--search", metavar="NxM", nargs="?", const="20x20", help=search)
     parser.add_argument("--pick", type=positive, metavar="K", help="the K-th orbit of the search")
-    out = "the proof's certificate, for polhode verify; of a search with --pick"
+    out = "the proof's certificate, for polhode verify; in a search with --pick only"
     parser.add_argument("-o", type=word, dest="file", metavar="CERT.json", help=out)
-    tries = "of chaos: homoclinic orbits and sizes of sets that are tried (12)"
+    tries = "with chaos: number of homoclinic orbits and sizes of sets to try (12)"
     parser.add_argument("--tries", type=positive, metavar="N", help=tries)
-    bodies = "of an orbit: proved of every body within X, relative, of each moment and of Mg r0"
+    bodies = "with orbit: for every body whose moments and Mg r0 are within X (relative)"
     parser.add_argument("--tolerance", metavar="X", help=bodies)
     for key in ("h", "f"):
         parser.add_argument(f"--{key}", metavar="X", help=f"{key} of the level, if not the scene's")
@@ -67,15 +69,15 @@ def main(options: Namespace) -> int:
         f"--{key}" for key in ("orbit", "period", "search") if getattr(options, key) is not None
     ]
     if len(guesses) > 1:
-        raise BadInput(scene.name, guesses[1], None, f"not both it and {guesses[0]}")
+        raise BadInput(scene.name, guesses[1], None, f"no value together with {guesses[0]}")
     if options.orbit is not None and options.returns is not None:
-        raise BadInput(scene.name, "--returns", options.returns, "not with --orbit")
+        raise BadInput(scene.name, "--returns", options.returns, "no --orbit with it")
     if options.pick is not None and options.search is None:
         raise BadInput(scene.name, "--pick", options.pick, "--search, whose orbits it counts")
     if options.file is not None and options.search is not None and options.pick is None:
-        raise BadInput(scene.name, "-o", options.file, "--pick, which tells the one orbit")
+        raise BadInput(scene.name, "-o", options.file, "--pick, which chooses one orbit")
     if options.file is not None and options.tolerance is not None:
-        expected = "not with --tolerance: a certificate tells of one body"
+        expected = "no --tolerance with it: a certificate is for one body"
         raise BadInput(scene.name, "-o", options.file, expected)
     _check_place(options)
     if options.search is not None:

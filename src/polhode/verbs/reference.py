@@ -173,11 +173,11 @@ def _certified(box: StartBox, times: Sequence[Exact], options: Namespace) -> int
         for line in found.statement:
             note(line)
     for what in found.assumed:
-        note(f"{scene.name}: taken by the rule for equal numbers, not proven: {what}")
+        note(f"{scene.name}: assumed by the rule for equal numbers, not proven: {what}")
     for since in found.lost:
         note(
-            f"{scene.name}: psi and phi are not told beyond t = {since:.6g}: the third axis is, or "
-            "passes, too near the vertical for their turns to be counted"
+            f"{scene.name}: psi and phi are not given beyond t = {since:.6g}: the third axis is, "
+            "or passes, too near the vertical for their turns to be counted"
         )
     if found.outcome.done:
         return DONE

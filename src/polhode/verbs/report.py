@@ -13,7 +13,7 @@ HELP = "run all studies and write them as JSON, Markdown and one HTML page"
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
     parser.add_argument("--quick", action="store_true", help="fewer and shorter cases")
-    parser.add_argument("--fresh", action="store_true", help="keep no results of before")
+    parser.add_argument("--fresh", action="store_true", help="discard earlier results")
     parser.add_argument(
         "-o", dest="folder", type=folder, metavar="DIR", default="reports", help="where to"
     )

@@ -35,7 +35,7 @@ HELP = "integrate a scene"
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
     parser.add_argument("scene", type=word, metavar="SCENE", help="a case that ships, or a path")
-    digits = "digits wanted: checked, and had at every time, or exit code 3 and how many are right"
+    digits = "correct digits wanted at every time: checked; exit code 3 if they are not reached"
     parser.add_argument("--digits", type=whole, help=digits)
     checks = parser.add_mutually_exclusive_group()
     checks.add_argument(
@@ -49,13 +49,11 @@ def options(parser: ArgumentParser) -> None:
         action="store_const",
         const=False,
         dest="proved",
-        help="check them by a second run, an estimate; by default by what costs less than steps",
+        help="check them by a second run, an estimate; default: by a proof if it is cheap enough",
     )
     parser.add_argument("--number", help="double (default), extended, quad or mp")
     parser.add_argument("--at", metavar="T,T...", help="output times instead of the scene's")
-    parser.add_argument(
-        "--tol", metavar="X", help="tolerance of a step, the type's eps unless given"
-    )
+    parser.add_argument("--tol", metavar="X", help="tolerance of a step (default: the type's eps)")
     parser.add_argument(
         "--method",
         default="auto",
@@ -65,16 +63,16 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument("--outputs", metavar="O,O", help=", ".join(COLUMNS))
     parser.add_argument("--max-steps", type=positive, metavar="N", help="limit on the steps")
     parser.add_argument(
-        "--no-project", action="store_true", help="leave the state as rounding makes it"
+        "--no-project", action="store_true", help="do not project the state onto the integrals"
     )
     parser.add_argument(
         "--project-every",
         type=positive,
         metavar="N",
-        help="put the state back on the first integrals every N steps",
+        help="project the state onto the first integrals every N steps",
     )
     parser.add_argument(
-        "-o", dest="file", type=word, metavar="FILE", help="write a CSV, and JSON beside it"
+        "-o", dest="file", type=word, metavar="FILE", help="write a CSV, and a JSON file next to it"
     )
 
 
@@ -144,9 +142,9 @@ def _accuracy(found: Trajectory) -> str:
     if found.errors is not None:
         known = [(x, t) for x, t in zip(found.errors, found.times, strict=True) if x is not None]
         if not any(t for _, t in known):
-            return "refined, no estimate of the error"
+            return "refined, without an estimate of the error"
         last = brief(max((t for _, t in known), key=abs))
-        lost = "" if len(known) == len(found.errors) else f" to t = {last}, beyond it no estimate"
+        lost = "" if len(known) == len(found.errors) else f" to t = {last}, no estimate beyond it"
         return f"refined, estimated error {max(x for x, _ in known):.1e}{lost}"
     return f"projected {found.projection}" if found.projected else f"drift {found.drift}"
 
@@ -177,7 +175,7 @@ def _tell_digits(found: Trajectory) -> None:
     lost = expected.lost_after
     none = "" if lost is None else f", and none from t = {lost:.3g} on"
     note(
-        f"polhode: {name}: of the {printed} digits printed expect fewer than half to be right from "
+        f"polhode: {name}: expect fewer than half of the {printed} digits printed to be right from "
         f"t = {expected.halved_after:.3g} on{none}: this motion multiplies errors; "
-        f"--digits D gives D right ones"
+        f"--digits D gives D correct ones"
     )

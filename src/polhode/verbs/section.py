@@ -23,7 +23,7 @@ from polhode.verbs.terminal import (
 )
 
 HELP = "crossings of a section by many orbits on one level of energy and area"
-_OUTPUT = "FILE.npz, or a figure .svg, .png, .pdf; what was stopped goes on from FILE.parts"
+_OUTPUT = "FILE.npz, or a figure .svg, .png, .pdf; an interrupted run continues from FILE.parts"
 
 
 def options(parser: ArgumentParser) -> None:
@@ -34,8 +34,8 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument("--extremum", help="max (default) or min")
     parser.add_argument("--grid", metavar="NxM", help="starts in the centres of N x M cells (9x8)")
     starts = (
-        "starts of a text file, a line each: l L/G [k], or gamma1 gamma2 gamma3 ±1 for height; "
-        "or scene, its own start"
+        "a text file of starts, one a line: l L/G [k], or gamma1 gamma2 gamma3 ±1 for height; "
+        "or the word scene, for the scene's own start"
     )
     parser.add_argument("--starts", type=word, metavar="FILE", help=starts)
     parser.add_argument("--crossings", type=positive, metavar="N", help="of each orbit (500)")
@@ -134,7 +134,7 @@ def lost(found: Any) -> str:
         import numpy as np
 
         least = float(np.nanmin(found.digits))
-        return f"{least:.1f} digits or more are to be expected of every crossing"
+        return f"{least:.1f} digits or more are expected at every crossing"
     gone = sorted(first[first > 0].tolist())
     where = f"{gone[0]}" if gone[0] == gone[-1] else f"{gone[0]} to {gone[-1]}"
-    return f"no digit is left from crossing {where} on in {len(gone)} of {len(first)} orbits"
+    return f"no digits are left from crossing {where} on in {len(gone)} of {len(first)} orbits"

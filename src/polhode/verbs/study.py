@@ -19,14 +19,14 @@ def options(parser: ArgumentParser) -> None:
         metavar="TEXT",
         action="append",
         default=[],
-        help="only rows whose names hold TEXT (all of several); prints them and writes nothing",
+        help="only rows with TEXT in their names (may be repeated); printed, nothing is written",
     )
     parser.add_argument(
         "--without",
         metavar="NAME",
         action="append",
         default=[],
-        help="of the study speed: a program that is not there, by its package (all of several)",
+        help="with the study speed: leave out a program, by its package (may be repeated)",
     )
     parser.add_argument(
         "-o", dest="folder", type=folder, metavar="DIR", default="reports", help="where to"

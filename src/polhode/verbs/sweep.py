@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from polhode.dynamics.observables.reduce_many import Reductions
     from polhode.runs.sweep.ensemble import Ensemble
 
-HELP = "many tops at once: numbers of a scene varied; bare steps, not projected"
+HELP = "many tops at once: numbers of a scene varied; not projected, not checked"
 
 
 _AT_ONCE = 100_000  # states that are written within a second
@@ -45,15 +45,13 @@ def options(parser: ArgumentParser) -> None:
         action="append",
         required=True,
         help="a number of the scene file, such as start.omega[1] or body.weight, and N values for "
-        "it evenly spaced, or KEY=a,b,c; several: every combination",
+        "it evenly spaced, or KEY=a,b,c; given several times: every combination",
     )
-    digits = "digits wanted; they choose the number type, by the fastest member; not checked"
+    digits = "digits wanted: choose the number type by the fastest member, and are not checked"
     parser.add_argument("--digits", type=whole, help=digits)
     parser.add_argument("--number", help="double (default), extended, quad or mp")
     parser.add_argument("--at", metavar="T,T...", help="output times instead of the scene's")
-    parser.add_argument(
-        "--tol", metavar="X", help="tolerance of a step, the type's eps unless given"
-    )
+    parser.add_argument("--tol", metavar="X", help="tolerance of a step (default: the type's eps)")
     parser.add_argument(
         "--method", default="auto", help="taylor, refined or auto, as in polhode run"
     )
@@ -65,9 +63,9 @@ def options(parser: ArgumentParser) -> None:
         action="append",
         help="numbers of each member instead of its states: final, 'largest X', 'smallest X' (X an "
         "expression in the columns, t, theta, over the output times), 'first EVENT', lyapunov; "
-        "several",
+        "may be repeated",
     )
-    output = "write FILE.npz or FILE.csv; a killed sweep, given again, goes on from FILE.npz.parts"
+    output = "FILE.npz or FILE.csv; the same command continues a killed sweep from FILE.npz.parts"
     parser.add_argument("-o", dest="file", type=word, metavar="FILE", help=output)
 
 
@@ -107,7 +105,7 @@ def main(options: Namespace) -> int:
     if not options.json:
         unchecked = ""
         if options.digits is not None:
-            unchecked = f"; a type for {options.digits} digits, no member checked"
+            unchecked = f"; number type chosen for {options.digits} digits, members not checked"
         note(
             f"{scene.name}: {len(found)} members, {found.number.name} ({found.number.bits} bits), "
             f"not projected{left_out}{unchecked}; "
@@ -148,7 +146,7 @@ def _found(
         method, digits = options.method, options.digits
         return integrate_many(scene, varied, digits=digits, method=method, **shared)
     if options.digits is not None:
-        raise BadInput(scene.name, "--digits", options.digits, "--number, beside --keep")
+        raise BadInput(scene.name, "--digits", options.digits, "--number instead, with --keep")
     return reduce_many(scene, varied, options.keep, **shared)
 
 

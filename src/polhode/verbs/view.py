@@ -9,7 +9,7 @@ from polhode.scenes import library
 from polhode.verbs import plot
 from polhode.verbs.terminal import DONE, print_json, refuse_two_on_stdout, say, whole, word
 
-HELP = "a motion as one HTML page that moves, needing nothing else"
+HELP = "a motion as one animated HTML page that needs nothing else"
 
 
 def options(parser: ArgumentParser) -> None:
@@ -22,10 +22,12 @@ def options(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--end", metavar="T", help="show up to this time instead of the scene's")
     parser.add_argument(
-        "--scene", type=word, metavar="SCENE", help="of a FILE: the scene that it belongs to"
+        "--scene", type=word, metavar="SCENE", help="for a FILE: the scene that it belongs to"
     )
     parser.add_argument("--number", help="double (default), extended, quad or mp")
-    parser.add_argument("--digits", type=whole, help="digits wanted; they choose the number type")
+    parser.add_argument(
+        "--digits", type=whole, help="digits wanted, by which the number type is chosen"
+    )
 
 
 def main(options: Namespace) -> int:

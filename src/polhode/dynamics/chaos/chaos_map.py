@@ -194,8 +194,8 @@ def chaos_map(
     looks = LEAST_LOOKS * max(1, int(np.ceil(length / LOOK / LEAST_LOOKS)))
 
     def forecast(many: int, more_than: str = "") -> None:
-        what = f"{more_than}{many} motions with {looks} looks each"
-        words = "looks in all; a coarser grid, or an earlier end"
+        what = f"{more_than}{many} motions with {looks} samples each"
+        words = "samples in all; a coarser grid, or an earlier end"
         refuse_too_much(scene.name, "map", what, many * looks, _BYTES, words)
 
     if varied is None:
@@ -203,7 +203,7 @@ def chaos_map(
         motions = map_motions.on_section(scene, grid, by, extremum, h, f, foretold)
     else:
         if grid is not None or h is not None or f is not None:
-            raise BadInput(scene.name, "vary", None, "no grid and no level beside it")
+            raise BadInput(scene.name, "vary", None, "no grid or level together with it")
         motions = map_motions.of_varied(scene, varied, forecast)
     starts, coefficients = motions.starts, motions.coefficients
     forecast(len(starts))

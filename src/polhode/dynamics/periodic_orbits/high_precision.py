@@ -104,7 +104,7 @@ def refined(
         if made.error <= 10.0**-digits:
             return made
         kind = number_types.wider(kind)
-    raise NotClosed(f"{digits} digits are not to be had: {made.error:.1e} is missed in {kind.name}")
+    raise NotClosed(f"in {kind.name} the error is {made.error:.1e}, not below 1e-{digits}")
 
 
 class Chord(NamedTuple):

@@ -295,7 +295,7 @@ def completed(
             progress("the monodromy matrix")
         matrix = high_precision.monodromy(on, fine.state, fine.time, digits)
     except (NotClosed, NotFollowed) as fault:
-        expected = f"an orbit that {digits} digits can be had of ({fault})"
+        expected = f"an orbit that can be computed to {digits} digits ({fault})"
         raise BadInput(name, "digits", digits, expected) from None
     scene = _scene(on.scene, name, fine)
     turned = advance(scene, fine.number)

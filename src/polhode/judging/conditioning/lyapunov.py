@@ -176,12 +176,12 @@ def _judged(
     grows = growth > UNSTABLE_GROWTH and exponent > 4 * error
     known = "a fixed point; " if still else "a closed form is known; " if closed else ""
     if grows:
-        return motion_kinds.of_growing(bool(known)), f"{known}neighbours part exponentially"
+        return motion_kinds.of_growing(bool(known)), f"{known}nearby motions separate exponentially"
     if growth < REGULAR_GROWTH and (known or length >= SHORTEST):
-        return REGULAR, f"{known}neighbours part no faster than a power of t"
+        return REGULAR, f"{known}nearby motions separate no faster than a power of t"
     if known:
-        return REGULAR, f"{known}neighbours part at no clear rate"
-    return UNDECIDED, "follow it for longer"
+        return REGULAR, f"{known}nearby motions separate at no clear rate"
+    return UNDECIDED, "a later end may decide"
 
 
 def fitted(sizes: list[float], length: float) -> tuple[float, float, float]:

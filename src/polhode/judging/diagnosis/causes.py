@@ -54,7 +54,7 @@ class Cause(NamedTuple):
     digits: float
 
     def __str__(self) -> str:
-        return f"explained by {self.words}: {self.digits:.1f} digits then"
+        return f"explained by {self.words}, which gives {self.digits:.1f} digits"
 
 
 class _Candidate(NamedTuple):

@@ -52,7 +52,7 @@ class OmegaAlone:
             f"and f by {self.drift.f:.1e}; "
         )
         if self.derivative < TELLING:
-            return f"{found}the samples are too far apart for derivatives, so this tells nothing"
+            return f"{found}the samples are too far apart for derivatives: no conclusion"
         good = f"{found}derivatives of these samples are good for {self.derivative:.2f} digits"
         if self.satisfied >= self.derivative - 1:
             return f"{good} or more, and so far omega satisfies the body's equations"

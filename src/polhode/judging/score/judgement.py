@@ -420,7 +420,7 @@ class Judgement(Result, ByValue):
     def _unlimited(self) -> str:
         """Why no limit is named."""
         if self.readings:
-            return "no limit is named, for another convention makes it better"
+            return "no limit is named, since another convention gives more digits"
         return "wrong in the first digit, so no limit is named"
 
     @property

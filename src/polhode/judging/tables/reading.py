@@ -70,7 +70,7 @@ class Reading(NamedTuple):
 
     def __str__(self) -> str:
         return (
-            f"{self.part} as it stands {self.as_it_stands:.2f} digits; read as {self.convention}: "
+            f"{self.part} as it stands: {self.as_it_stands:.2f} digits; read as {self.convention}: "
             f"{self.digits:.1f} digits"
         )
 

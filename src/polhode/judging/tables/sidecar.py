@@ -52,7 +52,7 @@ class Sidecar:
         elif (odd := _not_of(times, number)) is not None:
             told = f"t = {odd} is not how it is printed"
         if told:
-            remarks.append(f"{self.name}: {number.name} was not believed: {told}")
+            remarks.append(f"{self.name}: {number.name} was ignored: {told}")
             return Sidecar(self.name, remarks=tuple(remarks))
         remarks.append(f"{self.name}: numbers and t are of {number.name} ({number.bits} bits)")
         return replace(self, remarks=tuple(remarks))
@@ -71,13 +71,13 @@ def beside(path: Path) -> Sidecar:
         return Sidecar()
     except (OSError, ValueError) as fault:
         reason = getattr(fault, "strerror", None) or "no such name"
-        return Sidecar(remarks=(f"the JSON beside the file was not read: {reason}",))
+        return Sidecar(remarks=(f"the JSON file next to it was not read: {reason}",))
     name = called(place)
     if not regular:
-        return Sidecar(remarks=(f"{name} was not read: it is no regular file",))
+        return Sidecar(remarks=(f"{name} was not read: it is not a regular file",))
     found = _pairs(text)
     if not found.keys() & {*_KEYS}:
-        return Sidecar(remarks=(f"{name} was not used: it says nothing of the file's numbers",))
+        return Sidecar(remarks=(f"{name} was not used: it does not describe the file's numbers",))
     return _checked(str(name), found)
 
 
@@ -87,7 +87,7 @@ def _checked(name: str, found: dict[str, object]) -> Sidecar:
     number = _type(word, bits)
     if number is None or type(held) is not int or held != number.bits:
         told = f"number = {_short(word)}, bits = {_short(bits)}, t_bits = {_short(held)}"
-        return Sidecar(remarks=(f"{name} was not believed: {told}, no number type of a run",))
+        return Sidecar(remarks=(f"{name} was ignored: {told}, no number type of a run",))
     projection = found.get("projection")
     if projection is None:
         return Sidecar(name, number)
@@ -98,7 +98,7 @@ def _checked(name: str, found: dict[str, object]) -> Sidecar:
     )
     if type(count) is not int or not isinstance(onto, list):
         return Sidecar(
-            name, number, remarks=(f"{name}: projection was not believed: no count with integrals",)
+            name, number, remarks=(f"{name}: projection was ignored: no count with integrals",)
         )
     return Sidecar(name, number, count > 0 and "h" in onto)
 

@@ -97,8 +97,8 @@ class ProvedChaos(ByValue):
         period, radius = self.orbit.period.decimals
         return (
             f"proved: on the level {self.orbit.level} the {self.orbit.kind} periodic orbit of "
-            f"least period {period} +- {radius} has a transversal homoclinic orbit; to every "
-            f"sequence of two loops, shorter than {up(self.short)} and {up(self.long)}, there is "
-            f"exactly one motion beside them, to every periodic sequence a periodic one; the "
+            f"least period {period} +- {radius} has a transversal homoclinic orbit; for "
+            f"every sequence of two loops, shorter than {up(self.short)} and {up(self.long)}, "
+            f"exactly one motion follows it, a periodic one if the sequence is periodic; the "
             f"topological entropy of the motion on the level is at least {down(self.entropy)}"
         )

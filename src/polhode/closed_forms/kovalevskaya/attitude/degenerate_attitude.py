@@ -109,7 +109,7 @@ class DegenerateAttitude:
             if miss < mpmath.ldexp(1, -self.bits):
                 return product((w, x, y, z), self.turn)
             bits += max(_MORE, self.bits + int(mpmath.mag(miss)))
-        raise ArithmeticError("the attitude does not pass its certificate")
+        raise ArithmeticError("the attitude does not pass its check")
 
     def arguments(self, t: Any) -> tuple[Any, Any]:
         """The growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0 to t."""

@@ -69,7 +69,7 @@ class ThetaAttitude:
                 xi, eta, miss = made.certified(mpmath.ldexp(t, self.exponent))
                 if miss < mpmath.ldexp(1, _SLACK - self.bits):
                     return product(quaternion(xi, eta), self.turn)
-        raise ArithmeticError("the attitude does not pass its certificate")
+        raise ArithmeticError("the attitude does not pass its check")
 
     def arguments(self, t: Scalar) -> tuple[Scalar, Scalar]:
         """The growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0 to t."""
