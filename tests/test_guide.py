@@ -107,6 +107,36 @@ def test_every_page_has_an_example_and_every_file_is_a_scene(folder):
         assert polhode.load(str(path)).times
 
 
+def test_every_link_leads_to_a_page_and_a_heading():
+    """Within the guide; a heading's anchor is its words in lower case, hyphens between."""
+    heads = {
+        topic: {
+            re.sub(r"[^\w -]", "", head).lower().replace(" ", "-")
+            for head in re.findall(r"^#+ (.*)$", guide.page(topic), re.M)
+        }
+        for topic in TOPICS
+    }
+    links = [
+        (topic, *link)
+        for topic in TOPICS
+        for link in re.findall(r"\]\((?:(\w[\w-]*)\.md)?(?:#([\w-]+))?\)", guide.page(topic))
+    ]
+    assert len(links) > 40
+    for topic, page, anchor in links:
+        assert (page or topic) in heads, (topic, page)
+        assert not anchor or anchor in heads[page or topic], (topic, page, anchor)
+
+
+def test_the_glossary_is_in_alphabetical_order_and_each_entry_names_a_page():
+    _, *parts = re.split(r"^## .*\n", guide.page("glossary"), flags=re.M)
+    for part in parts:
+        _, *entries = re.split(r"^### ", part, flags=re.M)
+        names = [entry.partition("\n")[0] for entry in entries]
+        assert names == sorted(names)
+        for entry in entries:
+            assert set(re.findall(r"`polhode guide ([\w-]+)`", entry)) & {*TOPICS}, entry
+
+
 def test_every_key_shape_family_and_name_is_told():
     scene, start = guide.page("scene"), guide.page("start")
     for section in keys.KEYS:

@@ -16,7 +16,7 @@ _STDIN = Path("/dev/stdin")
 
 
 class Verdict(NamedTuple):
-    """What checking a certificate came to; true where it is proved.
+    """The result of checking a certificate; true if it is proved.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ def verify(path: str | Path, progress: Progress | None = None) -> Verdict:
         A file that ``save`` of an enclosure, a proved orbit or proved chaos wrote, or ``-o`` of
         ``polhode reference --certified`` or ``polhode prove``; ``-`` is the standard input.
     progress : callable, optional
-        Told the part of the steps that is done, and how many.
+        Called with the fraction of the steps done, and how many.
 
     Returns
     -------
@@ -61,7 +61,7 @@ def verify(path: str | Path, progress: Progress | None = None) -> Verdict:
     Raises
     ------
     BadInput
-        A file that is no certificate: the line says why.
+        A file that is no certificate, with the reason.
 
     Examples
     --------

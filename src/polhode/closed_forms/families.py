@@ -72,27 +72,27 @@ FAMILIES: tuple[Family, ...] = (
 
 
 def register_family(family: Family) -> None:
-    """Add a family of one's own to this process.
+    """Add your own family of closed forms to this process.
 
-    It is tried after polhode's own, and may be asked for by its name in ``reference.kind``.  A
-    package whose entry points have it in the group ``polhode.families`` gives it to every process,
-    the command line's too.
+    It is tried after polhode's own families, and can be chosen by its name in ``reference.kind``.
+    A package whose entry points have it in the group ``polhode.families`` provides it to every
+    process, including the command line.
 
     Parameters
     ----------
     family : Family
-        Its name, what it asks of a scene, what makes the motion; :func:`orbit_family` makes one of
-        a class of motions that have a period.
+        Its name, its conditions on a scene, and what computes the motion; :func:`orbit_family`
+        makes one of a class of periodic motions.
 
     Raises
     ------
     BadInput
-        What is no family, or a name that another family has.
+        Something that is no family, or a name that another family has.
 
     Notes
     -----
-    ``polhode guide closed-forms`` shows one.  A closed form is a reference: everything is judged by
-    it, and nothing judges it but its author's tests.
+    ``polhode guide closed-forms`` shows an example.  A closed form is a reference: runs are judged
+    by it, and only its author's tests check it.
 
     Examples
     --------

@@ -27,7 +27,7 @@ class FileName(str):
 
 
 class BadInput(ValueError):
-    """Input that cannot be used: where it stands, the value met, and what was expected.
+    """Input that cannot be used: its source, the key, the value, and what was expected.
 
     A ValueError of one line, with these as ``source``, ``key``, ``value`` and ``expected``.
 

@@ -11,7 +11,7 @@ from polhode.common.files import check_writable, write_whole
 
 @dataclass(frozen=True, repr=False)
 class Page:
-    """A motion as a page of HTML: ``text``, to be saved; a notebook shows it in its place.
+    """A motion as an HTML page: ``text``, to be saved; a notebook displays it.
 
     >>> import polhode
     >>> page = polhode.view("lagrange/looping", end=4)

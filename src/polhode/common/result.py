@@ -43,7 +43,7 @@ _PRESENTATION: Slot[ResultPresentation] = Slot("results")
 
 
 class Result:
-    """Something that polhode found; all results are saved, drawn and tabulated in the same way.
+    """A result; all results are saved, drawn and tabulated in the same way.
 
     >>> import os, tempfile, polhode
     >>> found = polhode.frequencies("lagrange/nutation", of=["gamma3"], end=200)

@@ -84,30 +84,28 @@ def certify(
         A scene, a path, or the name of a case.  In a file omega may have intervals, ``start.omega =
         ["3/10 \u00b1 1e-9", 0, 1]``.
     at : iterable of numbers, optional
-        Times of either sign in any order, taken exactly, in the scene's unit; the scene's own
-        unless given.
+        Exact times of either sign in any order, in the scene's unit; the scene's own by default.
     digits : int
         Correct digits wanted at every time, 1 to MOST_DIGITS.  The precision is chosen from a cheap
         run and raised until they are proven.
     integrals : bool
-        Whether the first integrals shrink the set.
+        Whether the first integrals are used to make the set smaller.
     progress : callable, optional
         Called with the fraction of the time done and the steps taken.
     max_steps : int
-        A time that will take more is refused before the start.  A step costs about 0.4 ms at 16
-        digits, 0.9 ms at 30.
+        A time that needs more steps is refused before the start.
     max_seconds : float, optional
-        A limit on the time by the clock; what is proven until then is kept, as it is at Ctrl-C, and
+        A limit on the time by the clock; what is proven until then is kept, as after Ctrl-C, and
         the ``outcome`` says so.
     forecast : callable, optional
-        Called once, before the proof, with the seconds that it will take, roughly.
+        Called once, before the proof, with a rough estimate of its seconds.
     derivatives : bool
         Whether the derivative of the states by the start is enclosed too, to as many digits as
-        doubles leave; its steps are shorter.
+        doubles allow; its steps are shorter.
     omega_radius : number or three numbers, optional
-        The balls then hold every motion whose omega at the start is so near to the scene's, in body
-        axes.  What the box leaves is proven, ``digits`` at most; it is followed as far as it can
-        be, and the ``outcome`` says so.
+        The balls then hold every motion whose omega at the start differs from the scene's by at
+        most this, in each component in body axes.  As many digits are proven as the box allows,
+        ``digits`` at most; it is followed as far as possible, and the ``outcome`` says so.
 
     Returns
     -------
@@ -118,11 +116,11 @@ def certify(
     Raises
     ------
     BadInput
-        Where the digits cannot be had, and a box that is too wide to be followed at all.
+        Digits that cannot be proven, or a box that is too wide to be followed at all.
 
     Notes
     -----
-    The theorem and where each line of it stands: ``polhode guide proofs``.
+    The theorem and where each step is in the code: ``polhode guide proofs``.
 
     Examples
     --------

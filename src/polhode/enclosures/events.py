@@ -69,11 +69,12 @@ class EventTime(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class CertifiedEvents(Result):
-    """The events of one name between 0 and the end, in the order in which they are met.
+    """The proven events of one name between 0 and the end, in order away from 0.
 
     Zeros at 0 and at the end are not among them, as in a run.  ``undecided``: intervals of time in
     which it is not decided whether, or how often, the event happens: a grazing contact, a zero at
-    the end, or at 0 where that is not known exactly.  The count is proven if there are none.
+    the end, or at 0 if that is not known exactly.  The count is proven if there are no such
+    intervals.  Times are in the scene's unit.
 
     >>> import polhode
     >>> event = polhode.Event("level", "gamma3 - 1/2")
@@ -114,21 +115,21 @@ def certify_events(
     ----------
     scene : Scene, str or Path
         A scene with events, a path, or the name of a case.  An event is a polynomial in p q r
-        gamma1 gamma2 gamma3 that is not 0 all along; its ``stop`` is not heeded.  In a file omega
+        gamma1 gamma2 gamma3 that is not 0 at all times; its ``stop`` is ignored.  In a file omega
         may have intervals, as for :func:`certify`: each event then is one of every motion.
     end : number, optional
         In the scene's unit; the scene's own unless given.
     digits : int
-        Those of the state that is proven along the way, 1 to MOST_DIGITS; more of them make the
-        radii smaller and separate zeros that are closer.
+        Digits of the state along the motion, 1 to MOST_DIGITS; more digits make the radii smaller
+        and separate zeros that are closer.
     progress : callable, optional
         Called with the fraction of the time done and the steps taken.
     max_steps : int
-        A time that will take more is refused before the start.
+        An end that needs more steps is refused before the start.
     max_seconds : float, optional
-        A limit on the time by the clock; what comes after the time that was reached is undecided.
+        A limit on the time by the clock; events after the time that was reached are undecided.
     forecast : callable, optional
-        Called once, before the proof, with the seconds that it will take, roughly.
+        Called once, before the proof, with a rough estimate of its seconds.
     omega_radius : number or three numbers, optional
         As for :func:`certify`: each event then is one of every motion from the box.
 
@@ -140,7 +141,7 @@ def certify_events(
     Raises
     ------
     BadInput
-        An event of another kind, and where the digits cannot be had.
+        An event of another kind, or digits that cannot be proven to the end.
 
     Examples
     --------

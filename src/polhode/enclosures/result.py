@@ -63,22 +63,23 @@ class Part(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Enclosure(Result, ByValue):
-    """Balls that contain the exact states p q r [gamma1 gamma2 gamma3] in the scene's body axes.
+    """Balls that contain the exact states p q r [gamma1 gamma2 gamma3].
 
-    ``centres``: exact midpoints, a row a time; ``radii``: doubles not below the balls' radii.
+    They are in the scene's body axes and units.  ``centres``: exact midpoints, one row per time;
+    ``radii``: rows of doubles not below the balls' radii.
     ``digits``: proven correct digits at each time (-log10 of the larger of the radius of w over the
     largest |w| at the times and the radius of gamma).  ``angles`` (psi theta phi) and ``attitude``
-    (q0 q1 q2 q3): where the scene's outputs ask for them, None else; ``derived``: outputs made of
-    these, by their words.  ``derivatives``: of the states by the start, where they were asked for.
+    (q0 q1 q2 q3): if the scene's outputs ask for them, else None; ``derived``: outputs made of
+    these, by their words.  ``derivatives``: of the states by the start, if they were asked for.
     ``outcome``: REACHED_END, or TIME_LIMIT or INTERRUPTED: ``times`` are then those reached.
     ``noise``: the proof's noise level is 2**-noise in its own unit of time.  ``steps`` and
-    ``seconds``: of the run that proved it; ``tries``: the runs that it took; ``seconds_in_all``:
-    CPU, those of all of them and of the pilot.  ``assumed``: what was decided by the rule for
+    ``seconds``: of the run that proved it; ``tries``: the number of runs; ``seconds_in_all``:
+    CPU time of all of them and of the pilot run.  ``assumed``: what was decided by the rule for
     *equal* of :mod:`polhode.numbers.exact`, and is not proven; empty for rational data.  ``lost``:
-    about the times, one a side, from which on psi and phi are None, the third axis being, or
-    passing, too near the vertical for their turns to be counted in double.  ``omega_radius``: the
-    radii of the start's box, in body axes; None where the start is the scene's own.  ``until``: the
-    time to which the proof went, of the side that it ended on.
+    the approximate times, one for each sign of t, from which on psi and phi are None, because the
+    third axis is, or passes, too near the vertical for their turns to be counted in double.
+    ``omega_radius``: the radii of the start's box, in body axes; None if the start is the scene's
+    own.  ``until``: the time to which the proof went, on the side where it ended.
 
     >>> import polhode
     >>> found = polhode.certify("euler/largest-axis", at=[1], digits=20)

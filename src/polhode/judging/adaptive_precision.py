@@ -103,49 +103,49 @@ def integrate(
     scene : Scene, str or Path
         A scene, a path, or the name of a case.
     number : str or NumberType, optional
-        "double" (taken unless given), "extended", "quad", "mp" (50 digits), or a NumberType.
+        "double" (the default), "extended", "quad", "mp" (50 digits), or a NumberType.
     digits : int, optional
-        The correct digits wanted.  They choose the number type, by how much this motion multiplies
-        errors on the way; the run is then checked, by the closed form, a proof or a second run, and
-        made again in a wider type where digits are missing.
+        The correct digits wanted.  The number type is chosen by how much this motion multiplies
+        errors; the run is then checked, by the closed form, a proof or a second run, and repeated
+        in a wider type if digits are missing.
     at : iterable of numbers, optional
         Output times in the scene's unit, instead of the scene's own.
     tol : number, optional
-        The tolerance of a step, the type's eps unless given.
+        The tolerance of a step; the type's eps by default.
     max_steps : int, optional
-        The run ends there with an outcome that says so.
+        A limit on the steps; a run that needs more ends there, and its outcome says so.
     inputs : NumberType, optional
-        Round start and coefficients to this narrower type first, to see what that rounding alone
-        does.
+        Round start and coefficients to this narrower type first, to see the effect of that rounding
+        alone.
     project : bool or int, optional
-        Put the state back on the exact scene's first integrals every so many steps; True: as often
+        Project the state onto the exact scene's first integrals every so many steps; True: as often
         as costs about a tenth of the run's time; False: never.  Left out, as True in double and
         extended at full tolerance, else never, and never in a form other than the principal one.
     method : {"auto", "taylor", "refined"}
         "taylor": steps in the number type.  "refined": a run in double corrected by exact
-        arithmetic, for quad and more digits.  "auto": refined where that can be done and is faster.
+        arithmetic, for quad and more digits.  "auto": refined if that is possible and faster.
     proved : bool, optional
-        How ``digits`` are checked where no closed form is known.  True: by a proven enclosure.
+        How ``digits`` are checked if no closed form is known.  True: by a proven enclosure.
         False: by a second run, refined over other intervals or in a wider type, which is an
-        estimate.  Left out: by a proof where that costs less than steps in the wider type, and at
-        most some ten seconds.
+        estimate.  Left out: in quad and mp by a proof if that costs less than steps in the wider
+        type, and at most some ten seconds; else by a second run.
     progress : callable or bool, optional
-        Called now and then with the fraction of the time done and the steps taken; True for a bar.
+        Called from time to time with the fraction of the time done and the steps; True for a bar.
 
     Returns
     -------
     Trajectory
-        States, outputs and events in the scene's axes and units.  It can be called at any time that
-        it reached (:class:`polhode.runs.methods.dense_output.Dense`).  ``method`` tells which it
-        was; ``correct_digits`` and ``checked_by`` what was found of ``digits``, and its outcome is
-        TOO_FEW_DIGITS where they cannot be had: in a number type or at a tolerance that is given
-        too, or on a motion that multiplies errors beyond what can be computed.  Ctrl-C ends the run
-        within a second; it then holds what was reached.
+        States, outputs and events in the scene's body axes and units.  It can be called at any time
+        that it reached (:class:`polhode.runs.methods.dense_output.Dense`).  ``method`` is the one
+        that was used; ``correct_digits`` and ``checked_by`` are the result of the check of
+        ``digits``.  Its outcome is TOO_FEW_DIGITS if they were not reached: because a number type
+        or a tolerance was given too, or the motion multiplies errors beyond what can be computed.
+        Ctrl-C ends the run within a second; it then holds the states that were reached.
 
     Raises
     ------
     BadInput
-        What cannot be integrated: key, value and what was expected.
+        A scene that cannot be integrated: key, value and what was expected.
 
     Notes
     -----

@@ -21,10 +21,10 @@ HALF_WINDOW = 12  # samples to either side from which the tangent of a curve is 
 
 
 class Rolling(NamedTuple):
-    """How far the hodographs of a run are from rolling on each other, relative mismatches.
+    """How far the hodographs of a run are from rolling on each other: two relative errors.
 
-    ``tangent``: of the space curve's tangent against R w', over the largest |w'|; ``arc``: of the
-    two curves' lengths.
+    ``tangent``: the difference of the space curve's tangent and R w', over the largest |w'|, R the
+    rotation from body to space; ``arc``: that of the two curves' lengths.
 
     >>> import polhode
     >>> polhode.Rolling(tangent=1e-15, arc=2e-16).arc
@@ -55,16 +55,16 @@ def omega_rate(body: Body, omega: Sequence[Any], gamma: Sequence[Any], bits: int
 def rolling(run: Trajectory) -> Rolling:
     """Measure how well a run keeps the rolling condition of its hodographs.
 
-    The tangent of the space curve is taken from its own points, by differences over
-    ``2·HALF_WINDOW + 1`` samples around each; that of the body's curve from the equations, turned
-    by the attitude: a wrong attitude, a slip of one curve on the other, shows at once.
+    The tangent of the space curve is computed from its own points, by differences over
+    ``2·HALF_WINDOW + 1`` samples around each; that of the body's curve from the equations, rotated
+    by the attitude.  A wrong attitude, or a slip of one curve on the other, makes them differ.
 
     Parameters
     ----------
     run : Trajectory
-        A run of a scene with gamma and the output "hodographs".  Samples must be dense: what the
-        differences leave falls like the 24th power of their distance, what rounding leaves grows
-        like its inverse.
+        A run of a scene with gamma and the output "hodographs".  Samples must be dense: the error
+        of the differences falls with the 24th power of their spacing, that of rounding grows with
+        its inverse.
 
     Returns
     -------

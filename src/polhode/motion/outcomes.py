@@ -108,12 +108,13 @@ _CAUSES = {
 @may_wait("times")
 @dataclass(frozen=True, eq=False, repr=False)
 class EventTimes(Result, ByValue):
-    """When one event of a scene happened, in order of integration, and the states then.
+    """The times of one event of a scene, in order of integration, and the states there.
 
-    ``times``: rounded to the run's type.  ``states``: rows as in a trajectory, taken at the event
-    itself: on the section to the type's precision, even where the time has no digits left for it.
-    ``grazing``: whether rounding decides if there is a zero at all, or two.  ``complete``: whether
-    rising and falling zeros alternate, as they do unless one was lost or a pole was passed.
+    ``times``: in the scene's unit, rounded to the run's type.  ``states``: rows as in a trajectory,
+    p q r [gamma1 gamma2 gamma3] at the event itself: on the section to the type's precision, even
+    if the time has no digits left for that.  ``grazing``: whether rounding decides between no zero
+    and two.  ``complete``: whether rising and falling zeros alternate, as they do unless one was
+    lost or a pole of the expression was passed.
 
     >>> from dataclasses import replace
     >>> import polhode
@@ -192,11 +193,11 @@ NO_EVENTS = Events()
 @may_wait("onto")
 @dataclass(frozen=True, eq=False)
 class Projection(ByValue):
-    """What putting a run back on its first integrals took.
+    """The corrections that projected a run onto its first integrals.
 
-    ``onto``: the integrals' names.  ``every``: steps between two corrections.  ``largest`` and
-    ``sum``: of the corrections' lengths, w measured in the run's own unit, in which the fastest
-    rate at the start is of order 1.
+    ``onto``: the integrals' names.  ``every``: steps between two corrections.  ``count``: how many
+    there were.  ``largest`` and ``sum``: of the corrections' lengths, w measured in the run's own
+    unit, in which the fastest rate at the start is of order 1.
 
     >>> import polhode
     >>> found = polhode.integrate("kovalevskaya/generic", at=[1000]).projection

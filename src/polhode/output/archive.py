@@ -83,8 +83,8 @@ def arrays(run: Trajectory) -> JsonObject:
 def load_run(path: str | Path) -> Trajectory:
     """Load the run that ``run.save`` wrote: equal to it, and callable again.
 
-    Called at a time between its samples, it is integrated once more, the same steps; where this
-    machine does not find the same numbers to the last bit, a warning says so.
+    When it is called at a time between its samples, it is integrated again with the same steps; if
+    the numbers are not the same to the last bit on this machine, a warning says so.
 
     Parameters
     ----------

@@ -64,8 +64,8 @@ def prove_orbit(
         A scene, a path, or the name of a case: its body, and the level unless that is given.
     orbit : Orbit, Scene, str or Path, optional
         An approximate orbit of the scene's body, as :func:`polhode.orbit` gives it or as a scene
-        that ends after one period; it is only a guess.  Without one it is looked for near the
-        scene's start.
+        that ends after one period; it is only a guess.  Without one, an orbit near the scene's
+        start is searched for.
     digits : int
         Correct digits wanted of start and period, 1 to MOST_DIGITS.
     h, f : number, optional
@@ -75,14 +75,14 @@ def prove_orbit(
     progress : callable, optional
         Called with a line of text now and then.
     tolerance : number, optional
-        Prove it of every body whose moments and components of Mg r0, in principal axes, differ from
-        the scene's by at most this part of themselves, on the one level; above 0, below 1.  The
-        balls then hold the orbits of all of them, and are as wide as that makes them.
+        Prove it for every body whose moments and components of Mg r0, in principal axes, differ
+        from the scene's by at most this relative amount, on the one level; above 0, below 1.  The
+        balls then hold the orbits of all of them, and are accordingly wide.
 
     Returns
     -------
     ProvedOrbit
-        What is proved, in balls.
+        What is proved, as balls in the scene's body axes and units.
 
     Raises
     ------
@@ -93,7 +93,7 @@ def prove_orbit(
 
     Notes
     -----
-    The theorem and where each line of it stands: ``polhode guide proofs``.
+    The theorem and where each step is in the code: ``polhode guide proofs``.
 
     Examples
     --------

@@ -55,13 +55,14 @@ class ProvedOrbit(ByValue):
     """A periodic orbit of (omega, gamma) that exists: a theorem about the exact level.
 
     ``scene``, ``h``, ``f``: the body and the level, exact.  ``period``: the least one; ``omega``,
-    ``gamma``: a point of the orbit, in the scene's body axes; ``residue``: Greene's, (6 - tr M)/4.
-    ``kind``: hyperbolic, elliptic, inverse hyperbolic: of the linear motion on this level alone.
-    ``unique_within``: a motion of the level that passes so near to the point, in the Euclidean
-    norms of omega and gamma, and has a period so near to this one, is this orbit.  ``noise``: the
-    proof's noise level is 2**-noise; ``runs``: of the enclosure, with those that corrected the
-    guess; ``seconds``: CPU.  ``tolerance``: relative, of every moment and every component of Mg r0
-    in principal axes; the theorem is then one for each body within it, the balls are for all.
+    ``gamma``: a point of the orbit; both in the scene's body axes and units.  ``residue``:
+    Greene's, (6 - tr M)/4, M the monodromy matrix.  ``kind``: hyperbolic, elliptic or inverse
+    hyperbolic, of the linear motion on this level alone.  ``unique_within``: a periodic motion of
+    the level that passes within these distances of the point (Euclidean norms of omega and gamma)
+    and whose period is within this distance of ``period`` is this orbit.  ``noise``: the proof's
+    noise level is 2**-noise; ``runs``: of the enclosure, with those that corrected the guess;
+    ``seconds``: CPU time.  ``tolerance``: relative, of every moment and every component of Mg r0 in
+    principal axes; the theorem then holds for each body within it, and the balls for all of them.
 
     >>> import polhode
     >>> found = polhode.prove_orbit("grioli/precession")
@@ -89,7 +90,7 @@ class ProvedOrbit(ByValue):
 
     @property
     def multipliers(self) -> tuple[tuple[Ball, Ball], tuple[Ball, Ball]]:
-        """Real and imaginary part of the two that are not 1 always; their product is 1."""
+        """Real and imaginary part of the two that may differ from 1; their product is 1."""
         with ctx.workprec(self.noise + 128):
             r = as_arb(self.residue)
             half, square = 1 - 2 * r, 4 * r * (r - 1)  # mu + 1/mu = 2 half, square = half**2 - 1

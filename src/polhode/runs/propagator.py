@@ -37,13 +37,16 @@ _UNIT = 8  # |gamma|² is 1 to so many eps
 class Propagator:
     """The motions of one body from any start, by one prepared integrator.
 
+    ``go(start, t)``: ``start`` six numbers p q r gamma1 gamma2 gamma3 in the scene's body axes and
+    units (three without gamma), the scene's own start if left out; ``t`` one time, or several.  It
+    returns an array of shape (6,), or (n, 6) for n times; nan where the time was not reached.
     Made by :func:`polhode.propagator`, for the thread that made it; ``copy.copy`` gives another
     thread its own.
 
     Attributes
     ----------
     scene : Scene
-        Whose body it is, and whose start where none is given.
+        The scene with the body, and with the start that is used if none is given.
     number : NumberType
         double or extended.
     outcome : Outcome
@@ -282,11 +285,11 @@ def propagator(
     tol: AnyNumber | None = None,
     project: bool | int = False,
 ) -> Propagator:
-    """Make a scene's equations ready, for many motions of its body from starts of any kind.
+    """Prepare a scene's equations for many motions of its body, from any starts.
 
-    A call costs what heyoka's steps cost: nothing of what a :class:`polhode.Trajectory` holds is
-    made, and nothing is checked but the start.  For a trajectory, its outputs, events, more digits
-    or an estimate of them there is :func:`polhode.integrate`.
+    A call costs little more than heyoka's steps: it makes nothing of what a
+    :class:`polhode.Trajectory` holds, and checks the start alone.  For outputs, events, more digits
+    or an estimate of them use :func:`polhode.integrate`.
 
     Parameters
     ----------
@@ -295,15 +298,16 @@ def propagator(
     number : {"double", "extended"}
         The number type.
     tol : number, optional
-        The tolerance of a step, the type's eps unless given.
+        The tolerance of a step; the type's eps by default.
     project : bool or int
-        Put the state back on the first integrals every so many steps; True: as often as
-        :func:`polhode.integrate` does.
+        Project the state onto the first integrals of its own start every so many steps; True: as
+        often as :func:`polhode.integrate` does.
 
     Returns
     -------
     Propagator
-        To be called with a start and a time.
+        Called with a start (omega, gamma in the scene's body axes) and a time, it returns the state
+        as an array of shape (6,), or (n, 6) for n times.
 
     Raises
     ------

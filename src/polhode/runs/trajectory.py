@@ -75,14 +75,16 @@ class Trajectory(Result, ByValue, Generic[S_co]):
     [0.393669412155, -0.27086132721, 1.11466936938]
 
     ``times``: exact values of the times at which the states hold (already rounded to the type).
-    ``states``: shape (len(times), 3 or 6), p q r [gamma1 gamma2 gamma3], an ndarray, of mpf above
-    extended; nothing can be written into it.  ``attitude``: there where hodographs were asked for,
-    too.
+    ``states``: shape (len(times), 3 or 6), p q r [gamma1 gamma2 gamma3] in the scene's body axes
+    and units, a read-only ndarray, of mpf in types wider than extended.  ``angles``: psi, theta,
+    phi in radians; ``attitude``: the quaternion body to space, scalar first, also if hodographs
+    were asked for.
     ``steps``: Taylor steps taken.  ``events``: one for each event of the scene.  ``projection``:
-    None where the state was not put back on the first integrals.  ``method``: "taylor" or
-    "refined"; a refined run's ``errors`` are estimates, one a state, of the largest error over its
-    columns: None where the motion multiplies errors too much for one.  ``digits``: those asked
-    for; ``correct_digits``: how many were found right, by what ``checked_by`` says.
+    None if the state was not projected onto the first integrals.  ``method``: "taylor" or
+    "refined"; the ``errors`` of a refined run are estimates, one for each state, of the largest
+    error over its columns: None if the motion multiplies errors too much for an estimate.
+    ``digits``: those asked for; ``correct_digits``: how many were found correct, by what
+    ``checked_by`` says.
     """
 
     scene: Scene
@@ -259,7 +261,7 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         return _PRESENTATION.get().plot(self, what, axes if ax is None else ax, end)
 
     def view(self, *, end: AnyNumber | None = None) -> Page:
-        """The motion as a page that moves, see :func:`polhode.view`."""
+        """The motion as an animated page, see :func:`polhode.view`."""
         return _PRESENTATION.get().view(self, end)
 
     @property
@@ -300,9 +302,9 @@ class Trajectory(Result, ByValue, Generic[S_co]):
 
     @cached_property
     def outputs(self) -> Mapping[str, Columns]:
-        """Rows of all that is there beside the states, by the words of ``run.outputs``.
+        """Rows of all outputs besides the states, by the words of ``run.outputs``.
 
-        What others need is there, too; of hodographs it is omega in space.
+        Outputs that others need are included; that of hodographs is omega in space.
 
         >>> import polhode
         >>> run = polhode.integrate("lagrange/nutation", at=[1, 2])

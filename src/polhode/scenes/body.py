@@ -133,10 +133,10 @@ OWN_AXES = PrincipalAxes(IDENTITY, (ONE, ONE, ONE))
 class Body:
     """Inertia matrix I at the fixed point, centre of mass r0, weight Mg, in body axes.
 
-    Numbers of any kind are taken exactly, see :func:`polhode.numbers.conversion.exact_number`.
-    Raises UnphysicalBody, a ValueError, unless I is symmetric with positive principal moments of
-    which none exceeds the sum of the other two.  Any consistent units.  ``parts``: the solids that
-    it is made of, where it was put together.
+    Any consistent units.  Numbers of any kind are exact, a float the binary number that it is; see
+    :func:`polhode.numbers.conversion.exact_number`.  Raises UnphysicalBody, a ValueError, unless I
+    is symmetric with positive principal moments of which none exceeds the sum of the other two.
+    ``parts``: the solids that it was made of, if any.
 
     >>> import polhode
     >>> top = polhode.Body.of_moments([2, 2, 1], centre=[1, 0, 0], weight="3/2")

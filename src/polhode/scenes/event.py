@@ -20,8 +20,9 @@ class Event(NamedTuple):
     >>> polhode.integrate(scene).outcome.value
     'stopped at event'
 
-    ``zero`` may be empty where the name says it.  ``direction``: rising, falling or any, as t
-    grows, in backward runs too.  ``stop``: the run ends at the first one.
+    ``zero``: the expression; empty for a name that is known, such as "nutation".  ``direction``:
+    rising, falling or any, as t grows, in backward runs too.  ``stop``: the run ends at the first
+    one.
     """
 
     name: str

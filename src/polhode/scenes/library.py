@@ -46,7 +46,7 @@ def load(scene: Scene | str | Path) -> Scene:
     Parameters
     ----------
     scene : Scene, str or Path
-        A name such as "lagrange/nutation", a path of a TOML file, or a Scene, which is handed back.
+        A name such as "lagrange/nutation", a path of a TOML file, or a Scene, which is returned.
 
     Returns
     -------
@@ -56,7 +56,7 @@ def load(scene: Scene | str | Path) -> Scene:
     Raises
     ------
     BadInput
-        No such case or file, or one that is no scene: file, key, value and what was expected.
+        An unknown case or file, or one that is no scene: file, key, value and what was expected.
 
     Examples
     --------

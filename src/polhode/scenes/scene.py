@@ -32,14 +32,14 @@ _PRESENTATION: Slot[ScenePresentation[Scene]] = Slot("scenes")
 
 
 class Published(NamedTuple):
-    """A figure that somebody printed: an expression in the columns and its printed value.
+    """A published value: an expression in the columns and its printed value.
 
     >>> import polhode
     >>> figure = polhode.load("published/nasa-brick").published[0]
     >>> figure.quantity, figure.cite
     ('180/pi*p', 'NASA/TM-2015-218675 case 2 (recomputed to 20 digits)')
 
-    A cite that ends in "(recomputed to N digits)": the scene is somebody's, the figure is not.
+    A cite that ends in "(recomputed to N digits)": the scene is published, the value is not.
     """
 
     t: Exact
@@ -59,7 +59,7 @@ _PARTS = {"tags": str, "cite": str, "outputs": str, "events": Event, "published"
 
 
 class SectionPlan(NamedTuple):
-    """How a scene's level is cut: see :func:`polhode.section`.
+    """The section of a scene's level: see :func:`polhode.section`.
 
     ``by``: momentum, height or an expression.  ``extremum``: max or min.  ``starts``: rows of
     numbers in the section's coordinates.
@@ -96,12 +96,14 @@ _OF_TIMES = ("text",)
 @may_wait("source")
 @dataclass(frozen=True, repr=False)
 class Scene:
-    """What is to be integrated; see the module for frame and symbols.
+    """A body, a start at t = 0, and output times; exact.
 
-    ``gamma`` None: a torque-free body of which only omega is asked.  ``times``: output times, all
-    of one sign (0 may be the first), |t| increasing.  Numbers of any kind are taken exactly, a
-    float as the binary number that it is.  ``normalise``: bring gamma to length 1.  ``units``:
-    "SI", or "" for any consistent units.  Raises BadInput where a value cannot be.
+    ``omega`` (3,): the angular velocity; ``gamma`` (3,): the upward vertical unit vector; both in
+    body axes.  ``gamma`` None: a torque-free body of which only omega is asked.  ``psi``: the
+    precession angle at t = 0.  ``times``: output times, all of one sign (0 may be the first), |t|
+    increasing.  Numbers of any kind are exact, a float the binary number that it is.
+    ``normalise``: bring gamma to length 1.  ``units``: "SI", or "" for any consistent units.
+    Raises BadInput for an impossible value.
 
     >>> import polhode
     >>> body = polhode.Body.of_moments([2, 2, 1], centre=[1, 0, 0], weight=1)
@@ -258,7 +260,11 @@ class Scene:
 
     @cached_property
     def integrals(self) -> Integrals:
-        """The exact values of (3.30) and their scales T(0) + Mg|r0| and |G(0)|."""
+        """The exact values of h and f, and their scales T(0) + Mg|r0| and |G(0)|.
+
+        h = ½ w·I w + Mg r0·gamma and f = I w·gamma, (3.30) of Yehia, *Rigid Body Dynamics: A
+        Lagrangian Approach*.
+        """
         momentum = self.body.momentum(self.omega)
         kinetic = dot(momentum, self.omega) / 2
         torque = self.body.torque

@@ -29,7 +29,7 @@ _SURROGATE = re.compile("[\ud800-\udfff]")
 def toml(scene: Scene) -> str:
     """Write a scene as the text of a file that holds it exactly.
 
-    It is the file's own text as long as that says what the scene is; body and start stand as they
+    It is the file's own text if the scene was not changed since; body and start are written as they
     were given.
 
     Parameters

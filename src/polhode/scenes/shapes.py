@@ -95,9 +95,9 @@ class Part:
 
     ``shape``: box (``size``), cylinder (``radius``, ``height``, ``inner``), disc (``radius``,
     ``inner``), cone (``radius``, ``height``), ellipsoid (``semi_axes``), sphere (``radius``,
-    ``inner``), rod (``height``), point.  ``at``: its centre from the fixed point, of a cone its
-    tip.  ``axis``: of a round one, the axis of the body along which it lies, and to which a cone
-    opens.  Any consistent units; numbers of any kind are taken exactly.  Raises BadInput.
+    ``inner``), rod (``height``), point.  ``at``: its centre (for a cone its tip) from the fixed
+    point, in body axes.  ``axis``: for a round part, the body axis along which it lies, and along
+    which a cone opens.  Any consistent units; numbers of any kind are exact.  Raises BadInput.
 
     >>> import polhode
     >>> cone = polhode.Part("cone", mass=1, radius=3, height=4)

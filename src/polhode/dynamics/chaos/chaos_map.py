@@ -56,12 +56,13 @@ _ROUNDING = 1e-9  # of an end
 
 @dataclass(frozen=True, repr=False, eq=False)
 class ChaosMap(Result, ByValue):
-    """Verdicts of many motions: arrays with a row a motion.
+    """Verdicts of many motions: arrays with one row per motion.
 
-    ``keys``: what the two coordinates are; ``at`` (n, 2): theirs.  ``shape``: cells of the grid,
-    ``cell`` (n,) the cell of each motion, in C order.  ``verdict``: indices into VERDICTS.
-    ``fli``, ``megno``, ``growth``, ``exponent`` (per unit of time) up to ``until``, which is less
-    than ``end`` where a motion was left as chaotic before.
+    ``keys``: the names of the two coordinates; ``at`` (n, 2): their values.  ``shape``: cells of
+    the grid, ``cell`` (n,) the cell of each motion, in C order.  ``verdict`` (n,): indices into
+    VERDICTS.  ``fli`` (max ln|u|), ``megno``, ``growth`` (of ln|u| over the second half of the
+    time), ``exponent`` (per unit of the scene's time), each (n,), up to the time ``until``, which
+    is less than ``end`` for a motion that was found chaotic earlier.
 
     >>> import polhode
     >>> found = polhode.chaos_map("lagrange/nutation", grid=(3, 3), end=1000)
@@ -129,10 +130,10 @@ def chaos_map(
     parts: Path | None = None,
     progress: Progress | None = None,
 ) -> ChaosMap:
-    """Judge the motions on a section's grid, or of scenes in which two numbers vary.
+    """Classify the motions of a section's grid, or of scenes in which two numbers vary.
 
-    Each is judged regular, unstable or chaotic by the growth of a tangent vector, see
-    :func:`polhode.lyapunov`.
+    Each is regular, unstable, chaotic or undecided by the growth of a tangent vector, see
+    :func:`polhode.lyapunov`; regular means up to ``end``.
 
     Parameters
     ----------
@@ -143,8 +144,8 @@ def chaos_map(
     varied : mapping, optional
         Two numbers of the scene file instead of the grid, as in :func:`polhode.integrate_many`.
     end : number, optional
-        The time to follow each motion to, in the scene's unit; 1000 units of the inner time unless
-        given (a power of two of the scene's, about a radian of its start's fastest rate).
+        The last time of each motion, in the scene's unit; by default 1000 units of the inner time
+        (a power of two of the scene's unit, about a radian of the start's fastest rate).
     by, extremum : str, optional
         The section, as in :func:`polhode.section`.
     h, f : number, optional
@@ -156,7 +157,7 @@ def chaos_map(
     executor : Executor, optional
         An executor of ``concurrent.futures`` instead of threads.
     parts : Path, optional
-        A folder for finished jobs, from which the same call goes on after a kill.
+        A folder for finished jobs, from which the same call continues after a kill.
     progress : callable, optional
         Called with the fraction done and the motions done.
 

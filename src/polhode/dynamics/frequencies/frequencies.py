@@ -101,7 +101,7 @@ def frequencies(
     end: AnyNumber | None = None,
     lines: int = LINES,
 ) -> Frequencies:
-    """Find the lines of a motion's signals by Laskar's frequency analysis.
+    """Find the spectral lines of a motion's signals by Laskar's frequency analysis.
 
     Parameters
     ----------
@@ -111,9 +111,9 @@ def frequencies(
         Among "p+iq", "gamma1+i gamma2", "p", "q", "r", "gamma1", "gamma2", "gamma3" and "axis", the
         third body axis in space; "p+iq" and "gamma3" unless given.
     end : number, optional
-        How far a scene is integrated; its own end, or 200 where it has none, unless given.
+        The last time of a scene's run; by default its own end, or 200 if it has none.
     lines : int
-        How many lines of each signal.
+        The number of lines of each signal.
 
     Returns
     -------
@@ -124,7 +124,7 @@ def frequencies(
     Raises
     ------
     BadInput
-        Times that are not equally spaced, a signal that there is not, too few samples.
+        Times that are not equally spaced, an unknown signal, too few samples.
 
     References
     ----------

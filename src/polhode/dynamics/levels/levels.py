@@ -89,10 +89,11 @@ class Here(NamedTuple):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Levels(Result, ByValue):
-    """The diagram of a body, and where a scene lies in it; f and -f mirror each other.
+    """The (f, h) diagram of a body, and where a scene lies in it; f and -f mirror each other.
 
-    ``exact``: whether the body's numbers and the scene's level are rational, so that types, cusps
-    and regions are decided for them and not for numbers rounded to 1024 bits.
+    h and f are in the scene's units.  ``exact``: whether the body's numbers and the scene's level
+    are rational, so that types, cusps and regions are decided for them and not for numbers rounded
+    to 1024 bits.
 
     >>> import polhode
     >>> found = polhode.levels("general/asymmetric-chaotic")
@@ -180,7 +181,7 @@ def topology(region: Region | None) -> str:
 
 
 def levels(scene: Scene | str | Path) -> Levels:
-    """Draw up the diagram (f, h) of a scene's body in closed form, and find the scene in it.
+    """Compute the (f, h) diagram of a scene's body in closed form, and the scene's place in it.
 
     Parameters
     ----------

@@ -38,7 +38,7 @@ LANES = 8  # a job has a multiple of so many members
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Reductions(Ended):
-    """Some numbers of each member of a sweep, its states not kept.
+    """Some numbers of each member of a sweep, without its states.
 
     >>> import polhode
     >>> found = polhode.reduce_many(
@@ -49,9 +49,9 @@ class Reductions(Ended):
     >>> found["largest theta"].shape, found.names[:3]
     ((3,), ('largest theta', 't of largest theta', 'final p'))
 
-    ``numbers``: arrays (members,) by name, float64 or longdouble; nan of members that did not
-    reach the end, and of a first event that does not come.  ``parts``: the folder of finished jobs,
-    to be removed.  ``endings``: indices into
+    ``numbers``: arrays (members,) by name, float64 or longdouble, in the scene's body axes and
+    units; nan for members that did not reach the end, and for a first event that does not happen.
+    ``parts``: the folder of finished jobs, to be removed.  ``endings``: indices into
     ``polhode.motion.outcomes.OUTCOMES``; ``counts``: steps.
     """
 
@@ -100,7 +100,8 @@ def reduce_many(
 ) -> Reductions:
     """Integrate many variants of a scene and keep some numbers of each.
 
-    Memory does not grow with the number of output times.  Ctrl-C keeps what is finished.
+    States are not projected onto the first integrals.  Memory does not grow with the number of
+    output times.  Ctrl-C keeps the finished members.
 
     Parameters
     ----------
@@ -110,37 +111,37 @@ def reduce_many(
         Numbers of the scene file by key, as in :func:`polhode.integrate_many`.
     keep : str or sequence of str
         "final" (the last state); "largest X" and "smallest X", X an expression in p q r gamma1
-        gamma2 gamma3 t theta: its extreme over the output times, and where it is first reached;
-        "first NAME": time after 0 and state of an event, the scene's, or nutation or equator,
-        whatever the output times are; "lyapunov": the largest exponent to the last time, its
-        uncertainty and growth, as :func:`polhode.lyapunov` has them.
+        gamma2 gamma3 t theta: its extreme over the output times, and the first of them at which it
+        is reached; "first NAME": time and state of the first zero after 0 of an event of the scene,
+        or of nutation or equator, also between output times; "lyapunov": the largest exponent to
+        the last time, its uncertainty and growth, as in :func:`polhode.lyapunov`.
     number : str or NumberType, optional
         double or extended; events and exponents in double only.
     at : iterable of numbers, optional
         Output times in the scene's unit; the scene's own unless given.
     tol : number, optional
-        The tolerance of a step, the type's eps unless given.
+        The tolerance of a step; the type's eps by default.
     max_steps : int, optional
-        Of each member.
+        A limit on the steps of each member.
     executor : Executor, optional
         An executor of ``concurrent.futures`` instead of threads.
     workers : int, optional
         Threads; as many as there are cores unless given.
     parts : Path, optional
-        A folder for finished jobs, from which a call that was killed goes on.
+        A folder for finished jobs, from which the same call continues after a kill.
     progress : callable or bool, optional
         Called with the fraction of members done and how many; True for a bar.
 
     Returns
     -------
     Reductions
-        A table: a row for each member, columns by ``keep``.  What is of the output times is the
-        same to the bit as from the states of :func:`polhode.integrate_many`.
+        A table: one row per member, columns by ``keep``.  Numbers that are made of the states at
+        output times are the same to the bit as from :func:`polhode.integrate_many`.
 
     Raises
     ------
     BadInput
-        A member that cannot be integrated, a name in ``keep`` that there is not.
+        A member that cannot be integrated, an unknown name in ``keep``.
 
     Examples
     --------

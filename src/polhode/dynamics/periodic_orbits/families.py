@@ -70,10 +70,10 @@ class Bifurcation(NamedTuple):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class OrbitFamily(Result, ByValue):
-    """Periodic orbits along a curve on which h (or f) changes and f (or h) is held.
+    """Periodic orbits along a curve on which h (or f) varies and f (or h) is kept fixed.
 
-    ``by``: h or f.  ``points``: from the first orbit on.  ``bifurcations``: in the order in which
-    they were passed.  ``ended``: why it ends where it does.
+    ``by``: h or f.  ``points``: from the first orbit on, in double.  ``bifurcations``: in the order
+    in which they were passed.  ``ended``: why the family ends there.
 
     >>> import polhode
     >>> found = polhode.orbit_family("grioli/precession", "h", "0.76")
@@ -127,21 +127,21 @@ def orbit_family(
 ) -> OrbitFamily:
     """Follow a family of periodic orbits from one orbit to another value of h or f.
 
-    It is followed through folds; where it turns and comes back to the value that it began at, it
-    ends there.  Ctrl-C ends it with what is done.
+    It is followed through folds; if it returns to the value at which it began, it ends there.
+    Ctrl-C ends it and keeps the orbits found.
 
     Parameters
     ----------
     start : Orbit, Scene, str or Path
         An orbit, or a scene near one (see :func:`polhode.orbit`).
     by : {"h", "f"}
-        What changes: the energy or the vertical momentum; the other one is held.
+        What varies: the energy or the vertical momentum; the other one is kept fixed.
     to : number
         The value at which to end.
     first : number, optional
-        The value of a scene's orbit, its own unless given.
+        The value of a scene's first orbit; by default the scene's own.
     points : int
-        At most so many.
+        The largest number of orbits.
     progress : callable, optional
         Called with a line of text now and then.
 
@@ -153,7 +153,7 @@ def orbit_family(
     Raises
     ------
     BadInput
-        Where there is no orbit to begin with, or several families pass through it.
+        If there is no first orbit, or several families pass through it.
 
     Examples
     --------

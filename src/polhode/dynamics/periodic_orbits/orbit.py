@@ -65,15 +65,15 @@ ELLIPTIC, HYPERBOLIC, INVERSE, PARABOLIC = (
 class Orbit(Result, ByValue):
     """A periodic orbit of (omega, gamma) on one level: its start, its period, its stability.
 
-    ``scene``: the found start as an exact scene that ends after one period.  ``period``: exactly
-    the decimal of that scene.  ``error``: the largest error of start and period, relative, from a
-    correction in a wider type.  ``h``, ``f``: the level.  ``residue``: Greene's (6 - tr M)/4, M the
-    monodromy matrix, ``residue_error`` about its error; below 0 the orbit is hyperbolic, between 0
-    and 1 elliptic, above 1 inverse hyperbolic.  ``determinant``: |det M - 1|.  ``psi``: how psi
-    advances in a period, None where that cannot be
-    said; ``psi_whole``: with its whole turns, which are unknown where the third axis passes through
-    the vertical.  ``moved``: how far the start lies from
-    the guess, scaled.  ``corrections``: in double and in the wider type.
+    In the scene's body axes and units.  ``scene``: the start as an exact scene that ends after one
+    period.  ``period``: exactly the decimal of that scene.  ``error``: the largest relative error
+    of start and period, estimated by a correction in a wider type.  ``h``, ``f``: the level.
+    ``residue``: Greene's (6 - tr M)/4, M the monodromy matrix, ``residue_error`` an estimate of its
+    error; below 0 the orbit is hyperbolic, between 0 and 1 elliptic, above 1 inverse hyperbolic.
+    ``determinant``: |det M - 1|.  ``psi``: the advance of psi in a period in radians, None if it is
+    not known; ``psi_whole``: whether it includes whole turns, which are unknown if the third axis
+    passes through the vertical.  ``moved``: the distance of the start from the guess, scaled.
+    ``corrections``: the numbers of corrections in double and in the wider type.
 
     >>> import polhode
     >>> found = polhode.orbit("grioli/precession", digits=20)
@@ -110,7 +110,7 @@ class Orbit(Result, ByValue):
 
     @property
     def multipliers(self) -> tuple[tuple[Real, Real], tuple[Real, Real]]:
-        """Real and imaginary part of the two that are not 1 always; their product is 1."""
+        """Real and imaginary part of the two that may differ from 1; their product is 1."""
         with mpmath.workprec(bits_for(self.digits) + 20):
             half = 1 - 2 * to_mpf(exactly(self.residue), bits_for(self.digits) + 20)
             if abs(half) <= 1:
@@ -122,7 +122,7 @@ class Orbit(Result, ByValue):
 
     @property
     def turns(self) -> Fraction | None:
-        """psi's advance over 2 pi where that is a fraction, as far as the digits tell, else None.
+        """psi's advance over 2 pi if that is a fraction to the digits known, else None.
 
         With k below, the motion in space closes after k periods.
         """
@@ -154,9 +154,9 @@ def orbit(
     returns: int | None = None,
     progress: Message | None = None,
 ) -> Orbit:
-    """Find the periodic orbit near a scene's start, to so many digits.
+    """Find a periodic orbit of omega and gamma near a scene's start, to the digits wanted.
 
-    Newton's method in double, then in a type wide enough.
+    Newton's method in double, then in a type wide enough.  h and f are kept fixed.
 
     Parameters
     ----------
@@ -167,10 +167,10 @@ def orbit(
     h, f : number, optional
         The level of the orbit: energy and vertical momentum; the scene's own unless given.
     period : number, optional
-        A guess, in the scene's unit of time.  Without one the times are tried at which the motion
-        comes near its start again.
+        A guess, in the scene's unit of time.  Without one the times at which the motion returns
+        near its start are tried.
     returns : int, optional
-        How many of these; 10 unless given.
+        How many of these to try; 10 by default.
     progress : callable, optional
         Called with a line of text now and then.
 
@@ -182,8 +182,8 @@ def orbit(
     Raises
     ------
     BadInput
-        A permanent rotation, a motion that does not come near its start, a level that does not
-        exist, and where Newton's method finds no orbit near the start.
+        A permanent rotation, a motion that does not return near its start, a level that does not
+        exist, or no orbit found near the start by Newton's method.
 
     Examples
     --------

@@ -60,9 +60,10 @@ class Guess(NamedTuple):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class OrbitSearch(Result, ByValue):
-    """The periodic orbits that were found on one level, by rising period.
+    """The periodic orbits that were found on one level, by increasing period.
 
-    ``orbits``: each with its period, residue and a state.  ``guesses``: how many were tried.
+    The list is not complete.  ``orbits``: each with its period, residue and a state, in double.
+    ``guesses``: how many were tried.
 
     >>> import polhode
     >>> found = polhode.orbit_search("general/asymmetric-regular", (8, 8), crossings=1)
@@ -100,9 +101,9 @@ def orbit_search(
     f: AnyNumber | None = None,
     progress: Message | None = None,
 ) -> OrbitSearch:
-    """Search a level for periodic orbits.
+    """Search a level for periodic orbits; orbits between the cells may be missed.
 
-    Ctrl-C ends it with what is found.
+    Ctrl-C ends it and keeps the orbits found.
 
     Parameters
     ----------
@@ -120,7 +121,7 @@ def orbit_search(
     Returns
     -------
     OrbitSearch
-        The orbits found, each once, by rising period.
+        The orbits found, each once, by increasing period.
 
     Raises
     ------

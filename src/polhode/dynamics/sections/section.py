@@ -41,14 +41,14 @@ _BYTES = 400  # of a crossing, while it is found and put in order
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Section(Result, ByValue):
-    """Crossings of a section by orbits on one level, an orbit a row; nan past an orbit's last one.
+    """Crossings of a section by orbits on one level, one row per orbit; nan after its last one.
 
     ``by``: momentum, height, or an expression.  ``starts`` (n, 2): coordinates of the starts;
     ``start_states`` (n, 6): their states, like those of the crossings.
     ``states`` (n, m, 6): p q r gamma1 gamma2 gamma3 in the scene's axes and units.  ``times``,
-    ``rests`` (n, m): a time is their sum.  ``l``, ``ratio`` (n, m): Andoyer's angle l and L/G about
-    r0.  ``counts`` (n,); ``outcomes``: how each orbit ended.  ``drift``: the largest residual of h,
-    f and |gamma|^2 before a projection, relative.
+    ``rests`` (n, m): a time is the sum of both.  ``l``, ``ratio`` (n, m): Andoyer's angle l and L/G
+    about r0.  ``counts`` (n,): the crossings of each orbit; ``outcomes``: how each orbit ended.
+    ``drift``: the largest residual of h, f and |gamma|^2 before a projection, relative.
 
     >>> import polhode
     >>> found = polhode.section("lagrange/nutation", starts=[[1, 0.2]], crossings=20)
@@ -85,11 +85,11 @@ class Section(Result, ByValue):
 
     @cached_property
     def digits(self) -> Doubles:
-        """Correct digits to be expected of each crossing's state, nan past the last one: (n, m).
+        """Expected correct digits of each crossing's state, nan after the last one: (n, m).
 
-        What one rounding is multiplied by on the way from the start, by one tangent along each
-        orbit, which takes as long as the section itself, or longer; computed when first asked for.
-        nan, all of them, of a section that was interrupted: whoever did that wants it to end.
+        From the growth of a rounding error since the start, estimated by one tangent along each
+        orbit.  That takes as long as the section itself, or longer, and is computed when first
+        asked for.  All are nan for a section that was interrupted.
 
         >>> import polhode
         >>> scene = polhode.load("general/asymmetric-chaotic")
@@ -133,7 +133,7 @@ def section(
 ) -> Section:
     """Follow orbits of a scene's body on a level to their crossings of a section.
 
-    What the scene's [section] says stands where nothing is given.
+    Arguments that are left out have the values of the scene's [section].
 
     Parameters
     ----------
@@ -149,9 +149,9 @@ def section(
         [l, L/G], or [l, L/G, k], the k-th of several by rising y, for momentum and expressions;
         [gamma1, gamma2, gamma3, ±1] in the scene's axes for height; or "scene", its own start.
     grid : tuple of int, optional
-        As many cells of both coordinates instead, starts in their centres; 9 by 8 unless given.
+        Cells of both coordinates instead, with starts in their centres; 9 by 8 by default.
     crossings : int, optional
-        How many of each orbit.
+        The number of crossings of each orbit.
     h, f : number, optional
         The level: energy and vertical momentum; the scene's own unless given.
     workers : int, optional
@@ -159,14 +159,15 @@ def section(
     executor : Executor, optional
         An executor of ``concurrent.futures`` instead.
     parts : Path, optional
-        A folder for finished jobs, from which a call that was killed goes on.
+        A folder for finished jobs, from which the same call continues after a kill.
     progress : callable, optional
         Called with the fraction done and the orbits done.
 
     Returns
     -------
     Section
-        The crossings of each orbit: states, times and the section's coordinates.
+        The crossings of each orbit: states in the scene's body axes, times and the section's
+        coordinates.
 
     Raises
     ------

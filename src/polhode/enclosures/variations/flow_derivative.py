@@ -40,11 +40,12 @@ class BallMatrix(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FlowDerivative(ByValue):
-    """What the exact motion makes of a small change of its start, to first order: proven.
+    """The derivative of the exact state by the start, enclosed.
 
     ``matrices``: one for each of ``times``, six rows and columns, w before gamma (three without
-    gamma), in the scene's body axes and units: the derivative of the state by the start, h, f and
-    |gamma| not held.  ``unit``: a rate by which w is divided for what is one number a time.
+    gamma), in the scene's body axes and units: the derivative of the state with respect to all six
+    numbers of the start, h, f and |gamma| not kept fixed.  ``unit``: the rate by which w is divided
+    in ``amplification`` and ``exponents``.
 
     >>> import polhode
     >>> found = polhode.certify("euler/separatrix", at=[10], derivatives=True).derivatives

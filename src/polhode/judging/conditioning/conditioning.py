@@ -51,9 +51,14 @@ _BEYOND = 4  # digits of |Phi| beyond those of the type: kappa, of the inputs al
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Conditioning(ByValue):
-    """What a motion does to errors at each time, as far as it was followed.
+    """How much a motion multiplies errors at each time, as far as it was followed.
 
-    ``number``: the type for whose digits it was followed.  ``along``: the motion's stretches.
+    ``times``: in the scene's unit.  ``number``: the type for whose digits it was followed.
+    ``along``: the motion's intervals.  ``kappa``: max over i of the sum over j of
+    |d x_i/d ln u_j|, x the state (omega relative to the largest |omega| at the times), u_j the
+    components of omega and gamma at the start, A, B, C and the components of Mg r0 that are not 0.
+    ``amplification``: the largest |Phi(t, s)|, 0 <= s <= t, Phi(t, s) the derivative of the state
+    at t by that at s.
 
     >>> import polhode
     >>> found = polhode.conditioning("euler/separatrix", [10, 120])
@@ -260,28 +265,29 @@ def conditioning(
     number: NumberType | str = DOUBLE,
     max_steps: int = MAX_STEPS,
 ) -> Conditioning:
-    """Follow what a scene's motion does to errors on the way, by its variational equations.
+    """Compute how much a scene's motion multiplies errors, by its variational equations.
 
-    kappa(t) is the factor by which one rounding a step, of relative size eps, has grown at t.  It
-    is followed until kappa·eps of ``number`` reaches 1 and is right to two digits and more: where
-    the motion in double is no longer the scene's, it is led along one in a wider type.
+    kappa(t) is the largest change of the state at t per unit of relative change of every number of
+    the scene at once.  It is followed until kappa·eps of ``number`` reaches 1 and is right to two
+    digits or more: if the motion in double is no longer the scene's, it follows one in a wider
+    type.
 
     Parameters
     ----------
     scene : Scene, str or Path
         A scene, a path, or the name of a case.
     times : iterable of numbers, optional
-        The times to tell it at, in the scene's unit; the scene's own unless given.
+        The times, in the scene's unit; the scene's own by default.
     number : NumberType or str
-        The number type whose roundings are meant.
+        The number type whose rounding errors are meant.
     max_steps : int
-        Of the variational equations; beyond so many the answer is "kappa not followed".
+        A limit on the steps of the variational equations; beyond it kappa is not known.
 
     Returns
     -------
     Conditioning
-        kappa at each time, the digits that it leaves, and those that a rounding of the scene's
-        numbers leaves.
+        kappa, amplification, expected digits, and the digits that rounding of the scene's numbers
+        alone leaves, at each time.
 
     Raises
     ------

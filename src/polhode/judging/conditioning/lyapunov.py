@@ -52,12 +52,13 @@ _DOUBLES_TRUE = 12 * math.log(10)  # ln of the growth up to which a double follo
 class Lyapunov:
     """The largest exponent per unit of time, and the verdict on the motion up to ``end``.
 
-    ``exponent`` is the mean growth of ln |tangent| over the second half of the time;
-    ``uncertainty``: of a chaotic motion the standard deviation of the exponents of it and seven
-    neighbours, found alike; of another the standard error over blocks of time, and for what a power
-    law would show as well (blocks of a chaotic one hang together: their error is half the scatter).
-    ``growth``: of ln |tangent| over that half.  ``verdict``: "regular", "unstable",
-    "chaotic" or "undecided", see :mod:`polhode.judging.conditioning.motion_kinds`.
+    ``exponent`` is the mean growth of ln |tangent| over the second half of the time, per unit of
+    the scene's time.  ``uncertainty``: for a chaotic motion the standard deviation of the exponents
+    of this motion and seven nearby ones; for any other the standard error over blocks of time, plus
+    2/``end``, the exponent that a power law may show.  ``growth``: of ln |tangent| over that half.
+    ``verdict``: "regular" (nearby motions separate no faster than a power of t), "unstable"
+    (exponentially, but the motion is known from a closed form or is a fixed point), "chaotic"
+    (exponentially, and nothing of that kind is known) or "undecided" (the time is too short).
 
     >>> import polhode
     >>> polhode.lyapunov("euler/largest-axis", 1000).verdict
@@ -85,23 +86,23 @@ class Lyapunov:
 def lyapunov(
     scene: Scene | str | Path, end: AnyNumber | None = None, max_steps: int = MAX_STEPS
 ) -> Lyapunov:
-    """Estimate the largest Lyapunov exponent of a scene's motion, and tell what kind it is.
+    """Estimate the largest Lyapunov exponent of a scene's motion, and classify the motion.
 
     Parameters
     ----------
     scene : Scene, str or Path
         A scene, a path, or the name of a case.
     end : number, optional
-        The time to follow it to, in the scene's unit; unless given the scene's own end, or 2000
-        units of the slower of its spin and its pendulum's swing if that is longer.
+        The last time, in the scene's unit; by default the scene's own end, or 2000 units of the
+        slower of its spin and its pendulum's swing if that is longer.
     max_steps : int
-        Of the variational equations.
+        A limit on the steps of the variational equations.
 
     Returns
     -------
     Lyapunov
         The exponent per unit of time, its standard deviation, and the verdict: regular, unstable,
-        chaotic, or undecided where the time is too short to tell.
+        chaotic, or undecided if the time is too short.
 
     Raises
     ------

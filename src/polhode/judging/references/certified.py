@@ -27,10 +27,10 @@ if TYPE_CHECKING:
 class Certified(Result):
     """The reference of any scene: balls that contain the exact motion, and their midpoints.
 
-    ``progress``, ``forecast``: told of each proof as by :func:`polhode.certify`; ``max_seconds``: a
-    limit on all of them together, from now on.  ``agreement`` holds the digits proven for the last
-    request of states, at its worst time; where states were never asked for, of the last attitude or
-    angles.
+    Answers are in the scene's body axes and units.  ``progress``, ``forecast``: called during each
+    proof as by :func:`polhode.certify`; ``max_seconds``: a limit on all of them together, from now
+    on.  ``agreement`` holds the digits proven for the last request of states, at its worst time; if
+    states were never asked for, of the last attitude or angles.
 
     >>> import polhode
     >>> proven = polhode.Certified(polhode.load("general/asymmetric-regular"))

@@ -43,7 +43,8 @@ Ask: TypeAlias = Callable[[Sequence[Fraction], int], Sequence[T]]
 class Reference(Result):
     """The closed form of a scene.
 
-    ``kind``: which closed form; ``regime``: the kind of motion; answers in the scene's body axes.
+    ``kind``: which closed form; ``regime``: the kind of motion.  Answers are in the scene's body
+    axes and units.
 
     >>> import polhode
     >>> exact = polhode.reference("euler/largest-axis")
@@ -207,7 +208,10 @@ class Remembered:
 
 
 def reference(scene: Scene | str | Path) -> Reference | Certified | TwoPrecisions:
-    """Give the reference of a scene: the closed form that fits, a proven enclosure where none does.
+    """Give the reference of a scene: the closed form that fits, else a proven enclosure.
+
+    If the scene's ``reference`` names one, it is that one; two runs at different precision are used
+    only so.
 
     Parameters
     ----------
@@ -217,7 +221,8 @@ def reference(scene: Scene | str | Path) -> Reference | Certified | TwoPrecision
     Returns
     -------
     Reference, Certified or TwoPrecisions
-        What answers with states to any number of digits at any time.
+        It gives the state p q r [gamma1 gamma2 gamma3] in the scene's body axes, to the digits
+        wanted, at any time.
 
     Raises
     ------

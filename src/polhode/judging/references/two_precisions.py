@@ -19,11 +19,11 @@ from polhode.scenes.scene import Scene
 
 
 class TwoPrecisions(Result):
-    """A reference made by integrating twice, at different precision, where a scene asks for it.
+    """A reference made by two integrations at different precision, if a scene asks for it.
 
     It shares the integrator and the equations with the runs that it judges: evidence against
-    rounding and truncation, not against a wrong equation.  ``agreement`` holds the correct digits
-    to which the two integrations of the last request agree.
+    rounding and truncation, not against a wrong equation; its errors are called estimated.
+    ``agreement`` holds the correct digits to which the two integrations of the last request agree.
 
     >>> import polhode
     >>> twice = polhode.TwoPrecisions(polhode.load("general/asymmetric-regular"))

@@ -97,36 +97,36 @@ def compare(
     against : reference, Scene, str or Path, optional
         A reference, or the scene whose reference it is; of a run its own scene unless given.
     number : str or NumberType, optional
-        The type whose rounded values a file's decimals, or the rows, are.  Floats, of Python or of
-        arrays (single, double or long double), are known as such.
+        The type to which a file's decimals, or the rows, were rounded.  Floats, of Python or of
+        arrays (single, double or long double), are recognised.
     digits : int, optional
-        Of mp, where ``number`` is that.
+        The digits of the type, if ``number`` is mp.
     at : iterable of numbers, optional
         The times of rows, in the scene's unit.
     columns : sequence of str, optional
-        Of rows, those of the scene unless given.  Of a file those that it has, in order, where it
-        has no header or another; or what single names of its header mean: ``["time_ms=t*1e-3",
+        Of rows, by default those of the scene.  Of a file without a header, or with another, its
+        columns in order; or what single names of its header mean: ``["time_ms=t*1e-3",
         "Q.W=q0"]``.
     known : Conditioning, optional
         The scene's conditioning, to spare its computation.
     first : callable, optional
-        Called with a judgement of a few rows of a table of more than a thousand, and how many those
-        are, before the others are judged by a closed form; of a file, before they are read.
+        Called with a judgement of a few rows of a table of more than a thousand, and how many rows
+        there are, before the others are judged by a closed form; of a file, before they are read.
     workers : int
-        Processes that a closed form whose rows cost seconds may be asked by.
+        Processes that compute a closed form, if its rows take seconds.
     progress : callable, optional
-        Called with the part of the reference's rows that are there, and how many (of a proof, of
-        the time and the steps), where they take long.
+        Called with the fraction of the reference's rows that are computed, and how many (of a
+        proof, with the fraction of the time, and the steps), if that takes long.
     as_it_stands : bool
         Judge the numbers in the conventions of the scene alone.  Otherwise another convention that
         makes a part right is applied, and ``reading`` says which.
     read : str, optional
         Conventions to read a table in, whatever digits they give, separated by commas, in the words
-        in which a judgement tells its reading: "degrees, scalar-last, y up".
+        of a judgement's reading: "degrees, scalar-last, y up".
     max_seconds : float, optional
-        A limit on proofs, where no closed form answers.
+        A limit on proofs, if there is no closed form.
     forecast : callable, optional
-        Called before each proof with the seconds that it will take, roughly, and with the unit that
+        Called before each proof with a rough estimate of its seconds, and with the unit that
         the times seem to have, if any.
 
     Returns
@@ -137,7 +137,7 @@ def compare(
     Raises
     ------
     BadInput
-        What cannot be read or judged, and a proof beyond ``max_seconds``.
+        Input that cannot be read or judged, or a proof that takes longer than ``max_seconds``.
 
     Examples
     --------

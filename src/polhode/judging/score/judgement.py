@@ -52,14 +52,14 @@ class _Worst(NamedTuple):
 class Judgement(Result, ByValue):
     """Correct digits of a run or a table at each of its times, and what limits them.
 
-    ``subject``: what was judged.  ``reference``: what against.  ``known``: kappa at the scene's
-    times, where it is known already.  ``workers``: processes that may ask the reference;
-    ``progress``: told of its rows where they take long.  ``as_it_stands``: whether no other
-    convention is tried.
-    ``digits[k]`` belongs to ``times[k]``: -log10 of the larger
-    of the error of omega over the largest |omega| of the reference, and the error of gamma.
-    ``worst``: the fewest of these and of those of every other part that was judged.
-    Printed, it is what ``polhode compare`` says.
+    ``subject``: what was judged.  ``reference``: what it was judged against.  ``known``: the
+    conditioning at the scene's times, if it is known already.  ``workers``: processes that may
+    compute the reference; ``progress``: called with its rows if they take long.
+    ``as_it_stands``: whether no other convention is tried.
+    ``digits[k]`` belongs to ``times[k]``: -log10 of the larger of the error of omega over the
+    largest |omega| of the reference at these times, and the error of gamma, in the scene's body
+    axes.  ``worst``: the fewest of these and of those of every other part that was judged.
+    Printed, it is the answer of ``polhode compare``.
 
     >>> import polhode
     >>> found = polhode.compare(polhode.integrate("euler/separatrix", at=[1, 20]))

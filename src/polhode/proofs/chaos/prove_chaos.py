@@ -80,7 +80,7 @@ def prove_chaos(
 
     Notes
     -----
-    The theorem and where each line of it stands: ``polhode guide proofs``.
+    The theorem and where each step is in the code: ``polhode guide proofs``.
 
     Examples
     --------

@@ -37,13 +37,13 @@ class Ensemble(Ended):
     >>> many.states.shape, many.t.tolist(), many[2].outcome.value
     ((3, 2, 6), [0.0, 1.0], 'reached end')
 
-    ``varied``: keys and exact values, a row a member.  ``states``: shape (members, times, columns),
-    columns p q r [gamma1 gamma2 gamma3]; float64, longdouble, or objects (mpf) above extended; not
-    a number where a member did not come.  ``outcomes``, ``steps``, ``reached``, ``errors``: one a
-    member, made of the arrays ``endings``, ``counts``, ``arrived`` and of ``told`` when asked for.
-    ``ensemble[k]`` is member k as a Trajectory.  ``projected``: False, steps are bare
-    Taylor steps, not put back onto the first integrals.  ``parts``: the folder that finished
-    members were kept in.
+    ``varied``: keys and exact values, one row per member.  ``states``: shape (members, times,
+    columns), columns p q r [gamma1 gamma2 gamma3] in the scene's units; float64, longdouble, or
+    objects (mpf) in wider types; nan at times that a member did not reach.  ``outcomes``,
+    ``steps``, ``reached``, ``errors``: one for each member, made of the arrays ``endings``,
+    ``counts``, ``arrived`` and of ``told`` when asked for.  ``ensemble[k]`` is member k as a
+    Trajectory.  ``projected``: False, the states are not projected onto the first integrals.
+    ``parts``: the folder in which finished members were kept.
     """
 
     scene: Scene

@@ -57,10 +57,10 @@ def integrate_many(
     method: str = "auto",
     progress: Progress | bool | None = None,
 ) -> Ensemble:
-    """Integrate many variants of a scene by one compiled code for all.
+    """Integrate many variants of a scene with one compiled code.
 
-    Doubles go through the machine's SIMD lanes, sorted by cost.  Steps are bare: states are *not*
-    projected onto the first integrals, as those of single runs are, and digits are *not* checked.
+    States are *not* projected onto the first integrals, as those of single runs are, and digits are
+    *not* checked.  In double several members at a time are integrated in the machine's SIMD lanes.
 
     Parameters
     ----------
@@ -73,40 +73,41 @@ def integrate_many(
     number : str or NumberType, optional
         The number type, as in :func:`polhode.integrate`.
     digits : int, optional
-        Chooses the number type by how far the fastest member turns, and promises no more: members
-        whose motion multiplies errors may have fewer digits right.
+        Chooses the number type by how far the fastest member turns, and is not checked: members
+        whose motion multiplies errors may have fewer correct digits.
     at : iterable of numbers, optional
-        Output times in the scene's unit; the scene's own unless given.
+        Output times in the scene's unit; the scene's own by default.
     tol : number, optional
-        The tolerance of a step, the type's eps unless given.
+        The tolerance of a step; the type's eps by default.
     max_steps : int, optional
-        Of each member.
+        A limit on the steps of each member.
     executor : Executor, optional
         An executor of ``concurrent.futures``, such as a process pool, dask's
         ``Client.get_executor()`` or mpi4py's, instead of threads.  Jobs are plain data both ways;
         those lost with a worker are run again here.
     workers : int, optional
-        Threads; as many as there are cores unless given.
+        Threads; by default as many as there are cores.
     parts : Path, optional
-        A folder that finished members are written to about once a second, so that the same call
-        after a kill goes on from there with the same results to the bit.  It is made where the
-        sweep takes longer, and stays until ``ensemble.parts.remove()``.
+        A folder to which finished members are written about once a second, so that the same call
+        continues from there after a kill, with the same results to the bit.  It is made if the
+        sweep takes longer than that, and kept until ``ensemble.parts.remove()``.
     method : {"auto", "taylor", "refined"}
-        "auto" refines, in quad and above, each member that can be and is long enough.
+        "auto" refines, in quad and mp, each member for which that is possible and faster.
     progress : callable or bool, optional
         Called with the fraction of members done and how many; True for a bar.
 
     Returns
     -------
     Ensemble
-        The members in the order of ``vary``: states, and outputs of the scene that are made of
-        them.  Ctrl-C keeps the members that are finished; the others have the outcome NOT_RUN.
+        The members in the order of ``vary``: states in the scene's body axes and units, and outputs
+        of the scene that are made of states alone.  Ctrl-C keeps the members that are finished; the
+        others have the outcome NOT_RUN.
 
     Raises
     ------
     BadInput
-        Before anything is integrated: a member that cannot be, a scene with events, too much of it
-        all, or ``parts`` with anything but parts of this very sweep.
+        Before anything is integrated: an impossible member, a scene with events, too many numbers
+        for the memory, or ``parts`` with anything but parts of the same sweep.
 
     Notes
     -----
