@@ -1,1 +1,1 @@
-"""How many digits are right, how many are to be expected, and what limits them."""
+"""How many digits are correct, how many are expected, and what limits them."""

@@ -1,1 +1,1 @@
-"""What a motion under way is asked and leaves behind: its end, its events, its corrections."""
+"""The interface and the results of a motion: its end, its events, its corrections."""

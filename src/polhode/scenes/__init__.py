@@ -1,1 +1,1 @@
-"""What is asked: body, start, times; scene files, the case library, variation of numbers."""
+"""The task: body, start, times; scene files, the case library, variation of numbers."""

@@ -1,1 +1,1 @@
-"""Families with one orbit a body, each in one file."""
+"""Families with one orbit per body, each in one file."""

@@ -1,1 +1,1 @@
-"""Sweeps of which some numbers a member are kept."""
+"""Sweeps that keep some numbers of each member."""

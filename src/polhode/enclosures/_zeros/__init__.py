@@ -1,1 +1,1 @@
-"""Zeros of polynomials along the exact motion: found, proven, or said to be undecided."""
+"""Zeros of polynomials along the exact motion: found, and proven or undecided."""

@@ -1,1 +1,1 @@
-"""What proofs are guided by and believe nothing of: approximate motions, corrections, costs."""
+"""Guesses that guide a proof and are not trusted: approximate motions, corrections, costs."""

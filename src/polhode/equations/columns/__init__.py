@@ -1,1 +1,1 @@
-"""The derived columns of a trajectory, one file each, called as the word in a scene is."""
+"""The derived columns of a trajectory, one file each, named by the word in a scene."""

@@ -1,1 +1,1 @@
-"""One file a form of the equations."""
+"""The forms of the equations, one file each."""

@@ -1,1 +1,1 @@
-"""What a motion makes of errors: amplification, rounding, Lyapunov's exponent."""
+"""How a motion multiplies errors: amplification, rounding, Lyapunov's exponent."""

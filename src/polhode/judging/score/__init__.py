@@ -1,1 +1,1 @@
-"""A trajectory held against its reference: the score, and how it reads."""
+"""A trajectory compared with its reference: the score, and its text."""

@@ -1,1 +1,1 @@
-"""Results in files and tables: one way for all of them."""
+"""Results in files and tables: one mechanism for all of them."""

@@ -1,1 +1,1 @@
-"""What is wanted beside the state: attitude, angles, events."""
+"""Outputs besides the state: attitude, angles, events."""

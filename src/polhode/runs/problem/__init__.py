@@ -1,1 +1,1 @@
-"""A scene made ready for one number type, and what was asked of its run."""
+"""A scene prepared for one number type, and the options of its run."""

@@ -1,1 +1,1 @@
-"""Numbers of a scene varied: which, the scenes, and their numbers in columns."""
+"""Variation of a scene's numbers: keys, scenes, and their numbers in columns."""

@@ -1,1 +1,1 @@
-"""The running state put back on its first integrals."""
+"""Projection of the running state onto its first integrals."""

@@ -1,1 +1,1 @@
-"""Zeros of expressions along a motion: found, refined, told apart."""
+"""Zeros of expressions along a motion: found, refined, separated."""

@@ -1,1 +1,1 @@
-"""What becomes of small changes along a motion: variational equations."""
+"""Variational equations: small changes along a motion."""
