@@ -87,10 +87,77 @@ def test_a_page_needs_nothing_else_and_is_small():
     assert not re.search(r"(src|href)=|@import|url\(|fetch\(|https?://", text)
 
 
+def of_scripts(text, expression):
+    """What an expression is in the page's own scripts, run by Node.js; none of them draws."""
+    if shutil.which("node") is None:
+        pytest.skip("no Node.js here")
+    data, _ = told(text)
+    scripts = text[text.rindex("<script>") + 8 : text.index("// Two views of a motion")]
+    lines = (
+        "const document = {createElement: () => ({getContext: () => null})};",
+        scripts,
+        f"const own = Motion.of({json.dumps(data)});",
+        f"console.log(JSON.stringify({expression}));",
+    )
+    command = ["node", "-e", "\n".join(lines)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=100, check=True)
+    return json.loads(done.stdout)
+
+
+PREVIEW = "preview(own, ...new Start(own).at(new Start(own).first{}, new Start(own).second{}))"
+
+
+@pytest.mark.parametrize(
+    "name", [TOP, "euler/dzhanibekov", "kovalevskaya/generic", "lagrange/turned-axes"]
+)
+def test_a_preview_of_the_scenes_own_start_is_polhodes_motion_to_a_line_and_not_beyond(name):
+    text = polhode.view(name, end=20).text
+    _, rows = told(text)
+    found = of_scripts(text, f"[...{PREVIEW.format('', '')}.numbers]")
+    off = np.max(np.abs(np.reshape(found, rows.shape) - rows))
+    assert 1e-8 < off < 2e-4
+
+
+@pytest.mark.parametrize(("first", "second"), [(0.5, 0.0), (0.0, 0.4), (-1.25, -0.3)])
+def test_a_preview_of_another_start_is_the_motion_that_polhode_computes_from_it(first, second):
+    """The numbers that the page shows, put into a scene, give the preview's motion."""
+    text = polhode.view(TOP, end=8).text
+    made = PREVIEW.format(f" + {first}", f" + {second}")
+    start = made.replace("preview(own, ...", "(")
+    (attitude, omega), found = of_scripts(text, f"[{start}, [...{made}.numbers]]")
+    a, b, c, d = attitude
+    gamma = [2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d]
+    old = polhode.load(TOP)
+    tilt = np.arccos(gamma[2]) - np.arccos(float(old.gamma[2]))
+    assert tilt == pytest.approx(second, abs=1e-9)
+    assert omega[2] - float(old.omega[2]) == pytest.approx(first, abs=1e-9)
+    body = {"moments": old.body.moments, "centre": old.body.centre, "weight": old.body.weight}
+    scene = polhode.top(**body, omega=omega, gamma=gamma, end=8, samples=2001)
+    run = polhode.integrate(scene)
+    q0, q1, q2, q3, *w = np.reshape(found, (-1, 7)).T
+    vertical = [2 * (q1 * q3 - q0 * q2), 2 * (q2 * q3 + q0 * q1), 1 - 2 * (q1 * q1 + q2 * q2)]
+    off = np.max(np.abs(np.array([*w, *vertical]).T - run.states))
+    assert 1e-8 < off < 2e-4
+
+
+def test_the_angles_of_a_page_are_eulers():
+    text = polhode.view("lagrange/nutation", end=20).text
+    found = np.array(of_scripts(text, "own.angles()"))
+    times = [20 * k / 2000 for k in range(0, 2001, 100)]
+    exact = polhode.reference("lagrange/nutation").angles(times, 15)
+    psi, theta, phi = np.array([[float(x) for x in row] for row in exact]).T
+    own = found[:, ::100]
+    assert own[0] == pytest.approx(theta, abs=1e-6)
+    for mine, true in ((own[1], psi), (own[2], phi)):
+        assert mine - mine[0] == pytest.approx(true - true[0], abs=2e-6)
+
+
 def test_the_ellipsoid_of_energy_touches_its_plane():
-    data, rows = told(polhode.view("euler/largest-axis", end=10).text)
-    axes, energy = np.array(data["axes"]), np.array(data["energy"])
-    assert data["free"]
+    text = polhode.view("euler/largest-axis", end=10).text
+    data, rows = told(text)
+    found = of_scripts(text, "poinsot(own)")
+    axes, energy = np.array(data["axes"]), np.array(found["semi"])
+    assert data["poinsot"]
     for row in rows[::100]:
         a, b, c, d = row[:4]
         matrix = np.array(
@@ -101,7 +168,7 @@ def test_the_ellipsoid_of_energy_touches_its_plane():
             ]
         )
         assert np.sum((axes @ row[4:] / energy) ** 2) == pytest.approx(1, abs=1e-6)
-        assert data["momentum"] @ matrix @ row[4:] == pytest.approx(data["height"], rel=1e-6)
+        assert found["upward"] @ matrix @ row[4:] == pytest.approx(found["height"], rel=1e-6)
 
 
 def test_a_body_of_parts_is_drawn_as_it_is_and_texts_stay_texts(tmp_path, capsys):
@@ -113,9 +180,10 @@ def test_a_body_of_parts_is_drawn_as_it_is_and_texts_stay_texts(tmp_path, capsys
     assert made["bytes"] == len(text.encode())
     data, rows = told(text)
     assert made["samples"] == len(rows)
-    (box,) = data["parts"]
-    assert (box["shape"], box["size"], box["at"]) == ("box", [3, 2, 1], [0, 0, 0])
-    assert np.linalg.norm([1.5, 1, 0.5]) / data["size"] == pytest.approx(0.8)  # fits the sphere
+    (box,) = data["solids"]
+    assert (box["kind"], box["place"][3]) == ("box", [0, 0, 0])
+    assert np.array(box["numbers"]) / box["numbers"][2] == pytest.approx([3, 2, 1])
+    assert np.linalg.norm(box["numbers"]) / 2 == pytest.approx(0.8)  # fits the sphere
     assert "<title>A &lt;box&gt; &amp; more</title>" in text
     assert BOX.strip() in unescape(text)
 
@@ -153,6 +221,11 @@ def test_a_trajectory_file_of_another_program_is_shown(tmp_path, capsys):
         (["plot", TOP, "--what", "motion", "-o", "x.svg"], ".html or .gif or .mp4"),
         (["plot", TOP, "--what", "omega", "-o", "x.gif"], ".svg or .png or .pdf"),
         (["view", "nope/nope", "-o", "x.html"], "the name of a case"),
+        (["plot", TOP, "--what", "motion", "-o", "x.gif", "--fps", "0"], "--fps"),
+        (["plot", TOP, "--what", "motion", "-o", "x.gif", "--fps", "30"], "hundredths of a second"),
+        (["plot", TOP, "--what", "motion", "-o", "x.gif", "--size", "5"], "an even number"),
+        (["plot", TOP, "--what", "omega", "-o", "x.svg", "--fps", "20"], "a film"),
+        (["plot", TOP, "--what", "motion", "-o", "x.html", "--size", "200"], "a film"),
     ],
 )
 def test_what_cannot_be_shown_is_refused(tmp_path, monkeypatch, capsys, arguments, said):
@@ -205,13 +278,75 @@ def test_a_film_shows_the_motion_to_its_end(tmp_path, monkeypatch, suffix, pictu
 
     if suffix == ".mp4" and shutil.which("ffmpeg") is None:
         pytest.skip("no ffmpeg here")
-    monkeypatch.setattr(film, "FRAMES", 6)
+    monkeypatch.setattr(film, "SECONDS", 1)
     path = tmp_path / f"x{suffix}"
-    assert main(["plot", TOP, "--what", "motion", "--end", "4", "-o", str(path)]) == 0
+    assert main(["plot", TOP, "--what", "motion", "--end", "4", "--fps", "5", "-o", str(path)]) == 0
     counts = [int(np.sum((p[..., 0] > 180) & (p[..., 2] < 90))) for p in pictures(path)]
-    assert len(counts) == 6
+    assert len(counts) == 5
     assert counts == sorted(counts)  # the path grows
     assert counts[-1] > 5 * counts[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "end", "turns"),
+    [("pendulum/librating", 40, 4), ("grioli/precession", 20, None), (TOP, 26, 0)],
+)
+def test_a_film_ends_where_the_motion_is_back_at_its_start(
+    tmp_path, monkeypatch, capsys, name, end, turns
+):
+    """A pendulum's as many whole periods as there are; of a top that comes never back, not."""
+    from polhode.figures import film
+
+    monkeypatch.setattr(film, "SECONDS", 1)
+    path = tmp_path / "x.gif"
+    command = ["plot", name, "--what", "motion", "--end", str(end), "--fps", "4", "-o", str(path)]
+    assert main(command) == 0
+    said = re.search(r"back at its start at t = ([\d.]+),", capsys.readouterr().err)
+    if turns == 0:
+        assert said is None
+        return
+    period = float(polhode.reference(name).period)
+    back = float(said[1])
+    assert back / period == pytest.approx(round(back / period), abs=1e-4)
+    assert round(back / period) == int(end / period)
+    assert turns is None or int(end / period) == turns
+    first, *_, last = gif_pictures(path)
+    assert np.any(first != last)  # the last frame is the one before the first
+
+
+def test_a_film_has_the_size_that_was_asked_for(tmp_path):
+    path = tmp_path / "x.gif"
+    command = ["plot", TOP, "--what", "motion", "--end", "1", "--fps", "1", "--size", "200"]
+    assert main([*command, "-o", str(path)]) == 0
+    pictures = [*gif_pictures(path)]
+    assert [picture.shape for picture in pictures] == 6 * [(200, 200, 3)]
+
+
+def test_what_is_drawn_of_a_part_has_its_volume():
+    """Solids as pages and films draw them: their faces, seen from outside, enclose it."""
+    from polhode.figures.solids import faces, solids, unit
+
+    shapes = {
+        "box": {"size": [1, 2, 3]},
+        "cylinder": {"radius": 1, "height": 2, "inner": "1/2", "axis": "-x"},
+        "cone": {"radius": 1, "height": 2, "axis": "y"},
+        "ellipsoid": {"semi_axes": [1, 2, 3]},
+        "sphere": {"radius": 1},
+    }
+    volumes = {
+        "box": 6,
+        "cylinder": 1.5 * np.pi,
+        "cone": 2 / 3 * np.pi,
+        "ellipsoid": 8 * np.pi,
+        "sphere": 4 / 3 * np.pi,
+    }
+    for shape, lengths in shapes.items():
+        part = polhode.Part(shape, mass=1, at=[1, 0, 0], **lengths)
+        body = polhode.Body.of_parts([part], g=1)
+        (solid,) = solids(body)
+        a, b, c, d = np.moveaxis(faces(solid, 60).corners, 1, 0) * unit(body)
+        enclosed = np.sum(a * np.cross(b, c) + a * np.cross(c, d)) / 6  # Gauss
+        assert enclosed == pytest.approx(volumes[shape], rel=5e-3)
 
 
 @pytest.mark.parametrize("what", ["omega", "momentum", "attitude"])

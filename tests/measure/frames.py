@@ -1,7 +1,8 @@
 """What a frame of ``polhode view`` costs its script: ``python tests/measure/frames.py [SCENE...]``.
 
 A browser without a window (Chromium) draws 2000 frames with all calls of WebGL but the drawing
-itself, which is the graphics card's part and is not measured here.
+itself, which is the graphics card's part; and some whole ones, each waited for, that the processor
+draws for want of a graphics card, as many pixels as the page's window has.
 """
 
 from __future__ import annotations
@@ -37,15 +38,23 @@ _PROBE = """
       const call = gl[name].bind(gl);
       gl[name] = (...given) => {
         found.calls += 1;
-        if (name === "drawArrays") found.triangles += given[2] / 3;
-        if (name === "drawArraysInstanced") found.triangles += given[2] / 3 * given[3];
+        if (name === "drawArrays")
+          found.triangles += {4: given[2] / 3, 5: given[2] - 2}[given[0]] || 0;
         return call(...given);
       };
     }
   frame(motion.end);
+  const counted = {...found};
+  const pixel = new Uint8Array(4), drawn = Array.from({length: 12}, (_, k) => {
+    const began = performance.now();
+    frame(motion.begin + (motion.end - motion.begin) * k / 12);
+    for (const gl of contexts) gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+    return performance.now() - began;
+  }).sort((a, b) => a - b);
+  Object.assign(found, counted, {drawn: drawn[6]});
   for (const gl of contexts) {
     for (const name of Object.keys(gl)) delete gl[name];
-    gl.drawArrays = gl.drawArraysInstanced = () => {};
+    gl.drawArrays = () => {};
   }
   const batches = Array.from({length: BATCHES}, (_, b) => {
     const began = performance.now();
@@ -67,7 +76,8 @@ def browser() -> str | None:
 
 
 def cost(page: polhode.Page, width: int) -> dict[str, Any]:
-    """Milliseconds of script a frame (least and median of the batches), WebGL calls, triangles."""
+    """Milliseconds of script a frame (least and median of the batches), of a frame that the
+    processor draws (``drawn``), WebGL calls, triangles."""
     program = browser()
     if program is None:
         raise RuntimeError("no browser here")
@@ -93,4 +103,5 @@ if __name__ == "__main__":
             x = cost(polhode.view(name), width)
             told = f"{x['least']:.2f} ms of script a frame ({x['median']:.2f} in the median)"
             drawn = f"{x['calls']} calls, {x['triangles']:.0f} triangles"
-            sys.stdout.write(f"{name} at {width} px: {told}, {drawn}\n")
+            slow = f"{x['drawn']:.0f} ms where the processor draws"
+            sys.stdout.write(f"{name} at {width} px: {told}, {drawn}; {slow}\n")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, overload
@@ -14,6 +15,7 @@ from polhode.common.result import Result
 from polhode.figures import motion_page, results
 from polhode.figures.canvas import canvas, curve_sampling, over_time
 from polhode.figures.canvas.curve_sampling import Samples
+from polhode.figures.sampled_motion import of_samples
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers.conversion import exact_number
 from polhode.numbers.exact import Exact
@@ -157,16 +159,16 @@ def view(what_of: Trajectory | Scene | str | Path, *, end: AnyNumber | None = No
 
 def page_of(found: Samples, command: str, measured: bool = False) -> str:
     """The page of a motion in columns; ``measured``: they are a file's, not a run's."""
-    motion = motion_page.of_samples(found)
+    motion = of_samples(found)
     scene = motion.scene
     origin = (
         "Attitude and omega as the file has them."
         if measured
         else ("Attitude and omega by heyoka's Taylor method, in double.")
     )
-    return motion_page.page(
-        motion, scene.title or scene.name, reference_of(scene).regime, origin, command
-    )
+    known = reference_of(replace(scene, reference="auto"))
+    title = scene.title or scene.name
+    return motion_page.page(motion, title, known.kind, known.regime, origin, command)
 
 
 def _samples(what_of: Trajectory | Scene | str | Path, what: str, end: AnyNumber | None) -> Samples:

@@ -1,4 +1,7 @@
-"""A motion as a film, GIF or MP4: the body turning, its apex drawing a path, by matplotlib."""
+"""A motion as a film, GIF or MP4: the body turning, its apex drawing a path, by matplotlib.
+
+Where the motion comes back to its start the film ends there, so that it repeats without a jump.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,7 @@ import tempfile
 from collections.abc import Callable, Iterator
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -16,23 +19,47 @@ from polhode.common.errors import BadInput
 from polhode.equations.hodographs import turned
 from polhode.figures.canvas.canvas import BODY, HIDDEN, PAPER, SPACE, pyplot
 from polhode.figures.canvas.curve_sampling import Samples
-from polhode.figures.canvas.globe import Globe, facing_most
-from polhode.figures.motion_page import Motion, of_samples
+from polhode.figures.canvas.globe import facing_most
+from polhode.figures.sampled_motion import Motion, of_samples
+from polhode.figures.solids import Faces, faces, solids
 from polhode.figures.sphere import IN_SPACE, apex
-from polhode.numbers.conversion import to_double
 from polhode.numbers.rows import Doubles
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 SUFFIXES = (".gif", ".mp4")
-FRAMES, PER_SECOND = 120, 20
-SIZE, DOTS = 3.6, 100  # inches, and dots an inch
-COLOURS = 32  # of a GIF
+SECONDS = 6
+DOTS = 100  # an inch
+COLOURS = 64  # of a GIF
+_LEFT = 0.1  # radians: what a motion is away by once it has left its start
+CLOSED = 2e-3  # radians: what a motion may miss its start by and count as back, less than a pixel
+_LIGHT = np.array([-0.4, 0.6, 0.7]) / math.sqrt(1.01)  # right, up, to the viewer
+_PALE = np.array([0.93, 0.93, 0.93])
+_MESH = 16  # pieces of a meridian
+_ARM = 12  # pieces of a line from the fixed point, each hidden or not
 
 
-def require(suffix: str) -> None:
+class Look(NamedTuple):
+    """``size``: pixels of a side; ``rate``: frames a second."""
+
+    size: int = 360
+    rate: int = 20
+
+
+USUAL = Look()
+
+
+def require(suffix: str, look: Look = USUAL) -> None:
     """Raise BadInput where a film of this kind cannot be made here."""
+    if not 100 <= look.size <= 2000 or look.size % 2:
+        raise BadInput("polhode", "--size", look.size, "an even number of pixels, 100 to 2000")
+    if not 1 <= look.rate <= 60:
+        raise BadInput("polhode", "--fps", look.rate, "frames a second, 1 to 60")
+    if suffix == ".gif" and (look.rate > 50 or 100 % look.rate):
+        expected = "1, 2, 4, 5, 10, 20, 25 or 50: a GIF counts hundredths of a second"
+        raise BadInput("polhode", "--fps", look.rate, expected)
     if suffix == ".mp4":
         from matplotlib import animation
 
@@ -41,27 +68,76 @@ def require(suffix: str) -> None:
             raise BadInput("polhode", "-o", suffix, expected)
 
 
-def filmed(found: Samples, suffix: str, tell: Callable[[float], None]) -> bytes:
-    """The bytes of a film: the body, the apex and its path so far; ``tell``: the fraction done."""
+class Film(NamedTuple):
+    """The bytes of a film, the last moment that it shows, and whether that is the first again."""
+
+    data: bytes
+    end: float
+    closed: bool
+
+
+def filmed(found: Samples, suffix: str, tell: Callable[[float], None], look: Look = USUAL) -> Film:
+    """The body, the apex and its path; ``tell``: the fraction done."""
     plt = pyplot()
     motion = of_samples(found)
+    count = SECONDS * look.rate
+    back = return_time(motion)
+    end = float(motion.times[-1]) if back is None else back
+    moments = np.linspace(float(motion.times[0]), end, count, endpoint=back is None)
     with plt.rc_context(PAPER):
-        figure, axes = plt.subplots(figsize=(SIZE, SIZE), layout="constrained")
-        drawn = _Frames(motion, axes)
-        moments = np.linspace(0, len(motion.times) - 1, FRAMES).round().astype(int)
+        inches = look.size / DOTS
+        figure, axes = plt.subplots(figsize=(inches, inches), dpi=DOTS, layout="constrained")
+        drawn = _Frames(motion, axes, end, closed=back is not None)
 
-        def frames() -> Iterator[Any]:
+        def frames() -> Iterator[Figure]:
             for k, moment in enumerate(moments):
-                drawn.show(int(moment))
-                tell((k + 1) / FRAMES)
+                drawn.show(float(moment))
+                tell((k + 1) / count)
                 yield figure
 
-        made = _gif(frames()) if suffix == ".gif" else _mp4(frames(), figure, found.name)
-        plt.close(figure)
-        return made
+        pictures = frames()
+        try:
+            if suffix == ".gif":
+                made = _gif(pictures, look.rate)
+            else:
+                made = _mp4(pictures, figure, found.name, look.rate)
+        finally:
+            plt.close(figure)
+        return Film(made, end, back is not None)
 
 
-def _gif(frames: Iterator[Any]) -> bytes:
+def return_time(motion: Motion) -> float | None:
+    """The last time at which the motion is back at its start, attitude and omega; None if never.
+
+    Back: nearer than CLOSED radians, and omega as near in units of its largest: nobody who looks
+    sees a difference.
+    """
+    attitude, omega = motion.at(motion.times[0])
+    fastest = np.max(np.linalg.norm(motion.omega, axis=1)) or 1.0
+
+    def away(times: Doubles | float) -> Doubles:
+        q, w = motion.at(times)
+        turn = np.minimum(*(np.linalg.norm(q - sign * attitude, axis=-1) for sign in (1, -1)))
+        found: Doubles = np.maximum(2 * turn, np.linalg.norm(w - omega, axis=-1) / fastest)
+        return found
+
+    distance = away(motion.times)
+    if not np.any(distance > _LEFT):
+        return None
+    near = (distance[1:-1] <= distance[:-2]) & (distance[1:-1] <= distance[2:])
+    for k in 1 + np.flatnonzero(near)[::-1]:
+        if k < np.argmax(distance > _LEFT):
+            break
+        low, high = motion.times[k - 1], motion.times[k + 1]
+        for _ in range(60):  # thirds: the distance has one minimum here
+            a, b = low + (high - low) / 3, high - (high - low) / 3
+            low, high = (low, b) if away(a) <= away(b) else (a, high)
+        if away(low) < CLOSED:
+            return float(low)
+    return None
+
+
+def _gif(frames: Iterator[Figure], rate: int) -> bytes:
     """Pictures of few colours one after the other, for ever."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from PIL import Image
@@ -69,7 +145,6 @@ def _gif(frames: Iterator[Any]) -> bytes:
     pictures = []
     for figure in frames:
         canvas: Any = FigureCanvasAgg(figure)
-        figure.set_dpi(DOTS)
         canvas.draw()
         pictures.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB"))
     # the last one has every colour; with one palette what stands still costs nothing
@@ -81,18 +156,18 @@ def _gif(frames: Iterator[Any]) -> bytes:
         format="GIF",
         save_all=True,
         append_images=pictures[1:],
-        duration=1000 // PER_SECOND,
+        duration=1000 // rate,
         loop=0,
     )
     return out.getvalue()
 
 
-def _mp4(frames: Iterator[Any], figure: Any, name: str) -> bytes:
+def _mp4(frames: Iterator[Figure], figure: Figure, name: str, rate: int) -> bytes:
     from matplotlib import animation
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "film.mp4"
-        writer = animation.FFMpegWriter(PER_SECOND, metadata={"title": f"polhode: {name}"})
+        writer = animation.FFMpegWriter(rate, metadata={"title": f"polhode: {name}"})
         try:
             with writer.saving(figure, str(path), DOTS):
                 for _ in frames:
@@ -108,58 +183,83 @@ def _mp4(frames: Iterator[Any], figure: Any, name: str) -> bytes:
 class _Frames:
     """A sphere about the fixed point, on which the body turns and its apex leaves a path."""
 
-    def __init__(self, motion: Motion, axes: Any) -> None:
-        self.motion, self.axes = motion, axes
+    def __init__(self, motion: Motion, axes: Axes, end: float, closed: bool) -> None:
+        self.motion, self.axes, self.closed = motion, axes, closed
         scene = motion.scene
         _, direction = apex(Samples(scene.name, {}, scene))
         self.direction = np.array(direction)
-        path = np.array(turned(motion.attitude.T, direction)).T
-        self.path = path / np.linalg.norm(path, axis=1)[:, None]
+        self.times = motion.times[motion.times <= end]
+        self.path = self._tips(motion.attitude[: len(self.times)])
         self.globe = facing_most(self.path)
-        self.rings = _rings(motion)
+        self.bodies = [faces(solid, _MESH) for solid in solids(scene.body)]
         self.globe.surface(axes)
         self.globe.arms(axes, IN_SPACE)
-        self.kept = len(axes.lines) + len(axes.texts)
+        if closed:
+            self._draw_path(np.concatenate([self.path, self.path[:1]]))
+        self.kept = axes.get_children()
 
-    def show(self, k: int) -> None:
-        """The moment of sample k."""
+    def show(self, moment: float) -> None:
+        """One moment, in place of the one shown."""
         axes, globe = self.axes, self.globe
-        for line in axes.lines[self.kept - len(axes.texts) :]:
-            line.remove()
-        quaternion = self.motion.attitude[k]
-        towards = globe.towards
-        for ring, inward in self.rings:
-            points = np.array(turned(quaternion[:, None], ring.T)).T
-            normals = np.array(turned(quaternion[:, None], inward.T)).T
-            _two_sided(axes, globe, points, normals @ towards)
-        globe.curve(axes, self.path[: k + 1], SPACE, HIDDEN[SPACE], lw=1.6)
-        tip = self.path[k]
-        axes.plot(*globe.onto_page([np.zeros(3), tip]).T, color=SPACE, lw=1.0, zorder=5)
+        for artist in set(axes.get_children()) - set(self.kept):
+            artist.remove()
+        quaternion, _ = self.motion.at(moment)
+        tip = self._tips(quaternion[None])[0]
+        self._draw_body(quaternion, tip)
+        if not self.closed:
+            self._draw_path(np.concatenate([self.path[self.times < moment], [tip]]))
         globe.mark(axes, tip, SPACE)
-        axes.set_title(f"t = {self.motion.times[k]:.4g}", size=9)
+        axes.set_title(f"t = {moment:.4g}", size=9)
 
+    def _tips(self, attitude: Doubles) -> Doubles:
+        """Where the apex is on the sphere."""
+        tips = np.array(turned(attitude.T, self.direction)).T
+        found: Doubles = tips / np.linalg.norm(tips, axis=1)[:, None]
+        return found
 
-def _rings(motion: Motion) -> list[tuple[Doubles, Doubles]]:
-    """Parallels and meridians of the ellipsoid of inertia: points and outward normals."""
-    body = motion.scene.body
-    roots = 1 / np.sqrt([to_double(x) for x in body.moments])
-    semi = 0.62 * roots / np.max(roots)
-    axes = np.array([[to_double(x) for x in row] for row in body.axes.rows])
-    turn, half = np.radians(np.arange(0, 361, 6)), np.radians(np.arange(-90, 91, 6))
-    found = []
-    for lat in np.radians([-60, -30, 0, 30, 60]):
-        c = np.full(len(turn), math.sin(lat))
-        found.append(np.array([math.cos(lat) * np.cos(turn), math.cos(lat) * np.sin(turn), c]).T)
-    for lon in np.radians(np.arange(0, 360, 45)):
-        found.append(
-            np.array([np.cos(half) * math.cos(lon), np.cos(half) * math.sin(lon), np.sin(half)]).T
+    def _draw_path(self, path: Doubles) -> None:
+        above = 1  # what is seen of it is nearer than the body
+        self.globe.curve(self.axes, path, SPACE, HIDDEN[SPACE], lw=1.6, above=above)
+
+    def _draw_body(self, quaternion: Doubles, tip: Doubles) -> None:
+        """The faces that are seen, and the line to the apex in pieces, the nearest last."""
+        from matplotlib.collections import PolyCollection
+        from matplotlib.colors import to_rgb
+
+        pieces, colours, depths = [], [], []
+        for made in self.bodies:
+            seen, depth, colour = self._seen(made, quaternion)
+            pieces += [*self.globe.onto_page(seen)]
+            depths += [*depth]
+            colours += [*colour]
+        ends = np.linspace(0, 1, _ARM + 1)[:, None] * tip
+        pieces += [self.globe.onto_page(ends[k : k + 2]) for k in range(_ARM)]
+        depths += [*((ends[:-1] + ends[1:]) / 2 @ self.globe.towards)]
+        colours += _ARM * [np.array(to_rgb(SPACE))]
+        order = np.argsort(depths, kind="stable")
+        self.axes.add_collection(
+            PolyCollection(
+                [pieces[k] for k in order],
+                facecolors=[colours[k] for k in order],
+                edgecolors=[colours[k] for k in order],
+                linewidths=[1.4 if len(pieces[k]) == 2 else 0.3 for k in order],
+                zorder=3.5,
+            ),
+            autolim=False,
         )
-    return [((u * semi) @ axes, (u / semi) @ axes) for u in found]
 
+    def _seen(self, made: Faces, quaternion: Doubles) -> tuple[Doubles, Doubles, Doubles]:
+        """Corners, depths and colours of the faces that look at the viewer."""
+        from matplotlib.colors import to_rgb
 
-def _two_sided(axes: Axes, globe: Globe, points: Doubles, side: Doubles) -> None:
-    """A curve on the body, its far side lighter."""
-    page = globe.onto_page(points)
-    for part, colour, order in ((side < 0, HIDDEN[BODY], 3), (side >= 0, BODY, 4)):
-        x, y = np.where(part[:, None], page, math.nan).T
-        axes.plot(x, y, color=colour, lw=0.9, zorder=order)
+        globe = self.globe
+        corners = np.moveaxis(np.array(turned(quaternion, np.moveaxis(made.corners, -1, 0))), 0, -1)
+        normals = np.array(turned(quaternion, made.normals.T)).T
+        facing = normals @ globe.towards
+        kept = facing > 0
+        sides = np.column_stack([globe.onto_page(normals[kept]), facing[kept]])
+        light = 1.12 * (0.42 + 0.5 * np.maximum(0, sides @ _LIGHT))
+        pale = 0.55 * made.tones[kept, None]
+        colour = (1 - pale) * np.array(to_rgb(BODY)) + pale * _PALE
+        depth = corners[kept].mean(axis=1) @ globe.towards
+        return corners[kept], depth, np.clip(colour * light[:, None], 0, 1)

@@ -29,6 +29,7 @@ from polhode.verbs.terminal import (
 
 if TYPE_CHECKING:
     from polhode.figures.canvas.curve_sampling import Samples
+    from polhode.figures.film import Look
     from polhode.runs.trajectory import Trajectory
 
 HELP = "a figure of a motion, from a scene or a trajectory file"
@@ -63,6 +64,10 @@ def options(parser: ArgumentParser) -> None:
     )
     digits = "digits wanted, by which the number type is chosen"
     parser.add_argument("--digits", type=whole, help=digits)
+    parser.add_argument(
+        "--size", type=whole, metavar="PIXELS", help="of a film: pixels of a side (360)"
+    )
+    parser.add_argument("--fps", type=whole, metavar="N", help="of a film: frames a second (20)")
 
 
 def main(options: Namespace) -> int:
@@ -81,7 +86,8 @@ def main(options: Namespace) -> int:
     suffix = path.suffix.lower() if path.suffix.lower() in suffixes else suffixes[0]  # a stream
     if suffix != ".html":
         canvas.require()
-    film.require(suffix)
+    look = _look(options, moving and suffix in film.SUFFIXES)
+    film.require(suffix, look)
     if options.what == CHAOS:
         return _chaos(options, path, suffix)
     found = samples_of(options)
@@ -96,7 +102,13 @@ def main(options: Namespace) -> int:
         )
     elif moving:
         with ProgressLine("plot") as progress:
-            made = film.filmed(found, suffix, lambda done: progress.say(f"{100 * done:.0f} %"))
+            filmed = film.filmed(
+                found, suffix, lambda done: progress.say(f"{100 * done:.0f} %"), look
+            )
+        made = filmed.data
+        if filmed.closed:
+            at = f"t = {filmed.end:.6g}"
+            note(f"{found.name}: the motion is back at its start at {at}, where the film ends")
     else:
         figure = import_module(f"polhode.figures.{options.what}")
         made = canvas.drawn(figure.draw, found, suffix, f"polhode: {options.what} of {found.name}")
@@ -108,6 +120,17 @@ def main(options: Namespace) -> int:
     elif not is_stdout(path):
         say(str(path))
     return DONE
+
+
+def _look(options: Namespace, filmed: bool) -> Look:
+    """Size and rate of a film; refused of anything else."""
+    from polhode.figures.film import Look
+
+    given = {"size": options.size, "rate": options.fps}
+    for key, value in (("--size", options.size), ("--fps", options.fps)):
+        if value is not None and not filmed:
+            raise BadInput("plot", key, value, "a film: --what motion with -o x.gif or x.mp4")
+    return Look(**{key: value for key, value in given.items() if value is not None})
 
 
 def _chaos(options: Namespace, path: Path, suffix: str) -> int:

@@ -8,6 +8,7 @@ const cross = (a, b) => [
   a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const scale = (s, a) => [s * a[0], s * a[1], s * a[2]];
 const plus = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
 const norm = a => Math.hypot(...a);
 const unit = a => scale(1 / (norm(a) || 1), a);
 
@@ -33,86 +34,24 @@ function times(a, b) {
   return c;
 }
 
-// -- solids: triangles, seven numbers a corner: place, normal, and which of two tones
-
-class Solid {
-  constructor() { this.numbers = []; }
-
-  corner(place, normal, tone) { this.numbers.push(...place, ...unit(normal), tone); }
-
-  // Four corners with their normals as two triangles.
-  patch(places, normals, tone) {
-    for (const k of [0, 1, 2, 0, 2, 3]) this.corner(places[k], normals[k], tone);
-  }
-
-  // An ellipsoid of these semi-axes, its octants in two tones, unless they are to be one.
-  ellipsoid(semi, n = 24, tones = 2) {
-    const at = (i, j) => {
-      const lat = Math.PI * (i / n - 0.5), lon = Math.PI * j / n;
-      return [Math.cos(lat) * Math.cos(lon), Math.cos(lat) * Math.sin(lon), Math.sin(lat)];
-    };
-    for (let i = 0; i < n; i++)
-      for (let j = 0; j < 2 * n; j++) {
-        const u = [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)];
-        const tone = (Math.floor(2 * i / n) + Math.floor(2 * j / n)) % tones;
-        this.patch(u.map(x => x.map((c, k) => c * semi[k])),
-                   u.map(x => x.map((c, k) => c / semi[k])), tone);
-      }
-    return this;
-  }
-
-  // The solid that a closed line of points (radius, height) sweeps about the third axis.
-  revolve(line, n = 48, tones = 2) {
-    const on = ([r, z], j) => {
-      const a = 2 * Math.PI * j / n;
-      return [r * Math.cos(a), r * Math.sin(a), z];
-    };
-    for (let k = 0; k + 1 < line.length; k++) {
-      const [[r0, z0], [r1, z1]] = [line[k], line[k + 1]];
-      const outward = [z1 - z0, r0 - r1];
-      for (let j = 0; j < n; j++)
-        this.patch([on(line[k], j), on(line[k], j + 1), on(line[k + 1], j + 1), on(line[k + 1], j)],
-                   [j, j + 1, j + 1, j].map(i => on(outward, i)), Math.floor(8 * j / n) % tones);
-    }
-    return this;
-  }
-
-  // The cone from the origin to a curve; a triangle for each of its pieces.
-  fan(points) {
-    for (let k = 0; k + 1 < points.length; k++) {
-      const normal = cross(points[k], points[k + 1]);
-      for (const place of [[0, 0, 0], points[k], points[k + 1]]) this.corner(place, normal, 0);
-    }
-    return this;
-  }
-
-  box(size) {
-    const half = size.map(x => x / 2);
-    for (let axis = 0; axis < 3; axis++)
-      for (const side of [1, -1]) {
-        const [i, j] = [(axis + 1) % 3, (axis + 2) % 3], normal = [0, 0, 0];
-        normal[axis] = side;
-        const places = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([a, b]) => {
-          const place = [0, 0, 0];
-          place[axis] = side * half[axis]; place[i] = a * half[i]; place[j] = b * half[j];
-          return place;
-        });
-        this.patch(places, [normal, normal, normal, normal], axis % 2);
-      }
-    return this;
-  }
-}
+// Whether the processor draws, for want of a graphics card: then edges are not smoothed.
+const SLOW = (() => {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const told = gl && gl.getExtension("WEBGL_debug_renderer_info");
+  const name = told ? gl.getParameter(told.UNMASKED_RENDERER_WEBGL) : "";
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+})();
 
 // -- what is drawn with
 
 const SOLID_SHADERS = [`#version 300 es
   in vec3 place; in vec3 normal; in float tone;
-  uniform mat4 model, view, onto;
+  uniform mat4 seen, onto;
   out vec3 side; out float which; out vec3 from;
   void main() {
-    vec4 seen = view * model * vec4(place, 1.0);
-    side = mat3(view) * mat3(model) * normal; which = tone; from = seen.xyz;
-    gl_Position = onto * seen;
+    vec4 there = seen * vec4(place, 1.0);
+    side = mat3(seen) * normal; which = tone; from = there.xyz;
+    gl_Position = onto * there;
   }`, `#version 300 es
   precision highp float;
   in vec3 side; in float which; in vec3 from;
@@ -127,39 +66,40 @@ const SOLID_SHADERS = [`#version 300 es
     pixel = vec4((mixed * light * 1.12 + shine) * colour.a, colour.a);
   }`];
 
-// A piece of a curve is a strip between two points, as wide as so many pixels.
+// A curve is one strip, as wide as so many pixels: each point stands in it twice, once a side.
 const CURVE_SHADERS = [`#version 300 es
-  in vec3 a, b; in vec2 corner; in float index;
-  uniform mat4 model, view, onto; uniform vec2 size; uniform float width;
+  in vec3 place, tangent; in float side, index;
+  uniform mat4 seen, onto; uniform vec2 size; uniform float width;
   out float at;
   void main() {
-    vec4 p = onto * view * model * vec4(a, 1.0), q = onto * view * model * vec4(b, 1.0);
-    vec2 along = (q.xy / q.w - p.xy / p.w) * size;
-    along = length(along) > 1e-4 ? normalize(along) : vec2(1.0, 0.0);
-    vec4 place = corner.x > 0.0 ? q : p;
-    vec2 moved = (corner.y * vec2(-along.y, along.x) + 0.5 * corner.x * along) * width / size;
-    place.xy += moved * place.w;
-    place.z -= 0.0015 * place.w;
-    at = index + 0.5 + 0.5 * corner.x;
-    gl_Position = place;
+    vec4 p = onto * (seen * vec4(place, 1.0)), t = onto * (seen * vec4(tangent, 0.0));
+    vec2 along = (t.xy * p.w - p.xy * t.w) * size;
+    along = length(along) > 1e-7 ? normalize(along) : vec2(1.0, 0.0);
+    p.xy += side * width * p.w * vec2(-along.y, along.x) / size;
+    p.z -= 0.0015 * p.w;
+    at = index;
+    gl_Position = p;
   }`, `#version 300 es
   precision highp float;
   in float at;
-  uniform vec4 colour; uniform float until;
+  uniform vec4 colour, after; uniform float until;
   out vec4 pixel;
   void main() {
-    if (at > until) discard;
-    pixel = vec4(colour.rgb * colour.a, colour.a);
+    vec4 mine = at > until ? after : colour;
+    if (mine.a == 0.0) discard;
+    pixel = vec4(mine.rgb * mine.a, mine.a);
   }`];
 
+const CLEAR = [0, 0, 0, 0];
+
 class Painter {
+  // detail: pixels drawn for each pixel of the screen, in each direction; 1 at most.
   constructor(canvas) {
-    const gl = canvas.getContext("webgl2", {antialias: true, premultipliedAlpha: true});
+    const gl = canvas.getContext("webgl2", {antialias: !SLOW, premultipliedAlpha: true});
     if (!gl) throw new Error("this browser has no WebGL 2");
-    Object.assign(this, {canvas, gl});
+    Object.assign(this, {canvas, gl, detail: 1});
     this.solids = this.program(SOLID_SHADERS);
     this.curves = this.program(CURVE_SHADERS);
-    this.corners = this.buffer([-1, -1, 1, -1, 1, 1, -1, -1, 1, 1, -1, 1]);
     gl.enable(gl.DEPTH_TEST);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     gl.enable(gl.BLEND);
@@ -186,42 +126,61 @@ class Painter {
             attribute: placed(attributes, gl.getAttribLocation)};
   }
 
-  buffer(numbers) {
-    const gl = this.gl, made = gl.createBuffer();
-    gl.bindBuffer(gl.ARRAY_BUFFER, made);
+  // Something to draw: its numbers, and which of them a program reads; a frame then costs a few
+  // calls a thing drawn.  parts: [name, how many numbers], in the order in which they stand.
+  made(program, numbers, parts, mode) {
+    const gl = this.gl, buffer = gl.createBuffer(), inputs = gl.createVertexArray();
+    const stride = parts.reduce((sum, [, size]) => sum + size, 0);
+    gl.bindVertexArray(inputs);
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
     gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(numbers), gl.STATIC_DRAW);
-    return made;
+    let offset = 0;
+    for (const [name, size] of parts) {
+      const place = program.attribute[name];
+      gl.enableVertexAttribArray(place);
+      gl.vertexAttribPointer(place, size, gl.FLOAT, false, 4 * stride, 4 * offset);
+      offset += size;
+    }
+    return {inputs, buffer, mode, count: numbers.length / stride};
   }
 
-  // What a drawing reads is told once, here: a frame then costs a few calls a thing drawn.
   solid(solid) {
-    const numbers = this.buffer(solid.numbers), inputs = this.inputs();
-    this.attribute(this.solids, "place", numbers, 3, 28, 0, 0);
-    this.attribute(this.solids, "normal", numbers, 3, 28, 12, 0);
-    this.attribute(this.solids, "tone", numbers, 1, 28, 24, 0);
-    return {inputs, count: solid.numbers.length / 7};
+    return this.made(this.solids, solid.numbers, [["place", 3], ["normal", 3], ["tone", 1]],
+                     this.gl.TRIANGLES);
   }
 
-  // A curve through points; its pieces are numbered from 0.
+  // A curve through points, which are numbered from 0.
   curve(points) {
-    const count = Math.max(0, points.length - 1), places = this.buffer(points.flat());
-    const order = this.buffer(Array.from({length: count}, (_, k) => k)), inputs = this.inputs();
-    this.attribute(this.curves, "a", places, 3, 12, 0, 1);
-    this.attribute(this.curves, "b", places, 3, 12, 12, 1);
-    this.attribute(this.curves, "index", order, 1, 4, 0, 1);
-    this.attribute(this.curves, "corner", this.corners, 2, 8, 0, 0);
-    return {inputs, count};
+    const numbers = [], last = points.length - 1;
+    points.forEach((point, k) => {
+      const tangent = minus(points[Math.min(last, k + 1)], points[Math.max(0, k - 1)]);
+      for (const side of [-1, 1]) numbers.push(...point, ...tangent, side, k);
+    });
+    return this.strip(numbers, this.gl.TRIANGLE_STRIP);
   }
 
-  inputs() {
-    const made = this.gl.createVertexArray();
-    this.gl.bindVertexArray(made);
-    return made;
+  // Many thin lines at once.
+  lines(curves) {
+    const numbers = [];
+    for (const points of curves)
+      for (let k = 0; k + 1 < points.length; k++)
+        for (const point of [points[k], points[k + 1]]) numbers.push(...point, 0, 0, 0, 0, 0);
+    return this.strip(numbers, this.gl.LINES);
+  }
+
+  strip(numbers, mode) {
+    return this.made(this.curves, numbers,
+                     [["place", 3], ["tangent", 3], ["side", 1], ["index", 1]], mode);
+  }
+
+  free({inputs, buffer}) {
+    this.gl.deleteVertexArray(inputs);
+    this.gl.deleteBuffer(buffer);
   }
 
   // A clear page, seen from (azimuth, elevation, distance), looking at a point.
   begin({azimuth, elevation, distance}, middle) {
-    const {gl, canvas} = this, ratio = window.devicePixelRatio || 1;
+    const {gl, canvas} = this, ratio = (window.devicePixelRatio || 1) * this.detail;
     const [w, h] = [canvas.clientWidth, canvas.clientHeight].map(x => Math.round(x * ratio));
     if (canvas.width !== w || canvas.height !== h) { canvas.width = w; canvas.height = h; }
     gl.viewport(0, 0, w, h);
@@ -242,52 +201,42 @@ class Painter {
     this.ratio = ratio;
   }
 
-  use(program, model, colour) {
-    const gl = this.gl;
-    const {uniform} = program;
+  use(program, made, model, colour) {
+    const gl = this.gl, {uniform} = program;
     gl.useProgram(program.program);
-    gl.uniformMatrix4fv(uniform.model, false, model);
-    gl.uniformMatrix4fv(uniform.view, false, this.view);
+    gl.uniformMatrix4fv(uniform.seen, false, model === IDENTITY ? this.view
+      : times(this.view, model));
     gl.uniformMatrix4fv(uniform.onto, false, this.onto);
     gl.uniform4fv(uniform.colour, colour);
     gl.depthMask(colour[3] >= 1);
-  }
-
-  attribute(program, name, buffer, size, stride, offset, divisor) {
-    const gl = this.gl, place = program.attribute[name];
-    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
-    gl.enableVertexAttribArray(place);
-    gl.vertexAttribPointer(place, size, gl.FLOAT, false, stride, offset);
-    gl.vertexAttribDivisor(place, divisor);
+    gl.bindVertexArray(made.inputs);
   }
 
   drawSolid(made, model, colour, first = 0, count = made.count) {
-    const gl = this.gl, program = this.solids;
-    this.use(program, model, colour);
-    gl.bindVertexArray(made.inputs);
+    const gl = this.gl;
+    this.use(this.solids, made, model, colour);
     if (colour[3] < 1) {  // what is seen through: the far side first, then the near one
       gl.enable(gl.CULL_FACE);
       for (const side of [gl.FRONT, gl.BACK]) {
         gl.cullFace(side);
-        gl.drawArrays(gl.TRIANGLES, first, count);
+        gl.drawArrays(made.mode, first, count);
       }
       gl.disable(gl.CULL_FACE);
     } else {
-      gl.drawArrays(gl.TRIANGLES, first, count);
+      gl.drawArrays(made.mode, first, count);
     }
     gl.depthMask(true);
   }
 
-  // The pieces of a curve up to number `to`.
-  drawCurve(made, model, colour, width, to = Infinity) {
-    const gl = this.gl, program = this.curves, last = Math.min(made.count, Math.ceil(to));
-    if (last <= 0) return;
-    this.use(program, model, colour);
-    gl.uniform2f(program.uniform.size, ...this.size);
-    gl.uniform1f(program.uniform.width, width * this.ratio);
-    gl.uniform1f(program.uniform.until, Math.min(to, 1e9) + 0.001);
-    gl.bindVertexArray(made.inputs);
-    gl.drawArraysInstanced(gl.TRIANGLES, 0, 6, last);
+  // A curve up to number `until` in one colour, the rest in another.
+  drawCurve(made, model, colour, width = 1, until = Infinity, after = CLEAR) {
+    const gl = this.gl, {uniform} = this.curves;
+    this.use(this.curves, made, model, colour);
+    gl.uniform4fv(uniform.after, after);
+    gl.uniform2f(uniform.size, ...this.size);
+    gl.uniform1f(uniform.width, Math.max(1, width * this.ratio));
+    gl.uniform1f(uniform.until, Math.min(until, 1e9));
+    gl.drawArrays(made.mode, 0, made.count);
     gl.depthMask(true);
   }
 }

@@ -1,0 +1,78 @@
+"""A motion of a body as pages and films show it: attitude and omega at even times, and between."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from polhode.common.errors import BadInput
+from polhode.figures.canvas.curve_sampling import Samples
+from polhode.numbers.rows import Doubles
+from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import ATTITUDE, STATE
+
+
+class Motion(NamedTuple):
+    """Even times in order, the quaternion and omega in the body a row each, and the scene."""
+
+    scene: Scene
+    times: Doubles
+    attitude: Doubles
+    omega: Doubles
+
+    def at(self, times: Doubles | float) -> tuple[Doubles, Doubles]:
+        """Attitude and omega between the samples, by cubics; of the attitude with its rates.
+
+        The attitude's have q' = q ⊗ (0, omega) / 2 at both ends, as the page that moves has them.
+        """
+        step = self.times[1] - self.times[0]
+        far = (np.asarray(times, dtype=float) - self.times[0]) / step
+        k = np.clip(np.floor(far).astype(int), 0, len(self.times) - 2)
+        s = (far - k)[..., None]
+        weights = (1 + 2 * s) * (1 - s) ** 2, s * (1 - s) ** 2, s * s * (3 - 2 * s), s * s * (s - 1)
+        attitude = _cubic(weights, self.attitude, step * self._rates, k)
+        omega = _cubic(weights, self.omega, np.gradient(self.omega, axis=0), k)
+        return attitude / np.linalg.norm(attitude, axis=-1, keepdims=True), omega
+
+    @property
+    def _rates(self) -> Doubles:
+        """q' at the samples."""
+        (a, b, c, d), (x, y, z) = self.attitude.T, self.omega.T
+        rates = (
+            -b * x - c * y - d * z,
+            a * x + c * z - d * y,
+            a * y + d * x - b * z,
+            a * z + b * y - c * x,
+        )
+        found: Doubles = np.array(rates).T / 2
+        return found
+
+
+def _cubic(
+    weights: tuple[Doubles, ...], values: Doubles, slopes: Doubles, k: npt.NDArray[np.int_]
+) -> Doubles:
+    a, b, c, d = weights
+    found: Doubles = a * values[k] + b * slopes[k] + c * values[k + 1] + d * slopes[k + 1]
+    return found
+
+
+def of_samples(found: Samples) -> Motion:
+    """The motion in columns, in order of time; raises BadInput where it cannot be shown."""
+    if found.scene is None:
+        raise BadInput(found.name, "--scene", None, "the scene that the file belongs to")
+    needed = (*STATE[:3], *ATTITUDE)
+    if not found.has(needed):
+        raise BadInput(
+            found.name, "header", ",".join(found.columns), f"columns {', '.join(needed)}"
+        )
+    times, attitude, omega = found.columns["t"], found.vectors(ATTITUDE), found.vectors(STATE[:3])
+    if times[-1] < times[0]:
+        times, attitude, omega = times[::-1], attitude[::-1], omega[::-1]
+    if not (np.isfinite(attitude).all() and np.isfinite(omega).all()):
+        raise BadInput(found.name, "file", None, "a number in every cell of attitude and omega")
+    steps = np.diff(times)
+    if len(times) < 3 or np.ptp(steps) > 1e-6 * abs(times[-1] - times[0]):
+        raise BadInput(found.name, "file", None, "three rows or more at even times")
+    return Motion(found.scene, times, attitude, omega)
