@@ -300,11 +300,14 @@ def test_a_film_ends_where_the_motion_is_back_at_its_start(
     monkeypatch.setattr(film, "SECONDS", 1)
     path = tmp_path / "x.gif"
     command = ["plot", name, "--what", "motion", "--end", str(end), "--fps", "4", "-o", str(path)]
-    assert main(command) == 0
-    said = re.search(r"back at its start at t = ([\d.]+),", capsys.readouterr().err)
+    assert main([*command, "--json"]) == 0
+    out, err = capsys.readouterr()
+    said = re.search(r"back at its start at t = ([\d.]+),", err)
     if turns == 0:
         assert said is None
+        assert json.loads(out)["to"] == end
         return
+    assert json.loads(out)["to"] == pytest.approx(float(said[1]), rel=1e-5)
     period = float(polhode.reference(name).period)
     back = float(said[1])
     assert back / period == pytest.approx(round(back / period), abs=1e-4)

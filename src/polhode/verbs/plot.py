@@ -94,6 +94,8 @@ def main(options: Namespace) -> int:
     if isinstance(found, int):
         return found
     made: str | bytes
+    t = found.columns["t"]
+    shown = {"from": float(t[0]), "to": float(t[-1])}
     if suffix == ".html":
         made = page_of(
             found,
@@ -107,16 +109,16 @@ def main(options: Namespace) -> int:
             )
         made = filmed.data
         if filmed.closed:
+            shown["to"] = filmed.end
             at = f"t = {filmed.end:.6g}"
             note(f"{found.name}: the motion is back at its start at {at}, where the film ends")
     else:
         figure = import_module(f"polhode.figures.{options.what}")
         made = canvas.drawn(figure.draw, found, suffix, f"polhode: {options.what} of {found.name}")
     write_whole({path: made})
-    t = found.columns["t"]
     if options.json:
-        shown = {"file": str(path), "what": options.what, "of": found.name, "samples": len(t)}
-        print_json(shown | {"from": float(t[0]), "to": float(t[-1])})
+        told = {"file": str(path), "what": options.what, "of": found.name, "samples": len(t)}
+        print_json(told | shown)
     elif not is_stdout(path):
         say(str(path))
     return DONE
