@@ -224,3 +224,12 @@ def test_the_notebook_runs_without_a_warning(tmp_path):
     shown = [out.data for out in outputs if "data" in out]
     assert sum("text/html" in data for data in shown) >= 4
     assert any("image/png" in data for data in shown)
+
+
+def test_a_term_finds_its_entry_in_the_glossary_first():
+    (page, heading, text), *rest = guide.search("precession")
+    assert (page, heading) == ("glossary", "precession")
+    assert text.startswith("The ")
+    assert {"closed-forms", "start"} <= {page for page, *_ in rest}
+    assert guide.search("chaos maps")[1][:2] == ("dynamics", "Chaos maps")
+    assert guide.search("no such words here") == []

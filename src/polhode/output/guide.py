@@ -70,28 +70,40 @@ def _keys(section: str) -> list[str]:
 def search(words: str) -> list[tuple[str, str, str]]:
     """Where all the words stand in one paragraph or row of a table: page, heading, the text there.
 
-    Whole words in any case; a plural finds its singular and the other way round.
+    Whole words in any case; a plural finds its singular and the other way round.  What stands
+    under a heading of these words comes first: the glossary's entry, the section about it.
     """
     patterns = [
         re.compile(rf"\b{re.escape(word.removesuffix('s'))}s?\b", re.I) for word in words.split()
     ]
-    found = []
+    titled: list[tuple[str, str, str]] = []
+    others: list[tuple[str, str, str]] = []
     for topic in [INDEX, *topics()]:
         heading = topic
-        for paragraph in re.split(r"\n\s*\n|\n(?=\|)", page(topic)):
-            heads = re.findall(r"^#+ (.*)$", paragraph, re.M)
-            heading = heads[-1] if heads else heading
-            places = [pattern.search(paragraph) for pattern in patterns]
-            if places and all(places):
-                found.append((topic, heading, _about(paragraph, places[0])))
-    return found
+        joined = re.sub(r"^(#+ .*)\n\s*\n", r"\1\n", page(topic), flags=re.M)
+        for paragraph in re.split(r"\n\s*\n|\n(?=\|)", joined):
+            head = re.match(r"#+ (.*)\n?", paragraph)
+            text = paragraph if head is None else paragraph[head.end() :]
+            heading = heading if head is None else head[1]
+            if head is not None and _first(patterns, heading) is not None:
+                titled.append((topic, heading, _about(text, 0)))
+            elif (place := _first(patterns, text)) is not None:
+                others.append((topic, heading, _about(text, place)))
+    return titled + others
 
 
-def _about(paragraph: str, place: re.Match[str] | None) -> str:
+def _first(patterns: list[re.Pattern[str]], text: str) -> int | None:
+    """Where the first pattern stands in a text that all of them are in; else None."""
+    places = [pattern.search(text) for pattern in patterns]
+    if not places or None in places or places[0] is None:
+        return None
+    return places[0].start()
+
+
+def _about(paragraph: str, place: int) -> str:
     """What stands around a place, cut between words."""
-    assert place is not None
-    before = re.sub(r"\s+", " ", paragraph[: place.start()]).lstrip()
-    after = re.sub(r"\s+", " ", paragraph[place.start() :]).rstrip()
+    before = re.sub(r"\s+", " ", paragraph[:place]).lstrip()
+    after = re.sub(r"\s+", " ", paragraph[place:]).strip()
     if len(before) > _AROUND:
         before = "…" + before[-_AROUND:].partition(" ")[2]
     if len(after) > 2 * _AROUND:
