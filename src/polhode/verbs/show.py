@@ -7,7 +7,7 @@ from argparse import ArgumentParser, Namespace
 from polhode.scenes import library
 from polhode.verbs.terminal import DONE, print_json, say, word
 
-HELP = "body, regime, integrals, frequencies, what will be modelled"
+HELP = "body, regime, integrals, frequencies, columns to be integrated"
 
 
 def options(parser: ArgumentParser) -> None:
@@ -16,7 +16,7 @@ def options(parser: ArgumentParser) -> None:
 
 
 def main(options: Namespace) -> int:
-    """Body, regime, integrals, frequencies, what will be modelled."""
+    """Body, regime, integrals, frequencies, columns to be integrated."""
     from polhode.output.description import described
 
     facts = described(library.load(options.scene))
