@@ -167,7 +167,7 @@ KEYS: dict[str, tuple[Key, ...]] = {
             '"9/4"',
             unit="J",
         ),
-        Key("f", NUMBER, "area constant I w . gamma, with `h`", "1", unit="kg*m**2/s"),
+        Key("f", NUMBER, "area integral I w . gamma, with `h`", "1", unit="kg*m**2/s"),
         Key(
             "sign",
             WORD,

@@ -8,6 +8,7 @@ from polhode.scenes import library
 from polhode.verbs.terminal import DONE, print_json, say, word
 
 HELP = "body, regime, integrals, frequencies, columns to be integrated"
+_BOOK = "Yehia, Rigid Body Dynamics: A Lagrangian Approach"
 
 
 def options(parser: ArgumentParser) -> None:
@@ -24,7 +25,9 @@ def main(options: Namespace) -> int:
         print_json(facts)
         return DONE
     for key, value in facts.items():
-        if isinstance(value, dict):
+        if key == "source":
+            value = f"{_BOOK}, {value}"
+        elif isinstance(value, dict):
             value = ", ".join(f"{k} = {v}" for k, v in value.items() if v is not None)
         elif isinstance(value, (tuple, list)):
             value = ", ".join(str(x) for x in value)
