@@ -1,4 +1,4 @@
-"""For test suites of other programs: so many correct digits, such an order of convergence."""
+"""For test suites of other programs: correct digits, and orders of convergence."""
 
 from __future__ import annotations
 
@@ -41,15 +41,43 @@ def assert_digits(
     columns: Sequence[str] | None = None,
     as_it_stands: bool = True,
 ) -> Judgement:
-    """The judgement of a trajectory; AssertionError where it has fewer digits than ``at_least``.
+    """Judge a trajectory, and fail if it has fewer correct digits than ``at_least``.
 
-    ``mine``: what :func:`polhode.compare` judges, or a function from t to a row of numbers, which
-    is asked at the times ``at``, those of the scene unless given.  ``columns``: of rows, those of
-    the scene unless given.  ``as_it_stands=False``: other conventions than the scene's are allowed.
-    The error shows the first time with too few digits, and the judgement.  Raises BadInput for what
-    cannot be judged.
+    Parameters
+    ----------
+    mine : Trajectory, str, Path, mapping, DataFrame, Dataset, rows or callable
+        What :func:`polhode.compare` judges; or a function from t to a row of numbers, which is
+        called at the times ``at``.  States are p q r gamma1 gamma2 gamma3 in the scene's body axes
+        and units.
+    scene : Scene, str or Path
+        A scene, a path, or the name of a case.
+    at_least : float
+        The correct digits that every part must have at every time.
+    at : iterable of numbers, optional
+        The times of rows or of a function, in the scene's unit; of a function by default the
+        scene's.
+    number : str, optional
+        The number type to which the numbers were rounded.
+    columns : sequence of str, optional
+        The columns of rows; by default those of the scene.
+    as_it_stands : bool
+        False: other conventions than the scene's are allowed.
 
-    >>> import polhode.testing
+    Returns
+    -------
+    Judgement
+        The whole judgement.
+
+    Raises
+    ------
+    AssertionError
+        Too few digits: the message shows the first such time, and the judgement.
+    BadInput
+        Input that cannot be judged.
+
+    Examples
+    --------
+
     >>> run = polhode.integrate("lagrange/nutation")
     >>> polhode.testing.assert_digits(run, "lagrange/nutation", at_least=12).worst > 12
     True
@@ -66,7 +94,7 @@ def assert_digits(
     if callable(mine) and not isinstance(mine, Trajectory):
         times = scene.times if at is None else tuple(at)
         if not times:
-            raise BadInput(scene.name, "at", None, "times at which the function is asked")
+            raise BadInput(scene.name, "at", None, "times at which the function is called")
         held = [to_double(exact_number(t)) for t in times]
         mine, at = [mine(t) for t in held], held
     found = compare(mine, scene, number=number, at=at, columns=columns, as_it_stands=as_it_stands)
@@ -87,15 +115,36 @@ def order_of(
     at: Iterable[AnyNumber] | None = None,
     columns: Sequence[str] | None = None,
 ) -> ObservedOrder:
-    """The order at which an integrator converges to the exact motion, observed.
+    """Measure the order at which an integrator converges to the exact motion.
 
-    ``mine``: a function from a step to rows of numbers, one at each of the times ``at``, the
-    scene's last unless given.  ``steps``: three or more; a 32nd to a 2048th of the time unless
-    given.  ``columns``: of the rows, those of the scene unless given.  Steps at which the first
-    digit is wrong, or at which rounding rules, do not count.  Raises BadInput where fewer than
-    three do.
+    Parameters
+    ----------
+    mine : callable
+        A function from a step size to rows of numbers, one for each of the times ``at``: p q r
+        gamma1 gamma2 gamma3 in the scene's body axes and units.
+    scene : Scene, str or Path
+        A scene, a path, or the name of a case.
+    steps : sequence of numbers, optional
+        Three or more step sizes; by default from 1/32 to 1/2048 of the time.
+    at : iterable of numbers, optional
+        The times, in the scene's unit; by default the scene's last.
+    columns : sequence of str, optional
+        The columns of the rows; by default those of the scene.
 
-    >>> import polhode.testing
+    Returns
+    -------
+    ObservedOrder
+        The order, and the digits at each step.  Steps with a wrong first digit, or at which
+        rounding dominates, do not count.
+
+    Raises
+    ------
+    BadInput
+        Fewer than three steps that count.
+
+    Examples
+    --------
+
     >>> f = polhode.field("kovalevskaya/generic")
     >>> def midpoint(h):
     ...     y = f.start

@@ -188,7 +188,7 @@ def test_map_verb(tmp_path, capsys):
         ({"varied": {"start.omega[1]": [1]}}, "two numbers of the scene"),
         (
             {"varied": {"start.omega[1]": [1], "start.omega[2]": [1]}, "h": 3},
-            "no grid and no level",
+            "no grid or level",
         ),
     ],
 )

@@ -52,7 +52,7 @@ def refused(capsys, *words: str) -> str:
 def test_a_pole_or_a_root_on_the_way_is_one_line(capsys, by):
     words = ("section", REGULAR, "--by", by, "--grid", "2x2", "--crossings", "300", "-o", "x.npz")
     err = refused(capsys, *words)
-    said = f"by = {by}: expected an expression that is real and finite all along the orbits"
+    said = f"by = {by}: expected an expression that is real and finite on all orbits"
     assert said in err
     l, ratio, t = map(float, re.findall(r"= (-?[\d.]+)(?:,| it|\n)", err)[-3:])
     scene = polhode.load(REGULAR)
@@ -82,7 +82,7 @@ def _q(scene, start, t) -> float:
 @pytest.mark.parametrize("by", ["sqrt(p-5)", "sqrt(q)", "1/(q-q)"])
 def test_an_expression_without_a_value_at_a_start_is_not_called_constant(capsys, by):
     err = refused(capsys, "section", REGULAR, "--by", by, "--grid", "2x2", "--crossings", "3")
-    assert "real and finite all along the orbits; on the one from l = 1.5708" in err
+    assert "real and finite on all orbits; on the one from l = 1.5708" in err
     assert "constant" not in err
 
 

@@ -412,7 +412,7 @@ def test_a_motion_that_does_not_come_near_itself(monkeypatch):
     monkeypatch.setattr(
         "polhode.dynamics.periodic_orbits.recurrences.FARTHEST", 30.0
     )  # it falls again later on
-    with pytest.raises(polhode.BadInput, match="comes near itself: to t = "):
+    with pytest.raises(polhode.BadInput, match="near which the motion returns: up to t = "):
         polhode.orbit("pendulum/separatrix")
 
 

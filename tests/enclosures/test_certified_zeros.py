@@ -137,7 +137,7 @@ def test_contacts_below_the_radius_are_one_interval_each(digits: int) -> None:
 
 @pytest.mark.parametrize("zero", ["gamma1", "q", TANGENT, "sqrt(2)*gamma1*gamma3"])
 def test_what_is_zero_all_along_is_refused(zero: str) -> None:
-    with pytest.raises(polhode.BadInput, match=r"events\[1\].zero.*not zero all along"):
+    with pytest.raises(polhode.BadInput, match=r"events\[1\].zero.*not zero at all times"):
         certify_events(wheel(zero))
 
 

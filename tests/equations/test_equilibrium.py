@@ -133,7 +133,7 @@ def test_events_of_the_time_still_happen(number):
 
 def test_an_event_that_is_always_zero_is_refused():
     scene = replace(RESTS["upright"], events=(Event("still", "p"),))
-    with pytest.raises(polhode.BadInput, match="not zero all along"):
+    with pytest.raises(polhode.BadInput, match="not zero at all times"):
         polhode.integrate(scene, at=[1])
 
 

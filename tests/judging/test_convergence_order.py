@@ -52,7 +52,7 @@ def test_the_order_of_a_method_is_seen(method, order):
     assert order - 0.3 < found.least <= found.order <= found.most < order + 0.3
     assert found.steps == tuple(2 / 2**k for k in range(5, 12))
     assert sum(found.counted) >= 4
-    assert "between neighbours" in str(found)
+    assert "between successive steps" in str(found)
     assert repr(found).startswith(f"<ObservedOrder {found.order:.2f}, ")
 
 

@@ -230,7 +230,7 @@ def test_an_attitude_that_a_closed_form_does_not_answer_is_enclosed(monkeypatch)
 def test_a_long_proof_is_foretold_with_the_unit_that_t_seems_to_have(tmp_path, capsys):
     """t = 20 000 are twenty seconds, and would take minutes to prove; 200 000 are refused."""
     name = "general/asymmetric-regular"
-    for end, told in ((20, ""), (200, "; t looks like milliseconds\n")):
+    for end, told in ((20, ""), (200, "; t seems to be in milliseconds\n")):
         run = polhode.integrate(name, at=[Fraction(k, 100) for k in range(1, 20)] + [end])
         columns = {"t": [1000 * float(t) for t in run.t]}
         columns |= {n: [*map(float, run.states[:, k])] for k, n in enumerate(STATE)}
@@ -244,7 +244,7 @@ def test_a_long_proof_is_foretold_with_the_unit_that_t_seems_to_have(tmp_path, c
     assert out == ""
     told, ended = err.splitlines()
     assert "the proof that judges will take about " in told
-    assert told.endswith("its t looks like milliseconds")
+    assert told.endswith("its t seems to be in milliseconds")
     assert (
         "max_seconds = 0.2: expected seconds in which the motion is proven to t = 20000," in ended
     )

@@ -198,8 +198,8 @@ def digits() -> None:
 def chunks() -> None:
     print("## Chunk length: a fifth of a second of steps, by type\n")
     print(
-        "Between chunks a run looks at the keyboard, reports progress and puts its clock back to "
-        "0. Double, t = 100 000, against chunks of 200 000 steps.\n"
+        "Between chunks a run checks for Ctrl-C, reports progress and resets its clock to 0. "
+        "Double, t = 100 000, against chunks of 200 000 steps.\n"
     )
     scene = heavy(100_000)
     rows, base = [], 0.0

@@ -329,7 +329,7 @@ def test_bare_steps_are_said_to_be_bare():
     many = polhode.integrate_many(heavy(), {"body.weight": [1]}, at=[1])
     assert many.projected is False
     told = " ".join(polhode.integrate_many.__doc__.split())
-    assert "states are *not* projected" in told
+    assert "States are *not* projected" in told
     assert "digits are *not* checked" in told
 
 

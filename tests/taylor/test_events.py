@@ -329,9 +329,9 @@ def test_a_touch_at_the_start_is_no_event():
     [
         (EULER, "p - p", "zero everywhere"),
         (EULER, "sin(q)**2 + cos(q)**2 - 1", "zero everywhere"),
-        (EULER, "gamma1**2 + gamma2**2 + gamma3**2 - 1", "zero all along the motion"),
-        (EULER, "2*p**2 + 3*q**2 + 4*r**2 - 5.5", "zero all along the motion"),
-        ("euler/permanent-middle", "p", "zero all along the motion"),
+        (EULER, "gamma1**2 + gamma2**2 + gamma3**2 - 1", "zero at all times of the motion"),
+        (EULER, "2*p**2 + 3*q**2 + 4*r**2 - 5.5", "zero at all times of the motion"),
+        ("euler/permanent-middle", "p", "zero at all times of the motion"),
         (EULER, "1/(p - 3/10)", "division by zero"),
         (EULER, "sqrt(p - 1)", "negative"),
         (EULER, "gama1", "did you mean 'gamma1'"),

@@ -77,5 +77,5 @@ def test_a_file_that_is_there_is_left_alone(tmp_path, capsys):
     path = tmp_path / "top.toml"
     path.write_text("mine")
     assert main(["new", str(path)]) == 2
-    assert "not there yet" in capsys.readouterr().err
+    assert "does not exist yet" in capsys.readouterr().err
     assert path.read_text() == "mine"

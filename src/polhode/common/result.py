@@ -43,7 +43,7 @@ _PRESENTATION: Slot[ResultPresentation] = Slot("results")
 
 
 class Result:
-    """A result; all results are saved, drawn and tabulated in the same way.
+    """The base class of results, which are all saved, drawn and tabulated in the same way.
 
     >>> import os, tempfile, polhode
     >>> found = polhode.frequencies("lagrange/nutation", of=["gamma3"], end=200)

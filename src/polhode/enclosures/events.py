@@ -174,7 +174,7 @@ def certify_events(
     for n, (event, g) in enumerate(zip(scene.events, polynomials, strict=True)):
         if is_still(what, g):
             key, text = f"events[{n + 1}].zero", event.expression or event.name
-            expected = "an expression that is not zero all along the motion"
+            expected = "an expression that is not zero at all times of the motion"
             raise BadInput(scene.name, key, text, expected)
     deadline = time_limit(scene, max_seconds)
     needed_for = precision_choice.forecast(what, last, digits, deadline)

@@ -19,7 +19,7 @@ from polhode.scenes.scene import Scene
 def field(scene: Scene | str | Path) -> Callable[[float, npt.ArrayLike], Doubles]:
     """Give the rates of p q r [gamma1 gamma2 gamma3] as a function f(t, y) of doubles.
 
-    It is what ``scipy.integrate.solve_ivp`` and programs like it ask for.
+    It is the right-hand side for ``scipy.integrate.solve_ivp`` and similar programs.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def field(scene: Scene | str | Path) -> Callable[[float, npt.ArrayLike], Doubles
 
         w' = I⁻¹ (Mg gamma × r0 - w × I w),    gamma' = gamma × w
 
-    with w = (p, q, r), (3.29) of Yehia, *Rigid Body Dynamics: A Lagrangian Approach*.
+    with w = (p, q, r), (3.16-3.17) of Yehia, *Rigid Body Dynamics: A Lagrangian Approach*.
 
     Examples
     --------

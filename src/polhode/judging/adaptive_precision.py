@@ -1,4 +1,4 @@
-"""Digits asked for are digits had: a run in a type wide enough, checked, made again if short."""
+"""Runs to the digits asked for: in a type wide enough, checked, repeated if they fall short."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
 
-MOST_SECONDS = 600.0  # that the digits which a motion loses may make a run longer, about
-MOST_RUNS = 4  # until the digits are had
+MOST_SECONDS = 600.0  # by which the digits that a motion loses may make a run longer, about
+MOST_RUNS = 4  # until the digits are reached
 #: For a motion that leaves nothing to check.
 EXPECTED = "expected error"
 

@@ -43,15 +43,16 @@ class ObservedOrder(Result):
     counted: tuple[bool, ...]
 
     def __repr__(self) -> str:
-        between = f"{self.least:.2f} to {self.most:.2f} between neighbours"
-        return f"<ObservedOrder {self.order:.2f}, {between} of {sum(self.counted)} steps>"
+        between = f"{self.least:.2f} to {self.most:.2f} between successive steps"
+        return f"<ObservedOrder {self.order:.2f}, {between}, {sum(self.counted)} of them counted>"
 
     def __str__(self) -> str:
         lines = []
         for h, d, counts in zip(self.steps, self.digits, self.counted, strict=True):
             lines.append(f"step {h:<10.4g} {d:6.2f} digits{'' if counts else ', not counted'}")
-        told = f"order {self.order:.2f}; {self.least:.2f} to {self.most:.2f} between neighbours"
-        return "\n".join([*lines, told])
+        order = f"order {self.order:.2f}; "
+        order += f"{self.least:.2f} to {self.most:.2f} between successive steps"
+        return "\n".join([*lines, order])
 
 
 def observed_order(

@@ -69,7 +69,7 @@ def rolling(run: Trajectory) -> Rolling:
     Returns
     -------
     Rolling
-        The largest deviation of the tangents and of the lengths.
+        The largest relative deviation of the tangents and of the lengths.
 
     Raises
     ------

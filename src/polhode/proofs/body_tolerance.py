@@ -38,11 +38,11 @@ def of_bodies(
             _of_bodies(level, found, narrower, follow)
         except Refused:
             continue
-        known = f"the widest power of 10 that works is {brief(narrower)}"
+        known = f"the largest power of 10 that works is {brief(narrower)}"
         break
     else:
         known = f"none down to 1e-{_NARROWEST} works"
-    raise Unproved(f"nothing of all bodies within {brief(tolerance)} ({cause}): {known}")
+    raise Unproved(f"no proof for all bodies within {brief(tolerance)} ({cause}): {known}")
 
 
 def _of_bodies(

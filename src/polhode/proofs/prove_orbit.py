@@ -110,7 +110,7 @@ def prove_orbit(
     if orbit is None:
         orbit = approximate(scene, h=h, f=f, period=period, returns=returns, progress=progress)
     elif period is not None or returns is not None:
-        raise BadInput(scene.name, "orbit", None, "alone: it tells its period")
+        raise BadInput(scene.name, "orbit", None, "no period or returns with it")
     asked = asked_of(scene, MOMENTUM, MAXIMA, h, f)
     on = Surface(scene, asked.h, asked.f)
     near = orbit.scene if isinstance(orbit, Orbit) else library.load(orbit)

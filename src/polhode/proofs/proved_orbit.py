@@ -111,7 +111,7 @@ class ProvedOrbit(ByValue):
         not prove the rest, or the file cannot be written.
         """
         if self.tolerance:
-            expected = "no tolerance: a certificate tells of one body"
+            expected = "no tolerance: a certificate is for one body"
             raise BadInput(self.scene.name, "tolerance", brief(self.tolerance), expected)
         from polhode.certificates import orbit_certificate
 

@@ -69,7 +69,7 @@ class Search:
         """Raise CannotRefine for an event that starts at zero and stays there along a base."""
         for k, before in enumerate(self.start):
             if before == 0 and self.candidates.still(now.polynomials, k):
-                raise CannotRefine("an event is zero all along the motion")
+                raise CannotRefine("an event is zero at all times of the motion")
 
     def look(self, time: Fraction, series: Series, k: int, extremum: bool) -> None:
         """Decide about a place of event k: ``time`` (own unit), ``series`` from the state then."""

@@ -81,7 +81,7 @@ def _part(reading: Reading, index: int, table: dict[str, Any]) -> Part:
     reading.known("body.parts", table, key)
     for needed in ("shape", "mass"):
         if needed not in table:
-            raise reading.bad(f"{key}.{needed}", None, "given of each part")
+            raise reading.bad(f"{key}.{needed}", None, "given for each part")
     found: dict[str, Any] = {}
     for name, value in table.items():
         if name in ("shape", "axis"):

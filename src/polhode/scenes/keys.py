@@ -163,15 +163,15 @@ KEYS: dict[str, tuple[Key, ...]] = {
         Key(
             "h",
             NUMBER,
-            "or the energy h, with `f`: the spin is the one on that level whose vertical is gamma",
+            "or the energy h, with `f`: omega is on that level, in the given orientation",
             '"9/4"',
             unit="J",
         ),
-        Key("f", NUMBER, "area constant I w . gamma, with `h`", "1", unit="kg*m**2/s"),
+        Key("f", NUMBER, "area integral I w . gamma, with `h`", "1", unit="kg*m**2/s"),
         Key(
             "sign",
             WORD,
-            f"which of the two spins on the level, one of {_listed(SIGNS)}",
+            f"which of the two omegas on the level, one of {_listed(SIGNS)}",
             f'"{SIGNS[1]}"',
             f'"{SIGNS[0]}"',
         ),
@@ -227,13 +227,13 @@ KEYS: dict[str, tuple[Key, ...]] = {
         Key(
             "name",
             WORD,
-            f"any name; {_listed(READY_MADE)} and `{SECTION}…` say what vanishes",
+            f"any name; {_listed(READY_MADE)} and `{SECTION}…` need no `zero`",
             '"level"',
         ),
         Key(
             "zero",
             WORD,
-            "what vanishes: an expression in p q r gamma1 gamma2 gamma3 t",
+            "the expression whose zeros are found, in p q r gamma1 gamma2 gamma3 t",
             '"gamma3 - 1/2"',
         ),
         Key("direction", WORD, f"one of {_listed(DIRECTIONS)}, as t grows", '"rising"', '"any"'),
@@ -244,7 +244,7 @@ KEYS: dict[str, tuple[Key, ...]] = {
         Key("quantity", WORD, "an expression in the columns", '"180/pi*p"'),
         Key("value", WORD, "the value, digit for digit as printed", '"12.6183907758"'),
         Key("cite", WORD, "who printed it", '"NASA/TM-2015-218675"'),
-        Key("right", WHOLE, "digits known to be right, where not all are", "7"),
+        Key("right", WHOLE, "digits known to be right, if not all are", "7"),
     ),
     "reference": (Key("kind", WORD, f"one of {_listed(REFERENCES)}", '"euler"', '"auto"'),),
     "section": (

@@ -1,7 +1,8 @@
-"""A scene: one body, one start, the times asked for.  Exact, immutable, checked once.
+"""A scene: one body, one start, the output times.  Exact, immutable, checked once.
 
-Body axes O xyz, O the fixed point; omega = (p, q, r) and gamma, the upward vertical, in body axes
-(Yehia, chapter 3).  Integrals (3.30): h = ½ w·I w + Mg r0·gamma, f = I w·gamma, |gamma|² = 1.
+Body axes O xyz, O the fixed point; omega = (p, q, r) and gamma, the upward vertical, in body axes,
+as in Yehia, *Rigid Body Dynamics: A Lagrangian Approach*, chapter 3.  The first integrals are its
+(3.30): h = ½ w·I w + Mg r0·gamma, f = I w·gamma, |gamma|² = 1.
 """
 
 from __future__ import annotations

@@ -108,7 +108,7 @@ class Reading:
                 return value
         except ExpressionError as fault:
             if isinstance(value, str) and any(mark in value for mark in PLUS_MINUS):
-                expected = "a number; intervals are taken in start.omega, and by proofs alone: "
+                expected = "a number; intervals are allowed in start.omega, for proofs only: "
                 raise self.bad(key, value, expected + "reference --certified") from None
             raise self.bad(key, value, f"a number ({fault})") from None
         raise self.bad(key, value, "a number")

@@ -18,7 +18,7 @@ def options(parser: ArgumentParser) -> None:
         type=folder,
         metavar="DIR",
         default="reports/benchmark",
-        help="where to (reports/benchmark)",
+        help="folder (reports/benchmark)",
     )
     parser.add_argument(
         "--only",

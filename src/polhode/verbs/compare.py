@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-HELP = "judge a trajectory that some other program computed"
+HELP = "judge a trajectory that another program computed"
 
 
 def options(parser: ArgumentParser) -> None:
@@ -63,7 +63,7 @@ def options(parser: ArgumentParser) -> None:
         "--at-least",
         type=at_least,
         metavar="D",
-        help="exit code 3 where any part has fewer correct digits at any time",
+        help="exit code 3 if any part has fewer correct digits at any time",
     )
     parser.add_argument(
         "--orders",
@@ -163,7 +163,7 @@ def _judged(options: Namespace, file: str, answer: Callable[[Judgement], T]) -> 
 
         def foretold(seconds: float, unit: str) -> None:
             if seconds > LONG:
-                hint = f"; its t looks like {unit}" if unit else ""
+                hint = f"; its t seems to be in {unit}" if unit else ""
                 progress.clear()
                 note(
                     f"{path}: there is no closed form here, and the proof that judges will take "

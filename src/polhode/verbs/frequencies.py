@@ -19,7 +19,7 @@ def options(parser: ArgumentParser) -> None:
     of = "signals: p+iq, gamma1+i gamma2, p, q, r, gamma1, gamma2, gamma3, axis (p+iq,gamma3)"
     parser.add_argument("--of", metavar="S,S...", help=of)
     parser.add_argument("--end", metavar="T", help="integrate to this time (the scene's end)")
-    parser.add_argument("--lines", type=positive, metavar="N", help="of each signal (6)")
+    parser.add_argument("--lines", type=positive, metavar="N", help="lines of each signal (6)")
     parser.add_argument(
         "-o", dest="file", type=word, metavar="FILE", help="a figure, .svg, .png or .pdf"
     )

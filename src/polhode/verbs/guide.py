@@ -18,7 +18,7 @@ def options(parser: ArgumentParser) -> None:
         nargs="*",
         default=["index"],
         metavar="TOPIC",
-        help="see the list; api NAME of a public name; or words to look for",
+        help="a page of the list; api NAME for a public name; or words to search for",
     )
 
 

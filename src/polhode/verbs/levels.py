@@ -22,7 +22,7 @@ def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
     parser.add_argument("scene", type=word, metavar="SCENE", help="a case that ships, or a path")
     for key in ("f", "h"):
-        parser.add_argument(f"--{key}", metavar="A:B", help=f"of a figure: the range of {key}")
+        parser.add_argument(f"--{key}", metavar="A:B", help=f"the range of {key} in a figure")
     parser.add_argument(
         "-o",
         dest="file",

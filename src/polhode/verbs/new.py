@@ -24,9 +24,11 @@ def options(parser: ArgumentParser) -> None:
         listed = ",".join(shape.numbers).upper()
         text = f'{shape.meaning}; numbers in SI or with units, as "3 cm"'
         way.add_argument(f"--{name}", metavar=listed, help=text)
-    parser.add_argument("--tilt", metavar="ANGLE", help=f"of its axis from the vertical: {_TILT}")
-    parser.add_argument("--spin", metavar="RATE", help=f"about its axis: {_SPIN}")
-    parser.add_argument("--end", metavar="T", help=f"last time: {_END}")
+    parser.add_argument(
+        "--tilt", metavar="ANGLE", help=f"angle of the axis to the vertical ({_TILT})"
+    )
+    parser.add_argument("--spin", metavar="RATE", help=f"rate about the axis ({_SPIN})")
+    parser.add_argument("--end", metavar="T", help=f"last time ({_END})")
 
 
 def main(options: Namespace) -> int:
@@ -38,7 +40,7 @@ def main(options: Namespace) -> int:
     check_writable(path, [".toml"], [like])
     refuse_two_on_stdout(path, options.json)
     if path.exists() and not is_stdout(path):
-        raise BadInput("new", "FILE", options.file, "a file that is not there yet")
+        raise BadInput("new", "FILE", options.file, "a file that does not exist yet")
     text = _of_case(options) if options.like else _of_shape(options)
     scene = scene_file.parse(text, options.file)
     write_whole({path: text})

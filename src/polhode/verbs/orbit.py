@@ -153,7 +153,7 @@ def _say(found: Orbit) -> None:
         if found.turns is not None:
             n = found.turns.denominator
             closes = f"the motion in space closes after {n} period" + ("s" if n > 1 else "")
-        say(f"psi         {told['psi']} a period; {closes}")
+        say(f"psi         {told['psi']} per period; {closes}")
     note(
         f"{found.name}: start and period right to {found.error:.1e}, residue to "
         f"{found.residue_error:.1e}, |det M - 1| = {found.determinant:.1e}; "

@@ -60,7 +60,7 @@ def options(parser: ArgumentParser) -> None:
         "--scene", type=word, metavar="SCENE", help="for a FILE: the scene that it belongs to"
     )
     parser.add_argument(
-        "--number", help="double (default), extended, quad or mp; for a FILE: of its decimals"
+        "--number", help="double (default), extended, quad or mp; for a FILE: that of its decimals"
     )
     digits = "digits wanted, by which the number type is chosen"
     parser.add_argument("--digits", type=whole, help=digits)

@@ -15,7 +15,7 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument("--quick", action="store_true", help="fewer and shorter cases")
     parser.add_argument("--fresh", action="store_true", help="discard earlier results")
     parser.add_argument(
-        "-o", dest="folder", type=folder, metavar="DIR", default="reports", help="where to"
+        "-o", dest="folder", type=folder, metavar="DIR", default="reports", help="folder (reports)"
     )
 
 

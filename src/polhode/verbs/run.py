@@ -42,7 +42,7 @@ def options(parser: ArgumentParser) -> None:
         "--proved",
         action="store_const",
         const=True,
-        help="check the digits by a proof where no closed form is known",
+        help="check the digits by a proof if no closed form is known",
     )
     checks.add_argument(
         "--unproved",

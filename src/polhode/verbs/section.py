@@ -38,8 +38,10 @@ def options(parser: ArgumentParser) -> None:
         "or the word scene, for the scene's own start"
     )
     parser.add_argument("--starts", type=word, metavar="FILE", help=starts)
-    parser.add_argument("--crossings", type=positive, metavar="N", help="of each orbit (500)")
-    parser.add_argument("--workers", type=positive, metavar="N", help="processes (as many as pay)")
+    parser.add_argument("--crossings", type=positive, metavar="N", help="per orbit (500)")
+    parser.add_argument(
+        "--workers", type=positive, metavar="N", help="processes (as many as are useful)"
+    )
     level_options(parser)
 
 

@@ -7,7 +7,8 @@ from argparse import ArgumentParser, Namespace
 from polhode.scenes import library
 from polhode.verbs.terminal import DONE, print_json, say, word
 
-HELP = "body, regime, integrals, frequencies, what will be modelled"
+HELP = "body, regime, integrals, frequencies, columns to be integrated"
+_BOOK = "Yehia, Rigid Body Dynamics: A Lagrangian Approach"
 
 
 def options(parser: ArgumentParser) -> None:
@@ -16,7 +17,7 @@ def options(parser: ArgumentParser) -> None:
 
 
 def main(options: Namespace) -> int:
-    """Body, regime, integrals, frequencies, what will be modelled."""
+    """Body, regime, integrals, frequencies, columns to be integrated."""
     from polhode.output.description import described
 
     facts = described(library.load(options.scene))
@@ -24,7 +25,9 @@ def main(options: Namespace) -> int:
         print_json(facts)
         return DONE
     for key, value in facts.items():
-        if isinstance(value, dict):
+        if key == "source":
+            value = f"{_BOOK}, {value}"
+        elif isinstance(value, dict):
             value = ", ".join(f"{k} = {v}" for k, v in value.items() if v is not None)
         elif isinstance(value, (tuple, list)):
             value = ", ".join(str(x) for x in value)

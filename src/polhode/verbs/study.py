@@ -29,7 +29,7 @@ def options(parser: ArgumentParser) -> None:
         help="with the study speed: leave out a program, by its package (may be repeated)",
     )
     parser.add_argument(
-        "-o", dest="folder", type=folder, metavar="DIR", default="reports", help="where to"
+        "-o", dest="folder", type=folder, metavar="DIR", default="reports", help="folder (reports)"
     )
 
 

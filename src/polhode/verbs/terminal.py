@@ -187,7 +187,7 @@ def note(text: str) -> None:
 def goes_on(kept: Checkpoint | None) -> int:
     """The exit code of work that was interrupted; a line says what is kept of it."""
     if kept is not None:
-        note(f"polhode: the same command goes on from {kept.folder}")
+        note(f"polhode: the same command continues from {kept.folder}")
     return INTERRUPTED
 
 

@@ -11,7 +11,9 @@ HELP = "check a proof's certificate by code of its own"
 
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
-    parser.add_argument("file", type=word, metavar="CERT.json", help="a certificate, or -")
+    parser.add_argument(
+        "file", type=word, metavar="CERT.json", help="a certificate, or - for standard input"
+    )
 
 
 def main(options: Namespace) -> int:

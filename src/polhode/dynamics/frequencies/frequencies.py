@@ -253,7 +253,8 @@ def _step(name: str, times: Sequence[Fraction]) -> float:
 def _signal(source: str, name: str, columns: Mapping[str, Any], scene: Scene | None) -> Any:
     for column in _columns(name):
         if column not in columns:
-            raise BadInput(source, "of", name, f"a column {column}, beside {', '.join(columns)}")
+            expected = f"a column {column}, besides {', '.join(columns)}"
+            raise BadInput(source, "of", name, expected)
     if name == AXIS:
         return _axis(columns, scene)
     real, imaginary = SIGNALS[name]

@@ -58,7 +58,7 @@ class RationalBody(NamedTuple):
 
 
 class Reach(NamedTuple):
-    """The sizes of f that exact roots are had of within seconds: f = 0, and from least to most.
+    """The sizes of f whose exact roots are computed within seconds: f = 0, and from least to most.
 
     Roots of the arcs' polynomials crowd around the moments, the nearer the farther apart the
     numbers are, and FLINT's isolation of them can neither be interrupted nor does it end in time.

@@ -76,7 +76,7 @@ def event_of(scene: Scene, name: str) -> Event:
         raise BadInput(scene.name, f"keep: {FIRST}", name, f"an event: {nearest(name, [*events])}")
     event = events[name]
     if event.expression is None or not is_entire(scene, event):
-        expected = "an event with an expression, without roots and division by what varies"
+        expected = "an event with an expression, without roots and division by a variable"
         raise BadInput(scene.name, f"keep: {FIRST}", name, expected)
     return event
 

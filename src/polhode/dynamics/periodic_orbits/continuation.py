@@ -76,7 +76,7 @@ class Arc:
     def between(self, first: Member, last: Member, off: Callable[[Member], float]) -> Member:
         """Where a function of members vanishes that has two signs at two of them.
 
-        At a branch point, where the system is singular, the nearest member that was had.
+        At a branch point, where the system is singular, the nearest member that was found.
         """
         (near, at_near), (far, at_far) = (first, off(first)), (last, off(last))
         best, least = (near, at_near) if abs(at_near) < abs(at_far) else (far, at_far)

@@ -36,7 +36,7 @@ from polhode.numbers.scalars import EXACT
 from polhode.taylor.variations.flow_map import Flow, NotFollowed
 
 SPARE_DIGITS = 2  # written beside those asked for
-MOST_TYPES = 3  # tried until the digits are had
+MOST_TYPES = 3  # tried until the digits are reached
 HELD = 15  # digits up to which a monodromy matrix in double is enough
 
 Fractions = Sequence[Fraction]

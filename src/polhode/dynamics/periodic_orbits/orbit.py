@@ -231,8 +231,8 @@ def _guesses(on: Surface, start: Doubles, most: int) -> list[Return]:
     if not returns.found:
         end = returns.followed * float(on.unit)
         expected = (
-            f"one that comes near itself: to t = {end:.3g} the motion stays "
-            f"{returns.nearest:.2g} of its size away from its start"
+            f"a start near which the motion returns: up to t = {end:.3g} it stays "
+            f"{returns.nearest:.2g} of its size away"
         )
         raise BadInput(on.scene.name, "start", None, expected)
     return [*returns.found]

@@ -297,7 +297,7 @@ def _not_finite(asked: Asked, on: Ground, start: Sequence[float], time: float) -
     l, ratio = (float(x) for x in geometry.coordinates(on, np.array(start)))
     t = math.ldexp(time, asked.scene.time_unit)
     expected = (
-        "an expression that is real and finite all along the orbits; on the one from "
+        "an expression that is real and finite on all orbits; on the one from "
         f"l = {l:.6g}, L/G = {ratio:.6g} it has a pole or stops being real at t = {t:.6g}"
     )
     return BadInput(asked.scene.name, "by", asked.by, expected)

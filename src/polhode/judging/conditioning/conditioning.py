@@ -1,4 +1,4 @@
-"""How much a motion multiplies errors: what rounding costs, what is to be expected of a run.
+"""How much a motion multiplies errors: what rounding costs, what is expected of a run.
 
 Three quantities, and a bound:
 

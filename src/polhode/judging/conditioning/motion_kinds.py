@@ -1,11 +1,11 @@
 """What kind a motion is, by the growth of its tangents: the one definition.
 
-*regular*: neighbours part no faster than a power of t (quasi-periodic motion, on a torus).
-*unstable*: they part exponentially, and the motion is known all the same: a closed form, a fixed
-point, a body that is integrable for every start.  It is unstable periodic, or asymptotic to such a
-motion, as on a separatrix.
-*chaotic*: they part exponentially, and nothing of that kind is known.
-*undecided*: the time is too short to tell.
+*regular*: nearby motions separate no faster than a power of t (quasi-periodic motion, on a torus).
+*unstable*: they separate exponentially, but the motion is known: a closed form, a fixed point, a
+body that is integrable for every start.  It is unstable periodic, or asymptotic to such a motion,
+as on a separatrix.
+*chaotic*: they separate exponentially, and nothing of that kind is known.
+*undecided*: the time is too short.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ REGULAR_GROWTH, UNSTABLE_GROWTH = 2.0, 6.0
 
 
 def of_growing(known: bool) -> str:
-    """The kind of a motion whose neighbours part exponentially."""
+    """The kind of a motion from which nearby motions separate exponentially."""
     return UNSTABLE if known else CHAOTIC
 
 

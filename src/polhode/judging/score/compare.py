@@ -209,7 +209,7 @@ def compare(
     except BadInput as refused:
         if not does_not_answer(against, refused):
             if refused.key == "at" and (unit := _unit(subject, scene)):  # a proof of too many steps
-                expected = f"{refused.expected}; t looks like {unit}"
+                expected = f"{refused.expected}; t seems to be in {unit}"
                 raise BadInput(refused.source, "t", refused.value, expected) from None
             raise
         found = replace(found, reference=Certified(against.scene, **limits))

@@ -99,7 +99,7 @@ def _of_polhode(path: Path, held: Mapping[str, Any]) -> tuple[dict[str, object],
                     for k, name in enumerate(names[: rows.shape[1]])
                 }
     except (*_FAULTS, AttributeError, TypeError):
-        raise BadInput(str(path), "about", None, "what polhode saved of a trajectory") from None
+        raise BadInput(str(path), "about", None, "a trajectory that polhode saved") from None
     return columns, number
 
 

@@ -27,7 +27,7 @@ MAX_BYTES = 1 << 30
 MAX_LINE = 1_000_000  # characters
 _BLANK = SEPARATORS + string.whitespace
 _ACCEPTED = (
-    "a header with a column t (or time, timestamp) and columns beside it, separated by commas, "
+    "a header with a column t (or time, timestamp) and other columns, separated by commas, "
     "semicolons, tabs or blanks, also after #; or --columns t,p,q,... that names them"
 )
 
@@ -88,7 +88,7 @@ class TableFile:
         if all(found.name != "t" for found in named):
             raise BadInput(str(path), "header", ",".join(header), _ACCEPTED)
         if all(found.name in (None, "t") for found in named):
-            expected = f"columns beside t that can be judged, of {', '.join(known()[1:])}"
+            expected = f"columns besides t that can be judged, of {', '.join(known()[1:])}"
             raise BadInput(str(path), "header", ",".join(header), expected)
         if len(rows) == 1:
             raise BadInput(str(path), "file", None, "at least one line of numbers")

@@ -108,7 +108,7 @@ def table_of_columns(
     if all(found.name != "t" for found in named.values()):
         raise BadInput(source, "columns", header, "a column t among them")
     if all(found.name in (None, "t") for found in named.values()):
-        expected = f"columns beside t that can be judged, of {', '.join(known()[1:])}"
+        expected = f"columns besides t that can be judged, of {', '.join(known()[1:])}"
         raise BadInput(source, "columns", header, expected)
     if number is None:
         number = type_of(held[name] for name, k in named.items() if k.name not in (None, "t"))

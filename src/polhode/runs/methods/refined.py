@@ -34,7 +34,7 @@ def hindrance(scene: Scene, number: NumberType, options: Options) -> str | None:
     if "angles" in scene.modelled and scene.starts_at_pole:
         return "no angles of a motion that starts at a pole"
     if not _all_entire(scene):
-        return "events without a division by what varies or a root of it"
+        return "events without division by a variable or a root of one"
     if options.tolerance is not None or options.inputs is not None or options.project:
         return "no tolerance, rounded inputs or projection of its own"
     if scene.log10_angle > _MOST_LOG10_ANGLE:

@@ -238,7 +238,7 @@ class TaylorMotion:
             if k in suspects:
                 event = self.scene.events[k]
                 key, text = f"events[{k + 1}].zero", event.expression or event.name
-                expected = "an expression that is not zero all along the motion"
+                expected = "an expression that is not zero at all times of the motion"
                 raise BadInput(self.scene.name, key, text, expected)
 
     def _built(

@@ -17,7 +17,7 @@ class Policy(NamedTuple):
     """The choices for one number type, counted in Taylor steps.
 
     ``max_steps``: the step limit unless the user sets another.  ``chunk``: steps between two looks
-    at the clock and the keyboard, a fifth of a second of them at 0.6 µs (double), 7 µs (extended),
+    at the clock and for Ctrl-C, a fifth of a second of them at 0.6 µs (double), 7 µs (extended),
     0.3 ms (quad), 2 ms (mp at 237 bits).  ``set_back``: steps after which cyclic variables are set
     back to zero; ``divisor``: what they are divided by, a power of two: in that many steps they
     grow to about one, so that they neither loosen the steps nor shorten them.  ``projected``:

@@ -25,7 +25,7 @@ from polhode.taylor.integrator.prepared import Prepared
 
 
 def block(number: NumberType) -> int:
-    """Steps without a look at the keyboard: more than a stretch has that goes as foreseen."""
+    """Steps without a check for Ctrl-C: more than an interval needs that goes as expected."""
     return defaults.of(number).chunk
 
 

@@ -1,4 +1,4 @@
-"""The way of a sweep's members, cut where a look at the keyboard is due."""
+"""The times of a sweep's members, cut where a check for Ctrl-C is due."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from polhode.taylor.backend import defaults, heyoka_numbers
 from polhode.taylor.backend.types import HeyokaNumber
 from polhode.taylor.batches.jobs import BatchJob
 
-#: Internal time units (a radian or two of the fastest rate) between two looks at the keyboard, for
+#: Internal time units (a radian or two of the fastest rate) between two checks for Ctrl-C, for
 #: each step between them: at two or three steps a unit, a fifth of a second.
 _UNITS_PER_STEP = Fraction(1, 4)
 

@@ -211,7 +211,7 @@ class Attitudes:
                 found = AxisTurns(start, formula, turn, made.bits, mpf(0))
                 grown.append(found.growth(time))
             if any(abs(x - y) > _ALIKE for x, y in zip(*grown, strict=True)):
-                raise ArithmeticError("neighbours turn otherwise")
+                raise ArithmeticError("nearby motions turn differently")
             return grown[0]
 
     def _neighbours_turns(
@@ -221,7 +221,7 @@ class Attitudes:
         both = range(1)
         if regimes.passes_poles(self._start):
             if sorted(map(regimes.side, made.motions.starts[:2])) != [-1, 1]:
-                raise ArithmeticError("neighbours on one side")
+                raise ArithmeticError("nearby motions on one side only")
             both = range(2)
         with mpmath.workprec(made.bits):
             time = mpmath.ldexp(t, self._start.exponent)

@@ -180,7 +180,7 @@ class Line:
             if not len(left):
                 return
             if len(left) > _MOST:
-                raise ArithmeticError("a way too near zeros all along")
+                raise ArithmeticError("a path too near zeros everywhere")
             half /= 2
             centres = np.concatenate([left - half, left + half])
 

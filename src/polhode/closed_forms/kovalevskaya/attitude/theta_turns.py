@@ -42,7 +42,9 @@ class TorusTurns:
             for grown, first, last in zip(found, self._first, self.made.at(t), strict=True):
                 turns = (grown - mpmath.arg(last / first)) / (2 * mpmath.pi)
                 if not abs(turns - mpmath.nint(turns)) < _AGREE:
-                    raise ArithmeticError("the attitude's turns are not whole beside itself")
+                    raise ArithmeticError(
+                        "the turns that were counted are not those of the attitude"
+                    )
             return found
 
     @cached_property
