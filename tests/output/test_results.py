@@ -129,6 +129,17 @@ def test_times_of_events_have_the_digits_of_their_type_wherever_they_are_printed
     assert repr(run.events[0]).endswith(f"the first at t = {told}>")
 
 
+def test_results_of_a_scene_file_load_again_wherever_it_is(tmp_path):
+    scene = tmp_path / "scene.toml"
+    scene.write_text(polhode.as_toml(polhode.load("general/asymmetric-chaotic")))
+    found = polhode.levels(scene)
+    for suffix in (".csv", ".json", ".npz"):
+        found.save(tmp_path / f"x{suffix}")
+        again = polhode.load_result(tmp_path / f"x{suffix}")
+        assert again == found
+        assert repr(again) == repr(found)
+
+
 def test_what_is_there_is_replaced_by_its_own_kind_alone(tmp_path):
     for suffix in (".csv", ".json", ".npz"):
         path = tmp_path / f"x{suffix}"
