@@ -32,7 +32,7 @@ from polhode.dynamics.periodic_orbits.recurrences import Return, near_returns
 from polhode.dynamics.sections.starts import MAXIMA, asked_of
 from polhode.equations.section_functions import MOMENTUM
 from polhode.numbers import exact
-from polhode.numbers.conversion import exact_number, exactly, to_double, to_mpf
+from polhode.numbers.conversion import exactly, to_double, to_mpf
 from polhode.numbers.decimals import decimal_string
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.mpmath_context import mpmath, ordinary
@@ -40,6 +40,7 @@ from polhode.numbers.number_types import MAX_DIGITS, bits_for
 from polhode.numbers.rows import Doubles, doubles
 from polhode.numbers.scalars import AnyNumber, Real
 from polhode.scenes import library, scene_file
+from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_text import written
 from polhode.scenes.validation import Literal
@@ -205,7 +206,7 @@ def orbit(
     if period is None:
         guesses = _guesses(on, start, most)
     else:
-        (given,) = each(scene.name, "period", (period,), exact_number, "a time")
+        (given,) = each(scene.name, "period", (period,), reader(scene.units, TIME), "a time")
         if sign(given) <= 0:
             raise BadInput(scene.name, "period", period, "a time above 0")
         if not math.isfinite(to_double(given / on.unit)):
