@@ -29,6 +29,7 @@ from polhode.dynamics.periodic_orbits.newton_shooting import (
     is_still,
 )
 from polhode.dynamics.periodic_orbits.recurrences import Return, near_returns
+from polhode.dynamics.sections.coordinates import ground
 from polhode.dynamics.sections.starts import MAXIMA, asked_of
 from polhode.equations.section_functions import MOMENTUM
 from polhode.numbers import exact
@@ -201,6 +202,7 @@ def orbit(
     if scene.gamma is not None:
         _refuse_permanent(scene)
     asked = asked_of(scene, MOMENTUM, MAXIMA, h, f)
+    ground(scene, asked.h, asked.f)  # refuses a level that doubles cannot hold
     on = Surface(scene, asked.h, asked.f)
     start = np.array([to_double(x) for x in on.exact_start])
     if period is None:

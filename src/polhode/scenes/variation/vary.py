@@ -101,7 +101,7 @@ class Grid(NamedTuple):
     rows: Rows
 
 
-def option(text: str, name: str, units: str) -> tuple[str, Sequence[Exact]]:
+def option(text: str, name: str, units: str = "") -> tuple[str, Sequence[Exact]]:
     """Key and values of ``KEY=FROM:TO:N`` or ``KEY=a,b,c``; raises BadInput.
 
     Here and below ``units`` are those of the scene.
@@ -112,7 +112,7 @@ def option(text: str, name: str, units: str) -> tuple[str, Sequence[Exact]]:
     return key.strip(), values(listed, key.strip(), name, units)
 
 
-def options(texts: Sequence[str], name: str, units: str) -> dict[str, Sequence[Exact]]:
+def options(texts: Sequence[str], name: str, units: str = "") -> dict[str, Sequence[Exact]]:
     """What all ``--vary`` say together; raises BadInput."""
     varied: dict[str, Sequence[Exact]] = {}
     for text in texts:
