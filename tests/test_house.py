@@ -226,6 +226,7 @@ fine: bool = bool(polhode.chaos_map(top, (3, 3), h=3, f="1/2").fli.max() > 0)
 largest: float = float(run.states[:, 0].max() + run("1/3")[0] + run([0, 1])[:, 2].max())
 extended = polhode.integrate("lagrange/nutation", "extended", at=[1])
 rows = polhode.integrate("lagrange/nutation", "quad", at=[1])
+worst: float = polhode.testing.assert_digits(run, top, at_least=9).worst
 """
 
 ANY_STATES = "ndarray[float64] | ndarray[longdouble] | ndarray[object_]"
@@ -244,6 +245,7 @@ REVEALED = {
     'run.events["high"].t': "ndarray[float64]",
     "polhode.integrate(top, digits=30).states": ANY_STATES,
     'polhode.load_run("run.npz").states': ANY_STATES,
+    "polhode.testing.assert_digits(run, top, 9).times": "tuple[Fraction, ...]",
 }
 
 WRONG = {

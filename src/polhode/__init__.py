@@ -18,6 +18,8 @@ from polhode.common.presentation import provide as _provide
 if _TYPE_CHECKING:
     from collections.abc import Callable as _Callable
 
+    from polhode import testing as testing
+
     # `as`: mypy and pyright take these names, and no others, for exported
     from polhode.certificates.verdict import Verdict as Verdict
     from polhode.certificates.verdict import verify as verify

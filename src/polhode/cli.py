@@ -33,11 +33,6 @@ VERBS = (
 #: What follows is a name, even if it looks like an option.
 _BEFORE = "the verb and its options before it: what follows -- is read as a name"
 
-WITHOUT_HEYOKA = (
-    "heyoka: expected to be installed, since integration needs it: "
-    "conda install -c conda-forge heyoka.py, or on Linux pip install heyoka"
-)
-
 WELCOME = f"""\
 polhode {__version__}: how a heavy rigid body moves about a fixed point, to how many correct digits.
 
@@ -123,7 +118,7 @@ def _main(arguments: Sequence[str] | None) -> int:
             if heard.came:  # by a compiled library, which made another exception of it
                 return _interrupted()
             if isinstance(fault, ModuleNotFoundError) and fault.name == "heyoka":
-                terminal.note(f"polhode: {WITHOUT_HEYOKA}")
+                terminal.note(f"polhode: {fault}")
                 return BAD_INPUT
             raise
     except StdoutFault as full:

@@ -159,3 +159,47 @@ def test_more_digits_than_can_be_proven_are_refused(capsys: pytest.CaptureFixtur
 def test_a_radius_is_rounded_up_and_never_down() -> None:
     for value in (1.0, 1.23456e-20, 9.99999e-7, 3.3333e-300):
         assert float(rounded_up([value])[0]) >= value
+
+
+def test_a_proven_table_holds_what_is_printed_and_loads_again(tmp_path, capsys) -> None:
+    scene = tmp_path / "scene.toml"
+    events = '\n[[events]]\nname = "nutation"\n'
+    scene.write_text(polhode.as_toml(polhode.load("lagrange/nutation")) + events)
+    path = tmp_path / "proven.csv"
+    command = ["reference", str(scene), "--certified", "--at", "1,2", "--digits", "20"]
+    code, out, _ = run(capsys, *command, "--events", "-o", str(path))
+    assert code == 0
+    header, *printed = (line.split() for line in out.splitlines())
+    names, *rows = (line.split(",") for line in path.read_text().splitlines())
+    width = len(header)
+    assert names[:width] == header
+    assert names[-1] == "digits"
+    assert names[width:-1] == [f"radius_{name}" for name in header[1:]]
+    assert [row[:width] for row in rows] == printed
+    found = polhode.load_result(path)
+    assert found.strings() == [row[1:7] for row in printed]
+    beside = json.loads(path.with_suffix(".json").read_text())
+    code, out, _ = run(capsys, *command, "--events", "--json")
+    assert beside["events"] == json.loads(out)["events"]
+    code, out, _ = run(capsys, "compare", str(path), str(scene), "--as-it-stands")
+    assert code == 0
+    assert min(float(x) for x in re.findall(r"^[12] +(\S+)", out, re.MULTILINE)) > 20
+    assert re.findall("not judged: (.*)", out) == [
+        f"columns {' '.join(names[width:])} are not known and were not judged"
+    ]
+
+
+def test_a_closed_form_is_written_as_a_table(tmp_path, capsys) -> None:
+    path = tmp_path / "exact.csv"
+    code, out, err = run(
+        capsys, "reference", CASE, "--at", "0,1", "--digits", "30", "-o", str(path)
+    )
+    assert (code, err) == (0, "")
+    assert [line.split(",") for line in path.read_text().splitlines()] == [
+        line.split() for line in out.splitlines()
+    ]
+    assert json.loads(path.with_suffix(".json").read_text())["reference"] == "kovalevskaya"
+    path.unlink()
+    code, out, err = run(capsys, "reference", CASE, "-o", str(tmp_path / "exact.json"))
+    assert (code, out) == (2, "")
+    assert err.endswith("expected a name that ends in .csv\n")

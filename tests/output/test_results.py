@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+import re
+from fractions import Fraction
 
 import numpy as np
 import pytest
 from matplotlib import pyplot as plt
 
 import polhode
+from polhode.cli import main
 from polhode.common.result import Result
 from polhode.output.results import document
 
@@ -97,6 +100,44 @@ def test_results_become_tables(name):
     html = found._repr_html_()
     assert html.startswith(("<table", "<p", "<pre"))
     assert repr(found).startswith(f"<{type(found).__name__}")
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "printed"),
+    [
+        ("number", "double", 17),
+        ("number", "extended", 21),
+        ("number", "quad", 36),
+        ("digits", 50, 58),
+    ],
+)
+def test_times_of_events_have_the_digits_of_their_type_wherever_they_are_printed(
+    key, value, printed, tmp_path, capsys
+):
+    scene = tmp_path / "scene.toml"
+    scene.write_text(polhode.as_toml(_events_scene().at((10,))))
+    command = ["run", str(scene), f"--{key}", str(value)]
+    assert main([*command, "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    first = answer["events"][0]["times"][0]
+    assert main(command) == 0
+    said = capsys.readouterr().err
+    told = re.search(r"at t = ([0-9.]+)", said)[1]
+    assert len(told) == printed + 1 + (told[0] == "0")  # and the point
+    assert abs(Fraction(told) - Fraction(first)) <= Fraction(1, 2 * 10**printed)
+    run = polhode.integrate(str(scene), **{key: value})
+    assert repr(run.events[0]).endswith(f"the first at t = {told}>")
+
+
+def test_results_of_a_scene_file_load_again_wherever_it_is(tmp_path):
+    scene = tmp_path / "scene.toml"
+    scene.write_text(polhode.as_toml(polhode.load("general/asymmetric-chaotic")))
+    found = polhode.levels(scene)
+    for suffix in (".csv", ".json", ".npz"):
+        found.save(tmp_path / f"x{suffix}")
+        again = polhode.load_result(tmp_path / f"x{suffix}")
+        assert again == found
+        assert repr(again) == repr(found)
 
 
 def test_what_is_there_is_replaced_by_its_own_kind_alone(tmp_path):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import polhode
+from polhode.cli import main
 from polhode.common.errors import BadInput
 from polhode.scenes import keys, scene_file
 
@@ -65,12 +66,73 @@ def test_python_takes_units_too():
     assert top.end == 60
 
 
-def test_a_sweep_takes_units():
-    many = polhode.integrate_many(
-        "lagrange/nutation", vary={"start.omega[3]": "60 rpm:120 rpm:2"}, at=[0]
-    )
+def _in_si(**more):
+    given = {"moments": [2, 2, 1], "centre": [0, 0, "10 cm"], "weight": 1, "gamma": [0.6, 0, 0.8]}
+    return polhode.top(**given, omega=[0, 0, 1], end=1, **more)
+
+
+@pytest.mark.parametrize("column", ["60 rpm:120 rpm:2", ["1 rev/s", "120 rpm"]])
+def test_a_sweep_of_a_scene_in_si_takes_units(column):
+    many = polhode.integrate_many(_in_si(), vary={"start.omega[3]": column}, at=["0 ms"])
     spins = [float(x) for x, *_ in many.varied.rows]
     assert spins == [2 * np.pi, 4 * np.pi]
+
+
+def test_numbers_given_beside_a_scene_in_si_have_units_too():
+    scene = _in_si()
+    run = polhode.integrate(scene, at=["100 ms", "1/2 s"])
+    assert run.times == (Fraction(float("0.1")), Fraction(1, 2))
+    assert (run("500 ms") == run(0.5)).all()
+    exact = polhode.reference(scene)
+    assert exact.at(["1 ms"], 20) == exact.at(["0.001"], 20)
+    assert polhode.certify(scene, at=["10 ms"]).times == (Fraction(1, 100),)
+    assert polhode.frequencies(scene, of=["gamma3"], end="1 min").end == 60
+    level = {"starts": [[1, 0.2]], "crossings": 2}
+    assert polhode.section(scene, h="600 mJ", f="0.8 kg m**2/s", **level) == polhode.section(
+        scene, h="0.6", f="0.8", **level
+    )
+
+
+def test_where_a_scene_has_no_units_a_number_beside_it_has_none_but_an_angles():
+    vary = {"start.psi": "90 deg:180 deg:2"}
+    many = polhode.integrate_many("lagrange/nutation", vary=vary, at=[0])
+    assert [float(x) for x, *_ in many.varied.rows] == [np.pi / 2, np.pi]
+    scene = polhode.load("lagrange/nutation")
+    refused = [
+        lambda: polhode.integrate_many(scene, vary={"start.omega[3]": "1 rpm:2 rpm:2"}, at=[0]),
+        lambda: polhode.integrate_many(scene, vary={"start.omega[3]": ["1 rpm"]}, at=[0]),
+        lambda: polhode.integrate(scene, at=["1 s"]),
+        lambda: polhode.orbit(scene, period="1 s"),
+        lambda: polhode.reference(scene).at(["1 s"]),
+    ]
+    for call in refused:
+        with pytest.raises(BadInput, match='the scene has none; units = "SI" in it says'):
+            call()
+
+
+@pytest.mark.parametrize("verb", ["run", "reference", "plot", "view", "map", "frequencies"])
+def test_times_in_options_have_units(verb, tmp_path, capsys):
+    path = tmp_path / "si.toml"
+    path.write_text(polhode.as_toml(_in_si()))
+    option = "--at" if verb in ("run", "reference") else "--end"
+    files = {"plot": ["--what", "omega", "-o", str(tmp_path / "x.png")]}
+    files["view"] = ["-o", str(tmp_path / "x.html")]
+    more = files.get(verb, ["--grid", "1x1"] if verb == "map" else [])
+    assert main([verb, str(path), option, "1000 ms", *more]) == 0
+    capsys.readouterr()
+    assert main([verb, str(path), option, "1 kg", *more]) == 2
+    assert "in kg, not in s" in capsys.readouterr().err
+
+
+def test_a_part_with_units_makes_a_scene_in_si():
+    cone = polhode.Part("cone", mass="50 g", radius="3 cm", height="1/20 m")
+    assert (cone.mass, cone.radius, cone.units) == (Fraction(1, 20), Fraction(3, 100), "SI")
+    scene = polhode.top(parts=[cone], g=10, omega=[0, 0, 1], gamma=[0, 0, 1])
+    assert scene.units == "SI"
+    plain = polhode.Part("cone", mass=1, radius=1, height=1)
+    assert polhode.top(parts=[plain], g=1, omega=[0, 0, 1], gamma=[0, 0, 1]).units == ""
+    with pytest.raises(BadInput, match=r"mass.*in m, not in kg"):
+        polhode.Part("point", mass="50 cm")
 
 
 @pytest.mark.parametrize(

@@ -250,3 +250,25 @@ def test_a_run_that_gets_nowhere_says_so(capsys, outputs):
         code, _, err = ran(capsys, *arguments, "--outputs", outputs, *more)
         assert code == 3
         assert "raise the limit" in err
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["orbit", "general/asymmetric-regular", "--h", "1e400"],
+        ["orbit", "general/asymmetric-regular", "--h", "-1e400"],
+        ["prove", "orbit", "general/asymmetric-regular", "--h", "1e400"],
+        ["guide", "1" * 5000],
+    ],
+)
+def test_what_doubles_and_file_names_have_no_room_for_is_refused_in_one_line(capsys, arguments):
+    assert refused(capsys, *arguments).startswith("polhode: g")  # of the scene, or the guide
+
+
+def test_a_sweep_over_numbers_beyond_doubles_is_written(capsys):
+    sweep = ["sweep", "lagrange/nutation", "--at", "1", "--vary", "body.weight=1e400,2e400"]
+    code, _, err = ran(capsys, *sweep, "-o", "out.csv")
+    assert code == 3
+    assert "raise the limit (--max-steps)" in err
+    members = json.loads(Path("out.json").read_text())["members"]
+    assert [member["outcome"] for member in members] == ["step limit", "step limit"]

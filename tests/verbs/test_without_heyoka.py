@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -36,6 +38,38 @@ def test_what_needs_no_heyoka_works(command):
 
 def test_a_scene_can_be_made(tmp_path):
     assert said("new", str(tmp_path / "top.toml"))[0] == 0
+
+
+def test_tables_are_judged_against_closed_forms_drawn_and_animated(tmp_path):
+    table = str(tmp_path / "mine.csv")
+    code, out, _ = said("reference", "lagrange/nutation", "--at", "0,1,2", "--digits", "20")
+    header, *rows = (line.split() for line in out.splitlines())
+    assert code == 0
+    Path(table).write_text("".join(",".join(row) + "\n" for row in [header, *rows]))
+    code, out, err = said("compare", table, "lagrange/nutation", "--as-it-stands")
+    assert (code, err) == (0, "")
+    assert 20 < float(re.search(r"worst (\S+) correct digits", out)[1]) < 27  # 20 and a few guards
+    assert "not judged: what limits the digits was not computed: heyoka is not installed" in out
+    for verb in (
+        ["plot", table, "--what", "omega"],
+        ["view", table, "--scene", "lagrange/nutation"],
+    ):
+        path = tmp_path / f"{verb[0]}.{'png' if verb[0] == 'plot' else 'html'}"
+        assert said(*verb, "-o", str(path))[0] == 0
+        assert path.stat().st_size > 1000
+
+
+def test_every_public_name_is_there_and_what_integrates_says_how_to_get_it_in_python():
+    script = (
+        "import sys; sys.modules['heyoka'] = None; import polhode\n"
+        "for name in polhode.__all__: getattr(polhode, name)\n"
+        "try: polhode.integrate('lagrange/nutation')\n"
+        "except ImportError as fault: print(fault)"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("heyoka: expected to be installed")
+    assert len(done.stdout.splitlines()) == 1
 
 
 @pytest.mark.parametrize("command", ["run lagrange/nutation", "section general/asymmetric-regular"])

@@ -45,12 +45,12 @@ from polhode.enclosures.variations.variational_bound import Derivatives
 from polhode.equations.column import derived_words
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact
-from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes import start_box
+from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.start_box import StartBox
 from polhode.scenes.vocabulary import COLUMNS
@@ -138,7 +138,7 @@ def certify(
     scene = box.scene
     times = scene.times
     if at is not None:
-        times = each(scene.name, "at", at, exact_number, "a list of times")
+        times = each(scene.name, "at", at, reader(scene.units, TIME), "a list of times")
     if not times:
         raise BadInput(scene.name, "at", None, "at least one time")
     digits = whole(scene.name, "digits", digits, 1, MOST_DIGITS)

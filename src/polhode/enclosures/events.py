@@ -39,7 +39,6 @@ from polhode.enclosures.fixed_point_problem import (
 )
 from polhode.enclosures.polynomial import Polynomial, constant, rate, total, variable
 from polhode.numbers import exact, expression
-from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.expression import Algebra, ExpressionError
@@ -47,6 +46,7 @@ from polhode.numbers.flint_context import ctx
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes import start_box
 from polhode.scenes.event import Event
+from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
 
@@ -159,7 +159,7 @@ def certify_events(
     scene = box.scene
     last = scene.end
     if end is not None:
-        (last,) = each(scene.name, "end", (end,), exact_number, "a time")
+        (last,) = each(scene.name, "end", (end,), reader(scene.units, TIME), "a time")
     if sign(last) == 0:
         raise BadInput(scene.name, "end", "0", "a time other than 0")
     digits = whole(scene.name, "digits", digits, 1, MOST_DIGITS)

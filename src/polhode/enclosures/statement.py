@@ -60,6 +60,7 @@ TRUSTED = (
         for name in (
             *("body", "body_and_start", "scene", "scene_file", "scene_text", "start_box", "keys"),
             *("shapes", "level_start", "validation", "vocabulary", "output_times", "event"),
+            "given_numbers",
         )
     ),
     *(f"equations/{name}" for name in ("kinematics", "pole_passage", "column")),

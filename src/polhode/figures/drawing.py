@@ -17,11 +17,11 @@ from polhode.figures.canvas import canvas, curve_sampling, over_time
 from polhode.figures.canvas.curve_sampling import Samples
 from polhode.figures.sampled_motion import of_samples
 from polhode.judging.references.reference import reference as reference_of
-from polhode.numbers.conversion import exact_number
 from polhode.numbers.exact import Exact
 from polhode.numbers.scalars import AnyNumber
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
+from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import Several, Single
 
@@ -177,7 +177,7 @@ def _samples(what_of: Trajectory | Scene | str | Path, what: str, end: AnyNumber
     last: Exact | None = None
     if end is not None:
         try:
-            last = exact_number(end)
+            last = reader(scene.units, TIME)(end)
         except ValueError as fault:
             raise BadInput(scene.name, "end", end, f"a time ({fault})") from None
     if scene.gamma is None and what not in FREE_OF_GAMMA:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, SupportsIndex, overload
 from polhode.common.errors import nearest
 from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue, may_wait
-from polhode.numbers.decimals import decimal_in_full, shown
+from polhode.numbers.decimals import decimal_in_full, decimal_string, digits_of
 from polhode.numbers.rows import Rows
 
 if TYPE_CHECKING:
@@ -131,8 +131,13 @@ class EventTimes(Result, ByValue):
     complete: bool = True
 
     def __repr__(self) -> str:
-        first = f", the first at t = {shown(self.times[0])}" if self.times else ""
+        first = f", the first at t = {self.shown(0)}" if self.times else ""
         return f"<EventTimes of {self.name}: {len(self.times)}{first}>"
+
+    def shown(self, k: int) -> str:
+        """The k-th time for people, to as many digits as the run's type has."""
+        text = decimal_string(self.times[k], digits_of(self.times))
+        return text if "." not in text or "e" in text else text.rstrip("0").rstrip(".")
 
     def until(self, last: Fraction) -> EventTimes:
         """Those that are not beyond a time."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import decimal
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from typing import overload
 
@@ -68,6 +68,13 @@ def shown(x: Number) -> str:
         if len(text) <= 12:
             return text
     return decimal_string(exact.binary(*exact.rounded(x, 60)), 17)
+
+
+def digits_of(numbers: Iterable[Fraction]) -> int:
+    """The decimal digits that tell binary numbers of one type: the widest one's, or a double's."""
+    odd = (x.numerator // (x.numerator & -x.numerator) for x in numbers if x)
+    bits = max(53, *(abs(x).bit_length() for x in odd), 0)
+    return 1 + math.ceil(bits * LOG10_2)
 
 
 def brief(x: Number, digits: int = 6) -> str:

@@ -157,6 +157,12 @@ def in_unit(text: str, unit: str) -> Exact:
     return found.value
 
 
+def is_angle(text: str) -> bool:
+    """Whether an expression is an angle or has no unit: the same number in any units."""
+    found = quantity(text)
+    return not isinstance(found, Quantity) or found.dimension in (_NONE, _ANGLE)
+
+
 def named(dimension: Dimension) -> str:
     """A dimension as SI units: ``kg*m**2/s``; ``no unit`` for none."""
     above = [_raised(name, x) for name, x in zip(_SYMBOLS, dimension, strict=True) if x > 0]

@@ -284,7 +284,7 @@ def of_judgement(judged: Judgement) -> JsonObject:
         "limit": judged.limit or None,
         "chance": None if judged.chance is None else float(f"{judged.chance:.2g}"),
         "reading": judged.reading,
-        "motion": of_motion(judged.motion),
+        "motion": None if judged.motion is None else of_motion(judged.motion),
         "yardstick": subject.number.name,
         "no_digits_left_after": judged.lost_after if judged.lost else None,
         "parts": {

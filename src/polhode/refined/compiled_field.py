@@ -19,9 +19,8 @@ from collections.abc import Sequence
 from functools import cache
 from typing import Any, NamedTuple
 
-import heyoka as hy
-
 from polhode.refined.expansions import Levels, Limbs, product
+from polhode.taylor.backend.engine import hy
 
 VARIABLES = 6
 COEFFICIENTS = 9  # and H after them

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-import heyoka as hy
 import numpy as np
 
 from polhode.equations.forms import principal
@@ -21,6 +20,7 @@ from polhode.numbers.rows import Doubles
 from polhode.refined.errors import CannotRefine
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import heyoka_numbers
+from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.integrator_pool import Kind
 from polhode.taylor.backend.types import HeyokaIntegrator
 from polhode.taylor.events.functions import TIME, event_expression

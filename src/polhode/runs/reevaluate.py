@@ -7,7 +7,6 @@ from dataclasses import replace
 from fractions import Fraction
 
 from polhode.common.errors import BadInput, plain
-from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, binary, rounded, sign
 from polhode.numbers.rows import Reread
@@ -15,6 +14,7 @@ from polhode.numbers.scalars import AnyNumber, numbers_given
 from polhode.runs.problem.options import Options
 from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory
+from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 
 NEAR = 400  # bits to which times are told apart
@@ -58,7 +58,7 @@ def made_again(run: Trajectory, scene: Scene, *, interruptible: bool = True) -> 
 def _time(run: Trajectory, t: object) -> Exact:
     reach = f"a time from 0 to {shown(run.reached)}, what the run reached"
     try:
-        exact = exact_number(t)
+        exact = reader(run.scene.units, TIME)(t)
     except ValueError:
         raise BadInput(run.scene.name, "t", plain(t), reach) from None
     if sign(exact) * sign(run.reached) < 0 or abs(exact) > abs(run.reached):

@@ -154,6 +154,9 @@ def top(
         expected = "a list of Part, or of mappings"
         data["body"]["parts"] = each(name, "body.parts", parts, lambda part: part, expected)
     data["title"] = title
+    solids = data["body"].get("parts", ())
+    if units is None and any(isinstance(part, Part) and part.units for part in solids):
+        units = "SI"
     if units is not None:
         data["units"] = units
     data["reference"] = {} if reference is None else {"kind": reference}

@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING, TypeVar, overload
 
 from polhode.common.arguments import each
 from polhode.common.cached_property import cached_property
-from polhode.numbers.conversion import exact_number, exactly, to_double, to_extended
+from polhode.numbers.conversion import exactly, to_double, to_extended
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber
+from polhode.scenes.given_numbers import TIME, reader
 
 if TYPE_CHECKING:
     from polhode.numbers.rows import Doubles, Flat
@@ -263,12 +264,17 @@ def even_times(end: Exact, samples: int) -> OutputTimes[Exact]:
     return EvenTimes(end, samples)
 
 
-def listed_times(source: str, key: str, values: Iterable[AnyNumber]) -> OutputTimes[Exact]:
-    """Times of any kind taken exactly; those of an array of doubles stay one.  Raises BadInput."""
+def listed_times(
+    source: str, key: str, values: Iterable[AnyNumber], units: str = ""
+) -> OutputTimes[Exact]:
+    """Times of any kind taken exactly; those of an array of doubles stay one.  Raises BadInput.
+
+    ``units``: the scene's.
+    """
     numpy = sys.modules.get("numpy")
     if numpy is not None and isinstance(values, numpy.ndarray):
         bare = type(values) is numpy.ndarray  # no masked one
         flat = bare and values.ndim == 1 and values.dtype == numpy.float64
         if flat and len(values) and bool(numpy.isfinite(values).all()):
             return BinaryTimes(values.copy())
-    return ListedTimes(each(source, key, values, exact_number, "a list of times"))
+    return ListedTimes(each(source, key, values, reader(units, TIME), "a list of times"))

@@ -198,7 +198,11 @@ class Scene:
 
         ``key``: of the argument or the scene file that gives them.
         """
-        times = given if isinstance(given, OutputTimes) else listed_times(self.name, key, given)
+        times = (
+            given
+            if isinstance(given, OutputTimes)
+            else listed_times(self.name, key, given, self.units)
+        )
         wrong = times.misplaced()
         if wrong is not None:
             expected = "times of one sign, strictly monotone away from 0"

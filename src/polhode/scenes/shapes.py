@@ -8,13 +8,13 @@ theorem, I = I_c + m (|c|² 1 - c cᵀ).
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput, nearest
-from polhode.numbers.conversion import exact_number
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
+from polhode.scenes.given_numbers import in_units, reader
 
 Vector = tuple[Exact, Exact, Exact]
 Matrix = tuple[Vector, Vector, Vector]
@@ -97,7 +97,8 @@ class Part:
     ``inner``), cone (``radius``, ``height``), ellipsoid (``semi_axes``), sphere (``radius``,
     ``inner``), rod (``height``), point.  ``at``: its centre (for a cone its tip) from the fixed
     point, in body axes.  ``axis``: for a round part, the body axis along which it lies, and along
-    which a cone opens.  Any consistent units; numbers of any kind are exact.  Raises BadInput.
+    which a cone opens.  Any consistent units; numbers of any kind are exact, and ``"3 cm"`` is a
+    number in SI: ``units`` is then "SI".  Raises BadInput.
 
     >>> import polhode
     >>> cone = polhode.Part("cone", mass=1, radius=3, height=4)
@@ -114,6 +115,7 @@ class Part:
     inner: Exact | None = None
     at: Vector = (ZERO, ZERO, ZERO)
     axis: str = "z"
+    units: str = field(default="", init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         of_kind("Part", "shape", self.shape, str, "text")
@@ -156,7 +158,10 @@ class Part:
         return values[0], values[1], values[2]
 
     def _numbers(self, key: str, given: object) -> tuple[Exact, ...]:
-        return each("Part", key, given, exact_number, "numbers")
+        values = each("Part", key, given, lambda x: x, "numbers")
+        if any(isinstance(x, str) and in_units(x) for x in values):
+            object.__setattr__(self, "units", "SI")
+        return each("Part", key, values, reader("SI", "kg" if key == "mass" else "m"), "numbers")
 
     @property
     def lengths(self) -> dict[str, Exact | tuple[Exact, ...]]:

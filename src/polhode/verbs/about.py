@@ -60,23 +60,22 @@ def main(options: Namespace) -> int:
 
 
 def _cache() -> dict[str, object]:
-    try:
-        from polhode.taylor.backend import heyoka_numbers
-    except ModuleNotFoundError as fault:
-        fault_text = f"no {fault.name}"
-        return {"enabled": False, "path": None, "bytes": None, "limit": None, "fault": fault_text}
+    from polhode.taylor.backend import engine, heyoka_numbers
+
+    if not engine.installed:
+        return {"enabled": False, "path": None, "bytes": None, "limit": None, "fault": "no heyoka"}
     return heyoka_numbers.cache()
 
 
 def _self_test() -> str:
     """Whether runs of quad and more digits can be refined here."""
     from polhode.refined.errors import CannotRefine
+    from polhode.refined.refinement import QUAD
+    from polhode.refined.self_test import trusted_kernels, trusted_tables
+    from polhode.taylor.backend import engine
 
-    try:
-        from polhode.refined.refinement import QUAD
-        from polhode.refined.self_test import trusted_kernels, trusted_tables
-    except ModuleNotFoundError as fault:
-        return f"not here: no {fault.name}"
+    if not engine.installed:
+        return "not here: no heyoka"
     try:
         trusted_kernels(QUAD.limbs)
         trusted_tables(QUAD.limbs, QUAD.nodes(6))

@@ -49,7 +49,7 @@ def main(options: Namespace) -> int:
 
     scene = library.load(options.scene)
     grid = None if options.grid is None else read_grid(scene.name, options.grid)
-    varied = vary.options(options.vary, scene.name) if options.vary else None
+    varied = vary.options(options.vary, scene.name, scene.units) if options.vary else None
     kinds, inputs = (ARRAYS, *canvas.SUFFIXES), [library.path_of(options.scene)]
     file = answer_file(options.file, kinds, inputs, options.json)
     with ProgressLine("map") as progress:

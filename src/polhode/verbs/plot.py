@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from polhode.common.errors import BadInput
-from polhode.numbers import expression
 from polhode.numbers.decimals import brief
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
 from polhode.scenes import library
+from polhode.scenes.given_numbers import TIME, in_text
+from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, SPACE, STATE
 from polhode.verbs.terminal import (
     DONE,
@@ -187,7 +188,7 @@ def _of_scene(options: Namespace) -> Samples | int:
         raise BadInput(scene.name, "--scene", options.scene, "no --scene: it is for a FILE")
     if options.what not in FREE_OF_GAMMA and scene.gamma is None:
         raise BadInput(scene.name, "--what", options.what, "a scene with start.gamma")
-    end = None if options.end is None else _time(scene.name, options.end)
+    end = None if options.end is None else _time(scene, options.end)
     long = options.what in OVER_TIME
     times = curve_sampling.shown_times(scene, end, over_time.SAMPLES if long else None)
     reference = reference_of(scene) if options.what == "error" else None
@@ -268,11 +269,11 @@ def _refuse_what_is_missing(found: Samples, what: str) -> None:
         raise BadInput(found.name, "file", None, "three rows or more, to draw a curve")
 
 
-def _time(name: str, text: str) -> Exact:
+def _time(scene: Scene, text: str) -> Exact:
     try:
-        return expression.number(text)
+        return in_text(text, scene.units, TIME)
     except ExpressionError as fault:
-        raise BadInput(name, "--end", text, f"a time ({fault})") from None
+        raise BadInput(scene.name, "--end", text, f"a time ({fault})") from None
 
 
 def _not_reached(found: Trajectory) -> int:

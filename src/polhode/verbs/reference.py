@@ -14,7 +14,8 @@ from polhode.common.errors import BadInput
 from polhode.common.files import check_writable, is_stdout
 from polhode.numbers import number_types
 from polhode.numbers.exact import Exact
-from polhode.output import json_results
+from polhode.output import csv_tables, json_results
+from polhode.output.results import files
 from polhode.scenes import library, start_box
 from polhode.scenes.scene import Scene
 from polhode.scenes.start_box import StartBox
@@ -39,6 +40,9 @@ from polhode.verbs.terminal import (
 
 if TYPE_CHECKING:
     from polhode.enclosures.events import CertifiedEvents
+
+#: What the JSON file next to a proven table has of the answer.
+_BESIDE = ("events", "statement", "assumed", "angles_lost", "outcome", "provenance")
 
 HELP = "the closed form alone, or a proven enclosure of any motion"
 
@@ -75,8 +79,9 @@ def options(parser: ArgumentParser) -> None:
         "-o",
         dest="file",
         type=word,
-        metavar="CERT.json",
-        help="with --certified: the proof's certificate, for polhode verify",
+        metavar="FILE",
+        help="x.csv: the table, and a JSON file next to it; with --certified also x.json: "
+        "the certificate, for polhode verify",
     )
 
 
@@ -96,27 +101,44 @@ def main(options: Namespace) -> int:
         expected = f"1 to {number_types.MAX_DIGITS}"
         raise BadInput(scene.name, "digits", options.digits, expected)
     if not options.certified:
-        for name in ("events", "max_seconds", "max_steps", "statement", "file"):
+        for name in ("events", "max_seconds", "max_steps", "statement"):
             if getattr(options, name):
-                key = "-o" if name == "file" else "--" + name.replace("_", "-")
+                key = "--" + name.replace("_", "-")
                 raise BadInput(scene.name, key, None, "--certified with it")
     if options.events and not scene.events:
         raise BadInput(scene.name, "events", None, "given in the scene, for --events")
+    path = None if options.file is None else Path(options.file)
+    if path is not None:
+        _check(path, options)
+        refuse_two_on_stdout(path, options.json)
     if box is not None:
-        if options.file is not None:
-            check_writable(Path(options.file), [".json"], [library.path_of(options.scene)])
-            refuse_two_on_stdout(Path(options.file), options.json)
         return _certified(StartBox(scene, box.radii), times, options)
     reference = reference_of(scene)
     if not isinstance(reference, Reference):
         expected = "a scene with a closed form, or --certified"
         raise BadInput(scene.name, "reference", reference.regime, expected)
     answer = json_results.of_reference(reference, times, options.digits)
+    if path is not None:
+        csv_tables.write_trajectory(path, answer)
     if options.json:
         print_json(answer)
-    else:
+    elif path is None or not is_stdout(path):
         print_rows(answer)
     return DONE
+
+
+def _check(path: Path, options: Namespace) -> None:
+    """Refuse a file that cannot be written, before any work: a table, or a certificate."""
+    source = library.path_of(options.scene)
+    if _is_table(path, options):
+        csv_tables.check_paths(path, [source])
+    else:
+        check_writable(path, [".csv", ".json"], [source])
+
+
+def _is_table(path: Path, options: Namespace) -> bool:
+    """Whether a file is to hold a table: a stream holds a certificate, if that is made."""
+    return path.suffix.lower() == ".csv" or not options.certified
 
 
 def _certified(box: StartBox, times: Sequence[Exact], options: Namespace) -> int:
@@ -128,7 +150,9 @@ def _certified(box: StartBox, times: Sequence[Exact], options: Namespace) -> int
 
     scene, radii = box
     held = json_results.held_times(scene, times, options.digits)
-    if options.file is not None:
+    path = None if options.file is None else Path(options.file)
+    certificate = path is not None and not _is_table(path, options)
+    if certificate:
         if radii is not None:
             raise BadInput(scene.name, start_box.KEY, None, "numbers, for a certificate")
         state_certificate.check(scene, held)
@@ -149,20 +173,22 @@ def _certified(box: StartBox, times: Sequence[Exact], options: Namespace) -> int
             events = certify_events(
                 scene, last, digits=options.digits, progress=progress.show, **limits
             )
-        if options.file is not None and found.times:
-            found.save(options.file, progress.foretelling(partial(_foretell_certificate, scene)))
+        if path is not None and certificate and found.times:
+            found.save(path, progress.foretelling(partial(_foretell_certificate, scene)))
     answer = json_results.of_enclosure(found)
     if options.events:
         answer["events"] = [json_results.of_certified_events(event) for event in events]
+    if path is not None and not certificate and found.times:
+        files.save(found, path, {k: x for k, x in answer.items() if k in _BESIDE})
     if options.json:
         print_json(answer)
     else:
-        if options.file is None or not is_stdout(Path(options.file)):
+        if path is None or not is_stdout(path):
             print_rows(answer)
         for event in events:
             note(_told(event))
     least = f"at least {found.fewest:.1f} at each time" if found.times else "no time was reached"
-    if options.file is not None and found.times:
+    if certificate and found.times:
         tell_certificate(scene.name, options.file)
     if not options.json:
         note(

@@ -152,8 +152,7 @@ def _accuracy(found: Trajectory) -> str:
 def _told(event: EventTimes) -> str:
     """One line about an event: how often, and when first."""
     shown_times = [
-        brief(t, 17) + " (grazing)" * grazing
-        for t, grazing in zip(event.times[:10], event.grazing, strict=False)
+        event.shown(k) + " (grazing)" * grazing for k, grazing in enumerate(event.grazing[:10])
     ]
     more = ", ..." * (len(event.times) > len(shown_times))
     when = f" at t = {', '.join(shown_times)}{more}" if shown_times else ""

@@ -78,7 +78,7 @@ def main(options: Namespace) -> int:
     scene = library.load(options.scene)
     if options.at is not None:
         scene = scene.at(read_times(scene, options.at))
-    varied = vary.options(options.vary, scene.name)
+    varied = vary.options(options.vary, scene.name, scene.units)
     path = None if options.file is None else Path(options.file)
     if path is not None:
         sweeps.check_path(path, [library.path_of(options.scene)])

@@ -19,9 +19,9 @@ from polhode.common.errors import BadInput
 from polhode.common.files import is_stdout, write_stdout
 from polhode.common.interrupts import heard
 from polhode.common.text_tables import aligned, printable
-from polhode.numbers import expression
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
+from polhode.scenes.given_numbers import TIME, in_text
 
 if TYPE_CHECKING:
     from polhode.common.checkpoint import Checkpoint
@@ -135,7 +135,7 @@ def read_times(scene: Scene, text: str) -> tuple[Exact, ...]:
     times = []
     for item in text.split(","):
         try:
-            times.append(expression.number(item))
+            times.append(in_text(item, scene.units, TIME))
         except ExpressionError as fault:
             raise BadInput(scene.name, "--at", item, f"a time ({fault})") from None
     return tuple(times)

@@ -35,11 +35,12 @@ from polhode.common.value_semantics import ByValue
 from polhode.dynamics.chaos import map_motions
 from polhode.dynamics.sections.initial_tangents import tangents_of
 from polhode.judging.conditioning.motion_kinds import UNSTABLE, UNSTABLE_GROWTH, is_integrable
-from polhode.numbers.conversion import exact_number, to_double
+from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles, Integers
 from polhode.numbers.scalars import AnyNumber
 from polhode.scenes import library
+from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation import vary
 
@@ -186,7 +187,7 @@ def chaos_map(
     unit = 2.0**scene.time_unit
     default = Fraction(END) * Fraction(2) ** scene.time_unit
     given = default if end is None else end
-    (last,) = each(scene.name, "end", (given,), exact_number, "a time")
+    (last,) = each(scene.name, "end", (given,), reader(scene.units, TIME), "a time")
     length = to_double(last) / unit
     if not 0 < length < MOST:
         raise BadInput(scene.name, "end", to_double(last), f"a time above 0, below {MOST * unit:g}")

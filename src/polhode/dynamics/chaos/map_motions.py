@@ -101,7 +101,7 @@ def of_varied(scene: Scene, varied: vary.Vary, foretold: Callable[[int], object]
 
     from polhode.equations.forms import principal
 
-    grid = vary.grid(varied, scene.name)
+    grid = vary.grid(varied, scene.name, scene.units)
     if len(grid.keys) != 2:
         raise BadInput(scene.name, "vary", ", ".join(grid.keys), "two numbers of the scene")
     if len(grid.rows) > MOST_MOTIONS:

@@ -21,7 +21,7 @@ from polhode.dynamics.frequencies import naff
 from polhode.judging.references.reference import reference
 from polhode.judging.tables.csv_file import read_table
 from polhode.judging.tables.table import Table
-from polhode.numbers.conversion import exact_number, to_double
+from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Complexes, Doubles
@@ -29,6 +29,7 @@ from polhode.numbers.scalars import AnyNumber
 from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
+from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.output_times import even_times
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ATTITUDE, STATE
@@ -152,7 +153,7 @@ def frequencies(
     names = _names(scene.name, of, scene)
     last: Exact = Fraction(LENGTH) if sign(scene.end) == 0 else scene.end
     if end is not None:
-        (last,) = each(scene.name, "end", (end,), exact_number, "a time")
+        (last,) = each(scene.name, "end", (end,), reader(scene.units, TIME), "a time")
     if sign(last) == 0:
         raise BadInput(scene.name, "end", "0", "a time other than 0")
     outputs = ("attitude",) if AXIS in names else ()

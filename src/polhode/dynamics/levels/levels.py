@@ -19,7 +19,6 @@ from polhode.dynamics.levels.effective_potential import Region, Undecided
 from polhode.dynamics.levels.fourth_integral import FourthIntegral, fourth_integral
 from polhode.dynamics.levels.permanent_rotations import Arc
 from polhode.dynamics.levels.rotation_arcs import RationalBody, Segment
-from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.mpmath_context import mpf
@@ -27,6 +26,7 @@ from polhode.numbers.polynomials import fraction_near, nearest
 from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import AnyNumber
 from polhode.scenes import library
+from polhode.scenes.given_numbers import AREA, reader
 from polhode.scenes.scene import Scene
 
 DIGIT_BITS = 128  # of what is isolated exactly: 38 digits
@@ -123,7 +123,7 @@ class Levels(Result, ByValue):
 
         Raises BadInput for an f at which two of them meet.
         """
-        (given,) = each(self.scene.name, "f", (f,), exact_number, "a number")
+        (given,) = each(self.scene.name, "f", (f,), reader(self.scene.units, AREA), "a number")
         near = fraction_near(given, rotation_arcs.BODY_BITS)[0]
         refuse_far(self.scene.name, "f", RationalBody.of(self.scene.body), near)
         (found,) = self._regions([given])

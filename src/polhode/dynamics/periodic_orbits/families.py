@@ -26,10 +26,11 @@ from polhode.dynamics.periodic_orbits.continuation import (
 from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.dynamics.periodic_orbits.newton_shooting import Closed, NotClosed, at_level, closed
 from polhode.dynamics.periodic_orbits.orbit import DIGITS, Orbit, completed, kind_of, orbit
-from polhode.numbers.conversion import exact_number, exactly, to_double
+from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.scalars import AnyNumber
+from polhode.scenes.given_numbers import AREA, ENERGY, reader
 from polhode.scenes.scene import Scene
 
 POINTS = 200
@@ -175,7 +176,8 @@ def orbit_family(
     on = found.surface
     name = on.scene.name
     most = whole(name, "points", points, 2, MOST_POINTS)
-    (end,) = each(name, "to", (to,), exact_number, "a number")
+    unit = ENERGY if by == "h" else AREA
+    (end,) = each(name, "to", (to,), reader(on.scene.units, unit), "a number")
     begin = on.h if by == "h" else on.f
     if sign(end - begin) == 0:
         raise BadInput(name, "to", shown(end), f"another {by} than that of the first orbit")

@@ -29,10 +29,11 @@ from polhode.dynamics.periodic_orbits.newton_shooting import (
     is_still,
 )
 from polhode.dynamics.periodic_orbits.recurrences import Return, near_returns
+from polhode.dynamics.sections.coordinates import ground
 from polhode.dynamics.sections.starts import MAXIMA, asked_of
 from polhode.equations.section_functions import MOMENTUM
 from polhode.numbers import exact
-from polhode.numbers.conversion import exact_number, exactly, to_double, to_mpf
+from polhode.numbers.conversion import exactly, to_double, to_mpf
 from polhode.numbers.decimals import decimal_string
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.mpmath_context import mpmath, ordinary
@@ -40,6 +41,7 @@ from polhode.numbers.number_types import MAX_DIGITS, bits_for
 from polhode.numbers.rows import Doubles, doubles
 from polhode.numbers.scalars import AnyNumber, Real
 from polhode.scenes import library, scene_file
+from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_text import written
 from polhode.scenes.validation import Literal
@@ -200,12 +202,13 @@ def orbit(
     if scene.gamma is not None:
         _refuse_permanent(scene)
     asked = asked_of(scene, MOMENTUM, MAXIMA, h, f)
+    ground(scene, asked.h, asked.f)  # refuses a level that doubles cannot hold
     on = Surface(scene, asked.h, asked.f)
     start = np.array([to_double(x) for x in on.exact_start])
     if period is None:
         guesses = _guesses(on, start, most)
     else:
-        (given,) = each(scene.name, "period", (period,), exact_number, "a time")
+        (given,) = each(scene.name, "period", (period,), reader(scene.units, TIME), "a time")
         if sign(given) <= 0:
             raise BadInput(scene.name, "period", period, "a time above 0")
         if not math.isfinite(to_double(given / on.unit)):

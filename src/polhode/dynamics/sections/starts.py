@@ -24,6 +24,7 @@ from polhode.numbers.polynomials import fraction_near
 from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes.column_expressions import check
+from polhode.scenes.given_numbers import AREA, ENERGY, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
 
@@ -64,8 +65,13 @@ def asked_of(
     own = scene.integrals
     assert own.area is not None
     level = [
-        default if given is None else each(scene.name, key, (given,), exact_number, "a number")[0]
-        for key, given, default in (("h", h, own.energy), ("f", f, own.area))
+        default
+        if given is None
+        else each(scene.name, key, (given,), reader(scene.units, unit), "a number")[0]
+        for key, given, default, unit in (
+            ("h", h, own.energy, ENERGY),
+            ("f", f, own.area, AREA),
+        )
     ]
     found = Asked(scene, level[0], level[1], by, extremum)
     body = RationalBody.of(scene.body)

@@ -31,11 +31,12 @@ from polhode.judging.conditioning.motion_kinds import (
 )
 from polhode.judging.references.reference import reference
 from polhode.numbers import exact
-from polhode.numbers.conversion import exact_number, to_double
+from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import sign
 from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import AnyNumber
 from polhode.scenes import library
+from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.taylor.variations.reference_trajectory import six
 
@@ -125,7 +126,7 @@ def lyapunov(
     last = DEFAULT_LENGTH * slow
     max_steps = steps(scene.name, max_steps)
     if end is not None:
-        (until,) = each(scene.name, "end", (end,), exact_number, "a time")
+        (until,) = each(scene.name, "end", (end,), reader(scene.units, TIME), "a time")
         last = to_double(until) / unit
         if last == 0 or math.isinf(last):
             raise BadInput(scene.name, "end", end, "a time other than 0, in a double's range")

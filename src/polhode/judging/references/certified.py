@@ -13,11 +13,11 @@ from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.result import Result
 from polhode.motion.outcomes import Outcome
-from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.scalars import AnyNumber, Real
 from polhode.scenes.classification import kind_of_body
+from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ class Certified(Result):
         from polhode.enclosures.certify import MOST_DIGITS, certify  # a closed form needs no heyoka
 
         digits = whole(self.scene.name, "digits", digits, 1, MOST_DIGITS)
-        asked = each(self.scene.name, "t", times, exact_number, "a list of times")
+        asked = each(self.scene.name, "t", times, reader(self.scene.units, TIME), "a list of times")
         key = (asked, digits, outputs)
         if key not in self._known:
             progress, forecast = self._told

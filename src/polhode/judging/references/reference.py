@@ -22,12 +22,12 @@ from polhode.judging.references.certified import Certified
 from polhode.judging.references.derived import column_of
 from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.numbers import exact, number_types
-from polhode.numbers.conversion import exact_number
 from polhode.numbers.double_double import Pairs
 from polhode.numbers.exact import Exact
 from polhode.numbers.mpmath_context import mpmath, ordinary
 from polhode.numbers.scalars import AnyNumber, Real
 from polhode.scenes import library
+from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 
 MAX_LOG10_ANGLE = 100
@@ -274,7 +274,7 @@ def by_sign(times: Sequence[Fraction]) -> list[list[Fraction]]:
 
 def _times(scene: Scene, times: Iterable[AnyNumber]) -> list[Exact]:
     """Times taken exactly; raises BadInput beyond 10**100 radians, where digits cost more each."""
-    found = [*each(scene.name, "t", times, exact_number, "a list of times")]
+    found = [*each(scene.name, "t", times, reader(scene.units, TIME), "a list of times")]
     for t in found:
         if scene.log10_rate + exact.log10(t) > MAX_LOG10_ANGLE:
             expected = f"at most 10**{MAX_LOG10_ANGLE} radians turned"

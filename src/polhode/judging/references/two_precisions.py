@@ -10,11 +10,11 @@ from polhode.common.errors import BadInput
 from polhode.common.result import Result
 from polhode.judging.correct_digits import worst_digits
 from polhode.numbers import number_types
-from polhode.numbers.conversion import exact_number
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Rows
 from polhode.numbers.scalars import AnyNumber, Real
 from polhode.scenes.classification import kind_of_body
+from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 
 
@@ -59,7 +59,10 @@ class TwoPrecisions(Result):
         Raises BadInput where the two integrations cannot be made to agree to so many digits.
         """
         digits = whole(self.scene.name, "digits", digits, 1, number_types.MOST_ASKED)
-        key = each(self.scene.name, "t", times, exact_number, "a list of times"), digits
+        key = (
+            each(self.scene.name, "t", times, reader(self.scene.units, TIME), "a list of times"),
+            digits,
+        )
         if key not in self._known:
             self._known[key] = self._integrated(*key)
         rows, self.agreement = self._known[key]

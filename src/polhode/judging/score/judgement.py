@@ -32,6 +32,7 @@ from polhode.numbers.conversion import to_mpf
 from polhode.numbers.decimals import brief
 from polhode.numbers.exact import Exact
 from polhode.scenes.vocabulary import STATE
+from polhode.taylor.backend import engine
 
 RARE = 1e-4  # a share of runs of which nobody judges so many
 FOLLOWED = 400  # times at which what rounding does to the motion is followed
@@ -188,6 +189,8 @@ class Judgement(Result, ByValue):
         """Kappa at the times judged: from t = 0 ahead, and from t = 0 back."""
         if self.known is not None:
             return (self.known,)
+        if not engine.installed:
+            return ()
         scene, number = self.reference.scene, self.subject.number
         count = len(self.times)
         kept = {*range(count)}
@@ -243,6 +246,8 @@ class Judgement(Result, ByValue):
         """What is known of the times judged."""
         if self.known is not None:
             return what(self.known)[: len(self.times)]
+        if not self.conditionings:
+            return (None,) * len(self.times)
         found: dict[Exact, Any] = {}
         for part in self.conditionings:
             found |= dict(zip(part.times, what(part), strict=True))
@@ -261,8 +266,11 @@ class Judgement(Result, ByValue):
         return next((part.lost for part in self.conditionings if gone and part.lost), "")
 
     @cached_property
-    def motion(self) -> Lyapunov:
-        """Whether the scene's motion is regular or chaotic, as far as a moment's work tells."""
+    def motion(self) -> Lyapunov | None:
+        """Whether the scene's motion is regular or chaotic, as far as a moment's work tells; None
+        where heyoka is not installed."""
+        if not engine.installed:
+            return None
         return lyapunov(self.reference.scene, max_steps=MOTION_STEPS)
 
     @cached_property
@@ -333,6 +341,8 @@ class Judgement(Result, ByValue):
         ]
         if isinstance(self._drift, str):
             unjudged.append(f"drift of the integrals was not judged: {self._drift}")
+        if not engine.installed:
+            unjudged.append("what limits the digits was not computed: heyoka is not installed")
         return (*self.subject.notes, *unjudged)
 
     @cached_property
@@ -399,7 +409,8 @@ class Judgement(Result, ByValue):
             number = self.subject.number
             lines += table(self.times, self.digits, self.expected, number, others)
             lines.append(self._headline)
-        lines.append(f"motion {self.motion}")
+        if self.motion is not None:
+            lines.append(f"motion {self.motion}")
         told = {name: [f"{digits:.2f} correct digits"] for name, digits in self.parts.items()}
         for name, where in self.departures.items():
             told.setdefault(name, []).append(str(where))

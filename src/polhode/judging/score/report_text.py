@@ -12,6 +12,11 @@ from polhode.numbers.decimals import decimal_string, in_full, shortest
 from polhode.numbers.number_types import NumberType
 
 SHOWN = 11  # times that are printed
+#: What a note says of one column, and of several.
+_OF_COLUMNS = {
+    " is not in the file": " are not in the file",
+    " is not known and was not judged": " are not known and were not judged",
+}
 _SHORT = 24  # characters of a time that is printed with all its digits
 
 
@@ -41,13 +46,14 @@ def table(
 
 
 def together(notes: Sequence[str]) -> list[str]:
-    """Notes, those about columns that are not in the file as one, in the first one's place."""
-    missing = [k for k, note in enumerate(notes) if note.endswith(" is not in the file")]
-    if len(missing) < 2:
-        return list(notes)
-    names = " ".join(notes[k].split()[1] for k in missing)
-    told = [note for k, note in enumerate(notes) if k not in missing[1:]]
-    told[missing[0]] = f"columns {names} are not in the file"
+    """Notes that say the same of several columns as one, in the first one's place."""
+    told = list(notes)
+    for one, many in _OF_COLUMNS.items():
+        same = [k for k, note in enumerate(told) if note.endswith(one)]
+        if len(same) > 1:
+            names = " ".join(told[k].split()[1] for k in same)
+            told[same[0]] = f"columns {names}{many}"
+            told = [note for k, note in enumerate(told) if k not in same[1:]]
     return told
 
 

@@ -19,7 +19,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from polhode.common.errors import BadInput
+from polhode.common.errors import BadInput, FileName
 from polhode.common.result import Result
 from polhode.output import archive
 from polhode.runs.trajectory import Trajectory
@@ -84,6 +84,8 @@ class _Writer:
         """The JSON value of x: plain where JSON has the type, else an object of one key."""
         if x is None or type(x) in (bool, str):
             return x
+        if isinstance(x, FileName):  # where its user found it is no part of a result
+            return str(x)
         if type(x) is int:
             return x if abs(x) < _SAFE else {"i": hex(x)}
         if type(x) is float:

@@ -28,14 +28,14 @@ KEY = "result"  # of the document, beside what the command prints
 _KIND_OF_SIDECAR = {"states": "Trajectory", "members": "Ensemble"}
 
 
-def save(found: Result, path: str | Path) -> None:
-    """Write a result; raises BadInput."""
+def save(found: Result, path: str | Path, more: JsonObject | None = None) -> None:
+    """Write a result; raises BadInput.  ``more``: what else the JSON beside a table says."""
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise BadInput(str(path), "file", None, f"a name that ends in {' or '.join(SUFFIXES)}")
     check_writable(path, SUFFIXES)
-    files = _FORMATS[suffix](found, path)
+    files = _FORMATS[suffix](found, path) if more is None else _csv(found, path, more)
     for place in files:
         _refuse_another(place, type(found).__name__)
     write_whole(files)
@@ -83,8 +83,8 @@ def load_result(path: str | Path) -> Result:
     return document.result_of(told, str(path))
 
 
-def _csv(found: Result, path: Path) -> dict[Path, str | bytes]:
-    rows, beside = summaries.rows(found), summaries.summary(found, beside=True)
+def _csv(found: Result, path: Path, more: JsonObject | None = None) -> dict[Path, str | bytes]:
+    rows, beside = summaries.rows(found), summaries.summary(found, beside=True) | (more or {})
     texts = "".join(",".join(row) + "\n" for row in rows)
     return {path: texts, csv_tables.sidecar(path): _with_document(found, beside)}
 

@@ -6,7 +6,9 @@ columns.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from fractions import Fraction
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -15,7 +17,7 @@ from polhode.common.errors import BadInput
 from polhode.common.result import Result
 from polhode.numbers.conversion import exactly, to_double
 from polhode.output.results.texts import text_of
-from polhode.scenes.vocabulary import STATE
+from polhode.scenes.vocabulary import COLUMNS, STATE
 
 if TYPE_CHECKING:
     from polhode.dynamics.chaos.chaos_map import ChaosMap
@@ -41,14 +43,18 @@ REFERENCE_DIGITS = 30
 
 
 class Table(NamedTuple):
-    """Columns of equal length by name; the first ``labels`` of them tell the rows apart."""
+    """Columns of equal length by name; the first ``labels`` of them tell the rows apart.
+
+    ``texts``: how columns are written that are not written in full.
+    """
 
     labels: int
     columns: Mapping[str, Sequence[Value]]
+    texts: Mapping[str, Sequence[str]] = MappingProxyType({})
 
     def rows(self) -> list[list[str]]:
         """Header and rows as text; numbers round-trip, empty where there is none."""
-        texts = [text_of(column) for column in self.columns.values()]
+        texts = [self.texts.get(name) or text_of(x) for name, x in self.columns.items()]
         return [[*self.columns], *(list(row) for row in zip(*texts, strict=True))]
 
 
@@ -132,11 +138,45 @@ def _reductions(found: Reductions) -> Table:
 
 
 def _enclosure(found: Enclosure) -> Table:
-    names = found.scene.columns
+    """Midpoints, written as far as they are proven, radii after all of them."""
+    balls = {name: (row, radii) for name, row, radii in _parts(found)}
     columns: dict[str, Value] = {"t": found.times}
-    columns |= {name: [row[k] for row in found.midpoints] for k, name in enumerate(names)}
-    columns |= {f"radius_{n}": [row[k] for row in found.radii] for k, n in enumerate(names)}
-    return Table(1, columns | {"digits": found.digits})
+    columns |= {name: [_midpoint(found, x) for x in row] for name, (row, _) in balls.items()}
+    columns |= {f"radius_{name}": radii for name, (_, radii) in balls.items()}
+    texts = {name: _proven(row, radii) for name, (row, radii) in balls.items()}
+    return Table(1, columns | {"digits": found.digits}, texts)
+
+
+def _parts(found: Enclosure) -> Iterator[tuple[str, Sequence[Fraction | None], Sequence[float]]]:
+    """The columns of an enclosure: exact midpoints, None where an angle is not known, and radii."""
+    yield from _balls(found.scene.columns, found.centres, found.radii)
+    parts = {"angles": found.angles, "attitude": found.attitude, **found.derived}
+    for word, part in parts.items():
+        if part is not None:
+            yield from _balls(COLUMNS[word].names, part.centres, part.radii)
+
+
+def _balls(
+    names: Sequence[str],
+    centres: Sequence[Sequence[Fraction | None]],
+    radii: Sequence[Sequence[float]],
+) -> Iterator[tuple[str, Sequence[Fraction | None], Sequence[float]]]:
+    for k, name in enumerate(names):
+        yield name, [row[k] for row in centres], [row[k] for row in radii]
+
+
+def _midpoint(found: Enclosure, x: Fraction | None) -> Value:
+    from polhode.numbers.conversion import to_mpf
+    from polhode.numbers.mpmath_context import ordinary
+
+    return float("nan") if x is None else ordinary(to_mpf(x, found.noise + 128))
+
+
+def _proven(row: Sequence[Fraction | None], radii: Sequence[float]) -> list[str]:
+    """Decimals to which every number of a ball rounds; empty where nothing is known."""
+    from polhode.enclosures.result import guaranteed
+
+    return ["" if x is None else guaranteed(x, r) for x, r in zip(row, radii, strict=True)]
 
 
 def _certified_events(found: CertifiedEvents) -> Table:

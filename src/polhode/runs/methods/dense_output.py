@@ -13,12 +13,13 @@ from polhode.common.errors import BadInput, plain
 from polhode.equations.form import equations
 from polhode.equations.readout import Readout
 from polhode.equations.system import System
-from polhode.numbers.conversion import exact_number, number_value
+from polhode.numbers.conversion import number_value
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import sign
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Row, Rows
 from polhode.numbers.scalars import AnyNumber, numbers_given, of_mpmath
+from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.taylor.integrator.protocols import Integrating, Mark, Piece
 
@@ -87,7 +88,7 @@ class Dense:
         """A time in the run's own unit, exact to far more bits than the state has."""
         reach = f"a time from 0 to {shown(self.reached)}, what the run reached"
         try:
-            exact = exact_number(t)
+            exact = reader(self.scene.units, TIME)(t)
         except ValueError:
             raise BadInput(self.scene.name, "t", plain(t), reach) from None
         if sign(exact) * sign(self.reached) < 0 or sign(abs(exact) - abs(self.reached)) > 0:

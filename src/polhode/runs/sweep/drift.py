@@ -49,12 +49,16 @@ def drifts(members: Members, states: Stack, one: Callable[[int], Drift]) -> Doub
     for block in blocks(members):
         here = slice(block.first, block.last)
         columns = states.dtype != object and block.axes.trivial
-        alone = block.left if columns else np.ones(len(block), dtype=bool)
+        alone = block.left.copy() if columns else np.ones(len(block), dtype=bool)
         for which in _alike(block, ~alone):
             at = block.first + which
             with np.errstate(all="ignore"):
                 known = first_integrals(members[block.first + int(which[0])])
-                rows = _block_drifts(known, block, which, states[at], there[at])
+                try:
+                    rows = _block_drifts(known, block, which, states[at], there[at])
+                except OverflowError:  # numbers beyond doubles: exactly, one by one
+                    alone[which] = True
+                    continue
             drift[at, : rows.shape[1]] = rows
         for k in np.flatnonzero(alone & there[here].any(axis=1)):
             told = one(block.first + int(k))

@@ -84,7 +84,7 @@ def planned(
     if scene.events:
         expected = "none in a sweep: a step size of its own for each event; run members singly"
         raise BadInput(scene.name, "events", scene.events[0].name, expected)
-    varied = vary.grid(given, scene.name)
+    varied = vary.grid(given, scene.name, scene.units)
     numbers = (len(varied.rows) if kept else 1) * len(scene.times) * len(scene.columns)
     what = f"{len(varied.rows)} members at {len(scene.times)} times"
     words = "numbers of states; fewer samples, or split the sweep"

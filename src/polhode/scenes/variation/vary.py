@@ -10,10 +10,10 @@ from typing import Any, NamedTuple, overload
 
 from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput, plain
-from polhode.numbers.conversion import exact_number
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
-from polhode.scenes.validation import number_in_text
+from polhode.scenes.given_numbers import in_text, reader
+from polhode.scenes.keys import unit
 
 MAX_MEMBERS = 10_000_000
 
@@ -101,34 +101,37 @@ class Grid(NamedTuple):
     rows: Rows
 
 
-def option(text: str, name: str) -> tuple[str, Sequence[Exact]]:
-    """Key and values of ``KEY=FROM:TO:N`` or ``KEY=a,b,c``; raises BadInput."""
+def option(text: str, name: str, units: str = "") -> tuple[str, Sequence[Exact]]:
+    """Key and values of ``KEY=FROM:TO:N`` or ``KEY=a,b,c``; raises BadInput.
+
+    Here and below ``units`` are those of the scene.
+    """
     key, equals, listed = text.partition("=")
     if not equals:
         raise BadInput(name, "--vary", text, "KEY=FROM:TO:N or KEY=a,b,c")
-    return key.strip(), values(listed, key.strip(), name)
+    return key.strip(), values(listed, key.strip(), name, units)
 
 
-def options(texts: Sequence[str], name: str) -> dict[str, Sequence[Exact]]:
+def options(texts: Sequence[str], name: str, units: str = "") -> dict[str, Sequence[Exact]]:
     """What all ``--vary`` say together; raises BadInput."""
     varied: dict[str, Sequence[Exact]] = {}
     for text in texts:
-        key, found = option(text, name)
+        key, found = option(text, name, units)
         if key in varied:
             raise BadInput(name, "--vary", text, f"{key} once")
         varied[key] = found
     return varied
 
 
-def values(text: str, key: str, name: str) -> Sequence[Exact]:
+def values(text: str, key: str, name: str, units: str) -> Sequence[Exact]:
     """The numbers of ``FROM:TO:N`` (N of them, evenly spaced, ends included) or of ``a,b,c``."""
     try:
         if ":" not in text:
-            return [number_in_text(item, key)[0] for item in text.split(",")]
+            return [in_text(item, units, unit(key)) for item in text.split(",")]
         ends = text.split(":")
         if len(ends) != 3:
             raise BadInput(name, key, text, "FROM:TO:N")
-        first, last = (number_in_text(x, key)[0] for x in ends[:2])
+        first, last = (in_text(x, units, unit(key)) for x in ends[:2])
     except ExpressionError as fault:
         raise BadInput(name, key, text, f"numbers ({fault})") from None
     count = int(ends[2]) if re.fullmatch(r"\s*\d{1,9}\s*", ends[2]) else 0
@@ -137,11 +140,11 @@ def values(text: str, key: str, name: str) -> Sequence[Exact]:
     return Spaced(first, last, count)
 
 
-def grid(vary: Vary, name: str) -> Grid:
+def grid(vary: Vary, name: str, units: str = "") -> Grid:
     """Keys and rows of what is varied; raises BadInput."""
     product = isinstance(vary, Mapping)
     if isinstance(vary, Mapping):
-        columns = [_column(key, given, name) for key, given in vary.items()]
+        columns = [_column(key, given, name, units) for key, given in vary.items()]
         keys = tuple(vary)
         count = math.prod(len(column) for column in columns)
     else:
@@ -154,7 +157,7 @@ def grid(vary: Vary, name: str) -> Grid:
             if set(member) != set(keys):
                 listed = ", ".join(map(plain, member))
                 raise BadInput(name, f"member {k + 1}", listed, f"the keys {', '.join(keys)}")
-        columns = [[_exact(m[key], key, name) for m in vary] for key in keys]
+        columns = [[_exact(m[key], key, name, units) for m in vary] for key in keys]
     if not keys:
         raise BadInput(name, "vary", None, "at least one number of the scene file to vary")
     if count > MAX_MEMBERS:
@@ -162,19 +165,19 @@ def grid(vary: Vary, name: str) -> Grid:
     return Grid(keys, Rows(columns, product))
 
 
-def _column(key: str, given: object, name: str) -> Sequence[Exact]:
+def _column(key: str, given: object, name: str, units: str) -> Sequence[Exact]:
     if isinstance(given, str):
-        return values(given, key, name)
+        return values(given, key, name, units)
     if not isinstance(given, Iterable):
         raise BadInput(name, key, plain(given), "a sequence of numbers, or FROM:TO:N")
-    column = given if isinstance(given, Spaced) else [_exact(x, key, name) for x in given]
+    column = given if isinstance(given, Spaced) else [_exact(x, key, name, units) for x in given]
     if not column:
         raise BadInput(name, key, "nothing", "at least one value")
     return column
 
 
-def _exact(value: object, key: str, name: str) -> Exact:
+def _exact(value: object, key: str, name: str, units: str) -> Exact:
     try:
-        return exact_number(value)
+        return reader(units, unit(key))(value)
     except ValueError as fault:
         raise BadInput(name, key, plain(value), f"a number ({fault})") from None

@@ -13,7 +13,6 @@ from contextlib import AbstractContextManager, nullcontext
 from fractions import Fraction
 from typing import Any
 
-import heyoka as hy
 import numpy as np
 
 from polhode.common.errors import BadInput
@@ -24,16 +23,12 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Array, Numbers, Row, flat
 from polhode.numbers.scalars import Functions, Real
 from polhode.taylor.backend import defaults
+from polhode.taylor.backend.engine import constant, hy
 from polhode.taylor.backend.process_settings import uncached
 from polhode.taylor.backend.types import Expression, HeyokaNumber
 
 #: The scalar functions of heyoka's expressions.
-EXPRESSIONS = Functions(hy.expression(0.0), hy.sin, hy.cos, hy.sqrt)
-
-# heyoka logs on stdout, the place for results.  What it has to say is known from elsewhere: a cache
-# that cannot be used costs compiling again and shows in :func:`cache`; a multiple zero that it
-# gives up on is found through the derivative, or shows in ``EventTimes.complete``.
-hy.set_logger_level_critical()
+EXPRESSIONS = constant(lambda: Functions(hy.expression(0.0), hy.sin, hy.cos, hy.sqrt))
 
 _SMALLEST_DOUBLE = 2.0**-1022
 

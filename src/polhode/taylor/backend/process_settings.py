@@ -8,9 +8,8 @@ from functools import cache
 from typing import Generic, TypeVar
 from weakref import WeakSet
 
-import heyoka as hy
-
 from polhode.common.locks import Lock, Place
+from polhode.taylor.backend.engine import hy
 
 T = TypeVar("T")
 

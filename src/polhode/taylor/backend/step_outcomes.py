@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import heyoka as hy
-
 from polhode.motion.outcomes import Outcome
+from polhode.taylor.backend.engine import constant, hy
 from polhode.taylor.backend.types import HeyokaOutcome
 
 TIME_LIMIT = hy.taylor_outcome.time_limit  # of a call that came to its end
 
-_WORDS = {
-    int(hy.taylor_outcome.err_nf_state): Outcome.NON_FINITE,
-    int(TIME_LIMIT): Outcome.REACHED_END,
-    int(
-        hy.taylor_outcome.cb_stop
-    ): Outcome.STOPPED_AT_EVENT,  # callbacks are asked for nothing else
-    -1: Outcome.SINGULAR,  # the first and only terminal event
-}
+_WORDS = constant(
+    lambda: {
+        int(hy.taylor_outcome.err_nf_state): Outcome.NON_FINITE,
+        int(TIME_LIMIT): Outcome.REACHED_END,
+        int(hy.taylor_outcome.cb_stop): Outcome.STOPPED_AT_EVENT,  # callbacks ask for nothing else
+        -1: Outcome.SINGULAR,  # the first and only terminal event
+    }
+)
 
 
 def ending(found: HeyokaOutcome) -> Outcome:

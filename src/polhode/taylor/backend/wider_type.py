@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeAlias
 
-import heyoka as hy
 import numpy as np
 
 from polhode.numbers.number_types import EXTENDED, QUAD, NumberType, extended_here
 from polhode.numbers.rows import Array
 from polhode.taylor.backend import heyoka_numbers
+from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.types import HeyokaNumber
 
 #: Between two number types: a state into an array, an array to a state, one number.

@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-import heyoka as hy
 import numpy as np
 
 from polhode.equations.system import System
@@ -20,6 +19,7 @@ from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles
 from polhode.scenes.vocabulary import ANGLE_VARIABLES, ATTITUDE
 from polhode.taylor.backend import defaults
+from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS, disk_cache
 from polhode.taylor.backend.integrator_pool import Kind
 from polhode.taylor.backend.types import HeyokaIntegrator

@@ -11,7 +11,6 @@ import itertools
 from collections.abc import Iterable
 from fractions import Fraction
 
-import heyoka as hy
 import numpy as np
 
 from polhode.common.progress import Stop
@@ -20,6 +19,7 @@ from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.number_types import DOUBLE, NumberType
 from polhode.numbers.rows import Stack
 from polhode.taylor.backend import heyoka_numbers
+from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.integrator_pool import Kind
 from polhode.taylor.backend.types import HeyokaIntegrator
 from polhode.taylor.batches import lane_order

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import heyoka as hy
 import numpy as np
 import numpy.typing as npt
 
@@ -12,6 +11,7 @@ from polhode.common.progress import Stop
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Array, Doubles
+from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.step_outcomes import ending
 from polhode.taylor.backend.types import HeyokaNumber
 from polhode.taylor.batches import step_blocks

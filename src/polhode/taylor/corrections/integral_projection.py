@@ -28,8 +28,6 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import cast
 
-import heyoka as hy
-
 from polhode.common.cached_property import cached_property
 from polhode.equations.forms import principal
 from polhode.equations.integrals import CHAPLYGIN, FirstIntegrals, exact_values, first_integrals
@@ -42,6 +40,7 @@ from polhode.numbers.scalars import EXACT, Scalar
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import heyoka_numbers
+from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.types import CompiledFunction, Expression, HeyokaNumber
 from polhode.taylor.backend.wider_type import Conversions, conversions, wider
 from polhode.taylor.integrator.protocols import Memory, Watcher

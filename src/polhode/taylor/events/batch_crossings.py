@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple, TypeVar
 
-import heyoka as hy
 import numpy as np
 import numpy.typing as npt
 
@@ -23,6 +22,7 @@ from polhode.motion.outcomes import Outcome
 from polhode.numbers.rows import Booleans, Complexes, Doubles, doubles
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.vocabulary import STATE
+from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS
 from polhode.taylor.backend.integrator_pool import Kind
 from polhode.taylor.backend.types import HeyokaIntegrator

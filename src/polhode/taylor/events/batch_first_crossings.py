@@ -13,7 +13,6 @@ import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
-import heyoka as hy
 import numpy as np
 import numpy.typing as npt
 
@@ -24,6 +23,7 @@ from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles
 from polhode.taylor.backend import heyoka_numbers
+from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.integrator_pool import Kind
 from polhode.taylor.backend.types import CompiledFunction, Expression, HeyokaIntegrator
 from polhode.taylor.batches.compiled_batch import CompiledBatch
@@ -34,7 +34,6 @@ from polhode.taylor.events.functions import TIME, in_columns
 STRETCH = 32.0  # of the motions' unit of time, a radian or two
 _AT_START = 1e-9  # of an expression's size: so near to zero a start is taken for one at zero
 _TURN = tuple(f"turn{i}{j}" for i in range(3) for j in range(3))
-_ZERO = hy.expression(0.0)
 
 
 class FirstJob(NamedTuple):
@@ -197,7 +196,10 @@ def _built(
         turn: Mapping[str, Expression] = {
             name: hy.par[3 + len(names) + i] for i, name in enumerate(_TURN)
         }
-        vectors = [kinematics.in_scene_axes(vector, turn, _ZERO) for vector in vectors]
+        vectors = [
+            kinematics.in_scene_axes(vector, turn, heyoka_numbers.EXPRESSIONS.zero)
+            for vector in vectors
+        ]
     vectors[0] = [per_unit * x for x in vectors[0]]
     values = [x for vector in vectors for x in vector]
     crossing = in_columns(zero, columns, values, unit * TIME, DOUBLE)

@@ -14,11 +14,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import heyoka as hy
 import numpy as np
 
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles
+from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.heyoka_numbers import compact_beyond
 from polhode.taylor.backend.types import Expression, HeyokaIntegrator
 from polhode.taylor.batches.compiled_batch import width

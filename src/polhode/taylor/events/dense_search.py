@@ -14,13 +14,13 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import NamedTuple
 
-import heyoka as hy
 import numpy as np
 import numpy.typing as npt
 
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles
 from polhode.scenes.scene import Scene
+from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.heyoka_numbers import disk_cache, type_options
 from polhode.taylor.backend.integrator_pool import Kind
 from polhode.taylor.backend.types import CompiledFunction

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 
-import heyoka as hy
-
 from polhode.equations import kinematics
 from polhode.equations.form import equations
 from polhode.numbers import expression
@@ -16,11 +14,12 @@ from polhode.numbers.number_types import NumberType
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import heyoka_numbers
+from polhode.taylor.backend.engine import constant, hy
 from polhode.taylor.backend.types import Expression
 from polhode.taylor.events.magnitudes import middle_axis
 
 #: The time since the start, in the run's unit.
-TIME = hy.make_vars("t")
+TIME = constant(lambda: hy.make_vars("t"))
 
 
 def event_expression(

@@ -18,12 +18,12 @@ from itertools import pairwise
 from math import comb, perm
 from typing import NamedTuple, TypeAlias
 
-import heyoka as hy
 import numpy as np
 import numpy.typing as npt
 
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles
+from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS, disk_cache
 from polhode.taylor.backend.types import CompiledFunction
 

@@ -26,7 +26,6 @@ from fractions import Fraction
 from functools import partial
 from typing import NamedTuple
 
-import heyoka as hy
 import numpy as np
 
 from polhode.common.value_semantics import waiting
@@ -37,6 +36,7 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Array, Flat, Given, Numbers
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import heyoka_numbers
+from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.types import (
     Expression,
     HeyokaEvent,

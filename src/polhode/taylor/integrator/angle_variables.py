@@ -10,12 +10,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
-import heyoka as hy
-
 from polhode.numbers.exact import Number
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Array
 from polhode.taylor.backend import defaults
+from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.heyoka_numbers import as_fraction, scalar
 from polhode.taylor.backend.time_grid import exact_sum
 from polhode.taylor.backend.types import Expression, HeyokaNumber

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-import heyoka as hy
-
 from polhode.numbers.number_types import NumberType
+from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.heyoka_numbers import scalar, type_options
 from polhode.taylor.backend.types import Expression, HeyokaEvent
 

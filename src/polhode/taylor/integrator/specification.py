@@ -17,12 +17,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple, TypeAlias
 
-import heyoka as hy
-
 from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import Number
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Array
+from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.heyoka_numbers import (
     EXPRESSIONS,
     array,

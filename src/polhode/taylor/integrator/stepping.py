@@ -8,13 +8,13 @@ from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-import heyoka as hy
 import numpy as np
 
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import joined
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Array, Numbers, Row, Rows, flat
+from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.heyoka_numbers import array, as_fraction, as_mpf, numbers, scalar
 from polhode.taylor.backend.step_outcomes import ending
 from polhode.taylor.backend.time_grid import Times

@@ -10,13 +10,13 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import heyoka as hy
 import numpy as np
 
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import DOUBLE, EXTENDED, extended_here
 from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import Scalar
+from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.integrator_pool import Kind
 from polhode.taylor.backend.types import HeyokaIntegrator, HeyokaOutput
 from polhode.taylor.integrator.prepared import Prepared

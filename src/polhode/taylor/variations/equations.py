@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-import heyoka as hy
 import numpy as np
 
 from polhode.equations.forms import principal
@@ -19,6 +18,7 @@ from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Number
 from polhode.numbers.rows import Doubles
+from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS
 from polhode.taylor.backend.integrator_pool import Kind
 from polhode.taylor.backend.types import HeyokaIntegrator

@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import TypeAlias
 
-import heyoka as hy
-
 from polhode.equations.forms import principal
 from polhode.numbers.number_types import DOUBLE, NumberType
 from polhode.scenes.vocabulary import STATE
+from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.heyoka_numbers import (
     EXPRESSIONS,
     array,

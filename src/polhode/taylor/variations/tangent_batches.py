@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import heyoka as hy
 import numpy as np
 import numpy.typing as npt
 
@@ -18,6 +17,7 @@ from polhode.common.progress import Stop
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles
 from polhode.scenes.vocabulary import STATE
+from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.integrator_pool import Kind
 from polhode.taylor.backend.types import HeyokaIntegrator
 from polhode.taylor.batches.compiled_batch import CompiledBatch, width
