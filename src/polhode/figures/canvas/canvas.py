@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from io import BytesIO, StringIO
 from typing import Any
@@ -87,6 +88,16 @@ PAPER = {
     "lines.linewidth": 0.8,
     "lines.solid_joinstyle": "round",
 }
+
+
+@contextmanager
+def paper() -> Iterator[Any]:
+    """matplotlib.pyplot while a printed figure is drawn."""
+    plt = pyplot()
+    with plt.rc_context(PAPER):
+        yield plt
+
+
 #: Colours of Okabe and Ito's set, told apart by every eye; the same hue, lighter, for what is
 #: hidden behind a surface.
 BODY, SPACE, REST = "#0072b2", "#d55e00", "#009e73"
@@ -112,8 +123,7 @@ def drawn(draw: Callable[[Any, Any], Any], what: object, suffix: str, title: str
 
     ``suffix``: one of SUFFIXES.
     """
-    plt = pyplot()
-    with plt.rc_context(PAPER):
+    with paper() as plt:
         figure = draw(plt, what)
         if suffix == ".svg":
             return as_svg(figure, title).encode()

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from polhode.figures.canvas.canvas import COLOURS, MARKS, as_svg, pyplot
+from polhode.figures.canvas.canvas import COLOURS, MARKS, as_svg, paper
 from polhode.figures.canvas.direct_labels import GRID, WIDTH, ink
 
 HELD = {"double": 53 * 0.30103, "extended": 64 * 0.30103, "quad": 113 * 0.30103}
-LABEL = "correct digits, worst of all output times\n(dotted: what the type holds)"
+LABEL = (
+    "correct digits, worst of all output times\n"
+    "(dotted: what the type holds; ringed: fewer\nthan nine in ten such runs)"
+)
 ASKED = 50  # digits that the runs in mp are asked for
 _PITCH = 0.052  # inches from a dot to the next where several are level
 
@@ -32,43 +35,42 @@ def dot(run: Mapping[str, Any]) -> Dot | None:
 
 def svg(groups: Mapping[str, Sequence[Dot]], label: str) -> str:
     """A strip a group, from the top down; rings are runs with fewer digits than expected."""
-    plt = pyplot()
-    heights = [
-        max(0.16 + _PITCH * _depth(dots), 0.06 + 0.135 * len(name.splitlines()))
-        for name, dots in groups.items()
-    ]
-    figure, axes = plt.subplots(figsize=(WIDTH, 1.0 + sum(heights)), layout="constrained")
-    levels, y = [], 0.0
-    for dots, height in zip(groups.values(), heights, strict=True):
-        levels.append(y + height / 2)
-        axes.axhspan(y, y + height, color="#f4f4f4" if len(levels) % 2 else "#ffffff", lw=0)
-        _strip(axes, dots, y + height / 2)
-        y += height
-    for name, digits in HELD.items():
-        axes.axvline(digits, color=COLOURS[name], lw=0.8, ls=":")
-    sides = {"double": ("right", HELD["double"]), "extended": ("left", HELD["extended"] - 1.5)}
-    sides |= {"quad": ("left", HELD["quad"] - 1.5), "mp": ("center", ASKED)}
-    for name, (side, x) in sides.items():
-        text = f"mp ({ASKED})" if name == "mp" else name
-        axes.annotate(
-            text,
-            (x, 1.0),
-            xycoords=("data", "axes fraction"),
-            xytext=(0, 3),
-            textcoords="offset points",
-            ha=side,
-            fontsize=8,
-            color=ink(COLOURS[name]),
-        )
-    axes.set_yticks(levels, list(groups), fontsize=8)
-    axes.set_ylim(y, 0)
-    most = max((dot.digits for dots in groups.values() for dot in dots), default=ASKED)
-    axes.set_xlim(-1, most + 1.5)
-    axes.tick_params(axis="x", labelsize=8)
-    axes.tick_params(axis="y", length=0)
-    axes.grid(axis="x", lw=0.3, color=GRID)
-    axes.set_xlabel(label, fontsize=8.5)
-    return as_svg(figure)
+    with paper() as plt:
+        heights = [
+            max(0.16 + _PITCH * _depth(dots), 0.06 + 0.135 * len(name.splitlines()))
+            for name, dots in groups.items()
+        ]
+        figure, axes = plt.subplots(figsize=(WIDTH, 0.9 + sum(heights)), layout="constrained")
+        levels, y = [], 0.0
+        for dots, height in zip(groups.values(), heights, strict=True):
+            levels.append(y + height / 2)
+            axes.axhspan(y, y + height, color="#f4f4f4" if len(levels) % 2 else "#ffffff", lw=0)
+            _strip(axes, dots, y + height / 2)
+            y += height
+        for name, digits in HELD.items():
+            axes.axvline(digits, color=COLOURS[name], lw=0.8, ls=":")
+        sides = {"double": ("right", HELD["double"]), "extended": ("left", HELD["extended"] - 1.5)}
+        sides |= {"quad": ("left", HELD["quad"] - 1.5), "mp": ("center", ASKED)}
+        for name, (side, x) in sides.items():
+            text = f"mp, {ASKED} asked" if name == "mp" else name
+            axes.annotate(
+                text,
+                (x, 1.0),
+                xycoords=("data", "axes fraction"),
+                xytext=(0, 3),
+                textcoords="offset points",
+                ha=side,
+                fontsize=8,
+                color=ink(COLOURS[name]),
+            )
+        axes.set_yticks(levels, list(groups))
+        axes.set_ylim(y, 0)
+        most = max((dot.digits for dots in groups.values() for dot in dots), default=ASKED)
+        axes.set_xlim(-1, most + 1.5)
+        axes.tick_params(axis="y", length=0)
+        axes.grid(axis="x", lw=0.3, color=GRID)
+        axes.set_xlabel(label)
+        return as_svg(figure)
 
 
 def _strip(axes: Any, dots: Sequence[Dot], middle: float) -> None:

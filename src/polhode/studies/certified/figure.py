@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from polhode.figures.canvas.canvas import SERIES, as_svg, pyplot
-from polhode.figures.canvas.direct_labels import GRID, LOOKS, WIDTH, End, label_ends
+from polhode.figures.canvas.canvas import SERIES, as_svg, paper
+from polhode.figures.canvas.direct_labels import GRID, LOOKS, WIDTH
+from polhode.figures.canvas.log_ticks import set_ticks
 
 _MARKS = ("o", "s", "D", "^")
 #: Methods of the price, by the names that the study gives them.
@@ -20,48 +21,60 @@ _METHODS = {
 
 def svg(found: dict[str, Any]) -> str:
     """Digits lost over time, and CPU seconds, from the study's JSON object."""
-    plt = pyplot()
-    figure, (above, below) = plt.subplots(2, 1, figsize=(WIDTH, 6.6))
-    figure.subplots_adjust(left=0.42, right=0.97, top=0.97, bottom=0.08, hspace=0.42)
-    _lost(above, found["growth"])
-    _price(below, found["cost"])
-    return as_svg(figure)
+    with paper() as plt:
+        figure, (above, below) = plt.subplots(2, 1, figsize=(WIDTH, 6.4), layout="constrained")
+        _lost(above, found["growth"])
+        _price(below, found["cost"])
+        return as_svg(figure)
 
 
 def _lost(ax: Any, rows: list[dict[str, Any]]) -> None:
     """Digits lost over time; dashed without the integrals."""
-    ends = []
-    ax.set_position([0.17, 0.6, 0.43, 0.38])
     for mark, colour, row in zip(_MARKS, SERIES, rows, strict=False):
-        ax.plot(row["times"], row["lost"], mark + "-", color=colour, ms=3.5, lw=1)
+        ax.plot(row["times"], row["lost"], mark + "-", color=colour, ms=4, lw=1, label=row["case"])
         ax.plot(row["times"], row["lost_without"], "--", color=colour, lw=0.8)
-        ends.append(End(row["times"][-1], row["lost"][-1], row["case"], colour))
     ax.set_xscale("log")
-    ax.set_xlabel("t (units of the scene)", fontsize=8.5)
-    ax.set_ylabel("digits lost\n(dashed: without the integrals)", fontsize=8.5)
-    ax.tick_params(labelsize=8)
+    ax.set_xlabel("t (units of the scene)")
+    ax.set_ylabel("digits lost (dashed: without the integrals)")
     ax.grid(lw=0.3, color=GRID)
-    label_ends(ax, ends)
+    set_ticks(ax.xaxis)
+    _legend(ax, 2)
 
 
 def _price(ax: Any, rows: list[dict[str, Any]]) -> None:
-    """CPU seconds of a proof and of runs that prove nothing."""
-    names = [f"{row['case'].partition('/')[2]}, {row['digits']} digits" for row in rows]
+    """CPU seconds of a proof and of runs that prove nothing: rows of one case under its name."""
+    levels, names, y, before = [], [], 0.0, ""
+    for row in rows:
+        if row["case"] != before:
+            ax.text(0.01, y, row["case"], transform=ax.get_yaxis_transform(), va="center", size=8)
+            y, before = y + 1, row["case"]
+        levels.append(y)
+        names.append(f"{row['digits']} digits")
+        y += 1
+    for name in dict.fromkeys(row["case"] for row in rows):
+        held = [at for at, row in zip(levels, rows, strict=True) if row["case"] == name]
+        if sum(held) and ([*dict.fromkeys(row["case"] for row in rows)].index(name)) % 2 == 0:
+            ax.axhspan(held[0] - 1.5, held[-1] + 0.5, color="#f4f4f4", lw=0)
     for key, name in _METHODS.items():
         points = [
-            (seconds, len(names) - 1 - k)
-            for k, row in enumerate(rows)
+            (seconds, level)
+            for level, row in zip(levels, rows, strict=True)
             for label, seconds in row["seconds"].items()
             if label == key or (key == "mp" and label.startswith("mp"))
         ]
-        x, y = zip(*points, strict=True) if points else ((), ())
+        x, y_ = zip(*points, strict=True) if points else ((), ())
         look = LOOKS[name]
-        ax.plot(x, y, look.mark, color=look.colour, ms=5, ls="none", label=key)
+        ax.plot(x, y_, look.mark, color=look.colour, ms=4.5, ls="none", label=key)
     ax.set_xscale("log")
-    ax.set_yticks(range(len(names)), names[::-1], fontsize=8)
-    ax.set_ylim(-0.7, len(names) - 0.3)
-    ax.set_xlabel("CPU seconds to the same time", fontsize=8.5)
-    ax.tick_params(axis="x", labelsize=8)
-    ax.grid(lw=0.3, color=GRID)
-    place = {"loc": "lower right", "bbox_to_anchor": (1.03, 1.0), "ncols": 3}
-    ax.legend(**place, frameon=False, fontsize=8, handletextpad=0.1, columnspacing=1)
+    ax.set_yticks(levels, names)
+    ax.set_ylim(y - 0.5, -0.5)
+    ax.tick_params(axis="y", length=0)
+    ax.set_xlabel("processor seconds to the same time")
+    ax.grid(axis="x", lw=0.3, color=GRID)
+    set_ticks(ax.xaxis)
+    _legend(ax, 5)
+
+
+def _legend(ax: Any, columns: int) -> None:
+    place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "ncols": columns}
+    ax.legend(**place, frameon=False, fontsize=8, handletextpad=0.3, columnspacing=1)

@@ -5,39 +5,46 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from polhode.figures.canvas.canvas import SERIES, as_svg, pyplot
+from polhode.figures.canvas.canvas import SERIES, as_svg, paper
 from polhode.figures.canvas.direct_labels import GRID, GUIDE, LOOKS, WIDTH, End, label_ends
+from polhode.figures.canvas.log_ticks import set_ticks
 
 _MARKS = {"euler": "o", "lagrange": "s", "kovalevskaya": "D"}
 _COLOURS = dict(zip(_MARKS, SERIES, strict=False))
-_SLOPES = {"error": (1.5, "$t^{3/2}$"), "drift": (0.5, "$t^{1/2}$")}
+_SLOPES = {"error": (1.5, "slope 3/2"), "drift": (0.5, "slope 1/2")}
 
 
 def svg(found: Mapping[str, Any]) -> str:
     """Medians over the ensembles against time, and above each what the worst start has."""
-    plt = pyplot()
-    figure, panels = plt.subplots(3, 1, figsize=(WIDTH, 10.2), sharex=True)
-    figure.subplots_adjust(left=0.17, right=0.61, top=0.98, bottom=0.05, hspace=0.08)
-    for ax, name in zip(panels[:2], ("error", "drift"), strict=True):
-        ax.set_xscale("log")
-        ax.set_yscale("log")
-        ends = [
-            _series(ax, top, method["method"], method[name])
-            for top in found["tops"]
-            for method in top["methods"]
-            if name in method
-        ]
-        ends += _guides(ax, found["tops"][0], name)
-        if name == "error":
-            ends += _inputs(ax, found["tops"])
+    with paper() as plt:
+        figure, panels = plt.subplots(3, 1, figsize=(WIDTH, 9.0), sharex=True, layout="constrained")
         starts = found["tops"][0]["starts"]
-        ax.set_ylabel(f"{name}: median of {starts} starts, bar to the worst", fontsize=8.5)
-        ax.tick_params(labelsize=8.5)
-        ax.grid(lw=0.3, color=GRID)
-        label_ends(ax, ends)
-    _walks(panels[2], found["tops"])
-    panels[2].set_xlabel("t", fontsize=9)
-    return as_svg(figure)
+        named = []
+        for ax, name in zip(panels[:2], ("error", "drift"), strict=True):
+            ends = [
+                _series(ax, top, method["method"], method[name])
+                for top in found["tops"]
+                for method in top["methods"]
+                if name in method
+            ]
+            ends += _guides(ax, found["tops"][0], name)
+            if name == "error":
+                ends += _inputs(ax, found["tops"])
+            told = f"{name.capitalize()}: median of {starts} starts, bar to the worst"
+            ax.set_title(told, size=9, loc="left", pad=8)
+            ax.set_ylabel(name)
+            named.append(ends)
+        named.append(_walks(panels[2], found["tops"]))
+        panels[2].set_xlabel("t (units of the scene)")
+        for ax in panels:
+            ax.set_xscale("log")
+            ax.set_yscale("log")
+            ax.grid(lw=0.3, color=GRID)
+            set_ticks(ax.xaxis)
+            set_ticks(ax.yaxis)
+        for ax, ends in zip(panels, named, strict=True):
+            label_ends(ax, ends)
+        return as_svg(figure)
 
 
 def _inputs(ax: Any, tops: Sequence[Mapping[str, Any]]) -> list[End]:
@@ -51,14 +58,12 @@ def _inputs(ax: Any, tops: Sequence[Mapping[str, Any]]) -> list[End]:
                 ax.plot(times, middle, "--", marker=_MARKS[top["top"]], color=GUIDE, ms=2.5, lw=0.8)
                 grown = middle[-1] * end / times[-1]
                 ax.plot((times[-1], end), (middle[-1], grown), ":", color=GUIDE, lw=0.8)
-                ends.append(End(end, grown, "rounded inputs, $t$", GUIDE))
+                ends.append(End(end, grown, "rounded inputs", GUIDE))
     return sorted(ends, key=lambda end: end.y)[len(ends) // 2 :][:1]  # they lie side by side
 
 
-def _walks(ax: Any, tops: Sequence[Mapping[str, Any]]) -> None:
+def _walks(ax: Any, tops: Sequence[Mapping[str, Any]]) -> list[End]:
     """The departure of h in runs that are not projected: standard deviation, size of the mean."""
-    ax.set_xscale("log")
-    ax.set_yscale("log")
     ends = []
     for top in tops:
         for row in top["methods"][0]["integrals"]:
@@ -72,13 +77,13 @@ def _walks(ax: Any, tops: Sequence[Mapping[str, Any]]) -> None:
     if ends:
         low, high = tops[0]["fitted_since"], tops[0]["times"][-1]
         height = min(end.y for end in ends) / 6
-        ends.append(End(high, height, "$t^{1/2}$", GUIDE))
+        ends.append(End(high, height, "slope 1/2", GUIDE))
         start = height * (low / high) ** 0.5
         ax.plot((low, high), (start, height), color=GUIDE, lw=0.8, ls=":")
-    ax.set_ylabel("departure of h: deviation; ○ |mean|", fontsize=8.5)
-    ax.tick_params(labelsize=8.5)
-    ax.grid(lw=0.3, color=GRID)
-    label_ends(ax, ends)
+    told = "Energy, not projected: deviation (filled), |mean| (open)"
+    ax.set_title(told, size=9, loc="left", pad=8)
+    ax.set_ylabel("departure of h")
+    return ends
 
 
 def _series(ax: Any, top: Mapping[str, Any], method: str, found: Mapping[str, Any]) -> End:

@@ -3,49 +3,79 @@
 from __future__ import annotations
 
 import re
-from typing import Any
 
-from polhode.figures.canvas.canvas import as_svg, pyplot
+from polhode.figures.canvas.canvas import BODY, as_svg, paper
 from polhode.figures.canvas.direct_labels import GRID, WIDTH
+from polhode.output.json_object import JsonObject
 
-_RIGHT, _OFF = "#333333", "#a50026"
+_LINE, _PRINTED = "#b0b0b0", "#777777"
+_WORDS = (("**2", "²"), ("180/pi*", "180/π·"), ("sqrt", "√"), ("*", "·"), (" - ", " − "))
+_SOURCE = re.compile(r"simulation \d+|Enright & Pryce|Kynema")
 
 
-def svg(found: dict[str, Any]) -> str:
+def svg(found: JsonObject) -> str:
     """A row for each figure that somebody printed: its digits, and how many of them are right."""
-    plt = pyplot()
-    rows = [
-        (_name(case["case"], row), row)
-        for case in found["cases"]
-        for row in case["figures"]
-        if not row["recomputed"]
-    ][::-1]
-    size = (WIDTH, 1 + 0.19 * len(rows))
-    figure, axes = plt.subplots(figsize=size, layout="constrained")
-    for y, (_, row) in enumerate(rows):
-        shown, right = row["digits_shown"], min(row["digits_right"], row["digits_shown"])
-        colour = _RIGHT if row["stands"] else _OFF
-        axes.plot([right, shown], [y, y], color=colour, lw=0.8)
-        axes.plot([shown], [y], "o", color=colour, ms=5, mfc="white")
-        axes.plot([right], [y], "o", color=colour, ms=3.5)
-    axes.set_yticks(range(len(rows)), [name for name, _ in rows], fontsize=8)
-    for tick, (_, row) in zip(axes.get_yticklabels(), rows, strict=True):
-        tick.set_color(_RIGHT if row["stands"] else _OFF)
-    axes.set_ylim(-0.7, len(rows) - 0.3)
-    axes.set_xlim(0, 1 + max((row["digits_shown"] for _, row in rows), default=1))
-    axes.tick_params(axis="x", labelsize=8)
-    told = "digits: printed (open), right (filled); red: not all right"
-    axes.set_xlabel(told, fontsize=8.5, loc="right")
-    axes.grid(axis="y", lw=0.3, color=GRID)
-    return as_svg(figure)
+    with paper() as plt:
+        sources: dict[str, list[JsonObject]] = {}
+        for case in found["cases"]:
+            for row in case["figures"]:
+                if not row["recomputed"]:
+                    sources.setdefault(_source(case, row), []).append(row)
+        count = sum(1 + len(rows) for rows in sources.values())
+        figure, axes = plt.subplots(figsize=(WIDTH, 0.9 + 0.155 * count), layout="constrained")
+        levels: dict[int, JsonObject] = {}
+        y = 0
+        for k, (source, rows) in enumerate(sources.items()):
+            if k % 2 == 0:
+                axes.axhspan(y - 0.5, y + len(rows) + 0.5, color="#f4f4f4", lw=0)
+            axes.text(0.02, y, source, transform=axes.get_yaxis_transform(), va="center", size=8)
+            levels |= {y + 1 + n: row for n, row in enumerate(rows)}
+            y += 1 + len(rows)
+        both = [
+            (r["digits_shown"], min(r["digits_right"], r["digits_shown"])) for r in levels.values()
+        ]
+        for level, (shown, right) in zip(levels, both, strict=True):
+            axes.plot([right, shown], [level, level], color=_LINE, lw=0.8)
+        look = {"ls": "none", "ms": 5}
+        axes.plot(
+            [shown for shown, _ in both],
+            [*levels],
+            "o",
+            color=_PRINTED,
+            mfc="#ffffff",
+            label="printed",
+            **look,
+        )
+        axes.plot(
+            [right for _, right in both],
+            [*levels],
+            "o",
+            color=BODY,
+            label="right",
+            ls="none",
+            ms=3.5,
+        )
+        axes.set_yticks([*levels], [_short(row["quantity"]) for row in levels.values()])
+        axes.tick_params(axis="y", length=0)
+        axes.set_ylim(y - 0.5, -0.5)
+        axes.set_xlim(0, 1 + max((shown for shown, _ in both), default=1))
+        axes.set_xticks(range(0, 20, 5))
+        axes.set_xlabel("significant digits\n(printed: as in the source, claimed or not)")
+        axes.grid(axis="x", lw=0.3, color=GRID)
+        place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "ncols": 2}
+        style = {"frameon": False, "fontsize": 8, "handletextpad": 0.3, "columnspacing": 1}
+        axes.legend(**place, **style)
+        return as_svg(figure)
 
 
-def _name(case: str, row: dict[str, Any]) -> str:
-    """Case, which of its sources where there are several, quantity and time."""
-    source = re.search(r"simulation \d+", row["cite"])
-    parts = [case.rpartition("/")[2], source[0] if source else "", f"t = {row['t']:g}"]
-    return ", ".join(part for part in parts if part) + f": {_short(row['quantity'])}"
+def _source(case: JsonObject, row: JsonObject) -> str:
+    """The case, whose figures they are where the case's name does not say it, and the time."""
+    name = case["case"].rpartition("/")[2]
+    who = _SOURCE.search(row["cite"])
+    return f"{name}{f', {who[0]}' if who else ''}, t = {row['t']:g}"
 
 
-def _short(text: str) -> str:
-    return text if len(text) < 19 else text[:16] + "..."
+def _short(quantity: str) -> str:
+    for old, new in _WORDS:
+        quantity = quantity.replace(old, new)
+    return quantity

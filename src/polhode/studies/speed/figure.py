@@ -6,8 +6,9 @@ import statistics
 from collections.abc import Sequence
 from typing import Any
 
-from polhode.figures.canvas.canvas import as_svg, pyplot
+from polhode.figures.canvas.canvas import as_svg, paper
 from polhode.figures.canvas.direct_labels import GRID, GUIDE, LOOKS, WIDTH, End, label_ends
+from polhode.figures.canvas.log_ticks import set_ticks
 from polhode.studies.speed.contenders import TYPES_SHOWN
 from polhode.studies.speed.page.contest import SHOWN_OUTPUTS, Told
 from polhode.studies.speed.programs import OURS
@@ -25,39 +26,43 @@ def svgs(found: Told) -> dict[str, str]:
 
 def work_precision(motions: Sequence[Told]) -> str:
     """Error against seconds, a panel a motion, and the wider types on one of them."""
-    plt = pyplot()
-    rows = len(motions) + 1
-    size = (WIDTH, 2.5 * rows)
-    figure, axes = plt.subplots(rows, 1, figsize=size)
-    figure.subplots_adjust(left=0.17, right=0.66, top=1 - 0.3 / size[1], bottom=0.5 / size[1])
-    figure.subplots_adjust(hspace=0.42)
-    for ax, motion in zip(axes, motions, strict=False):
-        _panel(ax, motion)
-    shown = next((m for m in motions if m["motion"] == TYPES_SHOWN), motions[0])
-    _types(axes[-1], shown)
-    axes[-1].set_xlabel("seconds of a run", fontsize=9)
-    return as_svg(figure)
+    with paper() as plt:
+        rows = len(motions) + 1
+        figure, axes = plt.subplots(rows, 1, figsize=(WIDTH, 2.1 * rows), layout="constrained")
+        ends = [_panel(ax, motion) for ax, motion in zip(axes, motions, strict=False)]
+        shown = next((m for m in motions if m["motion"] == TYPES_SHOWN), motions[0])
+        ends.append(_types(axes[-1], shown))
+        axes[-1].set_xlabel("seconds of a run")
+        for ax, named in zip(axes, ends, strict=True):
+            label_ends(ax, named)
+        return as_svg(figure)
 
 
 def lengths(cells: Sequence[Told]) -> str:
     """The time of each program over polhode's over the length of a run, a panel a level."""
-    plt = pyplot()
-    levels = [level["digits"] for level in cells[0]["levels"]]
-    size = (WIDTH, 3.0 * len(levels))
-    figure, axes = plt.subplots(len(levels), 1, figsize=size, sharex=True, squeeze=False)
-    figure.subplots_adjust(left=0.17, right=0.66, top=1 - 0.3 / size[1], bottom=0.5 / size[1])
-    for ax, digits in zip(axes[:, 0], levels, strict=True):
-        _over_length(ax, cells, digits)
-        ax.set_title(f"to {digits:g} digits", fontsize=9)
-    axes[-1, 0].set_xlabel("t at the end", fontsize=9)
-    axes[len(levels) // 2, 0].set_ylabel("time over a polhode propagator's", fontsize=9)
-    return as_svg(figure)
+    with paper() as plt:
+        levels = [level["digits"] for level in cells[0]["levels"]]
+        size = (WIDTH, 2.8 * len(levels))
+        figure, axes = plt.subplots(
+            len(levels), 1, figsize=size, sharex=True, squeeze=False, layout="constrained"
+        )
+        ends = []
+        for ax, digits in zip(axes[:, 0], levels, strict=True):
+            ends.append(_over_length(ax, cells, digits))
+            ax.set_title(f"To {digits:g} digits", size=9, loc="left", pad=8)
+            ax.set_ylabel("time over polhode's")
+        axes[-1, 0].set_xlabel("t at the end")
+        for ax in axes[:, 0]:
+            _scales(ax)
+        for ax, named in zip(axes[:, 0], ends, strict=True):
+            label_ends(ax, named)
+        return as_svg(figure)
 
 
-def _over_length(ax: Any, cells: Sequence[Told], digits: float) -> None:
-    ends = []
-    _scales(ax)
-    ax.axhline(1.0, color=GUIDE, lw=1.0)
+def _over_length(ax: Any, cells: Sequence[Told], digits: float) -> list[End]:
+    longest = max(cell["end"] for cell in cells)
+    ends = [End(longest, 1.0, OURS, GUIDE)]
+    ax.axhline(1.0, color=GUIDE, lw=0.8)
     names = [program["program"] for program in cells[0]["levels"][0]["programs"]]
     for name in dict.fromkeys(names):
         marks = [
@@ -71,7 +76,7 @@ def _over_length(ax: Any, cells: Sequence[Told], digits: float) -> None:
         look = LOOKS[name]
         ax.plot(t, middle, look.line, marker=look.mark, color=look.colour, lw=look.width, ms=4)
         ends.append(End(t[-1], middle[-1], name, look.colour))
-    label_ends(ax, ends)
+    return ends
 
 
 def _ratios(cells: Sequence[Told], end: int, digits: float, name: str) -> list[float]:
@@ -91,17 +96,19 @@ def _ratios(cells: Sequence[Told], end: int, digits: float, name: str) -> list[f
     return []
 
 
-def _panel(ax: Any, motion: Told) -> None:
+def _panel(ax: Any, motion: Told) -> list[End]:
     """Doubles as they come, projected at eps, and extended, on one motion."""
     methods = {method["method"]: method for method in motion["methods"]}
     curves = {"polhode": _composite(methods)}
     for name in ("polhode extended", "polhode extended projected"):
         if name in methods:
             curves[name] = methods[name]["points"]
-    _draw(ax, curves, f"{motion['motion']}, t = {motion['end']}")
+    ends = _draw(ax, curves, f"{motion['motion']}, t = {motion['end']}")
     floor = motion.get("floor")
     if floor is not None:
-        ax.axhline(10.0**-floor, color=GUIDE, lw=0.8, ls=(0, (1, 2)))
+        ax.axhline(10.0**-floor, color=GUIDE, lw=0.8, ls=":")
+        ends.append(End(max(end.x for end in ends), 10.0**-floor, "3 × bound, double", GUIDE))
+    return ends
 
 
 def _composite(methods: Told) -> list[Told]:
@@ -114,17 +121,17 @@ def _composite(methods: Told) -> list[Told]:
     return [*(p for p in plain if p["tol"] > eps), *(p for p in projected if p["tol"] <= eps)]
 
 
-def _types(ax: Any, motion: Told) -> None:
+def _types(ax: Any, motion: Told) -> list[End]:
     """polhode in all number types on one motion."""
     curves = {
         method["method"]: method["points"]
         for method in motion["methods"]
         if method["method"].startswith("polhode") and method["number"] != "double"
     }
-    _draw(ax, curves, f"{motion['motion']}, t = {motion['end']}, polhode in wider types")
+    return _draw(ax, curves, f"{motion['motion']}, t = {motion['end']}, wider types")
 
 
-def _draw(ax: Any, curves: Told, title: str) -> None:
+def _draw(ax: Any, curves: Told, title: str) -> list[End]:
     """Curves with their names; the axes end where the data end."""
     ends = []
     for name, points in curves.items():
@@ -137,13 +144,14 @@ def _draw(ax: Any, curves: Told, title: str) -> None:
         ax.plot(seconds, errors, look.line, marker=look.mark, **style)
         ends.append(End(seconds[-1], errors[-1], name.removeprefix("polhode "), look.colour))
     _scales(ax)
-    ax.set_title(title, fontsize=9)
-    ax.set_ylabel("error", fontsize=9)
-    label_ends(ax, ends)
+    ax.set_title(f"{title[0].upper()}{title[1:]}", size=9, loc="left", pad=8)
+    ax.set_ylabel("error")
+    return ends
 
 
 def _scales(ax: Any) -> None:
     ax.set_xscale("log")
     ax.set_yscale("log")
-    ax.tick_params(labelsize=8)
+    set_ticks(ax.xaxis)
+    set_ticks(ax.yaxis)
     ax.grid(lw=0.3, color=GRID)

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from textwrap import fill
 from typing import Any
 
 from polhode.figures.canvas import dot_strips
+from polhode.figures.canvas.direct_labels import balanced
 
 
 def svg(found: dict[str, Any]) -> str:
     """A strip a kind of difficulty; rings have fewer digits than expected."""
     runs = {case["case"]: case["runs"] for case in found["cases"]}
     groups = {
-        fill(kind["kind"], 23): [
+        balanced(kind["kind"], 23): [
             dot
             for name in kind["cases"]
             for run in runs.get(name, ())
