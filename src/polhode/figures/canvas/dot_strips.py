@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from polhode.figures.canvas.canvas import COLOURS, MARKS, as_svg, paper
-from polhode.figures.canvas.direct_labels import GRID, WIDTH, ink
+from polhode.figures.canvas.direct_labels import GRID, WIDTH
 
 HELD = {"double": 53 * 0.30103, "extended": 64 * 0.30103, "quad": 113 * 0.30103}
 LABEL = (
@@ -49,20 +49,13 @@ def svg(groups: Mapping[str, Sequence[Dot]], label: str) -> str:
             y += height
         for name, digits in HELD.items():
             axes.axvline(digits, color=COLOURS[name], lw=0.8, ls=":")
-        sides = {"double": ("right", HELD["double"]), "extended": ("left", HELD["extended"] - 1.5)}
-        sides |= {"quad": ("left", HELD["quad"] - 1.5), "mp": ("center", ASKED)}
-        for name, (side, x) in sides.items():
-            text = f"mp, {ASKED} asked" if name == "mp" else name
-            axes.annotate(
-                text,
-                (x, 1.0),
-                xycoords=("data", "axes fraction"),
-                xytext=(0, 3),
-                textcoords="offset points",
-                ha=side,
-                fontsize=8,
-                color=ink(COLOURS[name]),
-            )
+        for name, colour in COLOURS.items():
+            text = f"{name}, {ASKED} asked" if name == "mp" else name
+            look = {"color": colour, "ls": "none", "ms": 4, "mew": 0, "alpha": 0.85}
+            axes.plot([], [], marker=MARKS[name], label=text, **look)
+        place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "ncols": 4}
+        style = {"frameon": False, "fontsize": 8, "handletextpad": 0.3, "columnspacing": 1}
+        axes.legend(**place, **style)
         axes.set_yticks(levels, list(groups))
         axes.set_ylim(y, 0)
         most = max((dot.digits for dots in groups.values() for dot in dots), default=ASKED)
@@ -79,7 +72,7 @@ def _strip(axes: Any, dots: Sequence[Dot], middle: float) -> None:
         for k, one in enumerate(members):
             y = middle + _PITCH * (k - (len(members) - 1) / 2)
             ring = {"mec": "#000000", "mew": 0.9} if one.behind else {"mew": 0}
-            style = {"color": COLOURS[name], "ms": 3.2, "alpha": 0.85, "zorder": 3, **ring}
+            style = {"color": COLOURS[name], "ms": 3.4, "alpha": 0.85, "zorder": 3, **ring}
             axes.plot(one.digits, y, MARKS[name], **style)
 
 

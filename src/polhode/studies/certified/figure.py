@@ -76,5 +76,5 @@ def _price(ax: Any, rows: list[dict[str, Any]]) -> None:
 
 
 def _legend(ax: Any, columns: int) -> None:
-    place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "ncols": columns}
+    place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "ncols": columns}
     ax.legend(**place, frameon=False, fontsize=8, handletextpad=0.3, columnspacing=1)

@@ -38,7 +38,7 @@ def svg(found: dict[str, Any]) -> str:
         errors.set_xlabel("error of the time, in units of its last place")
         errors.set_ylabel("events with no larger error, %")
         set_ticks(errors.xaxis)
-        place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "ncols": 4}
+        place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "ncols": 4}
         errors.legend(**place, frameon=False, fontsize=8, handletextpad=0.3, columnspacing=1)
         for k, row in enumerate(found["cost"]):
             name, base = row["number"], row["microseconds_a_step"][0]

@@ -32,7 +32,7 @@ def manifolds(drawn: JsonObject) -> str:
         figure, axes = plt.subplots(figsize=(WIDTH, 4.4), layout="constrained", dpi=_DOTS_PER_INCH)
         points = (np.array(drawn[key]) for key in Crossings._fields)
         draw_crossings(axes, Crossings(*((x, y) for x, y in points)))
-        place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "ncols": 2}
+        place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "ncols": 2}
         style = {"frameon": False, "fontsize": 8, "handletextpad": 0.3, "columnspacing": 1}
         handles, names = axes.get_legend_handles_labels()
         shown = [copy(handle) for handle in handles]

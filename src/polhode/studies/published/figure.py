@@ -62,7 +62,7 @@ def svg(found: JsonObject) -> str:
         axes.set_xticks(range(0, 20, 5))
         axes.set_xlabel("significant digits\n(printed: as in the source, claimed or not)")
         axes.grid(axis="x", lw=0.3, color=GRID)
-        place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "ncols": 2}
+        place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "ncols": 2}
         style = {"frameon": False, "fontsize": 8, "handletextpad": 0.3, "columnspacing": 1}
         axes.legend(**place, **style)
         return as_svg(figure)
