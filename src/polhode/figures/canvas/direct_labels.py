@@ -14,12 +14,25 @@ GUIDE = "#777777"
 
 
 class Look(NamedTuple):
-    """How a method is drawn."""
+    """How a method is drawn: line and marks, ``size`` points across.
+
+    ``inside``, ``rim``: the colours of a mark's inside and rim where they are others.
+    """
 
     colour: str
     mark: str
     line: str = "-"
     width: float = 1.1
+    size: float = 4.0
+    inside: str = ""
+    rim: str = ""
+    rim_width: float = 1.0
+    alpha: float = 1.0
+
+    @property
+    def marks(self) -> Look:
+        """The marks alone."""
+        return self._replace(line="")
 
 
 _LEADER = {"arrowstyle": "-", "lw": 0.4, "alpha": 0.6, "relpos": (0, 0.5)}

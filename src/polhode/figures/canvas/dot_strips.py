@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import accumulate, pairwise
 from typing import Any, NamedTuple
 
-from polhode.figures.canvas.canvas import COLOURS, MARKS, as_svg, paper
-from polhode.figures.canvas.direct_labels import GRID, WIDTH
+from polhode.figures.canvas import panel
+from polhode.figures.canvas.canvas import COLOURS, MARKS
+from polhode.figures.canvas.direct_labels import Look
+from polhode.figures.canvas.panel import Axis, Guide, Panel, Rows, Series
 
 HELD = {"double": 53 * 0.30103, "extended": 64 * 0.30103, "quad": 113 * 0.30103}
 LABEL = (
@@ -35,45 +38,43 @@ def dot(run: Mapping[str, Any]) -> Dot | None:
 
 def svg(groups: Mapping[str, Sequence[Dot]], label: str) -> str:
     """A strip a group, from the top down; rings are runs with fewer digits than expected."""
-    with paper() as plt:
-        heights = [
-            max(0.16 + _PITCH * _depth(dots), 0.06 + 0.135 * len(name.splitlines()))
-            for name, dots in groups.items()
-        ]
-        figure, axes = plt.subplots(figsize=(WIDTH, 0.9 + sum(heights)), layout="constrained")
-        levels, y = [], 0.0
-        for dots, height in zip(groups.values(), heights, strict=True):
-            levels.append(y + height / 2)
-            axes.axhspan(y, y + height, color="#f4f4f4" if len(levels) % 2 else "#ffffff", lw=0)
-            _strip(axes, dots, y + height / 2)
-            y += height
-        for name, digits in HELD.items():
-            axes.axvline(digits, color=COLOURS[name], lw=0.8, ls=":")
-        for name, colour in COLOURS.items():
-            text = f"{name}, {ASKED} asked" if name == "mp" else name
-            look = {"color": colour, "ls": "none", "ms": 4, "mew": 0, "alpha": 0.85}
-            axes.plot([], [], marker=MARKS[name], label=text, **look)
-        place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "ncols": 4}
-        style = {"frameon": False, "fontsize": 8, "handletextpad": 0.3, "columnspacing": 1}
-        axes.legend(**place, **style)
-        axes.set_yticks(levels, list(groups))
-        axes.set_ylim(y, 0)
-        most = max((dot.digits for dots in groups.values() for dot in dots), default=ASKED)
-        axes.set_xlim(-1, most + 1.5)
-        axes.tick_params(axis="y", length=0)
-        axes.grid(axis="x", lw=0.3, color=GRID)
-        axes.set_xlabel(label)
-        return as_svg(figure)
+    heights = [
+        max(0.16 + _PITCH * _depth(dots), 0.06 + 0.135 * len(name.splitlines()))
+        for name, dots in groups.items()
+    ]
+    edges = [0.0, *accumulate(heights)]
+    levels = [(low + high) / 2 for low, high in pairwise(edges)]
+    names = dict(zip(levels, groups, strict=True))
+    rows = Rows(names, [*pairwise(edges)][::2], (0.0, edges[-1]), {})
+    placed = [
+        (one, y)
+        for level, dots in zip(levels, groups.values(), strict=True)
+        for one, y in _strip(dots, level)
+    ]
+    most = max((one.digits for one, _ in placed), default=float(ASKED))
+    guides = [Guide("x", digits, COLOURS[name]) for name, digits in HELD.items()]
+    x = Axis(label, low=-1.0, high=most + 1.5)
+    series = [one for number in COLOURS for one in _series(number, placed)]
+    return panel.svg([Panel(series, x, rows=rows, guides=guides, legend=4)], 0.9 + edges[-1])
 
 
-def _strip(axes: Any, dots: Sequence[Dot], middle: float) -> None:
+def _series(number: str, placed: Sequence[tuple[Dot, float]]) -> Iterator[Series]:
+    """The dots of a number type, and those with a ring."""
+    look = Look(COLOURS[number], MARKS[number], "", size=3.4, rim_width=0, alpha=0.85)
+    name = f"{number}, {ASKED} asked" if number == "mp" else number
+    for ringed, told, style in (
+        (False, name, look),
+        (True, "", look._replace(rim="#000000", rim_width=0.9)),
+    ):
+        held = [(x, y) for x, y in placed if (x.number, x.behind) == (number, ringed)]
+        yield Series([x.digits for x, _ in held], [y for _, y in held], style, told)
+
+
+def _strip(dots: Sequence[Dot], middle: float) -> Iterator[tuple[Dot, float]]:
     """The dots of one group about a level: those that would overlap, one above the other."""
-    for (name, _), members in _piles(dots).items():
+    for members in _piles(dots).values():
         for k, one in enumerate(members):
-            y = middle + _PITCH * (k - (len(members) - 1) / 2)
-            ring = {"mec": "#000000", "mew": 0.9} if one.behind else {"mew": 0}
-            style = {"color": COLOURS[name], "ms": 3.4, "alpha": 0.85, "zorder": 3, **ring}
-            axes.plot(one.digits, y, MARKS[name], **style)
+            yield one, middle + _PITCH * (k - (len(members) - 1) / 2)
 
 
 def _piles(dots: Sequence[Dot]) -> dict[tuple[str, int], list[Dot]]:

@@ -14,14 +14,24 @@ _EVERY = (1, 2, 3, 5, 10, 20, 50, 100, 200, 500)  # decades from a label to the 
 _OF_DECADE: tuple[tuple[int, ...], ...] = ((1,), (1, 3), (1, 2, 5))  # or labels of each
 
 
-def set_ticks(axis: Axis, most: int = 7) -> None:
-    """Label a logarithmic axis of matplotlib, which has its final limits."""
+def set_ticks(axis: Axis, scale: str, most: int = 7) -> None:
+    """Label an axis of matplotlib of scale log or symlog, which has its final limits."""
     from matplotlib.ticker import NullFormatter
 
     low, high = sorted(axis.get_view_interval())
-    values = ticks(low, high, most)
+    values = ticks(low, high, most) if scale == "log" else ticks_about_0(low, high)
     axis.set_ticks(values, names(values))
     axis.set_minor_formatter(NullFormatter())
+
+
+def ticks_about_0(low: float, high: float) -> list[float]:
+    """0, 1, 10, ... and their negatives.
+
+    >>> ticks_about_0(-2.5, 30)
+    [-1.0, 0.0, 1.0, 10.0]
+    """
+    powers = [10.0**k for k in range(9)]
+    return [x for x in (*(-p for p in powers[::-1]), 0.0, *powers) if low <= x <= high]
 
 
 def ticks(low: float, high: float, most: int = 7) -> list[float]:
@@ -53,8 +63,8 @@ def names(values: list[float]) -> list[str]:
     >>> names([0.01, 1.0, 100.0]), names([1e-12, 1e-10])
     (['0.01', '1', '100'], ['10⁻¹²', '10⁻¹⁰'])
     """
-    if all(_PLAIN[0] <= x <= _PLAIN[1] for x in values):
-        return [f"{x:g}" if x >= 1e-3 else f"{x:.4f}".rstrip("0") for x in values]
+    if all(x == 0 or _PLAIN[0] <= abs(x) <= _PLAIN[1] for x in values):
+        return [f"{x:.4f}".rstrip("0").rstrip(".").replace("-", "−") for x in values]
     return [_power(x) for x in values]
 
 
