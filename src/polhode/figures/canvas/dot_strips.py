@@ -21,19 +21,24 @@ _PITCH = 0.052  # inches from a dot to the next where several are level
 
 
 class Dot(NamedTuple):
-    """One run: its digits, and whether it has fewer than the least expected."""
+    """One run: its digits, whether it has fewer than the least expected, and what it says."""
 
     digits: float
     number: str
     behind: bool
+    text: str
 
 
-def dot(run: Mapping[str, Any]) -> Dot | None:
+def dot(case: str, run: Mapping[str, Any]) -> Dot | None:
     """The dot of a run in a study's JSON; None where the run has no digits."""
     if "correct_digits" not in run:
         return None
     digits, expected = run["correct_digits"], run.get("expected")
-    return Dot(digits, run["number"], expected is not None and digits < expected[0])
+    text = f"{case}, {run['number']}: {digits:.1f} digits"
+    if expected is None:
+        return Dot(digits, run["number"], False, text)
+    text += f", expected {expected[0]:.1f} to {expected[-1]:.1f}"
+    return Dot(digits, run["number"], digits < expected[0], text)
 
 
 def svg(groups: Mapping[str, Sequence[Dot]], label: str) -> str:
@@ -67,7 +72,8 @@ def _series(number: str, placed: Sequence[tuple[Dot, float]]) -> Iterator[Series
         (True, "", look._replace(rim="#000000", rim_width=0.9)),
     ):
         held = [(x, y) for x, y in placed if (x.number, x.behind) == (number, ringed)]
-        yield Series([x.digits for x, _ in held], [y for _, y in held], style, told)
+        at = [x.digits for x, _ in held], [y for _, y in held]
+        yield Series(*at, style, told, texts=[x.text for x, _ in held])
 
 
 def _strip(dots: Sequence[Dot], middle: float) -> Iterator[tuple[Dot, float]]:

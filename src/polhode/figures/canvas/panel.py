@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
-from itertools import pairwise
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import compress, pairwise
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from polhode.figures.canvas.canvas import as_svg, paper
@@ -35,7 +35,8 @@ class Axis:
 class Series:
     """Points that look alike; a None breaks the line.
 
-    ``name``: in the legend; ``end``: beside its last point; ``tops``: where bars from it end.
+    ``name``: in the legend; ``end``: beside its last point; ``tops``: where bars from it end;
+    ``texts``: of each mark, what it says when one points at it.
     """
 
     x: Sequence[float | None]
@@ -44,12 +45,7 @@ class Series:
     name: str = ""
     end: str = ""
     tops: Sequence[float] = ()
-
-
-def unzipped(points: Iterable[tuple[float, float]]) -> tuple[list[float], list[float]]:
-    """The columns x and y of points, empty where there is none."""
-    both = [*points]
-    return [x for x, _ in both], [y for _, y in both]
+    texts: Sequence[str] = ()
 
 
 class Guide(NamedTuple):
@@ -152,8 +148,9 @@ def svg(
         for axes in made.flat[len(panels) :]:
             axes.set_axis_off()
         pairs = [*zip(made.flat, panels, strict=False)]
-        for axes, panel in pairs:
-            _draw(axes, panel)
+        texts: dict[str, Sequence[str]] = {}
+        for k, (axes, panel) in enumerate(pairs):
+            texts |= _draw(axes, panel, f"panel {k}")
         if any(labels):
             figure.supxlabel(labels[0], size=9)
             figure.supylabel(labels[1], size=9)
@@ -162,18 +159,23 @@ def svg(
             figure.legend(*made[0, 0].get_legend_handles_labels(), **place, **LEGEND)
         for axes, panel in pairs:
             label_ends(axes, _ends(axes, panel))
-        return as_svg(figure)
+        return as_svg(figure, texts=texts)
 
 
-def _draw(axes: Axes, panel: Panel) -> None:
+def _draw(axes: Axes, panel: Panel, name: str) -> dict[str, Sequence[str]]:
+    """The texts of its marks, by names that begin with this one."""
     rows = panel.rows
     for low, high in panel.shaded if rows is None else rows.bands:
         axes.axhspan(low, high, color=SHADE, lw=0)
     for guide in panel.guides:
         line = axes.axvline if guide.axis == "x" else axes.axhline
         line(guide.at, color=guide.colour, lw=0.8, ls=guide.line)
-    for series in panel.series:
-        _points(axes, series)
+    texts = {}
+    for k, series in enumerate(panel.series):
+        shown = _shown(series, panel)
+        _points(axes, shown, f"{name} series {k}")
+        if shown.texts:
+            texts[f"{name} series {k}"] = shown.texts
     for y, text in {} if rows is None else rows.headings.items():
         axes.text(0.02, y, text, transform=axes.get_yaxis_transform(), va="center", size=8)
     axes.set_xscale(panel.x.scale, **_SCALES[panel.x.scale])
@@ -197,6 +199,17 @@ def _draw(axes: Axes, panel: Panel) -> None:
     if panel.legend:
         place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "ncols": panel.legend}
         axes.legend(**place, **LEGEND)
+    return texts
+
+
+def _shown(series: Series, panel: Panel) -> Series:
+    """The series without what a logarithmic axis does not hold, and with the texts of the rest."""
+    x, y = (
+        [None if at is None or (axis.scale == "log" and at <= 0) else at for at in values]
+        for values, axis in ((series.x, panel.x), (series.y, panel.y))
+    )
+    there = [a is not None and b is not None for a, b in zip(x, y, strict=True)]
+    return replace(series, x=x, y=y, texts=[*compress(series.texts, there)])
 
 
 def _ends(axes: Axes, panel: Panel) -> list[End]:
@@ -206,7 +219,7 @@ def _ends(axes: Axes, panel: Panel) -> list[End]:
     return found + [End(right, g.at, g.name, g.colour) for g in panel.guides if g.name]
 
 
-def _points(axes: Axes, series: Series) -> None:
+def _points(axes: Axes, series: Series, name: str) -> None:
     look = series.look
     axes.plot(
         series.x,  # type: ignore[arg-type]
@@ -221,6 +234,7 @@ def _points(axes: Axes, series: Series) -> None:
         mew=look.rim_width,
         alpha=look.alpha,
         label=series.name or None,
+        gid=name if series.texts else None,
     )
     if series.tops:
         axes.vlines(series.x, series.y, series.tops, color=look.colour, lw=2, alpha=0.3)  # type: ignore[arg-type]

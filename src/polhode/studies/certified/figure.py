@@ -32,7 +32,11 @@ def _lost(rows: Sequence[JsonObject]) -> Panel:
     series = []
     for mark, colour, row in zip(_MARKS, SERIES, rows, strict=False):
         look = Look(colour, mark, width=1.0)
-        series.append(Series(row["times"], row["lost"], look, row["case"]))
+        texts = [
+            f"{row['case']}, t = {t:g}: {lost:.1f} digits lost, {without:.1f} without the integrals"
+            for t, lost, without in zip(row["times"], row["lost"], row["lost_without"], strict=True)
+        ]
+        series.append(Series(row["times"], row["lost"], look, row["case"], texts=texts))
         dashed = Look(colour, "", "--", 0.8)
         series.append(Series(row["times"], row["lost_without"], dashed))
     y = Axis("digits lost (dashed: without the integrals)")
@@ -47,13 +51,18 @@ def _price(rows: Sequence[JsonObject]) -> Panel:
     )
     series = []
     for key, name in _METHODS.items():
-        points = [
-            (seconds, level)
+        found = [
+            (level, row, label, seconds)
             for level, row in zip(shown.names, rows, strict=True)
             for label, seconds in row["seconds"].items()
             if label == key or (key == "mp" and label.startswith("mp"))
         ]
         look = LOOKS[name].marks._replace(size=4.5)
-        series.append(Series(*panel.unzipped(points), look, key))
+        at = [seconds for *_, seconds in found], [level for level, *_ in found]
+        texts = [
+            f"{row['case']}, {row['digits']} digits at t = {row['end']}: {label} {seconds:.3g} s"
+            for _, row, label, seconds in found
+        ]
+        series.append(Series(*at, look, key, texts=texts))
     x = Axis("processor seconds to the same time", "log")
     return Panel(series, x, rows=shown, legend=5)

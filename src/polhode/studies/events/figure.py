@@ -35,7 +35,11 @@ def _errors(motions: Sequence[JsonObject]) -> Panel:
         series.append(Series(*steps, Look(colour, "", width=1.2)))
         places = [len(sizes) * k // 8 for k in range(1, 8)] if sizes else []
         at = [sizes[k] for k in places], [share[k] for k in places]
-        series.append(Series(*at, Look(colour, MARKS[name], ""), name))
+        texts = [
+            f"{name}: {share:.0f} % of {len(sizes)} events within {size:.2g} ulp"
+            for size, share in zip(*at, strict=True)
+        ]
+        series.append(Series(*at, Look(colour, MARKS[name], ""), name, texts=texts))
     x = Axis("error of the time, in units of its last place", "log", FLOOR)
     return Panel(series, x, Axis("events with no larger error, %", low=0, high=100), legend=4)
 
@@ -46,7 +50,13 @@ def _cost(rows: Sequence[JsonObject]) -> Panel:
     for k, row in enumerate(rows):
         times, aside = row["microseconds_a_step"], 0.07 * (k - (len(rows) - 1) / 2)
         at = [n + aside for n in row["events"]], [time / times[0] for time in times]
-        series.append(Series(*at, Look(COLOURS[row["number"]], MARKS[row["number"]], "")))
+        texts = [
+            f"{row['number']}, {n} events watched: {time:.4g} µs a step, "
+            f"{time / times[0]:.2f} times as long as without"
+            for n, time in zip(row["events"], times, strict=True)
+        ]
+        look = Look(COLOURS[row["number"]], MARKS[row["number"]], "")
+        series.append(Series(*at, look, texts=texts))
     x = Axis("events watched", ticks={n: str(n) for n in (0, 1, 3)})
     return Panel(series, x, Axis("time of a run (without events 1)", low=0))
 

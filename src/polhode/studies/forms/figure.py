@@ -23,13 +23,19 @@ def svg(found: JsonObject) -> str:
         below = 0.7 * (k - (count - 1) / 2) / count  # motions beside each other in a form's row
         y = [level[run["form"]] + below for run in runs]
         look = Look(_COLOUR, mark, "")
-        digits.append(Series([r["correct_digits"] for r in runs], y, look, motion["what"]))
-        times.append(Series([r["time_against_principal"] for r in runs], y, look))
+        texts = [
+            f"{motion['what']}, {r['form']}: {r['correct_digits']:.1f} digits, "
+            f"{r['time_against_principal']:.2f} times the principal form's time"
+            for r in runs
+        ]
+        right = [r["correct_digits"] for r in runs]
+        digits.append(Series(right, y, look, motion["what"], texts=texts))
+        times.append(Series([r["time_against_principal"] for r in runs], y, look, texts=texts))
     most = max((x for series in times for x in series.x if x is not None), default=1.0)
     left = Axis("correct digits\n(dotted: a double's)")
-    right = Axis("time of a run\n(principal form 1)", "log", high=max(12.0, 1.2 * most))
+    time = Axis("time of a run\n(principal form 1)", "log", high=max(12.0, 1.2 * most))
     panels = (
         Panel(digits, left, rows=rows, guides=[Guide("x", 15.95, _COLOUR)]),
-        Panel(times, right, rows=rows),
+        Panel(times, time, rows=rows),
     )
     return panel.svg(panels, 4.8, columns=2, share="y", legend=2)

@@ -40,7 +40,15 @@ def _growth(tops: Sequence[JsonObject], name: str) -> Iterator[Series]:
                 put_back = "projected" if "projected" in method["method"] else "not projected"
                 row, end = method[name], f"{top['top']}, {put_back}"
                 look = _look(top, method["method"])
-                yield Series(top["times"], row["median"], look, end=end, tops=row["largest"])
+                texts = [
+                    f"{end}, t = {t:g}: {name} {middle:.2g}, at worst {most:.2g}"
+                    for t, middle, most in zip(
+                        top["times"], row["median"], row["largest"], strict=True
+                    )
+                ]
+                yield Series(
+                    top["times"], row["median"], look, end=end, tops=row["largest"], texts=texts
+                )
     times, (slope, label) = tops[0]["times"], _SLOPES[name]
     since = next(k for k, t in enumerate(times) if t >= tops[0]["fitted_since"])
     height = 3 * tops[0]["methods"][0][name]["median"][since]
@@ -57,7 +65,11 @@ def _inputs(tops: Sequence[JsonObject]) -> Iterator[Series]:
                 middle, last = method["inputs"]["median"], top["times"][-1]
                 times = top["times"][: len(middle)]
                 look = Look(GUIDE, _MARKS[top["top"]], "--", 0.8, size=2.5)
-                yield Series(times, middle, look)
+                texts = [
+                    f"{top['top']}, rounded inputs, t = {t:g}: error {error:.2g}"
+                    for t, error in zip(times, middle, strict=True)
+                ]
+                yield Series(times, middle, look, texts=texts)
                 end = middle[-1] * last / times[-1]
                 grown.append(Series((times[-1], last), (middle[-1], end), _DOTTED))
     grown.sort(key=lambda series: series.y[-1] or 0.0)  # side by side: one name is enough
@@ -72,9 +84,17 @@ def _walks(tops: Sequence[JsonObject]) -> Iterator[Series]:
         for row in top["methods"][0]["integrals"]:
             if row["integral"] == "h":
                 look = _look(top, "double")._replace(width=0.8)
-                yield Series(top["times"], row["deviation"], look, end=top["top"])
-                sizes = [abs(x) or None for x in row["mean"]]
-                yield Series(top["times"], sizes, look.marks._replace(size=5, inside="none"))
+                times, name = top["times"], top["top"]
+                texts = [
+                    f"{name}, t = {t:g}: deviation of h {deviation:.2g}, mean {mean:.2g}"
+                    for t, deviation, mean in zip(times, row["deviation"], row["mean"], strict=True)
+                ]
+                yield Series(times, row["deviation"], look, end=name, texts=texts)
+                sizes, open_ = (
+                    [abs(x) for x in row["mean"]],
+                    look.marks._replace(size=5, inside="none"),
+                )
+                yield Series(times, sizes, open_, texts=texts)
                 lowest.append(row["deviation"][-1])
     if lowest:
         low, high = tops[0]["fitted_since"], tops[0]["times"][-1]

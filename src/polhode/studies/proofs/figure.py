@@ -15,7 +15,7 @@ from polhode.output.json_object import JsonObject
 
 _COLOURS = {"elliptic": BODY, "hyperbolic": SPACE, "inverse hyperbolic": REST}
 _COLUMNS = 2
-_DOTS_PER_INCH = 250  # of the manifolds, which are pixels
+_DOTS_PER_INCH = 200  # of the manifolds, which are pixels
 
 
 def svgs(found: JsonObject) -> dict[str, str]:
@@ -57,7 +57,20 @@ def _top(top: JsonObject) -> Panel:
     ]
     kinds.append(("not proved", Look("#555555", "x", ""), [r for r in orbits if not r["proved"]]))
     series = [
-        Series([row["period"] for row in rows], [row["residue"] for row in rows], look, name)
+        Series(
+            [row["period"] for row in rows],
+            [row["residue"] for row in rows],
+            look,
+            name,
+            texts=[f"{top['what']}: {_text(row)}" for row in rows],
+        )
         for name, look, rows in kinds
     ]
     return Panel(series, y=Axis(scale="symlog"), title=top["what"], shaded=[(0, 1)])
+
+
+def _text(row: JsonObject) -> str:
+    orbit = f"period {row['period']:.6g}, residue {row['residue']:.4g}"
+    if not row["proved"]:
+        return f"{orbit}, not proved: {row['cause']}"
+    return f"{orbit}, {row['kind']}, proved to {int(row['digits'])} digits"

@@ -27,12 +27,18 @@ def svg(found: JsonObject) -> str:
     printed = [row for held in sources.values() for row in held]
     shown = [row["digits_shown"] for row in printed]
     right = [min(row["digits_right"], row["digits_shown"]) for row in printed]
+    texts = [
+        f"{source}, {row['quantity']}: printed {row['printed']}, ours {row['ours']}, "
+        f"{row['verdict']}"
+        for source, held in sources.items()
+        for row in held
+    ]
     levels = [*rows.names]
     gaps = [x for ends in zip(right, shown, strict=True) for x in (*ends, None)]
     series = (
         Series(gaps, [y for level in levels for y in (level, level, None)], _GAP),
-        Series(shown, levels, _PRINTED, "printed"),
-        Series(right, levels, _RIGHT, "right"),
+        Series(shown, levels, _PRINTED, "printed", texts=texts),
+        Series(right, levels, _RIGHT, "right", texts=texts),
     )
     label = "significant digits\n(printed: as in the source, claimed or not)"
     ticks = {float(n): str(n) for n in range(0, 20, 5)}

@@ -51,12 +51,18 @@ def _programs(cells: Sequence[Told], digits: float) -> Iterator[Series]:
     names = [program["program"] for program in cells[0]["levels"][0]["programs"]]
     for name in dict.fromkeys(names):
         marks = [
-            (end, statistics.median(ratios))
+            (end, statistics.median(ratios), len(ratios))
             for end in sorted({cell["end"] for cell in cells})
             if (ratios := _ratios(cells, end, digits, name))
         ]
         if marks:
-            yield Series(*panel.unzipped(marks), LOOKS[name], end=name)
+            at = [end for end, *_ in marks], [middle for _, middle, _ in marks]
+            texts = [
+                f"{name} to {digits:g} digits at t = {end}: {middle:.3g} times as long as "
+                f"{OURS}, median (kinds of motion: {count})"
+                for end, middle, count in marks
+            ]
+            yield Series(*at, LOOKS[name], end=name, texts=texts)
 
 
 def _ratios(cells: Sequence[Told], end: int, digits: float, name: str) -> list[float]:
@@ -116,7 +122,14 @@ def _title(motion: Told) -> str:
 def _curves(curves: Told) -> Iterator[Series]:
     """Curves with their names."""
     for name, points in curves.items():
-        marks = [(p["seconds_min"], 10.0 ** -p["digits"]) for p in points if p.get("digits")]
-        if marks:
-            look = LOOKS[name]._replace(size=3.5)
-            yield Series(*panel.unzipped(marks), look, end=name.removeprefix("polhode "))
+        there = [point for point in points if point.get("digits")]
+        if there:
+            seconds = [point["seconds_min"] for point in there]
+            errors = [10.0 ** -point["digits"] for point in there]
+            texts = [
+                f"{name}, tolerance {p['tol']:.2g}: {p['digits']:.1f} digits in "
+                f"{p['seconds_min']:.3g} s"
+                for p in there
+            ]
+            look, end = LOOKS[name]._replace(size=3.5), name.removeprefix("polhode ")
+            yield Series(seconds, errors, look, end=end, texts=texts)
