@@ -59,6 +59,9 @@ def crossings(found: ProvedChaos) -> Crossings:
 
 def draw_crossings(axes: Axes, points: Crossings) -> None:
     """The section with both manifolds and the sets."""
+    turn = np.arange(5) * np.pi / 2
+    axes.set_xticks(turn, ["0", "π/2", "π", "3π/2", "2π"])
+    axes.set_xlim(-0.1, 2 * np.pi + 0.1)
     for name, colour, where in (
         ("unstable", OUT, points.unstable),
         ("stable", INTO, points.stable),
@@ -74,7 +77,7 @@ def draw_crossings(axes: Axes, points: Crossings) -> None:
             gid=f"{name} manifold",
         )
     axes.plot(*points.sets, "+", ms=5, color=SETS, label="sets, each in its own plane", gid="sets")
-    axes.set(xlabel="azimuth of γ about r₀", ylabel="γ·r₀/|r₀|")
+    axes.set(xlabel="azimuth of γ about r₀ (rad)", ylabel="cosine of γ to r₀")
 
 
 def _sets(axes: Axes, found: ProvedChaos) -> None:

@@ -35,10 +35,12 @@ def draw(plt: Any, found: Section, axes: Any = None) -> Any:
         )
     axes.set(xlim=(0, 2 * np.pi), ylim=(-1, 1))
     axes.set_xticks(np.arange(5) * np.pi / 2, ["0", "π/2", "π", "3π/2", "2π"])
+    about = "the third axis" if found.scene.body.torque_free else "r₀"
     if found.by == HEIGHT:
-        axes.set(xlabel="azimuth of γ about r₀", ylabel="γ·r₀/|r₀|")
+        axes.set(xlabel=f"azimuth of γ about {about} (rad)", ylabel=f"cosine of γ to {about}")
     else:
-        axes.set(xlabel="l", ylabel="L/G")
+        axes.set(xlabel=f"l: azimuth of G about {about} (rad)")
+        axes.set(ylabel=f"L/G: cosine of G to {about}")
     kind = "" if found.by not in (HEIGHT, "momentum") else f", {found.extremum}ima"
     what = {"momentum": "|G|", HEIGHT: "height"}.get(found.by, found.by)
     axes.set_title(

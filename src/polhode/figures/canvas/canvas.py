@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import partial
 from io import BytesIO, StringIO
+from types import MappingProxyType
 from typing import Any
 
 from polhode.common.errors import BadInput
 from polhode.common.text_tables import printable
+from polhode.figures.canvas.mark_titles import titled
 
 COLOURS = {"double": "#0072b2", "extended": "#e69f00", "quad": "#009e73", "mp": "#cc79a7"}
 MARKS = {"double": "o", "extended": "s", "quad": "D", "mp": "^"}
@@ -59,15 +62,21 @@ def legend_of(figure: Any, axes: Any) -> Any:
     return np.ravel(np.asarray(axes, dtype=object))[0].legend
 
 
-def as_svg(figure: Any, title: str | None = None) -> str:
-    """A figure as SVG text; the figure is closed."""
+def as_svg(
+    figure: Any, title: str | None = None, texts: Mapping[str, Sequence[str]] = MappingProxyType({})
+) -> str:
+    """A figure as SVG text; the figure is closed.
+
+    ``texts``: what the marks of a line say, by the line's gid.
+    """
     out = StringIO()
-    titled = (
-        {} if title is None else {"Title": printable(title)}
-    )  # matplotlib refuses a title of None
-    figure.savefig(out, format="svg", metadata={"Date": None, **titled})
+    metadata: dict[str, str | None] = {"Date": None}
+    if title is not None:
+        metadata["Title"] = printable(title)  # matplotlib refuses a title of None
+    figure.savefig(out, format="svg", metadata=metadata)
     pyplot().close(figure)
-    return "\n".join(line.rstrip() for line in out.getvalue().splitlines()) + "\n"
+    text = "\n".join(line.rstrip() for line in out.getvalue().splitlines()) + "\n"
+    return titled(text, texts)
 
 
 #: Of printed figures: text stays text (no mathtext: it sets letter by letter), thin axes.
@@ -87,6 +96,16 @@ PAPER = {
     "lines.linewidth": 0.8,
     "lines.solid_joinstyle": "round",
 }
+
+
+@contextmanager
+def paper() -> Iterator[Any]:
+    """matplotlib.pyplot while a printed figure is drawn."""
+    plt = pyplot()
+    with plt.rc_context(PAPER):
+        yield plt
+
+
 #: Colours of Okabe and Ito's set, told apart by every eye; the same hue, lighter, for what is
 #: hidden behind a surface.
 BODY, SPACE, REST = "#0072b2", "#d55e00", "#009e73"
@@ -112,8 +131,7 @@ def drawn(draw: Callable[[Any, Any], Any], what: object, suffix: str, title: str
 
     ``suffix``: one of SUFFIXES.
     """
-    plt = pyplot()
-    with plt.rc_context(PAPER):
+    with paper() as plt:
         figure = draw(plt, what)
         if suffix == ".svg":
             return as_svg(figure, title).encode()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from textwrap import wrap
 from typing import Any, NamedTuple
 
 from polhode.figures.canvas.canvas import COLOURS, MARKS
@@ -13,12 +14,25 @@ GUIDE = "#777777"
 
 
 class Look(NamedTuple):
-    """How a method is drawn."""
+    """How a method is drawn: line and marks, ``size`` points across.
+
+    ``inside``, ``rim``: the colours of a mark's inside and rim where they are others.
+    """
 
     colour: str
     mark: str
     line: str = "-"
     width: float = 1.1
+    size: float = 4.0
+    inside: str = ""
+    rim: str = ""
+    rim_width: float = 1.0
+    alpha: float = 1.0
+
+    @property
+    def marks(self) -> Look:
+        """The marks alone."""
+        return self._replace(line="")
 
 
 _LEADER = {"arrowstyle": "-", "lw": 0.4, "alpha": 0.6, "relpos": (0, 0.5)}
@@ -79,11 +93,11 @@ class End(NamedTuple):
 def label_ends(ax: Any, ends: Sequence[End], size: float = 8, room: float = 0.02) -> None:
     """Write each curve's name to the right of the panel, on a thin line that leads to its end.
 
-    The axes must hold all that they will, on their final scales; the panel keeps room at its right.
+    The figure must hold all else that it will, on its final scales; its layout makes room.
     """
     if not ends:
         return
-    ax.get_xlim(), ax.get_ylim()  # settles them
+    ax.figure.draw_without_rendering()  # settles the panel's place and limits
     place = ax.transAxes.inverted()
     heights = [place.transform(ax.transData.transform((e.x, e.y)))[1] for e in ends]
     inches = ax.get_position().height * ax.figure.get_size_inches()[1]
@@ -129,12 +143,11 @@ def _apart(wanted: Sequence[float], least: float) -> list[float]:
     return levels
 
 
-def name_types(ax: Any, names: Sequence[str]) -> None:
-    """Names of number types above a panel from left to right, each in its colour with its mark."""
-    widths = [len(name) + 4 for name in names]  # in characters, with mark and gap
-    for k, name in enumerate(names):
-        x = (sum(widths[:k]) + 1) / sum(widths)
-        mark = {"color": COLOURS[name], "ms": 4, "transform": ax.transAxes, "clip_on": False}
-        ax.plot(x, 1.04, MARKS[name], **mark)
-        place = {"xycoords": "axes fraction", "xytext": (6, 0), "textcoords": "offset points"}
-        ax.annotate(name, (x, 1.04), **place, fontsize=8, color=ink(COLOURS[name]), va="center")
+def balanced(text: str, width: int) -> str:
+    """The text in as few lines as hold it, of lengths as even as they can be.
+
+    >>> balanced("Through a pole or past it", 23)
+    'Through a pole\nor past it'
+    """
+    lines = len(wrap(text, width))
+    return "\n".join(next(x for n in range(1, width + 1) if len(x := wrap(text, n)) <= lines))

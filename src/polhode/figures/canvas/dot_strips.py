@@ -2,83 +2,85 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import accumulate, pairwise
 from typing import Any, NamedTuple
 
-from polhode.figures.canvas.canvas import COLOURS, MARKS, as_svg, pyplot
-from polhode.figures.canvas.direct_labels import GRID, WIDTH, ink
+from polhode.figures.canvas import panel
+from polhode.figures.canvas.canvas import COLOURS, MARKS
+from polhode.figures.canvas.direct_labels import Look
+from polhode.figures.canvas.panel import Axis, Guide, Panel, Rows, Series
 
 HELD = {"double": 53 * 0.30103, "extended": 64 * 0.30103, "quad": 113 * 0.30103}
-LABEL = "correct digits, worst of all output times\n(dotted: what the type holds)"
+LABEL = (
+    "correct digits, worst of all output times\n"
+    "(dotted: what the type holds; ringed: fewer\nthan nine in ten such runs)"
+)
 ASKED = 50  # digits that the runs in mp are asked for
 _PITCH = 0.052  # inches from a dot to the next where several are level
 
 
 class Dot(NamedTuple):
-    """One run: its digits, and whether it has fewer than the least expected."""
+    """One run: its digits, whether it has fewer than the least expected, and what it says."""
 
     digits: float
     number: str
     behind: bool
+    text: str
 
 
-def dot(run: Mapping[str, Any]) -> Dot | None:
+def dot(case: str, run: Mapping[str, Any]) -> Dot | None:
     """The dot of a run in a study's JSON; None where the run has no digits."""
     if "correct_digits" not in run:
         return None
     digits, expected = run["correct_digits"], run.get("expected")
-    return Dot(digits, run["number"], expected is not None and digits < expected[0])
+    text = f"{case}, {run['number']}: {digits:.1f} digits"
+    if expected is None:
+        return Dot(digits, run["number"], False, text)
+    text += f", expected {expected[0]:.1f} to {expected[-1]:.1f}"
+    return Dot(digits, run["number"], digits < expected[0], text)
 
 
 def svg(groups: Mapping[str, Sequence[Dot]], label: str) -> str:
     """A strip a group, from the top down; rings are runs with fewer digits than expected."""
-    plt = pyplot()
     heights = [
         max(0.16 + _PITCH * _depth(dots), 0.06 + 0.135 * len(name.splitlines()))
         for name, dots in groups.items()
     ]
-    figure, axes = plt.subplots(figsize=(WIDTH, 1.0 + sum(heights)), layout="constrained")
-    levels, y = [], 0.0
-    for dots, height in zip(groups.values(), heights, strict=True):
-        levels.append(y + height / 2)
-        axes.axhspan(y, y + height, color="#f4f4f4" if len(levels) % 2 else "#ffffff", lw=0)
-        _strip(axes, dots, y + height / 2)
-        y += height
-    for name, digits in HELD.items():
-        axes.axvline(digits, color=COLOURS[name], lw=0.8, ls=":")
-    sides = {"double": ("right", HELD["double"]), "extended": ("left", HELD["extended"] - 1.5)}
-    sides |= {"quad": ("left", HELD["quad"] - 1.5), "mp": ("center", ASKED)}
-    for name, (side, x) in sides.items():
-        text = f"mp ({ASKED})" if name == "mp" else name
-        axes.annotate(
-            text,
-            (x, 1.0),
-            xycoords=("data", "axes fraction"),
-            xytext=(0, 3),
-            textcoords="offset points",
-            ha=side,
-            fontsize=8,
-            color=ink(COLOURS[name]),
-        )
-    axes.set_yticks(levels, list(groups), fontsize=8)
-    axes.set_ylim(y, 0)
-    most = max((dot.digits for dots in groups.values() for dot in dots), default=ASKED)
-    axes.set_xlim(-1, most + 1.5)
-    axes.tick_params(axis="x", labelsize=8)
-    axes.tick_params(axis="y", length=0)
-    axes.grid(axis="x", lw=0.3, color=GRID)
-    axes.set_xlabel(label, fontsize=8.5)
-    return as_svg(figure)
+    edges = [0.0, *accumulate(heights)]
+    levels = [(low + high) / 2 for low, high in pairwise(edges)]
+    names = dict(zip(levels, groups, strict=True))
+    rows = Rows(names, [*pairwise(edges)][::2], (0.0, edges[-1]), {})
+    placed = [
+        (one, y)
+        for level, dots in zip(levels, groups.values(), strict=True)
+        for one, y in _strip(dots, level)
+    ]
+    most = max((one.digits for one, _ in placed), default=float(ASKED))
+    guides = [Guide("x", digits, COLOURS[name]) for name, digits in HELD.items()]
+    x = Axis(label, low=-1.0, high=most + 1.5)
+    series = [one for number in COLOURS for one in _series(number, placed)]
+    return panel.svg([Panel(series, x, rows=rows, guides=guides, legend=4)], 0.9 + edges[-1])
 
 
-def _strip(axes: Any, dots: Sequence[Dot], middle: float) -> None:
+def _series(number: str, placed: Sequence[tuple[Dot, float]]) -> Iterator[Series]:
+    """The dots of a number type, and those with a ring."""
+    look = Look(COLOURS[number], MARKS[number], "", size=3.4, rim_width=0, alpha=0.85)
+    name = f"{number}, {ASKED} asked" if number == "mp" else number
+    for ringed, told, style in (
+        (False, name, look),
+        (True, "", look._replace(rim="#000000", rim_width=0.9)),
+    ):
+        held = [(x, y) for x, y in placed if (x.number, x.behind) == (number, ringed)]
+        at = [x.digits for x, _ in held], [y for _, y in held]
+        yield Series(*at, style, told, texts=[x.text for x, _ in held])
+
+
+def _strip(dots: Sequence[Dot], middle: float) -> Iterator[tuple[Dot, float]]:
     """The dots of one group about a level: those that would overlap, one above the other."""
-    for (name, _), members in _piles(dots).items():
+    for members in _piles(dots).values():
         for k, one in enumerate(members):
-            y = middle + _PITCH * (k - (len(members) - 1) / 2)
-            ring = {"mec": "#000000", "mew": 0.9} if one.behind else {"mew": 0}
-            style = {"color": COLOURS[name], "ms": 3.2, "alpha": 0.85, "zorder": 3, **ring}
-            axes.plot(one.digits, y, MARKS[name], **style)
+            yield one, middle + _PITCH * (k - (len(members) - 1) / 2)
 
 
 def _piles(dots: Sequence[Dot]) -> dict[tuple[str, int], list[Dot]]:

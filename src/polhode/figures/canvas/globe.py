@@ -119,10 +119,10 @@ class Globe:
         points[:, i] = self.semi_axes[i] + np.array([0, 0.16, 0.27]) * max(self.semi_axes)
         return points
 
-    def mark(self, axes: Any, point: Doubles, colour: str) -> None:
+    def mark(self, axes: Any, point: Doubles, colour: str, hidden: str = "") -> None:
         """A dot, where the motion starts."""
         seen = self.facing(point) >= 0
-        tint = colour if seen else HIDDEN[colour]
+        tint = colour if seen else hidden or HIDDEN[colour]
         axes.plot(*self.onto_page([point]).T, "o", color=tint, ms=2.6, zorder=6 if seen else 1)
 
 

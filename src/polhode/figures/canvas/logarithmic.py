@@ -9,9 +9,9 @@ import numpy as np
 
 from polhode.figures.canvas.canvas import TIME, panels
 from polhode.figures.canvas.curve_sampling import Samples
+from polhode.figures.canvas.log_ticks import RAISED
 
 GREY = "#777777"
-RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def draw(

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from textwrap import fill
 from typing import Any
 
 import numpy as np
 
-from polhode.figures.canvas import dot_strips
-from polhode.figures.canvas.canvas import HIDDEN, PAPER, PLAIN, as_svg, pyplot
-from polhode.figures.canvas.direct_labels import WIDTH
+from polhode.figures.canvas import dot_strips, timed_path
+from polhode.figures.canvas.canvas import as_svg, paper
+from polhode.figures.canvas.direct_labels import WIDTH, balanced
 from polhode.figures.canvas.globe import facing_most
 
 
@@ -21,18 +20,18 @@ def svgs(found: dict[str, Any]) -> dict[str, str]:
 
 def motions(rows: list[dict[str, Any]]) -> str:
     """The path in space of a point of the body, a sphere a motion."""
-    plt = pyplot()
-    with plt.rc_context(PAPER):
-        figure, panels = plt.subplots(1, len(rows), figsize=(WIDTH, 2.4), layout="constrained")
-        for axes, row in zip(panels, rows, strict=True):
+    with paper() as plt:
+        figure, panels = plt.subplots(1, len(rows), figsize=(WIDTH, 2.1), layout="constrained")
+        names = [balanced(row["name"], 20) for row in rows]
+        most = max(name.count("\n") for name in names)
+        for axes, row, name in zip(panels, rows, names, strict=True):
             points = np.array(row["path"])
             globe = facing_most(points)
             globe.surface(axes)
             globe.arms(axes, ("X", "Y", "Z"))
-            globe.curve(axes, points, PLAIN, HIDDEN[PLAIN], row["case"].partition("/")[0], lw=1.2)
-            globe.mark(axes, points[0], PLAIN)
-            told = (row["name"], f"{row['point']} in space")
-            axes.set_title("\n".join(fill(text, 20) for text in told), size=8)
+            timed_path.draw(axes, globe, points, row["end"], 1.2)
+            below = "\n" * (most - name.count("\n"))  # the first lines stand level
+            axes.set_title(f"{name}\n{row['point']}{below}", size=8)
         return as_svg(figure)
 
 
@@ -41,5 +40,7 @@ def digits(found: dict[str, Any]) -> str:
     groups: dict[str, list[dot_strips.Dot]] = {}
     for case in found["cases"]:
         dots = groups.setdefault(case["case"].partition("/")[0], [])
-        dots += [dot for run in case["runs"] if (dot := dot_strips.dot(run)) is not None]
+        dots += [
+            dot for run in case["runs"] if (dot := dot_strips.dot(case["case"], run)) is not None
+        ]
     return dot_strips.svg(groups, dot_strips.LABEL)

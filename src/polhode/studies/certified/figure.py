@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from itertools import groupby
 
-from polhode.figures.canvas.canvas import SERIES, as_svg, pyplot
-from polhode.figures.canvas.direct_labels import GRID, LOOKS, WIDTH, End, label_ends
+from polhode.figures.canvas import panel
+from polhode.figures.canvas.canvas import SERIES, TIME
+from polhode.figures.canvas.direct_labels import LOOKS, Look
+from polhode.figures.canvas.panel import Axis, Panel, Series
+from polhode.output.json_object import JsonObject
 
 _MARKS = ("o", "s", "D", "^")
 #: Methods of the price, by the names that the study gives them.
@@ -18,50 +22,47 @@ _METHODS = {
 }
 
 
-def svg(found: dict[str, Any]) -> str:
-    """Digits lost over time, and CPU seconds, from the study's JSON object."""
-    plt = pyplot()
-    figure, (above, below) = plt.subplots(2, 1, figsize=(WIDTH, 6.6))
-    figure.subplots_adjust(left=0.42, right=0.97, top=0.97, bottom=0.08, hspace=0.42)
-    _lost(above, found["growth"])
-    _price(below, found["cost"])
-    return as_svg(figure)
+def svg(found: JsonObject) -> str:
+    """Digits lost over time, and processor seconds, from the study's JSON object."""
+    return panel.svg([_lost(found["growth"]), _price(found["cost"])], 6.4)
 
 
-def _lost(ax: Any, rows: list[dict[str, Any]]) -> None:
+def _lost(rows: Sequence[JsonObject]) -> Panel:
     """Digits lost over time; dashed without the integrals."""
-    ends = []
-    ax.set_position([0.17, 0.6, 0.43, 0.38])
+    series = []
     for mark, colour, row in zip(_MARKS, SERIES, rows, strict=False):
-        ax.plot(row["times"], row["lost"], mark + "-", color=colour, ms=3.5, lw=1)
-        ax.plot(row["times"], row["lost_without"], "--", color=colour, lw=0.8)
-        ends.append(End(row["times"][-1], row["lost"][-1], row["case"], colour))
-    ax.set_xscale("log")
-    ax.set_xlabel("t (units of the scene)", fontsize=8.5)
-    ax.set_ylabel("digits lost\n(dashed: without the integrals)", fontsize=8.5)
-    ax.tick_params(labelsize=8)
-    ax.grid(lw=0.3, color=GRID)
-    label_ends(ax, ends)
+        look = Look(colour, mark, width=1.0)
+        texts = [
+            f"{row['case']}, t = {t:g}: {lost:.1f} digits lost, {without:.1f} without the integrals"
+            for t, lost, without in zip(row["times"], row["lost"], row["lost_without"], strict=True)
+        ]
+        series.append(Series(row["times"], row["lost"], look, row["case"], texts=texts))
+        dashed = Look(colour, "", "--", 0.8)
+        series.append(Series(row["times"], row["lost_without"], dashed))
+    y = Axis("digits lost (dashed: without the integrals)")
+    return Panel(series, Axis(TIME, "log"), y, legend=2)
 
 
-def _price(ax: Any, rows: list[dict[str, Any]]) -> None:
-    """CPU seconds of a proof and of runs that prove nothing."""
-    names = [f"{row['case'].partition('/')[2]}, {row['digits']} digits" for row in rows]
+def _price(rows: Sequence[JsonObject]) -> Panel:
+    """Seconds of a proof and of runs that prove nothing: rows of one case under its name."""
+    cases = groupby(rows, lambda row: str(row["case"]))
+    shown = panel.rows(
+        [(case, [f"{row['digits']} digits" for row in held]) for case, held in cases]
+    )
+    series = []
     for key, name in _METHODS.items():
-        points = [
-            (seconds, len(names) - 1 - k)
-            for k, row in enumerate(rows)
+        found = [
+            (level, row, label, seconds)
+            for level, row in zip(shown.names, rows, strict=True)
             for label, seconds in row["seconds"].items()
             if label == key or (key == "mp" and label.startswith("mp"))
         ]
-        x, y = zip(*points, strict=True) if points else ((), ())
-        look = LOOKS[name]
-        ax.plot(x, y, look.mark, color=look.colour, ms=5, ls="none", label=key)
-    ax.set_xscale("log")
-    ax.set_yticks(range(len(names)), names[::-1], fontsize=8)
-    ax.set_ylim(-0.7, len(names) - 0.3)
-    ax.set_xlabel("CPU seconds to the same time", fontsize=8.5)
-    ax.tick_params(axis="x", labelsize=8)
-    ax.grid(lw=0.3, color=GRID)
-    place = {"loc": "lower right", "bbox_to_anchor": (1.03, 1.0), "ncols": 3}
-    ax.legend(**place, frameon=False, fontsize=8, handletextpad=0.1, columnspacing=1)
+        look = LOOKS[name].marks._replace(size=4.5)
+        at = [seconds for *_, seconds in found], [level for level, *_ in found]
+        texts = [
+            f"{row['case']}, {row['digits']} digits at t = {row['end']}: {label} {seconds:.3g} s"
+            for _, row, label, seconds in found
+        ]
+        series.append(Series(*at, look, key, texts=texts))
+    x = Axis("processor seconds to the same time", "log")
+    return Panel(series, x, rows=shown, legend=5)

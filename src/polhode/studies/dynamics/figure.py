@@ -7,19 +7,26 @@ from typing import Any
 
 import numpy as np
 
-from polhode.figures.canvas.canvas import PAPER, SPACE, as_svg, pyplot
+from polhode.figures.canvas.canvas import SPACE, as_svg, paper
 from polhode.figures.canvas.direct_labels import WIDTH
 from polhode.figures.levels import LINES, MARKS, OTHER, SHADES, STABLE, name
 from polhode.figures.map import SHADES as VERDICTS
 from polhode.figures.section import COLOURS
 
+_CURVE = "#9a9a9a"
+_DOTS = "crossings, a colour an orbit; above: their spread in the integral"
+_CURVES = (
+    "where the fourth integral has an orbit's value,\n"
+    "which need not visit every branch of the curve"
+)
 _TICKS = np.arange(3) * np.pi, ["0", "π", "2π"]
 
 
 def svgs(found: dict[str, Any]) -> dict[str, str]:
     """The study's figures by name, from its JSON object."""
-    plt, drawn = pyplot(), {}
-    with plt.rc_context(PAPER | {"path.simplify": False}):  # dots are lines of no length
+    drawn = {}
+    with paper() as plt:
+        plt.rcParams["path.simplify"] = False  # dots are lines of no length
         if found["levels"]:
             drawn["dynamics-levels"] = as_svg(_levels(plt, found["levels"]))
         if found["sections"]:
@@ -51,9 +58,9 @@ def _levels(plt: Any, rows: list[dict[str, Any]]) -> Any:
             look = {"color": "#000000", "ms": 3.6, "mfc": "#ffffff", "mew": 0.8}
             kinds.add(kind)
             axes.plot(np.copysign(f, row["f"] or 1.0), h, MARKS[kind], **look)
-        axes.plot(row["f"], row["h"], "o", color=SPACE, ms=4)
+        axes.plot(row["f"], row["h"], "o", color=SPACE, ms=4, clip_on=False, zorder=5)
         axes.set(xlim=(f0, f1), ylim=(h0, h1))
-        axes.set_title(row["what"], size=9)
+        axes.set_title(row["what"], size=9, loc="left")
     for axes in panels.flat[len(rows) :]:
         axes.remove()
     for axes in panels[:, 0]:
@@ -69,13 +76,19 @@ def _levels(plt: Any, rows: list[dict[str, Any]]) -> Any:
     ]
     signs: dict[str, Any] = {"linestyle": "", "color": "#000000", "ms": 3.6}
     signs |= {"mfc": "#ffffff", "mew": 0.8}
-    lines += [Line2D([], [], marker=MARKS[kind], label=kind, **signs) for kind in sorted(kinds)]
+    marks = [Line2D([], [], marker=MARKS[kind], label=kind, **signs) for kind in sorted(kinds)]
+    lines.append(Line2D([], [], color="#000000", linewidth=STABLE, label="thick: stable"))
+    marks.append(Line2D([], [], marker="o", color=SPACE, ms=4, ls="", label="the case's level"))
     patches = [
         Patch(color=SHADES.get(region, OTHER), label=name(region))
         for region in sorted(seen, key=lambda region: (len(region), region))
     ]
     place = {"loc": "outside lower center", "ncols": 3, "frameon": False, "fontsize": 8}
-    figure.legend(handles=[*lines, *patches], **place)
+    longest = max(len(lines), len(marks), len(patches))
+    columns = [
+        x + [Line2D([], [], ls="", label=" ")] * (longest - len(x)) for x in (lines, marks, patches)
+    ]
+    figure.legend(handles=[x for column in columns for x in column], **place)
     return figure
 
 
@@ -106,7 +119,7 @@ def _shades(axes: Any, columns: list[Any], top: float) -> set[tuple[int, ...]]:
 def _sections(plt: Any, rows: list[dict[str, Any]]) -> Any:
     tall = -(-len(rows) // 2)
     figure, panels = plt.subplots(
-        tall, 2, figsize=(WIDTH, 0.3 + 2.2 * tall), layout="constrained", squeeze=False
+        tall, 2, figsize=(WIDTH, 0.8 + 2.1 * tall), layout="constrained", squeeze=False
     )
     for axes, row in zip(panels.flat, rows, strict=False):
         first, second = row["cells"]
@@ -118,7 +131,7 @@ def _sections(plt: Any, rows: list[dict[str, Any]]) -> Any:
         values = np.unique(row["values"])
         levels = values[np.diff(values, prepend=-np.inf) > 1e-9 * max(abs(values))]
         axes.contour(
-            x, y, field.T, levels=levels, colors="#9a9a9a", linewidths=0.5, linestyles="solid"
+            x, y, field.T, levels=levels, colors=_CURVE, linewidths=0.5, linestyles="solid"
         )
         order = np.searchsorted(levels, np.array(row["values"]) - 1e-9 * max(abs(values)))
         for k, (l, ratio) in enumerate(zip(row["l"], row["ratio"], strict=True)):
@@ -128,13 +141,18 @@ def _sections(plt: Any, rows: list[dict[str, Any]]) -> Any:
             axes.plot(*at, color=colour, lw=1.5, solid_capstyle="round")
         axes.set(xlim=(0, 2 * np.pi), ylim=(-1, 1))
         axes.set_xticks(*_TICKS)
-        axes.set_title(f"{row['what']}\nspread {row['spread_in_eps']:.1f} eps", size=8.5)
+        axes.set_title(f"{row['what']}\nspread {row['spread_in_eps']:.1f} eps", size=9, loc="left")
     for axes in panels.flat[len(rows) :]:
         axes.remove()
-    for axes in panels[:, 0]:
-        axes.set_ylabel("L/G")
-    for axes in panels[-1]:
-        axes.set_xlabel("l")
+    figure.supylabel("L/G: cosine of the angle between G and r₀", size=9)
+    figure.supxlabel("l: azimuth of G about r₀ (Euler: the third axis)", size=9)
+    from matplotlib.lines import Line2D
+
+    handles = [
+        Line2D([], [], ls="none", marker=".", color=COLOURS[0], label=_DOTS),
+        Line2D([], [], color=_CURVE, lw=0.8, label=_CURVES),
+    ]
+    figure.legend(handles=handles, loc="outside upper left", frameon=False, fontsize=8)
     return figure
 
 
@@ -155,7 +173,7 @@ def _map(plt: Any, row: dict[str, Any]) -> Any:
             for first, last in _runs(verdict[i] == k):
                 low, high = tall[first], tall[last]
                 width = wide[i + 1] - wide[i]
-                axes.bar(wide[i], high - low, width, low, align="edge", color=shade, lw=0)
+                axes.bar(wide[i], high - low, width, low, align="edge", color=shade, lw=0.6)
     for k, column in enumerate(row["columns"]):
         parts = column["C"].split("/")
         at = float(parts[0]) / float(parts[1]) if len(parts) == 2 else float(parts[0])

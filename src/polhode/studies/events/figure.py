@@ -2,54 +2,65 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
 
-from polhode.figures.canvas.canvas import COLOURS, MARKS, as_svg, pyplot
-from polhode.figures.canvas.direct_labels import GRID, WIDTH, End, label_ends, name_types
+from polhode.figures.canvas import panel
+from polhode.figures.canvas.canvas import COLOURS, MARKS
+from polhode.figures.canvas.direct_labels import Look
+from polhode.figures.canvas.panel import Axis, Panel, Series
+from polhode.output.json_object import JsonObject
 
 FLOOR = 0.01  # ulps: smaller errors are drawn there, on the axis
 
 
-def svg(found: dict[str, Any]) -> str:
+def svg(found: JsonObject) -> str:
     """Above: how large errors of event times are, in ulps; below: cost of a run with events."""
-    plt = pyplot()
-    figure, (errors, cost) = plt.subplots(2, 1, figsize=(WIDTH, 6.2))
-    figure.subplots_adjust(left=0.19, right=0.82, top=0.94, bottom=0.08, hspace=0.35)
+    return panel.svg([_errors(found["motions"]), _cost(found["cost"])], 5.6)
+
+
+def _errors(motions: Sequence[JsonObject]) -> Panel:
+    """How many events have no larger error than that: a curve a number type."""
+    series = []
     for name, colour in COLOURS.items():
-        points = [
-            sample
-            for motion in found["motions"]
+        sizes = sorted(
+            max(ulps, FLOOR)
+            for motion in motions
             for part in ("near", "far")
             for run in motion[part]
             if run["number"] == name
-            for sample in run.get("samples", ())
-        ]
-        sizes = sorted(max(ulps, FLOOR) for _, ulps in points)
+            for _, ulps in run.get("samples", ())
+        )
         share = [100 * (k + 1) / len(sizes) for k in range(len(sizes))]
-        look = {"color": colour, "lw": 1.4, "where": "post"}
-        errors.step([FLOOR, *sizes], [0, *share], **look)
+        steps = _twice([FLOOR, *sizes])[1:], _twice([0.0, *share])[:-1]
+        series.append(Series(*steps, Look(colour, "", width=1.2)))
         places = [len(sizes) * k // 8 for k in range(1, 8)] if sizes else []
-        marks = {"color": colour, "ms": 4, "ls": "none"}
-        errors.plot([sizes[k] for k in places], [share[k] for k in places], MARKS[name], **marks)
-    errors.set_xscale("log")
-    errors.set_xlim(left=FLOOR)
-    errors.set_ylim(0, 100)
-    errors.set_xlabel("error of the time, in units of its last place", fontsize=8.5)
-    errors.set_ylabel("events with no larger error, %", fontsize=8.5)
-    name_types(errors, [*COLOURS])
-    ends = []
-    for row in found["cost"]:
-        name, base = row["number"], row["microseconds_a_step"][0]
-        ratios = [m / base for m in row["microseconds_a_step"]]
-        cost.plot(row["events"], ratios, MARKS[name], color=COLOURS[name], ms=5)
-        ends.append(End(row["events"][-1], ratios[-1], name, COLOURS[name]))
-    cost.set_ylim(0, None)
-    cost.set_xticks([0, 1, 3])
-    cost.set_xlim(-0.2, 3.1)
-    cost.set_xlabel("events watched", fontsize=8.5)
-    cost.set_ylabel("time of a run (without events 1)", fontsize=8.5)
-    label_ends(cost, ends)
-    for axes in (errors, cost):
-        axes.tick_params(labelsize=8)
-        axes.grid(lw=0.3, color=GRID)
-    return as_svg(figure)
+        at = [sizes[k] for k in places], [share[k] for k in places]
+        texts = [
+            f"{name}: {share:.0f} % of {len(sizes)} events within {size:.2g} ulp"
+            for size, share in zip(*at, strict=True)
+        ]
+        series.append(Series(*at, Look(colour, MARKS[name], ""), name, texts=texts))
+    x = Axis("error of the time, in units of its last place", "log", FLOOR)
+    return Panel(series, x, Axis("events with no larger error, %", low=0, high=100), legend=4)
+
+
+def _cost(rows: Sequence[JsonObject]) -> Panel:
+    """The time of a run over one without events; number types beside each other."""
+    series = []
+    for k, row in enumerate(rows):
+        times, aside = row["microseconds_a_step"], 0.07 * (k - (len(rows) - 1) / 2)
+        at = [n + aside for n in row["events"]], [time / times[0] for time in times]
+        texts = [
+            f"{row['number']}, {n} events watched: {time:.4g} µs a step, "
+            f"{time / times[0]:.2f} times as long as without"
+            for n, time in zip(row["events"], times, strict=True)
+        ]
+        look = Look(COLOURS[row["number"]], MARKS[row["number"]], "")
+        series.append(Series(*at, look, texts=texts))
+    x = Axis("events watched", ticks={n: str(n) for n in (0, 1, 3)})
+    return Panel(series, x, Axis("time of a run (without events 1)", low=0))
+
+
+def _twice(values: Sequence[float]) -> list[float]:
+    """Each value twice: of corners of steps."""
+    return [x for x in values for _ in range(2)]

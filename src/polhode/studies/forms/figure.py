@@ -2,43 +2,40 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from polhode.figures.canvas.canvas import COLOURS, as_svg, pyplot
-from polhode.figures.canvas.direct_labels import GRID, WIDTH
+from polhode.figures.canvas import panel
+from polhode.figures.canvas.canvas import COLOURS
+from polhode.figures.canvas.direct_labels import Look
+from polhode.figures.canvas.panel import Axis, Guide, Panel, Series
+from polhode.output.json_object import JsonObject
 
 _MARKS = ("o", "s", "D", "^", "v")
+_COLOUR = COLOURS["double"]
 
 
-def svg(found: dict[str, Any]) -> str:
+def svg(found: JsonObject) -> str:
     """Correct digits and time in double, a mark a motion, from the study's JSON object."""
-    plt = pyplot()
-    forms = [*found["sources"]][::-1]
-    figure, (left, right) = plt.subplots(
-        1, 2, figsize=(WIDTH, 5.2), layout="constrained", sharey=True
-    )
+    rows = panel.rows([("", [form]) for form in found["sources"]])
+    level = {form: y for y, form in rows.names.items()}
     count = len(found["motions"])
-    for i, motion in enumerate(found["motions"]):
+    digits, times = [], []
+    for k, (mark, motion) in enumerate(zip(_MARKS, found["motions"], strict=False)):
         runs = [r for r in motion["runs"] if r["number"] == "double" and "correct_digits" in r]
-        shift = 0.7 * (i - (count - 1) / 2) / count  # motions side by side within a form's row
-        y = [forms.index(r["form"]) - shift for r in runs]
-        look = {"color": COLOURS["double"], "marker": _MARKS[i], "ls": "none", "ms": 4}
-        left.plot([r["correct_digits"] for r in runs], y, label=motion["what"], **look)
-        right.plot([r["time_against_principal"] for r in runs], y, **look)
-    left.axvline(15.95, color=COLOURS["double"], lw=0.8, ls=":")
-    left.set_yticks(range(len(forms)), forms, fontsize=8)
-    left.set_xlabel("digits (dotted: a double's)", size=8.5)
-    right.set_xlabel("time, principal form = 1", size=8.5)
-    right.set_xscale("log")
-    right.set_xticks([1, 2, 5, 10, 20], ["1", "2", "5", "10", "20"])
-    right.minorticks_off()
-    for axes in (left, right):
-        for row in range(0, len(forms), 2):
-            axes.axhspan(row - 0.5, row + 0.5, color="#f4f4f4", lw=0)
-        axes.set_ylim(-0.5, len(forms) - 0.5)
-        axes.grid(axis="x", lw=0.3, color=GRID)
-        axes.tick_params(axis="x", labelsize=8)
-        axes.tick_params(axis="y", length=0)
-    labels = left.get_legend_handles_labels()
-    figure.legend(*labels, loc="outside upper center", ncols=2, frameon=False, fontsize=8)
-    return as_svg(figure)
+        below = 0.7 * (k - (count - 1) / 2) / count  # motions beside each other in a form's row
+        y = [level[run["form"]] + below for run in runs]
+        look = Look(_COLOUR, mark, "")
+        texts = [
+            f"{motion['what']}, {r['form']}: {r['correct_digits']:.1f} digits, "
+            f"{r['time_against_principal']:.2f} times the principal form's time"
+            for r in runs
+        ]
+        right = [r["correct_digits"] for r in runs]
+        digits.append(Series(right, y, look, motion["what"], texts=texts))
+        times.append(Series([r["time_against_principal"] for r in runs], y, look, texts=texts))
+    most = max((x for series in times for x in series.x if x is not None), default=1.0)
+    left = Axis("correct digits\n(dotted: a double's)")
+    time = Axis("time of a run\n(principal form 1)", "log", high=max(12.0, 1.2 * most))
+    panels = (
+        Panel(digits, left, rows=rows, guides=[Guide("x", 15.95, _COLOUR)]),
+        Panel(times, time, rows=rows),
+    )
+    return panel.svg(panels, 4.8, columns=2, share="y", legend=2)

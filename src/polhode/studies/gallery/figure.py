@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from polhode.figures.canvas.canvas import HIDDEN, PAPER, PLAIN, as_svg, pyplot
+from polhode.figures.canvas import timed_path
+from polhode.figures.canvas.canvas import as_svg, paper
 from polhode.figures.canvas.globe import facing_most
 
 
@@ -22,13 +23,11 @@ def name(row: dict[str, Any]) -> str:
 
 def sphere(row: dict[str, Any]) -> str:
     """The path of a point of the body about the fixed point."""
-    plt = pyplot()
-    with plt.rc_context(PAPER):
+    with paper() as plt:
         figure, axes = plt.subplots(figsize=(3.4, 3.4), layout="constrained")
         points = np.array(row["path"])
         globe = facing_most(points)
         globe.surface(axes, 45)
         globe.arms(axes, ("X", "Y", "Z"))
-        globe.curve(axes, points, PLAIN, HIDDEN[PLAIN], "path", lw=1.3)
-        globe.mark(axes, points[0], PLAIN)
+        timed_path.draw(axes, globe, points, f"{row['end']:g}")
         return as_svg(figure, f"polhode: {row['name']}")

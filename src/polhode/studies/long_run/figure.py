@@ -2,99 +2,107 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
-from polhode.figures.canvas.canvas import SERIES, as_svg, pyplot
-from polhode.figures.canvas.direct_labels import GRID, GUIDE, LOOKS, WIDTH, End, label_ends
+from polhode.figures.canvas import panel
+from polhode.figures.canvas.canvas import SERIES, TIME
+from polhode.figures.canvas.direct_labels import GUIDE, LOOKS, Look
+from polhode.figures.canvas.panel import Axis, Panel, Series
+from polhode.output.json_object import JsonObject
 
 _MARKS = {"euler": "o", "lagrange": "s", "kovalevskaya": "D"}
 _COLOURS = dict(zip(_MARKS, SERIES, strict=False))
-_SLOPES = {"error": (1.5, "$t^{3/2}$"), "drift": (0.5, "$t^{1/2}$")}
+_SLOPES = {"error": (1.5, "slope 3/2"), "drift": (0.5, "slope 1/2")}
+_DOTTED = Look(GUIDE, "", ":", 0.8)
 
 
-def svg(found: Mapping[str, Any]) -> str:
+def svg(found: JsonObject) -> str:
     """Medians over the ensembles against time, and above each what the worst start has."""
-    plt = pyplot()
-    figure, panels = plt.subplots(3, 1, figsize=(WIDTH, 10.2), sharex=True)
-    figure.subplots_adjust(left=0.17, right=0.61, top=0.98, bottom=0.05, hspace=0.08)
-    for ax, name in zip(panels[:2], ("error", "drift"), strict=True):
-        ax.set_xscale("log")
-        ax.set_yscale("log")
-        ends = [
-            _series(ax, top, method["method"], method[name])
-            for top in found["tops"]
-            for method in top["methods"]
-            if name in method
-        ]
-        ends += _guides(ax, found["tops"][0], name)
-        if name == "error":
-            ends += _inputs(ax, found["tops"])
-        starts = found["tops"][0]["starts"]
-        ax.set_ylabel(f"{name}: median of {starts} starts, bar to the worst", fontsize=8.5)
-        ax.tick_params(labelsize=8.5)
-        ax.grid(lw=0.3, color=GRID)
-        label_ends(ax, ends)
-    _walks(panels[2], found["tops"])
-    panels[2].set_xlabel("t", fontsize=9)
-    return as_svg(figure)
+    tops = found["tops"]
+    growth = f"median of {tops[0]['starts']} starts, bar to the worst"
+    walks = "Energy, not projected: deviation (filled), |mean| (open)"
+    errors = [*_growth(tops, "error"), *_inputs(tops)]
+    t = Axis(scale="log")
+    panels = (
+        Panel(errors, t, Axis("error", "log"), f"Error: {growth}"),
+        Panel([*_growth(tops, "drift")], t, Axis("drift", "log"), f"Drift: {growth}"),
+        Panel([*_walks(tops)], Axis(TIME, "log"), Axis("departure of h", "log"), walks),
+    )
+    return panel.svg(panels, 9.0, share="x")
 
 
-def _inputs(ax: Any, tops: Sequence[Mapping[str, Any]]) -> list[End]:
+def _growth(tops: Sequence[JsonObject], name: str) -> Iterator[Series]:
+    """Medians of error or drift, and Brouwer's slope above the first that is not projected."""
+    for top in tops:
+        for method in top["methods"]:
+            if name in method:
+                put_back = "projected" if "projected" in method["method"] else "not projected"
+                row, end = method[name], f"{top['top']}, {put_back}"
+                look = _look(top, method["method"])
+                texts = [
+                    f"{end}, t = {t:g}: {name} {middle:.2g}, at worst {most:.2g}"
+                    for t, middle, most in zip(
+                        top["times"], row["median"], row["largest"], strict=True
+                    )
+                ]
+                yield Series(
+                    top["times"], row["median"], look, end=end, tops=row["largest"], texts=texts
+                )
+    times, (slope, label) = tops[0]["times"], _SLOPES[name]
+    since = next(k for k, t in enumerate(times) if t >= tops[0]["fitted_since"])
+    height = 3 * tops[0]["methods"][0][name]["median"][since]
+    end = height * (times[-1] / times[since]) ** slope
+    yield Series((times[since], times[-1]), (height, end), _DOTTED, end=label)
+
+
+def _inputs(tops: Sequence[JsonObject]) -> Iterator[Series]:
     """What rounding the inputs leaves of projected runs, as far as it was followed, then like t."""
-    ends = []
+    grown: list[Series] = []
     for top in tops:
         for method in top["methods"]:
             if "inputs" in method:
-                middle, end = method["inputs"]["median"], top["times"][-1]
+                middle, last = method["inputs"]["median"], top["times"][-1]
                 times = top["times"][: len(middle)]
-                ax.plot(times, middle, "--", marker=_MARKS[top["top"]], color=GUIDE, ms=2.5, lw=0.8)
-                grown = middle[-1] * end / times[-1]
-                ax.plot((times[-1], end), (middle[-1], grown), ":", color=GUIDE, lw=0.8)
-                ends.append(End(end, grown, "rounded inputs, $t$", GUIDE))
-    return sorted(ends, key=lambda end: end.y)[len(ends) // 2 :][:1]  # they lie side by side
+                look = Look(GUIDE, _MARKS[top["top"]], "--", 0.8, size=2.5)
+                texts = [
+                    f"{top['top']}, rounded inputs, t = {t:g}: error {error:.2g}"
+                    for t, error in zip(times, middle, strict=True)
+                ]
+                yield Series(times, middle, look, texts=texts)
+                end = middle[-1] * last / times[-1]
+                grown.append(Series((times[-1], last), (middle[-1], end), _DOTTED))
+    grown.sort(key=lambda series: series.y[-1] or 0.0)  # side by side: one name is enough
+    for k, series in enumerate(grown):
+        yield replace(series, end="rounded inputs") if k == len(grown) // 2 else series
 
 
-def _walks(ax: Any, tops: Sequence[Mapping[str, Any]]) -> None:
+def _walks(tops: Sequence[JsonObject]) -> Iterator[Series]:
     """The departure of h in runs that are not projected: standard deviation, size of the mean."""
-    ax.set_xscale("log")
-    ax.set_yscale("log")
-    ends = []
+    lowest = []
     for top in tops:
         for row in top["methods"][0]["integrals"]:
             if row["integral"] == "h":
-                times, mark, look = top["times"], _MARKS[top["top"]], LOOKS["double"]
-                colour = _COLOURS[top["top"]]
-                ax.plot(times, row["deviation"], look.line, marker=mark, color=colour, ms=4)
-                sizes = [abs(x) or None for x in row["mean"]]
-                ax.plot(times, sizes, mark, color=colour, mfc="none", ms=5)
-                ends.append(End(times[-1], row["deviation"][-1], top["top"], colour))
-    if ends:
+                look = _look(top, "double")._replace(width=0.8)
+                times, name = top["times"], top["top"]
+                texts = [
+                    f"{name}, t = {t:g}: deviation of h {deviation:.2g}, mean {mean:.2g}"
+                    for t, deviation, mean in zip(times, row["deviation"], row["mean"], strict=True)
+                ]
+                yield Series(times, row["deviation"], look, end=name, texts=texts)
+                sizes, open_ = (
+                    [abs(x) for x in row["mean"]],
+                    look.marks._replace(size=5, inside="none"),
+                )
+                yield Series(times, sizes, open_, texts=texts)
+                lowest.append(row["deviation"][-1])
+    if lowest:
         low, high = tops[0]["fitted_since"], tops[0]["times"][-1]
-        height = min(end.y for end in ends) / 6
-        ends.append(End(high, height, "$t^{1/2}$", GUIDE))
-        start = height * (low / high) ** 0.5
-        ax.plot((low, high), (start, height), color=GUIDE, lw=0.8, ls=":")
-    ax.set_ylabel("departure of h: deviation; ○ |mean|", fontsize=8.5)
-    ax.tick_params(labelsize=8.5)
-    ax.grid(lw=0.3, color=GRID)
-    label_ends(ax, ends)
+        height = min(lowest) / 6
+        ends = height * (low / high) ** 0.5, height
+        yield Series((low, high), ends, _DOTTED, end="slope 1/2")
 
 
-def _series(ax: Any, top: Mapping[str, Any], method: str, found: Mapping[str, Any]) -> End:
-    times, middle, look = top["times"], found["median"], LOOKS[method]
-    mark, colour = _MARKS[top["top"]], _COLOURS[top["top"]]
-    ax.plot(times, middle, look.line, marker=mark, color=colour, ms=4, lw=look.width)
-    ax.vlines(times, middle, found["largest"], color=colour, lw=2, alpha=0.3)
-    put_back = "projected" if "projected" in method else "not projected"
-    return End(times[-1], middle[-1], f"{top['top']}, {put_back}", colour)
-
-
-def _guides(ax: Any, top: Mapping[str, Any], name: str) -> list[End]:
-    """A grey line of Brouwer's slope, above the first curve that is not projected."""
-    times, (slope, label) = top["times"], _SLOPES[name]
-    start = next(k for k, t in enumerate(times) if t >= top["fitted_since"])
-    height = top["methods"][0][name]["median"][start]
-    line = [height * 3 * (t / times[start]) ** slope for t in (times[start], times[-1])]
-    ax.plot((times[start], times[-1]), line, color=GUIDE, lw=0.8, ls=":")
-    return [End(times[-1], line[1], label, GUIDE)]
+def _look(top: JsonObject, method: str) -> Look:
+    """A top's mark and colour, a method's line."""
+    return LOOKS[method]._replace(mark=_MARKS[top["top"]], colour=_COLOURS[top["top"]])

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from html import escape
 from typing import NamedTuple, TypeAlias
 
+from polhode.figures.canvas.mark_titles import CLASS
 from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable, Text
 from polhode.studies.page.style import STYLE
 
@@ -279,7 +280,8 @@ def _svg(text: str, name: str, alt: str) -> str:
     head = re.sub(r'\s(?:id|width|height|role|aria-label)="[^"]*"', "", head)
     own = f"{name}-"
     body = re.sub(r'\bid="([^"]+)"', rf'id="{own}\1"', f"{head}>{rest}")
-    named = f'<svg id="{own}figure"{most} role="img" aria-label="{escape(alt)}"'
+    role = "group" if f'class="{CLASS}"' in text else "img"  # an image hides what its marks say
+    named = f'<svg id="{own}figure"{most} role="{role}" aria-label="{escape(alt)}"'
     body = body.replace("<svg", named, 1)
     body = re.sub(r'href="#([^"]+)"', rf'href="#{own}\1"', body)
     return re.sub(r"url\(#([^)]+)\)", rf"url(#{own}\1)", body)

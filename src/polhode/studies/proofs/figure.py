@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from copy import copy
+
 import numpy as np
 
-from polhode.figures.canvas.canvas import BODY, REST, SPACE, as_svg, pyplot
-from polhode.figures.canvas.direct_labels import GRID, WIDTH
+from polhode.figures.canvas import panel
+from polhode.figures.canvas.canvas import BODY, REST, SPACE, as_svg, paper
+from polhode.figures.canvas.direct_labels import WIDTH, Look
+from polhode.figures.canvas.panel import LEGEND, Axis, Panel, Series
 from polhode.figures.chaos_proof import Crossings, draw_crossings
 from polhode.output.json_object import JsonObject
 
 _COLOURS = {"elliptic": BODY, "hyperbolic": SPACE, "inverse hyperbolic": REST}
 _COLUMNS = 2
+_DOTS_PER_INCH = 200  # of the manifolds, which are pixels
 
 
 def svgs(found: JsonObject) -> dict[str, str]:
@@ -24,47 +29,48 @@ def svgs(found: JsonObject) -> dict[str, str]:
 
 def manifolds(drawn: JsonObject) -> str:
     """The manifolds of an unstable orbit on a section, and the sets of the proof."""
-    figure, axes = pyplot().subplots(figsize=(3.4, 3.4), layout="constrained")
-    draw_crossings(
-        axes,
-        Crossings(*((np.array(x), np.array(y)) for x, y in (drawn[k] for k in Crossings._fields))),
-    )
-    axes.tick_params(labelsize=7.5)
-    axes.set_title("stable, unstable manifold; sets (+)", size=8.5)
-    return as_svg(figure)
+    with paper() as plt:
+        figure, axes = plt.subplots(figsize=(WIDTH, 4.4), layout="constrained", dpi=_DOTS_PER_INCH)
+        points = (np.array(drawn[key]) for key in Crossings._fields)
+        draw_crossings(axes, Crossings(*((x, y) for x, y in points)))
+        place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "ncols": 2}
+        handles, names = axes.get_legend_handles_labels()
+        shown = [copy(handle) for handle in handles]
+        for handle in shown[:2]:
+            handle.set_markersize(6)
+        axes.legend(shown, names, **place, **LEGEND)
+        return as_svg(figure)
 
 
 def residues(tops: list[JsonObject]) -> str:
     """A panel a top: the residue of every orbit over its period."""
-    plt = pyplot()
-    count = -(-len(tops) // _COLUMNS)
-    figure, panels = plt.subplots(
-        count,
-        _COLUMNS,
-        figsize=(WIDTH, 0.4 + 1.75 * count),
-        layout="constrained",
-        squeeze=False,
-    )
-    for axes in panels.flat[len(tops) :]:
-        axes.set_axis_off()
-    for axes, one in zip(panels.flat, tops, strict=False):
-        axes.axhspan(0, 1, color="#f4f4f4", lw=0)
-        for kind, colour in _COLOURS.items():
-            rows = [row for row in one["orbits"] if row.get("kind") == kind]
-            at = [row["period"] for row in rows], [row["residue"] for row in rows]
-            axes.plot(*at, "o", color=colour, ms=4, label=kind)
-        rest = [row for row in one["orbits"] if not row["proved"]]
-        at = [row["period"] for row in rest], [row["residue"] for row in rest]
-        axes.plot(*at, "x", color="#555555", ms=5, label="not proved")
-        axes.set_yscale("symlog", linthresh=1)
-        axes.yaxis.set_major_formatter("{x:g}")
-        axes.set_title(one["what"], size=9, loc="left")
-        axes.grid(lw=0.3, color=GRID)
-        axes.tick_params(labelsize=7.5)
-    for axes in panels[:, 0]:
-        axes.set_ylabel("residue", size=8.5)
-    for axes in panels.flat[: len(tops)][-_COLUMNS:]:
-        axes.set_xlabel("period", size=8.5)
-    labels = panels[0, 0].get_legend_handles_labels()
-    figure.legend(*labels, loc="outside upper center", ncols=2, frameon=False, fontsize=8)
-    return as_svg(figure)
+    height = 0.4 + 1.6 * -(-len(tops) // _COLUMNS)
+    labels = "period", "residue (shaded: elliptic, 0 to 1)"
+    return panel.svg([_top(top) for top in tops], height, _COLUMNS, labels=labels, legend=4)
+
+
+def _top(top: JsonObject) -> Panel:
+    orbits = top["orbits"]
+    kinds = [
+        (kind, Look(colour, "o", ""), [row for row in orbits if row.get("kind") == kind])
+        for kind, colour in _COLOURS.items()
+    ]
+    kinds.append(("not proved", Look("#555555", "x", ""), [r for r in orbits if not r["proved"]]))
+    series = [
+        Series(
+            [row["period"] for row in rows],
+            [row["residue"] for row in rows],
+            look,
+            name,
+            texts=[f"{top['what']}: {_text(row)}" for row in rows],
+        )
+        for name, look, rows in kinds
+    ]
+    return Panel(series, y=Axis(scale="symlog"), title=top["what"], shaded=[(0, 1)])
+
+
+def _text(row: JsonObject) -> str:
+    orbit = f"period {row['period']:.6g}, residue {row['residue']:.4g}"
+    if not row["proved"]:
+        return f"{orbit}, not proved: {row['cause']}"
+    return f"{orbit}, {row['kind']}, proved to {int(row['digits'])} digits"

@@ -3,49 +3,58 @@
 from __future__ import annotations
 
 import re
-from typing import Any
 
-from polhode.figures.canvas.canvas import as_svg, pyplot
-from polhode.figures.canvas.direct_labels import GRID, WIDTH
+from polhode.figures.canvas import panel
+from polhode.figures.canvas.canvas import BODY
+from polhode.figures.canvas.direct_labels import GUIDE, Look
+from polhode.figures.canvas.panel import Axis, Panel, Series
+from polhode.output.json_object import JsonObject
 
-_RIGHT, _OFF = "#333333", "#a50026"
+_GAP = Look("#b0b0b0", "", "-", 0.8)
+_PRINTED, _RIGHT = Look(GUIDE, "o", "", size=5, inside="#ffffff"), Look(BODY, "o", "", size=3.5)
+_WORDS = (("**2", "²"), ("180/pi*", "180/π·"), ("sqrt", "√"), ("*", "·"), (" - ", " − "))
+_SOURCE = re.compile(r"simulation \d+|Enright & Pryce|Kynema")
 
 
-def svg(found: dict[str, Any]) -> str:
+def svg(found: JsonObject) -> str:
     """A row for each figure that somebody printed: its digits, and how many of them are right."""
-    plt = pyplot()
-    rows = [
-        (_name(case["case"], row), row)
-        for case in found["cases"]
-        for row in case["figures"]
-        if not row["recomputed"]
-    ][::-1]
-    size = (WIDTH, 1 + 0.19 * len(rows))
-    figure, axes = plt.subplots(figsize=size, layout="constrained")
-    for y, (_, row) in enumerate(rows):
-        shown, right = row["digits_shown"], min(row["digits_right"], row["digits_shown"])
-        colour = _RIGHT if row["stands"] else _OFF
-        axes.plot([right, shown], [y, y], color=colour, lw=0.8)
-        axes.plot([shown], [y], "o", color=colour, ms=5, mfc="white")
-        axes.plot([right], [y], "o", color=colour, ms=3.5)
-    axes.set_yticks(range(len(rows)), [name for name, _ in rows], fontsize=8)
-    for tick, (_, row) in zip(axes.get_yticklabels(), rows, strict=True):
-        tick.set_color(_RIGHT if row["stands"] else _OFF)
-    axes.set_ylim(-0.7, len(rows) - 0.3)
-    axes.set_xlim(0, 1 + max((row["digits_shown"] for _, row in rows), default=1))
-    axes.tick_params(axis="x", labelsize=8)
-    told = "digits: printed (open), right (filled); red: not all right"
-    axes.set_xlabel(told, fontsize=8.5, loc="right")
-    axes.grid(axis="y", lw=0.3, color=GRID)
-    return as_svg(figure)
+    sources: dict[str, list[JsonObject]] = {}
+    for case in found["cases"]:
+        for row in case["figures"]:
+            if not row["recomputed"]:
+                sources.setdefault(_source(case, row), []).append(row)
+    rows = panel.rows([(x, [_short(r["quantity"]) for r in held]) for x, held in sources.items()])
+    printed = [row for held in sources.values() for row in held]
+    shown = [row["digits_shown"] for row in printed]
+    right = [min(row["digits_right"], row["digits_shown"]) for row in printed]
+    texts = [
+        f"{source}, {row['quantity']}: printed {row['printed']}, ours {row['ours']}, "
+        f"{row['verdict']}"
+        for source, held in sources.items()
+        for row in held
+    ]
+    levels = [*rows.names]
+    gaps = [x for ends in zip(right, shown, strict=True) for x in (*ends, None)]
+    series = (
+        Series(gaps, [y for level in levels for y in (level, level, None)], _GAP),
+        Series(shown, levels, _PRINTED, "printed", texts=texts),
+        Series(right, levels, _RIGHT, "right", texts=texts),
+    )
+    label = "significant digits\n(printed: as in the source, claimed or not)"
+    ticks = {float(n): str(n) for n in range(0, 20, 5)}
+    x = Axis(label, low=0, high=1 + max(shown, default=1), ticks=ticks)
+    height = 0.9 + 0.155 * (len(levels) + len(sources))
+    return panel.svg([Panel(series, x, rows=rows, legend=2)], height)
 
 
-def _name(case: str, row: dict[str, Any]) -> str:
-    """Case, which of its sources where there are several, quantity and time."""
-    source = re.search(r"simulation \d+", row["cite"])
-    parts = [case.rpartition("/")[2], source[0] if source else "", f"t = {row['t']:g}"]
-    return ", ".join(part for part in parts if part) + f": {_short(row['quantity'])}"
+def _source(case: JsonObject, row: JsonObject) -> str:
+    """The case, whose figures they are where the case's name does not say it, and the time."""
+    name = case["case"].rpartition("/")[2]
+    who = _SOURCE.search(row["cite"])
+    return f"{name}{f', {who[0]}' if who else ''}, t = {row['t']:g}"
 
 
-def _short(text: str) -> str:
-    return text if len(text) < 19 else text[:16] + "..."
+def _short(quantity: str) -> str:
+    for old, new in _WORDS:
+        quantity = quantity.replace(old, new)
+    return quantity

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import statistics
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
 
-from polhode.figures.canvas.canvas import as_svg, pyplot
-from polhode.figures.canvas.direct_labels import GRID, GUIDE, LOOKS, WIDTH, End, label_ends
+from polhode.figures.canvas import panel
+from polhode.figures.canvas.direct_labels import LOOKS
+from polhode.figures.canvas.panel import Axis, Guide, Panel, Series
 from polhode.studies.speed.contenders import TYPES_SHOWN
 from polhode.studies.speed.page.contest import SHOWN_OUTPUTS, Told
 from polhode.studies.speed.programs import OURS
 
+_AXES = Axis(scale="log"), Axis("error", "log")
 PROJECTED, PLAIN = "polhode double projected", "polhode double"
 
 
@@ -25,53 +26,43 @@ def svgs(found: Told) -> dict[str, str]:
 
 def work_precision(motions: Sequence[Told]) -> str:
     """Error against seconds, a panel a motion, and the wider types on one of them."""
-    plt = pyplot()
-    rows = len(motions) + 1
-    size = (WIDTH, 2.5 * rows)
-    figure, axes = plt.subplots(rows, 1, figsize=size)
-    figure.subplots_adjust(left=0.17, right=0.66, top=1 - 0.3 / size[1], bottom=0.5 / size[1])
-    figure.subplots_adjust(hspace=0.42)
-    for ax, motion in zip(axes, motions, strict=False):
-        _panel(ax, motion)
     shown = next((m for m in motions if m["motion"] == TYPES_SHOWN), motions[0])
-    _types(axes[-1], shown)
-    axes[-1].set_xlabel("seconds of a run", fontsize=9)
-    return as_svg(figure)
+    panels = [*(_motion(motion) for motion in motions), _types(shown)]
+    return panel.svg(panels, 2.1 * len(panels))
 
 
 def lengths(cells: Sequence[Told]) -> str:
     """The time of each program over polhode's over the length of a run, a panel a level."""
-    plt = pyplot()
     levels = [level["digits"] for level in cells[0]["levels"]]
-    size = (WIDTH, 3.0 * len(levels))
-    figure, axes = plt.subplots(len(levels), 1, figsize=size, sharex=True, squeeze=False)
-    figure.subplots_adjust(left=0.17, right=0.66, top=1 - 0.3 / size[1], bottom=0.5 / size[1])
-    for ax, digits in zip(axes[:, 0], levels, strict=True):
-        _over_length(ax, cells, digits)
-        ax.set_title(f"to {digits:g} digits", fontsize=9)
-    axes[-1, 0].set_xlabel("t at the end", fontsize=9)
-    axes[len(levels) // 2, 0].set_ylabel("time over a polhode propagator's", fontsize=9)
-    return as_svg(figure)
+    panels = [
+        Panel(
+            [*_programs(cells, digits)],
+            Axis("t at the end" if digits == levels[-1] else "", "log"),
+            Axis("time over polhode's", "log"),
+            f"To {digits:g} digits",
+            guides=[Guide("y", 1.0, line="-", name=OURS)],
+        )
+        for digits in levels
+    ]
+    return panel.svg(panels, 2.8 * len(levels), share="x")
 
 
-def _over_length(ax: Any, cells: Sequence[Told], digits: float) -> None:
-    ends = []
-    _scales(ax)
-    ax.axhline(1.0, color=GUIDE, lw=1.0)
+def _programs(cells: Sequence[Told], digits: float) -> Iterator[Series]:
     names = [program["program"] for program in cells[0]["levels"][0]["programs"]]
     for name in dict.fromkeys(names):
         marks = [
-            (end, statistics.median(ratios))
+            (end, statistics.median(ratios), len(ratios))
             for end in sorted({cell["end"] for cell in cells})
             if (ratios := _ratios(cells, end, digits, name))
         ]
-        if not marks:
-            continue
-        t, middle = zip(*marks, strict=True)
-        look = LOOKS[name]
-        ax.plot(t, middle, look.line, marker=look.mark, color=look.colour, lw=look.width, ms=4)
-        ends.append(End(t[-1], middle[-1], name, look.colour))
-    label_ends(ax, ends)
+        if marks:
+            at = [end for end, *_ in marks], [middle for _, middle, _ in marks]
+            texts = [
+                f"{name} to {digits:g} digits at t = {end}: {middle:.3g} times as long as "
+                f"{OURS}, median (kinds of motion: {count})"
+                for end, middle, count in marks
+            ]
+            yield Series(*at, LOOKS[name], end=name, texts=texts)
 
 
 def _ratios(cells: Sequence[Told], end: int, digits: float, name: str) -> list[float]:
@@ -91,17 +82,16 @@ def _ratios(cells: Sequence[Told], end: int, digits: float, name: str) -> list[f
     return []
 
 
-def _panel(ax: Any, motion: Told) -> None:
+def _motion(motion: Told) -> Panel:
     """Doubles as they come, projected at eps, and extended, on one motion."""
     methods = {method["method"]: method for method in motion["methods"]}
     curves = {"polhode": _composite(methods)}
     for name in ("polhode extended", "polhode extended projected"):
         if name in methods:
             curves[name] = methods[name]["points"]
-    _draw(ax, curves, f"{motion['motion']}, t = {motion['end']}")
     floor = motion.get("floor")
-    if floor is not None:
-        ax.axhline(10.0**-floor, color=GUIDE, lw=0.8, ls=(0, (1, 2)))
+    guides = [] if floor is None else [Guide("y", 10.0**-floor, name="3 × bound, double")]
+    return Panel([*_curves(curves)], *_AXES, _title(motion), guides=guides)
 
 
 def _composite(methods: Told) -> list[Told]:
@@ -114,36 +104,32 @@ def _composite(methods: Told) -> list[Told]:
     return [*(p for p in plain if p["tol"] > eps), *(p for p in projected if p["tol"] <= eps)]
 
 
-def _types(ax: Any, motion: Told) -> None:
+def _types(motion: Told) -> Panel:
     """polhode in all number types on one motion."""
     curves = {
         method["method"]: method["points"]
         for method in motion["methods"]
         if method["method"].startswith("polhode") and method["number"] != "double"
     }
-    _draw(ax, curves, f"{motion['motion']}, t = {motion['end']}, polhode in wider types")
+    x = Axis("seconds of a run", "log")
+    return Panel([*_curves(curves)], x, _AXES[1], f"{_title(motion)}, wider types")
 
 
-def _draw(ax: Any, curves: Told, title: str) -> None:
-    """Curves with their names; the axes end where the data end."""
-    ends = []
+def _title(motion: Told) -> str:
+    return f"{motion['motion'][0].upper()}{motion['motion'][1:]}, t = {motion['end']}"
+
+
+def _curves(curves: Told) -> Iterator[Series]:
+    """Curves with their names."""
     for name, points in curves.items():
-        marks = [(p["seconds_min"], 10.0 ** -p["digits"]) for p in points if p.get("digits")]
-        if not marks:
-            continue
-        seconds, errors = zip(*marks, strict=True)
-        look = LOOKS[name]
-        style = {"color": look.colour, "lw": look.width, "ms": 3.5}
-        ax.plot(seconds, errors, look.line, marker=look.mark, **style)
-        ends.append(End(seconds[-1], errors[-1], name.removeprefix("polhode "), look.colour))
-    _scales(ax)
-    ax.set_title(title, fontsize=9)
-    ax.set_ylabel("error", fontsize=9)
-    label_ends(ax, ends)
-
-
-def _scales(ax: Any) -> None:
-    ax.set_xscale("log")
-    ax.set_yscale("log")
-    ax.tick_params(labelsize=8)
-    ax.grid(lw=0.3, color=GRID)
+        there = [point for point in points if point.get("digits")]
+        if there:
+            seconds = [point["seconds_min"] for point in there]
+            errors = [10.0 ** -point["digits"] for point in there]
+            texts = [
+                f"{name}, tolerance {p['tol']:.2g}: {p['digits']:.1f} digits in "
+                f"{p['seconds_min']:.3g} s"
+                for p in there
+            ]
+            look, end = LOOKS[name]._replace(size=3.5), name.removeprefix("polhode ")
+            yield Series(seconds, errors, look, end=end, texts=texts)

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from textwrap import fill
 from typing import Any
 
 from polhode.figures.canvas import dot_strips
+from polhode.figures.canvas.direct_labels import balanced
 
 
 def svg(found: dict[str, Any]) -> str:
     """A strip a kind of difficulty; rings have fewer digits than expected."""
     runs = {case["case"]: case["runs"] for case in found["cases"]}
     groups = {
-        fill(kind["kind"], 23): [
+        balanced(kind["kind"], 23): [
             dot
             for name in kind["cases"]
             for run in runs.get(name, ())
-            if (dot := dot_strips.dot(run)) is not None
+            if (dot := dot_strips.dot(name, run)) is not None
         ]
         for kind in found["kinds"]
     }

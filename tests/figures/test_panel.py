@@ -1,0 +1,90 @@
+"""Figures as data: ticks that can be read, marks that say what they show."""
+
+from __future__ import annotations
+
+import re
+from xml.etree import ElementTree
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from polhode.figures.canvas import panel
+from polhode.figures.canvas.direct_labels import Look, balanced
+from polhode.figures.canvas.log_ticks import names, ticks
+from polhode.figures.canvas.mark_titles import titled
+from polhode.figures.canvas.panel import Axis, Guide, Panel, Series
+
+SVG = "{http://www.w3.org/2000/svg}"
+LOOK = Look("#0072b2", "o")
+
+
+def titles(text: str) -> list[str]:
+    """What the marks of a figure say."""
+    marks = ElementTree.fromstring(text.encode()).iter(f"{SVG}use")
+    return [title.text or "" for mark in marks for title in mark.iter(f"{SVG}title")]
+
+
+@given(st.floats(-300, 300), st.floats(0.05, 200))
+def test_a_logarithmic_axis_has_two_labels_or_more_each_of_its_value(low, decades):
+    low, high = 10.0**low, 10.0 ** min(low + decades, 307)
+    found = ticks(low, high)
+    assert 2 <= len(found) <= 10
+    assert found == sorted(set(found))
+    assert all(low * (1 - 1e-6) <= x <= high * (1 + 1e-6) for x in found)
+    for x, name in zip(found, names(found), strict=True):
+        plain = name.translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789"))
+        factor, _, power = plain.rpartition("·") if "·" in plain else ("", "", plain)
+        if power.startswith("10") and name != plain:
+            value = float(f"{factor or 1}e{power[2:]}")
+        else:
+            value = float(plain)
+        assert value == pytest.approx(x, rel=1e-5)
+
+
+def test_marks_say_their_texts_escaped_and_in_order():
+    one = Series([1, 2, 3], [1, 2, 3], LOOK, "one", texts=["a < b", '"c" & d', "e"])
+    other = Series([1, 2], [3, 1], LOOK.marks, "other", texts=["f", "g"])
+    silent = Series([1, 2], [2, 2], LOOK, "silent")
+    text = panel.svg([Panel([one, silent], legend=2), Panel([silent]), Panel([other])], 4)
+    assert titles(text) == ["a < b", '"c" & d', "e", "f", "g"]
+    assert "<title>a &lt; b</title>" in text
+    assert text.count('class="marks"') == 2
+    assert 'id="panel' not in text  # names that are only needed on the way
+
+
+def test_what_a_logarithmic_axis_does_not_hold_has_no_mark():
+    series = Series([1, 10, 100, 1000], [1, 0, None, 2], LOOK, texts=["a", "b", "c", "d"])
+    text = panel.svg([Panel([series], Axis("x", "log"), Axis("y", "log"))], 3)
+    assert titles(text) == ["a", "d"]
+
+
+def test_another_number_of_marks_than_of_texts_is_an_error():
+    group = '<g id="a"><use href="#m"/></g><g id="b"><use href="#m"/></g>'
+    with pytest.raises(ValueError, match="1 marks and 2 texts"):
+        titled(group, {"a": ["x", "y"]})
+
+
+def test_rows_stand_from_the_top_down_under_their_headings():
+    shown = panel.rows([("", ["a"]), ("second", ["b", "c"])])
+    assert dict(shown.names) == {0: "a", 2: "b", 3: "c"}
+    assert dict(shown.headings) == {1: "second"}
+    assert shown.bands == [(-0.5, 0.5)]
+    text = panel.svg([Panel([Series([1, 2, 3], [*shown.names], LOOK.marks)], rows=shown)], 3)
+    places = {
+        word: float(re.search(rf'y="([\d.]+)"[^>]*>{word}<', text)[1])  # type: ignore[index]
+        for word in ("a", "second", "b", "c")
+    }
+    assert [*places] == sorted(places, key=places.__getitem__)
+
+
+def test_names_stand_beside_curves_and_guides():
+    series = Series([1, 2], [1, 2], LOOK, end="a curve")
+    text = panel.svg([Panel([series], guides=[Guide("y", 1.5, name="a guide")])], 3)
+    assert ">a curve<" in text
+    assert ">a guide<" in text
+
+
+def test_lines_of_a_label_are_as_even_as_they_can_be():
+    assert balanced("Chaotic and falling bodies", 23) == "Chaotic and\nfalling bodies"
+    assert balanced("Cusps", 23) == "Cusps"
