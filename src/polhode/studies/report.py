@@ -210,9 +210,8 @@ def title(name: str) -> str:
 
 
 def finding(found: dict[str, Any]) -> str:
-    """A study in a sentence made of its results; its question where it has none."""
-    module = _module(found["study"], "page")
-    told: str = module.finding(found) if hasattr(module, "finding") else found["question"]
+    """A study in a sentence made of its results; its question where there are too few for one."""
+    told: str = _module(found["study"], "page").finding(found) or found["question"]
     return told
 
 

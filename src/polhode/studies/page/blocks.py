@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 
 class Number(NamedTuple):
@@ -64,11 +64,6 @@ class Figure(NamedTuple):
 
 
 Block = Heading | Text | Items | PageTable | Figure
-
-
-def or_dash(value: Any, form: str) -> str:
-    """A number in a format; a dash where there is none."""
-    return "–" if value is None else format(value, form)
 
 
 def markdown(title: str, blocks: Iterable[Block]) -> str:

@@ -3,29 +3,47 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
-from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable, Text
+from polhode.output.json_object import JsonObject
+from polhode.studies.page.blocks import Block, Figure, Heading, Items, Text
+from polhode.studies.page.case_runs import REFERENCES
+from polhode.studies.page.columns import CASE, Column, T, table
 
 TITLE = "Published figures beside ours"
 
-_BY = {
-    "euler": "the closed form of the Euler top",
-    "lagrange": "the closed form of the Lagrange top",
-    "kovalevskaya": "the closed form of the Kovalevskaya top",
-    "pendulum": "the closed form of the physical pendulum",
-    "goryachev-chaplygin": "the closed form of Goryachev and Chaplygin's case",
-    "hess": "the closed form of Hess and Appelrot's case",
-    "certified": "a proven enclosure",
-    "two-precisions": "two integrations at different precision",
-}
+_SOURCE = Column("source", "cite")
+_QUANTITY = Column("quantity", "quantity", "code")
+_PRINTED = Column("printed", "printed")
+_OURS = Column("ours", "ours")
+_DIFFERENCE = Column("difference", "difference", ">")
+_RIGHT = Column("digits right", lambda r: f"{r['digits_right']:.1f} of {r['digits_shown']}", ">")
+_OFF = (
+    _SOURCE,
+    CASE,
+    Column("figures off", "off", "d"),
+    _QUANTITY._replace(header="worst"),
+    T,
+    _PRINTED,
+    _OURS,
+    _DIFFERENCE,
+    _RIGHT,
+)
+_FIGURES = (
+    T,
+    _QUANTITY,
+    _PRINTED,
+    _OURS,
+    _DIFFERENCE,
+    Column("units", "last_units", ".2g"),
+    _RIGHT,
+    Column("verdict", "verdict"),
+    _SOURCE,
+)
 
 
-def blocks(found: dict[str, Any]) -> Iterator[Block]:
+def blocks(found: JsonObject) -> Iterator[Block]:
     """The study's page from its JSON object."""
-    both = [(case, row) for case in found["cases"] for row in case["figures"]]
-    every = [(case, row) for case, row in both if not row["recomputed"]]
-    own = [row for _, row in both if row["recomputed"]]
+    own = [row for row in _figures(found) if row["recomputed"]]
     reproduced = "all" if all(row["stands"] for row in own) else "not all"
     yield Text(
         f"{finding(found)} Beside them stand {len(own)} "
@@ -38,12 +56,12 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "published", "Digits printed and digits right of every figure that somebody printed"
     )
     yield Heading("Who is off, by how much")
-    yield from _off(every)
+    yield from _off(found)
     yield from _labels(found["cases"])
     for case in found["cases"]:
         yield Heading(case["title"])
-        yield Text(f"`{case['case']}`; ours by {_BY.get(case['reference'], case['reference'])}.")
-        yield _table(case)
+        yield Text(f"`{case['case']}`; ours by {REFERENCES[case['reference']]}.")
+        yield table(case["figures"], _FIGURES, f"polhode study published --only {case['case']}")
     yield Heading("What limits the digits")
     yield Text(
         "Of a figure that stands, only the digits printed. Of one that does not, what the source "
@@ -52,9 +70,9 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     )
 
 
-def finding(found: dict[str, Any]) -> str:
+def finding(found: JsonObject) -> str:
     """The study in a sentence."""
-    printed = [row for case in found["cases"] for row in case["figures"] if not row["recomputed"]]
+    printed = [row for row in _figures(found) if not row["recomputed"]]
     right = sum(row["stands"] for row in printed)
     return (
         f"Of {len(printed)} figures that somebody printed {right} are right to their last digit, "
@@ -62,42 +80,25 @@ def finding(found: dict[str, Any]) -> str:
     )
 
 
-def _off(every: list[tuple[dict[str, Any], dict[str, Any]]]) -> Iterator[Block]:
+def _figures(found: JsonObject) -> list[JsonObject]:
+    """All figures, each with its case."""
+    return [{**row, "case": case["case"]} for case in found["cases"] for row in case["figures"]]
+
+
+def _off(found: JsonObject) -> Iterator[Block]:
     """The sources of figures that do not stand, the worst first."""
-    sources: dict[tuple[str, str], list[dict[str, Any]]] = {}
-    for case, row in every:
-        if not row["stands"]:
-            sources.setdefault((case["case"], row["cite"]), []).append(row)
-    worst = {key: min(rows, key=_right) for key, rows in sources.items()}
-    ranked = sorted(worst, key=lambda key: _right(worst[key]))
-    if not ranked:
+    sources: dict[tuple[str, str], list[JsonObject]] = {}
+    for row in _figures(found):
+        if not row["stands"] and not row["recomputed"]:
+            sources.setdefault((row["case"], row["cite"]), []).append(row)
+    if not sources:
         yield Text("Nobody.")
         return
-    yield PageTable(
-        (
-            *("source", "case", "figures off", "worst", "t", "printed", "ours", "difference"),
-            "digits right",
-        ),
-        tuple(
-            (
-                cite,
-                case,
-                str(len(sources[case, cite])),
-                f"`{worst[case, cite]['quantity']}`",
-                f"{worst[case, cite]['t']:g}",
-                worst[case, cite]["printed"],
-                worst[case, cite]["ours"],
-                worst[case, cite]["difference"],
-                f"{_right(worst[case, cite]):.1f} of {worst[case, cite]['digits_shown']}",
-            )
-            for case, cite in ranked
-        ),
-        "llrlrllrr",
-        "polhode study published --only {1}",
-    )
+    worst = [min(rows, key=_right) | {"off": len(rows)} for rows in sources.values()]
+    yield table(sorted(worst, key=_right), _OFF, "polhode study published --only {1}")
 
 
-def _labels(cases: list[dict[str, Any]]) -> Iterator[Block]:
+def _labels(cases: list[JsonObject]) -> Iterator[Block]:
     """Sources whose figures are right at another time than they say."""
     found = [(case, label) for case in cases for label in case["time_labels"]]
     if found:
@@ -112,31 +113,5 @@ def _labels(cases: list[dict[str, Any]]) -> Iterator[Block]:
         )
 
 
-def _right(row: dict[str, Any]) -> float:
+def _right(row: JsonObject) -> float:
     return float(row["digits_right"])
-
-
-def _table(case: dict[str, Any]) -> PageTable:
-    header = (
-        *("t", "quantity", "printed", "ours", "difference", "units", "digits right", "verdict"),
-        "source",
-    )
-    return PageTable(
-        header,
-        tuple(
-            (
-                f"{row['t']:g}",
-                f"`{row['quantity']}`",
-                row["printed"],
-                row["ours"],
-                row["difference"],
-                f"{row['last_units']:.2g}",
-                f"{row['digits_right']:.1f} of {row['digits_shown']}",
-                row["verdict"],
-                row["cite"],
-            )
-            for row in case["figures"]
-        ),
-        "rlllrrrll",
-        f"polhode study published --only {case['case']}",
-    )
