@@ -14,24 +14,38 @@ from polhode.studies.page.case_runs import (
     REFERENCES,
     by_number,
     digits,
-    expected,
     in_numbers,
     runs_of,
 )
-from polhode.studies.page.columns import Column, at, table
+from polhode.studies.page.columns import Column, table
 from polhode.studies.page.words import formatted
 
 TITLE = "Accuracy: correct digits by case and number type"
 
 _COLUMNS = (
     *ABOUT,
-    *in_numbers(digits),
-    Column("inputs", "runs.double.inputs", ".1f"),
-    Column("expected", lambda case: expected(at(case, "runs.double.expected")), ">"),
-    Column("limit", lambda case: at(case, "runs.double.limit") or None),
+    *in_numbers(
+        digits,
+        "correct digits of the run in that number type, at its worst output time (a dash: not "
+        "run, it would take too long)",
+    ),
+    Column(
+        "inputs",
+        "runs.double.inputs",
+        ".1f",
+        "correct digits if the scene's rounded numbers were the only error",
+    ),
+    Column("expected", "runs.double.band", ">", "where nine in ten such runs in double would end"),
+    Column("limit", "runs.double.limit", "", "what limits the digits in double"),
     DRIFTS["h"],
     DRIFTS["f"],
-    Column("corrections", "runs.double.projection.sum", ".0e"),
+    Column(
+        "corrections",
+        "runs.double.projection.sum",
+        ".0e",
+        "the sum of all corrections that put the run in double back on its integrals, w in units "
+        "in which it is of order 1 (a dash: it was not put back)",
+    ),
     DOUBLE_STEPS,
     OUTCOMES,
 )
@@ -43,13 +57,9 @@ def blocks(found: JsonObject) -> Iterator[Block]:
         "Correct digits = -log10 of the larger of the error of w over the largest |w| of the "
         "reference and the error of gamma, worst over all output times, never more than the type "
         "holds (double 15.95, extended 19.27, quad 34.02; mp is asked for 50). A run is judged "
-        "against the exact scene, so rounding of its inputs is part of its error; the column "
-        "*inputs* shows the digits that this leaves by itself in double, as projection mends it. "
-        "Drift is the "
-        "largest departure of the integrals from the exact scene's values, in double; it says "
-        "nothing of the error where a run is put back on them: the sum of all corrections, w in "
-        "units in which it is of order 1, stands beside it. A dash: not projected, or "
-        "not run, for it would take too long in that type. Figures that somebody printed stand "
+        "against the exact scene, so rounding of its inputs is part of its error. Drift says "
+        "nothing of the error where a run is put back on its integrals: the sum of all corrections "
+        "stands beside it. Figures that somebody printed stand "
         "beside ours in [published](published.md), the hard cases in [stability](stability.md)."
     )
     yield Text(

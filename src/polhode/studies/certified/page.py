@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from polhode.output.json_object import JsonObject
 from polhode.studies.page.blocks import Block, Figure, Heading, Items, Text
-from polhode.studies.page.columns import CASE, DIGITS, END, Column, T, at_times, table, yes
+from polhode.studies.page.columns import CASE, END, Column, T, at_times, table, yes
 from polhode.studies.page.words import between, median, share
 
 TITLE = "Certified digits: what is proven, how far, and at what price"
@@ -29,26 +29,33 @@ _SHOWN = (
 
 _AGAIN = "polhode study certified --only {0}"
 
-_NOISE = Column("P", "noise", "d")
+_NOISE = Column("P", "noise", "d", "the proof's noise level is 2^-P, of states of order 1")
 _CONTAINED = (
     CASE,
     Column("closed form", "reference"),
     END,
-    DIGITS._replace(header="proven digits"),
-    Column("worst", "ratio", ".2g"),
-    Column("inside", yes("inside", "NO")),
+    Column("proven digits", "digits", ".1f"),
+    Column(
+        "worst", "ratio", ".2g", "largest |closed form - midpoint| over the radius, at three times"
+    ),
+    Column("inside", yes("inside", "NO"), meaning="whether the closed form lies in every ball"),
 )
 _COST = (
     CASE,
     END,
-    Column("asked", "digits", "d"),
-    Column("proven", "proven", ".1f"),
+    Column("asked", "digits", "d", "digits that were asked for"),
+    Column("proven", "proven", ".1f", "digits that were proved"),
     _NOISE,
-    Column("tries", "tries", "d"),
-    Column("proof, s", "seconds.proof", ".3g"),
-    Column("mp, s", lambda row: row["seconds"].get(_mp(row)), ".3g"),
+    Column("tries", "tries", "d", "proofs begun, with more bits each, until one gave the digits"),
+    Column("proof, s", "seconds.proof", ".3g", "CPU seconds of the proof with every try"),
+    Column(
+        "mp, s",
+        lambda row: row["seconds"].get(_mp(row)),
+        ".3g",
+        "CPU seconds of heyoka's run in MPFR with as many bits, which proves nothing",
+    ),
     Column("quad, s", "seconds.quad", ".3g"),
-    Column("refined, s", "seconds.quad, refined", ".3g"),
+    Column("refined, s", "seconds.quad, refined", ".3g", "CPU seconds of a refined run in quad"),
     Column("double, s", "seconds.double", ".3g"),
     Column("proof/mp", lambda row: _over(row, _mp(row)), ".2f"),
     Column("proof/quad", lambda row: _over(row, "quad"), ".2f"),
@@ -56,9 +63,9 @@ _COST = (
 _JUDGED = (
     CASE,
     T,
-    Column("component", "column"),
-    Column("error", "error", ">"),
-    Column("uncertain by", "uncertainty", ">"),
+    Column("component", "column", meaning="the component of the state with the largest error"),
+    Column("error", "error", ">", "the error of the run in double at that time"),
+    Column("uncertain by", "uncertainty", ">", "radius of the enclosure, proven"),
 )
 
 
@@ -120,8 +127,7 @@ def _containment(rows: list[JsonObject]) -> Iterator[Block]:
     first = share(row["tries"] == 1 for row in rows)
     middle = median([row["ratio"] for row in rows], ".1g")
     yield Text(
-        f"{told}. *Worst* is the largest |closed form - midpoint| over the radius at three times, "
-        f"in any component; its median is {middle}. 16 digits were asked "
+        f"{told}. The median of *worst* is {middle}. 16 digits were asked "
         f"for; in {first} the first choice of precision was enough."
     )
     yield table(rows, _CONTAINED, _AGAIN)
@@ -141,7 +147,9 @@ def _over_time(rows: list[JsonObject]) -> Iterator[Block]:
         f"brackets) without. {told}"
     )
     lost = at_times(
-        rows[0]["times"], lambda row, k: f"{row['lost'][k]:.1f} ({row['lost_without'][k]:.1f})"
+        rows[0]["times"],
+        lambda row, k: f"{row['lost'][k]:.1f} ({row['lost_without'][k]:.1f})",
+        "digits lost up to that time with the integrals, and in brackets without",
     )
     yield table(rows, (CASE, _NOISE, *lost), _AGAIN)
 

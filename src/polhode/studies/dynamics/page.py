@@ -15,16 +15,20 @@ _OURS = "polhode, batches"
 _LEVELS = (
     Column("body", "what"),
     CASE,
-    Column("pieces", "arcs", "d"),
-    Column("stable", "stable", "d"),
-    Column("cusps", "cusps", "d"),
-    Column("Hamiltonian-Hopf", "hopf", "d"),
-    Column("branches", "branches", "d"),
+    Column("pieces", "arcs", "d", "arcs of permanent rotations, each of one type"),
+    Column("stable", "stable", "d", "pieces whose rotations are stable by Liapunov"),
+    Column("cusps", "cusps", "d", "cusps of the curves"),
+    Column("Hamiltonian-Hopf", "hopf", "d", "points where two frequencies of a rotation meet"),
+    Column("branches", "branches", "d", "points where a second family leaves the first"),
     F._replace(header="case's f"),
     H,
-    Column("its level", "topology"),
-    Column("fourth integral", "fourth"),
-    Column("critical values", lambda row: ", ".join(f"{x:.4g}" for x in row["critical"]) or DASH),
+    Column("its level", "topology", meaning="the topology of the level with the case's f and h"),
+    Column("fourth integral", "fourth", meaning="the body's fourth integral, where there is one"),
+    Column(
+        "critical values",
+        lambda row: ", ".join(f"{x:.4g}" for x in row["critical"]) or DASH,
+        meaning="the fourth integral's critical values on that level",
+    ),
     Column("seconds", "seconds", ".2f"),
 )
 _SECTIONS = (
@@ -32,19 +36,19 @@ _SECTIONS = (
     CASE,
     F,
     H,
-    Column("integral", "integral"),
+    Column("integral", "integral", meaning="the fourth integral"),
     Column("orbits", "orbits", "d"),
     Column("crossings each", "crossings", "d"),
     END,
-    Column("spread", "spread", ".1e"),
-    Column("in eps", "spread_in_eps", ".2f"),
-    Column("fewest digits", "digits.0", ".1f"),
-    Column("median of the last", "digits.1", ".1f"),
+    Column("spread", "spread", ".1e", "largest difference of the integral along one orbit"),
+    Column("in eps", "spread_in_eps", ".2f", "the same in eps of the integral's largest value"),
+    Column("fewest digits", "digits.0", ".1f", "fewest correct digits stated of a crossing"),
+    Column("median of the last", "digits.1", ".1f", "the median at the orbits' last crossings"),
 )
 _MAP = (
-    Column("C", "C", ">"),
+    Column("C", "C", ">", "the third principal moment"),
     Column("integrable body", "what"),
-    Column("motions", "motions", "d"),
+    Column("motions", "motions", "d", "starts with different spins"),
     Column("regular", "counts.0", "d"),
     Column("undecided", "counts.1", "d"),
     Column("chaotic", "counts.2", "d"),
@@ -53,10 +57,15 @@ _COST = (
     Column("program", "program"),
     Column("orbits", "orbits", "d"),
     Column("crossings", "crossings", "d"),
-    Column("µs a crossing", "microseconds", ".3g"),
-    Column("beside polhode's batches", "ratio", ".3g"),
-    Column("error of the last time", "error", ".1e"),
-    Column("digits, µs a crossing", "digits_microseconds", ".3g"),
+    Column("µs a crossing", "microseconds", ".3g", "processor time"),
+    Column("beside polhode's batches", "ratio", ".3g", "that time over that of the batches"),
+    Column(
+        "error of the last time",
+        "error",
+        ".1e",
+        "of the last crossing's time, beside a run in quad",
+    ),
+    Column("digits, µs a crossing", "digits_microseconds", ".3g", "added by stating the digits"),
     OUTCOME,
 )
 
@@ -118,10 +127,7 @@ def _sections(rows: list[JsonObject]) -> Iterator[Block]:
     yield Heading("Sections of integrable tops, beside their exact curves")
     yield Text(
         "Crossings at the maxima of |G| in Andoyer's l and L/G, and beneath them, thin, the curves "
-        "on which the fourth integral has the first crossing's value, which need no run. *Spread* "
-        "is the largest difference of the integral along an orbit, in eps of its largest "
-        "value: rounding the states alone makes an eps or a few. *Digits* are those told of a "
-        "crossing: the fewest, and the median of the last ones."
+        "on which the fourth integral has the first crossing's value, which need no run."
     )
     yield Figure("dynamics-sections", "Crossings on the exact curves of integrable tops")
     yield table(rows, _SECTIONS, "polhode study dynamics --only 'section {0}'")
@@ -145,10 +151,10 @@ def _cost(rows: list[JsonObject]) -> Iterator[Block]:
     yield Text(
         f"Crossings at maxima of |G| of `{rows[0]['case']}`, a regular orbit, all programs in one "
         "process, least processor time of several runs, compiling apart; the others at a tolerance "
-        "of 1e-13. The error is that of the last crossing's time beside a run in quad. SciPy's "
+        "of 1e-13. SciPy's "
         "right-hand side and event are Python; CyRK's is compiled by numba, and crossings are "
         "found on its dense output in numpy, all at once. Batches are other orbits of the same "
-        "level, too. *Digits* is what telling them takes on top."
+        "level, too."
     )
     yield table(_beside_ours(rows), _COST, "polhode study dynamics --only 'cost {0}'")
 

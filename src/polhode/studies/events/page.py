@@ -11,19 +11,23 @@ from polhode.studies.page.words import share
 
 TITLE = "Events: times, counts, contacts and cost"
 
-_ZERO = Column("zero", "zero", "code")
-_FOUND = Column("found", "found", "d")
-_UNDECIDED = Column("undecided", "grazing", "d")
+_ZERO = Column("zero", "zero", "code", "an event is where this is zero")
+_FOUND = Column("found", "found", "d", "events that the run found")
+_UNDECIDED = Column("undecided", "grazing", "d", "contacts that rounding decides, reported as such")
 _TIMES = (
-    Column("motion", "what"),
+    Column("motion", "what", meaning="what the events are"),
     CASE,
     _ZERO,
-    Column("period", "period", ">"),
+    Column("period", "period", ">", "the period of the motion, by its closed form"),
     NUMBER,
     END,
-    Column("true", "true", "d"),
-    Column("found", lambda run: f"{run['found']}{'' if run['complete'] else ' (incomplete)'}", ">"),
-    Column("largest error, ulps", "ulps", ".3g"),
+    Column("true", "true", "d", "events of the closed form"),
+    Column(
+        "found",
+        lambda run: f"{run['found']}{'' if run['complete'] else ' (incomplete)'}",
+        *(">", "events that the run found"),
+    ),
+    Column("largest error, ulps", "ulps", ".3g", "in units in the last place of the time"),
     Column("largest error", "error", ".1e"),
     DIGITS,
 )
@@ -31,30 +35,30 @@ _PROVEN = (
     CASE,
     END,
     _ZERO,
-    Column("proven", "proven", "d"),
-    Column("undecided", "undecided", "d"),
-    Column("in double", "double", "d"),
-    Column("its largest error", "error", ".1e"),
-    Column("radius", "radius", ".1e"),
+    Column("proven", "proven", "d", "events that are proved to happen"),
+    Column("undecided", "undecided", "d", "zeros of which the proof decides nothing"),
+    Column("in double", "double", "d", "events that a run in double found"),
+    Column("its largest error", "error", ".1e", "the largest error of a time of that run"),
+    Column("radius", "radius", ".1e", "the largest radius of a proven time"),
 )
 _GRAZING = (
     NUMBER,
-    Column("shift", "shift", ">"),
-    Column("touches", "touches", "d"),
+    Column("shift", "shift", ">", "how far below the largest value of q the event lies"),
+    Column("touches", "touches", "d", "how often q reaches its largest value"),
     _FOUND,
     _UNDECIDED,
-    Column("as expected", yes("as_expected")),
+    Column("as expected", yes("as_expected"), meaning="whether the counts are the right ones"),
 )
 _CUSPS = (NUMBER, Column("cusps", "cusps", "d"), _FOUND, _UNDECIDED)
 _COST = (
     NUMBER,
     Column("steps", "steps.0", "d"),
-    Column("none, µs a step", "microseconds_a_step.0", ".3g"),
-    Column("one", "microseconds_a_step.1", ".3g"),
-    Column("three", "microseconds_a_step.2", ".3g"),
+    Column("none, µs a step", "microseconds_a_step.0", ".3g", "time of a step without events"),
+    Column("one", "microseconds_a_step.1", ".3g", "the same with one event"),
+    Column("three", "microseconds_a_step.2", ".3g", "the same with three events"),
     Column("found, one", "found.1", "d"),
     Column("found, three", "found.2", "d"),
-    Column("µs an event, three", "microseconds_an_event.2", ".3g"),
+    Column("µs an event, three", "microseconds_an_event.2", ".3g", "added by each event found"),
 )
 
 

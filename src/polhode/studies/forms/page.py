@@ -33,22 +33,24 @@ _SHOWN = (
 
 _ADVICE = (
     Column("form", "form"),
-    Column("source", "source"),
-    Column("motions", "share"),
-    Column("time / principal", "times", ">"),
-    Column("most digits lost", "lost", ".1f"),
-    Column("else", "else"),
+    Column("source", "source", "", "equations of the source, see `polhode guide forms`"),
+    Column("motions", "share", meaning="runs in double that reach the end, of all"),
+    Column("time / principal", "times", ">", "their time over that of the principal form"),
+    Column("most digits lost", "lost", ".1f", "digits less than in the principal form, at most"),
+    Column("else", "else", meaning="how the other runs ended"),
     Column("take it for", lambda row: _TAKE[row["form"]]),
 )
 _RUNS = (
     Column("form", "form"),
     NUMBER,
     STEPS,
-    Column("run, ms", lambda run: _milliseconds(run, "run"), ".2f"),
-    Column("build, ms", lambda run: _milliseconds(run, "build"), ".0f"),
-    Column("time / principal", "time_against_principal", ".2f"),
-    Column("digits", "correct_digits", ".1f"),
-    Column("lost", "lost_digits", ".1f"),
+    Column("run, ms", lambda run: _milliseconds(run, "run"), ".2f", "the least of several"),
+    Column("build, ms", lambda run: _milliseconds(run, "build"), ".0f", "making the integrator"),
+    Column(
+        "time / principal", "time_against_principal", ".2f", "time over that of the principal form"
+    ),
+    Column("digits", "correct_digits", ".1f", "correct digits, the fewest of ten times"),
+    Column("lost", "lost_digits", ".1f", "digits of the principal form less those of this form"),
     Column("outcome", lambda run: ": ".join(run[k] for k in ("outcome", "reason") if k in run)),
 )
 
@@ -56,9 +58,8 @@ _RUNS = (
 def blocks(found: JsonObject) -> Iterator[Block]:
     """The study's page from its JSON object."""
     yield Text(
-        "Correct digits are the fewest of ten times up to the end, against the case's reference. "
-        "*Lost* digits are those of the principal form less those of the form itself. Time is the "
-        "least of several runs, building apart. A form in angles ends where sin theta falls below "
+        "Correct digits are by the case's reference. A form in angles ends where sin theta falls "
+        "below"
         "about eps^(1/4), the forms in omega or G alone where Iw is so near to the direction of "
         "r0: a passage at a distance d costs about log10(1/d) digits, so what is returned has lost "
         "at most about a quarter of the type's digits to the singular set. Angles among the "

@@ -12,24 +12,32 @@ from polhode.studies.page.words import formatted
 
 TITLE = "Long runs: growth of error and drift"
 _AGAIN = "polhode study long-run --only '{0} growth'"
+_SPREAD = "median / largest of the ensemble"
+_LEFT = "the error that the rounded inputs leave, and × the run's own error over it"
 
 _TOP = Column("top", "top")
 _METHOD = Column("method", "method")
-_LAW = Column("law", "law", "g")
-_LAST_DECADE = Column("last decade alone", lambda row: _fitted(row, "last_decade"), ">")
+_LAW = Column("law", "law", "g", "the exponent of the law above")
+_LAST_DECADE = Column(
+    "last decade alone", lambda row: _fitted(row, "last_decade"), ">", "fitted to the last decade"
+)
 _EXPONENTS = (
     _TOP,
     _METHOD,
     Column("of", "of"),
-    Column("exponent", lambda row: _fitted(row, "exponent"), ">"),
+    Column("exponent", lambda row: _fitted(row, "exponent"), ">", "of t, ± its standard error"),
     _LAST_DECADE,
     _LAW,
 )
 _PROJECTION = (
     _TOP,
-    Column("onto", lambda row: _squared(", ".join(row["projection"]["onto"]))),
-    Column("largest", "projection.largest", ".1e"),
-    Column("sum", "projection.sum", ".1e"),
+    Column(
+        "onto",
+        lambda row: _squared(", ".join(row["projection"]["onto"])),
+        meaning="integrals that were kept",
+    ),
+    Column("largest", "projection.largest", ".1e", "the largest correction of the state"),
+    Column("sum", "projection.sum", ".1e", "the largest sum of a run's corrections"),
 )
 
 
@@ -139,7 +147,7 @@ def _walks(tops: list[JsonObject]) -> Iterator[Block]:
             ">",
         ),
         Column("standard deviation", lambda row: row["deviation"][-1], ".1e"),
-        Column("mean / its error", _pull, "+.1f"),
+        Column("mean / its error", _pull, "+.1f", "the mean in its own standard errors"),
         Column("exponent of the deviation", lambda row: _fitted(row, "exponent"), ">"),
         _LAST_DECADE,
         _LAW,
@@ -193,7 +201,11 @@ def _beside_inputs(tops: list[JsonObject]) -> Iterator[Block]:
         "it went on like t, and the median error there over that. Where that is near one, a "
         "projected run's error is by then little else than that of its inputs."
     )
-    columns = (_TOP, *at_times(times, _over_inputs), Column(f"t = {end}, like t", _like_t, ">"))
+    columns = (
+        _TOP,
+        *at_times(times, _over_inputs, _LEFT),
+        Column(f"t = {end}, like t", _like_t, ">"),
+    )
     yield table(rows, columns, _AGAIN)
 
 
@@ -212,7 +224,7 @@ def _like_t(row: JsonObject) -> str:
 def _growth(tops: list[JsonObject], name: str) -> PageTable:
     """Median and largest error, or drift, at each time."""
     rows = [method for method in _methods(tops) if name in method]
-    columns = at_times(tops[0]["times"], lambda row, k: _middle_and_most(row[name], k))
+    columns = at_times(tops[0]["times"], lambda row, k: _middle_and_most(row[name], k), _SPREAD)
     return table(rows, (_TOP, _METHOD, *columns), _AGAIN)
 
 

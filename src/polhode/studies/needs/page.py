@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from polhode.output.json_object import JsonObject
-from polhode.studies.page.blocks import Block, Number, Text
-from polhode.studies.page.columns import DIGITS, Column, table
+from polhode.studies.page.blocks import Block, Number
+from polhode.studies.page.columns import Column, table
 from polhode.studies.page.words import between
 
 TITLE = "What you get: need, command, digits, seconds"
@@ -14,20 +14,23 @@ TITLE = "What you get: need, command, digits, seconds"
 _COLUMNS = (
     Column("need", "need"),
     Column("command", "command", "code"),
-    DIGITS,
-    Column("s", "seconds", ".2g"),
+    Column(
+        *("digits", "digits", ".1f"),
+        "correct digits, the fewest over the output times, by the closed form or a proven "
+        "enclosure (of a file, those that `compare` prints)",
+    ),
+    Column(
+        *("s", "seconds", ".2g"),
+        "seconds of the whole command with the start of Python and its imports, the least of "
+        "several, with compiled code from the cache (the first run of a new body compiles for "
+        "about a second)",
+    ),
 )
 
 
 def blocks(found: JsonObject) -> Iterator[Block]:
     """The study's page from its JSON object."""
     yield table(found["needs"], _COLUMNS, "polhode study needs --only '{0}'")
-    yield Text(
-        "Digits: the fewest over the output times, against the closed form or, where there is "
-        "none, a proven enclosure; for a file, those that `compare` prints. Seconds: the whole "
-        "command with Python's start and its imports, the least of several, what is compiled being "
-        "loaded from the cache; the first run of a new body compiles for a second or so."
-    )
 
 
 def headline(found: JsonObject) -> Number | None:

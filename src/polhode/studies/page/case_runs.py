@@ -32,8 +32,9 @@ REFERENCES = {
 
 
 def by_number(case: JsonObject) -> JsonObject:
-    """A case with its runs by their number types."""
-    return {**case, "runs": {run["number"]: run for run in case["runs"]}}
+    """A case with its runs by their number types, each with the digits expected as text."""
+    runs = [{**run, "band": expected(run.get("expected"))} for run in case["runs"]]
+    return {**case, "runs": {run["number"]: run for run in runs}}
 
 
 def runs_of(cases: list[JsonObject]) -> list[tuple[JsonObject, JsonObject]]:
@@ -54,7 +55,7 @@ def digits(run: JsonObject | None) -> float | str | None:
     return run.get("lost") or found
 
 
-def in_numbers(write: Callable[[JsonObject | None], object]) -> tuple[Column, ...]:
+def in_numbers(write: Callable[[JsonObject | None], object], meaning: str) -> tuple[Column, ...]:
     """A column for each number type, in which something is written of the case's run in it."""
 
     def value(case: JsonObject, number: str) -> object:
@@ -62,13 +63,29 @@ def in_numbers(write: Callable[[JsonObject | None], object]) -> tuple[Column, ..
 
     headers = {"mp": "mp (50)"}
     return tuple(
-        Column(headers.get(name, name), partial(value, number=name), ".1f") for name in NUMBERS
+        Column(headers.get(name, name), partial(value, number=name), ".1f", meaning)
+        for name in NUMBERS
     )
 
 
-ABOUT = (CASE, REGIME, Column("t", lambda case: float(case["end"]), "g"))
+ABOUT = (
+    CASE,
+    REGIME,
+    Column("t", lambda case: float(case["end"]), "g", "the last time of the runs"),
+)
 DRIFTS = {
-    key: Column(f"drift {key}", f"runs.double.drift.{key}", ".0e") for key in ("h", "f", "gamma")
+    key: Column(
+        f"drift {key}",
+        f"runs.double.drift.{key}",
+        ".0e",
+        "the largest departure from the exact value of an integral (energy h, area integral f, "
+        "length of gamma) during the run in double",
+    )
+    for key in ("h", "f", "gamma")
 }
-DOUBLE_STEPS = Column("steps", "runs.double.steps", "d")
-OUTCOMES = Column("outcome", lambda case: listed(run["outcome"] for run in case["runs"].values()))
+DOUBLE_STEPS = Column("steps", "runs.double.steps", "d", "steps of the run in double")
+OUTCOMES = Column(
+    "outcome",
+    lambda case: listed(run["outcome"] for run in case["runs"].values()),
+    meaning="how the runs ended",
+)

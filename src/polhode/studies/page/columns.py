@@ -18,12 +18,14 @@ class Column(NamedTuple):
 
     ``form``: "" for text, "code", or a format of numbers, which stand to the right (">" for text
     that reads as a number).  A value that is missing is a dash; a text that stands where a number
-    would, such as how a run ended, is written as it is.
+    would, such as how a run ended, is written as it is.  ``meaning``: what the column holds, for a
+    stranger, in words that follow the header and a colon; "" where the header tells it.
     """
 
     header: str
     value: Value
     form: str = ""
+    meaning: str = ""
 
     @property
     def side(self) -> str:
@@ -41,7 +43,7 @@ def at(row: JsonObject, path: str) -> Any:
     value: Any = row
     for part in path.split("."):
         if isinstance(value, list):
-            value = value[int(part)]
+            value = value[int(part)] if value else None
         else:
             value = value.get(part) if isinstance(value, dict) else None
     return value
@@ -54,14 +56,17 @@ def table(rows: Iterable[JsonObject], columns: Sequence[Column], again: str = ""
         tuple(tuple(column.cell(row) for column in columns) for row in rows),
         "".join(column.side for column in columns),
         again,
+        tuple(column.meaning for column in columns),
     )
 
 
-def at_times(times: Iterable[object], write: Callable[[JsonObject, int], object]) -> list[Column]:
+def at_times(
+    times: Iterable[object], write: Callable[[JsonObject, int], object], meaning: str = ""
+) -> list[Column]:
     """A column for each of the times, in which something is written of its place in the row."""
 
     def column(place: int, t: object) -> Column:
-        return Column(f"t = {t}", lambda row: write(row, place), ">")
+        return Column(f"t = {t}", lambda row: write(row, place), ">", meaning)
 
     return [column(place, t) for place, t in enumerate(times)]
 
@@ -75,13 +80,13 @@ def yes(key: str, no: str = "no") -> Value:
     return value
 
 
-CASE = Column("case", "case")
-NUMBER = Column("number", "number")
-REGIME = Column("regime", "regime")
+CASE = Column("case", "case", "", "a scene of the library, which `polhode show CASE` prints")
+NUMBER = Column("number", "number", "", "the number type of the run")
+REGIME = Column("regime", "regime", "", "the kind of motion")
 OUTCOME = Column("outcome", "outcome")
 T = Column("t", "t", "g")
-END = Column("to t", "end", "g")
+END = Column("to t", "end", "g", "the last time of the run")
 STEPS = Column("steps", "steps", "d")
-DIGITS = Column("digits", "digits", ".1f")
-F = Column("f", "f", ".4g")
-H = Column("h", "h", ".4g")
+DIGITS = Column("digits", "digits", ".1f", "-log10 of the largest relative error")
+F = Column("f", "f", ".4g", "the area integral, the vertical component of the angular momentum")
+H = Column("h", "h", ".4g", "the energy")

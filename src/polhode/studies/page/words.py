@@ -10,7 +10,7 @@ DASH = "–"
 
 def formatted(value: object, form: str) -> str:
     """A value in a form of columns (see ``Column``); a dash where there is none."""
-    if value is None:
+    if value is None or value == "":
         return DASH
     if form == "code":
         return f"`{value}`"

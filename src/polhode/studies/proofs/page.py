@@ -17,31 +17,62 @@ _AGAIN = "polhode study proofs --only '{0}'"
 _ORBITS = (
     Column("top", "top"),
     Column("level", lambda one: f"h = {one['h']}, f = {one['f']}"),
-    Column("proved", "share"),
+    Column("proved", "share", meaning="orbits proved to exist, of those that the search found"),
     Column("kinds", "kinds"),
-    Column("periods", "periods"),
-    Column("fewest digits", "digits", ".1f"),
-    Column("s", "seconds", ">"),
-    Column("checked", "checked", "d"),
-    Column("s", "verify_seconds", ">"),
+    Column("periods", "periods", meaning="least and largest period of the proved orbits"),
+    Column("fewest digits", "digits", ".1f", "the fewest proven digits of an orbit"),
+    Column("s", "seconds", ">", "processor seconds of a proof, the median"),
+    Column(
+        "checked",
+        "checked",
+        "d",
+        "proofs that the checker, which imports nothing of polhode, proves again from their "
+        "certificates",
+    ),
+    Column("check, s", "verify_seconds", ">", "processor seconds of such a check, the median"),
 )
 _REFUSED = (
     Column("top", "top"),
-    Column("period", "period", ">"),
+    Column("period", "period", ">", "about that of all these orbits"),
     Column("orbits", "orbits", "d"),
-    Column("residue", "residue", ">"),
-    Column("cause", "cause"),
+    Column("residue", "residue", ">", "Greene's residue, 0 on a resonant torus"),
+    Column("cause", "cause", "", "why the proof was refused"),
 )
 _CHAOS = (
     Column("top", lambda row: f"chaos: {row['what']}"),
     Column("level", lambda row: _if_proved(row, "h = {h}, f = {f}")),
-    Column("orbit", lambda row: _orbit(row) if row["proved"] else row["cause"]),
-    Column("coverings", "coverings", "d"),
-    Column("stretch, height", lambda row: _if_proved(row, "{stretch:.2f}, {height:.2f}"), ">"),
-    Column("entropy", "entropy", ".2g"),
-    Column("s", lambda row: _if_proved(row, "{seconds:.1f}"), ">"),
-    Column("checked", yes("verified")),
-    Column("s", lambda row: row["verify_seconds"] if row.get("verified") else None, ".1f"),
+    Column(
+        "orbit",
+        lambda row: _orbit(row) if row["proved"] else row["cause"],
+        meaning="the unstable periodic orbit whose manifolds meet",
+    ),
+    Column("coverings", "coverings", "d", "covering relations that the proof consists of"),
+    Column(
+        "stretch, height",
+        lambda row: _if_proved(row, "{stretch:.2f}, {height:.2f}"),
+        ">",
+        "margins of these relations: the least stretch must be above 1, the largest height below 1",
+    ),
+    Column(
+        "entropy",
+        "entropy",
+        ".2g",
+        "proven lower bound of the topological entropy, per unit of time",
+    ),
+    Column("s", lambda row: _if_proved(row, "{seconds:.1f}"), ">", "processor seconds"),
+    Column(
+        "checked",
+        yes("verified"),
+        meaning=(
+            "whether the checker, which imports nothing of polhode, proves it again from its "
+            "certificate"
+        ),
+    ),
+    Column(
+        "check, s",
+        lambda row: row["verify_seconds"] if row.get("verified") else None,
+        *(".1f", "processor seconds of that check"),
+    ),
 )
 
 
@@ -61,8 +92,7 @@ def blocks(found: JsonObject) -> Iterator[Block]:
         "A proof is a theorem about the exact numbers of a scene on its own exact level of energy "
         "and vertical momentum: `polhode guide theorems` says what it claims and what it does not. "
         "Each is written as a certificate, and proved again from that by a file that imports "
-        "nothing of polhode (`polhode guide proofs`); *checked* counts those. Seconds are of one "
-        "processor, the second column those of that check."
+        "nothing of polhode (`polhode guide proofs`)."
     )
     if found["orbits"]:
         yield Heading("Periodic orbits")

@@ -19,7 +19,7 @@ from polhode.studies.page.case_runs import (
     runs_of,
 )
 from polhode.studies.page.columns import CASE, NUMBER, STEPS, Column, table
-from polhode.studies.page.words import counted, share
+from polhode.studies.page.words import counted, formatted, share
 
 TITLE = "Stability: hard motions, symmetries, and where runs refuse"
 
@@ -31,48 +31,87 @@ def _pair(run: JsonObject | None) -> float | str | None:
     found = digits(run)
     if run is None or found is None or isinstance(found, str):
         return found
-    return f"{found:.1f} / {expected(run['expected'])}"
+    return f"{found:.1f} / {formatted(run['band'], '')}"
 
 
-_KAPPA = Column("log10 kappa", "log10_kappa", ".1f")
+_KAPPA = Column(
+    "log10 kappa",
+    "log10_kappa",
+    ".1f",
+    "the decimal logarithm of kappa, the most that the state at the end changes per unit of "
+    "relative change of all inputs at once (a dash: not computed)",
+)
 _CASES = (
     *ABOUT,
     _KAPPA,
-    *in_numbers(_pair),
+    *in_numbers(
+        _pair,
+        "correct digits at the worst output time / where nine in ten runs would end there that "
+        "round the state once a step (see [accuracy](accuracy.md)), in that number type (a dash: "
+        "not run, it would take too long)",
+    ),
     *DRIFTS.values(),
-    Column("largest correction", "runs.double.projection.largest", ".0e"),
-    Column("their sum", "runs.double.projection.sum", ".0e"),
+    Column(
+        "largest correction",
+        "runs.double.projection.largest",
+        ".0e",
+        "the largest of the corrections that put the run in double back on its integrals, w in "
+        "units in which it is of order 1",
+    ),
+    Column("their sum", "runs.double.projection.sum", ".0e", "the sum of all of them"),
     DOUBLE_STEPS,
     OUTCOMES,
 )
 _BEHIND = (
     CASE,
     NUMBER,
-    Column("correct", "correct_digits", ".1f"),
-    Column("expected", lambda run: expected(run["expected"]), ">"),
-    Column("behind", "behind", ".1f"),
-    Column("inputs", "inputs", ".1f"),
+    Column("correct", "correct_digits", ".1f", "correct digits at the worst output time"),
+    Column(
+        "expected",
+        lambda run: expected(run["expected"]),
+        ">",
+        "where nine in ten such runs would end",
+    ),
+    Column("behind", "behind", ".1f", "the least digits expected less those correct"),
+    Column("inputs", "inputs", ".1f", "correct digits of the exact motion of the rounded inputs"),
     STEPS,
     Column("limited by", "limit"),
 )
 _REST = (
     CASE,
-    Column("at rest", "rests"),
-    *(Column(name, f"strays_eps.{name}", ".3g") for name in NUMBERS),
+    Column("at rest", "rests", meaning="what is constant by the exact equations"),
+    *(
+        Column(
+            *(name, f"strays_eps.{name}", ".3g"),
+            "its largest departure during the run, in eps of the number type",
+        )
+        for name in NUMBERS
+    ),
 )
 _BACK = (
     CASE,
     _KAPPA,
-    Column("back", "log10_kappa_back", ".1f"),
-    *(Column(f"{name}, eps", f"runs.{name}.error_eps", ".2g") for name in NUMBERS[:3]),
+    Column(
+        "back",
+        "log10_kappa_back",
+        ".1f",
+        "the largest on the way back, from the end and three times before",
+    ),
+    *(
+        Column(
+            *(f"{name}, eps", f"runs.{name}.error_eps", ".2g"),
+            "the error of the state at 0 against the rounded start, in eps of the number type",
+        )
+        for name in NUMBERS[:3]
+    ),
     Column("within kappa·eps", lambda case: _within(case["runs"])),
 )
 _LIMITS = (
-    Column("beyond the limit", "limit"),
+    Column("beyond the limit", "limit", "", "what is asked for that cannot be"),
     Column("command", "command", "code"),
-    Column("scene.toml", lambda row: f"`{row['scene']}`" if row["scene"] else ""),
+    Column("scene.toml", "scene", "code", "what it has in place of a Lagrange top's numbers"),
     Column("exit code", lambda row: f"{row['exit_code']}{_unexpected(row)}", ">"),
-    Column("stderr, last line", lambda row: f"`{row['lines'][-1]}`" if row["lines"] else ""),
+    Column("stderr, last line", "lines.-1", "code"),
 )
 
 
@@ -85,13 +124,9 @@ def blocks(found: JsonObject) -> Iterator[Block]:
     cases = {case["case"]: by_number(case) for case in found["cases"]}
     yield Text(
         "Of each pair of numbers the first is the digits correct at the worst output time, the "
-        "second those that nine in ten runs would have there that round the state once a step "
-        "(see [accuracy](accuracy.md)); kappa, whose decimal logarithm stands "
-        "beside the case, is the most that the state changes per unit of relative change of all "
-        "inputs at once. mp is asked for 50 digits. A dash: not run, for it would take too long "
-        "in that type, or kappa not computed. Drift and steps are those in double; drift says "
-        "nothing of the error where a run is put back on its integrals: the largest correction and "
-        "the sum of all stand beside it, w in units in which it is of order 1."
+        "second those expected there. mp is asked for 50 digits. Drift says nothing of the error "
+        "where a run is put back on its integrals: the largest correction and the sum of all stand "
+        "beside it."
     )
     yield Figure(
         "stability",
@@ -130,10 +165,8 @@ def _behind(found: JsonObject) -> Iterator[Block]:
     if late:
         yield table(late, _BEHIND, _AGAIN)
         yield Text(
-            "*Inputs*: the digits that the exact motion of the rounded inputs keeps. *Behind*: the "
-            "least digits expected less those correct; by chance alone one run in twenty is behind "
-            "at one time, and more are at the worst of several. *Method* is said of those that are "
-            "further behind than that."
+            "By chance alone one run in twenty is behind at one time, and more are at the worst of "
+            "several. *Method* is said of those that are further behind than that."
         )
     if unknown:
         yield Text("Not judged so, for nothing is known of what to expect, or without an end:")

@@ -18,11 +18,11 @@ finding, brief, headline = contest.finding, contest.brief, contest.headline
 _MOTION = Column("motion", "motion")
 _BEST = (
     _MOTION,
-    Column("method", "method"),
+    Column("method", "method", "", "the number type, and whether the run is projected"),
     Column("to", lambda row: f"{row['motion']}, t = {row['end']}"),
-    Column("tol", "tol", ".1e"),
+    Column("tol", "tol", ".1e", "the tolerance of the steps, the tightest of several"),
     DIGITS,
-    Column("least s", "seconds_min", ".3g"),
+    Column("least s", "seconds_min", ".3g", "seconds of a run, the least of all"),
 )
 _ELSEWHERE = (
     Column("program", "program"),
@@ -34,14 +34,14 @@ _ELSEWHERE = (
 _REFINED = (
     _MOTION,
     Column("t", "end", "d"),
-    Column("bits", "bits", "d"),
-    Column("steps s", "taylor.cpu", ".3g"),
-    Column("digits", "taylor.digits", ".1f"),
-    Column("refined s", "refined.cpu", ".3g"),
-    Column("digits", "refined.digits", ".1f"),
-    Column("agreement", "agreement", ".1f"),
-    Column("estimate", "estimate", ".3g"),
-    Column("gain", "gain", ".1f"),
+    Column("bits", "bits", "d", "bits of the number type"),
+    Column("steps, s", "taylor.cpu", ".3g", "CPU seconds of heyoka's steps in that type"),
+    Column("steps, digits", "taylor.digits", ".1f", "their correct digits at the end"),
+    Column("refined, s", "refined.cpu", ".3g", "CPU seconds of the refined run"),
+    Column("refined, digits", "refined.digits", ".1f", "its correct digits at the end"),
+    Column("agreement", "agreement", ".1f", "digits to which the two agree"),
+    Column("estimate", "estimate", ".3g", "the refined run's own estimate of its error"),
+    Column("gain", "gain", ".1f", "seconds of the steps over those of the refined run"),
 )
 
 
@@ -107,7 +107,7 @@ def _refined(rows: list[JsonObject]) -> Iterator[Block]:
         "or by heyoka's steps in 12 digits more; here they are not held to what the type can "
         f"hold. Refinement takes {between(times, '.3f')} of the time and "
         f"gives {between(better, '+.1f')} digits more. The two share only a first "
-        "guess; *agreement*: the digits to which they agree."
+        "guess."
     )
     yield table(rows, _REFINED, "polhode study speed --only 'refined: {0} t={1}'")
 

@@ -24,19 +24,23 @@ def _first_column(header: str, way: str, clock: str) -> Column:
 _FIRST = (
     Column("program", "program"),
     _first_column("cold, s", "cold", "wall"),
-    _first_column("processor", "cold", "processor"),
+    _first_column("cold, processor s", "cold", "processor"),
     _first_column("warm, s", "warm", "wall"),
-    _first_column("processor", "warm", "processor"),
+    _first_column("warm, processor s", "warm", "processor"),
 )
+_RATIO = "the same of that program alone"
 _CELLS = (
-    Column("cells", "cells"),
-    Column("digits", "digits", "g"),
-    Column("propagator, ms", "own", ">"),
-    Column("stands", "stands"),
-    Column("best other", "best"),
-    Column("its ratio", "ratio", ">"),
-    Column(ENGINE, ENGINE, ">"),
-    Column(RUN, RUN, ">"),
+    Column("cells", "cells", "", "the last time, and the number of output times"),
+    Column("digits", "digits", "g", "correct digits that are asked for"),
+    Column("propagator, ms", "own", ">", "a polhode propagator, the median over the kinds"),
+    Column("stands", "stands", "", "how the propagator stands against the best of the others"),
+    Column("best other", "best", "", "the other programs that are fastest in most kinds"),
+    Column(
+        *("its ratio", "ratio", ">"),
+        "the time of the best other over the propagator's: median over the kinds (least, most)",
+    ),
+    Column(ENGINE, ENGINE, ">", _RATIO),
+    Column(RUN, RUN, ">", _RATIO),
 )
 
 
@@ -72,8 +76,7 @@ def blocks(found: Told) -> Iterator[Block]:
         "*ahead*, *even*, *behind*: of the kinds of motion in which polhode reaches the digits, "
         "how many a propagator wins, ties (the 95 % interval of the median ratio holds 1) or loses "
         "against the best of the others; *alone*: no other reaches them. A kind in which polhode "
-        "itself does not reach them from 7 of 8 draws counts as *not reached*. Ratios are times "
-        "over the propagator's, the median over the kinds, and the least and most."
+        "itself does not reach them from 7 of 8 draws counts as *not reached*."
     )
     faults = {f"{name}: {fault}": None for cell in cells for name, fault in cell["faults"].items()}
     if faults:
