@@ -111,7 +111,7 @@ ANY = {
     "peers": 15,
     "refined": 58,
     "scenes": 91,
-    "studies": 348,
+    "studies": 256,
     "taylor": 16,
     "verbs": 30,
 }

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 import polhode
 from polhode.enclosures.statement import BESIDE, TRUSTED, trusted_lines
+from polhode.studies.source_closure import imported
 
 TOP = Path(polhode.__file__).parent
 
@@ -18,26 +18,9 @@ def is_beside(name: str) -> bool:
     return any(name == part or name.startswith(f"{part}/") for part in BESIDE)
 
 
-def imported(name: str) -> Iterator[str]:
-    """The modules of polhode that a file imports anywhere, but for a type checker alone."""
-    waiting: list[ast.AST] = [ast.parse((TOP / f"{name}.py").read_text(encoding="utf-8"))]
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
-            waiting += node.orelse
-            continue
-        waiting += ast.iter_child_nodes(node)
-        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("polhode."):
-            whole = node.module.split(".")[1:]
-            for alias in node.names:
-                below = TOP.joinpath(*whole, f"{alias.name}.py")
-                yield "/".join([*whole, alias.name] if below.exists() else whole)
-
-
 @pytest.mark.parametrize("name", TRUSTED)
 def test_a_trusted_file_imports_what_is_trusted_or_said_to_be_beside(name):
-    rest = {x for x in imported(name) if x not in TRUSTED and f"{x}/__init__" not in TRUSTED}
-    assert {x for x in rest if not is_beside(x)} == set()
+    assert {x for x in imported(name) - {*TRUSTED} if not is_beside(x)} == set()
 
 
 def test_what_is_beside_is_imported_by_a_trusted_file_and_is_not_trusted():

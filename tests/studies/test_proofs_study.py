@@ -45,7 +45,7 @@ def test_the_sentence_counts_the_rows(found):
     orbits[0]["proved"] = False
     orbits[0]["cause"] = "a reason"
     assert page.finding(found) != told
-    assert page.finding({**found, "orbits": [], "chaos": []}) == rows.QUESTION
+    assert report.finding({**found, "orbits": [], "chaos": []}) == rows.QUESTION
 
 
 def test_page_and_figure_are_made_of_the_rows_alone(found):

@@ -44,6 +44,7 @@ from polhode.studies.page.blocks import (
 )
 from polhode.studies.page.hero import hero
 from polhode.studies.row_filter import Only
+from polhode.studies.source_closure import sources
 
 #: The studies in the order of the report; each is a folder of that name, with _ for -.
 STUDIES = (
@@ -55,8 +56,6 @@ PAGE = "report.html"
 LEAD = "needs"
 #: The motion that moves there, for so many periods of its nutation, so many samples each.
 _SHOWN, _PERIODS, _SAMPLES = "lagrange/looping", 41, 14
-#: What makes pages of results: a change there makes no result out of date.
-_PRESENTATION = {"page.py", "figure.py", "page", "figures", "verbs", "cli.py", "report.py"}
 
 
 def write_report(
@@ -210,9 +209,8 @@ def title(name: str) -> str:
 
 
 def finding(found: dict[str, Any]) -> str:
-    """A study in a sentence made of its results; its question where it has none."""
-    module = _module(found["study"], "page")
-    told: str = module.finding(found) if hasattr(module, "finding") else found["question"]
+    """A study in a sentence made of its results; its question where there are too few for one."""
+    told: str = _module(found["study"], "page").finding(found) or found["question"]
     return told
 
 
@@ -245,21 +243,20 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
 
 
 def key(name: str, quick: bool) -> str:
-    """What a study's results depend on: code, cases, versions, processor and mode."""
-    top = Path(__file__).parents[1]
-    paths = sorted(path.relative_to(top) for path in top.rglob("*.py"))
-    parts = [
-        f"{path}\n{(top / path).read_text(encoding='utf-8')}"
-        for path in paths
-        if _PRESENTATION.isdisjoint(path.parts)
-    ]
-    parts += [f"{case}\n{library.load(case).text}" for case in library.names()]
+    """What a study's results depend on: the code of its rows, cases, versions, processor, mode."""
+    cases = [library.folder() / f"{case}.toml" for case in library.names()]
+    paths = [*sources([f"studies/{_folder(name)}/rows"]), *cases]
+    parts = [f"{'/'.join(path.parts[-3:])}\n{path.read_text(encoding='utf-8')}" for path in paths]
     return digest("\0".join([*parts, str(_versions(name)), cpu(), str(quick)]))
+
+
+def _folder(study: str) -> str:
+    return study.replace("-", "_")
 
 
 def _module(study: str, part: str) -> Any:
     """A part of a study: rows, page or figure; imported when it is asked for."""
-    return import_module(f"polhode.studies.{study.replace('-', '_')}.{part}")
+    return import_module(f"polhode.studies.{_folder(study)}.{part}")
 
 
 def _versions(name: str) -> dict[str, str]:

@@ -3,44 +3,63 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
-from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable, Text, or_dash
+from polhode.output.json_object import JsonObject
+from polhode.studies.page.blocks import Block, Figure, Heading, Items, Text
+from polhode.studies.page.case_runs import (
+    ABOUT,
+    DOUBLE_STEPS,
+    DRIFTS,
+    OUTCOMES,
+    REFERENCES,
+    by_number,
+    digits,
+    in_numbers,
+    runs_of,
+)
+from polhode.studies.page.columns import Column, table
+from polhode.studies.page.words import formatted
 
 TITLE = "Accuracy: correct digits by case and number type"
 
-_TITLES = {
-    "euler": "Against the closed form of the Euler top",
-    "lagrange": "Against the closed form of the Lagrange top",
-    "kovalevskaya": "Against the closed form of the Kovalevskaya top",
-    "pendulum": "Against the closed form of the physical pendulum",
-    "staude": "Against permanent rotations",
-    "bobylev-steklov": "Against the closed form of Bobylev and Steklov's motions",
-    "grioli": "Against Grioli's regular precession",
-    "steklov": "Against the closed form of Steklov's motions",
-    "goryachev": "Against the closed form of Goryachev's motions",
-    "n-kowalewski": "Against the closed form of N. Kowalewski's motions",
-    "chaplygin": "Against the closed form of Chaplygin's motions",
-    "goryachev-chaplygin": "Against the closed form of Goryachev and Chaplygin's case",
-    "hess": "Against the closed form of Hess and Appelrot's case",
-    "certified": "Against a proven enclosure (no closed form)",
-    "two-precisions": "Against two integrations at different precision (no closed form)",
-}
+_COLUMNS = (
+    *ABOUT,
+    *in_numbers(
+        digits,
+        "correct digits of the run in that number type, at its worst output time (a dash: not "
+        "run, it would take too long)",
+    ),
+    Column(
+        "inputs",
+        "runs.double.inputs",
+        ".1f",
+        "correct digits if the scene's rounded numbers were the only error",
+    ),
+    Column("expected", "runs.double.band", ">", "where nine in ten such runs in double would end"),
+    Column("limit", "runs.double.limit", "", "what limits the digits in double"),
+    DRIFTS["h"],
+    DRIFTS["f"],
+    Column(
+        "corrections",
+        "runs.double.projection.sum",
+        ".0e",
+        "the sum of all corrections that put the run in double back on its integrals, w in units "
+        "in which it is of order 1 (a dash: it was not put back)",
+    ),
+    DOUBLE_STEPS,
+    OUTCOMES,
+)
 
 
-def blocks(found: dict[str, Any]) -> Iterator[Block]:
+def blocks(found: JsonObject) -> Iterator[Block]:
     """The study's page from its JSON object."""
     yield Text(
         "Correct digits = -log10 of the larger of the error of w over the largest |w| of the "
         "reference and the error of gamma, worst over all output times, never more than the type "
         "holds (double 15.95, extended 19.27, quad 34.02; mp is asked for 50). A run is judged "
-        "against the exact scene, so rounding of its inputs is part of its error; the column "
-        "*inputs* shows the digits that this leaves by itself in double, as projection mends it. "
-        "Drift is the "
-        "largest departure of the integrals from the exact scene's values, in double; it says "
-        "nothing of the error where a run is put back on them: the sum of all corrections, w in "
-        "units in which it is of order 1, stands beside it. A dash: not projected, or "
-        "not run, for it would take too long in that type. Figures that somebody printed stand "
+        "against the exact scene, so rounding of its inputs is part of its error. Drift says "
+        "nothing of the error where a run is put back on its integrals: the sum of all corrections "
+        "stands beside it. Figures that somebody printed stand "
         "beside ours in [published](published.md), the hard cases in [stability](stability.md)."
     )
     yield Text(
@@ -61,16 +80,17 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "Correct digits of every case, a strip a folder of the library, a dot a run; "
         "a ring: fewer digits than nine in ten such runs have; no mark: a run would take too long",
     )
-    for kind, title in _TITLES.items():
-        cases = [case for case in found["cases"] if case["reference"] == kind]
+    for kind, title in REFERENCES.items():
+        cases = [by_number(case) for case in found["cases"] if case["reference"] == kind]
         if cases:
-            yield Heading(title)
-            yield _table(cases)
+            closed = "" if kind not in ("certified", "two-precisions") else " (no closed form)"
+            yield Heading(f"Against {title}{closed}")
+            yield table(cases, _COLUMNS, "polhode study accuracy --only {0}")
     yield from _weakest(found["cases"])
     yield from _motions(found.get("motions", []))
 
 
-def _motions(motions: list[dict[str, Any]]) -> Iterator[Block]:
+def _motions(motions: list[JsonObject]) -> Iterator[Block]:
     """Three notable motions: what is seen of each."""
     if not motions:
         return
@@ -86,42 +106,11 @@ def _motions(motions: list[dict[str, Any]]) -> Iterator[Block]:
     )
 
 
-def _table(cases: list[dict[str, Any]]) -> PageTable:
-    header = (
-        *("case", "regime", "t", "double", "extended", "quad", "mp (50)", "inputs"),
-        *("expected", "limit", "drift h", "drift f", "corrections", "steps", "outcome"),
-    )
-    rows = []
-    for case in cases:
-        runs = {run["number"]: run for run in case["runs"]}
-        double = runs.get("double", {})
-        drift = double.get("drift", {})
-        outcomes = sorted({run["outcome"] for run in case["runs"]})
-        rows.append(
-            (
-                case["case"],
-                case["regime"],
-                format(float(case["end"]), "g"),
-                *(_digits(runs.get(name)) for name in ("double", "extended", "quad", "mp")),
-                or_dash(double.get("inputs"), ".1f"),
-                expected(double.get("expected")),
-                double.get("limit") or "–",
-                or_dash(drift.get("h"), ".0e"),
-                or_dash(drift.get("f"), ".0e"),
-                or_dash((double.get("projection") or {}).get("sum"), ".0e"),
-                or_dash(double.get("steps"), "d"),
-                ", ".join(outcomes),
-            )
-        )
-    return PageTable(header, tuple(rows), "llrrrrrrrlrrrrl", "polhode study accuracy --only {0}")
-
-
-def _two_methods(cases: list[dict[str, Any]]) -> Iterator[Block]:
+def _two_methods(cases: list[JsonObject]) -> Iterator[Block]:
     """Runs in quad by heyoka's steps and by refinement, which share the first guess alone."""
     both = [
         (run["correct_digits"], run["refined"]["correct_digits"], run["refined"]["agreement"])
-        for case in cases
-        for run in case["runs"]
+        for _, run in runs_of(cases)
         if run.get("refined") and not run["lost"]
     ]
     if not both:
@@ -137,18 +126,16 @@ def _two_methods(cases: list[dict[str, Any]]) -> Iterator[Block]:
     )
 
 
-def finding(found: dict[str, Any]) -> str:
+def finding(found: JsonObject) -> str:
     """How many runs of all types end within what was expected of them."""
-    cases = found["cases"]
     judged = [
         (run["correct_digits"], run["expected"], run["limit"])
-        for case in cases
-        for run in case["runs"]
+        for _, run in runs_of(found["cases"])
         if run.get("expected") and not run["lost"] and run["limit"] != "reference"
     ]
-    fewer = sum(digits < band[0] for digits, band, _ in judged)
-    more = sum(digits > band[2] for digits, band, _ in judged)
-    method = sum(digits < band[0] and by.startswith("method") for digits, band, by in judged)
+    fewer = sum(right < band[0] for right, band, _ in judged)
+    more = sum(right > band[2] for right, band, _ in judged)
+    method = sum(right < band[0] and by.startswith("method") for right, band, by in judged)
     return (
         f"Of {len(judged)} runs in all types that have digits left {len(judged) - fewer - more} "
         f"end within the nine-in-ten band of their worst time, {fewer} with fewer digits, {more} "
@@ -156,23 +143,11 @@ def finding(found: dict[str, Any]) -> str:
     )
 
 
-def expected(band: list[float] | None) -> str:
-    """The digits expected, as they are printed."""
-    return "–" if band is None else f"{band[0]:.1f}–{band[2]:.1f}"
-
-
-def _weakest(cases: list[dict[str, Any]]) -> Iterator[Block]:
+def _weakest(cases: list[JsonObject]) -> Iterator[Block]:
     """The three runs in double with the fewest digits, and what limits them."""
     ranked = sorted(
-        (
-            run["correct_digits"],
-            case["case"],
-            run["limit"],
-            run["inputs"],
-            run.get("lost") or "",
-        )
-        for case in cases
-        for run in case["runs"]
+        (run["correct_digits"], case["case"], run["limit"], run["inputs"], run.get("lost") or "")
+        for case, run in runs_of(cases)
         if run["number"] == "double" and "correct_digits" in run
     )
     if not ranked:
@@ -180,16 +155,8 @@ def _weakest(cases: list[dict[str, Any]]) -> Iterator[Block]:
     yield Heading("The weakest figures")
     yield Items(
         tuple(
-            f"`{name}`: {lost or f'{digits:.1f} digits'} in double, limited by {limit} "
-            f"(rounded inputs alone leave {or_dash(inputs, '.1f')})"
-            for digits, name, limit, inputs, lost in ranked[:3]
+            f"`{name}`: {lost or f'{right:.1f} digits'} in double, limited by {limit} "
+            f"(rounded inputs alone leave {formatted(inputs, '.1f')})"
+            for right, name, limit, inputs, lost in ranked[:3]
         )
     )
-
-
-def _digits(run: dict[str, Any] | None) -> str:
-    if run is None:
-        return "–"
-    if "correct_digits" not in run:
-        return str(run["outcome"])
-    return run.get("lost") or or_dash(run["correct_digits"], ".1f")

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import statistics
 from collections.abc import Iterator
-from typing import Any
 
-from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable, Text
+from polhode.output.json_object import JsonObject
+from polhode.studies.page.blocks import Block, Figure, Heading, Items, Text
+from polhode.studies.page.columns import CASE, END, Column, T, at_times, table, yes
+from polhode.studies.page.words import between, median, share
 
 TITLE = "Certified digits: what is proven, how far, and at what price"
 _NEAR = 0.5  # digits
@@ -28,8 +29,47 @@ _SHOWN = (
 
 _AGAIN = "polhode study certified --only {0}"
 
+_NOISE = Column("P", "noise", "d", "the proof's noise level is 2^-P, of states of order 1")
+_CONTAINED = (
+    CASE,
+    Column("closed form", "reference"),
+    END,
+    Column("proven digits", "digits", ".1f"),
+    Column(
+        "worst", "ratio", ".2g", "largest |closed form - midpoint| over the radius, at three times"
+    ),
+    Column("inside", yes("inside", "NO"), meaning="whether the closed form lies in every ball"),
+)
+_COST = (
+    CASE,
+    END,
+    Column("asked", "digits", "d", "digits that were asked for"),
+    Column("proven", "proven", ".1f", "digits that were proved"),
+    _NOISE,
+    Column("tries", "tries", "d", "proofs begun, with more bits each, until one gave the digits"),
+    Column("proof, s", "seconds.proof", ".3g", "CPU seconds of the proof with every try"),
+    Column(
+        "mp, s",
+        lambda row: row["seconds"].get(_mp(row)),
+        ".3g",
+        "CPU seconds of heyoka's run in MPFR with as many bits, which proves nothing",
+    ),
+    Column("quad, s", "seconds.quad", ".3g"),
+    Column("refined, s", "seconds.quad, refined", ".3g", "CPU seconds of a refined run in quad"),
+    Column("double, s", "seconds.double", ".3g"),
+    Column("proof/mp", lambda row: _over(row, _mp(row)), ".2f"),
+    Column("proof/quad", lambda row: _over(row, "quad"), ".2f"),
+)
+_JUDGED = (
+    CASE,
+    T,
+    Column("component", "column", meaning="the component of the state with the largest error"),
+    Column("error", "error", ">", "the error of the run in double at that time"),
+    Column("uncertain by", "uncertainty", ">", "radius of the enclosure, proven"),
+)
 
-def blocks(found: dict[str, Any]) -> Iterator[Block]:
+
+def blocks(found: JsonObject) -> Iterator[Block]:
     """The study's page from its JSON object."""
     yield Text(
         "An enclosure is a ball a number: midpoint and radius, proven to contain the exact motion "
@@ -49,68 +89,55 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     yield Items(READ)
 
 
-def finding(found: dict[str, Any]) -> str:
+def finding(found: JsonObject) -> str:
     """The study in a sentence."""
     rows = found["contained"]
-    inside = sum(row["inside"] for row in rows)
-    told = f"{inside} of {len(rows)} closed forms lie in their proven enclosures"
+    inside = share(row["inside"] for row in rows)
+    told = f"{inside} closed forms lie in their proven enclosures"
     if ratios := _over_mp(found["cost"]):
-        told += (
-            f"; a proof takes {min(ratios):.1f} to {max(ratios):.1f} times a run of as many bits "
-            "that proves nothing"
-        )
+        times = between(ratios, ".1f")
+        told += f"; a proof takes {times} times a run of as many bits that proves nothing"
     return told + "."
 
 
-def _mp(row: dict[str, Any]) -> str:
+def _mp(row: JsonObject) -> str:
     """The name of heyoka's run at the proof's own precision; "mp" where it has no seconds."""
     return next((name for name in row["seconds"] if name.startswith("mp")), "mp")
 
 
-def _over_mp(rows: list[dict[str, Any]]) -> list[float]:
+def _over_mp(rows: list[JsonObject]) -> list[float]:
     """What proofs take, in runs of as many bits."""
-    timed = [(row["seconds"], _mp(row)) for row in rows]
-    return [seconds["proof"] / seconds[mp] for seconds, mp in timed if mp in seconds]
+    return [ratio for row in rows if (ratio := _over(row, _mp(row))) is not None]
 
 
-def _containment(rows: list[dict[str, Any]]) -> Iterator[Block]:
+def _over(row: JsonObject, name: str) -> float | None:
+    """What a proof takes, in runs of a name; None where these have no seconds."""
+    seconds: dict[str, float] = row["seconds"]
+    return seconds["proof"] / seconds[name] if name in seconds else None
+
+
+def _containment(rows: list[JsonObject]) -> Iterator[Block]:
     outside = [row["case"] for row in rows if not row["inside"]]
-    ratios = [row["ratio"] for row in rows]
     yield Heading("Every closed form in its enclosure")
     told = (
         f"All {len(rows)} closed forms lie in their enclosures"
         if not outside
         else f"{len(outside)} of {len(rows)} closed forms lie OUTSIDE: {', '.join(outside)}"
     )
-    first = sum(row["tries"] == 1 for row in rows)
+    first = share(row["tries"] == 1 for row in rows)
+    middle = median([row["ratio"] for row in rows], ".1g")
     yield Text(
-        f"{told}. *Worst* is the largest |closed form - midpoint| over the radius at three times, "
-        f"in any component; its median is {statistics.median(ratios):.1g}. 16 digits were asked "
-        f"for; in {first} of {len(rows)} the first choice of precision was enough."
+        f"{told}. The median of *worst* is {middle}. 16 digits were asked "
+        f"for; in {first} the first choice of precision was enough."
     )
-    yield PageTable(
-        ("case", "closed form", "to t", "proven digits", "worst", "inside"),
-        tuple(
-            (
-                row["case"],
-                row["reference"],
-                f"{row['end']:g}",
-                f"{row['digits']:.1f}",
-                f"{row['ratio']:.2g}",
-                "yes" if row["inside"] else "NO",
-            )
-            for row in rows
-        ),
-        "llrrrl",
-        _AGAIN,
-    )
+    yield table(rows, _CONTAINED, _AGAIN)
 
 
-def _over_time(rows: list[dict[str, Any]]) -> Iterator[Block]:
+def _over_time(rows: list[JsonObject]) -> Iterator[Block]:
     yield Heading("Digits lost over time, with and without the integrals")
     gains = [row["lost_without"][-1] - row["lost"][-1] for row in rows]
     told = (
-        f"At the last time they spare between {min(gains):.1f} and {max(gains):.1f} digits."
+        f"At the last time they spare between {between(gains, '.1f', ' and ')} digits."
         if min(gains) > _NEAR
         else f"At the last time they spare up to {max(gains):.1f} digits, in some nearly none."
     )
@@ -119,26 +146,15 @@ def _over_time(rows: list[dict[str, Any]]) -> Iterator[Block]:
         "and, where there is one, a fourth integral shrinking the set after every window, and (in "
         f"brackets) without. {told}"
     )
-    times = rows[0]["times"]
-    yield PageTable(
-        ("case", "P", *(f"t = {t}" for t in times)),
-        tuple(
-            (
-                row["case"],
-                str(row["noise"]),
-                *(
-                    f"{x:.1f} ({y:.1f})"
-                    for x, y in zip(row["lost"], row["lost_without"], strict=True)
-                ),
-            )
-            for row in rows
-        ),
-        "lr" + "r" * len(times),
-        _AGAIN,
+    lost = at_times(
+        rows[0]["times"],
+        lambda row, k: f"{row['lost'][k]:.1f} ({row['lost_without'][k]:.1f})",
+        "digits lost up to that time with the integrals, and in brackets without",
     )
+    yield table(rows, (CASE, _NOISE, *lost), _AGAIN)
 
 
-def _price(rows: list[dict[str, Any]]) -> Iterator[Block]:
+def _price(rows: list[JsonObject]) -> Iterator[Block]:
     yield Heading("The price of a proof")
     trials = sorted({row["trials"] for row in rows})
     times = " to ".join(str(n) for n in dict.fromkeys((trials[0], trials[-1])))
@@ -150,55 +166,15 @@ def _price(rows: list[dict[str, Any]]) -> Iterator[Block]:
         "precision (mp), in double and in quad, and a refined run in quad."
     )
     if ratios := _over_mp(rows):
-        told += f" A proof takes {min(ratios):.1f} to {max(ratios):.1f} times the mp run."
+        told += f" A proof takes {between(ratios, '.1f')} times the mp run."
     yield Text(told)
-    yield PageTable(
-        (
-            *("case", "to t", "asked", "proven", "P", "tries", "proof, s", "mp, s", "quad, s"),
-            *("refined, s", "double, s", "proof/mp", "proof/quad"),
-        ),
-        tuple(
-            (
-                row["case"],
-                f"{row['end']:g}",
-                str(row["digits"]),
-                f"{row['proven']:.1f}",
-                str(row["noise"]),
-                str(row["tries"]),
-                f"{row['seconds']['proof']:.3g}",
-                _seconds(row, _mp(row)),
-                *(_seconds(row, name) for name in ("quad", "quad, refined", "double")),
-                _ratio(row, _mp(row)),
-                _ratio(row, "quad"),
-            )
-            for row in rows
-        ),
-        "l" + "r" * 12,
-        _AGAIN + " --only '{2} digits'",
-    )
+    yield table(rows, _COST, _AGAIN + " --only '{2} digits'")
 
 
-def _judged(rows: list[dict[str, Any]]) -> Iterator[Block]:
+def _judged(rows: list[JsonObject]) -> Iterator[Block]:
     yield Heading("Runs in double, judged with proof")
     yield Text(
         "The largest error of a run in double, in any component, and the radius that it is "
         "uncertain by: proven, not estimated."
     )
-    yield PageTable(
-        ("case", "t", "component", "error", "uncertain by"),
-        tuple(
-            (row["case"], f"{row['t']:g}", row["column"], row["error"], row["uncertainty"])
-            for row in rows
-        ),
-        "lrlrr",
-        _AGAIN,
-    )
-
-
-def _seconds(row: dict[str, Any], name: str) -> str:
-    return f"{row['seconds'][name]:.3g}" if name in row["seconds"] else "–"
-
-
-def _ratio(row: dict[str, Any], name: str) -> str:
-    seconds = row["seconds"]
-    return f"{seconds['proof'] / seconds[name]:.2f}" if name in seconds else "–"
+    yield table(rows, _JUDGED, _AGAIN)

@@ -3,14 +3,74 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
-from polhode.studies.page.blocks import Block, Figure, Heading, PageTable, Text, or_dash
+from polhode.output.json_object import JsonObject
+from polhode.studies.page.blocks import Block, Figure, Heading, Text
+from polhode.studies.page.columns import CASE, END, OUTCOME, Column, F, H, table
+from polhode.studies.page.words import DASH, sentence
 
 TITLE = "Dynamics: levels, sections, chaos"
 
+_OURS = "polhode, batches"
+_LEVELS = (
+    Column("body", "what"),
+    CASE,
+    Column("pieces", "arcs", "d", "arcs of permanent rotations, each of one type"),
+    Column("stable", "stable", "d", "pieces whose rotations are stable by Liapunov"),
+    Column("cusps", "cusps", "d", "cusps of the curves"),
+    Column("Hamiltonian-Hopf", "hopf", "d", "points where two frequencies of a rotation meet"),
+    Column("branches", "branches", "d", "points where a second family leaves the first"),
+    F._replace(header="case's f"),
+    H,
+    Column("its level", "topology", meaning="the topology of the level with the case's f and h"),
+    Column("fourth integral", "fourth", meaning="the body's fourth integral, where there is one"),
+    Column(
+        "critical values",
+        lambda row: ", ".join(f"{x:.4g}" for x in row["critical"]) or DASH,
+        meaning="the fourth integral's critical values on that level",
+    ),
+    Column("seconds", "seconds", ".2f"),
+)
+_SECTIONS = (
+    Column("top", "what"),
+    CASE,
+    F,
+    H,
+    Column("integral", "integral", meaning="the fourth integral"),
+    Column("orbits", "orbits", "d"),
+    Column("crossings each", "crossings", "d"),
+    END,
+    Column("spread", "spread", ".1e", "largest difference of the integral along one orbit"),
+    Column("in eps", "spread_in_eps", ".2f", "the same in eps of the integral's largest value"),
+    Column("fewest digits", "digits.0", ".1f", "fewest correct digits stated of a crossing"),
+    Column("median of the last", "digits.1", ".1f", "the median at the orbits' last crossings"),
+)
+_MAP = (
+    Column("C", "C", ">", "the third principal moment"),
+    Column("integrable body", "what"),
+    Column("motions", "motions", "d", "starts with different spins"),
+    Column("regular", "counts.0", "d"),
+    Column("undecided", "counts.1", "d"),
+    Column("chaotic", "counts.2", "d"),
+)
+_COST = (
+    Column("program", "program"),
+    Column("orbits", "orbits", "d"),
+    Column("crossings", "crossings", "d"),
+    Column("µs a crossing", "microseconds", ".3g", "processor time"),
+    Column("beside polhode's batches", "ratio", ".3g", "that time over that of the batches"),
+    Column(
+        "error of the last time",
+        "error",
+        ".1e",
+        "of the last crossing's time, beside a run in quad",
+    ),
+    Column("digits, µs a crossing", "digits_microseconds", ".3g", "added by stating the digits"),
+    OUTCOME,
+)
 
-def blocks(found: dict[str, Any]) -> Iterator[Block]:
+
+def blocks(found: JsonObject) -> Iterator[Block]:
     """The study's page from its JSON object."""
     if found["levels"]:
         yield from _levels(found["levels"])
@@ -22,7 +82,7 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         yield from _cost(found["cost"])
 
 
-def finding(found: dict[str, Any]) -> str:
+def finding(found: JsonObject) -> str:
     """The study in a sentence."""
     told = []
     if found["sections"]:
@@ -39,22 +99,19 @@ def finding(found: dict[str, Any]) -> str:
             f"{chaotic} of {motions} motions of integrable bodies are called chaotic, and "
             f"{row['counts']['chaotic']} of all {sum(row['counts'].values())} on a map across them"
         )
-    rows = {row["program"]: row for row in found["cost"] if "microseconds" in row}
-    ours = rows.pop("polhode, batches", None)
+    rows = {row["program"]: row for row in _beside_ours(found["cost"]) if "ratio" in row}
+    ours = rows.pop(_OURS, None)
     if ours is not None and rows:
-        ratios = [
-            f"{row['microseconds'] / ours['microseconds']:.3g} ({name})"
-            for name, row in rows.items()
-        ]
+        ratios = [f"{row['ratio']:.3g} ({name})" for name, row in rows.items()]
         told.append(
             f"in batches of {ours['orbits']} orbits a crossing takes {ours['microseconds']:.3g} µs"
             f"; one orbit alone takes so many times as long a crossing: {', '.join(ratios)}"
         )
     text = "; ".join(told)
-    return f"{text[0].upper()}{text[1:]}." if text else str(found["question"])
+    return f"{sentence(text)}." if text else ""
 
 
-def _levels(rows: list[dict[str, Any]]) -> Iterator[Block]:
+def _levels(rows: list[JsonObject]) -> Iterator[Block]:
     yield Heading("Levels of energy and area")
     yield Text(
         "Lines are permanent rotations, thick ones stable by Liapunov; they divide the plane of "
@@ -63,70 +120,22 @@ def _levels(rows: list[dict[str, Any]]) -> Iterator[Block]:
     )
     shown = f"The plane of f and h of {len(rows)} bodies, regions by topology"
     yield Figure("dynamics-levels", shown)
-    yield PageTable(
-        (
-            *("body", "case", "pieces", "stable", "cusps", "Hamiltonian-Hopf", "branches"),
-            *("case's f", "h", "its level", "fourth integral", "critical values", "seconds"),
-        ),
-        tuple(
-            (
-                row["what"],
-                row["case"],
-                *(str(row[key]) for key in ("arcs", "stable", "cusps", "hopf", "branches")),
-                f"{row['f']:.4g}",
-                f"{row['h']:.4g}",
-                row["topology"],
-                row["fourth"] or "–",
-                ", ".join(f"{value:.4g}" for value in row["critical"]) or "–",
-                f"{row['seconds']:.2f}",
-            )
-            for row in rows
-        ),
-        "llrrrrrrrlllr",
-        "polhode study dynamics --only 'levels {0}'",
-    )
+    yield table(rows, _LEVELS, "polhode study dynamics --only 'levels {0}'")
 
 
-def _sections(rows: list[dict[str, Any]]) -> Iterator[Block]:
+def _sections(rows: list[JsonObject]) -> Iterator[Block]:
     yield Heading("Sections of integrable tops, beside their exact curves")
     yield Text(
         "Crossings at the maxima of |G| in Andoyer's l and L/G, and beneath them, thin, the curves "
-        "on which the fourth integral has the first crossing's value, which need no run. *Spread* "
-        "is the largest difference of the integral along an orbit, in eps of its largest "
-        "value: rounding the states alone makes an eps or a few. *Digits* are those told of a "
-        "crossing: the fewest, and the median of the last ones."
+        "on which the fourth integral has the first crossing's value, which need no run."
     )
     yield Figure("dynamics-sections", "Crossings on the exact curves of integrable tops")
-    yield PageTable(
-        (
-            *("top", "case", "f", "h", "integral", "orbits", "crossings each", "to t"),
-            *("spread", "in eps", "fewest digits", "median of the last"),
-        ),
-        tuple(
-            (
-                row["what"],
-                row["case"],
-                f"{row['f']:.4g}",
-                f"{row['h']:.4g}",
-                row["integral"],
-                str(row["orbits"]),
-                str(row["crossings"]),
-                f"{row['end']:g}",
-                f"{row['spread']:.1e}",
-                f"{row['spread_in_eps']:.2f}",
-                f"{row['digits'][0]:.1f}",
-                f"{row['digits'][1]:.1f}",
-            )
-            for row in rows
-        ),
-        "llrrlrrrrrrr",
-        "polhode study dynamics --only 'section {0}'",
-    )
+    yield table(rows, _SECTIONS, "polhode study dynamics --only 'section {0}'")
 
 
-def _map(row: dict[str, Any]) -> Iterator[Block]:
+def _map(row: JsonObject) -> Iterator[Block]:
     yield Heading("A map across integrable bodies")
-    told = ", ".join(f"{n} {name}" for name, n in row["counts"].items())
+    told = ", ".join(f"{count} {verdict}" for verdict, count in row["counts"].items())
     yield Text(
         "Bodies A = B = 2, Mg r0 = (1, 0, 0), started at gamma = (3/5, 4/5, 0), "
         f"w = (4/5, -3/5, r), so that f = 0, each followed to t = {row['end']:g}: {told} of "
@@ -134,51 +143,29 @@ def _map(row: dict[str, Any]) -> Iterator[Block]:
         "values of C are integrable; regular means up to that time."
     )
     yield Figure("dynamics-map", "Verdicts over the third moment and the spin at the start")
-    yield PageTable(
-        ("C", "integrable body", "motions", "regular", "undecided", "chaotic"),
-        tuple(
-            (c["C"], c["what"], str(c["motions"]), *(str(n) for n in c["counts"]))
-            for c in row["columns"]
-        ),
-        "rlrrrr",
-        "polhode study dynamics --only 'map across'",
-    )
+    yield table(row["columns"], _MAP, "polhode study dynamics --only 'map across'")
 
 
-def _cost(rows: list[dict[str, Any]]) -> Iterator[Block]:
+def _cost(rows: list[JsonObject]) -> Iterator[Block]:
     yield Heading("What a crossing costs")
-    ours = next((r for r in rows if r["program"] == "polhode, batches"), None)
     yield Text(
         f"Crossings at maxima of |G| of `{rows[0]['case']}`, a regular orbit, all programs in one "
         "process, least processor time of several runs, compiling apart; the others at a tolerance "
-        "of 1e-13. The error is that of the last crossing's time beside a run in quad. SciPy's "
+        "of 1e-13. SciPy's "
         "right-hand side and event are Python; CyRK's is compiled by numba, and crossings are "
         "found on its dense output in numpy, all at once. Batches are other orbits of the same "
-        "level, too. *Digits* is what telling them takes on top."
+        "level, too."
     )
-    yield PageTable(
-        (
-            *("program", "orbits", "crossings", "µs a crossing", "beside polhode's batches"),
-            *("error of the last time", "digits, µs a crossing", "outcome"),
-        ),
-        tuple(
-            (
-                row["program"],
-                str(row.get("orbits", "–")),
-                str(row.get("crossings", "–")),
-                or_dash(row.get("microseconds"), ".3g"),
-                or_dash(
-                    row["microseconds"] / ours["microseconds"]
-                    if ours is not None and "microseconds" in row
-                    else None,
-                    ".3g",
-                ),
-                or_dash(row.get("error"), ".1e"),
-                or_dash(row.get("digits_microseconds"), ".3g"),
-                row["outcome"],
-            )
-            for row in rows
-        ),
-        "lrrrrrrl",
-        "polhode study dynamics --only 'cost {0}'",
-    )
+    yield table(_beside_ours(rows), _COST, "polhode study dynamics --only 'cost {0}'")
+
+
+def _beside_ours(rows: list[JsonObject]) -> list[JsonObject]:
+    """The rows, each with its time over that of polhode's batches, where both have one."""
+    times = {row["program"]: row["microseconds"] for row in rows if "microseconds" in row}
+    ours = times.get(_OURS)
+    return [
+        row
+        if ours is None or row["program"] not in times
+        else {**row, "ratio": row["microseconds"] / ours}
+        for row in rows
+    ]

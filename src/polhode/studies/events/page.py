@@ -3,14 +3,66 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
-from polhode.studies.page.blocks import Block, Figure, Heading, PageTable, Text, or_dash
+from polhode.output.json_object import JsonObject
+from polhode.studies.page.blocks import Block, Figure, Heading, Text
+from polhode.studies.page.columns import CASE, DIGITS, END, NUMBER, Column, table, yes
+from polhode.studies.page.words import share
 
 TITLE = "Events: times, counts, contacts and cost"
 
+_ZERO = Column("zero", "zero", "code", "an event is where this is zero")
+_FOUND = Column("found", "found", "d", "events that the run found")
+_UNDECIDED = Column("undecided", "grazing", "d", "contacts that rounding decides, reported as such")
+_TIMES = (
+    Column("motion", "what", meaning="what the events are"),
+    CASE,
+    _ZERO,
+    Column("period", "period", ">", "the period of the motion, by its closed form"),
+    NUMBER,
+    END,
+    Column("true", "true", "d", "events of the closed form"),
+    Column(
+        "found",
+        lambda run: f"{run['found']}{'' if run['complete'] else ' (incomplete)'}",
+        *(">", "events that the run found"),
+    ),
+    Column("largest error, ulps", "ulps", ".3g", "in units in the last place of the time"),
+    Column("largest error", "error", ".1e"),
+    DIGITS,
+)
+_PROVEN = (
+    CASE,
+    END,
+    _ZERO,
+    Column("proven", "proven", "d", "events that are proved to happen"),
+    Column("undecided", "undecided", "d", "zeros of which the proof decides nothing"),
+    Column("in double", "double", "d", "events that a run in double found"),
+    Column("its largest error", "error", ".1e", "the largest error of a time of that run"),
+    Column("radius", "radius", ".1e", "the largest radius of a proven time"),
+)
+_GRAZING = (
+    NUMBER,
+    Column("shift", "shift", ">", "how far below the largest value of q the event lies"),
+    Column("touches", "touches", "d", "how often q reaches its largest value"),
+    _FOUND,
+    _UNDECIDED,
+    Column("as expected", yes("as_expected"), meaning="whether the counts are the right ones"),
+)
+_CUSPS = (NUMBER, Column("cusps", "cusps", "d"), _FOUND, _UNDECIDED)
+_COST = (
+    NUMBER,
+    Column("steps", "steps.0", "d"),
+    Column("none, µs a step", "microseconds_a_step.0", ".3g", "time of a step without events"),
+    Column("one", "microseconds_a_step.1", ".3g", "the same with one event"),
+    Column("three", "microseconds_a_step.2", ".3g", "the same with three events"),
+    Column("found, one", "found.1", "d"),
+    Column("found, three", "found.2", "d"),
+    Column("µs an event, three", "microseconds_an_event.2", ".3g", "added by each event found"),
+)
 
-def blocks(found: dict[str, Any]) -> Iterator[Block]:
+
+def blocks(found: JsonObject) -> Iterator[Block]:
     """The study's page from its JSON object."""
     yield Text(
         "The true times are zeros of the closed form, found in one period to 60 digits without a "
@@ -23,7 +75,8 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         ("far", "Far out: every event once"),
     ):
         yield Heading(title)
-        yield _times(found["motions"], part)
+        rows = [{**motion, **run} for motion in found["motions"] for run in motion[part]]
+        yield table(rows, _TIMES, "polhode study events --only {1} --only '{0}'")
     if found.get("proven"):
         yield from _proven(found["proven"])
     yield from _contacts(found)
@@ -36,66 +89,38 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     )
 
 
-def _counts(found: dict[str, Any]) -> str:
+def _counts(found: JsonObject) -> str:
     """How many counts are exact, and what became of contacts."""
     runs = [run for motion in found["motions"] for run in (*motion["near"], *motion["far"])]
-    exact = sum(run["complete"] and run["found"] == run["true"] for run in runs)
-    told = f"{exact} of {len(runs)} counts are exact."
+    exact = share(run["complete"] and run["found"] == run["true"] for run in runs)
+    told = f"{exact} counts are exact."
     if found["grazing"]:
-        right = sum(row["as_expected"] for row in found["grazing"])
+        right = share(row["as_expected"] for row in found["grazing"])
         told += (
             " Of a contact within sqrt(eps) of zero, rounding decides on none, one or two zeros; "
             "it is to be reported once, as undecided, and one further off as it is: so it was in "
-            f"{right} of {len(found['grazing'])} runs."
+            f"{right} runs."
         )
     return told
 
 
-def finding(found: dict[str, Any]) -> str:
+def finding(found: JsonObject) -> str:
     """The study in a sentence."""
     far = [run for motion in found["motions"] for run in motion["far"]]
     if not far:
-        return str(found["question"])
+        return ""
     true, seen = sum(run["true"] for run in far), sum(run["found"] for run in far)
-    whole = sum(run["complete"] for run in far)
+    whole = share(run["complete"] for run in far)
     near = [run["ulps"] for m in found["motions"] for run in m["near"] if "ulps" in run]
     end = max(run["end"] for run in far)
-    told = f"{seen} events were found where {true} are, each once in {whole} of {len(far)} runs"
+    told = f"{seen} events were found where {true} are, each once in {whole} runs"
     return (
         f"To t = {end:g} {told}; over ten periods no time is off by more than {max(near):.3g} "
         "units in its last place."
     )
 
 
-def _times(motions: list[dict[str, Any]], part: str) -> PageTable:
-    return PageTable(
-        (
-            *("motion", "case", "zero", "period", "number", "to t", "true", "found"),
-            *("largest error, ulps", "largest error", "digits"),
-        ),
-        tuple(
-            (
-                motion["what"],
-                motion["case"],
-                f"`{motion['zero']}`",
-                motion["period"],
-                run["number"],
-                f"{run['end']:g}",
-                str(run["true"]),
-                str(run["found"]) + ("" if run["complete"] else " (incomplete)"),
-                or_dash(run.get("ulps"), ".3g"),
-                or_dash(run.get("error"), ".1e"),
-                or_dash(run.get("digits"), ".1f"),
-            )
-            for motion in motions
-            for run in motion[part]
-        ),
-        "lllrlrrrrrr",
-        "polhode study events --only {1} --only '{0}'",
-    )
-
-
-def _proven(cases: list[dict[str, Any]]) -> Iterator[Block]:
+def _proven(cases: list[JsonObject]) -> Iterator[Block]:
     """Proven events of motions without a closed form, beside those of a run in double."""
     rows = [
         row | {"case": case["case"], "end": case["end"]} for case in cases for row in case["events"]
@@ -111,68 +136,28 @@ def _proven(cases: list[dict[str, Any]]) -> Iterator[Block]:
         "`polhode.certify_events` proves that these events happen and no others, and encloses "
         f"their times; beside them a run in double. {told}"
     )
-    yield PageTable(
-        ("case", "to t", "zero", "proven", "undecided", "in double", "its largest error", "radius"),
-        tuple(
-            (
-                row["case"],
-                f"{row['end']:g}",
-                f"`{row['zero']}`",
-                str(row["proven"]),
-                str(row["undecided"]),
-                str(row["double"]),
-                or_dash(row.get("error"), ".1e"),
-                or_dash(row.get("radius"), ".1e"),
-            )
-            for row in rows
-        ),
-        "lrlrrrrr",
-        "polhode study events --only {0}",
-    )
+    yield table(rows, _PROVEN, "polhode study events --only {0}")
 
 
-def _contacts(found: dict[str, Any]) -> Iterator[Block]:
+def _contacts(found: JsonObject) -> Iterator[Block]:
     yield Heading("Contacts that rounding decides")
     yield Text(
         "q of `euler/largest-axis` against its largest value less a shift: above sqrt(eps) two "
         "crossings a touch or none, below it one undecided contact."
     )
-    yield PageTable(
-        ("number", "shift", "touches", "found", "undecided", "as expected"),
-        tuple(
-            (
-                row["number"],
-                row["shift"],
-                str(row["touches"]),
-                str(row["found"]),
-                str(row["grazing"]),
-                "yes" if row["as_expected"] else "no",
-            )
-            for row in found["grazing"]
-        ),
-        "lrrrrl",
-        "polhode study events --only grazing --only {0} --only 'shift {1}'",
-    )
+    again = "polhode study events --only grazing --only {0} --only 'shift {1}'"
+    yield table(found["grazing"], _GRAZING, again)
     yield Text("psi' of the cusped top (`lagrange/cusped`) touches zero at each cusp:")
-    yield PageTable(
-        ("number", "cusps", "found", "undecided"),
-        tuple(
-            (row["number"], str(row["cusps"]), str(row["found"]), str(row["grazing"]))
-            for row in found["cusps"]
-        ),
-        "lrrr",
-        "polhode study events --only cusps --only {0}",
-    )
+    yield table(found["cusps"], _CUSPS, "polhode study events --only cusps --only {0}")
 
 
-def _same_steps(rows: list[dict[str, Any]]) -> str:
-    same = sum(len(set(row["steps"])) == 1 for row in rows)
-    if same == len(rows):
-        return "The steps are as many with and without."
-    return f"The steps are as many with and without in {same} of {len(rows)} number types."
+def _same_steps(rows: list[JsonObject]) -> str:
+    same = [len(set(row["steps"])) == 1 for row in rows]
+    where = "" if all(same) else f" in {share(same)} number types"
+    return f"The steps are as many with and without{where}."
 
 
-def _cost(rows: list[dict[str, Any]]) -> Iterator[Block]:
+def _cost(rows: list[JsonObject]) -> Iterator[Block]:
     yield Heading("What events cost")
     yield Text(
         "Microseconds a step of `general/asymmetric-regular` with no event, one and three, the "
@@ -180,21 +165,4 @@ def _cost(rows: list[dict[str, Any]]) -> Iterator[Block]:
         "costs, all included. In double the events of a long run are found beside it, all at once; "
         f"in other types heyoka calls Python where it meets one. {_same_steps(rows)}"
     )
-    yield PageTable(
-        (
-            *("number", "steps", "none, µs a step", "one", "three", "found, one", "found, three"),
-            "µs an event, three",
-        ),
-        tuple(
-            (
-                row["number"],
-                str(row["steps"][0]),
-                *(f"{m:.3g}" for m in row["microseconds_a_step"]),
-                *(str(n) for n in row["found"][1:]),
-                or_dash(row["microseconds_an_event"][2], ".3g"),
-            )
-            for row in rows
-        ),
-        "lrrrrrrr",
-        "polhode study events --only cost --only {0}",
-    )
+    yield table(rows, _COST, "polhode study events --only cost --only {0}")

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
-from polhode.studies.page.blocks import Block, Figure, Heading, PageTable, Text
+from polhode.output.json_object import JsonObject
+from polhode.studies.page.blocks import Block, Figure, Heading, Text
+from polhode.studies.page.columns import NUMBER, STEPS, Column, table
+from polhode.studies.page.words import DASH, between, listed, share
 
 TITLE = "Forms: which form of the equations to take"
 
@@ -29,12 +31,35 @@ _SHOWN = (
 )
 
 
-def blocks(found: dict[str, Any]) -> Iterator[Block]:
+_ADVICE = (
+    Column("form", "form"),
+    Column("source", "source", "", "equations of the source, see `polhode guide forms`"),
+    Column("motions", "share", meaning="runs in double that reach the end, of all"),
+    Column("time / principal", "times", ">", "their time over that of the principal form"),
+    Column("most digits lost", "lost", ".1f", "digits less than in the principal form, at most"),
+    Column("else", "else", meaning="how the other runs ended"),
+    Column("take it for", lambda row: _TAKE[row["form"]]),
+)
+_RUNS = (
+    Column("form", "form"),
+    NUMBER,
+    STEPS,
+    Column("run, ms", lambda run: _milliseconds(run, "run"), ".2f", "the least of several"),
+    Column("build, ms", lambda run: _milliseconds(run, "build"), ".0f", "making the integrator"),
+    Column(
+        "time / principal", "time_against_principal", ".2f", "time over that of the principal form"
+    ),
+    Column("digits", "correct_digits", ".1f", "correct digits, the fewest of ten times"),
+    Column("lost", "lost_digits", ".1f", "digits of the principal form less those of this form"),
+    Column("outcome", lambda run: ": ".join(run[k] for k in ("outcome", "reason") if k in run)),
+)
+
+
+def blocks(found: JsonObject) -> Iterator[Block]:
     """The study's page from its JSON object."""
     yield Text(
-        "Correct digits are the fewest of ten times up to the end, against the case's reference. "
-        "*Lost* digits are those of the principal form less those of the form itself. Time is the "
-        "least of several runs, building apart. A form in angles ends where sin theta falls below "
+        "Correct digits are by the case's reference. A form in angles ends where sin theta falls "
+        "below"
         "about eps^(1/4), the forms in omega or G alone where Iw is so near to the direction of "
         "r0: a passage at a distance d costs about log10(1/d) digits, so what is returned has lost "
         "at most about a quarter of the type's digits to the singular set. Angles among the "
@@ -43,72 +68,51 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     )
     yield Figure("forms", _SHOWN)
     yield Heading("Which form to take")
-    yield _advice(found)
+    yield table(_advice(found), _ADVICE, "polhode study forms -o DIR")
     for motion in found["motions"]:
         yield Heading(f"{motion['what']}: `{motion['case']}`")
-        axes = motion["axes"] and f" Axes in the order {motion['axes']}."
-        yield Text(
-            f"To t = {motion['end']} (quad to a tenth), judged by {motion['reference']}."
-            + (axes or "")
-        )
-        yield _table(motion["runs"], f"polhode study forms --only {motion['case']}")
+        axes = f" Axes in the order {motion['axes']}." if motion["axes"] else ""
+        told = f"To t = {motion['end']} (quad to a tenth), judged by {motion['reference']}."
+        yield Text(told + axes)
+        yield table(motion["runs"], _RUNS, f"polhode study forms --only {motion['case']}")
 
 
-def finding(found: dict[str, Any]) -> str:
+def finding(found: JsonObject) -> str:
     """The study in a sentence."""
-    runs = [r for m in found["motions"] for r in m["runs"] if r["number"] == "double"]
-    done = [r for r in runs if "correct_digits" in r and r["form"] != "principal"]
+    runs = [r for r in _in_double(found) if r["form"] != "principal"]
+    done = [r for r in runs if "correct_digits" in r]
     if not done:
-        return str(found["question"])
+        return ""
     slowest = max(done, key=lambda r: r["time_against_principal"])
     worst = max(done, key=lambda r: r["lost_digits"])
     ahead = sum(r["lost_digits"] < 0 for r in done)
-    faster = sum(r["time_against_principal"] < 1 for r in done)
+    faster = share(r["time_against_principal"] < 1 for r in done)
     return (
         f"In double the other forms take up to {slowest['time_against_principal']:.1f} times as "
         f"long as the principal one ({slowest['form']}) and lose up to {worst['lost_digits']:.1f} "
-        f"digits ({worst['form']}); {faster} of {len(done)} runs in them are faster, {ahead} are "
+        f"digits ({worst['form']}); {faster} runs in them are faster, {ahead} are "
         "right to more digits."
     )
 
 
-def _advice(found: dict[str, Any]) -> PageTable:
-    rows = []
+def _in_double(found: JsonObject) -> list[JsonObject]:
+    return [r for m in found["motions"] for r in m["runs"] if r["number"] == "double"]
+
+
+def _milliseconds(run: JsonObject, part: str) -> float | None:
+    return 1e3 * run["seconds"][part] if "seconds" in run else None
+
+
+def _advice(found: JsonObject) -> Iterator[JsonObject]:
+    """A row for each form, of its runs in double."""
     for form, place in found["sources"].items():
-        runs = [r for m in found["motions"] for r in m["runs"] if r["form"] == form]
-        runs = [r for r in runs if r["number"] == "double"]
+        runs = [r for r in _in_double(found) if r["form"] == form]
         done = [r for r in runs if "correct_digits" in r]
-        ratios = [r["time_against_principal"] for r in done]
-        others = sorted({r["outcome"] for r in runs if "correct_digits" not in r})
-        rows.append(
-            (
-                form,
-                place,
-                f"{len(done)} of {len(runs)}",
-                f"{min(ratios):.1f}–{max(ratios):.1f}" if ratios else "–",
-                f"{max(r['lost_digits'] for r in done):.1f}" if done else "–",
-                ", ".join(others) or "–",
-                _TAKE[form],
-            )
-        )
-    header = ("form", "source", "motions", "time / principal", "most digits lost", "else")
-    return PageTable((*header, "take it for"), tuple(rows), "lllrrll", "polhode study forms -o DIR")
-
-
-def _table(runs: list[dict[str, Any]], again: str) -> PageTable:
-    header = ("form", "number", "steps", "run, ms", "build, ms", "time / principal")
-    rows = [
-        (
-            r["form"],
-            r["number"],
-            str(r.get("steps", "–")),
-            f"{1e3 * r['seconds']['run']:.2f}" if "seconds" in r else "–",
-            f"{1e3 * r['seconds']['build']:.0f}" if "seconds" in r else "–",
-            f"{r['time_against_principal']:.2f}" if "seconds" in r else "–",
-            f"{r['correct_digits']:.1f}" if "correct_digits" in r else "–",
-            f"{r['lost_digits']:.1f}" if "lost_digits" in r else "–",
-            r["outcome"] + (f": {r['reason']}" if "reason" in r else ""),
-        )
-        for r in runs
-    ]
-    return PageTable((*header, "digits", "lost", "outcome"), tuple(rows), "llrrrrrrl", again)
+        yield {
+            "form": form,
+            "source": place,
+            "share": share("correct_digits" in r for r in runs),
+            "times": between([r["time_against_principal"] for r in done], ".1f", DASH),
+            "lost": max((r["lost_digits"] for r in done), default=None),
+            "else": listed(r["outcome"] for r in runs if "correct_digits" not in r),
+        }

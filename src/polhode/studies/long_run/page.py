@@ -4,15 +4,44 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any
 
+from polhode.output.json_object import JsonObject
 from polhode.studies.page.blocks import Block, Figure, Heading, Items, PageTable, Text
+from polhode.studies.page.columns import Column, at_times, table
+from polhode.studies.page.words import formatted
 
 TITLE = "Long runs: growth of error and drift"
 _AGAIN = "polhode study long-run --only '{0} growth'"
+_SPREAD = "median / largest of the ensemble"
+_LEFT = "the error that the rounded inputs leave, and × the run's own error over it"
+
+_TOP = Column("top", "top")
+_METHOD = Column("method", "method")
+_LAW = Column("law", "law", "g", "the exponent of the law above")
+_LAST_DECADE = Column(
+    "last decade alone", lambda row: _fitted(row, "last_decade"), ">", "fitted to the last decade"
+)
+_EXPONENTS = (
+    _TOP,
+    _METHOD,
+    Column("of", "of"),
+    Column("exponent", lambda row: _fitted(row, "exponent"), ">", "of t, ± its standard error"),
+    _LAST_DECADE,
+    _LAW,
+)
+_PROJECTION = (
+    _TOP,
+    Column(
+        "onto",
+        lambda row: _squared(", ".join(row["projection"]["onto"])),
+        meaning="integrals that were kept",
+    ),
+    Column("largest", "projection.largest", ".1e", "the largest correction of the state"),
+    Column("sum", "projection.sum", ".1e", "the largest sum of a run's corrections"),
+)
 
 
-def blocks(found: dict[str, Any]) -> Iterator[Block]:
+def blocks(found: JsonObject) -> Iterator[Block]:
     """The study's page from its JSON object."""
     tops = found["tops"]
     if not tops:
@@ -42,7 +71,7 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
         "the frequencies once and for all, an error that grows like t, 1; before that shows, "
         "roundings within the level add up like t^1/2."
     )
-    yield _exponents(tops)
+    yield table(_exponents(tops), _EXPONENTS, _AGAIN)
     yield from _walks(tops)
     yield from _beside_inputs(tops)
     for name, title in (("error", "Error"), ("drift", "Drift")):
@@ -52,60 +81,54 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     blamed = [top["top"] for top in tops if top["wall"]]
     yield Text(
         "The closed forms' own errors at the last time are "
-        + ", ".join(f"{_power(top['reference_error'])} ({top['top']})" for top in tops)
+        + ", ".join(f"{formatted(top['reference_error'], '.1e')} ({top['top']})" for top in tops)
         + (f": a wall for {', '.join(blamed)}." if blamed else ": no wall.")
     )
     yield from _far(found)
 
 
-def finding(found: dict[str, Any]) -> str:
+def finding(found: JsonObject) -> str:
     """The study in a sentence."""
+    if not found["tops"]:
+        return ""
     told = []
     for top in found["tops"]:
         plain, projected = (m["error"]["median"][-1] for m in top["methods"])
-        told.append(f"{_power(projected)} ({top['top']}; {_power(plain)} without)")
+        told.append(f"{projected:.1e} ({top['top']}; {plain:.1e} without)")
     return (
         f"At t = {found['tops'][0]['times'][-1]} half of the runs in double of random bodies are "
         f"within {', '.join(told)} of the truth where they are put back on their first integrals."
     )
 
 
-def _exponents(tops: list[dict[str, Any]]) -> PageTable:
-    rows = []
-    for top in tops:
-        for method in top["methods"]:
-            for name in ("error", "drift"):
-                found = method.get(name)
-                if found is not None and found["exponent"] is not None:
-                    rows.append(
-                        (
-                            top["top"],
-                            method["method"],
-                            name,
-                            *_fitted(found),
-                            f"{found['law']:g}",
-                        )
-                    )
-    header = ("top", "method", "of", "exponent", "last decade alone", "law")
-    return PageTable(header, tuple(rows), "lllrrr", _AGAIN)
+def _methods(tops: list[JsonObject]) -> list[JsonObject]:
+    """Every method on every kind of top, each with what is said of the top."""
+    return [{**top, **method} for top in tops for method in top["methods"]]
 
 
-def _fitted(found: dict[str, Any]) -> tuple[str, str]:
-    """An exponent and that of the last decade, each with its standard error."""
+def _exponents(tops: list[JsonObject]) -> list[JsonObject]:
+    """What grew by each method on each kind of top, of which an exponent was found."""
+    return [
+        {**row, **row[name], "of": name}
+        for row in _methods(tops)
+        for name in ("error", "drift")
+        if row.get(name) is not None and row[name]["exponent"] is not None
+    ]
+
+
+def _fitted(found: JsonObject, name: str) -> str | None:
+    """An exponent, or that of the last decade, with its standard error."""
     if found["exponent"] is None:
-        return "–", "–"
+        return None
     if found["exponent"] == found["uncertainty"] == 0:  # such as the spin of a Lagrange top
-        return "stays", "stays"
-    return (
-        f"{found['exponent']:.2f} ± {found['uncertainty']:.2f}",
-        f"{found['last_decade']:.2f} ± {found['last_uncertainty']:.2f}",
-    )
+        return "stays"
+    error = {"exponent": "uncertainty", "last_decade": "last_uncertainty"}[name]
+    return f"{found[name]:.2f} ± {found[error]:.2f}"
 
 
-def _walks(tops: list[dict[str, Any]]) -> Iterator[Block]:
+def _walks(tops: list[JsonObject]) -> Iterator[Block]:
     """Each integral's mean departure beside its standard deviation: bias against random walk."""
-    walks = [(top, row) for top in tops for m in top["methods"] for row in m.get("integrals", ())]
-    if not walks:
+    if not _integrals(tops):
         return
     yield Heading("Bias against random walk")
     yield Text(
@@ -115,30 +138,31 @@ def _walks(tops: list[dict[str, Any]]) -> Iterator[Block]:
         "over the root of the number of starts), one that differs from body to body lifts the "
         f"exponent. {bias(tops)}"
     )
-    rows = []
-    for top, row in walks:
-        mean, deviation = row["mean"][-1], row["deviation"][-1]
-        rows.append(
-            (
-                *(top["top"], _named(row)),
-                f"{mean:+.1e} ± {_standard_error(top, row):.1e}",
-                f"{deviation:.1e}",
-                f"{_pull(top, row):+.1f}",
-                *_fitted(row),
-                f"{row['law']:g}",
-            )
-        )
-    header = (
-        *("top", "integral", f"mean at t = {tops[0]['times'][-1]}", "standard deviation"),
-        *("mean / its error", "exponent of the deviation", "last decade alone", "law"),
+    columns = (
+        _TOP,
+        Column("integral", lambda row: _squared(row["integral"])),
+        Column(
+            f"mean at t = {tops[0]['times'][-1]}",
+            lambda row: f"{row['mean'][-1]:+.1e} ± {_standard_error(row):.1e}",
+            ">",
+        ),
+        Column("standard deviation", lambda row: row["deviation"][-1], ".1e"),
+        Column("mean / its error", _pull, "+.1f", "the mean in its own standard errors"),
+        Column("exponent of the deviation", lambda row: _fitted(row, "exponent"), ">"),
+        _LAST_DECADE,
+        _LAW,
     )
-    yield PageTable(header, tuple(rows), "llrrrrrr", _AGAIN)
+    yield table(_integrals(tops), columns, _AGAIN)
 
 
-def bias(tops: list[dict[str, Any]]) -> str:
+def _integrals(tops: list[JsonObject]) -> list[JsonObject]:
+    """Every integral of every kind of top."""
+    return [{**row, **one} for row in _methods(tops) for one in row.get("integrals", ())]
+
+
+def bias(tops: list[JsonObject]) -> str:
     """Which means are off zero, in a sentence; Student's t of 15 is beyond 4 once in a thousand."""
-    walks = [(top, row) for top in tops for m in top["methods"] for row in m.get("integrals", ())]
-    pulls = {f"{_named(row)} ({top['top']})": _pull(top, row) for top, row in walks}
+    pulls = {f"{_squared(r['integral'])} ({r['top']})": _pull(r) for r in _integrals(tops)}
     off = [f"{name}, {pull:+.1f} standard errors" for name, pull in pulls.items() if abs(pull) > 4]
     if off:
         return f"A bias is seen in {'; '.join(off)}."
@@ -148,35 +172,26 @@ def bias(tops: list[dict[str, Any]]) -> str:
     )
 
 
-def _named(row: dict[str, Any]) -> str:
-    name: str = row["integral"].replace("^2", "²")
-    return name
+def _squared(names: str) -> str:
+    return names.replace("^2", "²")
 
 
-def _standard_error(top: dict[str, Any], row: dict[str, Any]) -> float:
-    found: float = row["deviation"][-1] / math.sqrt(top["starts"])
+def _standard_error(row: JsonObject) -> float:
+    found: float = row["deviation"][-1] / math.sqrt(row["starts"])
     return found
 
 
-def _pull(top: dict[str, Any], row: dict[str, Any]) -> float:
-    error = _standard_error(top, row)
+def _pull(row: JsonObject) -> float:
+    error = _standard_error(row)
     return 0.0 if error == 0 else row["mean"][-1] / error
 
 
-def _beside_inputs(tops: list[dict[str, Any]]) -> Iterator[Block]:
+def _beside_inputs(tops: list[JsonObject]) -> Iterator[Block]:
     """Errors of projected runs over what rounding the inputs leaves of them."""
-    rows = []
-    for top in tops:
-        for method in top["methods"]:
-            if "inputs" in method:
-                alone, over = (method["inputs"][k] for k in ("median", "error_over_it"))
-                cells = [_times(*pair) for pair in zip(alone, over, strict=True)]
-                grown = alone[-1] * top["times"][-1] / top["times"][len(alone) - 1]
-                cells.append(_times(grown, method["error"]["median"][-1] / grown))
-                rows.append((top["top"], *cells))
+    rows = [method for method in _methods(tops) if "inputs" in method]
     if not rows:
         return
-    times, end = tops[0]["times"][: len(rows[0]) - 2], tops[0]["times"][-1]
+    times, end = tops[0]["times"][: len(rows[0]["inputs"]["median"])], tops[0]["times"][-1]
     yield Heading("Projected runs beside what rounding the inputs leaves")
     yield Text(
         "The error that the rounding of each scene's own numbers to double leaves where the state "
@@ -186,50 +201,50 @@ def _beside_inputs(tops: list[dict[str, Any]]) -> Iterator[Block]:
         "it went on like t, and the median error there over that. Where that is near one, a "
         "projected run's error is by then little else than that of its inputs."
     )
-    header = ("top", *(f"t = {t}" for t in times), f"t = {end}, like t")
-    yield PageTable(header, tuple(rows), "l" + "r" * (len(times) + 1), _AGAIN)
-
-
-def _times(alone: float, over: float) -> str:
-    return f"{_power(alone)}; ×{over:.3g}"
-
-
-def _growth(tops: list[dict[str, Any]], name: str) -> PageTable:
-    times = tops[0]["times"]
-    rows = []
-    for top in tops:
-        for method in top["methods"]:
-            if name in method:
-                pairs = zip(method[name]["median"], method[name]["largest"], strict=True)
-                cells = (f"{_power(middle)} / {_power(most)}" for middle, most in pairs)
-                rows.append((top["top"], method["method"], *cells))
-    header = ("top", "method", *(f"t = {t}" for t in times))
-    return PageTable(header, tuple(rows), "ll" + "r" * len(times), _AGAIN)
-
-
-def _corrections(tops: list[dict[str, Any]]) -> Iterator[Block]:
-    """What projection took, which stands in for the drift of projected runs."""
-    rows = tuple(
-        (
-            top["top"],
-            ", ".join(method["projection"]["onto"]).replace("^2", "²"),
-            _power(method["projection"]["largest"]),
-            _power(method["projection"]["sum"]),
-        )
-        for top in tops
-        for method in top["methods"]
-        if "projection" in method
+    columns = (
+        _TOP,
+        *at_times(times, _over_inputs, _LEFT),
+        Column(f"t = {end}, like t", _like_t, ">"),
     )
+    yield table(rows, columns, _AGAIN)
+
+
+def _over_inputs(row: JsonObject, k: int) -> str:
+    """What rounding the inputs leaves at a time, and the run's error over it."""
+    return f"{row['inputs']['median'][k]:.1e}; ×{row['inputs']['error_over_it'][k]:.3g}"
+
+
+def _like_t(row: JsonObject) -> str:
+    """The same at the last time, where it went on like t."""
+    alone, times = row["inputs"]["median"], row["times"]
+    grown = alone[-1] * times[-1] / times[len(alone) - 1]
+    return f"{grown:.1e}; ×{row['error']['median'][-1] / grown:.3g}"
+
+
+def _growth(tops: list[JsonObject], name: str) -> PageTable:
+    """Median and largest error, or drift, at each time."""
+    rows = [method for method in _methods(tops) if name in method]
+    columns = at_times(tops[0]["times"], lambda row, k: _middle_and_most(row[name], k), _SPREAD)
+    return table(rows, (_TOP, _METHOD, *columns), _AGAIN)
+
+
+def _middle_and_most(found: JsonObject, k: int) -> str:
+    return f"{formatted(found['median'][k], '.1e')} / {formatted(found['largest'][k], '.1e')}"
+
+
+def _corrections(tops: list[JsonObject]) -> Iterator[Block]:
+    """What projection took, which stands in for the drift of projected runs."""
+    rows = [method for method in _methods(tops) if "projection" in method]
     if rows:
         yield Heading("Projection")
         yield Text(
             "The drift of a projected run is no evidence of accuracy. Instead: the largest single "
             "correction of the state and the largest sum of a run's corrections, over all starts."
         )
-        yield PageTable(("top", "onto", "largest", "sum"), rows, "llrr", _AGAIN)
+        yield table(rows, _PROJECTION, _AGAIN)
 
 
-def _far(found: dict[str, Any]) -> Iterator[Block]:
+def _far(found: JsonObject) -> Iterator[Block]:
     """Every double method at its tightest tolerance, on the same starts."""
     far = found["at"]
     if not far["tops"] and not found["tops"]:
@@ -241,48 +256,38 @@ def _far(found: dict[str, Any]) -> Iterator[Block]:
         "1e-8 for the splitting (a shorter step takes minutes a top)."
     )
     yield far_table(found)
-    told = [
-        f"{m['method']}, {top['top']}: {fault}"
-        for top in far["tops"]
-        for m in top["methods"]
-        for fault in m["faults"]
-    ]
+    methods = _methods(far["tops"])
+    told = [f"{m['method']}, {m['top']}: {fault}" for m in methods for fault in m["faults"]]
     told += [f"{name}: not run ({why})" for name, why in far["not_run"].items()]
     yield Items(tuple(told))
 
 
-def _fewer(far: dict[str, Any]) -> str:
+def _fewer(far: JsonObject) -> str:
     """Which methods were given the first of the starts alone."""
-    rows = [m for top in far["tops"] for m in top["methods"]]
-    counts = {m["method"]: m.get("starts", far["starts"]) for m in rows}
+    counts = {m["method"]: m.get("starts", far["starts"]) for m in _methods(far["tops"])}
     told = [f"{name}: the first {n}" for name, n in counts.items() if n < far["starts"]]
     return f" ({', '.join(told)})" if told else ""
 
 
-def far_table(found: dict[str, Any]) -> PageTable:
+def far_table(found: JsonObject) -> PageTable:
     """Median and largest error of every method at the far moment, a column a kind of top."""
     far = found["at"]
-    columns: dict[str, dict[str, str]] = {}
-    for top in found["tops"]:
-        at = top["times"].index(far["t"])
-        for method in top["methods"]:
-            name = "polhode" if "projected" in method["method"] else "polhode, not projected"
-            middle, most = (method["error"][key][at] for key in ("median", "largest"))
-            columns.setdefault(name, {})[top["top"]] = f"{_power(middle)} / {_power(most)}"
-    columns = dict(sorted(columns.items()))
-    for top in far["tops"]:
-        for method in top["methods"]:
-            cell = f"{_power(method['median'])} / {_power(method['largest'])}"
-            if method["reached"] == 0:
-                cell = "failed"
-            elif method.get("starts", far["starts"]) < far["starts"]:
-                cell += f", {method['starts']} starts"
-            columns.setdefault(method["method"], {})[top["top"]] = cell
-    tops = list(dict.fromkeys(top["top"] for top in (*found["tops"], *far["tops"])))
-    rows = tuple((name, *(cells.get(top, "–") for top in tops)) for name, cells in columns.items())
-    again = "polhode study long-run --only far --only '{0}'"
-    return PageTable(("method", *tops), rows, "l" + "r" * len(tops), again)
-
-
-def _power(x: float | None) -> str:
-    return "–" if x is None else f"{x:.1e}"
+    rows: dict[str, JsonObject] = {}
+    for method in _methods(found["tops"]):
+        name = "polhode" if "projected" in method["method"] else "polhode, not projected"
+        cell = _middle_and_most(method["error"], method["times"].index(far["t"]))
+        rows.setdefault(name, {})[method["top"]] = cell
+    rows = dict(sorted(rows.items()))
+    for method in _methods(far["tops"]):
+        cell = f"{formatted(method['median'], '.1e')} / {formatted(method['largest'], '.1e')}"
+        if method["reached"] == 0:
+            cell = "failed"
+        elif method.get("starts", far["starts"]) < far["starts"]:
+            cell += f", {method['starts']} starts"
+        rows.setdefault(method["method"], {})[method["top"]] = cell
+    tops = dict.fromkeys(top["top"] for top in (*found["tops"], *far["tops"]))
+    return table(
+        [{"method": name, **cells} for name, cells in rows.items()],
+        (_METHOD, *(Column(top, top, ">") for top in tops)),
+        "polhode study long-run --only far --only '{0}'",
+    )

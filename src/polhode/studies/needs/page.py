@@ -3,34 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 from polhode.output.json_object import JsonObject
-from polhode.studies.page.blocks import Block, Number, PageTable, Text
+from polhode.studies.page.blocks import Block, Number
+from polhode.studies.page.columns import Column, table
+from polhode.studies.page.words import between
 
 TITLE = "What you get: need, command, digits, seconds"
 
+_COLUMNS = (
+    Column("need", "need"),
+    Column("command", "command", "code"),
+    Column(
+        *("digits", "digits", ".1f"),
+        "correct digits, the fewest over the output times, by the closed form or a proven "
+        "enclosure (of a file, those that `compare` prints)",
+    ),
+    Column(
+        *("s", "seconds", ".2g"),
+        "seconds of the whole command with the start of Python and its imports, the least of "
+        "several, with compiled code from the cache (the first run of a new body compiles for "
+        "about a second)",
+    ),
+)
 
-def blocks(found: dict[str, Any]) -> Iterator[Block]:
+
+def blocks(found: JsonObject) -> Iterator[Block]:
     """The study's page from its JSON object."""
-    rows = tuple(
-        (
-            row["need"],
-            f"`{row['command']}`",
-            f"{row['digits']:.1f}",
-            f"{row['seconds']:.2g}",
-        )
-        for row in found["needs"]
-    )
-    yield PageTable(
-        ("need", "command", "digits", "s"), rows, "llrr", "polhode study needs --only '{0}'"
-    )
-    yield Text(
-        "Digits: the fewest over the output times, against the closed form or, where there is "
-        "none, a proven enclosure; for a file, those that `compare` prints. Seconds: the whole "
-        "command with Python's start and its imports, the least of several, what is compiled being "
-        "loaded from the cache; the first run of a new body compiles for a second or so."
-    )
+    yield table(found["needs"], _COLUMNS, "polhode study needs --only '{0}'")
 
 
 def headline(found: JsonObject) -> Number | None:
@@ -42,13 +42,12 @@ def headline(found: JsonObject) -> Number | None:
     return Number(f"{int(row['digits'])} digits", words)
 
 
-def finding(found: dict[str, Any]) -> str:
+def finding(found: JsonObject) -> str:
     """The study in a sentence."""
     if not found["needs"]:
-        return "Nothing was run."
-    least, most = (f([row["seconds"] for row in found["needs"]]) for f in (min, max))
-    fewest, many = (f([row["digits"] for row in found["needs"]]) for f in (min, max))
+        return ""
+    digits, seconds = ([row[key] for row in found["needs"]] for key in ("digits", "seconds"))
     return (
-        f"From {fewest:.1f} to {many:.1f} correct digits in {least:.2g} to {most:.2g} seconds, "
+        f"From {between(digits, '.1f')} correct digits in {between(seconds, '.2g')} seconds, "
         "by one command each."
     )

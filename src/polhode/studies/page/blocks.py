@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 
 class Number(NamedTuple):
@@ -34,13 +34,23 @@ class Items(NamedTuple):
 class PageTable(NamedTuple):
     """Rows of cells under a header; ``align``: one character a column, l or r.
 
-    ``again``: the command that makes a row again; {0}, {1} stand for its cells.
+    ``again``: the command that makes a row again; {0}, {1} stand for its cells.  ``meanings``: what
+    each column holds, "" where its header tells it.
     """
 
     header: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     align: str = ""
     again: str = ""
+    meanings: tuple[str, ...] = ()
+
+    @property
+    def explained(self) -> tuple[tuple[str, str], ...]:
+        """Headers and what they mean; those that mean the same, such as number types, together."""
+        headers: dict[str, list[str]] = {}
+        for header, meaning in zip(self.header, self.meanings, strict=False):
+            headers.setdefault(meaning, []).append(header)
+        return tuple((", ".join(names), meaning) for meaning, names in headers.items() if meaning)
 
     def command(self, row: tuple[str, ...]) -> str:
         """The command that makes one of the rows again."""
@@ -66,11 +76,6 @@ class Figure(NamedTuple):
 Block = Heading | Text | Items | PageTable | Figure
 
 
-def or_dash(value: Any, form: str) -> str:
-    """A number in a format; a dash where there is none."""
-    return "–" if value is None else format(value, form)
-
-
 def markdown(title: str, blocks: Iterable[Block]) -> str:
     """The page as Markdown."""
     return "\n".join(_lines(title, blocks)).rstrip() + "\n"
@@ -79,6 +84,7 @@ def markdown(title: str, blocks: Iterable[Block]) -> str:
 def _lines(title: str, blocks: Iterable[Block]) -> Iterator[str]:
     yield f"# {title}"
     yield ""
+    said = set()
     for block in blocks:
         match block:
             case Heading(text):
@@ -87,11 +93,16 @@ def _lines(title: str, blocks: Iterable[Block]) -> Iterator[str]:
                 yield text
             case Items(items):
                 yield from (f"- {item}" for item in items)
-            case PageTable(header, rows, align, _):
+            case PageTable(header, rows, align):
                 sides = align or "l" * len(header)
                 yield _row(header)
                 yield "|" + "|".join("--:" if side == "r" else "---" for side in sides) + "|"
                 yield from (_row(row) for row in rows)
+                if block.explained and block.explained not in said:  # of many, once
+                    said.add(block.explained)
+                    told = "; ".join(f"*{names}*: {meaning}" for names, meaning in block.explained)
+                    yield ""
+                    yield f"Columns: {told}."
                 if block.told:
                     yield ""
                     yield block.told

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from html import escape
 from typing import NamedTuple, TypeAlias
 
@@ -156,7 +156,8 @@ def _made(table: PageTable, names: set[str]) -> Iterator[str]:
     yield (
         "<p>By the commands below; no number was edited by hand. <code>polhode study NAME -o "
         "DIR</code> makes one study again, with <code>--only 'PART OF ITS NAME'</code> one row, "
-        "which it prints. The key is of the code, the cases and the versions.</p>"
+        "which it prints. The key is of the code that its rows import, the cases and the "
+        "versions.</p>"
     )
     yield from _table(table, names, folded=False)
     yield "</section>"
@@ -237,22 +238,40 @@ def _table(table: PageTable, names: set[str], folded: bool) -> Iterator[str]:
         count = "1 row" if len(table.rows) == 1 else f"{len(table.rows)} rows"
         yield f'<details class="rows"><summary>{count}: {columns}, …</summary>'
     yield '<div class="wide" tabindex="0"><table>'
-    yield f"<thead>{_row('th', table.header, sides, names)}</thead>"
+    titles = table.meanings or [""] * len(table.header)
+    yield f"<thead>{_row('th', table.header, sides, names, titles)}</thead>"
     yield "<tbody>"
     yield from (_row("td", row, sides, names) for row in table.rows)
     yield "</tbody></table></div>"
+    if table.explained:
+        yield '<ul class="columns">'
+        for headers, meaning in table.explained:
+            yield f"<li><b>{inline(headers)}</b>: {inline(meaning, names)}</li>"
+        yield "</ul>"
     if table.told:
         yield f'<p class="again">{inline(table.told)}</p>'
     if folded:
         yield "</details>"
 
 
-def _row(tag: str, cells: Iterable[str], sides: str, names: set[str]) -> str:
+def _row(
+    tag: str, cells: Sequence[str], sides: str, names: set[str], titles: Iterable[str] = ()
+) -> str:
+    """A row of a table; ``titles``: what is shown of each cell while a pointer rests on it."""
     made = (
-        f"<{tag}{_kind(cell, side)}>{_cell(cell, names)}</{tag}>"
-        for cell, side in zip(cells, sides, strict=True)
+        f"<{tag}{_kind(cell, side)}{_title(title)}>{_cell(cell, names)}</{tag}>"
+        for cell, side, title in zip(cells, sides, titles or [""] * len(cells), strict=True)
     )
     return f"<tr>{''.join(made)}</tr>"
+
+
+def _title(text: str) -> str:
+    return f' title="{escape(_MARK.sub(_plain, text))}"' if text else ""
+
+
+def _plain(mark: re.Match[str]) -> str:
+    """The words of a mark of Markdown."""
+    return str(mark["code"] or mark["words"] or mark["stress"])
 
 
 def _cell(cell: str, names: set[str]) -> str:

@@ -40,6 +40,7 @@ th, td { padding: .2rem .45rem; border-bottom: 1px solid #ddd; text-align: left;
 td.long { white-space: normal; min-width: 18rem; max-width: 30rem; }
 th { border-bottom: 2px solid #999; }
 th.r, td.r { text-align: right; }
+ul.columns { font-size: .75rem; color: #444; margin: .3rem 0 .6rem; padding-left: 1rem; }
 p.again { font-size: .75rem; color: #444; margin: 0 0 .6rem; }
 tbody tr:nth-child(even) { background: #0000000a; }
 figure { margin: 1rem 0; }

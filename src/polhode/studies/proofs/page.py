@@ -2,14 +2,87 @@
 
 from __future__ import annotations
 
-import statistics
 from collections import Counter
 from collections.abc import Iterator
 
 from polhode.output.json_object import JsonObject
-from polhode.studies.page.blocks import Block, Figure, Heading, Number, PageTable, Text
+from polhode.studies.page.blocks import Block, Figure, Heading, Number, Text
+from polhode.studies.page.columns import Column, table, yes
+from polhode.studies.page.words import DASH, between, counted, median, share
 
 TITLE = "Proofs: periodic orbits and chaos that exist"
+
+
+_AGAIN = "polhode study proofs --only '{0}'"
+_ORBITS = (
+    Column("top", "top"),
+    Column("level", lambda one: f"h = {one['h']}, f = {one['f']}"),
+    Column("proved", "share", meaning="orbits proved to exist, of those that the search found"),
+    Column("kinds", "kinds"),
+    Column("periods", "periods", meaning="least and largest period of the proved orbits"),
+    Column("fewest digits", "digits", ".1f", "the fewest proven digits of an orbit"),
+    Column("s", "seconds", ">", "processor seconds of a proof, the median"),
+    Column(
+        "checked",
+        "checked",
+        "d",
+        "proofs that the checker, which imports nothing of polhode, proves again from their "
+        "certificates",
+    ),
+    Column("check, s", "verify_seconds", ">", "processor seconds of such a check, the median"),
+)
+_REFUSED = (
+    Column("top", "top"),
+    Column("period", "period", ">", "about that of all these orbits"),
+    Column("orbits", "orbits", "d"),
+    Column("residue", "residue", ">", "Greene's residue, 0 on a resonant torus"),
+    Column("cause", "cause", "", "why the proof was refused"),
+)
+_CHAOS = (
+    Column("top", lambda row: f"chaos: {row['what']}"),
+    Column("level", lambda row: _if_proved(row, "h = {h}, f = {f}")),
+    Column(
+        "orbit",
+        lambda row: _orbit(row) if row["proved"] else row["cause"],
+        meaning="the unstable periodic orbit whose manifolds meet",
+    ),
+    Column("coverings", "coverings", "d", "covering relations that the proof consists of"),
+    Column(
+        "stretch, height",
+        lambda row: _if_proved(row, "{stretch:.2f}, {height:.2f}"),
+        ">",
+        "margins of these relations: the least stretch must be above 1, the largest height below 1",
+    ),
+    Column(
+        "entropy",
+        "entropy",
+        ".2g",
+        "proven lower bound of the topological entropy, per unit of time",
+    ),
+    Column("s", lambda row: _if_proved(row, "{seconds:.1f}"), ">", "processor seconds"),
+    Column(
+        "checked",
+        yes("verified"),
+        meaning=(
+            "whether the checker, which imports nothing of polhode, proves it again from its "
+            "certificate"
+        ),
+    ),
+    Column(
+        "check, s",
+        lambda row: row["verify_seconds"] if row.get("verified") else None,
+        *(".1f", "processor seconds of that check"),
+    ),
+)
+
+
+def _orbit(row: JsonObject) -> str:
+    return f"{row['kind']}, period {float(row['period']):.6g}"
+
+
+def _if_proved(row: JsonObject, form: str) -> str | None:
+    """What is said of a proof of chaos; None where it is refused."""
+    return form.format(**row) if row["proved"] else None
 
 
 def blocks(found: JsonObject) -> Iterator[Block]:
@@ -19,8 +92,7 @@ def blocks(found: JsonObject) -> Iterator[Block]:
         "A proof is a theorem about the exact numbers of a scene on its own exact level of energy "
         "and vertical momentum: `polhode guide theorems` says what it claims and what it does not. "
         "Each is written as a certificate, and proved again from that by a file that imports "
-        "nothing of polhode (`polhode guide proofs`); *checked* counts those. Seconds are of one "
-        "processor, the second column those of that check."
+        "nothing of polhode (`polhode guide proofs`)."
     )
     if found["orbits"]:
         yield Heading("Periodic orbits")
@@ -35,16 +107,10 @@ def blocks(found: JsonObject) -> Iterator[Block]:
             "Every orbit found, its residue over its period: hyperbolic ones below 0, elliptic "
             "ones between 0 and 1, inverse hyperbolic ones above; crosses are those not proved.",
         )
-        yield _orbits(found["orbits"])
-        causes = [
-            (one["what"], row)
-            for one in found["orbits"]
-            for row in one["orbits"]
-            if not row["proved"]
-        ]
-        if causes:
+        yield table(map(_proved, found["orbits"]), _ORBITS, _AGAIN)
+        if refused := _refused(found["orbits"]):
             yield Text("What was not proved, and why:")
-            yield _refused(causes)
+            yield table(refused, _REFUSED, _AGAIN)
     if found["chaos"]:
         yield Heading("Chaos")
         yield Text(
@@ -62,7 +128,7 @@ def blocks(found: JsonObject) -> Iterator[Block]:
                     "as they were guessed in double, and the sets of the proof, which lie in "
                     "planes of their own.",
                 )
-        yield _chaos(found["chaos"])
+        yield table(found["chaos"], _CHAOS, _AGAIN)
 
 
 def headline(found: JsonObject) -> Number | None:
@@ -73,7 +139,7 @@ def headline(found: JsonObject) -> Number | None:
         return None
     words = (
         f"periodic orbits that a search found of {len(found['orbits'])} tops are proved to exist, "
-        f"in {statistics.median(proved):.2g} s each (median); the others are refused with cause"
+        f"in {median(proved, '.2g')} s each (median); the others are refused with cause"
     )
     return Number(f"{len(proved)} of {len(orbits)}", words)
 
@@ -84,94 +150,62 @@ def finding(found: JsonObject) -> str:
     told = []
     if orbits:
         proved = [row for row in orbits if row["proved"]]
-        kinds = Counter(row["kind"] for row in proved)
-        named = ", ".join(f"{kinds[kind]} {kind}" for kind in sorted(kinds))
-        told.append(
-            f"{len(proved)} of {len(orbits)} periodic orbits of {len(found['orbits'])} tops are "
-            f"proved ({named})"
+        text = (
+            f"{share(row['proved'] for row in orbits)} periodic orbits of {len(found['orbits'])} "
+            f"tops are proved ({_kinds(proved)})"
         )
         if proved:
-            told[-1] += (
-                f", in {statistics.median(row['seconds'] for row in proved):.2g} s of processor "
+            text += (
+                f", in {median([row['seconds'] for row in proved], '.2g')} s of processor "
                 f"time each (median), {sum(row['verified'] for row in proved)} of them proved "
                 "again by the checker that shares no code"
             )
-        told[-1] += "."
+        told.append(f"{text}.")
     if found["chaos"]:
         proved = [row for row in found["chaos"] if row["proved"]]
-        text = f"Chaos is proved of {len(proved)} of {len(found['chaos'])} tops"
+        text = f"Chaos is proved of {share(row['proved'] for row in found['chaos'])} tops"
         if proved:
-            seconds = [row["seconds"] for row in proved]
-            text += f", in {min(seconds):.2g} to {max(seconds):.2g} s"
+            text += f", in {between([row['seconds'] for row in proved], '.2g')} s"
             text += f", {sum(row['verified'] for row in proved)} checked so"
         told.append(f"{text}.")
-    return " ".join(told) or str(found["question"])
+    return " ".join(told)
 
 
-def _orbits(tops: list[JsonObject]) -> PageTable:
-    rows = []
-    for one in tops:
-        proved = [row for row in one["orbits"] if row["proved"]]
-        kinds = Counter(row["kind"] for row in proved)
-        periods = [row["period"] for row in proved]
-        rows.append(
-            (
-                f"orbits: {one['what']}",
-                f"h = {one['h']}, f = {one['f']}",
-                f"{len(proved)} of {len(one['orbits'])}",
-                ", ".join(f"{n} {kind}" for kind, n in sorted(kinds.items())) or "–",
-                f"{min(periods):.3g}–{max(periods):.3g}" if periods else "–",
-                f"{min(row['digits'] for row in proved):.1f}" if proved else "–",
-                f"{statistics.median(row['seconds'] for row in proved):.2f}" if proved else "–",
-                f"{sum(row['verified'] for row in proved)}",
-                _middle([row["verify_seconds"] for row in proved if row["verified"]]),
-            )
-        )
-    header = ("top", "level", "proved", "kinds", "periods", "fewest digits", "s", "checked", "s")
-    return PageTable(header, tuple(rows), "lllllrrrr", "polhode study proofs --only '{0}'")
+def _kinds(proved: list[JsonObject]) -> str:
+    """How many orbits of each kind."""
+    return counted(dict(sorted(Counter(row["kind"] for row in proved).items())))
 
 
-def _refused(causes: list[tuple[str, JsonObject]]) -> PageTable:
+def _proved(one: JsonObject) -> JsonObject:
+    """A row of all orbits that were found of a top."""
+    proved = [row for row in one["orbits"] if row["proved"]]
+    checked = [row["verify_seconds"] for row in proved if row["verified"]]
+    return {
+        **one,
+        "top": f"orbits: {one['what']}",
+        "share": share(row["proved"] for row in one["orbits"]),
+        "kinds": _kinds(proved) or None,
+        "periods": between([row["period"] for row in proved], ".3g", DASH),
+        "digits": min((row["digits"] for row in proved), default=None),
+        "seconds": median([row["seconds"] for row in proved], ".2f"),
+        "checked": sum(row["verified"] for row in proved),
+        "verify_seconds": median(checked, ".2f"),
+    }
+
+
+def _refused(tops: list[JsonObject]) -> list[JsonObject]:
     """A row for all orbits of a top that have about one period and the same cause."""
-    found: dict[tuple[str, str, str], list[JsonObject]] = {}
-    for what, row in causes:
-        cause = row["cause"].partition(":")[0]
-        found.setdefault((what, f"{row['period']:.5g}", cause), []).append(row)
-    rows = [
-        (f"orbits: {what}", period, f"{len(same)}", _between(same), cause)
-        for (what, period, cause), same in found.items()
+    found: dict[tuple[str, str, str], list[float]] = {}
+    for one in tops:
+        for row in one["orbits"]:
+            if not row["proved"]:
+                cause = row["cause"].partition(":")[0]
+                same = (f"orbits: {one['what']}", f"{row['period']:.5g}", cause)
+                found.setdefault(same, []).append(row["residue"])
+    return [
+        {
+            **{"top": top, "period": period, "orbits": len(residues), "cause": cause},
+            "residue": between(residues, ".1e") if len(residues) > 1 else f"{residues[0]:.1e}",
+        }
+        for (top, period, cause), residues in found.items()
     ]
-    header = ("top", "period", "orbits", "residue", "cause")
-    return PageTable(header, tuple(rows), "lrrrl", "polhode study proofs --only '{0}'")
-
-
-def _between(rows: list[JsonObject]) -> str:
-    found = sorted(row["residue"] for row in rows)
-    return f"{found[0]:.1e}" if len(found) == 1 else f"{found[0]:.1e} to {found[-1]:.1e}"
-
-
-def _chaos(found: list[JsonObject]) -> PageTable:
-    rows = []
-    for row in found:
-        if not row["proved"]:
-            rows.append((f"chaos: {row['what']}", "–", row["cause"], *["–"] * 6))
-            continue
-        rows.append(
-            (
-                f"chaos: {row['what']}",
-                f"h = {row['h']}, f = {row['f']}",
-                f"{row['kind']}, period {float(row['period']):.6g}",
-                f"{row['coverings']}",
-                f"{row['stretch']:.2f}, {row['height']:.2f}",
-                f"{row['entropy']:.2g}",
-                f"{row['seconds']:.1f}",
-                "yes" if row["verified"] else "no",
-                f"{row['verify_seconds']:.1f}" if row["verified"] else "–",
-            )
-        )
-    header = ("top", "level", "orbit", "coverings", "stretch, height", "entropy", "s", "checked")
-    return PageTable((*header, "s"), tuple(rows), "lllrrrrlr", "polhode study proofs --only '{0}'")
-
-
-def _middle(seconds: list[float]) -> str:
-    return f"{statistics.median(seconds):.2f}" if seconds else "–"

@@ -3,29 +3,55 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 from polhode.output.json_object import JsonObject
-from polhode.studies.page.blocks import (
-    Block,
-    Figure,
-    Heading,
-    Items,
-    Number,
-    PageTable,
-    Text,
-)
-from polhode.studies.speed.page import contest
+from polhode.studies.page.blocks import Block, Figure, Heading, Items, Text
+from polhode.studies.page.columns import DIGITS, Column, table
+from polhode.studies.page.words import between
+from polhode.studies.speed.page import contest, contest_tables
 
 TITLE = "Speed: what a correct digit costs"
 
+#: What the page says of the comparison with other programs, in sentences of three lengths.
+finding, brief, headline = contest.finding, contest.brief, contest.headline
 
-def blocks(found: dict[str, Any]) -> Iterator[Block]:
+_MOTION = Column("motion", "motion")
+_BEST = (
+    _MOTION,
+    Column("method", "method", "", "the number type, and whether the run is projected"),
+    Column("to", lambda row: f"{row['motion']}, t = {row['end']}"),
+    Column("tol", "tol", ".1e", "the tolerance of the steps, the tightest of several"),
+    DIGITS,
+    Column("least s", "seconds_min", ".3g", "seconds of a run, the least of all"),
+)
+_ELSEWHERE = (
+    Column("program", "program"),
+    Column("written in", "language"),
+    Column("problem", "problem"),
+    Column("figure (read)", "figure"),
+    Column("read where", "source"),
+)
+_REFINED = (
+    _MOTION,
+    Column("t", "end", "d"),
+    Column("bits", "bits", "d", "bits of the number type"),
+    Column("steps, s", "taylor.cpu", ".3g", "CPU seconds of heyoka's steps in that type"),
+    Column("steps, digits", "taylor.digits", ".1f", "their correct digits at the end"),
+    Column("refined, s", "refined.cpu", ".3g", "CPU seconds of the refined run"),
+    Column("refined, digits", "refined.digits", ".1f", "its correct digits at the end"),
+    Column("agreement", "agreement", ".1f", "digits to which the two agree"),
+    Column("estimate", "estimate", ".3g", "the refined run's own estimate of its error"),
+    Column("gain", "gain", ".1f", "seconds of the steps over those of the refined run"),
+)
+
+
+def blocks(found: JsonObject) -> Iterator[Block]:
     """The study's page from its JSON object."""
+    if told := finding(found):
+        yield Text(told)
     if found["cells"] or found["first"]:
-        yield Text(finding(found))
         yield Text("The rules of the comparison: `polhode guide fair-speed`.")
-        yield from contest.blocks(found)
+        yield from contest_tables.blocks(found)
     if found["motions"]:
         yield Heading("polhode's number types")
         yield Text(
@@ -37,46 +63,23 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
             "kappa·eps of a double."
         )
         yield Figure("speed", "Error against seconds of polhode in its number types")
-        yield _best(found["motions"])
+        again = "polhode study speed --only '{0}' --only '{1}'"
+        yield table(_best(found["motions"]), _BEST, again)
         yield from _absent(found["motions"])
     yield from _refined(found.get("refined", []))
     yield from _elsewhere(found.get("elsewhere", ()))
 
 
-def finding(found: dict[str, Any]) -> str:
-    """The study in a few sentences."""
-    return contest.finding(found)
-
-
-def brief(found: JsonObject) -> str:
-    """Where polhode is ahead, and where it is not, in a sentence."""
-    return contest.brief(found)
-
-
-def headline(found: JsonObject) -> Number | None:
-    """In how many cells it is ahead, with those in which it is not."""
-    return contest.headline(found)
-
-
-def _best(motions: Sequence[dict[str, Any]]) -> PageTable:
+def _best(motions: Sequence[JsonObject]) -> Iterator[JsonObject]:
     """Each number type at its tightest tolerance on each motion."""
-    rows = []
     for motion in motions:
         for method in motion["methods"]:
             points = [p for p in method["points"] if "digits" in p]
             if points:
-                last = min(points, key=lambda p: p["tol"])
-                cells = f"{last['digits']:.1f}", _seconds(last.get("seconds_min"))
-                label = f"{motion['motion']}, t = {motion['end']}"
-                rows.append(
-                    (motion["motion"], method["method"], label, f"{last['tol']:.1e}", *cells)
-                )
-    header = ("motion", "method", "to", "tol", "digits", "least s")
-    again = "polhode study speed --only '{0}' --only '{1}'"
-    return PageTable(header, tuple(rows), "lllrrr", again)
+                yield {**motion, **method, **min(points, key=lambda p: p["tol"])}
 
 
-def _elsewhere(rows: Sequence[dict[str, str]]) -> Iterator[Block]:
+def _elsewhere(rows: Sequence[JsonObject]) -> Iterator[Block]:
     """What was read of programs that are not run here."""
     if not rows:
         return
@@ -87,54 +90,29 @@ def _elsewhere(rows: Sequence[dict[str, str]]) -> Iterator[Block]:
         "none was measured for this report: machines, problems and measures of error differ, and "
         "nothing here can be set beside the tables above."
     )
-    columns = ("program", "language", "problem", "figure", "source")
-    header = ("program", "written in", "problem", "figure (read)", "read where")
-    table = tuple(tuple(row[name] for name in columns) for row in rows)
-    yield PageTable(header, table, "lllll")
+    yield table(rows, _ELSEWHERE)
 
 
-def _refined(rows: list[dict[str, Any]]) -> Iterator[Block]:
+def _refined(rows: list[JsonObject]) -> Iterator[Block]:
     """Refined runs beside heyoka's own steps."""
     if not rows:
         return
     yield Heading("Refined runs")
-    gains = [row["gain"] for row in rows]
+    times = [1 / row["gain"] for row in rows]
     better = [row["refined"]["digits"] - row["taylor"]["digits"] for row in rows]
     yield Text(
         "A run in double corrected by exact arithmetic, beside heyoka's own steps in the same "
         "number type: CPU seconds in one process, what is compiled being loaded, the least of "
         "several refined runs and one of steps. Correct digits at the end are by the closed form, "
         "or by heyoka's steps in 12 digits more; here they are not held to what the type can "
-        f"hold. Refinement takes {1 / max(gains):.3f} to {1 / min(gains):.3f} of the time and "
-        f"gives {min(better):+.1f} to {max(better):+.1f} digits more. The two share only a first "
-        "guess; *agreement*: the digits to which they agree."
+        f"hold. Refinement takes {between(times, '.3f')} of the time and "
+        f"gives {between(better, '+.1f')} digits more. The two share only a first "
+        "guess."
     )
-    yield PageTable(
-        (
-            *("motion", "t", "bits", "steps s", "digits", "refined s", "digits"),
-            *("agreement", "estimate", "gain"),
-        ),
-        tuple(
-            (
-                row["motion"],
-                str(row["end"]),
-                str(row["bits"]),
-                _seconds(row["taylor"]["cpu"]),
-                f"{row['taylor']['digits']:.1f}",
-                _seconds(row["refined"]["cpu"]),
-                f"{row['refined']['digits']:.1f}",
-                f"{row['agreement']:.1f}",
-                _seconds(row.get("estimate")),
-                f"{row['gain']:.1f}",
-            )
-            for row in rows
-        ),
-        "lrrrrrrrrr",
-        "polhode study speed --only 'refined: {0} t={1}'",
-    )
+    yield table(rows, _REFINED, "polhode study speed --only 'refined: {0} t={1}'")
 
 
-def _absent(motions: list[dict[str, Any]]) -> Iterator[Block]:
+def _absent(motions: list[JsonObject]) -> Iterator[Block]:
     """Each method that is missing, failed or stale, and why, once."""
     told = {
         f"{m['method']}: {m['status']} ({m['reason']})": None
@@ -145,7 +123,3 @@ def _absent(motions: list[dict[str, Any]]) -> Iterator[Block]:
     if told:
         yield Heading("Missing, failed, stale")
         yield Items(tuple(told))
-
-
-def _seconds(x: float | None) -> str:
-    return "–" if x is None else f"{x:.3g}"

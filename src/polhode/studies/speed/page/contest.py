@@ -1,16 +1,20 @@
-"""Part of the page of speed: polhode beside other programs, in sentences and three tables."""
+"""Part of the page of speed: polhode beside other programs, in sentences."""
 
 from __future__ import annotations
 
 import statistics
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import Any, TypeAlias
+from collections.abc import Callable, Iterable, Sequence
+from typing import TypeAlias
 
-from polhode.studies.page.blocks import Block, Figure, Heading, Items, Number, PageTable, Text
+from polhode.output.json_object import JsonObject
+from polhode.studies.page.blocks import Number
+from polhode.studies.page.words import between, median
 from polhode.studies.speed.programs import ENGINE, OURS, RUN
 
 #: Part of the study's JSON object: the whole, a cell, a level of it.
-Told: TypeAlias = dict[str, Any]
+Told: TypeAlias = JsonObject
+#: Levels of digits, each with its cell.
+Levels: TypeAlias = Sequence[tuple[Told, Told]]
 
 LONG = 1000  # from this end on a run is told as a long one
 SHOWN_OUTPUTS = 101  # of the figure
@@ -18,105 +22,58 @@ _UNCOUNTED = "Cells in which it does not reach the digits itself are not among t
 WORDS = ("ahead", "even", "behind", "alone", "not reached")
 
 
+def _far(cell: Told, _: float) -> bool:
+    return bool(cell["end"] >= 100)
+
+
+def _near(cell: Told, _: float) -> bool:
+    return bool(cell["end"] <= 10)
+
+
 def finding(found: Told) -> str:
     """What the cells and the first results say, in sentences made of them."""
     cells = found["cells"]
     if not cells:
-        return str(found["question"])
-    told = [_conditions(found)]
-    told += [
-        _stands(
-            cells, "From t = 100 on, to 9 and 12 digits,", lambda c, d: c["end"] >= 100 and d > 6
-        ),
+        return ""
+    stands = [
+        _stands(cells, "From t = 100 on, to 9 and 12 digits,", lambda c, d: _far(c, d) and d > 6),
         _stands(cells, "from t = 1000 on, to 6,", lambda c, d: c["end"] >= LONG and d == 6),
-        _stands(cells, "at t = 1 and 10, to 6,", lambda c, d: c["end"] <= 10 and d == 6),
-        _stands(cells, "and there to 9 and 12", lambda c, d: c["end"] <= 10 and d > 6),
+        _stands(cells, "at t = 1 and 10, to 6,", lambda c, d: _near(c, d) and d == 6),
+        _stands(cells, "and there to 9 and 12", lambda c, d: _near(c, d) and d > 6),
     ]
-    sentences = [told[0], "; ".join(text for text in told[1:] if text) + ".", _UNCOUNTED]
+    sentences = [_conditions(found), f"{'; '.join(filter(None, stands))}.", _UNCOUNTED]
     sentences += [_losses(cells), _engine(cells), _trajectories(cells), _compensated(cells)]
     sentences += [_first(found["first"]), _absent(found)]
-    return " ".join(text for text in sentences if text)
+    return " ".join(filter(None, sentences))
 
 
 def brief(found: Told) -> str:
     """The same in a sentence."""
-    cells = found["cells"]
-    told = [
-        _stands(cells, "to 6, 9 and 12 digits from t = 100 on", lambda c, _: c["end"] >= 100),
-        _stands(cells, "at t = 1 and 10", lambda c, _: c["end"] <= 10),
-    ]
-    return "; ".join(text for text in told if text).capitalize() + "."
+    told = _far_and_near(found["cells"], "to 6, 9 and 12 digits ")
+    return f"{told.capitalize()}." if told else ""
 
 
 def headline(found: Told) -> Number | None:
     """How often a propagator is ahead, in long runs and in short ones."""
-    cells = found["cells"]
-    long, short = (
-        _ahead(cells, wanted)
-        for wanted in (lambda c, _: c["end"] >= 100, lambda c, _: c["end"] <= 10)
-    )
-    if not long[1]:
+    far, near = (_ahead(found["cells"], wanted) for wanted in (_far, _near))
+    if not far[1]:
         return None
     words = (
         "cells of the speed study from t = 100 on, to 6, 9 and 12 digits, in which a polhode "
-        f"propagator is ahead of every other program; at t = 1 and 10 {short[0]} of {short[1]}"
+        f"propagator is ahead of every other program; at t = 1 and 10 {near[0]} of {near[1]}"
     )
-    return Number(f"{long[0]} of {long[1]}", words)
+    return Number(f"{far[0]} of {far[1]}", words)
 
 
 def short(found: Told) -> str:
     """The same in a paragraph: where polhode is ahead, where it is not, beside its own engine."""
     cells = found["cells"]
-    told = [
-        _stands(cells, "from t = 100 on", lambda c, _: c["end"] >= 100),
-        _stands(cells, "at t = 1 and 10", lambda c, _: c["end"] <= 10),
-    ]
     sentences = [
         "Every program prepared once and given a new start each time, to 6, 9 and 12 digits,",
-        "; ".join(text for text in told if text) + ".",
+        f"{_far_and_near(cells)}.",
         *(_losses(cells), _engine(cells), _absent(found)),
     ]
-    return " ".join(text for text in sentences if text)
-
-
-def blocks(found: Told) -> Iterator[Block]:
-    """Rules, figure and tables."""
-    cells = found["cells"]
-    if found["first"]:
-        yield Heading("The first result in a new process")
-        yield Text(
-            "Seconds from the start of Python to the last state of one run (Kovalevskaya's top, "
-            "t = 10, 101 outputs, tolerance 1e-9), the least of several processes: with empty "
-            "caches of compiled code (cold), and with those that the first process left (warm). "
-            "What numba compiles round CyRK and numbalsoda cannot be kept on disk."
-        )
-        yield _first_table(found["first"])
-    if not cells:
-        return
-    short = [cell for cell in cells if cell["end"] < LONG]
-    long = [cell for cell in cells if cell["end"] >= LONG]
-    yield Figure(
-        "lengths",
-        "The time of each program over that of a polhode propagator, to the same digits, with "
-        f"{SHOWN_OUTPUTS} outputs (2 where a program was not run with more): the median over the "
-        "kinds of motion; above 1 polhode is faster. No mark: fewer than 7 of 8 draws reach the "
-        "digits in every kind, or the program was not run so far.",
-    )
-    for title, here in (("A new start of a prepared body", short), ("Long runs", long)):
-        if here:
-            yield Heading(title)
-            yield _table(here)
-    yield Text(
-        "*ahead*, *even*, *behind*: of the kinds of motion in which polhode reaches the digits, "
-        "how many a propagator wins, ties (the 95 % interval of the median ratio holds 1) or loses "
-        "against the best of the others; *alone*: no other reaches them. A kind in which polhode "
-        "itself does not reach them from 7 of 8 draws counts as *not reached*. Ratios are times "
-        "over the propagator's, the median over the kinds, and the least and most."
-    )
-    faults = {f"{name}: {fault}": None for cell in cells for name, fault in cell["faults"].items()}
-    if faults:
-        yield Text("What failed, and was counted as not reached:")
-        yield Items(tuple(faults)[:20])
+    return " ".join(filter(None, sentences))
 
 
 def _conditions(found: Told) -> str:
@@ -129,12 +86,14 @@ def _conditions(found: Told) -> str:
     )
 
 
-def levels(cells: Iterable[Told], wanted: Callable[[Told, float], bool]) -> list[tuple[Told, Told]]:
+def levels(
+    cells: Iterable[Told], wanted: Callable[[Told, float], bool] = lambda *_: True
+) -> Levels:
     """The cells and their levels that are wanted."""
     return [(c, x) for c in cells for x in c["levels"] if wanted(c, x["digits"])]
 
 
-def counted(found: Sequence[tuple[Told, Told]]) -> dict[str, int]:
+def counted(found: Levels) -> dict[str, int]:
     """How often polhode is ahead, even, behind, alone, or does not reach the digits itself."""
     stands = [level["verdict"]["stands"] for _, level in found]
     return {word: stands.count(word) for word in WORDS}
@@ -159,21 +118,33 @@ def _ahead(cells: Sequence[Told], wanted: Callable[[Told, float], bool]) -> tupl
     return count["ahead"] + count["alone"], len(here) - count["not reached"]
 
 
+def _far_and_near(cells: Sequence[Told], digits: str = "") -> str:
+    """In how many cells of long and of short runs it is ahead."""
+    told = [
+        _stands(cells, f"{digits}from t = 100 on", _far),
+        _stands(cells, "at t = 1 and 10", _near),
+    ]
+    return "; ".join(filter(None, told))
+
+
+def _by_end(cells: Sequence[Told]) -> dict[float, Levels]:
+    """All cells and their levels by the length of the runs, from the shortest on."""
+    ends = sorted({cell["end"] for cell in cells})
+    return {end: levels([cell for cell in cells if cell["end"] == end]) for end in ends}
+
+
 def _losses(cells: Sequence[Told]) -> str:
     """Where it is behind: by whom, and by how much."""
-    lost = [
-        (cell, level["verdict"])
-        for cell, level in levels(cells, lambda c, d: True)
-        if level["verdict"]["stands"] == "behind"
-    ]
-    if not lost:
-        return ""
     told = []
-    for end in sorted({cell["end"] for cell, _ in lost}):
-        here = [verdict for cell, verdict in lost if cell["end"] == end]
-        worst = min(here, key=lambda verdict: verdict["ratio"][0])
-        middle = statistics.median(verdict["ratio"][0] for verdict in here)
-        told.append(f"{middle:.2f} at t = {end} ({worst['best']} {worst['ratio'][0]:.2f})")
+    for end, here in _by_end(cells).items():
+        verdicts = [level["verdict"] for _, level in here]
+        lost = [verdict for verdict in verdicts if verdict["stands"] == "behind"]
+        if lost:
+            worst = min(lost, key=lambda verdict: float(verdict["ratio"][0]))
+            middle = median([verdict["ratio"][0] for verdict in lost], ".2f")
+            told.append(f"{middle} at t = {end} ({worst['best']} {worst['ratio'][0]:.2f})")
+    if not told:
+        return ""
     return (
         f"Where it is behind, the best takes, in the median and at the least, {', '.join(told)} of "
         "its time."
@@ -183,17 +154,10 @@ def _losses(cells: Sequence[Told]) -> str:
 def _engine(cells: Sequence[Told]) -> str:
     """polhode beside heyoka written by hand."""
     told = []
-    for end in sorted({cell["end"] for cell in cells}):
-        ratios = [
-            1 / program["ratio"][0]
-            for cell in cells
-            if cell["end"] == end
-            for level in cell["levels"]
-            for program in level["programs"]
-            if program["program"] == ENGINE and program["ratio"] is not None
-        ]
+    for end, here in _by_end(cells).items():
+        ratios = [1 / ratio for ratio in ratios_of(here, ENGINE)]
         if ratios:
-            told.append(f"{statistics.median(ratios):.2f} (at most {max(ratios):.2f}) at t = {end}")
+            told.append(f"{median(ratios, '.2f')} (at most {max(ratios):.2f}) at t = {end}")
     if not told:
         return ""
     text = "heyoka written by hand is polhode's own engine; a propagator takes "
@@ -202,49 +166,37 @@ def _engine(cells: Sequence[Told]) -> str:
 
 def _trajectories(cells: Sequence[Told]) -> str:
     """What a trajectory of ``integrate`` costs more than a propagator's states."""
-    more = {}
-    for end in sorted({cell["end"] for cell in cells}):
-        found = [
-            1000 * (run["seconds"] - ours["seconds"])
-            for cell in cells
-            if cell["end"] == end and cell["outputs"] == 2
-            for level in cell["levels"]
-            for ours, run in [_both(level)]
-            if ours["seconds"] and run["seconds"]
-        ]
-        if found and end <= 100:
-            more[end] = statistics.median(found)
-    if not more:
+    medians = []
+    for end, here in _by_end(cells).items():
+        pairs = [_both(level) for cell, level in here if cell["outputs"] == 2]
+        more = [1000 * (run - ours) for ours, run in pairs if ours and run]
+        if more and end <= 100:
+            medians.append(statistics.median(more))
+    if not medians:
         return ""
-    told = f"{min(more.values()):.2f} to {max(more.values()):.2f}"
     return (
-        f"`polhode.integrate`, which makes a trajectory with its checks, costs {told} ms a run "
-        "more with a new start."
+        "`polhode.integrate`, which makes a trajectory with its checks, costs "
+        f"{between(medians, '.2f')} ms a run more with a new start."
     )
 
 
-def _both(level: Told) -> tuple[Told, Told]:
-    by_name = {program["program"]: program for program in level["programs"]}
-    nothing = {"seconds": None}
-    return by_name.get(OURS, nothing), by_name.get(RUN, nothing)
+def _both(level: Told) -> tuple[float | None, float | None]:
+    """Seconds of a propagator and of ``integrate``."""
+    seconds = {program["program"]: program["seconds"] for program in level["programs"]}
+    return seconds.get(OURS), seconds.get(RUN)
 
 
 def _compensated(cells: Sequence[Told]) -> str:
     """The program that keeps digits where others lose them."""
     name = "splitting 8 compensated"
-    met = [
-        (cell, program)
-        for cell, level in levels(cells, lambda c, d: c["end"] >= LONG and d == 12)
-        for program in level["programs"]
-        if program["program"] == name
-    ]
+    here = levels(cells, lambda c, d: c["end"] >= LONG and d == 12)
+    met = [(c, p) for c, x in here for p in x["programs"] if p["program"] == name]
     if not met:
         return ""
     reached, asked = sum(p["reached"] for _, p in met), sum(cell["draws"] for cell, _ in met)
-    ratios = [program["ratio"][0] for _, program in met if program["ratio"] is not None]
     text = f"To 12 digits from t = {LONG} on {name} arrives in {reached} of {asked} runs"
-    if ratios:
-        text += f", in {statistics.median(ratios):.2g} times polhode's time where both do"
+    if ratios := ratios_of(here, name):
+        text += f", in {median(ratios, '.2g')} times polhode's time where both do"
     return f"{text}."
 
 
@@ -262,61 +214,8 @@ def _absent(found: Told) -> str:
     return f"Not run: {', '.join(found['without'])}." if found["without"] else ""
 
 
-def _first_table(rows: Sequence[Told]) -> PageTable:
-    """Wall and processor seconds, cold and warm."""
-    made = [
-        (
-            row["program"],
-            *(
-                f"{row[word][clock]:.2f}" if word in row else row["fault"] or "–"
-                for word in ("cold", "warm")
-                for clock in ("wall", "processor")
-            ),
-        )
-        for row in sorted(rows, key=lambda row: row.get("cold", {}).get("wall", 1e9))
-    ]
-    header = ("program", "cold, s", "processor", "warm, s", "processor")
-    return PageTable(header, tuple(made), "lrrrr", "polhode study speed --only 'first result'")
-
-
-def _table(cells: Sequence[Told]) -> PageTable:
-    """A row a length, number of outputs and level, over the kinds."""
-    rows = []
-    places = list(dict.fromkeys((cell["end"], cell["outputs"]) for cell in cells))
-    for end, outputs in sorted(places):
-        here = [cell for cell in cells if (cell["end"], cell["outputs"]) == (end, outputs)]
-        for digits in [level["digits"] for level in here[0]["levels"]]:
-            there = [(c, x) for c in here for x in c["levels"] if x["digits"] == digits]
-            rows.append((f"t={end} outputs={outputs}", f"{digits:g}", *_cells(there)))
-    header = ("cells", "digits", "propagator, ms", "stands", "best other", "its ratio", ENGINE, RUN)
-    return PageTable(header, tuple(rows), "lrrllrrr", "polhode study speed --only '{0}'")
-
-
-def _cells(found: Sequence[tuple[Told, Told]]) -> Iterator[str]:
-    """What a row says of one length and level."""
-    own = [p["seconds"] for _, x in found for p in x["programs"] if p["program"] == OURS]
-    there = [1000 * seconds for seconds in own if seconds]
-    yield f"{statistics.median(there):.3g}" if there else "–"
-    count = counted(found)
-    yield ", ".join(f"{n} {word}" for word, n in count.items() if n)
-    met = [x["verdict"] for _, x in found if "best" in x["verdict"]]
-    names = [verdict["best"] for verdict in met]
-    yield ", ".join(sorted(set(names), key=lambda name: (-names.count(name), name))[:2]) or "–"
-    yield _spread([verdict["ratio"][0] for verdict in met])
-    for name in (ENGINE, RUN):
-        yield _spread(
-            [
-                p["ratio"][0]
-                for _, x in found
-                for p in x["programs"]
-                if p["program"] == name and p["ratio"] is not None
-            ]
-        )
-
-
-def _spread(ratios: Sequence[float]) -> str:
-    if not ratios:
-        return "–"
-    if len(ratios) == 1:
-        return f"{ratios[0]:.2f}"
-    return f"{statistics.median(ratios):.2f} ({min(ratios):.2f}–{max(ratios):.2f})"
+def ratios_of(found: Levels, name: str) -> list[float]:
+    """The ratios of a program, where it has one."""
+    programs = [program for _, level in found for program in level["programs"]]
+    named = [program["ratio"] for program in programs if program["program"] == name]
+    return [ratio[0] for ratio in named if ratio is not None]

@@ -1,0 +1,91 @@
+"""Columns of a case that was run in several number types, the same in every study."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from polhode.output.json_object import JsonObject
+from polhode.studies.page.columns import CASE, REGIME, Column
+from polhode.studies.page.words import DASH, listed
+
+NUMBERS = ("double", "extended", "quad", "mp")
+
+#: What a case is judged against, by the word of its reference.
+REFERENCES = {
+    "euler": "the closed form of the Euler top",
+    "lagrange": "the closed form of the Lagrange top",
+    "kovalevskaya": "the closed form of the Kovalevskaya top",
+    "pendulum": "the closed form of the physical pendulum",
+    "staude": "permanent rotations",
+    "bobylev-steklov": "the closed form of Bobylev and Steklov's motions",
+    "grioli": "Grioli's regular precession",
+    "steklov": "the closed form of Steklov's motions",
+    "goryachev": "the closed form of Goryachev's motions",
+    "n-kowalewski": "the closed form of N. Kowalewski's motions",
+    "chaplygin": "the closed form of Chaplygin's motions",
+    "goryachev-chaplygin": "the closed form of Goryachev and Chaplygin's case",
+    "hess": "the closed form of Hess and Appelrot's case",
+    "certified": "a proven enclosure",
+    "two-precisions": "two integrations at different precision",
+}
+
+
+def by_number(case: JsonObject) -> JsonObject:
+    """A case with its runs by their number types, each with the digits expected as text."""
+    runs = [{**run, "band": expected(run.get("expected"))} for run in case["runs"]]
+    return {**case, "runs": {run["number"]: run for run in runs}}
+
+
+def runs_of(cases: list[JsonObject]) -> list[tuple[JsonObject, JsonObject]]:
+    """Every run of the cases, each with its case."""
+    return [(case, run) for case in cases for run in case["runs"]]
+
+
+def expected(band: list[float] | None) -> str | None:
+    """The digits expected, from the least to the most of nine in ten runs."""
+    return None if band is None else f"{band[0]:.1f}{DASH}{band[2]:.1f}"
+
+
+def digits(run: JsonObject | None) -> float | str | None:
+    """A run's correct digits, or in words why it has none; None where it was not run."""
+    if run is None:
+        return None
+    found: float | str = run["correct_digits"] if "correct_digits" in run else run["outcome"]
+    return run.get("lost") or found
+
+
+def in_numbers(write: Callable[[JsonObject | None], object], meaning: str) -> tuple[Column, ...]:
+    """A column for each number type, in which something is written of the case's run in it."""
+
+    def value(case: JsonObject, number: str) -> object:
+        return write(case["runs"].get(number))
+
+    headers = {"mp": "mp (50)"}
+    return tuple(
+        Column(headers.get(name, name), partial(value, number=name), ".1f", meaning)
+        for name in NUMBERS
+    )
+
+
+ABOUT = (
+    CASE,
+    REGIME,
+    Column("t", lambda case: float(case["end"]), "g", "the last time of the runs"),
+)
+DRIFTS = {
+    key: Column(
+        f"drift {key}",
+        f"runs.double.drift.{key}",
+        ".0e",
+        "the largest departure from the exact value of an integral (energy h, area integral f, "
+        "length of gamma) during the run in double",
+    )
+    for key in ("h", "f", "gamma")
+}
+DOUBLE_STEPS = Column("steps", "runs.double.steps", "d", "steps of the run in double")
+OUTCOMES = Column(
+    "outcome",
+    lambda case: listed(run["outcome"] for run in case["runs"].values()),
+    meaning="how the runs ended",
+)
