@@ -15,6 +15,7 @@ from polhode.common.result import Result
 from polhode.figures import motion_page, results
 from polhode.figures.canvas import canvas, curve_sampling, over_time
 from polhode.figures.canvas.curve_sampling import Samples
+from polhode.figures.explanations import explained
 from polhode.figures.sampled_motion import of_samples
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers.exact import Exact
@@ -167,8 +168,13 @@ def page_of(found: Samples, command: str, measured: bool = False) -> str:
         else ("Attitude and omega by heyoka's Taylor method, in double.")
     )
     known = reference_of(replace(scene, reference="auto"))
-    title = scene.title or scene.name
-    return motion_page.page(motion, title, known.kind, known.regime, origin, command)
+    title, regime = scene.title or scene.name, known.regime
+    words = explained(known.kind, regime, scene.body)
+    if measured and not motion.on_level():
+        words = regime = (
+            "The file is of another motion than the scene's: energy or momentum differ."
+        )
+    return motion_page.page(motion, title, regime, words, origin, command)
 
 
 def _samples(what_of: Trajectory | Scene | str | Path, what: str, end: AnyNumber | None) -> Samples:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from polhode.numbers.exact import sign
 from polhode.scenes.body import Body
 from polhode.scenes.classification import CHAPLYGIN, kind_of_body
 
@@ -28,8 +29,8 @@ _POLHODE = (
     "polhode; in space it draws the herpolhode, which in general does not close."
 )
 _REGULAR = (
-    "No torque acts, and two moments are equal: the axis of the third goes round the fixed "
-    "direction of the angular momentum at a constant rate and tilt, a regular precession. "
+    "No torque acts, and two moments are equal: the axis of symmetry goes round the fixed "
+    "direction of the angular momentum at a constant rate and angle, a regular precession. "
 )
 _PARTICULAR = (
     "A particular solution of a heavy body that is not integrable: from such special starts its "
@@ -119,12 +120,12 @@ EXPLANATIONS = (
     Explanation(
         "euler",
         "axisymmetric, oblate",
-        f"{_REGULAR}The body is flat: the third moment is the largest.",
+        f"{_REGULAR}The moment about the axis of symmetry is the largest.",
     ),
     Explanation(
         "euler",
         "axisymmetric, prolate",
-        f"{_REGULAR}The body is long: the third moment is the smallest.",
+        f"{_REGULAR}The moment about the axis of symmetry is the smallest.",
     ),
     Explanation(
         "euler",
@@ -169,6 +170,7 @@ EXPLANATIONS = (
         "No torque acts, and all moments are equal. The body turns at a constant rate about an "
         "axis that keeps its place in the body and in space.",
     ),
+    Explanation("kovalevskaya", "pendulum", f"{_SWINGS} The body is Kovalevskaya's top."),
     Explanation(
         "kovalevskaya",
         "",
@@ -191,9 +193,15 @@ EXPLANATIONS = (
     ),
     Explanation(
         "staude",
-        "",
+        "permanent rotation, spectrally stable",
         "The body turns at a constant rate about a line fixed in it, which stays vertical: a "
         "permanent rotation. To first order, a small push does not grow.",
+    ),
+    Explanation(
+        "staude",
+        "",
+        "The body turns at a constant rate about a line fixed in it, which stays vertical: a "
+        "permanent rotation.",
     ),
     Explanation(
         "grioli",
@@ -216,17 +224,29 @@ EXPLANATIONS = (
 )
 _REST = "The body is at rest, and stays so."
 _NONE = (
-    "No closed form of this motion is known. Such bodies have regular motions and chaotic ones, in "
-    "which small differences of the start grow exponentially; polhode.lyapunov tells which this is."
+    "polhode has no closed form of this motion. Such bodies have regular motions and chaotic ones, "
+    "in which small differences of the start grow exponentially; polhode.lyapunov tells which this "
+    "is."
 )
 _CHAPLYGIN = (
-    "A body of Goryachev and Chaplygin's, but with a momentum about the vertical: no closed form "
-    "is known, and its motions are regular or chaotic; polhode.lyapunov tells which this is."
+    "A body of Goryachev and Chaplygin's, but with a momentum about the vertical: it has no closed "
+    "form here, and its motions are regular or chaotic; polhode.lyapunov tells which this is."
+)
+
+
+_UPWARD = (
+    " The weight is negative, it pulls upward: high and low are meant for the point opposite to "
+    "the centre of mass."
 )
 
 
 def explained(kind: str, regime: str, body: Body) -> str:
     """Two sentences on a motion; ``kind`` and ``regime`` of its reference."""
+    upward = not body.torque_free and sign(body.weight) < 0
+    return _words(kind, regime, body) + (_UPWARD if upward else "")
+
+
+def _words(kind: str, regime: str, body: Body) -> str:
     if regime.startswith("rest"):
         return _REST
     for kinds, begins, text in EXPLANATIONS:

@@ -1,6 +1,6 @@
 """A motion as a film, GIF or MP4: the body turning, its apex drawing a path, by matplotlib.
 
-Where the motion comes back to its start the film ends there, so that it repeats without a jump.
+Where the motion comes back to its first moment the film ends there, and repeats without a jump.
 """
 
 from __future__ import annotations
@@ -28,13 +28,14 @@ from polhode.numbers.rows import Doubles
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from PIL.Image import Image
 
 SUFFIXES = (".gif", ".mp4")
 SECONDS = 6
 DOTS = 100  # an inch
 COLOURS = 64  # of a GIF
-_LEFT = 0.1  # radians: what a motion is away by once it has left its start
-CLOSED = 2e-3  # radians: what a motion may miss its start by and count as back, less than a pixel
+_SEEN = 1e-3  # radians that are seen
+CLOSED = 3e-7  # radians: what a motion may miss its first moment by and count as back
 _LIGHT = np.array([-0.4, 0.6, 0.7]) / math.sqrt(1.01)  # right, up, to the viewer
 _PALE = np.array([0.93, 0.93, 0.93])
 _MESH = 16  # pieces of a meridian
@@ -54,12 +55,12 @@ USUAL = Look()
 def require(suffix: str, look: Look = USUAL) -> None:
     """Raise BadInput where a film of this kind cannot be made here."""
     if not 100 <= look.size <= 2000 or look.size % 2:
-        raise BadInput("polhode", "--size", look.size, "an even number of pixels, 100 to 2000")
+        raise BadInput("plot", "--size", look.size, "an even number of pixels, 100 to 2000")
     if not 1 <= look.rate <= 60:
-        raise BadInput("polhode", "--fps", look.rate, "frames a second, 1 to 60")
+        raise BadInput("plot", "--fps", look.rate, "frames a second, 1 to 60")
     if suffix == ".gif" and (look.rate > 50 or 100 % look.rate):
         expected = "1, 2, 4, 5, 10, 20, 25 or 50: a GIF counts hundredths of a second"
-        raise BadInput("polhode", "--fps", look.rate, expected)
+        raise BadInput("plot", "--fps", look.rate, expected)
     if suffix == ".mp4":
         from matplotlib import animation
 
@@ -69,9 +70,10 @@ def require(suffix: str, look: Look = USUAL) -> None:
 
 
 class Film(NamedTuple):
-    """The bytes of a film, the last moment that it shows, and whether that is the first again."""
+    """The bytes of a film, the first and last moment, and whether the last is as the first."""
 
     data: bytes
+    begin: float
     end: float
     closed: bool
 
@@ -82,8 +84,8 @@ def filmed(found: Samples, suffix: str, tell: Callable[[float], None], look: Loo
     motion = of_samples(found)
     count = SECONDS * look.rate
     back = return_time(motion)
-    end = float(motion.times[-1]) if back is None else back
-    moments = np.linspace(float(motion.times[0]), end, count, endpoint=back is None)
+    begin, end = float(motion.times[0]), float(motion.times[-1]) if back is None else back
+    moments = np.linspace(begin, end, count, endpoint=back is None)
     with plt.rc_context(PAPER):
         inches = look.size / DOTS
         figure, axes = plt.subplots(figsize=(inches, inches), dpi=DOTS, layout="constrained")
@@ -95,22 +97,22 @@ def filmed(found: Samples, suffix: str, tell: Callable[[float], None], look: Loo
                 tell((k + 1) / count)
                 yield figure
 
-        pictures = frames()
         try:
             if suffix == ".gif":
-                made = _gif(pictures, look.rate)
+                drawn.show(end)  # has every colour
+                made = _gif(frames(), _palette(figure), look.rate)
             else:
-                made = _mp4(pictures, figure, found.name, look.rate)
+                made = _mp4(frames(), figure, found.name, look.rate)
         finally:
             plt.close(figure)
-        return Film(made, end, back is not None)
+        return Film(made, begin, end, back is not None)
 
 
 def return_time(motion: Motion) -> float | None:
-    """The last time at which the motion is back at its start, attitude and omega; None if never.
+    """The last time at which attitude and omega are those of the first moment; None if never.
 
-    Back: nearer than CLOSED radians, and omega as near in units of its largest: nobody who looks
-    sees a difference.
+    They are to within CLOSED, omega in units of its largest, after the motion has been away from
+    there by more than half of the farthest that it goes.
     """
     attitude, omega = motion.at(motion.times[0])
     fastest = np.max(np.linalg.norm(motion.omega, axis=1)) or 1.0
@@ -122,11 +124,12 @@ def return_time(motion: Motion) -> float | None:
         return found
 
     distance = away(motion.times)
-    if not np.any(distance > _LEFT):
+    if np.max(distance) < _SEEN:
         return None
+    gone = int(np.argmax(distance > np.max(distance) / 2))
     near = (distance[1:-1] <= distance[:-2]) & (distance[1:-1] <= distance[2:])
     for k in 1 + np.flatnonzero(near)[::-1]:
-        if k < np.argmax(distance > _LEFT):
+        if k <= gone:
             break
         low, high = motion.times[k - 1], motion.times[k + 1]
         for _ in range(60):  # thirds: the distance has one minimum here
@@ -137,29 +140,33 @@ def return_time(motion: Motion) -> float | None:
     return None
 
 
-def _gif(frames: Iterator[Figure], rate: int) -> bytes:
+def _gif(frames: Iterator[Figure], palette: Image, rate: int) -> bytes:
     """Pictures of few colours one after the other, for ever."""
+    from PIL import Image
+
+    # with one palette what stands still costs nothing
+    first, *others = [
+        _picture(figure).quantize(palette=palette, dither=Image.Dither.NONE) for figure in frames
+    ]
+    out = BytesIO()
+    told = {"save_all": True, "append_images": others, "duration": 1000 // rate, "loop": 0}
+    first.save(out, format="GIF", **told)
+    return out.getvalue()
+
+
+def _palette(figure: Figure) -> Image:
+    from PIL import Image
+
+    return _picture(figure).quantize(COLOURS, Image.Quantize.MAXCOVERAGE)
+
+
+def _picture(figure: Figure) -> Image:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from PIL import Image
 
-    pictures = []
-    for figure in frames:
-        canvas: Any = FigureCanvasAgg(figure)
-        canvas.draw()
-        pictures.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB"))
-    # the last one has every colour; with one palette what stands still costs nothing
-    palette = pictures[-1].quantize(COLOURS, Image.Quantize.MAXCOVERAGE)
-    pictures = [x.quantize(palette=palette, dither=Image.Dither.NONE) for x in pictures]
-    out = BytesIO()
-    pictures[0].save(
-        out,
-        format="GIF",
-        save_all=True,
-        append_images=pictures[1:],
-        duration=1000 // rate,
-        loop=0,
-    )
-    return out.getvalue()
+    canvas: Any = FigureCanvasAgg(figure)
+    canvas.draw()
+    return Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
 
 
 def _mp4(frames: Iterator[Figure], figure: Figure, name: str, rate: int) -> bytes:
@@ -174,6 +181,8 @@ def _mp4(frames: Iterator[Figure], figure: Figure, name: str, rate: int) -> byte
                     writer.grab_frame()
             return path.read_bytes()
         except (OSError, subprocess.CalledProcessError) as fault:
+            if isinstance(fault.__context__, KeyboardInterrupt):  # ffmpeg hears Ctrl-C, too
+                raise fault.__context__ from None
             said = getattr(fault, "stderr", None) or str(fault)
             last = said.strip().splitlines()[-1] if said.strip() else "it failed"
             expected = f"a program ffmpeg that films in MP4 ({last}); .gif and .html need none"

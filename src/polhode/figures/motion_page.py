@@ -9,6 +9,7 @@ from __future__ import annotations
 import base64
 import json
 import math
+from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -18,17 +19,18 @@ import numpy as np
 from polhode.common.provenance import __version__
 from polhode.common.text_tables import printable
 from polhode.figures.canvas.curve_sampling import Samples
-from polhode.figures.explanations import explained
 from polhode.figures.sampled_motion import Motion
 from polhode.figures.solids import solids, unit
 from polhode.figures.sphere import apex
 from polhode.numbers.conversion import to_double
+from polhode.numbers.rows import Doubles
 from polhode.scenes.body import Body, dot
 from polhode.scenes.classification import LAGRANGE, SPHERE, kind_of_body
 
 _PARTS = Path(__file__).parent / "page"
 TURN_SECONDS = 2.5  # that a turn at the fastest rate takes on the screen
 MOST_SECONDS = 60.0  # that the whole motion takes at most
+_COARSE = 0.5  # radians from one sample to the next that a cubic does not follow
 #: The page's scripts, in the order in which they build on each other.
 SCRIPTS = ("webgl", "solids", "motion", "views", "curves", "controls")
 BLUE, ORANGE, GREEN = "#0072b2", "#d55e00", "#009e73"
@@ -49,11 +51,10 @@ _CONES = (
 )
 
 
-def page(found: Motion, title: str, kind: str, regime: str, origin: str, command: str) -> str:
+def page(found: Motion, title: str, regime: str, words: str, origin: str, command: str) -> str:
     """The page as HTML text.
 
-    ``kind`` and ``regime``: of the motion's reference; ``origin``: where the numbers come from, a
-    sentence.
+    ``words``: what is seen, in sentences; ``origin``: where the numbers come from, a sentence.
     """
     scene = found.scene
     point, _ = apex(Samples(scene.name, {}, scene))
@@ -64,7 +65,7 @@ def page(found: Motion, title: str, kind: str, regime: str, origin: str, command
         (_PARTS / "motion.html").read_text(encoding="utf-8"),
         title=escape(printable(title)),
         about=escape(printable(f"{scene.name}: {regime}")),
-        explained=escape(explained(kind, regime, scene.body)),
+        explained=escape(words),
         css=(_PARTS / "motion.css").read_text(encoding="utf-8"),
         body_alt=escape(f"the body and the path of its {point} in space, in motion"),
         body_caption=(
@@ -77,11 +78,23 @@ def page(found: Motion, title: str, kind: str, regime: str, origin: str, command
         second="spin across it" if data["start"]["free"] else "tilt from the vertical",
         scene=escape(printable(scene.source.strip().expandtabs(4)) or repr(scene)),
         origin=(
-            f"{escape(origin)} Made by <code>{escape(printable(command))}</code>, "
+            f"{escape(origin)}{_coarse(found)} Made by <code>{escape(printable(command))}</code>, "
             f"polhode {__version__}."
         ),
         data=json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c"),
         scripts=scripts,
+    )
+
+
+def _coarse(found: Motion) -> str:
+    """That what is shown between two samples is not the motion, where that is so."""
+    fastest = float(np.max(np.linalg.norm(found.omega, axis=1)))
+    apart = fastest * float(found.times[1] - found.times[0])
+    if apart < _COARSE:
+        return ""
+    return (
+        f" Two samples are up to {apart:.2g} radians apart: between them the picture is not the "
+        "motion. A shorter time, or more rows, shows it."
     )
 
 
@@ -115,6 +128,7 @@ def _data(found: Motion) -> dict[str, Any]:
     moments = [to_double(x) for x in body.moments]
     weight = [to_double(x) for x in body.torque]
     free = not _heavy(found)
+    first = int(np.argmin(np.abs(found.times))) if begin <= 0 <= end else 0
     return {
         "begin": begin,
         "end": end,
@@ -131,13 +145,22 @@ def _data(found: Motion) -> dict[str, Any]:
         "inertia": inertia.tolist(),
         "inverse": np.linalg.inv(inertia).tolist(),
         "weight": weight,
-        "swing": math.sqrt(float(np.linalg.norm(weight)) / sorted(moments)[1]),
+        "swing": _swing(inertia, weight),
         "start": {
             "free": free,
-            "attitude": found.attitude[0].tolist(),
-            "omega": found.omega[0].tolist(),
+            "sample": first,
+            "t": float(found.times[first]),
+            "attitude": found.attitude[first].tolist(),
+            "omega": found.omega[first].tolist(),
         },
     }
+
+
+def _swing(inertia: Doubles, weight: Sequence[float]) -> float:
+    """The root of the largest angular acceleration that the weight can give: a rate."""
+    x, y, z = weight
+    torque = np.array([[0, z, -y], [-z, 0, x], [y, -x, 0]])  # of gamma, gamma x Mg r0
+    return math.sqrt(float(np.linalg.norm(np.linalg.solve(inertia, torque), 2)))
 
 
 def _heavy(found: Motion) -> bool:

@@ -9,9 +9,12 @@ import numpy.typing as npt
 
 from polhode.common.errors import BadInput
 from polhode.figures.canvas.curve_sampling import Samples
+from polhode.numbers.conversion import to_double
 from polhode.numbers.rows import Doubles
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ATTITUDE, STATE
+
+_NEAR = 1e-3
 
 
 class Motion(NamedTuple):
@@ -35,6 +38,23 @@ class Motion(NamedTuple):
         attitude = _cubic(weights, self.attitude, step * self._rates, k)
         omega = _cubic(weights, self.omega, np.gradient(self.omega, axis=0), k)
         return attitude / np.linalg.norm(attitude, axis=-1, keepdims=True), omega
+
+    def on_level(self) -> bool:
+        """Whether the first sample has the scene's h and f, to a thousandth."""
+        body, (q0, q1, q2, q3), w = self.scene.body, self.attitude[0], self.omega[0]
+        gamma = [2 * (q1 * q3 - q0 * q2), 2 * (q2 * q3 + q0 * q1), 1 - 2 * (q1 * q1 + q2 * q2)]
+        inertia = np.array([[to_double(x) for x in row] for row in body.inertia])
+        torque = np.array([to_double(x) for x in body.torque])
+        h, f, *_ = self.scene.integrals
+        if f is None:
+            return True
+        momentum = inertia @ w
+        sizes = w @ momentum / 2 + np.linalg.norm(torque), float(np.linalg.norm(momentum))
+        own = w @ momentum / 2 + torque @ gamma, momentum @ gamma
+        return bool(
+            abs(own[0] - to_double(h)) <= _NEAR * sizes[0]
+            and abs(own[1] - to_double(f)) <= _NEAR * sizes[1]
+        )
 
     @property
     def _rates(self) -> Doubles:

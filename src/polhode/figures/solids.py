@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,6 +21,7 @@ _REACH = 0.8  # of a body of parts
 _LARGEST = 0.62  # semi-axis of an ellipsoid of inertia
 _ROD, _POINT, _THIN = 0.012, 0.05, 0.02  # what has no width is drawn so wide
 _LEAST = 0.008  # of a wall
+_PIECE = 0.12  # of a straight edge that is swept
 
 Vector = tuple[float, ...]
 Lengths = tuple[float | Vector, ...]
@@ -152,8 +154,8 @@ def _ellipsoid(semi: Lengths, n: int) -> tuple[Doubles, Doubles]:
 
 
 def _revolved(line: Lengths, n: int) -> tuple[Doubles, Doubles]:
-    """Patches around the third axis, eighths in two tones."""
-    radius, height = np.array(line).T
+    """Patches around the third axis, quarters in two tones."""
+    radius, height = _divided(line).T
     turn = 2 * np.pi * np.arange(n + 1) / n
     u = np.stack(
         [
@@ -163,8 +165,21 @@ def _revolved(line: Lengths, n: int) -> tuple[Doubles, Doubles]:
         ],
         axis=-1,
     )
-    _, j = np.meshgrid(np.arange(len(line) - 1), np.arange(n), indexing="ij")
-    return _patches(u), ((8 * j // n) % 2).ravel().astype(float)
+    _, j = np.meshgrid(np.arange(len(radius) - 1), np.arange(n), indexing="ij")
+    return _patches(u), ((4 * j // n) % 2).ravel().astype(float)
+
+
+def _divided(line: Lengths) -> Doubles:
+    """The points of a line with others between, no two farther apart than _PIECE.
+
+    Among short faces it can be told which one is nearer.
+    """
+    points = np.array(line)
+    kept = [points[:1]]
+    for a, b in pairwise(points):
+        count = max(1, math.ceil(float(np.linalg.norm(b - a)) / _PIECE))
+        kept.append(a + (b - a) * np.arange(1, count + 1)[:, None] / count)
+    return np.concatenate(kept)
 
 
 def _patches(u: Doubles) -> Doubles:

@@ -111,8 +111,8 @@ def main(options: Namespace) -> int:
         made = filmed.data
         if filmed.closed:
             shown["to"] = filmed.end
-            at = f"t = {filmed.end:.6g}"
-            note(f"{found.name}: the motion is back at its start at {at}, where the film ends")
+            again = f"at t = {filmed.end:.6g} the motion is as at t = {filmed.begin:g}"
+            note(f"{found.name}: {again}, to {film.CLOSED:.0e}: the film ends there, and repeats")
     else:
         figure = import_module(f"polhode.figures.{options.what}")
         made = canvas.drawn(figure.draw, found, suffix, f"polhode: {options.what} of {found.name}")

@@ -48,6 +48,8 @@ function tellStart() {
   const [first, second] = ["first", "second"].map(id => Number(part(id).value));
   part("first-now").textContent = first.toPrecision(4);
   part("second-now").textContent = start.free ? second.toPrecision(4) : degrees(second);
+  for (const id of ["first", "second"])
+    part(id).setAttribute("aria-valuetext", part(`${id}-now`).textContent);
   return [first, second];
 }
 
@@ -55,14 +57,14 @@ function tryStart() {
   const [first, second] = tellStart(), [attitude, omega] = start.at(first, second);
   const next = preview(own, attitude, omega);
   part("preview").hidden = false;
-  part("slow").hidden = next !== null;
-  if (next === null) return;
-  const gamma = rotate(conjugate(attitude), [0, 0, 1]);
+  part("shown").hidden = next === null;
+  part("refused").hidden = next !== null;
+  part("explained").classList.toggle("aside", next !== null);
   const row = numbers => numbers.map(x => Number(x.toPrecision(12))).join(", ");
-  part("numbers").textContent =
-    `omega = [${row(omega)}]\ngamma = [${row(gamma)}]\nnormalise = true`;
-  part("looks").textContent = loops(next);
-  show(next);
+  part("numbers").textContent = (start.t === 0 ? "" : `# at t = ${start.t}\n`)
+    + `omega = [${row(omega)}]\nquaternion = [${row(attitude)}]\nnormalise = true`;
+  part("looks").textContent = looks(own, attitude, omega);
+  show(next === null ? own : next);
 }
 
 function backToScene() {
@@ -70,19 +72,8 @@ function backToScene() {
   part("second").value = start.second;
   tellStart();
   part("preview").hidden = true;
+  part("explained").classList.remove("aside");
   show(own);
-}
-
-// Whether the path of a symmetric top goes back: the azimuth's rate at the samples, at its extremes.
-function loops(preview) {
-  if (!preview.symmetric) return "";
-  const azimuth = preview.angles()[1], rates = [];
-  for (let k = 0; k + 1 < azimuth.length; k++) rates.push(azimuth[k + 1] - azimuth[k]);
-  const seen = rates.filter(Number.isFinite), low = Math.min(...seen), high = Math.max(...seen);
-  if (seen.length < rates.length) return "The preview goes through the vertical.";
-  const size = Math.max(Math.abs(low), Math.abs(high)), least = Math.min(Math.abs(low), Math.abs(high));
-  if (least < 0.01 * size) return "The preview's path has cusps, or nearly.";
-  return low * high < 0 ? "The preview's path has loops." : "The preview's path is a wave.";
 }
 
 // -- the clock
@@ -125,8 +116,14 @@ function begin() {
     part("fault").hidden = false;
     views = [];
   }
+  for (const {canvas} of views)
+    canvas.addEventListener("webglcontextlost", () => {
+      part("fault").textContent = "The browser gave this page's pictures up; load it again.";
+      part("fault").hidden = false;
+    });
   const hash = new URLSearchParams(location.hash.slice(1));  // #t=3&play=0: a moment to link to
-  time = hash.has("t") ? Number(hash.get("t")) : own.begin;
+  const asked = hash.has("t") ? Number(hash.get("t")) : own.begin;
+  time = Number.isFinite(asked) ? Math.min(own.end, Math.max(own.begin, asked)) : own.begin;
   const slider = part("time");
   Object.assign(slider, {min: own.begin, max: own.end, step: "any"});
   slider.addEventListener("input", () => { time = Number(slider.value); redraw(); });
@@ -139,7 +136,7 @@ function begin() {
   beginStart();
   beginCurves();
   document.addEventListener("keydown", event => {
-    if (event.key !== " " || /BUTTON|SUMMARY/.test(event.target.tagName)) return;
+    if (event.key !== " " || event.target.matches("button, summary, [type=checkbox]")) return;
     event.preventDefault();
     play(!playing);
   });

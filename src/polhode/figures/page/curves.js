@@ -9,7 +9,7 @@ class Curves {
   constructor(place) {
     this.canvas = place.querySelector("canvas");
     this.line = place.querySelector(".moment");
-    this.labels = [...place.querySelectorAll("label output")];
+    this.labels = [...place.querySelectorAll(".angle span")];
   }
 
   show(motion, own) {

@@ -48,17 +48,27 @@ class Motion {
 
   every(what) { return Array.from({length: this.count}, (_, k) => what(k)); }
 
-  // Euler's angles of the axis that is followed, continuous in time; NaN at a pole.
+  // Euler's angles of the axis that is followed, continuous in time.  Psi and phi are NaN at a pole,
+  // and where they jump over one; behind it they are as near to their first value as can be.
   angles() {
-    const [u, v] = across(this.apex), rows = [[], [], []], before = [0, 0];
+    const [u, v] = across(this.apex), rows = [[], [], []], turn = 2 * Math.PI;
+    const first = [], before = [];
     for (let k = 0; k < this.count; k++) {
       const q = this.q(k), [x, y, z] = rotate(q, this.apex);
       const g = rotate(conjugate(q), [0, 0, 1]), flat = Math.hypot(x, y);
       rows[0].push(Math.atan2(flat, z));
       [Math.atan2(x, -y), Math.atan2(dot(g, u), dot(g, v))].forEach((angle, i) => {
-        const turns = Math.round((before[i] - angle) / (2 * Math.PI));
-        if (flat > 1e-4) before[i] = angle + 2 * Math.PI * turns;
-        rows[i + 1].push(flat > 1e-4 ? before[i] : NaN);
+        let shown = NaN;
+        if (flat > 1e-4) {
+          if (first[i] === undefined) first[i] = before[i] = angle;
+          const near = angle + turn * Math.round((before[i] - angle) / turn);
+          const jumps = Math.abs(near - before[i]) > 2;
+          const others = [near, near + turn, near - turn];
+          others.sort((a, b) => Math.abs(a - first[i]) - Math.abs(b - first[i]));
+          before[i] = jumps ? others[0] : near;
+          if (!jumps) shown = near;
+        }
+        rows[i + 1].push(shown);
       });
     }
     return rows;
@@ -81,12 +91,16 @@ function across(axis) {
 // -- previews: I w' + w x I w = gamma x Mg r0, q' = q (0, w) / 2, by the classical Runge-Kutta method
 
 const ANGLE = 0.04;        // radians a step, at the motion's own rate
-const MOST_STEPS = 400000;
+const MOST_STEPS = 60000;
+const DRIFT = 1e-5;        // of the energy, beyond which a preview is not shown
 
-// A motion from another start over the same times; null where that would take too many steps.
+// A motion over the same times from another state at sample `start.sample`; null where that takes
+// too many steps or keeps its energy too badly.
 function preview(motion, attitude, omega) {
-  const {inertia, inverse, weight, swing, count, begin, end} = motion;
+  const {inertia, inverse, weight, swing, count, begin, end, start} = motion;
   const apply = (rows, v) => rows.map(row => dot(row, v));
+  const energy = y => dot(y.slice(4), apply(inertia, y.slice(4))) / 2
+    + dot(weight, rotate(conjugate(y.slice(0, 4)), [0, 0, 1]));
   const field = y => {
     const q = y.slice(0, 4), w = y.slice(4), gamma = rotate(conjugate(q), [0, 0, 1]);
     const moment = minus(cross(gamma, weight), cross(w, apply(inertia, w)));
@@ -101,16 +115,45 @@ function preview(motion, attitude, omega) {
     return next.map((x, i) => i < 4 ? x / size : x);
   };
   const numbers = new Float32Array(7 * count), apart = (end - begin) / (count - 1);
-  let y = [...attitude, ...omega], taken = 0;
-  for (let k = 0; k < count; k++) {
-    numbers.set(y, 7 * k);
-    if (k === count - 1) break;
-    const parts = Math.ceil(apart * (norm(y.slice(4)) + swing) / ANGLE);
-    taken += parts;
-    if (!(taken <= MOST_STEPS)) return null;
-    for (let n = 0; n < parts; n++) y = step(y, apart / parts);
+  const first = [...attitude, ...omega], parts = y =>
+    Math.ceil(apart * (norm(y.slice(4)) + swing) / ANGLE);
+  const size = dot(omega, apply(inertia, omega)) / 2 + norm(weight);
+  if (!(parts(first) * (count - 1) <= MOST_STEPS)) return null;
+  let taken = 0;
+  for (const sense of [1, -1]) {
+    let y = first;
+    for (let k = start.sample; ; k += sense) {
+      numbers.set(y, 7 * k);
+      if (k + sense < 0 || k + sense === count) break;
+      const steps = parts(y);
+      taken += steps;
+      if (!(taken <= MOST_STEPS)) return null;
+      for (let n = 0; n < steps; n++) y = step(y, sense * apart / steps);
+    }
+    if (!(Math.abs(energy(y) - energy(first)) <= DRIFT * size)) return null;
   }
   return new Motion(motion, numbers);
+}
+
+// What the path of a symmetric top looks like, by the constants of its motion (Lagrange's top): with
+// u = cos theta, psi' = (F - n u) / (1 - u^2), and b, the u at which the axis would stand still.
+function looks({inertia, weight, symmetric}, attitude, omega) {
+  if (!symmetric) return "";
+  const apply = v => inertia.map(row => dot(row, v)), axis = unit(weight), [x] = across(axis);
+  const gamma = rotate(conjugate(attitude), [0, 0, 1]), A = dot(x, apply(x));
+  const r = dot(omega, axis), n = dot(axis, apply(axis)) * r / A, a = 2 * norm(weight) / A;
+  const u = dot(gamma, axis), w = minus(omega, scale(r, axis));
+  const F = dot(w, gamma) + n * u, b = u + dot(w, w) / a, size = Math.abs(n) + Math.sqrt(a);
+  const slope = 2 * n * dot(w, gamma) - a * (1 - u * u) - 2 * u * dot(w, w);
+  const still = Math.abs(dot(cross(w, gamma), axis)) < 2e-3 * size;
+  if (still && Math.abs(slope) < 4e-3 * size * size)
+    return 1 - u * u < 1e-5 ? "The axis stays vertical, or nearly." : "The axis keeps its tilt, or nearly.";
+  if (Math.abs(F) < 1e-3 * size && Math.abs(n) < 1e-3 * size) return "It swings in a plane.";
+  if (Math.abs(F - n) < 2e-3 * size && b > 1 || Math.abs(F + n) < 2e-3 * size)
+    return "The axis passes through the vertical, or close to it.";
+  const ahead = Math.abs(F) < Math.abs(n) ? (F - n * b) * Math.sign(n) : Infinity;
+  if (Math.abs(ahead) < 1e-3 * size) return "Its path has cusps, or nearly.";
+  return ahead < 0 ? "Its path has loops." : "Its path is a wave.";
 }
 
 // Of a free body: the unit vector along its momentum, in space; the semi-axes of the ellipsoid of
@@ -145,7 +188,7 @@ class Start {
     this.first = dot(this.axis, omega);
   }
 
-  // Attitude and omega at the first moment shown, for other values of the two numbers.
+  // Attitude and omega at that moment, for other values of the two numbers.
   at(first, second) {
     const w = plus(this.omega, scale(first - this.first, this.axis));
     if (this.free)

@@ -38,7 +38,7 @@ class Solid {
       const outward = [z1 - z0, r0 - r1];
       for (let j = 0; j < n; j++)
         this.patch([on(line[k], j), on(line[k], j + 1), on(line[k + 1], j + 1), on(line[k + 1], j)],
-                   [j, j + 1, j + 1, j].map(i => on(outward, i)), Math.floor(8 * j / n) % tones);
+                   [j, j + 1, j + 1, j].map(i => on(outward, i)), Math.floor(4 * j / n) % tones);
     }
     return this;
   }

@@ -2,7 +2,9 @@
 "use strict";
 
 const BLUE = [0, 0.447, 0.698, 1], ORANGE = [0.835, 0.369, 0, 1], GREEN = [0, 0.62, 0.451, 1];
-const GREY = [0.5, 0.5, 0.5, 1], DARK = [0.3, 0.3, 0.33, 1];
+const GREY = [0.5, 0.5, 0.5, 1];
+const DARK = matchMedia("(prefers-color-scheme: dark)").matches
+  ? [0.75, 0.75, 0.78, 1] : [0.3, 0.3, 0.33, 1];
 const faint = (colour, alpha) => [...colour.slice(0, 3), alpha];
 
 function ring(n, at) { return Array.from({length: n + 1}, (_, k) => at(2 * Math.PI * k / n)); }

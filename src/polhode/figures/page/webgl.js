@@ -39,6 +39,8 @@ const SLOW = (() => {
   const gl = document.createElement("canvas").getContext("webgl2");
   const told = gl && gl.getExtension("WEBGL_debug_renderer_info");
   const name = told ? gl.getParameter(told.UNMASKED_RENDERER_WEBGL) : "";
+  const release = gl && gl.getExtension("WEBGL_lose_context");
+  if (release) release.loseContext();  // a browser has few contexts for all its pages
   return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
 })();
 
