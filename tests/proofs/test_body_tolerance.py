@@ -143,7 +143,9 @@ def test_periods_and_residues_of_corners_lie_in_the_balls(found, k):
 
 
 def test_a_tolerance_that_is_too_wide_names_one_that_works(found):
-    with pytest.raises(NotProved, match=r"within 1e-06 \(.*\): the largest power of 10 .* is 1e-09"):
+    with pytest.raises(
+        NotProved, match=r"within 1e-06 \(.*\): the largest power of 10 .* is 1e-09"
+    ):
         prove_found(found, 1, 15, tolerance=TOLERANCE)
     assert prove_found(found, 1, 15, tolerance=Fraction(1, 10**9)).kind == "hyperbolic"
 
