@@ -159,6 +159,6 @@ class Ensemble(Ended):
         return found if self.number.flat else found.tolist()
 
     def output(self, word: str, index: int) -> list[list[Real | None]]:
-        """The rows of an output of one member at the times that it reached; None without a value."""
+        """The rows of an output of one member at the times that it reached, None for nan."""
         rows = self.outputs[word][index][: len(self.rows(index))]
         return [[x if x == x else None for x in row] for row in rows]
