@@ -277,7 +277,7 @@ def test_levels_as_figure_and_arrays(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["euler/no-gamma"], "start.gamma: expected given"),
+        (["euler/no-gamma"], "start.gamma: expected a unit vector"),
         (["euler/attitude", "--f", "3:1", "-o", "x.svg"], "--f = 3:1: expected A:B with A below B"),
         (["euler/attitude", "--h", "3", "-o", "x.svg"], "--h = 3: expected A:B, two numbers"),
         (["euler/attitude", "-o", "x.txt"], "x.txt"),

@@ -387,7 +387,11 @@ def test_an_orbit_that_is_too_unstable_for_double_is_refused():
         (GRIOLI, {"period": -1}, "period = -1: expected a time above 0"),
         (GRIOLI, {"period": 3}, "start: expected a start nearer to a periodic orbit"),
         (GRIOLI, {"returns": 0}, "returns = 0: expected a whole number, 1 to 1000"),
-        (polhode.top(moments=[2, 1.5, 1], omega=[1, 0, 1]), {}, "start.gamma: expected given"),
+        (
+            polhode.top(moments=[2, 1.5, 1], omega=[1, 0, 1]),
+            {},
+            "start.gamma: expected a unit vector",
+        ),
     ],
 )
 def test_what_is_no_start_is_refused(case, options, told):

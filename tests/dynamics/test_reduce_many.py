@@ -208,7 +208,7 @@ def test_what_was_interrupted_goes_on_to_the_same_bits(tmp_path):
     )
     assert again == whole
     assert again.parts is not None
-    with pytest.raises(polhode.BadInput, match="the jobs of this very command"):
+    with pytest.raises(polhode.BadInput, match="the jobs of the same command"):
         polhode.reduce_many(scene, varied, "final", parts=tmp_path / "p")
     again.parts.remove()
     assert not (tmp_path / "p").exists()

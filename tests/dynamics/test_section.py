@@ -271,7 +271,7 @@ def test_an_executor_and_parts_give_the_same(tmp_path):
     jobs[1].write_bytes(b"torn")
     again = polhode.section(GENERIC, parts=folder, **asked)
     assert (again.states == plain.states).all()
-    with pytest.raises(polhode.BadInput, match="the jobs of this very command"):
+    with pytest.raises(polhode.BadInput, match="the jobs of the same command"):
         polhode.section(GENERIC, parts=folder, grid=(9, 8), crossings=3, **LEVEL)
 
 
@@ -372,13 +372,13 @@ def test_no_two_commands_share_a_folder(tmp_path):
     """The second one is refused while the first is at work, and not after it."""
     one = JobCheckpoint(tmp_path / "jobs", "section", "key")
     one.save(0, {"x": np.zeros(1)})
-    with pytest.raises(polhode.BadInput, match="no other command at work here"):
+    with pytest.raises(polhode.BadInput, match="no other command running in this folder"):
         JobCheckpoint(tmp_path / "jobs", "section", "key")
     one.release()
     with JobCheckpoint(tmp_path / "jobs", "section", "key") as again:
         assert again.load(0)["x"].shape == (1,)
         assert again.load(1) is None
-    with pytest.raises(polhode.BadInput, match="the jobs of this very command"):
+    with pytest.raises(polhode.BadInput, match="the jobs of the same command"):
         JobCheckpoint(tmp_path / "jobs", "map", "key")
 
 

@@ -136,4 +136,4 @@ def test_options_of_a_proof_are_refused_without_one(
     assert cli.main(("reference", "kovalevskaya/generic", "--at", "1", *option)) == 2
     assert "--certified with it" in capsys.readouterr().err
     assert cli.main(("reference", SCENE, "--certified", "--events", "--at", "1")) == 2
-    assert "given in the scene" in capsys.readouterr().err
+    assert "events in the scene" in capsys.readouterr().err

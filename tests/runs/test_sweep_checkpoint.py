@@ -111,16 +111,16 @@ def test_the_parts_of_another_sweep_are_refused_and_stay(tmp_path):
     folder = tmp_path / "parts"
     interrupted_sweep(folder, 1)
     held = {path.name: path.read_bytes() for path in folder.iterdir()}
-    with pytest.raises(polhode.BadInput, match=r"parts: expected the parts of this very sweep"):
+    with pytest.raises(polhode.BadInput, match=r"parts: expected the parts of the same sweep"):
         polhode.integrate_many("lagrange/nutation", VARY, at=["0", "0.3", 2], parts=folder)
-    with pytest.raises(polhode.BadInput, match=r"remove the folder to start afresh"):
+    with pytest.raises(polhode.BadInput, match=r"remove the folder to start again"):
         swept(folder, tol="1e-10")
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == held
 
 
 def test_a_folder_of_other_things_is_refused(tmp_path):
     (tmp_path / "mine.txt").write_text("x")
-    with pytest.raises(polhode.BadInput, match="parts of this very sweep"):
+    with pytest.raises(polhode.BadInput, match="parts of the same sweep"):
         swept(tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
 
@@ -174,7 +174,7 @@ def test_a_part_under_another_name_is_made_again(tmp_path):
 def test_a_manifest_of_brackets_is_refused(tmp_path):
     interrupted_sweep(tmp_path / "x.parts", 1)
     (tmp_path / "x.parts/manifest.json").write_text("[" * 100_000)
-    with pytest.raises(polhode.BadInput, match="remove the folder to start afresh"):
+    with pytest.raises(polhode.BadInput, match="remove the folder to start again"):
         swept(tmp_path / "x.parts")
 
 
@@ -199,7 +199,7 @@ def test_two_sweeps_do_not_share_a_folder(tmp_path):
             tried.append(str(refusal.value))
 
     assert swept(folder, progress=progress).done
-    assert "no other sweep at work here" in tried[0]
+    assert "no other sweep running in this folder" in tried[0]
 
 
 def test_a_disk_that_fills_ends_the_sweep_and_keeps_what_was_written(tmp_path, monkeypatch):

@@ -73,7 +73,7 @@ def test_numbers_of_a_level_can_be_varied():
             LEVEL + "omega = [1, 0, 0]\n",
             r"start.omega = \[1, 0, 0\]: expected no value together with h",
         ),
-        ("h = 3\nf = 0.5\n", "start.gamma: expected given, since"),
+        ("h = 3\nf = 0.5\n", "start.gamma: expected a unit vector, since"),
         (LEVEL + "angles = [0, 1, 0]\n", "start.angles.*no value together with gamma"),
         (
             "h = 3\nf = 0\nangles = [0, 1, 0]\nrates = [1, 0, 0]\n",

@@ -142,7 +142,7 @@ def test_steiner_carries_to_the_fixed_point():
     [
         ({"shape": "cube", "mass": 1}, "Part: shape = cube: expected box, cylinder"),
         ({"shape": "cone", "mass": 0, "radius": 1, "height": 1}, "mass = 0: expected a mass above"),
-        ({"shape": "cone", "mass": 1, "radius": 1}, "Part: height: expected given for a cone"),
+        ({"shape": "cone", "mass": 1, "radius": 1}, "Part: height: expected a value for a cone"),
         ({"shape": "cone", "mass": 1, "radius": 0, "height": 1}, "radius = 0: expected a length"),
         (
             {"shape": "disc", "mass": 1, "radius": 1, "height": 1},

@@ -96,7 +96,7 @@ def certificate(
 def check(scene: Scene, times: Sequence[Exact]) -> None:
     """Raise BadInput where the states of a scene at certain times have no certificate."""
     if scene.gamma is None:
-        raise BadInput(scene.name, "start.gamma", None, "given, for a certificate")
+        raise BadInput(scene.name, "start.gamma", None, "a unit vector, for a certificate")
     for t in times:
         if not isinstance(t, Fraction):
             raise BadInput(scene.name, "at", shown(t), "rational times, for a certificate")

@@ -2,10 +2,11 @@
 
     python verify.py CERT.json
 
-A certificate states balls that hold the state of a heavy rigid body at certain times, or that it
-has a periodic orbit, or that its motion is chaotic (these theorems stand before their parts).  This
-file imports nothing of the program that wrote it, and believes nothing of it but the body and the
-statement: grids, centres, charts, sets and numbers of bits are guesses that may be anything.
+A certificate states balls that contain the state of a heavy rigid body at certain times, or that
+the body has a periodic orbit, or that its motion is chaotic (each theorem is written before its
+part of the code).  This file imports nothing of the program that wrote the certificate, and takes
+from it only the body and the statement to be proved: grids, centres, charts, sets and numbers of
+bits are guesses, and need not be right.
 
 The equations, in body axes, O fixed, omega = w, upward vertical gamma, k = weight * centre:
 

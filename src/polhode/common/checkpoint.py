@@ -126,7 +126,7 @@ class Checkpoint:
             found = None
         if found != self._manifest:
             pieces, work = self._words
-            expected = f"the {pieces} of this very {work}; remove the folder to start afresh"
+            expected = f"the {pieces} of the same {work}; remove the folder to start again"
             raise BadInput(str(self.folder), "parts", None, expected)
 
     def _hold(self) -> None:
@@ -142,7 +142,7 @@ class Checkpoint:
         try:
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
-            expected = f"no other {self._words[1]} at work here"
+            expected = f"no other {self._words[1]} running in this folder"
             raise BadInput(str(self.folder), "parts", None, expected) from None
 
 

@@ -143,7 +143,7 @@ def read_npz(file: Path | bytes, names: Sequence[str] = ()) -> dict[str, npt.NDA
     except OSError:
         raise
     except Exception as fault:
-        raise ValueError(f"no whole NPZ file: {fault}") from None
+        raise ValueError(f"no complete NPZ file: {fault}") from None
 
 
 def check_writable(

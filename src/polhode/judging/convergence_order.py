@@ -152,7 +152,7 @@ def order_between(
     names = tuple(one.subject.name for one in judged)
     if steps is None:
         lengths = tuple(_spacing(one) for one in judged)
-        expected = f"given: the rows of these files lie {lengths[0]:g} apart alike"
+        expected = f"step sizes: the rows of all files are {lengths[0]:g} apart"
     else:
         lengths = each("orders", "steps", steps, lambda h: to_double(exact_number(h)), "numbers")
         expected = f"{len(judged)} different ones above 0, one a file"

@@ -250,7 +250,7 @@ class _Again:
             kept = len(run.times)
             if not same(list(again.states[:kept]), list(run.states)):
                 warnings.warn(
-                    f"{run.scene.name}: made once more on this machine, the run differs from the "
+                    f"{run.scene.name}: computed again on this machine, the run differs from the "
                     "one in the file in its last digits",
                     stacklevel=4,
                 )

@@ -27,7 +27,7 @@ def at_times(run: Trajectory, what: str, t: AnyNumber | Iterable[AnyNumber]) -> 
     """
     scene = run.scene
     if scene.gamma is None:
-        raise BadInput(scene.name, "start.gamma", None, f"given, for {what}")
+        raise BadInput(scene.name, "start.gamma", None, f"a unit vector, for {what}")
     given, several = numbers_given(t)
     asked = [_time(run, x) for x in given]
     if not asked:

@@ -217,7 +217,7 @@ class Trajectory(Result, ByValue, Generic[S_co]):
     @overload
     def attitude_at(self, t: SupportsFloat) -> Row: ...
     def attitude_at(self, t: AnyNumber | Iterable[AnyNumber]) -> Reread:
-        """The quaternion q0 q1 q2 q3 at time t, or rows of it: the run made once more."""
+        """The quaternion q0 q1 q2 q3 at time t, or rows of it; the run is repeated for it."""
         return _REEVALUATION.get().at_times(self, "attitude", t)
 
     @overload
@@ -227,7 +227,7 @@ class Trajectory(Result, ByValue, Generic[S_co]):
     @overload
     def angles_at(self, t: SupportsFloat) -> list[Real | None]: ...
     def angles_at(self, t: AnyNumber | Iterable[AnyNumber]) -> Reread:
-        """psi, theta, phi at time t, or rows of them: the run made once more."""
+        """psi, theta, phi at time t, or rows of them; the run is repeated for it."""
         return _REEVALUATION.get().at_times(self, "angles", t)
 
     @overload  # type: ignore[override]  # a run has many figures

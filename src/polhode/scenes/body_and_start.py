@@ -47,14 +47,14 @@ def body_of(reading: Reading, table: Mapping[str, Any]) -> Body:
     mass = _mass(reading, table)
     weight = _weight(reading, table, mass)
     if "centre" not in table and sign(weight) != 0:
-        raise reading.bad("body.centre", None, "given, since weight is not 0")
+        raise reading.bad("body.centre", None, "three numbers, since weight is not 0")
     about = reading.word("body.about", reading.given("body", table, "about"))
     if about not in (FIXED_POINT, CENTRE):
         raise reading.bad("body.about", about, f"{FIXED_POINT!r} or {CENTRE!r}")
     if about == CENTRE:
         if mass is None or "centre" not in table:
             missing = "mass" if mass is None else "centre"
-            raise reading.bad(f"body.{missing}", None, "given with about = 'centre'")
+            raise reading.bad(f"body.{missing}", None, "a value, with about = 'centre'")
         _physical(reading, key, table[key], inertia, _NOWHERE, ZERO)
         inertia = carried(inertia, mass, centre)
     return _physical(reading, key, table[key], inertia, centre, weight)
@@ -81,7 +81,7 @@ def _part(reading: Reading, index: int, table: dict[str, Any]) -> Part:
     reading.known("body.parts", table, key)
     for needed in ("shape", "mass"):
         if needed not in table:
-            raise reading.bad(f"{key}.{needed}", None, "given for each part")
+            raise reading.bad(f"{key}.{needed}", None, "a value for each part")
     found: dict[str, Any] = {}
     for name, value in table.items():
         if name in ("shape", "axis"):
@@ -116,7 +116,7 @@ def _mass(reading: Reading, table: Mapping[str, Any]) -> Exact | None:
 def _weight(reading: Reading, table: Mapping[str, Any], mass: Exact | None) -> Exact:
     if "g" in table:
         if mass is None:
-            raise reading.bad("body.mass", None, "given with g")
+            raise reading.bad("body.mass", None, "a number, with g")
         if "weight" in table:
             raise reading.bad("body.weight", table["weight"], "only one of weight and g")
         return mass * reading.number("body.g", table["g"])
@@ -171,7 +171,7 @@ def start_of(
 
 def _on_level(reading: Reading, table: Mapping[str, Any], body: Body, turn: Turn | None) -> Vector:
     if turn is None:
-        expected = "given: a unit vector, for a start on the level h, f"
+        expected = "a unit vector, for a start on the level h, f"
         raise reading.bad("start.gamma", None, expected)
     if "f" not in table:
         raise reading.bad("start.f", None, "a number, for a start on the level h, f")
@@ -197,7 +197,7 @@ def _turn(reading: Reading, table: Mapping[str, Any], body: Body) -> Turn | None
         return _of_quaternion(reading, table["quaternion"], normalise)
     if "gamma" not in table:
         if not body.torque_free:
-            raise reading.bad("start.gamma", None, "given, since the weight has a moment")
+            raise reading.bad("start.gamma", None, "a unit vector, since the weight has a moment")
         for idle in ("psi", "normalise"):
             if idle in table:
                 raise reading.bad(f"start.{idle}", table[idle], "no value without start.gamma")

@@ -165,7 +165,7 @@ class Scene:
             object.__setattr__(self, "gamma", gamma)
         if self.gamma is None:
             if not self.body.torque_free:
-                raise self._bad("start.gamma", None, "given, since the weight has a moment")
+                raise self._bad("start.gamma", None, "a unit vector, since the weight has a moment")
             if self.outputs:
                 raise self._bad("run.outputs", ", ".join(self.outputs), "none without start.gamma")
         elif dot(self.gamma, self.gamma) != 1:

@@ -153,7 +153,7 @@ class _File(Reading):
             return tuple(self.number(f"run.at[{i + 1}]", t) for i, t in enumerate(values))
         if "end" not in run:
             if "samples" in run:
-                raise self.bad("run.end", None, "given with samples")
+                raise self.bad("run.end", None, "a time, with samples")
             return ()
         end = self.number("run.end", run["end"])
         if sign(end) == 0:

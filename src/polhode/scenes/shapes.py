@@ -125,7 +125,7 @@ class Part:
         for key in _LENGTHS:
             given = getattr(self, key)
             if given is None and key in shape.needs:
-                raise BadInput("Part", key, None, f"given for a {self.shape}")
+                raise BadInput("Part", key, None, f"a value for a {self.shape}")
             if given is not None and key not in (*shape.needs, *shape.takes):
                 needed = ", ".join((*shape.needs, *shape.takes)) or "no length"
                 raise BadInput("Part", key, given, f"nothing: a {self.shape} has {needed}")

@@ -96,7 +96,7 @@ def main(options: Namespace) -> int:
         scene = replace(scene, outputs=tuple(o for o in options.outputs.split(",") if o))
     times = scene.times if options.at is None else read_times(scene, options.at)
     if not times:
-        raise BadInput(scene.name, "run.end", None, "given, or times asked for with --at")
+        raise BadInput(scene.name, "run.end", None, "a time, or times given with --at")
     if not 1 <= options.digits <= number_types.MAX_DIGITS:
         expected = f"1 to {number_types.MAX_DIGITS}"
         raise BadInput(scene.name, "digits", options.digits, expected)
@@ -106,7 +106,7 @@ def main(options: Namespace) -> int:
                 key = "--" + name.replace("_", "-")
                 raise BadInput(scene.name, key, None, "--certified with it")
     if options.events and not scene.events:
-        raise BadInput(scene.name, "events", None, "given in the scene, for --events")
+        raise BadInput(scene.name, "events", None, "events in the scene, for --events")
     path = None if options.file is None else Path(options.file)
     if path is not None:
         _check(path, options)

@@ -108,7 +108,7 @@ def of_varied(scene: Scene, varied: vary.Vary, foretold: Callable[[int], object]
         expected = f"at most {MOST_MOTIONS}; a coarser grid"
         raise BadInput(scene.name, "vary", f"{len(grid.rows)} motions", expected)
     if scene.gamma is None:
-        raise BadInput(scene.name, "start.gamma", None, "given, for a map")
+        raise BadInput(scene.name, "start.gamma", None, "a unit vector, for a map")
     foretold(len(grid.rows))
     members = Members(scene, grid)
     unit = 2.0**scene.time_unit

@@ -208,7 +208,7 @@ def levels(scene: Scene | str | Path) -> Levels:
     """
     scene = library.load(scene)
     if scene.gamma is None:
-        raise BadInput(scene.name, "start.gamma", None, "given: a level is one of h and f")
+        raise BadInput(scene.name, "start.gamma", None, "a unit vector, since a level has h and f")
     body = RationalBody.of(scene.body)
     area = scene.integrals.area
     assert area is not None

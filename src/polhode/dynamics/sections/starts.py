@@ -53,7 +53,7 @@ def asked_of(
 ) -> Asked:
     """What is asked, checked; ``h`` and ``f`` None for the scene's own.  Raises BadInput."""
     if scene.gamma is None:
-        raise BadInput(scene.name, "start.gamma", None, "given: a level is one of h and f")
+        raise BadInput(scene.name, "start.gamma", None, "a unit vector, since a level has h and f")
     if extremum not in (MAXIMA, MINIMA):
         raise BadInput(scene.name, "extremum", extremum, "max or min")
     if by not in (MOMENTUM, HEIGHT):

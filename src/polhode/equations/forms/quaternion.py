@@ -53,7 +53,7 @@ class Quaternion(Form):
 def for_scene(scene: Scene) -> Quaternion:
     """The equations of a scene; it must have gamma, which says where the attitude begins."""
     if scene.gamma is None:
-        expected = "another form, or start.gamma given: the attitude begins from it"
+        expected = "another form, or a start.gamma: the attitude begins from it"
         raise BadInput(scene.name, "form", NAME, expected)
     axes = scene.body.axes
     start = omega_and_gamma(scene, axes)

@@ -107,7 +107,7 @@ def starting(scene: Scene, form: str) -> tuple[OwnUnits, dict[str, Exact]]:
         return BadInput(scene.name, "form", form, f"{PRINCIPAL}: {reason}")
 
     if scene.body.torque_free:
-        raise refused("the weight has no moment (centre or weight 0), so w says nothing of gamma")
+        raise refused("the weight has no moment (centre or weight 0): w does not determine gamma")
     own = own_units(scene, form)
     n2 = dot(own.torque, own.torque)
     nG = dot(own.torque, own.momentum)
@@ -133,7 +133,7 @@ def gamma_from_omega(
     has no moment.
     """
     if is_zero(body.torque):
-        raise ValueError("the weight has no moment, so w says nothing of gamma")
+        raise ValueError("the weight has no moment: w does not determine gamma")
     inertia = [[number(x) for x in row] for row in body.inertia]
     momentum = [_dot(row, omega) for row in inertia]
     momentum_rate = [_dot(row, omega_rate) for row in inertia]

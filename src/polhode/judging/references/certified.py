@@ -147,7 +147,7 @@ class Certified(Result):
 
     def _with(self, output: str, times: Iterable[AnyNumber], digits: int) -> Enclosure:
         if self.scene.gamma is None:
-            raise BadInput(self.scene.name, "start.gamma", None, "given, for an attitude")
+            raise BadInput(self.scene.name, "start.gamma", None, "a unit vector, for an attitude")
         agreement = self.agreement
         found = self.enclosure(times, digits, (output,))
         self.agreement = agreement if self._states_asked else min(getattr(found, output).digits)

@@ -162,7 +162,7 @@ class Judgement(Result, ByValue):
 
     @cached_property
     def departures(self) -> dict[str, Departure]:
-        """Where parts leave the motion: right until one time, wrong from the next one on."""
+        """Parts that leave the motion: right until one time, wrong from the next one on."""
         found = {
             name: departure(self.times, digits, lambda: self._followed_digits)
             for name, digits in self.part_digits.items()
@@ -267,7 +267,7 @@ class Judgement(Result, ByValue):
 
     @cached_property
     def motion(self) -> Lyapunov | None:
-        """Whether the scene's motion is regular or chaotic, as far as a moment's work tells; None
+        """Whether the scene's motion is regular or chaotic, from a limited number of steps; None
         where heyoka is not installed."""
         if not engine.installed:
             return None
@@ -275,8 +275,8 @@ class Judgement(Result, ByValue):
 
     @cached_property
     def agreement(self) -> float:
-        """The digits that the reference is good for, as it said when it was asked; inf for a
-        closed form, nan where it said nothing."""
+        """The accuracy of the reference in digits, from its last answer; inf for a closed form, nan
+        if it is not known."""
         _ = self.digits, self._others
         return self.reference.agreement
 
@@ -310,11 +310,11 @@ class Judgement(Result, ByValue):
 
     @cached_property
     def chance(self) -> float | None:
-        """The share of runs that chance alone leaves so few digits; None where the limit is not
-        the method.
+        """The share of runs that have so few digits by chance alone; None unless the limit is the
+        method.
 
-        The limit allows for the many times of one run.  Of hundreds of runs chance alone explains
-        those of a share of one in hundreds.
+        The limit allows for the many times of one run.  Among hundreds of runs a share of one in
+        hundreds is explained by chance.
         """
         if not self.limit.startswith("method"):
             return None

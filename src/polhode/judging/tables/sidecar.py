@@ -34,7 +34,7 @@ _KEYS = ("t_bits", "number", "bits", "projection")
 class Sidecar:
     """Of which type a table's numbers and times are, and whether its integrals were projected.
 
-    ``remarks``: what was not believed, and why.
+    ``remarks``: what was ignored, and why.
     """
 
     name: str = ""

@@ -31,7 +31,7 @@ class Table:
     printed: int  # the most significant digits that any number beside t has
     number: NumberType | None = None  # whose values the numbers are; None: exact decimals
     projected: bool = False  # whether the integrals were, as the file beside it says
-    remarks: tuple[str, ...] = ()  # what the file beside it says, and what of that was not believed
+    remarks: tuple[str, ...] = ()  # what its JSON file says, and what of that was ignored
 
     def __repr__(self) -> str:
         return f"<Table {self.name}: {', '.join(self.columns)} at {len(self.times)} times>"

@@ -99,7 +99,7 @@ def choose_number(
 def rounded_times(scene: Scene, number: NumberType) -> OutputTimes[Fraction]:
     """The output times as numbers of the run's type."""
     if not scene.times:
-        raise BadInput(scene.name, "run.end", None, "given, or times asked for with --at")
+        raise BadInput(scene.name, "run.end", None, "a time, or times given with --at")
     times = scene.output_times.rounded(number)
     k = times.misplaced()
     if k is not None:

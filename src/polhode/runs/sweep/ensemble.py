@@ -112,7 +112,7 @@ class Ensemble(Ended):
     def outputs(self) -> Mapping[str, Stack]:
         """Outputs of the scene that are made of the states alone, (members, times, columns).
 
-        Others are left out of a sweep.  Not a number where a member did not come.
+        Others are left out of a sweep.  nan at times that a member did not reach.
         """
         words = [word for word in of_state_alone() if word in self.scene.outputs]
         return {word: derived_stack(word, self.members, self.states, self.number) for word in words}
@@ -153,12 +153,12 @@ class Ensemble(Ended):
         return drifts(self.members, self.states, lambda k: self[k].drift)
 
     def rows(self, index: int) -> Rows:
-        """The states of one member as far as it came."""
+        """The states of one member at the times that it reached."""
         states = self.states[index]
         found: Flat = states[: int((states[:, 0] == states[:, 0]).sum())]
         return found if self.number.flat else found.tolist()
 
     def output(self, word: str, index: int) -> list[list[Real | None]]:
-        """The rows of an output of one member as far as it came, None where there is no number."""
+        """The rows of an output of one member at the times that it reached, None for nan."""
         rows = self.outputs[word][index][: len(self.rows(index))]
         return [[x if x == x else None for x in row] for row in rows]
