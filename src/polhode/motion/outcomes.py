@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
 from fractions import Fraction
@@ -12,7 +13,7 @@ from polhode.common.errors import nearest
 from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue, may_wait
 from polhode.numbers.decimals import decimal_in_full, decimal_string, digits_of
-from polhode.numbers.rows import Rows
+from polhode.numbers.rows import States
 
 if TYPE_CHECKING:
     import numpy as np
@@ -110,8 +111,9 @@ _CAUSES = {
 class EventTimes(Result, ByValue):
     """When one event of a scene happened, in order of integration, and the states then.
 
-    ``times``: rounded to the run's type.  ``states``: rows as in a trajectory, taken at the event
-    itself: on the section to the type's precision, even where the time has no digits left for it.
+    ``times``: rounded to the run's type.  ``states``: an array as in a trajectory, read-only, taken
+    at the event itself: on the section to the type's precision, even where the time has no digits
+    left for it.
     ``grazing``: whether rounding decides if there is a zero at all, or two.  ``complete``: whether
     rising and falling zeros alternate, as they do unless one was lost or a pole was passed.
 
@@ -125,9 +127,13 @@ class EventTimes(Result, ByValue):
 
     name: str
     times: tuple[Fraction, ...]
-    states: Rows
+    states: States
     grazing: tuple[bool, ...]
     complete: bool = True
+
+    def __setstate__(self, state: Mapping[str, object]) -> None:
+        super().__setstate__(state)
+        self.states.flags.writeable = False
 
     def __repr__(self) -> str:
         first = f", the first at t = {self.shown(0)}" if self.times else ""
