@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, SupportsIndex, overload
 
 from polhode.common.errors import nearest
 from polhode.common.result import Result
+from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue, may_wait
 from polhode.numbers.decimals import decimal_in_full, decimal_string, digits_of
 from polhode.numbers.rows import States
@@ -223,6 +224,6 @@ class Projection(ByValue):
 
     def __str__(self) -> str:
         return (
-            f"onto {', '.join(self.onto)} {self.count} times: largest correction "
+            f"onto {', '.join(self.onto)} {counted(self.count, 'time')}: largest correction "
             f"{self.largest:.1e}, sum {self.sum:.1e}"
         )
