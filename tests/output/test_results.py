@@ -188,3 +188,14 @@ def test_parquet_loads_again(tmp_path):
         path = tmp_path / f"{name}.parquet"
         made(name).save(path)
         assert polhode.load_result(path) == made(name)
+
+
+def test_one_of_a_kind_is_told_in_the_singular():
+    one = made("Trajectory in quad")
+    assert repr(one).startswith("<Trajectory of lagrange/nutation: quad, 1 time to t = 1")
+    assert repr(polhode.certify("euler/largest-axis", at=[1])).startswith(
+        "<Enclosure of euler/largest-axis: 1 time to t = 1"
+    )
+    assert "5 curves, 1 cusp>" in repr(polhode.levels("kovalevskaya/generic"))
+    many = polhode.integrate_many("euler/largest-axis", {"start.omega[3]": [2]}, at=[0])
+    assert ": 1 member in double, 1 time to t = 0" in repr(many)

@@ -121,3 +121,23 @@ def test_what_is_read_again_is_the_same(run, tmp_path):
         assert again.states.dtype == run.states.dtype
         with pytest.raises(ValueError, match="read-only"):
             again.states[0, 0] = 0
+
+
+@pytest.mark.parametrize("asked", [{"number": "double"}, {"number": "extended"}, {"digits": 40}])
+def test_states_of_events_cannot_be_written_into(asked):
+    scene = replace(polhode.load("lagrange/nutation"), events=(polhode.Event("nutation"),))
+    found = polhode.integrate(scene, at=[3], **asked).events["nutation"]
+    again = pickle.loads(pickle.dumps(found))
+    for one in (found, again, found.until(found.times[0])):
+        assert one.states.shape == (len(one.times), 6)
+        with pytest.raises(ValueError, match="read-only"):
+            one.states[0, 0] = 7
+    nothing = replace(scene, events=(polhode.Event("far", "gamma3 - 2"),))
+    assert polhode.integrate(nothing, at=[3], **asked).events["far"].states.shape == (0, 6)
+
+
+def test_rows_of_angles_cannot_be_written_into(run):
+    before = run["psi"].tolist()
+    with pytest.raises(TypeError, match="does not support item assignment"):
+        run.angles[0][0] = 7
+    assert run["psi"].tolist() == before

@@ -92,3 +92,26 @@ def test_angles_keep_their_whole_in_wide_types(number):
     assert worst_error(run.angles, polhode.reference(scene).angles(run.times, 70)) < 1e3 * float(
         run.number.eps
     )
+
+
+@pytest.mark.parametrize("asked", [{"number": "quad"}, {"digits": 50}])
+def test_what_is_zero_at_the_start_of_a_turned_body_is_zero(asked):
+    """Through the principal axes and back it would be 1e-35, or 1e-56."""
+    scene = polhode.top(
+        inertia=[[2, "1/3", "1/7"], ["1/3", 3, "1/5"], ["1/7", "1/5", 2]],
+        centre=[0, 0, 1],
+        weight=1,
+        angles=[0, "pi/6", 0],
+        rates=[0, 0, 3],
+        outputs=["angles"],
+        at=[0, 1],
+    )
+    run = polhode.integrate(scene, **asked)
+    assert run.states[0].tolist()[:4] == [0, 0, 3, 0]
+    assert run["phi"][0] == run["psi"][0] == 0
+    assert (run(0) == run.states[0]).all()
+    assert 0 < abs(run.states[1, 0]) < 1
+    vary = {"start.rates[3]": [3, 4]}
+    many = polhode.integrate_many(scene, vary, **asked)
+    for k, spin in enumerate((3, 4)):
+        assert many.states[k, 0].tolist()[:4] == [0, 0, spin, 0]

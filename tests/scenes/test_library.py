@@ -61,3 +61,16 @@ def test_without_cases_a_path_is_read_all_the_same(tmp_path, monkeypatch):
     assert polhode.load(path).omega == (1, 0, 0)
     with pytest.raises(polhode.BadInput, match="euler/sphere"):
         polhode.load("euler/sphere")
+
+
+def test_a_top_stands_for_its_cases_unless_a_file_has_its_name(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert library.matching(["grioli"]) == [
+        "grioli/irrational",
+        "grioli/precession",
+        "grioli/turned-axes",
+    ]
+    assert library.matching(["grioli/precession", "grioli"])[0] == "grioli/precession"
+    assert library.matching(["griol"]) == ["griol"]
+    (tmp_path / "grioli").write_text("schema = 1\n")
+    assert library.matching(["grioli"]) == ["grioli"]

@@ -19,6 +19,11 @@ def aligned(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
     ]
 
 
+def counted(count: int, noun: str) -> str:
+    """``1 orbit``, ``2 orbits``: how many, with the noun's plural in s where it is due."""
+    return f"{count} {noun}" + "s" * (count != 1)
+
+
 def few(count: int, most: int) -> list[int]:
     """At most ``most`` of the indices below ``count``, evenly spread, first and last among them."""
     if count <= most:

@@ -13,6 +13,7 @@ from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.result import Result
+from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
 from polhode.enclosures.statement import stated
 from polhode.enclosures.variations.flow_derivative import FlowDerivative
@@ -84,7 +85,7 @@ class Enclosure(Result, ByValue):
     >>> import polhode
     >>> found = polhode.certify("euler/largest-axis", at=[1], digits=20)
     >>> found
-    <Enclosure of euler/largest-axis: 1 times to t = 1, 24.7 digits proven>
+    <Enclosure of euler/largest-axis: 1 time to t = 1, 24.7 digits proven>
     >>> print(found.strings()[0][0])  # p, as far as it is proven
     0.44780868821841484276869
     """
@@ -188,7 +189,7 @@ class Enclosure(Result, ByValue):
 
     def __repr__(self) -> str:
         last = f" to t = {shown(self.times[-1])}" if self.times else ""
-        times = f"{len(self.times)} times{last}"
+        times = f"{counted(len(self.times), 'time')}{last}"
         how = f"{self.proven:.1f} digits proven" if self.outcome.done else self.outcome.value
         return f"<Enclosure of {self.scene.name}: {times}, {how}>"
 

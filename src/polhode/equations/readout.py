@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from polhode.common.cached_property import cached_property
 from polhode.equations.form import equations
 from polhode.equations.kinematics import AngleFunctions, angles
-from polhode.numbers.conversion import exactly, to_extended, to_mpf
+from polhode.numbers.conversion import exactly, number_value, to_extended, to_mpf
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Extendeds, Flat, Gapped, Given, GivenRow, Rows, flat
 from polhode.numbers.scalars import Scalar, of_extended, of_mpmath
@@ -24,7 +24,9 @@ GUARD_BITS = 16
 class Readout:
     """Reads rows of one run: the form's variables, then quaternion, then psi and phi.
 
-    Omega and gamma are computed from the variables with more bits than those have.
+    Omega and gamma are computed from the variables with more bits than those have.  Above extended
+    those of the start, where a run begins with its row, are the scene's own, rounded once: what is
+    0 there is 0.
     """
 
     def __init__(self, scene: Scene, number: NumberType) -> None:
@@ -46,7 +48,23 @@ class Readout:
         wide = self._vectors([row[: len(self.form.variables)] for row in rows])
         from polhode.numbers.mpmath_context import mpmath, ordinary
 
-        return [ordinary([mpmath.ldexp(x, exponent) for x in row[:3]] + row[3:]) for row in wide]
+        found = [ordinary([mpmath.ldexp(x, exponent) for x in row[:3]] + row[3:]) for row in wide]
+        if self._begins_with_the_start(rows[0]):
+            found[0] = [*self._start]
+        return found
+
+    @cached_property
+    def _start(self) -> list[Scalar]:
+        """The scene's own omega and gamma, rounded to the run's type."""
+        given = (*self.scene.omega, *(self.scene.gamma or ()))
+        return [number_value(x, self.number) for x in given]
+
+    def _begins_with_the_start(self, row: GivenRow) -> bool:
+        """Whether a row is that of the start, to the bit, and omega and gamma no copies of it."""
+        if self.form.plain and self.form.axes.trivial:
+            return False
+        variables = zip(row[: len(self.form.variables)], self.form.start, strict=True)
+        return all(exactly(x) == self.number.rounded(y) for x, y in variables)
 
     def attitude(self, rows: Given) -> Rows | None:
         """q0 q1 q2 q3, if asked for or needed."""

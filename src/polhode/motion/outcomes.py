@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
 from fractions import Fraction
@@ -10,9 +11,10 @@ from typing import TYPE_CHECKING, SupportsIndex, overload
 
 from polhode.common.errors import nearest
 from polhode.common.result import Result
+from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue, may_wait
 from polhode.numbers.decimals import decimal_in_full, decimal_string, digits_of
-from polhode.numbers.rows import Rows
+from polhode.numbers.rows import States
 
 if TYPE_CHECKING:
     import numpy as np
@@ -110,25 +112,29 @@ _CAUSES = {
 class EventTimes(Result, ByValue):
     """The times of one event of a scene, in order of integration, and the states there.
 
-    ``times``: in the scene's unit, rounded to the run's type.  ``states``: rows as in a trajectory,
-    p q r [gamma1 gamma2 gamma3] at the event itself: on the section to the type's precision, even
-    if the time has no digits left for that.  ``grazing``: whether rounding decides between no zero
-    and two.  ``complete``: whether rising and falling zeros alternate, as they do unless one was
-    lost or a pole of the expression was passed.
+        ``times``: in the scene's unit, rounded to the run's type.  ``states``: an array as in a
+    trajectory, p q r [gamma1 gamma2 gamma3] at the event itself, read-only: on the section to the
+    type's precision, even if the time has no digits left for that.  ``grazing``: whether rounding
+    decides between no zero and two.  ``complete``: whether rising and falling zeros alternate, as
+    they do unless one was lost or a pole of the expression was passed.
 
-    >>> from dataclasses import replace
-    >>> import polhode
-    >>> scene = replace(polhode.load("lagrange/nutation"), events=(polhode.Event("nutation"),))
-    >>> (found,) = polhode.integrate(scene, at=[10]).events
-    >>> len(found.times), round(float(found.times[0]), 12), found.grazing[0]
-    (6, 0.46599315847, False)
+        >>> from dataclasses import replace
+        >>> import polhode
+        >>> scene = replace(polhode.load("lagrange/nutation"), events=(polhode.Event("nutation"),))
+        >>> (found,) = polhode.integrate(scene, at=[10]).events
+        >>> len(found.times), round(float(found.times[0]), 12), found.grazing[0]
+        (6, 0.46599315847, False)
     """
 
     name: str
     times: tuple[Fraction, ...]
-    states: Rows
+    states: States
     grazing: tuple[bool, ...]
     complete: bool = True
+
+    def __setstate__(self, state: Mapping[str, object]) -> None:
+        super().__setstate__(state)
+        self.states.flags.writeable = False
 
     def __repr__(self) -> str:
         first = f", the first at t = {self.shown(0)}" if self.times else ""
@@ -218,6 +224,6 @@ class Projection(ByValue):
 
     def __str__(self) -> str:
         return (
-            f"onto {', '.join(self.onto)} {self.count} times: largest correction "
+            f"onto {', '.join(self.onto)} {counted(self.count, 'time')}: largest correction "
             f"{self.largest:.1e}, sum {self.sum:.1e}"
         )

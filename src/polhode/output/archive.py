@@ -149,7 +149,7 @@ def _run(held: _Held, about: JsonObject, scene: Scene) -> Trajectory:
     for name in widths.keys() & rows.keys():
         rows[name] = read_only(rows[name], widths[name])
     if "angles" in rows:
-        rows["angles"] = [list(row) for row in rows["angles"]]
+        rows["angles"] = tuple(tuple(row) for row in rows["angles"])
     errors = None
     if "errors" in held:
         found = _array(held, "errors", "f", (len(times),))
@@ -198,6 +198,7 @@ def _events(
     for k, told in enumerate(listed):
         times = _times(held, f"event{k}_times")
         states = _numbers(held, f"event{k}_states", number, (len(times), len(scene.columns)))
+        states = read_only(states, len(scene.columns))
         grazing = _array(held, f"event{k}_grazing", "b", (len(times),))
         complete = _told(told, "complete", bool)
         found.append(EventTimes(told["name"], times, states, tuple(grazing.tolist()), complete))

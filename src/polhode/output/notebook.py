@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from polhode.common.result import Result
-from polhode.common.text_tables import few, printable
+from polhode.common.text_tables import counted, few, printable
 from polhode.figures.canvas.canvas import BODY, REST, SPACE
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference
@@ -77,7 +77,8 @@ def of_run(run: Trajectory) -> str:
     """A run's facts, and omega over time."""
     facts = {
         "number type": f"{run.number.name}, {run.number.bits} bits",
-        "outcome": f"{run.outcome.value}, {run.steps} steps, {len(run.times)} times",
+        "outcome": f"{run.outcome.value}, {counted(run.steps, 'step')}, "
+        f"{counted(len(run.times), 'time')}",
         "reached": f"t = {brief(run.reached, 17)}",
     }
     if run.correct_digits is not None:

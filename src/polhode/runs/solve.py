@@ -72,14 +72,14 @@ def solve(
             )
             parts = {"build": planning + building, "run": seconds - building}
             rows, read, times = found.rows, motion.read, schedule.exact
-            turned = read.attitude(rows)
+            turned, angles = read.attitude(rows), read.angles(rows)
             return Trajectory(
                 scene=scene,
                 number=number,
                 times=times if len(rows) == len(times) else times[: len(rows)],
                 states=read_only(read.states(rows), len(scene.columns)),
                 attitude=None if turned is None else read_only(turned, len(ATTITUDE)),
-                angles=read.angles(rows),
+                angles=None if angles is None else tuple(map(tuple, angles)),
                 events=Events(found.events),
                 projection=motion.projection,
                 outcome=found.outcome,

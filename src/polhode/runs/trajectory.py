@@ -12,6 +12,7 @@ from polhode.common.cached_property import cached_property
 from polhode.common.errors import nearest
 from polhode.common.presentation import Slot
 from polhode.common.result import Result
+from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue, may_wait
 from polhode.equations.column import derived, derived_words
 from polhode.equations.form import equations
@@ -134,7 +135,8 @@ class Trajectory(Result, ByValue, Generic[S_co]):
 
     def __repr__(self) -> str:
         return (
-            f"<Trajectory of {self.scene.name}: {self.number.name}, {len(self.times)} times "
+            f"<Trajectory of {self.scene.name}: {self.number.name}, "
+            f"{counted(len(self.times), 'time')} "
             f"to t = {shown(self.reached)}, {self.outcome.value}>"
         )
 

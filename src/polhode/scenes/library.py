@@ -93,11 +93,14 @@ def path_of(scene: str | Path) -> Path | None:
 
 
 def matching(patterns: list[str]) -> list[str]:
-    """Names and patterns such as ``euler/*``, expanded; a path stands for itself."""
+    """Names, tops such as ``euler`` and patterns such as ``euler/w*``, expanded; a path stands for
+    itself."""
     if not patterns:
         return names()
     found: list[str] = []
     for pattern in patterns:
         hits = [name for name in names() if fnmatchcase(name, pattern)]
+        if not hits and not Path(pattern).is_file():
+            hits = [name for name in names() if fnmatchcase(name, f"{pattern}/*")]
         found += [name for name in hits or [pattern] if name not in found]
     return found

@@ -17,6 +17,7 @@ from polhode.common.arguments import each, of_kind
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, nearest
 from polhode.common.presentation import Slot
+from polhode.common.text_tables import counted
 from polhode.common.value_semantics import may_wait
 from polhode.numbers import exact
 from polhode.numbers.conversion import exact_number
@@ -184,7 +185,9 @@ class Scene:
 
     def __repr__(self) -> str:
         moments = ", ".join(shown(x) for x in self.body.moments)
-        until = f", {len(self.times)} times to t = {shown(self.end)}" if self.times else ""
+        until = (
+            f", {counted(len(self.times), 'time')} to t = {shown(self.end)}" if self.times else ""
+        )
         return f"<Scene {self.name}: moments {moments}{until}>"
 
     def _repr_html_(self) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 
 from polhode.common.errors import BadInput
+from polhode.common.text_tables import counted
 from polhode.scenes import library
 from polhode.verbs.section import level_options, read_grid
 from polhode.verbs.terminal import (
@@ -80,7 +81,7 @@ def main(options: Namespace) -> int:
     elif file is None or not file.on_stdout:
         for name, n in found.counts.items():
             say(f"{name:<10}{n:>8}  {100 * n / len(found.verdict):.1f} %")
-    note(f"{scene.name}: {len(found.verdict)} motions, {output.means(found)}")
+    note(f"{scene.name}: {counted(len(found.verdict), 'motion')}, {output.means(found)}")
     if found.interrupted:
         return goes_on(found.kept)
     return DONE

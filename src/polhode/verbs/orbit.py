@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from polhode.common.errors import BadInput
+from polhode.common.text_tables import counted
 from polhode.numbers import expression
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
@@ -152,7 +153,7 @@ def _say(found: Orbit) -> None:
         closes = "the motion in space does not close in few periods"
         if found.turns is not None:
             n = found.turns.denominator
-            closes = f"the motion in space closes after {n} period" + ("s" if n > 1 else "")
+            closes = f"the motion in space closes after {counted(n, 'period')}"
         say(f"psi         {told['psi']} per period; {closes}")
     note(
         f"{found.name}: start and period right to {found.error:.1e}, residue to "

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput
 from polhode.common.files import check_writable, is_stdout
+from polhode.common.text_tables import counted
 from polhode.numbers import number_types
 from polhode.numbers.exact import Exact
 from polhode.output import csv_tables, json_results
@@ -192,8 +193,8 @@ def _certified(box: StartBox, times: Sequence[Exact], options: Namespace) -> int
         tell_certificate(scene.name, options.file)
     if not options.json:
         note(
-            f"{scene.name}: every digit is proven, {least}; {found.steps} steps at a noise level "
-            f"of 2**-{found.noise}, {found.seconds_in_all:.1f} s"
+            f"{scene.name}: every digit is proven, {least}; {counted(found.steps, 'step')} at a "
+            f"noise level of 2**-{found.noise}, {found.seconds_in_all:.1f} s"
         )
     if options.statement and not options.json:
         for line in found.statement:

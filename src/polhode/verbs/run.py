@@ -6,6 +6,7 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from polhode.common.text_tables import counted
 from polhode.numbers.decimals import brief
 from polhode.output import csv_tables, json_results
 from polhode.scenes import library
@@ -119,7 +120,7 @@ def main(options: Namespace) -> int:
     if not options.json:
         note(
             f"{scene.name}: {answer['number']} ({answer['bits']} bits), {answer['regime']}; "
-            f"{answer['outcome']}, {answer['steps']} steps; {_accuracy(found)}"
+            f"{answer['outcome']}, {counted(answer['steps'], 'step')}; {_accuracy(found)}"
         )
         if "not refined" in found.provenance:
             note(f"{scene.name}: not refined: {found.provenance['not refined']}")

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput
+from polhode.common.text_tables import counted
 from polhode.motion.outcomes import code
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
@@ -107,8 +108,8 @@ def main(options: Namespace) -> int:
         if options.digits is not None:
             unchecked = f"; number type chosen for {options.digits} digits, members not checked"
         note(
-            f"{scene.name}: {len(found)} members, {found.number.name} ({found.number.bits} bits), "
-            f"not projected{left_out}{unchecked}; "
+            f"{scene.name}: {counted(len(found), 'member')}, "
+            f"{found.number.name} ({found.number.bits} bits), not projected{left_out}{unchecked}; "
             + ", ".join(f"{n} {outcome.value}" for outcome, n in found.tally().items())
         )
     for outcome in found.tally():

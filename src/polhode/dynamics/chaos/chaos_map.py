@@ -31,6 +31,7 @@ from polhode.common.memory import refuse_too_much
 from polhode.common.progress import Progress
 from polhode.common.provenance import provenance
 from polhode.common.result import Result
+from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.chaos import map_motions
 from polhode.dynamics.sections.initial_tangents import tangents_of
@@ -91,7 +92,7 @@ class ChaosMap(Result, ByValue):
 
     def __repr__(self) -> str:
         told = ", ".join(f"{n} {name}" for name, n in self.counts.items())
-        return f"<ChaosMap of {self.scene.name}: {len(self.verdict)} motions, {told}>"
+        return f"<ChaosMap of {self.scene.name}: {counted(len(self.verdict), 'motion')}, {told}>"
 
     @property
     def enough(self) -> float:

@@ -12,6 +12,7 @@ from polhode.common.arguments import each
 from polhode.common.errors import BadInput
 from polhode.common.provenance import provenance
 from polhode.common.result import Result
+from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.levels import effective_potential, permanent_rotations, rotation_arcs
 from polhode.dynamics.levels.arc_sampling import points
@@ -111,7 +112,8 @@ class Levels(Result, ByValue):
     provenance: Mapping[str, object] = field(default_factory=dict)
 
     def __repr__(self) -> str:
-        return f"<Levels of {self.scene.name}: {len(self.curves)} curves, {len(self.cusps)} cusps>"
+        curves = counted(len(self.curves), "curve")
+        return f"<Levels of {self.scene.name}: {curves}, {counted(len(self.cusps), 'cusp')}>"
 
     @property
     def cusps(self) -> tuple[Mark, ...]:

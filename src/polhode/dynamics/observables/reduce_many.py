@@ -14,6 +14,7 @@ from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.jobs import carried_out
 from polhode.common.progress import Progress, bar
 from polhode.common.provenance import provenance
+from polhode.common.text_tables import counted
 from polhode.dynamics.observables.jobs import Reduced, check, job_of, solve
 from polhode.dynamics.observables.reductions import asked
 from polhode.motion.outcomes import Outcome, code
@@ -73,9 +74,10 @@ class Reductions(Ended):
         return self.numbers[name]
 
     def __repr__(self) -> str:
+        members = counted(len(self), "member")
         return (
-            f"<Reductions of {self.scene.name}: {len(self)} members in {self.number.name}, "
-            f"{len(self.numbers)} numbers each, {self._reached()}>"
+            f"<Reductions of {self.scene.name}: {members} in {self.number.name}, "
+            f"{counted(len(self.numbers), 'number')} each, {self._reached()}>"
         )
 
     @property

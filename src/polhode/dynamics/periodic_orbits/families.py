@@ -14,6 +14,7 @@ from polhode.common.errors import BadInput, nearest
 from polhode.common.progress import Message
 from polhode.common.provenance import provenance
 from polhode.common.result import Result
+from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.periodic_orbits.continuation import (
     BY,
@@ -96,7 +97,7 @@ class OrbitFamily(Result, ByValue):
 
     def __repr__(self) -> str:
         n = len(self.points)
-        orbits = f"{n} orbit" + ("s" if n != 1 else "")
+        orbits = counted(n, "orbit")
         return f"<OrbitFamily of {self.scene.name}: {orbits} along {self.by}, {self.ended}>"
 
     @property

@@ -18,6 +18,7 @@ from polhode.common.arguments import cells, whole
 from polhode.common.progress import Message
 from polhode.common.provenance import provenance
 from polhode.common.result import Result
+from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.periodic_orbits.families import FamilyPoint, point_of
 from polhode.dynamics.periodic_orbits.level_set import Surface
@@ -82,9 +83,9 @@ class OrbitSearch(Result, ByValue):
     provenance: Mapping[str, object] = field(default_factory=dict)
 
     def __repr__(self) -> str:
-        n = len(self.orbits)
-        orbits = f"{n} orbit" + ("s" if n != 1 else "")
-        return f"<OrbitSearch of {self.scene.name}: {orbits} from {self.guesses} guesses>"
+        orbits = counted(len(self.orbits), "orbit")
+        guesses = f"{self.guesses} guess" + "es" * (self.guesses != 1)
+        return f"<OrbitSearch of {self.scene.name}: {orbits} from {guesses}>"
 
     def orbit(self, k: int, digits: int = DIGITS) -> Orbit:
         """The k-th orbit to so many digits."""

@@ -19,6 +19,7 @@ from polhode.common.memory import refuse_too_much
 from polhode.common.progress import Progress
 from polhode.common.provenance import provenance
 from polhode.common.result import Result
+from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.sections import crossing_accuracy
 from polhode.dynamics.sections import jobs as section_jobs
@@ -78,10 +79,9 @@ class Section(Result, ByValue):
     provenance: Mapping[str, object] = field(default_factory=dict)
 
     def __repr__(self) -> str:
-        n = len(self.counts)
-        orbits = f"{n} orbit" + ("s" if n != 1 else "")
-        made = int(self.counts.sum())
-        return f"<Section of {self.scene.name} by {self.by}: {orbits}, {made} crossings>"
+        orbits = counted(len(self.counts), "orbit")
+        made = counted(int(self.counts.sum()), "crossing")
+        return f"<Section of {self.scene.name} by {self.by}: {orbits}, {made}>"
 
     @cached_property
     def digits(self) -> Doubles:

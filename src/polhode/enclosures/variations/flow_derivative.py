@@ -17,6 +17,7 @@ import numpy as np
 from flint import arb, arb_mat
 
 from polhode.common.cached_property import cached_property
+from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
 from polhode.enclosures.fixed_point_problem import UP, Motion, upper
 from polhode.enclosures.polynomial import ball
@@ -50,7 +51,7 @@ class FlowDerivative(ByValue):
     >>> import polhode
     >>> found = polhode.certify("euler/separatrix", at=[10], derivatives=True).derivatives
     >>> found
-    <FlowDerivative at 1 times: amplification up to 12.7>
+    <FlowDerivative at 1 time: amplification up to 12.7>
     >>> low, high = found.amplification[0]
     >>> low < high < 1.002 * low
     True
@@ -78,7 +79,8 @@ class FlowDerivative(ByValue):
 
     def __repr__(self) -> str:
         most = max((high for _, high in self.amplification), default=1.0)
-        return f"<FlowDerivative at {len(self.times)} times: amplification up to {most:.3g}>"
+        times = counted(len(self.times), "time")
+        return f"<FlowDerivative at {times}: amplification up to {most:.3g}>"
 
 
 def fastest(scene: Scene, states: Sequence[Sequence[Fraction]]) -> float:

@@ -10,6 +10,7 @@ from typing import Any
 
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput, nearest
+from polhode.common.text_tables import counted
 from polhode.judging.tables.column_aliases import Column, column, known, not_judged, twice
 from polhode.judging.tables.type_inference import type_of
 from polhode.numbers import exact
@@ -34,7 +35,9 @@ class Table:
     remarks: tuple[str, ...] = ()  # what its JSON file says, and what of that was ignored
 
     def __repr__(self) -> str:
-        return f"<Table {self.name}: {', '.join(self.columns)} at {len(self.times)} times>"
+        return (
+            f"<Table {self.name}: {', '.join(self.columns)} at {counted(len(self.times), 'time')}>"
+        )
 
     def some(self, which: Sequence[int]) -> Table:
         """Some of the rows."""

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from polhode.common.progress import Progress
+from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
 from polhode.numbers.exact import Exact
 from polhode.proofs.chaos.homoclinic import Homoclinic, Saddle
@@ -87,10 +88,9 @@ class ProvedChaos(ByValue):
         chaos_certificate.save(self.scene.name, self.scene.body, what, path, progress)
 
     def __repr__(self) -> str:
-        return (
-            f"<ProvedChaos of {self.scene.name}: {self.coverings} coverings, entropy at least "
-            f"{down(self.entropy)}>"
-        )
+        coverings = counted(self.coverings, "covering")
+        entropy = down(self.entropy)
+        return f"<ProvedChaos of {self.scene.name}: {coverings}, entropy at least {entropy}>"
 
     def __str__(self) -> str:
         """The theorem in words."""

@@ -8,6 +8,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from polhode.common.cached_property import cached_property
+from polhode.common.text_tables import counted
 from polhode.equations.column import derived_stack, of_state_alone
 from polhode.motion.outcomes import OUTCOMES, Outcome
 from polhode.numbers.decimals import shown
@@ -66,9 +67,10 @@ class Ensemble(Ended):
         return len(self.members)
 
     def __repr__(self) -> str:
+        members = counted(len(self), "member")
         return (
-            f"<Ensemble of {self.scene.name}: {len(self)} members in {self.number.name}, "
-            f"{len(self.times)} times to t = {shown(self.times[-1])}, {self._reached()}>"
+            f"<Ensemble of {self.scene.name}: {members} in {self.number.name}, "
+            f"{counted(len(self.times), 'time')} to t = {shown(self.times[-1])}, {self._reached()}>"
         )
 
     def __getitem__(self, index: int) -> Trajectory:

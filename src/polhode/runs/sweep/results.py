@@ -105,9 +105,9 @@ class Results:
 class Reader:
     """Reads rows of some members in scene axes and units: plain data, to be sent anywhere.
 
-    ``bodies``: members that have principal axes in common, with a scene of such; none where axes
-    need no turn.  ``units``: the exponents of the members' units of time; above extended those of
-    one set have theirs in common.
+    ``bodies``: members that have principal axes in common, with a scene of such; above extended
+    each turned one with its own; none where axes need no turn.  ``units``: the exponents of the
+    members' units of time; above extended those of one set have theirs in common.
     """
 
     number: NumberType
@@ -162,11 +162,16 @@ def reader(plan: Plan, members: npt.NDArray[np.int64]) -> Reader:
         return Reader(plan.number, columns, units, ((np.arange(len(members)), one),))
     bodies = np.stack([*plan.bodies(members), units], axis=1)
     _, first, alike = np.unique(bodies, axis=0, return_index=True, return_inverse=True)
-    sets = tuple(
-        (np.flatnonzero(alike == n), replace(plan.members[int(members[k])], form="principal"))
-        for n, k in enumerate(first)
-    )
-    return Reader(plan.number, columns, units, sets)
+    sets: list[tuple[npt.NDArray[np.int64], Scene]] = []
+    for n, k in enumerate(first):
+        these, one = np.flatnonzero(alike == n), plan.members[int(members[k])]
+        if plan.number.flat or one.body.axes.trivial:
+            sets.append((these, replace(one, form="principal")))
+            continue
+        for i in these:  # each has a start of its own, which is read as it stands
+            own = plan.members[int(members[i])]
+            sets.append((np.array([i]), replace(own, form="principal")))
+    return Reader(plan.number, columns, units, tuple(sets))
 
 
 def _empty(number: NumberType, shape: tuple[int, ...]) -> Stack:

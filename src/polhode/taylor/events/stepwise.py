@@ -33,7 +33,7 @@ from polhode.equations.readout import Readout
 from polhode.motion.outcomes import EventTimes
 from polhode.numbers.exact import ZERO, sign
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Array, Flat, Given, Numbers
+from polhode.numbers.rows import Array, Flat, Given, Numbers, read_only
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import heyoka_numbers
 from polhode.taylor.backend.engine import hy
@@ -268,7 +268,8 @@ class Watch:
                 # cut: where a run begins with a bridge, that integrates other variables beside
                 rows = [heyoka_numbers.numbers(m.row[:width], self.number) for m in marks]
                 grazing = tuple(m.slope == 0 for m in marks)
-            answers.append(EventTimes(event.name, times, read.states(rows), grazing, complete))
+            states = read_only(read.states(rows), read.columns)
+            answers.append(EventTimes(event.name, times, states, grazing, complete))
         return tuple(answers)
 
     def settle(self) -> None:
