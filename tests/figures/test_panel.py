@@ -13,7 +13,7 @@ from polhode.figures.canvas import panel
 from polhode.figures.canvas.direct_labels import Look, balanced
 from polhode.figures.canvas.log_ticks import names, ticks
 from polhode.figures.canvas.mark_titles import titled
-from polhode.figures.canvas.panel import Axis, Guide, Panel, Series
+from polhode.figures.canvas.panel import Axis, Guide, Panel, Point, Series
 
 SVG = "{http://www.w3.org/2000/svg}"
 LOOK = Look("#0072b2", "o")
@@ -43,9 +43,9 @@ def test_a_logarithmic_axis_has_two_labels_or_more_each_of_its_value(low, decade
 
 
 def test_marks_say_their_texts_escaped_and_in_order():
-    one = Series([1, 2, 3], [1, 2, 3], LOOK, "one", texts=["a < b", '"c" & d', "e"])
-    other = Series([1, 2], [3, 1], LOOK.marks, "other", texts=["f", "g"])
-    silent = Series([1, 2], [2, 2], LOOK, "silent")
+    one = Series([Point(1, 1, "a < b"), Point(2, 2, '"c" & d'), Point(3, 3, "e")], LOOK, "one")
+    other = Series([Point(1, 3, "f"), Point(2, 1, "g")], LOOK.marks, "other")
+    silent = Series(panel.line([1, 2], [2, 2]), LOOK, "silent")
     text = panel.svg([Panel([one, silent], legend=2), Panel([silent]), Panel([other])], 4)
     assert titles(text) == ["a < b", '"c" & d', "e", "f", "g"]
     assert "<title>a &lt; b</title>" in text
@@ -54,7 +54,8 @@ def test_marks_say_their_texts_escaped_and_in_order():
 
 
 def test_what_a_logarithmic_axis_does_not_hold_has_no_mark():
-    series = Series([1, 10, 100, 1000], [1, 0, None, 2], LOOK, texts=["a", "b", "c", "d"])
+    points = [Point(1, 1, "a"), Point(10, 0, "b"), Point(-1, 1, "c"), Point(1000, 2, "d")]
+    series = Series(points, LOOK, tops=[2, 1, 2, 3])
     text = panel.svg([Panel([series], Axis("x", "log"), Axis("y", "log"))], 3)
     assert titles(text) == ["a", "d"]
 
@@ -70,7 +71,9 @@ def test_rows_stand_from_the_top_down_under_their_headings():
     assert dict(shown.names) == {0: "a", 2: "b", 3: "c"}
     assert dict(shown.headings) == {1: "second"}
     assert shown.bands == [(-0.5, 0.5)]
-    text = panel.svg([Panel([Series([1, 2, 3], [*shown.names], LOOK.marks)], rows=shown)], 3)
+    text = panel.svg(
+        [Panel([Series(panel.line([1, 2, 3], shown.names), LOOK.marks)], rows=shown)], 3
+    )
     places = {
         word: float(re.search(rf'y="([\d.]+)"[^>]*>{word}<', text)[1])  # type: ignore[index]
         for word in ("a", "second", "b", "c")
@@ -79,7 +82,7 @@ def test_rows_stand_from_the_top_down_under_their_headings():
 
 
 def test_names_stand_beside_curves_and_guides():
-    series = Series([1, 2], [1, 2], LOOK, end="a curve")
+    series = Series(panel.line([1, 2], [1, 2]), LOOK, end="a curve")
     text = panel.svg([Panel([series], guides=[Guide("y", 1.5, name="a guide")])], 3)
     assert ">a curve<" in text
     assert ">a guide<" in text
