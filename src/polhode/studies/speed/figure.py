@@ -86,7 +86,7 @@ def _motion(motion: Told) -> Panel:
         if name in methods:
             curves[name] = methods[name]["points"]
     floor = motion.get("floor")
-    guides = [] if floor is None else [Guide("y", 10.0**-floor, name="3 × bound, double")]
+    guides = [] if floor is None else [Guide("y", 10.0**-floor, name="3 × double's bound")]
     return Panel([*_curves(curves)], *_AXES, _title(motion), guides=guides)
 
 
