@@ -5,15 +5,19 @@ from __future__ import annotations
 import re
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from polhode.figures.canvas import panel
+import polhode
+from polhode.figures.canvas import panel, timed_path
+from polhode.figures.canvas.canvas import paper
 from polhode.figures.canvas.direct_labels import Look, balanced
+from polhode.figures.canvas.globe import facing_most
 from polhode.figures.canvas.log_ticks import names, ticks
 from polhode.figures.canvas.mark_titles import titled
-from polhode.figures.canvas.panel import Axis, Guide, Panel, Series
+from polhode.figures.canvas.panel import Axis, Guide, Panel, Point, Series
 
 SVG = "{http://www.w3.org/2000/svg}"
 LOOK = Look("#0072b2", "o")
@@ -43,9 +47,9 @@ def test_a_logarithmic_axis_has_two_labels_or_more_each_of_its_value(low, decade
 
 
 def test_marks_say_their_texts_escaped_and_in_order():
-    one = Series([1, 2, 3], [1, 2, 3], LOOK, "one", texts=["a < b", '"c" & d', "e"])
-    other = Series([1, 2], [3, 1], LOOK.marks, "other", texts=["f", "g"])
-    silent = Series([1, 2], [2, 2], LOOK, "silent")
+    one = Series([Point(1, 1, "a < b"), Point(2, 2, '"c" & d'), Point(3, 3, "e")], LOOK, "one")
+    other = Series([Point(1, 3, "f"), Point(2, 1, "g")], LOOK.marks, "other")
+    silent = Series(panel.line([1, 2], [2, 2]), LOOK, "silent")
     text = panel.svg([Panel([one, silent], legend=2), Panel([silent]), Panel([other])], 4)
     assert titles(text) == ["a < b", '"c" & d', "e", "f", "g"]
     assert "<title>a &lt; b</title>" in text
@@ -54,7 +58,8 @@ def test_marks_say_their_texts_escaped_and_in_order():
 
 
 def test_what_a_logarithmic_axis_does_not_hold_has_no_mark():
-    series = Series([1, 10, 100, 1000], [1, 0, None, 2], LOOK, texts=["a", "b", "c", "d"])
+    points = [Point(1, 1, "a"), Point(10, 0, "b"), Point(-1, 1, "c"), Point(1000, 2, "d")]
+    series = Series(points, LOOK, tops=[2, 1, 2, 3])
     text = panel.svg([Panel([series], Axis("x", "log"), Axis("y", "log"))], 3)
     assert titles(text) == ["a", "d"]
 
@@ -70,7 +75,9 @@ def test_rows_stand_from_the_top_down_under_their_headings():
     assert dict(shown.names) == {0: "a", 2: "b", 3: "c"}
     assert dict(shown.headings) == {1: "second"}
     assert shown.bands == [(-0.5, 0.5)]
-    text = panel.svg([Panel([Series([1, 2, 3], [*shown.names], LOOK.marks)], rows=shown)], 3)
+    text = panel.svg(
+        [Panel([Series(panel.line([1, 2, 3], shown.names), LOOK.marks)], rows=shown)], 3
+    )
     places = {
         word: float(re.search(rf'y="([\d.]+)"[^>]*>{word}<', text)[1])  # type: ignore[index]
         for word in ("a", "second", "b", "c")
@@ -79,7 +86,7 @@ def test_rows_stand_from_the_top_down_under_their_headings():
 
 
 def test_names_stand_beside_curves_and_guides():
-    series = Series([1, 2], [1, 2], LOOK, end="a curve")
+    series = Series(panel.line([1, 2], [1, 2]), LOOK, end="a curve")
     text = panel.svg([Panel([series], guides=[Guide("y", 1.5, name="a guide")])], 3)
     assert ">a curve<" in text
     assert ">a guide<" in text
@@ -88,3 +95,38 @@ def test_names_stand_beside_curves_and_guides():
 def test_lines_of_a_label_are_as_even_as_they_can_be():
     assert balanced("Chaotic and falling bodies", 23) == "Chaotic and\nfalling bodies"
     assert balanced("Cusps", 23) == "Cusps"
+
+
+@pytest.mark.parametrize("by", ["momentum", "height"])
+def test_axes_of_a_map_and_of_a_section_are_the_same_and_say_what_they_are(by):
+    level = {"h": 3, "f": "1/2", "by": by}
+    found = polhode.chaos_map("kovalevskaya/generic", (2, 2), end=20, **level)
+    cut = polhode.section("kovalevskaya/generic", grid=(2, 2), crossings=2, **level)
+    words = [(axes.get_xlabel(), axes.get_ylabel()) for axes in (found.plot(), cut.plot())]
+    assert words[0] == words[1]
+    vector = {"momentum": "G", "height": "γ"}[by]
+    assert f"azimuth of {vector} about r₀" in words[0][0]
+    assert words[0][1].endswith(f"cos({vector}, r₀)")
+
+
+def test_a_free_body_has_its_third_axis_where_a_heavy_one_has_its_centre():
+    found = polhode.section("euler/largest-axis", grid=(2, 2), crossings=2)
+    assert "third axis" in found.plot().get_ylabel()
+
+
+def test_a_path_says_which_colour_is_which_time():
+    points = np.array([[np.cos(x), np.sin(x), 0.0] for x in np.linspace(0, 2, 65)])
+    with paper() as plt:
+        _, axes = plt.subplots()
+        globe = facing_most(points)
+        globe.surface(axes)
+        timed_path.draw(axes, globe, points, "7")
+        colours = [
+            line.get_color() for line in axes.lines if (line.get_gid() or "").startswith("path")
+        ]
+        assert [text.get_text() for text in axes.texts] == ["t = 0", "t = 7"]
+        plt.close()
+    assert colours[0] == timed_path.colours()[0]
+    light = [sum(int(x[k : k + 2], 16) for k in (1, 3, 5)) for x in timed_path.colours()]
+    assert len(set(colours)) == len(light) == 32
+    assert light == sorted(light)  # from dark to light: it prints in grey

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 import numpy as np
 
 from polhode.dynamics.sections import coordinates as geometry
+from polhode.figures.canvas import section_axes
 from polhode.numbers.rows import Doubles
 from polhode.proofs.chaos import homoclinic
 from polhode.proofs.chaos.h_set import HSet
@@ -59,9 +60,6 @@ def crossings(found: ProvedChaos) -> Crossings:
 
 def draw_crossings(axes: Axes, points: Crossings) -> None:
     """The section with both manifolds and the sets."""
-    turn = np.arange(5) * np.pi / 2
-    axes.set_xticks(turn, ["0", "π/2", "π", "3π/2", "2π"])
-    axes.set_xlim(-0.1, 2 * np.pi + 0.1)
     for name, colour, where in (
         ("unstable", OUT, points.unstable),
         ("stable", INTO, points.stable),
@@ -77,7 +75,8 @@ def draw_crossings(axes: Axes, points: Crossings) -> None:
             gid=f"{name} manifold",
         )
     axes.plot(*points.sets, "+", ms=5, color=SETS, label="sets, each in its own plane", gid="sets")
-    axes.set(xlabel="azimuth of γ about r₀ (rad)", ylabel="cosine of γ to r₀")
+    section_axes.label(axes, height=True)
+    axes.set(xlim=(-0.1, 2 * np.pi + 0.1), ylim=(-1.1, 1.1))  # marks at the edges whole
 
 
 def _sets(axes: Axes, found: ProvedChaos) -> None:

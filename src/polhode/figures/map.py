@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polhode.dynamics.chaos.chaos_map import ChaosMap
-from polhode.figures.canvas import canvas
+from polhode.figures.canvas import canvas, section_axes
 
 KINDS = ("fli", "megno", "exponent", "verdict")
 LABELS = {"fli": "FLI = max ln|u|", "megno": "MEGNO", "exponent": "exponent (1/unit of time)"}
@@ -55,7 +55,11 @@ def draw(plt: Any, shown: Shown, axes: Any = None) -> Any:
         bar = figure.colorbar(mesh, ax=axes, extend="max")
         bar.set_label(LABELS[what])
         bar.outline.set_linewidth(0.6)
-    axes.set(xlabel=found.keys[0], ylabel=found.keys[1])
+    if found.h is None:
+        axes.set(xlabel=found.keys[0], ylabel=found.keys[1])
+    else:
+        height = found.keys[0] == "azimuth"
+        section_axes.label(axes, height, found.scene.body.torque_free)
     told = ", ".join(f"{n} {name}" for name, n in found.counts.items())
     axes.set_title(f"up to t = {found.end:g}: {told}", size=9)
     return figure

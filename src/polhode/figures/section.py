@@ -8,7 +8,7 @@ import numpy as np
 
 from polhode.dynamics.sections.section import Section
 from polhode.equations.section_functions import HEIGHT
-from polhode.figures.canvas import canvas
+from polhode.figures.canvas import canvas, section_axes
 
 #: Dark enough on white, neighbours far apart.
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8c6d00", "#5d3a9b", "#1b9e9e", "#a50f15")
@@ -33,14 +33,7 @@ def draw(plt: Any, found: Section, axes: Any = None) -> Any:
             rasterized=made > 20_000,
             gid=f"orbit {orbit + 1}",
         )
-    axes.set(xlim=(0, 2 * np.pi), ylim=(-1, 1))
-    axes.set_xticks(np.arange(5) * np.pi / 2, ["0", "π/2", "π", "3π/2", "2π"])
-    about = "the third axis" if found.scene.body.torque_free else "r₀"
-    if found.by == HEIGHT:
-        axes.set(xlabel=f"azimuth of γ about {about} (rad)", ylabel=f"cosine of γ to {about}")
-    else:
-        axes.set(xlabel=f"l: azimuth of G about {about} (rad)")
-        axes.set(ylabel=f"L/G: cosine of G to {about}")
+    section_axes.label(axes, found.by == HEIGHT, found.scene.body.torque_free)
     kind = "" if found.by not in (HEIGHT, "momentum") else f", {found.extremum}ima"
     what = {"momentum": "|G|", HEIGHT: "height"}.get(found.by, found.by)
     axes.set_title(

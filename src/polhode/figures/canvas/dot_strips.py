@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from polhode.figures.canvas import panel
 from polhode.figures.canvas.canvas import COLOURS, MARKS
 from polhode.figures.canvas.direct_labels import Look
-from polhode.figures.canvas.panel import Axis, Guide, Panel, Rows, Series
+from polhode.figures.canvas.panel import Axis, Guide, Panel, Point, Rows, Series
 
 HELD = {"double": 53 * 0.30103, "extended": 64 * 0.30103, "quad": 113 * 0.30103}
 LABEL = (
@@ -71,9 +71,12 @@ def _series(number: str, placed: Sequence[tuple[Dot, float]]) -> Iterator[Series
         (False, name, look),
         (True, "", look._replace(rim="#000000", rim_width=0.9)),
     ):
-        held = [(x, y) for x, y in placed if (x.number, x.behind) == (number, ringed)]
-        at = [x.digits for x, _ in held], [y for _, y in held]
-        yield Series(*at, style, told, texts=[x.text for x, _ in held])
+        points = [
+            Point(one.digits, y, one.text)
+            for one, y in placed
+            if (one.number, one.behind) == (number, ringed)
+        ]
+        yield Series(points, style, told)
 
 
 def _strip(dots: Sequence[Dot], middle: float) -> Iterator[tuple[Dot, float]]:

@@ -59,7 +59,9 @@ def ticks(low: float, high: float, most: int = 7) -> list[float]:
         return found
     from matplotlib.ticker import MaxNLocator
 
-    return [float(x) for x in MaxNLocator(4).tick_values(low, high) if low <= x <= high]
+    unit = 10.0 ** math.floor(math.log10(low))
+    even = MaxNLocator(4).tick_values(low / unit, high / unit)
+    return [float(x) * unit for x in even if low <= x * unit <= high]
 
 
 def names(values: list[float]) -> list[str]:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from itertools import compress, pairwise
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from polhode.figures.canvas.canvas import as_svg, paper
@@ -31,21 +32,31 @@ class Axis:
     ticks: Mapping[float, str] = field(default_factory=dict)
 
 
+class Point(NamedTuple):
+    """A point of a series, and what its mark says; nan breaks the line."""
+
+    x: float
+    y: float
+    text: str = ""
+
+
 @dataclass(frozen=True)
 class Series:
-    """Points that look alike; a None breaks the line.
+    """Points that look alike, all of them with texts or none.
 
-    ``name``: in the legend; ``end``: beside its last point; ``tops``: where bars from it end;
-    ``texts``: of each mark, what it says when one points at it.
+    ``name``: in the legend; ``end``: beside its last point; ``tops``: where bars from it end.
     """
 
-    x: Sequence[float | None]
-    y: Sequence[float | None]
+    points: Sequence[Point]
     look: Look
     name: str = ""
     end: str = ""
     tops: Sequence[float] = ()
-    texts: Sequence[str] = ()
+
+
+def line(x: Iterable[float], y: Iterable[float]) -> list[Point]:
+    """Points that say nothing."""
+    return [Point(*both) for both in zip(x, y, strict=True)]
 
 
 class Guide(NamedTuple):
@@ -168,14 +179,11 @@ def _draw(axes: Axes, panel: Panel, name: str) -> dict[str, Sequence[str]]:
     for low, high in panel.shaded if rows is None else rows.bands:
         axes.axhspan(low, high, color=SHADE, lw=0)
     for guide in panel.guides:
-        line = axes.axvline if guide.axis == "x" else axes.axhline
-        line(guide.at, color=guide.colour, lw=0.8, ls=guide.line)
-    texts = {}
+        draw = axes.axvline if guide.axis == "x" else axes.axhline
+        draw(guide.at, color=guide.colour, lw=0.8, ls=guide.line)
+    texts: dict[str, Sequence[str]] = {}
     for k, series in enumerate(panel.series):
-        shown = _shown(series, panel)
-        _points(axes, shown, f"{name} series {k}")
-        if shown.texts:
-            texts[f"{name} series {k}"] = shown.texts
+        texts |= _points(axes, series, panel, f"{name} series {k}")
     for y, text in {} if rows is None else rows.headings.items():
         axes.text(0.02, y, text, transform=axes.get_yaxis_transform(), va="center", size=8)
     axes.set_xscale(panel.x.scale, **_SCALES[panel.x.scale])
@@ -202,28 +210,17 @@ def _draw(axes: Axes, panel: Panel, name: str) -> dict[str, Sequence[str]]:
     return texts
 
 
-def _shown(series: Series, panel: Panel) -> Series:
-    """The series without what a logarithmic axis does not hold, and with the texts of the rest."""
-    x, y = (
-        [None if at is None or (axis.scale == "log" and at <= 0) else at for at in values]
-        for values, axis in ((series.x, panel.x), (series.y, panel.y))
-    )
-    there = [a is not None and b is not None for a, b in zip(x, y, strict=True)]
-    return replace(series, x=x, y=y, texts=[*compress(series.texts, there)])
-
-
-def _ends(axes: Axes, panel: Panel) -> list[End]:
-    """The names beside the panel."""
-    found = [End(s.x[-1], s.y[-1], s.end, s.look.colour) for s in panel.series if s.end]  # type: ignore[arg-type]
-    right = axes.get_xlim()[1]
-    return found + [End(right, g.at, g.name, g.colour) for g in panel.guides if g.name]
-
-
-def _points(axes: Axes, series: Series, name: str) -> None:
+def _points(axes: Axes, series: Series, panel: Panel, name: str) -> dict[str, Sequence[str]]:
+    """The texts of its marks by the name, if it has some."""
     look = series.look
+    points = [
+        point if _is_on(point, panel) else Point(math.nan, math.nan) for point in series.points
+    ]
+    x, y = [point.x for point in points], [point.y for point in points]
+    texts = [point.text for point in points if point.text]
     axes.plot(
-        series.x,  # type: ignore[arg-type]
-        series.y,  # type: ignore[arg-type]
+        x,
+        y,
         ls=look.line or "none",
         marker=look.mark,
         color=look.colour,
@@ -234,7 +231,23 @@ def _points(axes: Axes, series: Series, name: str) -> None:
         mew=look.rim_width,
         alpha=look.alpha,
         label=series.name or None,
-        gid=name if series.texts else None,
+        gid=name if texts else None,
     )
     if series.tops:
-        axes.vlines(series.x, series.y, series.tops, color=look.colour, lw=2, alpha=0.3)  # type: ignore[arg-type]
+        axes.vlines(x, y, series.tops, color=look.colour, lw=2, alpha=0.3)
+    return {name: texts} if texts else {}
+
+
+def _is_on(point: Point, panel: Panel) -> bool:
+    """Whether the axes hold it: logarithmic ones nothing that is not above 0."""
+    return all(
+        axis.scale != "log" or at > 0 for axis, at in ((panel.x, point.x), (panel.y, point.y))
+    )
+
+
+def _ends(axes: Axes, panel: Panel) -> list[End]:
+    """The names beside the panel."""
+    last = [(series, series.points[-1]) for series in panel.series if series.end]
+    found = [End(point.x, point.y, series.end, series.look.colour) for series, point in last]
+    right = axes.get_xlim()[1]
+    return found + [End(right, g.at, g.name, g.colour) for g in panel.guides if g.name]

@@ -8,7 +8,7 @@ from itertools import groupby
 from polhode.figures.canvas import panel
 from polhode.figures.canvas.canvas import SERIES, TIME
 from polhode.figures.canvas.direct_labels import LOOKS, Look
-from polhode.figures.canvas.panel import Axis, Panel, Series
+from polhode.figures.canvas.panel import Axis, Panel, Point, Series
 from polhode.output.json_object import JsonObject
 
 _MARKS = ("o", "s", "D", "^")
@@ -32,13 +32,18 @@ def _lost(rows: Sequence[JsonObject]) -> Panel:
     series = []
     for mark, colour, row in zip(_MARKS, SERIES, rows, strict=False):
         look = Look(colour, mark, width=1.0)
-        texts = [
-            f"{row['case']}, t = {t:g}: {lost:.1f} digits lost, {without:.1f} without the integrals"
-            for t, lost, without in zip(row["times"], row["lost"], row["lost_without"], strict=True)
+        points = [
+            Point(
+                t,
+                lost,
+                f"{row['case']}, t = {t:g}: {lost:.1f} digits lost, "
+                f"{other:.1f} without the integrals",
+            )
+            for t, lost, other in zip(row["times"], row["lost"], row["lost_without"], strict=True)
         ]
-        series.append(Series(row["times"], row["lost"], look, row["case"], texts=texts))
+        series.append(Series(points, look, row["case"]))
         dashed = Look(colour, "", "--", 0.8)
-        series.append(Series(row["times"], row["lost_without"], dashed))
+        series.append(Series(panel.line(row["times"], row["lost_without"]), dashed))
     y = Axis("digits lost (dashed: without the integrals)")
     return Panel(series, Axis(TIME, "log"), y, legend=2)
 
@@ -51,18 +56,17 @@ def _price(rows: Sequence[JsonObject]) -> Panel:
     )
     series = []
     for key, name in _METHODS.items():
-        found = [
-            (level, row, label, seconds)
+        points = [
+            Point(
+                seconds,
+                level,
+                f"{row['case']}, {row['digits']} digits at t = {row['end']}: "
+                f"{label} {seconds:.3g} s",
+            )
             for level, row in zip(shown.names, rows, strict=True)
             for label, seconds in row["seconds"].items()
             if label == key or (key == "mp" and label.startswith("mp"))
         ]
-        look = LOOKS[name].marks._replace(size=4.5)
-        at = [seconds for *_, seconds in found], [level for level, *_ in found]
-        texts = [
-            f"{row['case']}, {row['digits']} digits at t = {row['end']}: {label} {seconds:.3g} s"
-            for _, row, label, seconds in found
-        ]
-        series.append(Series(*at, look, key, texts=texts))
+        series.append(Series(points, LOOKS[name].marks._replace(size=4.5), key))
     x = Axis("processor seconds to the same time", "log")
     return Panel(series, x, rows=shown, legend=5)

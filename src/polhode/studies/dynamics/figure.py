@@ -16,8 +16,7 @@ from polhode.figures.section import COLOURS
 _CURVE = "#9a9a9a"
 _DOTS = "crossings, a colour an orbit; above: their spread in the integral"
 _CURVES = (
-    "where the fourth integral has an orbit's value,\n"
-    "which need not visit every branch of the curve"
+    "exact curve: the fourth integral as on an orbit,\nwhich need not visit every branch of it"
 )
 _TICKS = np.arange(3) * np.pi, ["0", "π", "2π"]
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from polhode.figures.canvas import panel
 from polhode.figures.canvas.canvas import COLOURS, MARKS
 from polhode.figures.canvas.direct_labels import Look
-from polhode.figures.canvas.panel import Axis, Panel, Series
+from polhode.figures.canvas.panel import Axis, Panel, Point, Series
 from polhode.output.json_object import JsonObject
 
 FLOOR = 0.01  # ulps: smaller errors are drawn there, on the axis
@@ -31,15 +31,18 @@ def _errors(motions: Sequence[JsonObject]) -> Panel:
             for _, ulps in run.get("samples", ())
         )
         share = [100 * (k + 1) / len(sizes) for k in range(len(sizes))]
-        steps = _twice([FLOOR, *sizes])[1:], _twice([0.0, *share])[:-1]
-        series.append(Series(*steps, Look(colour, "", width=1.2)))
+        steps = panel.line(_twice([FLOOR, *sizes])[1:], _twice([0.0, *share])[:-1])
+        series.append(Series(steps, Look(colour, "", width=1.2)))
         places = [len(sizes) * k // 8 for k in range(1, 8)] if sizes else []
-        at = [sizes[k] for k in places], [share[k] for k in places]
-        texts = [
-            f"{name}: {share:.0f} % of {len(sizes)} events within {size:.2g} ulp"
-            for size, share in zip(*at, strict=True)
+        points = [
+            Point(
+                sizes[k],
+                share[k],
+                f"{name}: {share[k]:.0f} % of {len(sizes)} events within {sizes[k]:.2g} ulp",
+            )
+            for k in places
         ]
-        series.append(Series(*at, Look(colour, MARKS[name], ""), name, texts=texts))
+        series.append(Series(points, Look(colour, MARKS[name], ""), name))
     x = Axis("error of the time, in units of its last place", "log", FLOOR)
     return Panel(series, x, Axis("events with no larger error, %", low=0, high=100), legend=4)
 
@@ -49,14 +52,16 @@ def _cost(rows: Sequence[JsonObject]) -> Panel:
     series = []
     for k, row in enumerate(rows):
         times, aside = row["microseconds_a_step"], 0.07 * (k - (len(rows) - 1) / 2)
-        at = [n + aside for n in row["events"]], [time / times[0] for time in times]
-        texts = [
-            f"{row['number']}, {n} events watched: {time:.4g} µs a step, "
-            f"{time / times[0]:.2f} times as long as without"
+        points = [
+            Point(
+                n + aside,
+                time / times[0],
+                f"{row['number']}, {n} events watched: {time:.4g} µs a step, "
+                f"{time / times[0]:.2f} times as long as without",
+            )
             for n, time in zip(row["events"], times, strict=True)
         ]
-        look = Look(COLOURS[row["number"]], MARKS[row["number"]], "")
-        series.append(Series(*at, look, texts=texts))
+        series.append(Series(points, Look(COLOURS[row["number"]], MARKS[row["number"]], "")))
     x = Axis("events watched", ticks={n: str(n) for n in (0, 1, 3)})
     return Panel(series, x, Axis("time of a run (without events 1)", low=0))
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from polhode.figures.canvas import panel
 from polhode.figures.canvas.canvas import SERIES, TIME
 from polhode.figures.canvas.direct_labels import GUIDE, LOOKS, Look
-from polhode.figures.canvas.panel import Axis, Panel, Series
+from polhode.figures.canvas.panel import Axis, Panel, Point, Series
 from polhode.output.json_object import JsonObject
 
 _MARKS = {"euler": "o", "lagrange": "s", "kovalevskaya": "D"}
@@ -40,20 +40,18 @@ def _growth(tops: Sequence[JsonObject], name: str) -> Iterator[Series]:
                 put_back = "projected" if "projected" in method["method"] else "not projected"
                 row, end = method[name], f"{top['top']}, {put_back}"
                 look = _look(top, method["method"])
-                texts = [
-                    f"{end}, t = {t:g}: {name} {middle:.2g}, at worst {most:.2g}"
-                    for t, middle, most in zip(
+                points = [
+                    Point(t, mid, f"{end}, t = {t:g}: {name} {mid:.2g}, at worst {most:.2g}")
+                    for t, mid, most in zip(
                         top["times"], row["median"], row["largest"], strict=True
                     )
                 ]
-                yield Series(
-                    top["times"], row["median"], look, end=end, tops=row["largest"], texts=texts
-                )
+                yield Series(points, look, end=end, tops=row["largest"])
     times, (slope, label) = tops[0]["times"], _SLOPES[name]
     since = next(k for k, t in enumerate(times) if t >= tops[0]["fitted_since"])
     height = 3 * tops[0]["methods"][0][name]["median"][since]
-    end = height * (times[-1] / times[since]) ** slope
-    yield Series((times[since], times[-1]), (height, end), _DOTTED, end=label)
+    steep = height, height * (times[-1] / times[since]) ** slope
+    yield Series(panel.line((times[since], times[-1]), steep), _DOTTED, end=label)
 
 
 def _inputs(tops: Sequence[JsonObject]) -> Iterator[Series]:
@@ -65,14 +63,14 @@ def _inputs(tops: Sequence[JsonObject]) -> Iterator[Series]:
                 middle, last = method["inputs"]["median"], top["times"][-1]
                 times = top["times"][: len(middle)]
                 look = Look(GUIDE, _MARKS[top["top"]], "--", 0.8, size=2.5)
-                texts = [
-                    f"{top['top']}, rounded inputs, t = {t:g}: error {error:.2g}"
+                points = [
+                    Point(t, error, f"{top['top']}, rounded inputs, t = {t:g}: error {error:.2g}")
                     for t, error in zip(times, middle, strict=True)
                 ]
-                yield Series(times, middle, look, texts=texts)
-                end = middle[-1] * last / times[-1]
-                grown.append(Series((times[-1], last), (middle[-1], end), _DOTTED))
-    grown.sort(key=lambda series: series.y[-1] or 0.0)  # side by side: one name is enough
+                yield Series(points, look)
+                ends = middle[-1], middle[-1] * last / times[-1]
+                grown.append(Series(panel.line((times[-1], last), ends), _DOTTED))
+    grown.sort(key=lambda series: series.points[-1].y)  # side by side: one name is enough
     for k, series in enumerate(grown):
         yield replace(series, end="rounded inputs") if k == len(grown) // 2 else series
 
@@ -84,23 +82,22 @@ def _walks(tops: Sequence[JsonObject]) -> Iterator[Series]:
         for row in top["methods"][0]["integrals"]:
             if row["integral"] == "h":
                 look = _look(top, "double")._replace(width=0.8)
-                times, name = top["times"], top["top"]
-                texts = [
-                    f"{name}, t = {t:g}: deviation of h {deviation:.2g}, mean {mean:.2g}"
-                    for t, deviation, mean in zip(times, row["deviation"], row["mean"], strict=True)
+                name, mean = top["top"], row["mean"]
+                points = [
+                    Point(
+                        t, size, f"{name}, t = {t:g}: deviation of h {size:.2g}, mean {middle:.2g}"
+                    )
+                    for t, size, middle in zip(top["times"], row["deviation"], mean, strict=True)
                 ]
-                yield Series(times, row["deviation"], look, end=name, texts=texts)
-                sizes, open_ = (
-                    [abs(x) for x in row["mean"]],
-                    look.marks._replace(size=5, inside="none"),
-                )
-                yield Series(times, sizes, open_, texts=texts)
+                yield Series(points, look, end=name)
+                sizes = [p._replace(y=abs(x)) for p, x in zip(points, mean, strict=True)]
+                yield Series(sizes, look.marks._replace(size=5, inside="none"))
                 lowest.append(row["deviation"][-1])
     if lowest:
         low, high = tops[0]["fitted_since"], tops[0]["times"][-1]
         height = min(lowest) / 6
         ends = height * (low / high) ** 0.5, height
-        yield Series((low, high), ends, _DOTTED, end="slope 1/2")
+        yield Series(panel.line((low, high), ends), _DOTTED, end="slope 1/2")
 
 
 def _look(top: JsonObject, method: str) -> Look:

@@ -9,7 +9,7 @@ import numpy as np
 from polhode.figures.canvas import panel
 from polhode.figures.canvas.canvas import BODY, REST, SPACE, as_svg, paper
 from polhode.figures.canvas.direct_labels import WIDTH, Look
-from polhode.figures.canvas.panel import LEGEND, Axis, Panel, Series
+from polhode.figures.canvas.panel import LEGEND, Axis, Panel, Point, Series
 from polhode.figures.chaos_proof import Crossings, draw_crossings
 from polhode.output.json_object import JsonObject
 
@@ -57,20 +57,15 @@ def _top(top: JsonObject) -> Panel:
     ]
     kinds.append(("not proved", Look("#555555", "x", ""), [r for r in orbits if not r["proved"]]))
     series = [
-        Series(
-            [row["period"] for row in rows],
-            [row["residue"] for row in rows],
-            look,
-            name,
-            texts=[f"{top['what']}: {_text(row)}" for row in rows],
-        )
-        for name, look, rows in kinds
+        Series([_point(top["what"], row) for row in rows], look, name) for name, look, rows in kinds
     ]
     return Panel(series, y=Axis(scale="symlog"), title=top["what"], shaded=[(0, 1)])
 
 
-def _text(row: JsonObject) -> str:
-    orbit = f"period {row['period']:.6g}, residue {row['residue']:.4g}"
-    if not row["proved"]:
-        return f"{orbit}, not proved: {row['cause']}"
-    return f"{orbit}, {row['kind']}, proved to {int(row['digits'])} digits"
+def _point(what: str, row: JsonObject) -> Point:
+    text = f"{what}: period {row['period']:.6g}, residue {row['residue']:.4g}"
+    if row["proved"]:
+        text += f", {row['kind']}, proved to {int(row['digits'])} digits"
+    else:
+        text += f", not proved: {row['cause']}"
+    return Point(row["period"], row["residue"], text)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import re
 
 from polhode.figures.canvas import panel
 from polhode.figures.canvas.canvas import BODY
 from polhode.figures.canvas.direct_labels import GUIDE, Look
-from polhode.figures.canvas.panel import Axis, Panel, Series
+from polhode.figures.canvas.panel import Axis, Panel, Point, Series
 from polhode.output.json_object import JsonObject
 
 _GAP = Look("#b0b0b0", "", "-", 0.8)
@@ -24,27 +25,32 @@ def svg(found: JsonObject) -> str:
             if not row["recomputed"]:
                 sources.setdefault(_source(case, row), []).append(row)
     rows = panel.rows([(x, [_short(r["quantity"]) for r in held]) for x, held in sources.items()])
-    printed = [row for held in sources.values() for row in held]
-    shown = [row["digits_shown"] for row in printed]
-    right = [min(row["digits_right"], row["digits_shown"]) for row in printed]
-    texts = [
-        f"{source}, {row['quantity']}: printed {row['printed']}, ours {row['ours']}, "
-        f"{row['verdict']}"
-        for source, held in sources.items()
-        for row in held
+    told = [(source, row) for source, held in sources.items() for row in held]
+    shown = [
+        Point(row["digits_shown"], level, _text(source, row))
+        for level, (source, row) in zip(rows.names, told, strict=True)
     ]
-    levels = [*rows.names]
-    gaps = [x for ends in zip(right, shown, strict=True) for x in (*ends, None)]
+    right = [
+        point._replace(x=min(row["digits_right"], point.x))
+        for point, (_, row) in zip(shown, told, strict=True)
+    ]
+    gap = Point(math.nan, math.nan)
+    gaps = [p._replace(text="") for ends in zip(right, shown, strict=True) for p in (*ends, gap)]
     series = (
-        Series(gaps, [y for level in levels for y in (level, level, None)], _GAP),
-        Series(shown, levels, _PRINTED, "printed", texts=texts),
-        Series(right, levels, _RIGHT, "right", texts=texts),
+        Series(gaps, _GAP),
+        Series(shown, _PRINTED, "printed"),
+        Series(right, _RIGHT, "right"),
     )
     label = "significant digits\n(printed: as in the source, claimed or not)"
     ticks = {float(n): str(n) for n in range(0, 20, 5)}
-    x = Axis(label, low=0, high=1 + max(shown, default=1), ticks=ticks)
-    height = 0.9 + 0.155 * (len(levels) + len(sources))
+    x = Axis(label, low=0, high=1 + max((point.x for point in shown), default=1), ticks=ticks)
+    height = 0.9 + 0.155 * (len(shown) + len(sources))
     return panel.svg([Panel(series, x, rows=rows, legend=2)], height)
+
+
+def _text(source: str, row: JsonObject) -> str:
+    both = f"printed {row['printed']}, ours {row['ours']}"
+    return f"{source}, {row['quantity']}: {both}, {row['verdict']}"
 
 
 def _source(case: JsonObject, row: JsonObject) -> str:

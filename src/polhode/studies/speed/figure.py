@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from polhode.figures.canvas import panel
 from polhode.figures.canvas.direct_labels import LOOKS
-from polhode.figures.canvas.panel import Axis, Guide, Panel, Series
+from polhode.figures.canvas.panel import Axis, Guide, Panel, Point, Series
 from polhode.studies.speed.contenders import TYPES_SHOWN
 from polhode.studies.speed.page.contest import SHOWN_OUTPUTS, Told
 from polhode.studies.speed.programs import OURS
@@ -50,19 +50,15 @@ def lengths(cells: Sequence[Told]) -> str:
 def _programs(cells: Sequence[Told], digits: float) -> Iterator[Series]:
     names = [program["program"] for program in cells[0]["levels"][0]["programs"]]
     for name in dict.fromkeys(names):
-        marks = [
-            (end, statistics.median(ratios), len(ratios))
-            for end in sorted({cell["end"] for cell in cells})
-            if (ratios := _ratios(cells, end, digits, name))
-        ]
-        if marks:
-            at = [end for end, *_ in marks], [middle for _, middle, _ in marks]
-            texts = [
-                f"{name} to {digits:g} digits at t = {end}: {middle:.3g} times as long as "
-                f"{OURS}, median (kinds of motion: {count})"
-                for end, middle, count in marks
-            ]
-            yield Series(*at, LOOKS[name], end=name, texts=texts)
+        points = []
+        for end in sorted({cell["end"] for cell in cells}):
+            if ratios := _ratios(cells, end, digits, name):
+                middle = statistics.median(ratios)
+                text = f"{name} to {digits:g} digits at t = {end}: {middle:.3g} times as long as "
+                text += f"{OURS}, median (kinds of motion: {len(ratios)})"
+                points.append(Point(end, middle, text))
+        if points:
+            yield Series(points, LOOKS[name], end=name)
 
 
 def _ratios(cells: Sequence[Told], end: int, digits: float, name: str) -> list[float]:
@@ -90,7 +86,7 @@ def _motion(motion: Told) -> Panel:
         if name in methods:
             curves[name] = methods[name]["points"]
     floor = motion.get("floor")
-    guides = [] if floor is None else [Guide("y", 10.0**-floor, name="3 × bound, double")]
+    guides = [] if floor is None else [Guide("y", 10.0**-floor, name="3 × double's bound")]
     return Panel([*_curves(curves)], *_AXES, _title(motion), guides=guides)
 
 
@@ -122,14 +118,16 @@ def _title(motion: Told) -> str:
 def _curves(curves: Told) -> Iterator[Series]:
     """Curves with their names."""
     for name, points in curves.items():
-        there = [point for point in points if point.get("digits")]
-        if there:
-            seconds = [point["seconds_min"] for point in there]
-            errors = [10.0 ** -point["digits"] for point in there]
-            texts = [
+        marks = [
+            Point(
+                p["seconds_min"],
+                10.0 ** -p["digits"],
                 f"{name}, tolerance {p['tol']:.2g}: {p['digits']:.1f} digits in "
-                f"{p['seconds_min']:.3g} s"
-                for p in there
-            ]
+                f"{p['seconds_min']:.3g} s",
+            )
+            for p in points
+            if p.get("digits")
+        ]
+        if marks:
             look, end = LOOKS[name]._replace(size=3.5), name.removeprefix("polhode ")
-            yield Series(seconds, errors, look, end=end, texts=texts)
+            yield Series(marks, look, end=end)
