@@ -28,7 +28,7 @@ _FIRST = (
     _first_column("warm, s", "warm", "wall"),
     _first_column("warm, processor s", "warm", "processor"),
 )
-_RATIO = "the same of that program alone"
+_RATIO = "the time of that program over the propagator's, likewise"
 _CELLS = (
     Column("cells", "cells", "", "the last time, and the number of output times"),
     Column("digits", "digits", "g", "correct digits that are asked for"),
