@@ -73,7 +73,7 @@ def test_a_command_that_finds_nothing_is_seen():
 
 def test_the_command_stands_below_the_table():
     table = PageTable(("case", "number"), (("`a/b`", "quad"), ("c/d", "mp")), "ll", "x {0} '{1}'")
-    assert "A row again, here the first: `x a/b 'quad'`" in markdown("t", [table])
-    assert "A row again: `x" in markdown("t", [table._replace(rows=table.rows[:1])])
-    assert "These rows again: `x`" in markdown("t", [table._replace(again="x")])
+    assert "To make a row again, here the first: `x a/b 'quad'`" in markdown("t", [table])
+    assert "To make a row again: `x" in markdown("t", [table._replace(rows=table.rows[:1])])
+    assert "To make these rows again: `x`" in markdown("t", [table._replace(again="x")])
     assert "again" not in markdown("t", [table._replace(rows=())])

@@ -47,10 +47,10 @@ def _text(found: dict[str, Any]) -> str:
 def test_sentences_follow_the_rows() -> None:
     assert "All 2 closed forms lie in their enclosures" in _text(_found())
     assert "1 of 2 closed forms lie OUTSIDE: b" in _text(_found(inside=False))
-    assert "spare up to 0.0 digits, in some nearly none" in _text(_found())
-    assert "spare between 3.0 and 3.0 digits" in _text(_found(without=5.0))
-    assert "takes 2.0 to 2.0 times the mp run" in _text(_found())
-    assert "takes 7.0 to 7.0 times the mp run" in _text(_found(proof=7.0))
+    assert "save up to 0.0 digits, in some cases almost none" in _text(_found())
+    assert "save between 3.0 and 3.0 digits" in _text(_found(without=5.0))
+    assert "takes 2.0 to 2.0 times as long as the mp run" in _text(_found())
+    assert "takes 7.0 to 7.0 times as long as the mp run" in _text(_found(proof=7.0))
     assert "in 1 of 2 the first choice of precision" in _text(_found())
 
 
@@ -60,7 +60,7 @@ def test_a_run_that_is_lost_in_the_noise_of_building_has_no_seconds() -> None:
     del found["cost"][0]["seconds"]["mp, 66 bits"]
     text = _text(found)
     assert "| 2 | – | – | – | 0.1 | – | – |" in text
-    assert "times the mp run" not in text
+    assert "as long as the mp run" not in text
     assert "a proof takes" not in page.finding(found)
 
 

@@ -84,7 +84,7 @@ def test_the_page_is_made_from_the_json_alone():
     for row in [*found["levels"], *found["sections"]]:
         assert f"| {row['what']} | {row['case']} |" in text
     told = page.finding(found)
-    assert "0 of 93 motions of integrable bodies" in told
+    assert "of 93 motions of integrable bodies 0 are found chaotic" in told
     assert "(polhode, one orbit)" in told.partition("one orbit alone takes")[2]  # it is not hidden
 
 

@@ -208,7 +208,7 @@ def test_a_small_study(small):
 def test_page_and_figure_are_made_from_the_json_alone(small):
     text = markdown(page.TITLE, page.blocks(small))
     assert "| euler | double | error |" in text
-    assert "no wall" in text
+    assert "they limit no error above" in text
     assert "## Bias against random walk" in text
     assert "| euler | \\|gamma\\|² |" in text
     grown = small["tops"][0]["methods"][1]["inputs"]

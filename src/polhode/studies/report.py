@@ -232,8 +232,9 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     yield Text(found["question"])
     took = f" in {origin['seconds']:.0f} seconds" if "seconds" in origin else ""
     yield Text(
-        f"Made by `{origin['command']}`{took}; to run it again: `{again} -o DIR`; a row alone, "
-        f"nothing written: `{again} --only 'PART OF ITS NAME'`. No number here was edited by hand."
+        f"Made by `{origin['command']}`{took}. To make it again: `{again} -o DIR`. To make single "
+        f"rows, which are printed and not written: `{again} --only 'PART OF ITS NAME'`. No number "
+        "on this page was edited by hand."
     )
     yield from _module(found["study"], "page").blocks(found)
     yield Heading("Provenance")

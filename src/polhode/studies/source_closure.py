@@ -96,7 +96,8 @@ def imported(name: str) -> frozenset[str]:
 def unread(name: str) -> list[str]:
     """Calls of ``import_module`` in a file whose argument's text does not tell what is meant."""
     calls = [node for node in _nodes(name) if isinstance(node, ast.Call) and node.args]
-    asked = [c.args[0] for c in calls if ast.unparse(c.func) in ("import_module", "__import__")]
+    ways = ("import_module", "__import__")
+    asked = [call.args[0] for call in calls if ast.unparse(call.func).endswith(ways)]
     return [ast.unparse(x) for x in asked if not any(map(_names_a_module, ast.walk(x)))]
 
 

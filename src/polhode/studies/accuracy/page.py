@@ -18,7 +18,7 @@ from polhode.studies.page.case_runs import (
     runs_of,
 )
 from polhode.studies.page.columns import Column, table
-from polhode.studies.page.words import formatted
+from polhode.studies.page.words import formatted, median
 
 TITLE = "Accuracy: correct digits by case and number type"
 
@@ -54,31 +54,33 @@ _COLUMNS = (
 def blocks(found: JsonObject) -> Iterator[Block]:
     """The study's page from its JSON object."""
     yield Text(
-        "Correct digits = -log10 of the larger of the error of w over the largest |w| of the "
-        "reference and the error of gamma, worst over all output times, never more than the type "
-        "holds (double 15.95, extended 19.27, quad 34.02; mp is asked for 50). A run is judged "
-        "against the exact scene, so rounding of its inputs is part of its error. Drift says "
-        "nothing of the error where a run is put back on its integrals: the sum of all corrections "
-        "stands beside it. Figures that somebody printed stand "
-        "beside ours in [published](published.md), the hard cases in [stability](stability.md)."
+        "Correct digits are -log10 of the larger of two errors: of w, over the largest |w| of the "
+        "reference, and of gamma. They are those of the worst output time, and never more than "
+        "the type holds (double 15.95, extended 19.27, quad 34.02; mp is asked for 50). A run is "
+        "judged against the exact scene, so rounding its inputs is part of its error. Where a run "
+        "is put back on its integrals, drift says nothing about its error, and the sum of all "
+        "corrections stands beside it. Figures printed elsewhere are in "
+        "[published](published.md), hard cases in [stability](stability.md)."
     )
     yield Text(
-        "*Expected*, in double: the digits that nine in ten runs would have that round the state "
-        "once a step, from the variational equations: the known error of the rounded inputs and "
-        "the covariance of the steps' rounding, as far as projection leaves them. *Limit*, in "
-        "double: *rounding*, the type's last digits, or nearly; *inputs*, rounding the "
-        "scene's numbers costs them, the steps next to nothing; *conditioning*, the motion "
-        "multiplies rounding, and the run has as many digits as expected or more; *method*, it "
-        "has fewer than chance explains; *reference*, it is good for no more. The band is that of "
-        "one time, the digits are those of the worst of many: by chance more than one run in "
-        "twenty lies below, and the limit allows for it."
+        "*Expected*: the band in which nine in ten runs in double would end that round the state "
+        "once a step. It is computed by the variational equations from the known error of the "
+        "rounded inputs and the covariance of the rounding in the steps, as far as projection "
+        "leaves them. *Limit*, in double: *rounding*: the run keeps the last digits of the type, "
+        "or nearly all; *inputs*: the digits are lost by rounding the scene's numbers, and the "
+        "steps add next to nothing; *conditioning*: the motion multiplies rounding errors, and "
+        "the run has as many digits as expected or more; *method*: it has fewer than chance "
+        "explains; *reference*: the reference has no more digits. The band is that of one time, "
+        "the digits are those of the worst of many times. By chance more than one run in twenty "
+        "therefore lies below the band, and *limit* allows for that."
     )
     yield Text(finding(found))
     yield from _two_methods(found["cases"])
     yield Figure(
         "accuracy",
-        "Correct digits of every case, a strip a folder of the library, a dot a run; "
-        "a ring: fewer digits than nine in ten such runs have; no mark: a run would take too long",
+        "Correct digits of every case: a strip for each folder of the library, a dot for each "
+        "run. A ring: fewer digits than nine in ten such runs have. No mark: a run would take too "
+        "long.",
     )
     for kind, title in REFERENCES.items():
         cases = [by_number(case) for case in found["cases"] if case["reference"] == kind]
@@ -96,7 +98,7 @@ def _motions(motions: list[JsonObject]) -> Iterator[Block]:
         return
     yield Heading("Three motions by their closed forms")
     yield Figure(
-        "motions", "Paths in space of a point of the body, Z upwards; a dot where it starts"
+        "motions", "Paths in space of a point of the body, Z upwards; each starts at the dot"
     )
     yield Items(
         tuple(
@@ -118,11 +120,11 @@ def _two_methods(cases: list[JsonObject]) -> Iterator[Block]:
     gains = sorted(refined - steps for steps, refined, _ in both)
     apart = max(min(steps, refined) - agreement for steps, refined, agreement in both)
     yield Text(
-        f"{len(both)} of the runs in quad were made a second time by refinement, which shares no "
-        "more than a first guess in double with heyoka's steps. It is right to more digits in "
-        f"{sum(gain > 0 for gain in gains)} of them ({gains[len(gains) // 2]:+.1f} in the middle, "
-        f"{gains[0]:+.1f} at worst), and the two agree to as many digits as the worse of them is "
-        f"right, within {max(0.0, apart):.1f}."
+        f"{len(both)} of the runs in quad were made a second time by refinement, which shares only "
+        "a first guess in double with heyoka's steps. The refined run has more correct digits in "
+        f"{sum(gain > 0 for gain in gains)} of them: {median(gains, '+.1f')} in the median, "
+        f"{gains[0]:+.1f} at worst. The two runs agree to as many digits as the worse of them has "
+        f"correct, within {max(0.0, apart):.1f}."
     )
 
 
@@ -137,9 +139,10 @@ def finding(found: JsonObject) -> str:
     more = sum(right > band[2] for right, band, _ in judged)
     method = sum(right < band[0] and by.startswith("method") for right, band, by in judged)
     return (
-        f"Of {len(judged)} runs in all types that have digits left {len(judged) - fewer - more} "
-        f"end within the nine-in-ten band of their worst time, {fewer} with fewer digits, {more} "
-        f"with more; {method} of those with fewer have fewer than chance explains."
+        f"Of {len(judged)} runs that have digits left, in all number types, "
+        f"{len(judged) - fewer - more} end in the band that nine in ten are expected in at their "
+        f"worst time, {fewer} below it and {more} above it; {method} of those below have fewer "
+        "digits than chance explains."
     )
 
 
@@ -152,11 +155,11 @@ def _weakest(cases: list[JsonObject]) -> Iterator[Block]:
     )
     if not ranked:
         return
-    yield Heading("The weakest figures")
+    yield Heading("The fewest digits in double")
     yield Items(
         tuple(
             f"`{name}`: {lost or f'{right:.1f} digits'} in double, limited by {limit} "
-            f"(rounded inputs alone leave {formatted(inputs, '.1f')})"
+            f"(rounding the inputs alone leaves {formatted(inputs, '.1f')})"
             for right, name, limit, inputs, lost in ranked[:3]
         )
     )

@@ -9,7 +9,7 @@ from polhode.studies.page.blocks import Block, Figure, Heading, Items, Text
 from polhode.studies.page.columns import CASE, END, Column, T, at_times, table, yes
 from polhode.studies.page.words import between, median, share
 
-TITLE = "Certified digits: what is proven, how far, and at what price"
+TITLE = "Certified digits: what is proven, how far, and at what cost"
 _NEAR = 0.5  # digits
 
 #: What is read of others, and where; nothing here was measured.
@@ -23,8 +23,8 @@ READ = (
 )
 
 _SHOWN = (
-    "Digits lost over time, and the price of a proof beside runs; no mark: the type does not hold "
-    "so many digits, or building it takes too long to tell"
+    "Digits lost over time, and the cost of a proof beside runs. No mark: the type does not hold "
+    "so many digits, or the time of the run is lost in that of building it."
 )
 
 _AGAIN = "polhode study certified --only {0}"
@@ -72,20 +72,21 @@ _JUDGED = (
 def blocks(found: JsonObject) -> Iterator[Block]:
     """The study's page from its JSON object."""
     yield Text(
-        "An enclosure is a ball a number: midpoint and radius, proven to contain the exact motion "
-        "of the exact scene, whatever heyoka did (see `polhode.certify`). Proven digits = -log10 "
-        "of the larger of the radius of w over the largest |w| and the radius of gamma."
+        "An enclosure gives a ball for each number, a midpoint and a radius. It is proven to "
+        "contain the exact motion of the exact scene, whatever heyoka computed (see "
+        "`polhode.certify`). Proven digits are -log10 of the larger of the radius of w, over the "
+        "largest |w|, and the radius of gamma."
     )
     yield Figure("certified", _SHOWN)
     for part, told in (
         ("contained", _containment),
         ("growth", _over_time),
-        ("cost", _price),
+        ("cost", _cost_of_proofs),
         ("judged", _judged),
     ):
         if found[part]:  # a part of a study may have none
             yield from told(found[part])
-    yield Heading("Others: read, not measured")
+    yield Heading("Other programs: read about, not measured")
     yield Items(READ)
 
 
@@ -96,7 +97,9 @@ def finding(found: JsonObject) -> str:
     told = f"{inside} closed forms lie in their proven enclosures"
     if ratios := _over_mp(found["cost"]):
         times = between(ratios, ".1f")
-        told += f"; a proof takes {times} times a run of as many bits that proves nothing"
+        told += (
+            f"; a proof takes {times} times as long as a run with as many bits that proves nothing"
+        )
     return told + "."
 
 
@@ -137,14 +140,16 @@ def _over_time(rows: list[JsonObject]) -> Iterator[Block]:
     yield Heading("Digits lost over time, with and without the integrals")
     gains = [row["lost_without"][-1] - row["lost"][-1] for row in rows]
     told = (
-        f"At the last time they spare between {between(gains, '.1f', ' and ')} digits."
+        f"At the last time they save between {between(gains, '.1f', ' and ')} digits."
         if min(gains) > _NEAR
-        else f"At the last time they spare up to {max(gains):.1f} digits, in some nearly none."
+        else (
+            f"At the last time they save up to {max(gains):.1f} digits, in some cases almost none."
+        )
     )
     yield Text(
-        "Digits that the proof has lost at a time since its noise level 2^-P: with h, f, |gamma|² "
-        "and, where there is one, a fourth integral shrinking the set after every window, and (in "
-        f"brackets) without. {told}"
+        "Digits that the proof has lost up to each time, counted from its noise level 2^-P. After "
+        "every window the integrals (h, f, |gamma|² and, where there is one, a fourth) shrink the "
+        f"set; the number in brackets is without them. {told}"
     )
     lost = at_times(
         rows[0]["times"],
@@ -154,27 +159,27 @@ def _over_time(rows: list[JsonObject]) -> Iterator[Block]:
     yield table(rows, (CASE, _NOISE, *lost), _AGAIN)
 
 
-def _price(rows: list[JsonObject]) -> Iterator[Block]:
-    yield Heading("The price of a proof")
+def _cost_of_proofs(rows: list[JsonObject]) -> Iterator[Block]:
+    yield Heading("The cost of a proof")
     trials = sorted({row["trials"] for row in rows})
     times = " to ".join(str(n) for n in dict.fromkeys((trials[0], trials[-1])))
     told = (
-        f"CPU seconds to one time, the median of {times} in turn in one process: of a proof "
-        "with the pilot run and every try; of a run after that of a run to a thousandth of the "
-        "time is taken off, which is for building it (a dash: building takes too long to tell). "
-        "Beside it runs that prove nothing: heyoka in MPFR at the proof's own "
-        "precision (mp), in double and in quad, and a refined run in quad."
+        f"CPU seconds up to one time, the median of {times} measurements that alternate in one "
+        "process. A proof includes its pilot run and every try. From the time of a run that of a "
+        "run to a thousandth of the time is subtracted, which is the time of building it (a dash: "
+        "the rest is too small to measure). These runs prove nothing: heyoka in MPFR at the "
+        "proof's own precision (mp), in double and in quad, and a refined run in quad."
     )
     if ratios := _over_mp(rows):
-        told += f" A proof takes {between(ratios, '.1f')} times the mp run."
+        told += f" A proof takes {between(ratios, '.1f')} times as long as the mp run."
     yield Text(told)
     yield table(rows, _COST, _AGAIN + " --only '{2} digits'")
 
 
 def _judged(rows: list[JsonObject]) -> Iterator[Block]:
-    yield Heading("Runs in double, judged with proof")
+    yield Heading("Runs in double, judged by proof")
     yield Text(
-        "The largest error of a run in double, in any component, and the radius that it is "
-        "uncertain by: proven, not estimated."
+        "The largest error of a run in double in any component, and the radius by which it is "
+        "uncertain. Both are proven."
     )
     yield table(rows, _JUDGED, _AGAIN)

@@ -88,24 +88,26 @@ def finding(found: JsonObject) -> str:
     if found["sections"]:
         worst = max(found["sections"], key=lambda row: row["spread_in_eps"])
         told.append(
-            f"on sections of {len(found['sections'])} integrable tops no orbit leaves its curve by "
-            f"more than {worst['spread_in_eps']:.1f} eps of the integral's size in "
-            f"{worst['crossings']} crossings"
+            f"on sections of {len(found['sections'])} integrable tops the fourth integral varies "
+            f"along no orbit by more than {worst['spread_in_eps']:.1f} eps of its largest value, "
+            f"in {worst['crossings']} crossings"
         )
     for row in found["maps"]:
         chaotic = sum(column["counts"][2] for column in row["columns"])
         motions = sum(column["motions"] for column in row["columns"])
         told.append(
-            f"{chaotic} of {motions} motions of integrable bodies are called chaotic, and "
-            f"{row['counts']['chaotic']} of all {sum(row['counts'].values())} on a map across them"
+            f"of {motions} motions of integrable bodies {chaotic} are found chaotic, and of all "
+            f"{sum(row['counts'].values())} motions on a map across these bodies "
+            f"{row['counts']['chaotic']}"
         )
     rows = {row["program"]: row for row in _beside_ours(found["cost"]) if "ratio" in row}
     ours = rows.pop(_OURS, None)
     if ours is not None and rows:
         ratios = [f"{row['ratio']:.3g} ({name})" for name, row in rows.items()]
         told.append(
-            f"in batches of {ours['orbits']} orbits a crossing takes {ours['microseconds']:.3g} µs"
-            f"; one orbit alone takes so many times as long a crossing: {', '.join(ratios)}"
+            f"in batches of {ours['orbits']} orbits a crossing takes {ours['microseconds']:.3g} "
+            "µs; one orbit alone takes longer for each crossing, by a factor of "
+            f"{', '.join(ratios)}"
         )
     text = "; ".join(told)
     return f"{sentence(text)}." if text else ""
@@ -114,9 +116,10 @@ def finding(found: JsonObject) -> str:
 def _levels(rows: list[JsonObject]) -> Iterator[Block]:
     yield Heading("Levels of energy and area")
     yield Text(
-        "Lines are permanent rotations, thick ones stable by Liapunov; they divide the plane of "
-        "f and h into regions whose levels have one topology. Types, cusps and Hamiltonian-Hopf "
-        "points are decided exactly; nothing is integrated. The dot is the case's own level."
+        "The curves are permanent rotations, thick where they are stable by Liapunov. They divide "
+        "the plane of f and h into regions; all levels of a region have the same topology. Types, "
+        "cusps and Hamiltonian-Hopf points are decided by exact arithmetic, without integration. "
+        "The dot is the level of the case."
     )
     shown = f"The plane of f and h of {len(rows)} bodies, regions by topology"
     yield Figure("dynamics-levels", shown)
@@ -126,8 +129,9 @@ def _levels(rows: list[JsonObject]) -> Iterator[Block]:
 def _sections(rows: list[JsonObject]) -> Iterator[Block]:
     yield Heading("Sections of integrable tops, beside their exact curves")
     yield Text(
-        "Crossings at the maxima of |G| in Andoyer's l and L/G, and beneath them, thin, the curves "
-        "on which the fourth integral has the first crossing's value, which need no run."
+        "Crossings at the maxima of |G|, in Andoyer's l and L/G. The thin curves beneath them "
+        "need no run: on them the fourth integral has its value at the first crossing. Rounding "
+        "the states alone makes it differ along an orbit by an eps or a few of its largest value."
     )
     yield Figure("dynamics-sections", "Crossings on the exact curves of integrable tops")
     yield table(rows, _SECTIONS, "polhode study dynamics --only 'section {0}'")
@@ -137,10 +141,11 @@ def _map(row: JsonObject) -> Iterator[Block]:
     yield Heading("A map across integrable bodies")
     told = ", ".join(f"{count} {verdict}" for verdict, count in row["counts"].items())
     yield Text(
-        "Bodies A = B = 2, Mg r0 = (1, 0, 0), started at gamma = (3/5, 4/5, 0), "
-        f"w = (4/5, -3/5, r), so that f = 0, each followed to t = {row['end']:g}: {told} of "
-        f"{sum(row['counts'].values())}, in {row['seconds']:.1f} s of processor time. Three "
-        "values of C are integrable; regular means up to that time."
+        "Bodies with A = B = 2 and Mg r0 = (1, 0, 0) start at gamma = (3/5, 4/5, 0), w = (4/5, "
+        f"-3/5, r), so that f = 0. Each motion is followed to t = {row['end']:g}. Of "
+        f"{sum(row['counts'].values())} motions: {told}, in {row['seconds']:.1f} s of processor "
+        "time. For three values of C the body is integrable. *Regular* means regular up to that "
+        "time."
     )
     yield Figure("dynamics-map", "Verdicts over the third moment and the spin at the start")
     yield table(row["columns"], _MAP, "polhode study dynamics --only 'map across'")
@@ -149,12 +154,12 @@ def _map(row: JsonObject) -> Iterator[Block]:
 def _cost(rows: list[JsonObject]) -> Iterator[Block]:
     yield Heading("What a crossing costs")
     yield Text(
-        f"Crossings at maxima of |G| of `{rows[0]['case']}`, a regular orbit, all programs in one "
-        "process, least processor time of several runs, compiling apart; the others at a tolerance "
-        "of 1e-13. SciPy's "
-        "right-hand side and event are Python; CyRK's is compiled by numba, and crossings are "
-        "found on its dense output in numpy, all at once. Batches are other orbits of the same "
-        "level, too."
+        f"Crossings at maxima of |G| along one regular orbit of `{rows[0]['case']}`. All programs "
+        "run in one process; the times are the least processor times of several runs, without "
+        "compilation. The other programs have a tolerance of 1e-13. SciPy's right-hand side and "
+        "event are Python functions. CyRK's right-hand side is compiled by numba, and its "
+        "crossings are found on its dense output in numpy, all at once. Batches hold other orbits "
+        "of the same level, too."
     )
     yield table(_beside_ours(rows), _COST, "polhode study dynamics --only 'cost {0}'")
 

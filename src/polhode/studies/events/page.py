@@ -65,14 +65,14 @@ _COST = (
 def blocks(found: JsonObject) -> Iterator[Block]:
     """The study's page from its JSON object."""
     yield Text(
-        "The true times are zeros of the closed form, found in one period to 60 digits without a "
-        "run and repeated with the period. Errors are in ulps: units in the last place of the "
-        "time in the run's type."
+        "The true times are zeros of the closed form. Those of one period are computed to 60 "
+        "digits without an integration, and all others follow by the period. Errors are in ulps: "
+        "units in the last place of the time in the run's number type."
     )
-    yield Figure("events", "How large errors of event times are, and what events cost")
+    yield Figure("events", "How large the errors of event times are, and what events cost")
     for part, title in (
         ("near", "Ten periods, in every number type"),
-        ("far", "Far out: every event once"),
+        ("far", "Long runs: every event once"),
     ):
         yield Heading(title)
         rows = [{**motion, **run} for motion in found["motions"] for run in motion[part]]
@@ -83,9 +83,9 @@ def blocks(found: JsonObject) -> Iterator[Block]:
     yield from _cost(found["cost"])
     yield Heading("What limits the digits")
     yield Text(
-        "Over ten periods, the last digits of the time itself and the run's own error there. Far "
-        "out, the error of the run: its phase drifts, and an event is where the run is, not where "
-        f"the motion is. {_counts(found)}"
+        "Over ten periods: the last digits of the time itself, and the error of the run there. In "
+        "long runs: the error of the run, whose phase drifts; an event is found where the "
+        f"computed motion has it. {_counts(found)}"
     )
 
 
@@ -97,9 +97,9 @@ def _counts(found: JsonObject) -> str:
     if found["grazing"]:
         right = share(row["as_expected"] for row in found["grazing"])
         told += (
-            " Of a contact within sqrt(eps) of zero, rounding decides on none, one or two zeros; "
-            "it is to be reported once, as undecided, and one further off as it is: so it was in "
-            f"{right} runs."
+            " At a contact within sqrt(eps) of zero, rounding decides whether there are no, one "
+            "or two zeros. It should be reported once, as undecided, and a contact further away "
+            f"as it is: this was so in {right} runs."
         )
     return told
 
@@ -113,9 +113,9 @@ def finding(found: JsonObject) -> str:
     whole = share(run["complete"] for run in far)
     near = [run["ulps"] for m in found["motions"] for run in m["near"] if "ulps" in run]
     end = max(run["end"] for run in far)
-    told = f"{seen} events were found where {true} are, each once in {whole} runs"
+    told = f"{true} events happen and {seen} were found, each once in {whole} runs"
     return (
-        f"To t = {end:g} {told}; over ten periods no time is off by more than {max(near):.3g} "
+        f"Up to t = {end:g} {told}; over ten periods no time is wrong by more than {max(near):.3g} "
         "units in its last place."
     )
 
@@ -128,13 +128,13 @@ def _proven(cases: list[JsonObject]) -> Iterator[Block]:
     other = [row for row in rows if row["undecided"] or row["proven"] != row["double"]]
     yield Heading("Without a closed form: proven counts and times")
     told = (
-        "Every count is proven and is the run's own."
+        "Every count is proven, and the run has the same."
         if not other
-        else f"In {len(other)} of {len(rows)} the count is not proven or not the run's."
+        else f"In {len(other)} of {len(rows)} the count is not proven, or the run has another."
     )
     yield Text(
         "`polhode.certify_events` proves that these events happen and no others, and encloses "
-        f"their times; beside them a run in double. {told}"
+        f"their times. A run in double is compared with them. {told}"
     )
     yield table(rows, _PROVEN, "polhode study events --only {0}")
 
@@ -142,8 +142,9 @@ def _proven(cases: list[JsonObject]) -> Iterator[Block]:
 def _contacts(found: JsonObject) -> Iterator[Block]:
     yield Heading("Contacts that rounding decides")
     yield Text(
-        "q of `euler/largest-axis` against its largest value less a shift: above sqrt(eps) two "
-        "crossings a touch or none, below it one undecided contact."
+        "An event is where q of `euler/largest-axis` has its largest value less a shift. If the "
+        "shift is above sqrt(eps), there are two crossings at each touch, or none; if it is "
+        "below, there is one undecided contact."
     )
     again = "polhode study events --only grazing --only {0} --only 'shift {1}'"
     yield table(found["grazing"], _GRAZING, again)
@@ -154,15 +155,16 @@ def _contacts(found: JsonObject) -> Iterator[Block]:
 def _same_steps(rows: list[JsonObject]) -> str:
     same = [len(set(row["steps"])) == 1 for row in rows]
     where = "" if all(same) else f" in {share(same)} number types"
-    return f"The steps are as many with and without{where}."
+    return f"The number of steps is the same with and without events{where}."
 
 
 def _cost(rows: list[JsonObject]) -> Iterator[Block]:
     yield Heading("What events cost")
     yield Text(
-        "Microseconds a step of `general/asymmetric-regular` with no event, one and three, the "
-        "least of several interleaved runs, compilation not counted, and what each event found "
-        "costs, all included. In double the events of a long run are found beside it, all at once; "
-        f"in other types heyoka calls Python where it meets one. {_same_steps(rows)}"
+        "Microseconds for a step of `general/asymmetric-regular` without events, with one and "
+        "with three: the least of several runs that alternate, without compilation. The last "
+        "column is the whole cost of an event found. In double the events of a long run are found "
+        "beside it, all at once; in the other types heyoka calls Python at each of them. "
+        f"{_same_steps(rows)}"
     )
     yield table(rows, _COST, "polhode study events --only cost --only {0}")

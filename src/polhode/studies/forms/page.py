@@ -6,10 +6,11 @@ from collections.abc import Iterator
 
 from polhode.output.json_object import JsonObject
 from polhode.studies.page.blocks import Block, Figure, Heading, Text
+from polhode.studies.page.case_runs import REFERENCES
 from polhode.studies.page.columns import NUMBER, STEPS, Column, table
 from polhode.studies.page.words import DASH, between, listed, share
 
-TITLE = "Forms: which form of the equations to take"
+TITLE = "Forms: which form of the equations to use"
 
 _TAKE = {
     "general": "a body given by its inertia matrix, where its own axes are to be kept",
@@ -26,8 +27,8 @@ _TAKE = {
 }
 
 _SHOWN = (
-    "Correct digits and time of every form for every motion; no mark: the form refuses the motion "
-    "or ends at its singular set"
+    "Correct digits and time of every form for every motion. No mark: the form refuses the motion "
+    "or ends at its singular set."
 )
 
 
@@ -37,8 +38,8 @@ _ADVICE = (
     Column("motions", "share", meaning="runs in double that reach the end, of all"),
     Column("time / principal", "times", ">", "their time over that of the principal form"),
     Column("most digits lost", "lost", ".1f", "digits less than in the principal form, at most"),
-    Column("else", "else", meaning="how the other runs ended"),
-    Column("take it for", lambda row: _TAKE[row["form"]]),
+    Column("other outcomes", "else", "", "how the other runs ended"),
+    Column("use it for", lambda row: _TAKE[row["form"]]),
 )
 _RUNS = (
     Column("form", "form"),
@@ -58,21 +59,24 @@ _RUNS = (
 def blocks(found: JsonObject) -> Iterator[Block]:
     """The study's page from its JSON object."""
     yield Text(
-        "Correct digits are by the case's reference. A form in angles ends where sin theta falls "
-        "below"
-        "about eps^(1/4), the forms in omega or G alone where Iw is so near to the direction of "
-        "r0: a passage at a distance d costs about log10(1/d) digits, so what is returned has lost "
-        "at most about a quarter of the type's digits to the singular set. Angles among the "
-        "variables grow without bounds, and heyoka's steps are as accurate as the largest variable "
-        "asks: the further a form in angles runs, the fewer and the looser its steps."
+        "Correct digits are judged by the reference of each case. A form in angles ends where sin "
+        "theta falls below about eps^(1/4), the forms in omega or G alone where Iw is equally "
+        "near to the direction of r0. A passage at a distance d from such a singular set costs "
+        "about log10(1/d) digits; a result that is given has therefore lost at most about a "
+        "quarter of the type's digits to it. Angles that are variables grow without bounds, and "
+        "heyoka's steps are only as accurate as the largest variable asks: the longer a form in "
+        "angles runs, the fewer and the less accurate its steps."
     )
     yield Figure("forms", _SHOWN)
-    yield Heading("Which form to take")
+    yield Heading("Which form to use")
     yield table(_advice(found), _ADVICE, "polhode study forms -o DIR")
     for motion in found["motions"]:
         yield Heading(f"{motion['what']}: `{motion['case']}`")
         axes = f" Axes in the order {motion['axes']}." if motion["axes"] else ""
-        told = f"To t = {motion['end']} (quad to a tenth), judged by {motion['reference']}."
+        told = (
+            f"To t = {motion['end']} (in quad to a tenth of that), judged by "
+            f"{REFERENCES[motion['reference']]}."
+        )
         yield Text(told + axes)
         yield table(motion["runs"], _RUNS, f"polhode study forms --only {motion['case']}")
 
@@ -89,9 +93,9 @@ def finding(found: JsonObject) -> str:
     faster = share(r["time_against_principal"] < 1 for r in done)
     return (
         f"In double the other forms take up to {slowest['time_against_principal']:.1f} times as "
-        f"long as the principal one ({slowest['form']}) and lose up to {worst['lost_digits']:.1f} "
-        f"digits ({worst['form']}); {faster} runs in them are faster, {ahead} are "
-        "right to more digits."
+        f"long as the principal form ({slowest['form']}) and have up to {worst['lost_digits']:.1f} "
+        f"correct digits fewer ({worst['form']}); {faster} runs in them are faster, {ahead} have "
+        "more correct digits."
     )
 
 

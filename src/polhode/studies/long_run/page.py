@@ -48,28 +48,28 @@ def blocks(found: JsonObject) -> Iterator[Block]:
         yield from _far(found)
         return
     yield Text(
-        f"{tops[0]['starts']} random bodies of each kind, each from a random start, all numbers "
-        f"decimals of two places, are followed to t = {tops[0]['times'][-1]} in double at the "
-        "tolerance eps and judged against their closed forms at each moment. Error: the larger of "
-        "the error of w over the largest |w| and the error of gamma. Drift: the largest of the "
-        "relative departures of h, f, |gamma|² and the fourth integral from the exact scene's "
-        "values, of runs that are not projected. Exponents are slopes of the ensemble's median on "
-        f"log–log from t = {tops[0]['fitted_since']:g} on, by weighted least squares; their "
-        "uncertainty is the standard error of a bootstrap over the bodies."
+        f"{tops[0]['starts']} random bodies of each kind, each with a random start and all numbers "
+        f"decimals of two places, are integrated to t = {tops[0]['times'][-1]} in double at the "
+        "tolerance eps, and judged against their closed forms at each time. Error: the larger of "
+        "the error of w, over the largest |w|, and the error of gamma. Drift: the largest "
+        "relative departure of h, f, |gamma|² and the fourth integral from the values of the "
+        "exact scene, in runs that are not projected. Exponents are slopes of the median of the "
+        f"ensemble in log–log from t = {tops[0]['fitted_since']:g} on, by weighted least squares; "
+        "their uncertainty is the standard error of a bootstrap over the bodies."
     )
     yield Figure(
         "long-run",
-        "Growth of error and drift with time; a bar leads from the median to the worst start. "
-        "Dotted: the laws' slopes. Dashed grey: what rounding the inputs leaves of projected runs, "
-        "as far as it was followed, and from there like t. "
-        "Below: the departure of h, standard deviation (line) and size of the mean (open marks)",
+        "Growth of error and drift with time. A bar leads from the median to the worst start. "
+        "Dotted: the slopes of the laws. Dashed grey: what rounding the inputs leaves of "
+        "projected runs, as far as it was computed, and from there on proportional to t. Below: "
+        "the departure of h, its standard deviation (line) and the size of its mean (open marks).",
     )
     yield Heading("Exponents")
     yield Text(
-        "Brouwer's law for independent roundings: 3/2 for the error, 1/2 for the drift. A "
-        "projected run's integrals stay, and the law for it is another: rounded coefficients shift "
-        "the frequencies once and for all, an error that grows like t, 1; before that shows, "
-        "roundings within the level add up like t^1/2."
+        "Brouwer's law holds for independent rounding errors: exponent 3/2 for the error, 1/2 for "
+        "the drift. Another law holds for projected runs, whose integrals do not drift. Rounded "
+        "coefficients shift the frequencies once and for all, which is an error that grows like "
+        "t: exponent 1. Before that shows, rounding errors within the level add up like t^1/2."
     )
     yield table(_exponents(tops), _EXPONENTS, _AGAIN)
     yield from _walks(tops)
@@ -82,7 +82,11 @@ def blocks(found: JsonObject) -> Iterator[Block]:
     yield Text(
         "The closed forms' own errors at the last time are "
         + ", ".join(f"{formatted(top['reference_error'], '.1e')} ({top['top']})" for top in tops)
-        + (f": a wall for {', '.join(blamed)}." if blamed else ": no wall.")
+        + (
+            f"; those of {', '.join(blamed)} limit the errors above."
+            if blamed
+            else "; they limit no error above."
+        )
     )
     yield from _far(found)
 
@@ -94,10 +98,10 @@ def finding(found: JsonObject) -> str:
     told = []
     for top in found["tops"]:
         plain, projected = (m["error"]["median"][-1] for m in top["methods"])
-        told.append(f"{projected:.1e} ({top['top']}; {plain:.1e} without)")
+        told.append(f"{projected:.1e} ({top['top']}; {plain:.1e} without projection)")
     return (
-        f"At t = {found['tops'][0]['times'][-1]} half of the runs in double of random bodies are "
-        f"within {', '.join(told)} of the truth where they are put back on their first integrals."
+        f"At t = {found['tops'][0]['times'][-1]} the median error of runs in double of random "
+        f"bodies is {', '.join(told)} where they are put back on their first integrals."
     )
 
 
@@ -132,11 +136,11 @@ def _walks(tops: list[JsonObject]) -> Iterator[Block]:
         return
     yield Heading("Bias against random walk")
     yield Text(
-        "Each integral's departure has a sign. Where roundings are independent its mean over the "
-        "ensemble is zero but for chance, and its standard deviation grows like t^1/2; a bias of "
-        "one sign lifts the mean off zero, by many of its standard errors (the standard deviation "
-        "over the root of the number of starts), one that differs from body to body lifts the "
-        f"exponent. {bias(tops)}"
+        "The departure of each integral has a sign. Where rounding errors are independent, its "
+        "mean over the ensemble is zero up to chance, and its standard deviation grows like "
+        "t^1/2. A bias of one sign moves the mean away from zero by many of its standard errors "
+        "(the standard deviation over the root of the number of starts); a bias that differs from "
+        f"body to body raises the exponent. {bias(tops)}"
     )
     columns = (
         _TOP,
@@ -167,7 +171,7 @@ def bias(tops: list[JsonObject]) -> str:
     if off:
         return f"A bias is seen in {'; '.join(off)}."
     return (
-        f"Of {len(pulls)} means none is further off than {max(map(abs, pulls.values())):.1f} "
+        f"None of {len(pulls)} means is further from zero than {max(map(abs, pulls.values())):.1f} "
         "standard errors: no bias is seen."
     )
 
@@ -194,12 +198,12 @@ def _beside_inputs(tops: list[JsonObject]) -> Iterator[Block]:
     times, end = tops[0]["times"][: len(rows[0]["inputs"]["median"])], tops[0]["times"][-1]
     yield Heading("Projected runs beside what rounding the inputs leaves")
     yield Text(
-        "The error that the rounding of each scene's own numbers to double leaves where the state "
-        "is put back on the exact integrals, by the variational equations (known differences, not "
-        "a bound): its median over the ensemble, and the median of the run's own error over it. "
-        f"It is followed to t = {times[-1]}; the last column is what it would be at t = {end} if "
-        "it went on like t, and the median error there over that. Where that is near one, a "
-        "projected run's error is by then little else than that of its inputs."
+        "The error of projected runs if rounding each scene's numbers to double were their only "
+        "error, by the variational equations (known differences, not a bound): its median over "
+        "the ensemble, and the median of the run's own error over it. It was computed to t = "
+        f"{times[-1]}. The last column extrapolates it to t = {end} in proportion to t, and "
+        "divides the median error there by that. Where the quotient is near one, the error of a "
+        "projected run comes almost only from its inputs."
     )
     columns = (
         _TOP,
@@ -238,8 +242,9 @@ def _corrections(tops: list[JsonObject]) -> Iterator[Block]:
     if rows:
         yield Heading("Projection")
         yield Text(
-            "The drift of a projected run is no evidence of accuracy. Instead: the largest single "
-            "correction of the state and the largest sum of a run's corrections, over all starts."
+            "The drift of a projected run is no evidence of its accuracy. The table gives the "
+            "largest single correction of the state instead, and the largest sum of a run's "
+            "corrections, over all starts."
         )
         yield table(rows, _PROJECTION, _AGAIN)
 
@@ -251,9 +256,9 @@ def _far(found: JsonObject) -> Iterator[Block]:
         return
     yield Heading(f"Every double method at t = {far['t']}")
     yield Text(
-        f"Median and largest error of {far['starts']} random bodies and starts of each kind"
-        f"{_fewer(far)}, at each method's tightest tolerance: eps for heyoka, 3e-15 for CyRK, "
-        "1e-8 for the splitting (a shorter step takes minutes a top)."
+        f"Median and largest error of {far['starts']} random bodies and starts of each "
+        f"kind{_fewer(far)}, each method at its tightest tolerance: eps for heyoka, 3e-15 for "
+        "CyRK, 1e-8 for the splitting (a shorter step takes minutes for each top)."
     )
     yield far_table(found)
     methods = _methods(far["tops"])

@@ -61,9 +61,9 @@ class PageTable(NamedTuple):
         """How to make a row again, below the table; empty where there is nothing to make."""
         if not self.again or not self.rows:
             return ""
-        one = "A row" if "{" in self.again else "These rows"
+        one = "a row" if "{" in self.again else "these rows"
         first = ", here the first" if "{" in self.again and len(self.rows) > 1 else ""
-        return f"{one} again{first}: `{self.command(self.rows[0])}`"
+        return f"To make {one} again{first}: `{self.command(self.rows[0])}`"
 
 
 class Figure(NamedTuple):

@@ -11,8 +11,8 @@ from polhode.studies.page.blocks import Number
 
 #: What it is, in a sentence.
 WHAT = (
-    "polhode computes how a heavy rigid body moves about a fixed point, the top of Euler, Lagrange "
-    "and Kovalevskaya and every other, says how many digits are right, and proves it."
+    "polhode computes how a heavy rigid body moves about a fixed point: the tops of Euler, "
+    "Lagrange and Kovalevskaya, and any other. It says how many digits are right, and can prove it."
 )
 _SIZE, _RADIUS = 240.0, 100.0  # of the drawing, and of the sphere on which the axis moves
 _TILT = math.radians(20)  # of the view, from above the horizon

@@ -154,10 +154,10 @@ def _made(table: PageTable, names: set[str]) -> Iterator[str]:
     yield '<section id="made">'
     yield "<h2>How this was made</h2>"
     yield (
-        "<p>By the commands below; no number was edited by hand. <code>polhode study NAME -o "
-        "DIR</code> makes one study again, with <code>--only 'PART OF ITS NAME'</code> one row, "
-        "which it prints. The key is of the code that its rows import, the cases and the "
-        "versions.</p>"
+        "<p>Each study was made by the command below; no number was edited by hand. <code>polhode "
+        "study NAME -o DIR</code> makes one study again; with <code>--only 'PART OF ITS "
+        "NAME'</code> it makes single rows, which it prints. The key is a fingerprint of the code "
+        "that the rows import, of the cases and of the versions.</p>"
     )
     yield from _table(table, names, folded=False)
     yield "</section>"
@@ -227,7 +227,7 @@ def _figure(block: Figure, section: Section, names: set[str]) -> Iterator[str]:
     yield f"<figcaption>{inline(block.alt, names)}</figcaption>"
     if section.data:
         file = escape(section.data)
-        yield f'<p class="data">Its rows: <a href="{file}" download>{file}</a></p>'
+        yield f'<p class="data">Data: <a href="{file}" download>{file}</a></p>'
     yield "</figure>"
 
 

@@ -89,23 +89,23 @@ def blocks(found: JsonObject) -> Iterator[Block]:
     """The study's page from its JSON object."""
     n, m = found["grid"]
     yield Text(
-        "A proof is a theorem about the exact numbers of a scene on its own exact level of energy "
-        "and vertical momentum: `polhode guide theorems` says what it claims and what it does not. "
-        "Each is written as a certificate, and proved again from that by a file that imports "
-        "nothing of polhode (`polhode guide proofs`)."
+        "A proof is a theorem about the exact numbers of a scene, on its own exact level of "
+        "energy and vertical momentum. `polhode guide theorems` says what it claims and what it "
+        "does not. Each proof is written as a certificate. A checker that imports nothing of "
+        "polhode proves it again from the certificate (`polhode guide proofs`)."
     )
     if found["orbits"]:
         yield Heading("Periodic orbits")
         yield Text(
-            f"All orbits that a search from {n} x {m} cells of the level's section finds, with at "
-            f"most {found['crossings']} crossings a period, each to {found['digits']} digits. The "
-            "period is proved to be the least one. An orbit of a resonant torus is no isolated "
-            "one, and none is proved."
+            f"All orbits that a search from {n} x {m} cells of the level's section finds with at "
+            f"most {found['crossings']} crossings in a period, each to {found['digits']} digits. "
+            "The period is proved to be the least one. An orbit on a resonant torus is not "
+            "isolated, and none is proved."
         )
         yield Figure(
             "proofs",
-            "Every orbit found, its residue over its period: hyperbolic ones below 0, elliptic "
-            "ones between 0 and 1, inverse hyperbolic ones above; crosses are those not proved.",
+            "The residue of every orbit found, over its period: hyperbolic ones below 0, elliptic "
+            "ones between 0 and 1, inverse hyperbolic ones above 1. Crosses: not proved.",
         )
         yield table(map(_proved, found["orbits"]), _ORBITS, _AGAIN)
         if refused := _refused(found["orbits"]):
@@ -114,10 +114,8 @@ def blocks(found: JsonObject) -> Iterator[Block]:
     if found["chaos"]:
         yield Heading("Chaos")
         yield Text(
-            "A transversal homoclinic orbit of an unstable periodic orbit, by covering relations "
-            "with cone conditions; the entropy is a lower bound of the flow's topological entropy "
-            "on the level, per unit of time. Margins: the least stretch must be above 1, the "
-            "largest height below 1."
+            "What is proved is a transversal homoclinic orbit of an unstable periodic orbit, by "
+            "covering relations with cone conditions."
         )
         for row in found["chaos"]:
             if "drawn" in row:
@@ -125,8 +123,8 @@ def blocks(found: JsonObject) -> Iterator[Block]:
                     "manifolds",
                     f"Chaos of the top *{row['what']}*: maxima of the height of its centre of mass "
                     "on the stable (blue) and the unstable manifold (orange) of the proved orbit, "
-                    "as they were guessed in double, and the sets of the proof, which lie in "
-                    "planes of their own.",
+                    "as computed in double, and the sets of the proof, which lie in planes of "
+                    "their own.",
                 )
         yield table(found["chaos"], _CHAOS, _AGAIN)
 
@@ -139,7 +137,8 @@ def headline(found: JsonObject) -> Number | None:
         return None
     words = (
         f"periodic orbits that a search found of {len(found['orbits'])} tops are proved to exist, "
-        f"in {median(proved, '.2g')} s each (median); the others are refused with cause"
+        f"in {median(proved, '.2g')} s each (median); for each of the others the proof says why it "
+        "is refused"
     )
     return Number(f"{len(proved)} of {len(orbits)}", words)
 
@@ -156,17 +155,19 @@ def finding(found: JsonObject) -> str:
         )
         if proved:
             text += (
-                f", in {median([row['seconds'] for row in proved], '.2g')} s of processor "
-                f"time each (median), {sum(row['verified'] for row in proved)} of them proved "
-                "again by the checker that shares no code"
+                f", in {median([row['seconds'] for row in proved], '.2g')} s of processor time "
+                f"each (median), and {sum(row['verified'] for row in proved)} of them are proved "
+                "again by the checker, which shares no code"
             )
         told.append(f"{text}.")
     if found["chaos"]:
         proved = [row for row in found["chaos"] if row["proved"]]
-        text = f"Chaos is proved of {share(row['proved'] for row in found['chaos'])} tops"
+        text = f"Chaos is proved for {share(row['proved'] for row in found['chaos'])} tops"
         if proved:
             text += f", in {between([row['seconds'] for row in proved], '.2g')} s"
-            text += f", {sum(row['verified'] for row in proved)} checked so"
+            text += (
+                f", {sum(row['verified'] for row in proved)} of them proved again by the checker"
+            )
         told.append(f"{text}.")
     return " ".join(told)
 

@@ -55,14 +55,15 @@ def blocks(found: JsonObject) -> Iterator[Block]:
     own = [row for row in _figures(found) if row["recomputed"]]
     reproduced = "all" if all(row["stands"] for row in own) else "not all"
     yield Text(
-        f"{finding(found)} Apart from these stand {len(own)} figures of published scenes that were "
-        f"recomputed for this library, so that others can check their own; {reproduced} are "
+        f"{finding(found)} Apart from these there are {len(own)} figures of published scenes that "
+        f"were recomputed for this library, so that others can check their own; {reproduced} are "
         "reproduced."
     )
     yield Text(
         "A printout is the output of one run of a program, with all digits that its numbers "
-        "happen to have. Its authors did not claim these digits: the difference from the exact "
-        "motion is the error of that run with its method and step, and no error in the source."
+        "happen to have. Its authors never claimed that all of them are right: the difference "
+        "from the exact motion is the error of that run with its method and step, and no mistake "
+        "in the source."
     )
     yield Figure("published", "Digits printed, and digits right, of every figure printed elsewhere")
     values, printouts = _printed(found)
@@ -103,8 +104,8 @@ def finding(found: JsonObject) -> str:
             told[-1] += f"; {len(off)} are right to {_agreement(off)} digits"
     if printouts:
         told.append(
-            f"{len(printouts)} figures are printouts of simulations, which show digits that their "
-            f"authors never claimed; they agree with ours to {_agreement(printouts)} digits"
+            f"{len(printouts)} figures are printouts of simulations, which show digits that nobody "
+            f"claimed to be right; they agree with ours to {_agreement(printouts)} digits"
         )
     return "".join(f"{text}. " for text in told).strip()
 

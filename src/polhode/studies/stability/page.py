@@ -123,15 +123,15 @@ def blocks(found: JsonObject) -> Iterator[Block]:
     """The study's page from its JSON object."""
     cases = {case["case"]: by_number(case) for case in found["cases"]}
     yield Text(
-        "Of each pair of numbers the first is the digits correct at the worst output time, the "
-        "second those expected there. mp is asked for 50 digits. Drift says nothing of the error "
-        "where a run is put back on its integrals: the largest correction and the sum of all stand "
-        "beside it."
+        "Of each pair of numbers the first is the correct digits at the worst output time, the "
+        "second the band of digits expected there (see [accuracy](accuracy.md)). mp is asked for "
+        "50 digits. Drift says nothing about the error of a run that is put back on its "
+        "integrals: the largest correction and the sum of all corrections stand beside it."
     )
     yield Figure(
         "stability",
-        "Correct digits of every hard case, a strip a difficulty, a dot a run; "
-        "a ring: fewer digits than nine in ten such runs have; no mark: a run would take too long",
+        "Correct digits of every hard case: a strip for each difficulty, a dot for each run. A "
+        "ring: fewer digits than nine in ten such runs have. No mark: a run would take too long.",
     )
     yield from _behind(found)
     for kind in found["kinds"]:
@@ -161,15 +161,19 @@ def _behind(found: JsonObject) -> Iterator[Block]:
     late.sort(key=lambda run: -float(run["behind"]))
     unknown = [(case, run) for case, run in runs if run.get("behind") is None]
     yield Heading("What limits the digits: runs with fewer than expected")
-    yield Text(f"{finding(found)} " + ("The others:" if late else "None stays behind."))
+    yield Text(f"{finding(found)} " + ("The others:" if late else "None has fewer."))
     if late:
         yield table(late, _BEHIND, _AGAIN)
         yield Text(
-            "By chance alone one run in twenty is behind at one time, and more are at the worst of "
-            "several. *Method* is said of those that are further behind than that."
+            "By chance alone one run in twenty has fewer than expected at one given time, and "
+            "more runs at the worst of several times. *Method* marks those that chance does not "
+            "explain."
         )
     if unknown:
-        yield Text("Not judged so, for nothing is known of what to expect, or without an end:")
+        yield Text(
+            "Not judged in this way, because the expected digits are not known or the run did not "
+            "end:"
+        )
         yield Items(
             tuple(
                 f"`{case['case']}`, {run['number']}: {run.get('limit') or run['outcome']}"
@@ -184,9 +188,10 @@ def _units(rows: list[JsonObject]) -> Iterator[Block]:
     checked = counted({f"in {name}": sum(r["number"] == name for r in rows) for name in NUMBERS})
     yield Heading("Units that differ by powers of two")
     yield Text(
-        "Each case was run again with mass, length and time measured in other units, twice: "
-        "2**7, 2**-3, 2**5 and 2**-40, 2**33, 2**-61. Every number of every state must be the "
-        f"same to the last bit. Runs compared: {checked}; with a bit changed: {len(changed)}."
+        "Each case was run twice more with other units of mass, length and time, in which these "
+        "numbers are 2**7, 2**-3, 2**5 and 2**-40, 2**33, 2**-61 times as large. Every number of "
+        f"every state must be the same to the last bit. Runs compared: {checked}; runs with a "
+        f"changed bit: {len(changed)}."
     )
     if changed:
         yield Items(tuple(f"`{r['case']}`, {r['number']}: {r['changed']} numbers" for r in changed))
@@ -195,9 +200,10 @@ def _units(rows: list[JsonObject]) -> Iterator[Block]:
 def _rest(rows: list[JsonObject]) -> Iterator[Block]:
     yield Heading("Rest: states that must stay")
     yield Text(
-        "Where the exact equations say that the state (or omega alone, gamma turning) is constant, "
-        "its largest departure over the run in eps of the type, beyond the rounding of the start: "
-        "0 is exactly at rest. Unstable rest multiplies any departure."
+        "By the exact equations these states are constant, or omega alone is while gamma turns. "
+        "The table gives the largest departure during the run in eps of the number type, beyond "
+        "the rounding of the start; 0 is exactly at rest. An unstable equilibrium or rotation "
+        "multiplies any departure."
     )
     yield table(rows, _REST, _AGAIN)
 
@@ -207,13 +213,12 @@ def _back(rows: list[JsonObject]) -> Iterator[Block]:
     times = max((row["times_kappa"] for row in judged), default=0)
     yield Heading("Forward and back")
     yield Text(
-        "A run to the end and back to 0 without a stop, and without projection: the error of the "
-        "state at 0 against the rounded start, in eps, beside kappa at the end and the "
-        "largest kappa of the way back from any quarter of it. "
-        f"{share(row['within'] for row in judged)} come back within the larger kappa·eps, "
-        f"all within {times:.2g} times that. "
-        "What rounding does at one moment of the way is multiplied from there on, and kappa of "
-        "four moments is not that of all."
+        "Each run goes to its end and back to 0 without a stop and without projection. The error "
+        "of its state at 0 is compared with kappa at the end, and with the largest kappa of the "
+        f"way back from each quarter of it. {share(row['within'] for row in judged)} come back "
+        f"within the larger kappa·eps, and all within {times:.2g} times that. A rounding error at "
+        "any moment of the way is multiplied from there on, and kappa from four moments does not "
+        "bound all of them."
     )
     cases: dict[str, JsonObject] = {}
     for row in rows:
@@ -230,7 +235,7 @@ def _within(runs: JsonObject) -> str:
 def _limits(rows: list[JsonObject]) -> Iterator[Block]:
     yield Heading("Where a run refuses or stops, and the line that its user sees")
     yield Text(
-        "Exit codes: 0 done, 2 bad input, nothing written, 3 the end was not reached. `scene.toml` "
-        "is a Lagrange top but for what stands beside it."
+        "Exit codes: 0, done; 2, bad input, nothing written; 3, the end was not reached. "
+        "`scene.toml` is a Lagrange top except for what the table gives."
     )
     yield table(rows, _LIMITS, "polhode study stability --only '{0}'")

@@ -55,12 +55,12 @@ def blocks(found: JsonObject) -> Iterator[Block]:
     if found["motions"]:
         yield Heading("polhode's number types")
         yield Text(
-            "Error is the larger of the error of w over the largest |w| and the error of gamma, "
-            "worst of eleven output times, against the exact scene: rounding the inputs is part of "
-            "it. Seconds are the least of all timed runs of one start after one that warms up; a "
-            f"run of more than {found['once_above']:g} seconds is made once. Making the integrator "
-            "is not among them. Left of and below is better. The dotted line is three times "
-            "kappa·eps of a double."
+            "Error is the larger of the error of w, over the largest |w|, and the error of gamma, "
+            "at the worst of eleven output times and against the exact scene, so rounding the "
+            "inputs is part of it. Seconds are the least of all timed runs of one start after one "
+            f"run that warms up; a run of more than {found['once_above']:g} seconds is made once. "
+            "Making the integrator is not included. Points further left and below are better. The "
+            "dotted line is three times kappa·eps of a double."
         )
         yield Figure("speed", "Error against seconds of polhode in its number types")
         again = "polhode study speed --only '{0}' --only '{1}'"
@@ -83,12 +83,12 @@ def _elsewhere(rows: Sequence[JsonObject]) -> Iterator[Block]:
     """What was read of programs that are not run here."""
     if not rows:
         return
-    yield Heading("Read elsewhere, not measured here")
+    yield Heading("Figures of other sources, not measured here")
     yield Text(
-        "Programs that are not among the peers, most of them not written for Python, with what "
-        "their own tests, pages or authors say of a rigid body. Each was read in the place named, "
-        "none was measured for this report: machines, problems and measures of error differ, and "
-        "nothing here can be set beside the tables above."
+        "Programs that are not measured here, most of them not written for Python, with what "
+        "their own tests, pages or authors say of a rigid body. Each figure was read in the place "
+        "named, and none was measured for this report. Machines, problems and measures of error "
+        "differ, so that no figure can be compared with the tables above."
     )
     yield table(rows, _ELSEWHERE)
 
@@ -101,13 +101,12 @@ def _refined(rows: list[JsonObject]) -> Iterator[Block]:
     times = [1 / row["gain"] for row in rows]
     better = [row["refined"]["digits"] - row["taylor"]["digits"] for row in rows]
     yield Text(
-        "A run in double corrected by exact arithmetic, beside heyoka's own steps in the same "
-        "number type: CPU seconds in one process, what is compiled being loaded, the least of "
-        "several refined runs and one of steps. Correct digits at the end are by the closed form, "
-        "or by heyoka's steps in 12 digits more; here they are not held to what the type can "
-        f"hold. Refinement takes {between(times, '.3f')} of the time and "
-        f"gives {between(better, '+.1f')} digits more. The two share only a first "
-        "guess."
+        "A run in double is corrected by exact arithmetic, and compared with heyoka's own steps "
+        "in the same number type. CPU seconds in one process with compiled code loaded, the least "
+        "of several refined runs and one run of steps. Correct digits at the end are judged by "
+        "the closed form, or by heyoka's steps with 12 digits more; here they are not limited to "
+        f"what the type holds. Refinement takes {between(times, '.3f')} of the time and gives "
+        f"{between(better, '+.1f')} digits more. The two share only a first guess."
     )
     yield table(rows, _REFINED, "polhode study speed --only 'refined: {0} t={1}'")
 

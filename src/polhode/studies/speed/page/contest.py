@@ -9,6 +9,7 @@ from typing import TypeAlias
 from polhode.output.json_object import JsonObject
 from polhode.studies.page.blocks import Number
 from polhode.studies.page.words import between, median
+from polhode.studies.page.words import counted as in_words
 from polhode.studies.speed.programs import ENGINE, OURS, RUN
 
 #: Part of the study's JSON object: the whole, a cell, a level of it.
@@ -18,7 +19,10 @@ Levels: TypeAlias = Sequence[tuple[Told, Told]]
 
 LONG = 1000  # from this end on a run is told as a long one
 SHOWN_OUTPUTS = 101  # of the figure
-_UNCOUNTED = "Cells in which it does not reach the digits itself are not among them."
+_COUNTED = (
+    "Cells in which no other program reaches the digits count as ahead; those in which the "
+    "propagator does not reach them are not counted."
+)
 WORDS = ("ahead", "even", "behind", "alone", "not reached")
 
 
@@ -36,12 +40,13 @@ def finding(found: Told) -> str:
     if not cells:
         return ""
     stands = [
-        _stands(cells, "From t = 100 on, to 9 and 12 digits,", lambda c, d: _far(c, d) and d > 6),
-        _stands(cells, "from t = 1000 on, to 6,", lambda c, d: c["end"] >= LONG and d == 6),
-        _stands(cells, "at t = 1 and 10, to 6,", lambda c, d: _near(c, d) and d == 6),
-        _stands(cells, "and there to 9 and 12", lambda c, d: _near(c, d) and d > 6),
+        _stands(cells, "from t = 100 on, to 9 and 12 digits,", lambda c, d: _far(c, d) and d > 6),
+        _stands(cells, "from t = 1000 on, to 6 digits,", lambda c, d: c["end"] >= LONG and d == 6),
+        _stands(cells, "at t = 100, to 6 digits,", lambda c, d: 100 <= c["end"] < LONG and d == 6),
+        _stands(cells, "at t = 1 and 10, to 6 digits,", lambda c, d: _near(c, d) and d == 6),
+        _stands(cells, "and there to 9 and 12 digits", lambda c, d: _near(c, d) and d > 6),
     ]
-    sentences = [_conditions(found), f"{'; '.join(filter(None, stands))}.", _UNCOUNTED]
+    sentences = [_conditions(found), _ahead_of_all(stands), _COUNTED]
     sentences += [_losses(cells), _engine(cells), _trajectories(cells), _compensated(cells)]
     sentences += [_first(found["first"]), _absent(found)]
     return " ".join(filter(None, sentences))
@@ -49,8 +54,7 @@ def finding(found: Told) -> str:
 
 def brief(found: Told) -> str:
     """The same in a sentence."""
-    told = _far_and_near(found["cells"], "to 6, 9 and 12 digits ")
-    return f"{told.capitalize()}." if told else ""
+    return _ahead_of_all(_far_and_near(found["cells"]))
 
 
 def headline(found: Told) -> Number | None:
@@ -60,7 +64,8 @@ def headline(found: Told) -> Number | None:
         return None
     words = (
         "cells of the speed study from t = 100 on, to 6, 9 and 12 digits, in which a polhode "
-        f"propagator is ahead of every other program; at t = 1 and 10 {near[0]} of {near[1]}"
+        "propagator is ahead of every other program, heyoka itself apart; at t = 1 and 10 it is "
+        f"{near[0]} of {near[1]}"
     )
     return Number(f"{far[0]} of {far[1]}", words)
 
@@ -69,20 +74,27 @@ def short(found: Told) -> str:
     """The same in a paragraph: where polhode is ahead, where it is not, beside its own engine."""
     cells = found["cells"]
     sentences = [
-        "Every program prepared once and given a new start each time, to 6, 9 and 12 digits,",
-        f"{_far_and_near(cells)}.",
+        "Every program is prepared once and given a new start each time.",
+        _ahead_of_all(_far_and_near(cells)),
         *(_losses(cells), _engine(cells), _absent(found)),
     ]
     return " ".join(filter(None, sentences))
+
+
+def _ahead_of_all(stands: Sequence[str]) -> str:
+    """In how many cells a propagator is ahead of all others, in a sentence."""
+    told = "; ".join(filter(None, stands))
+    first = "A polhode propagator is ahead of every other program, heyoka itself apart,"
+    return f"{first} {told}." if told else ""
 
 
 def _conditions(found: Told) -> str:
     kinds = list(dict.fromkeys(cell["kind"] for cell in found["cells"]))
     draws = found["cells"][0]["draws"]
     return (
-        f"Every program is prepared once and called with a new start each time, {draws} bodies of "
-        f"each of {len(kinds)} kinds ({', '.join(kinds)}); ratios are of processor time to the "
-        "same digits, side by side in one process."
+        f"Every program is prepared once and called with a new start each time, for {draws} bodies "
+        f"of each of {len(kinds)} kinds ({', '.join(kinds)}). Ratios are of processor time to the "
+        "same digits, measured side by side in one process."
     )
 
 
@@ -105,10 +117,8 @@ def _stands(cells: Sequence[Told], where: str, wanted: Callable[[Told, float], b
     ahead, reached = _ahead(cells, wanted)
     if not reached:
         return ""
-    text = f"{where} a polhode propagator is ahead of every other program in {ahead} of "
-    text += f"{reached} cells"
-    more = [f"{count[word]} {word}" for word in ("even", "behind") if count[word]]
-    return f"{text} ({', '.join(more)})" if more else text
+    more = in_words({word: count[word] for word in ("even", "behind")})
+    return f"{where} in {ahead} of {reached} cells" + (f" ({more})" if more else "")
 
 
 def _ahead(cells: Sequence[Told], wanted: Callable[[Told, float], bool]) -> tuple[int, int]:
@@ -118,13 +128,12 @@ def _ahead(cells: Sequence[Told], wanted: Callable[[Told, float], bool]) -> tupl
     return count["ahead"] + count["alone"], len(here) - count["not reached"]
 
 
-def _far_and_near(cells: Sequence[Told], digits: str = "") -> str:
+def _far_and_near(cells: Sequence[Told]) -> list[str]:
     """In how many cells of long and of short runs it is ahead."""
-    told = [
-        _stands(cells, f"{digits}from t = 100 on", _far),
+    return [
+        _stands(cells, "to 6, 9 and 12 digits from t = 100 on", _far),
         _stands(cells, "at t = 1 and 10", _near),
     ]
-    return "; ".join(filter(None, told))
 
 
 def _by_end(cells: Sequence[Told]) -> dict[float, Levels]:
@@ -146,8 +155,8 @@ def _losses(cells: Sequence[Told]) -> str:
     if not told:
         return ""
     return (
-        f"Where it is behind, the best takes, in the median and at the least, {', '.join(told)} of "
-        "its time."
+        "Where it is behind, the best program takes less time, by these factors in the median "
+        f"(and at the least): {', '.join(told)}."
     )
 
 
@@ -160,8 +169,10 @@ def _engine(cells: Sequence[Told]) -> str:
             told.append(f"{median(ratios, '.2f')} (at most {max(ratios):.2f}) at t = {end}")
     if not told:
         return ""
-    text = "heyoka written by hand is polhode's own engine; a propagator takes "
-    return f"{text}{', '.join(told)} of its time."
+    return (
+        "polhode integrates with heyoka. The time of a propagator over that of the same "
+        f"integration written by hand in heyoka is {', '.join(told)}."
+    )
 
 
 def _trajectories(cells: Sequence[Told]) -> str:
@@ -176,7 +187,8 @@ def _trajectories(cells: Sequence[Told]) -> str:
         return ""
     return (
         "`polhode.integrate`, which makes a trajectory with its checks, costs "
-        f"{between(medians, '.2f')} ms a run more with a new start."
+        f"{between(medians, '.2f')} ms more for each run with a new start and 2 outputs, up to t = "
+        "100."
     )
 
 
@@ -194,9 +206,11 @@ def _compensated(cells: Sequence[Told]) -> str:
     if not met:
         return ""
     reached, asked = sum(p["reached"] for _, p in met), sum(cell["draws"] for cell, _ in met)
-    text = f"To 12 digits from t = {LONG} on {name} arrives in {reached} of {asked} runs"
+    text = (
+        f"To 12 digits from t = {LONG} on, {name} reaches the digits in {reached} of {asked} runs"
+    )
     if ratios := ratios_of(here, name):
-        text += f", in {median(ratios, '.2g')} times polhode's time where both do"
+        text += f", and takes {median(ratios, '.2g')} times as long as a propagator where both do"
     return f"{text}."
 
 

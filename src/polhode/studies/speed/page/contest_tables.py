@@ -28,7 +28,7 @@ _FIRST = (
     _first_column("warm, s", "warm", "wall"),
     _first_column("warm, processor s", "warm", "processor"),
 )
-_RATIO = "the same of that program alone"
+_RATIO = "the time of that program over the propagator's, likewise"
 _CELLS = (
     Column("cells", "cells", "", "the last time, and the number of output times"),
     Column("digits", "digits", "g", "correct digits that are asked for"),
@@ -50,10 +50,10 @@ def blocks(found: Told) -> Iterator[Block]:
     if found["first"]:
         yield Heading("The first result in a new process")
         yield Text(
-            "Seconds from the start of Python to the last state of one run (Kovalevskaya's top, "
-            "t = 10, 101 outputs, tolerance 1e-9), the least of several processes: with empty "
+            "Seconds from the start of Python to the last state of one run (Kovalevskaya's top, t "
+            "= 10, 101 outputs, tolerance 1e-9), the least of several processes: with empty "
             "caches of compiled code (cold), and with those that the first process left (warm). "
-            "What numba compiles round CyRK and numbalsoda cannot be kept on disk."
+            "What numba compiles for CyRK and numbalsoda cannot be kept on disk."
         )
         rows = sorted(found["first"], key=lambda row: row.get("cold", {}).get("wall", 1e9))
         yield table(rows, _FIRST, "polhode study speed --only 'first result'")
@@ -64,19 +64,19 @@ def blocks(found: Told) -> Iterator[Block]:
     yield Figure(
         "lengths",
         "The time of each program over that of a polhode propagator, to the same digits, with "
-        f"{SHOWN_OUTPUTS} outputs (2 where a program was not run with more): the median over the "
-        "kinds of motion; above 1 polhode is faster. No mark: fewer than 7 of 8 draws reach the "
-        "digits in every kind, or the program was not run so far.",
+        f"{SHOWN_OUTPUTS} outputs (2 for a program that was not run with more): the median over "
+        "the kinds of motion. Above 1 polhode is faster. No mark: in every kind fewer than 7 of 8 "
+        "draws reach the digits, or the program was not run to that time.",
     )
     for title, here in (("A new start of a prepared body", short), ("Long runs", long)):
         if here:
             yield Heading(title)
             yield table(_by_length(here), _CELLS, "polhode study speed --only '{0}'")
     yield Text(
-        "*ahead*, *even*, *behind*: of the kinds of motion in which polhode reaches the digits, "
-        "how many a propagator wins, ties (the 95 % interval of the median ratio holds 1) or loses "
-        "against the best of the others; *alone*: no other reaches them. A kind in which polhode "
-        "itself does not reach them from 7 of 8 draws counts as *not reached*."
+        "The column *stands* counts kinds of motion. *ahead*, *even*, *behind*: a polhode "
+        "propagator is faster than the best of the others, ties with it (the 95 % interval of the "
+        "median ratio contains 1), or is slower; *alone*: no other program reaches the digits; "
+        "*not reached*: polhode itself does not reach them from 7 of 8 draws."
     )
     faults = {f"{name}: {fault}": None for cell in cells for name, fault in cell["faults"].items()}
     if faults:
