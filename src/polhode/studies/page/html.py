@@ -245,7 +245,7 @@ def _table(table: PageTable, names: set[str], folded: bool) -> Iterator[str]:
     if table.explained:
         yield '<ul class="columns">'
         for headers, meaning in table.explained:
-            yield f"<li><b>{inline(headers)}</b>: {inline(meaning, names)}</li>"
+            yield f"<li><dfn>{inline(headers)}</dfn>: {inline(meaning, names)}</li>"
         yield "</ul>"
     if table.told:
         yield f'<p class="again">{inline(table.told)}</p>'
