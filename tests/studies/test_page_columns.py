@@ -100,7 +100,7 @@ def test_columns_are_explained_by_their_headers_and_once_below():
     text = html.page("t", [html.Section("s", "S", "", (made,), {})])
     assert text.count('<th class="r" title="as much &lt; that">') == 2
     assert '<th class="r">r</th>' in text
-    assert "<li><b>p, q</b>: as <code>much</code> &lt; <em>that</em></li>" in text
+    assert "<li><dfn>p, q</dfn>: as <code>much</code> &lt; <em>that</em></li>" in text
     assert markdown("t", [made, made]).count(f"Columns: *p, q*: {meaning}.\n") == 1
     assert "Columns" not in markdown("t", [made._replace(meanings=())])
 

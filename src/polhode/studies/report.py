@@ -42,6 +42,7 @@ from polhode.studies.page.blocks import (
     Text,
     markdown,
 )
+from polhode.studies.page.columns import Column, table
 from polhode.studies.page.hero import hero
 from polhode.studies.row_filter import Only
 from polhode.studies.source_closure import sources
@@ -133,7 +134,7 @@ def write_pages(folder: Path, tick: Message | None = None) -> list[Path]:
         sections.append(section)
     first = hero(_motion(), [number for found in every for number in _numbers(found)])
     texts[folder / PAGE] = html.page(
-        "polhode: digits, and what limits them", sections, LEAD, first, _origins(every)
+        "polhode: digits, and what limits them", sections, LEAD, first, table(every, _ORIGINS)
     )
     write_whole(texts)
     return [*kept, *texts]
@@ -155,17 +156,21 @@ def _motion() -> Trajectory:
     return integrate(scene.at([step * k for k in range(_PERIODS * _SAMPLES)]))
 
 
-def _origins(every: Sequence[JsonObject]) -> PageTable:
-    """How each study was made."""
-    rows = []
-    for found in every:
-        origin = found["provenance"]
-        packages = ", ".join(f"{name} {version}" for name, version in origin["versions"].items())
-        took = f"{origin['seconds']:.0f}" if "seconds" in origin else ""
-        cells = (f"`{origin['command']}`", took, packages, origin["cpu"])
-        rows.append((found["study"], *cells, f"`{origin['key']}`" if "key" in origin else ""))
-    header = ("study", "command", "seconds", "versions", "processor", "key")
-    return PageTable(header, tuple(rows), "llrlll")
+def _packages(found: JsonObject) -> str:
+    """The versions with which a study was made."""
+    packages: dict[str, str] = found["provenance"]["versions"]
+    return ", ".join(f"{name} {version}" for name, version in packages.items())
+
+
+#: How each study was made.
+_ORIGINS = (
+    Column("study", "study"),
+    Column("command", "provenance.command", "code"),
+    Column("seconds", "provenance.seconds", ".0f"),
+    Column("versions", _packages),
+    Column("processor", "provenance.cpu"),
+    Column("key", "provenance.key", "code"),
+)
 
 
 def _made(
@@ -238,9 +243,8 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     )
     yield from _module(found["study"], "page").blocks(found)
     yield Heading("Provenance")
-    packages = ", ".join(f"{name} {version}" for name, version in origin["versions"].items())
     key = f"; code, cases and versions `{origin['key']}`" if "key" in origin else ""
-    yield Text(f"{packages}; {origin['cpu']}{key}.")
+    yield Text(f"{_packages(found)}; {origin['cpu']}{key}.")
 
 
 def key(name: str, quick: bool) -> str:

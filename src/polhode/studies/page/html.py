@@ -234,9 +234,9 @@ def _figure(block: Figure, section: Section, names: set[str]) -> Iterator[str]:
 def _table(table: PageTable, names: set[str], folded: bool) -> Iterator[str]:
     sides = table.align or "l" * len(table.header)
     if folded:
-        columns = escape(", ".join(table.header[:3]))
+        columns = escape("; ".join(table.header[:3]))
         count = "1 row" if len(table.rows) == 1 else f"{len(table.rows)} rows"
-        yield f'<details class="rows"><summary>{count}: {columns}, …</summary>'
+        yield f'<details class="rows"><summary>{count}: {columns}; …</summary>'
     yield '<div class="wide" tabindex="0"><table>'
     titles = table.meanings or [""] * len(table.header)
     yield f"<thead>{_row('th', table.header, sides, names, titles)}</thead>"
@@ -246,7 +246,7 @@ def _table(table: PageTable, names: set[str], folded: bool) -> Iterator[str]:
     if table.explained:
         yield '<ul class="columns">'
         for headers, meaning in table.explained:
-            yield f"<li><b>{inline(headers)}</b>: {inline(meaning, names)}</li>"
+            yield f"<li><dfn>{inline(headers)}</dfn>: {inline(meaning, names)}</li>"
         yield "</ul>"
     if table.told:
         yield f'<p class="again">{inline(table.told)}</p>'

@@ -41,6 +41,7 @@ td.long { white-space: normal; min-width: 18rem; max-width: 30rem; }
 th { border-bottom: 2px solid #999; }
 th.r, td.r { text-align: right; }
 ul.columns { font-size: .75rem; color: #444; margin: .3rem 0 .6rem; padding-left: 1rem; }
+dfn { font-style: normal; font-weight: 600; }
 p.again { font-size: .75rem; color: #444; margin: 0 0 .6rem; }
 tbody tr:nth-child(even) { background: #0000000a; }
 figure { margin: 1rem 0; }

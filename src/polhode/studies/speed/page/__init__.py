@@ -47,8 +47,9 @@ _REFINED = (
 
 def blocks(found: JsonObject) -> Iterator[Block]:
     """The study's page from its JSON object."""
-    if told := finding(found):
-        yield Text(told)
+    if points := contest.points(found):
+        yield Text(points[0])
+        yield Items(tuple(points[1:]))
     if found["cells"] or found["first"]:
         yield Text("The rules of the comparison: `polhode guide fair-speed`.")
         yield from contest_tables.blocks(found)

@@ -36,9 +36,14 @@ def _near(cell: Told, _: float) -> bool:
 
 def finding(found: Told) -> str:
     """What the cells and the first results say, in sentences made of them."""
+    return " ".join(points(found))
+
+
+def points(found: Told) -> list[str]:
+    """The same point by point, the conditions first; none where there are no cells."""
     cells = found["cells"]
     if not cells:
-        return ""
+        return []
     stands = [
         _stands(cells, "from t = 100 on, to 9 and 12 digits,", lambda c, d: _far(c, d) and d > 6),
         _stands(cells, "from t = 1000 on, to 6 digits,", lambda c, d: c["end"] >= LONG and d == 6),
@@ -46,10 +51,10 @@ def finding(found: Told) -> str:
         _stands(cells, "at t = 1 and 10, to 6 digits,", lambda c, d: _near(c, d) and d == 6),
         _stands(cells, "and there to 9 and 12 digits", lambda c, d: _near(c, d) and d > 6),
     ]
-    sentences = [_conditions(found), _ahead_of_all(stands), _COUNTED]
-    sentences += [_losses(cells), _engine(cells), _trajectories(cells), _compensated(cells)]
-    sentences += [_first(found["first"]), _absent(found)]
-    return " ".join(filter(None, sentences))
+    told = [_conditions(found), f"{_ahead_of_all(stands)} {_COUNTED}", _losses(cells)]
+    told += [_engine(cells), _trajectories(cells), _compensated(cells)]
+    told += [_first(found["first"]), _absent(found)]
+    return [text for text in told if text]
 
 
 def brief(found: Told) -> str:
