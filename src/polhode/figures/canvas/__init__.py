@@ -1,1 +1,1 @@
-"""What figures share: the canvas, labels, curves, scales."""
+"""What figures share: the canvas, panels of series, labels, curves, scales."""

@@ -46,7 +46,7 @@ p.again { font-size: .75rem; color: #444; margin: 0 0 .6rem; }
 tbody tr:nth-child(even) { background: #0000000a; }
 figure { margin: 1rem 0; }
 figure svg { display: block; width: 100%; height: auto; }
-figure g > path, figure g > text { pointer-events: none; }
+figure g > path { pointer-events: none; }
 .marks use:hover { fill: #000 !important; stroke: #000 !important; stroke-width: 3px; }
 #gallery figure svg { width: 20rem; max-width: 100%; }
 figcaption { font-size: .85rem; color: #444; margin-top: .3rem; }

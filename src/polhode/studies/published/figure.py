@@ -12,7 +12,11 @@ from polhode.figures.canvas.panel import Axis, Panel, Point, Series
 from polhode.output.json_object import JsonObject
 
 _GAP = Look("#b0b0b0", "", "-", 0.8)
-_PRINTED, _RIGHT = Look(GUIDE, "o", "", size=5, inside="#ffffff"), Look(BODY, "o", "", size=3.5)
+_VALUE = Look("#333333", "o", "", size=5, inside="#ffffff")
+_PRINTOUT = Look(GUIDE, "D", "", inside="#ffffff")
+_RIGHT = Look(BODY, "o", "", size=3.5)
+#: In the cite of a printout: the number of a simulation, or the time step of a run.
+_SIMULATED = re.compile(r"\bsimulation \d|\bdt = ")
 _WORDS = (("**2", "²"), ("180/pi*", "180/π·"), ("sqrt", "√"), ("*", "·"), (" - ", " − "))
 _SOURCE = re.compile(r"simulation \d+|Enright & Pryce|Kynema")
 
@@ -30,22 +34,30 @@ def svg(found: JsonObject) -> str:
         Point(row["digits_shown"], level, _text(source, row))
         for level, (source, row) in zip(rows.names, told, strict=True)
     ]
-    right = [
-        point._replace(x=min(row["digits_right"], point.x))
-        for point, (_, row) in zip(shown, told, strict=True)
-    ]
+    pairs = [*zip(shown, told, strict=True)]
+    right = [point._replace(x=min(row["digits_right"], point.x)) for point, (_, row) in pairs]
     gap = Point(math.nan, math.nan)
     gaps = [p._replace(text="") for ends in zip(right, shown, strict=True) for p in (*ends, gap)]
     series = (
         Series(gaps, _GAP),
-        Series(shown, _PRINTED, "printed"),
+        *(
+            Series(
+                [p for p, (_, row) in pairs if bool(_SIMULATED.search(row["cite"])) == made],
+                look,
+                name,
+            )
+            for made, look, name in (
+                (False, _VALUE, "given as a value"),
+                (True, _PRINTOUT, "printout of a run"),
+            )
+        ),
         Series(right, _RIGHT, "right"),
     )
-    label = "significant digits\n(printed: as in the source, claimed or not)"
+    label = "significant digits (of a printout\nnobody claimed that all are right)"
     ticks = {float(n): str(n) for n in range(0, 20, 5)}
     x = Axis(label, low=0, high=1 + max((point.x for point in shown), default=1), ticks=ticks)
     height = 0.9 + 0.155 * (len(shown) + len(sources))
-    return panel.svg([Panel(series, x, rows=rows, legend=2)], height)
+    return panel.svg([Panel(series, x, rows=rows, legend=3)], height)
 
 
 def _text(source: str, row: JsonObject) -> str:
