@@ -23,7 +23,6 @@ def blocks(found: JsonObject) -> Iterator[Block]:
     for row in found["motions"]:
         case = row["case"]
         yield Heading(row["name"])
-        yield Figure(name(row), f"{row['name']}: the {row['point']} in space")
         yield Text(f"{sentence(row['seen'])}.")
         yield Text(
             f"The {row['point']} to t = {row['end']}; {row['regime']}. {row['digits']:.1f} correct "
@@ -31,6 +30,7 @@ def blocks(found: JsonObject) -> Iterator[Block]:
             f"[{case}](../cases/{case}.toml). As a page that moves: `polhode view {case} --end "
             f"{row['end']} -o motion.html`."
         )
+        yield Figure(name(row), f"{row['name']}: the {row['point']} in space")
 
 
 def finding(found: JsonObject) -> str:

@@ -181,9 +181,11 @@ def _section(section: Section, names: set[str], folded: bool = True) -> Iterator
             text = ['<div class="pair"><div>', *text, "</div><div>", *drawn, "</div></div>"]
         else:
             text += drawn
+        yield '<div class="group whole">' if figures or not folded else '<div class="group">'
         yield from text
         if table is not None:
             yield from _table(table, names, folded)
+        yield "</div>"
     yield "</section>"
 
 

@@ -51,6 +51,9 @@ figure g > path { pointer-events: none; }
 #gallery figure svg { width: 20rem; max-width: 100%; }
 figcaption { font-size: .85rem; color: #444; margin-top: .3rem; }
 @media (min-width: 56.25rem) {
+  section { display: grid; grid-template-columns: repeat(2, minmax(0, 1fr)); gap: 0 2rem; }
+  h2, .whole, .group:has(details[open]), #made > * { grid-column: 1 / -1; }
+  #gallery .whole { grid-column: auto; }
   .pair { display: grid; grid-template-columns: minmax(0, 2fr) minmax(0, 3fr); gap: 0 2rem;
           align-items: start; }
 }
