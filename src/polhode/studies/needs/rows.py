@@ -41,7 +41,7 @@ class Need(NamedTuple):
 
 
 NEEDS = (
-    Need("a motion, as it comes", "polhode run published/nasa-brick -o brick.csv", quick=True),
+    Need("a motion in double", "polhode run published/nasa-brick -o brick.csv", quick=True),
     Need(
         "is my own program's file right?",
         "polhode compare brick.csv published/nasa-brick",

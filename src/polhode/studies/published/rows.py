@@ -14,7 +14,7 @@ from polhode.studies.row_filter import Only
 
 NAME = "published"
 QUESTION = (
-    "Which figures that somebody printed are right, and by how much are the others off? Ours come "
+    "Do figures that others printed agree with polhode's, and to how many digits? polhode's come "
     "from closed forms, or from proven enclosures where there is none."
 )
 QUICK_CASES = ("published/nasa-brick", "published/curtis", "published/detest-b5")
