@@ -33,6 +33,9 @@ VERBS = (
 #: What follows is a name, even if it looks like an option.
 _BEFORE = "the verb and its options before it: what follows -- is read as a name"
 
+#: Options whose numbers may be negative, and written in any way.
+_MAY_BE_NEGATIVE = ("--at", "--tol", "--f", "--h", "--end", "--period", "--tilt", "--spin")
+
 WELCOME = f"""\
 polhode {__version__}: how a heavy rigid body moves about a fixed point, to how many correct digits.
 
@@ -169,7 +172,7 @@ def _joined(arguments: Sequence[str]) -> list[str]:
             # argparse drops a "--", wherever it stands, and would give no value at all
             joined += [pending, argument] if argument == "--" else [f"{pending}={argument}"]
             pending = ""
-        elif argument in ("--at", "--tol", "--f", "--h"):
+        elif argument in _MAY_BE_NEGATIVE:
             pending = argument
         else:
             joined.append(argument)

@@ -43,6 +43,8 @@ MAKERS = {
     "Levels": lambda: polhode.levels("general/asymmetric-chaotic"),
     "Frequencies": lambda: polhode.frequencies("lagrange/nutation", of=["gamma3"], end=100),
     "Orbit": lambda: polhode.orbit("grioli/precession", digits=20),
+    "ProvedOrbit": lambda: polhode.prove_orbit("grioli/precession"),
+    "Lyapunov": lambda: polhode.lyapunov("euler/largest-axis", 200),
     "OrbitFamily": lambda: polhode.orbit_family("grioli/precession", "h", "0.752"),
 }
 _MADE: dict[str, Result] = {}
@@ -58,7 +60,7 @@ def made(name: str) -> Result:
 @pytest.mark.parametrize("suffix", [".csv", ".json", ".npz"])
 @pytest.mark.parametrize("name", MAKERS)
 def test_what_is_saved_loads_again_and_is_equal(name, suffix, tmp_path):
-    if (name, suffix) == ("Enclosure", ".json"):
+    if (name, suffix) in (("Enclosure", ".json"), ("ProvedOrbit", ".json")):
         pytest.skip("that is its certificate")
     path = tmp_path / f"x{suffix}"
     found = made(name)
@@ -127,6 +129,13 @@ def test_times_of_events_have_the_digits_of_their_type_wherever_they_are_printed
     assert abs(Fraction(told) - Fraction(first)) <= Fraction(1, 2 * 10**printed)
     run = polhode.integrate(str(scene), **{key: value})
     assert repr(run.events[0]).endswith(f"the first at t = {told}>")
+
+
+def test_a_certificate_is_no_result_and_says_what_it_is(tmp_path):
+    path = tmp_path / "proof.json"
+    made("Enclosure").save(path)
+    with pytest.raises(polhode.BadInput, match=r"certificate, which polhode\.verify checks"):
+        polhode.load_result(path)
 
 
 def test_results_of_a_scene_file_load_again_wherever_it_is(tmp_path):

@@ -258,6 +258,8 @@ def test_a_run_that_gets_nowhere_says_so(capsys, outputs):
         ["orbit", "general/asymmetric-regular", "--h", "1e400"],
         ["orbit", "general/asymmetric-regular", "--h", "-1e400"],
         ["prove", "orbit", "general/asymmetric-regular", "--h", "1e400"],
+        ["frequencies", "general/asymmetric-regular", "--end", "1e308"],
+        ["frequencies", "general/asymmetric-regular", "--end", "-1e400"],
         ["guide", "1" * 5000],
     ],
 )

@@ -374,3 +374,10 @@ def test_a_full_disk_is_one_line() -> None:
     assert done.returncode == BAD_INPUT
     assert done.stderr.startswith("polhode: stdout: expected")
     assert done.stderr.count("\n") == 1
+
+
+def test_a_negative_end_may_have_an_exponent(tmp_path: Path) -> None:
+    for end in ("-1e1", "-10", "-1,2"):
+        path = tmp_path / f"x{end}.html"
+        code = cli.main(["view", "euler/largest-axis", "--end", end, "-o", str(path)])
+        assert (code, path.exists()) == ((2, False) if "," in end else (0, True))

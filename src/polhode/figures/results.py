@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -13,6 +14,8 @@ from polhode.figures import frequencies, levels, map, orbit_family, section
 from polhode.figures.canvas import canvas
 from polhode.figures.canvas.canvas import BODY, REST, SPACE, TIME
 from polhode.numbers.conversion import to_double
+from polhode.scenes.output_times import even_times
+from polhode.scenes.scene import Scene
 
 #: matplotlib's module and axes, one or an array, and the result that is drawn.
 Drawn: TypeAlias = Any
@@ -38,14 +41,34 @@ def _levels(plt: Drawn, found: Drawn, axes: Drawn) -> Drawn:
 
 def _orbit(plt: Drawn, found: Drawn, axes: Drawn) -> Drawn:
     """omega over one period."""
+    return _over_a_period(plt, found.scene.at(even_times(found.period, MOST)), found.kind, axes)
+
+
+def _over_a_period(plt: Drawn, scene: Scene, kind: str, axes: Drawn) -> Drawn:
     from polhode.numbers.number_types import DOUBLE
     from polhode.runs.solve import solve
-    from polhode.scenes.output_times import even_times
 
-    run = solve(found.scene.at(even_times(found.scene.end, MOST)), DOUBLE)
+    run = solve(scene, DOUBLE)
     figure, panels = canvas.panels(plt, axes, 1)
     _omega(panels[0, 0], run.t, np.array(run.states, dtype=float))
-    panels[0, 0].set(title=f"period {to_double(found.period):.6g}, {found.kind}")
+    panels[0, 0].set(title=f"period {to_double(scene.end):.6g}, {kind}")
+    return figure
+
+
+def _proved_orbit(plt: Drawn, found: Drawn, axes: Drawn) -> Drawn:
+    """omega over one period from the point that is proved."""
+    omega, gamma = ([x.centre for x in balls] for balls in (found.omega, found.gamma))
+    near = replace(found.scene, omega=omega, gamma=gamma, normalise=True, outputs=(), events=())
+    return _over_a_period(plt, near.at(even_times(found.period.centre, MOST)), found.kind, axes)
+
+
+def _lyapunov(plt: Drawn, found: Drawn, axes: Drawn) -> Drawn:
+    """The exponent and its uncertainty at the time that the motion was followed to."""
+    figure, panels = canvas.panels(plt, axes, 1)
+    around = found.uncertainty if np.isfinite(found.uncertainty) else 0.0
+    panels[0, 0].errorbar([found.end], [found.exponent], [around], fmt="o", color=BODY)
+    panels[0, 0].axhline(0, color="#999999", lw=0.6)
+    panels[0, 0].set(xlabel=TIME, ylabel="largest exponent", title=found.verdict)
     return figure
 
 
@@ -151,9 +174,11 @@ _FIGURES: dict[str, Callable[[Drawn, Drawn, Drawn], Drawn]] = {
     "Frequencies": frequencies.draw,
     "Judgement": _judgement,
     "Levels": _levels,
+    "Lyapunov": _lyapunov,
     "Orbit": _orbit,
     "OrbitFamily": orbit_family.draw,
     "OrbitSearch": _search,
+    "ProvedOrbit": _proved_orbit,
     "Reductions": _reductions,
     "Reference": _reference,
     "Section": section.draw,

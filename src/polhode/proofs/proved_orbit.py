@@ -12,6 +12,7 @@ from flint import arb
 
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
+from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue
 from polhode.enclosures.fixed_point_problem import upper
 from polhode.enclosures.result import decimal_ball, guaranteed
@@ -51,7 +52,7 @@ class Within(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ProvedOrbit(ByValue):
+class ProvedOrbit(Result, ByValue):
     """A periodic orbit of (omega, gamma) that exists: a theorem about the exact level.
 
     ``scene``, ``h``, ``f``: the body and the level, exact.  ``period``: the least one; ``omega``,
@@ -104,12 +105,28 @@ class ProvedOrbit(ByValue):
             return (ball_of(first), zero), (ball_of(1 / first), zero)
 
     def save(self, path: str | Path, progress: Progress | None = None) -> None:
-        """Write the certificate of the orbit, which ``polhode verify`` checks.
+        """Write the theorem, or as .json the certificate that ``polhode verify`` checks.
 
-        ``path``: ends in .json.  It is checked before it is written, and states less of
-        ``unique_within`` where the checker does not prove it all.  Raises BadInput where that does
-        not prove the rest, or the file cannot be written.
+        The certificate is checked before it is written, and states less of ``unique_within`` where
+        the checker does not prove it all.
+
+        Parameters
+        ----------
+        path : str or Path
+            ``.json``: the certificate.  Other endings as of any result; those load again by
+            :func:`polhode.load_result`.
+        progress : callable, optional
+            Told the part of the certificate's check that is done, and how many steps.
+
+        Raises
+        ------
+        BadInput
+            What the checker does not prove, a theorem of many bodies as a certificate, and a file
+            that cannot be written.
         """
+        if Path(path).suffix.lower() not in (".json", ""):  # "-" is stdout
+            super().save(path)
+            return
         if self.tolerance:
             expected = "no tolerance: a certificate is for one body"
             raise BadInput(self.scene.name, "tolerance", brief(self.tolerance), expected)

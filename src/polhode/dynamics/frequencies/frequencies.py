@@ -158,7 +158,8 @@ def frequencies(
         raise BadInput(scene.name, "end", "0", "a time other than 0")
     outputs = ("attitude",) if AXIS in names else ()
     speed = _fastest(scene)
-    samples = math.ceil(PER_LINE * speed * abs(to_double(last))) + 2
+    wanted = PER_LINE * speed * abs(to_double(last))
+    samples = math.ceil(min(wanted, MOST_SAMPLES)) + 2
     if samples > MOST_SAMPLES:
         expected = f"a time up to {MOST_SAMPLES / PER_LINE / speed:.6g}: more samples take too long"
         raise BadInput(scene.name, "end", to_double(last), expected)

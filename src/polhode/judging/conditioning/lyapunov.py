@@ -19,6 +19,7 @@ from typing import Any
 
 from polhode.common.arguments import each, steps
 from polhode.common.errors import BadInput
+from polhode.common.result import Result
 from polhode.equations.equilibrium import at_rest
 from polhode.equations.system import system
 from polhode.judging.conditioning import motion_kinds
@@ -50,7 +51,7 @@ _DOUBLES_TRUE = 12 * math.log(10)  # ln of the growth up to which a double follo
 
 
 @dataclass(frozen=True, repr=False)
-class Lyapunov:
+class Lyapunov(Result):
     """The largest exponent per unit of time, and the verdict on the motion up to ``end``.
 
     ``exponent`` is the mean growth of ln |tangent| over the second half of the time, per unit of

@@ -29,7 +29,7 @@ Value: TypeAlias = Any
 
 FORMAT = "polhode result 1"
 #: Rooms whose classes a document may name, and the functions by which some values are made.
-_ROOMS = ("dynamics", "enclosures", "judging", "motion", "numbers", "runs", "scenes")
+_ROOMS = ("dynamics", "enclosures", "judging", "motion", "numbers", "proofs", "runs", "scenes")
 _MAKERS = {
     "polhode.judging.references.reference:reference",
     "polhode.numbers.exact:_irrational",

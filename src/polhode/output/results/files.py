@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 SUFFIXES = (".csv", ".json", ".npz", ".parquet")
+_CERTIFICATE = b'"format": "polhode certificate'
 KEY = "result"  # of the document, beside what the command prints
 _KIND_OF_SIDECAR = {"states": "Trajectory", "members": "Ensemble"}
 
@@ -77,7 +78,10 @@ def load_result(path: str | Path) -> Result:
         )
     told = _told(path)
     if told is None:
-        raise BadInput(str(path), "file", None, "a result that polhode saved")
+        expected = "a result that polhode saved"
+        if suffix == ".json" and _CERTIFICATE in path.read_bytes()[:80]:
+            expected += "; this is a certificate, which polhode.verify checks"
+        raise BadInput(str(path), "file", None, expected)
     if isinstance(told, Trajectory):
         return told
     return document.result_of(told, str(path))

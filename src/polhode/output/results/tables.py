@@ -16,6 +16,7 @@ import numpy as np
 from polhode.common.errors import BadInput
 from polhode.common.result import Result
 from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.number_types import LOG10_2
 from polhode.output.results.texts import text_of
 from polhode.scenes.vocabulary import COLUMNS, STATE
 
@@ -30,11 +31,13 @@ if TYPE_CHECKING:
     from polhode.dynamics.sections.section import Section
     from polhode.enclosures.events import CertifiedEvents
     from polhode.enclosures.result import Enclosure
+    from polhode.judging.conditioning.lyapunov import Lyapunov
     from polhode.judging.references.certified import Certified
     from polhode.judging.references.reference import Reference
     from polhode.judging.references.two_precisions import TwoPrecisions
     from polhode.judging.score.judgement import Judgement
     from polhode.motion.outcomes import EventTimes
+    from polhode.proofs.proved_orbit import ProvedOrbit
 
 #: A number of any type, or a text.
 Value: TypeAlias = Any
@@ -193,6 +196,22 @@ def _event_times(found: EventTimes) -> Table:
     return Table(1, columns | {"grazing": found.grazing})
 
 
+def _proved_orbit(found: ProvedOrbit) -> Table:
+    balls = dict(zip(("period", "residue"), (found.period, found.residue), strict=True))
+    balls |= dict(zip(STATE, (*found.omega, *found.gamma), strict=True))
+    digits = round(found.noise * LOG10_2)
+    columns: dict[str, Value] = {"orbit": [1], "kind": [found.kind]}
+    columns |= {name: [_wide(x.centre, digits)] for name, x in balls.items()}
+    columns |= {f"radius_{name}": [x.radius] for name, x in balls.items()}
+    return Table(1, columns, {name: [str(x)] for name, x in balls.items()})
+
+
+def _lyapunov(found: Lyapunov) -> Table:
+    columns: dict[str, Value] = {"motion": [1], "verdict": [found.verdict]}
+    names = ("exponent", "uncertainty", "growth", "end")
+    return Table(1, columns | {name: [getattr(found, name)] for name in names})
+
+
 def _judgement(found: Judgement) -> Table:
     columns: dict[str, Value] = {"t": found.times}
     if found.digits:
@@ -232,9 +251,11 @@ KINDS: dict[str, Callable[[Value], Table]] = {
     "Frequencies": _frequencies,
     "Judgement": _judgement,
     "Levels": _levels,
+    "Lyapunov": _lyapunov,
     "Orbit": _orbit,
     "OrbitFamily": _family,
     "OrbitSearch": _search,
+    "ProvedOrbit": _proved_orbit,
     "Reductions": _reductions,
     "Reference": _reference,
     "Section": _section,
