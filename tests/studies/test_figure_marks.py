@@ -146,3 +146,17 @@ def test_marks_of_the_page_can_be_pointed_at_and_thumbnails_cannot():
     assert 'role="group" aria-label="What it shows"' in text  # a reader may enter it
     assert 'role="img" aria-label="No marks"' in text
     assert ".marks use:hover" in text
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_study_of_which_a_part_has_no_rows_has_its_figures():
+    empty: list[JsonObject] = [
+        {"study": "certified", "growth": [], "cost": []},
+        {"study": "events", "motions": [], "cost": []},
+        {"study": "published", "cases": []},
+        {"study": "accuracy", "cases": []},
+        {"study": "proofs", "orbits": [{"what": "a top", "orbits": []}], "chaos": []},
+    ]
+    for found in empty:
+        (drawn,) = report.figures(found).values()
+        assert "<title>" not in drawn

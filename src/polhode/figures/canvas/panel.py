@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 SHADE = "#f4f4f4"
+_LEAST_HEIGHT = 1.5  # inches: labels and a panel without rows
 #: Of each scale, what matplotlib is told.
 _SCALES: dict[str, dict[str, float]] = {"linear": {}, "log": {}, "symlog": {"linthresh": 1}}
 LEGEND = {"frameon": False, "fontsize": 8, "handletextpad": 0.3, "columnspacing": 1}
@@ -100,7 +101,7 @@ def rows(groups: Sequence[tuple[str, Sequence[str]]]) -> Rows:
         names |= {level + k: member for k, member in enumerate(members)}
         edges.append(level + len(members))
     bands = [(low - 0.5, high - 0.5) for low, high in pairwise(edges)]
-    return Rows(names, bands[::2], (-0.5, edges[-1] - 0.5), headings)
+    return Rows(names, bands[::2], (-0.5, max(edges[-1], 1) - 0.5), headings)
 
 
 @dataclass(frozen=True)
@@ -150,7 +151,7 @@ def svg(
         figure, made = plt.subplots(
             -(-len(panels) // columns),
             columns,
-            figsize=(WIDTH, height),
+            figsize=(WIDTH, max(height, _LEAST_HEIGHT)),
             layout="constrained",
             squeeze=False,
             sharex=share == "x",
@@ -204,7 +205,7 @@ def _draw(axes: Axes, panel: Panel, name: str) -> dict[str, Sequence[str]]:
         axes.tick_params(axis="y", length=0)
     if panel.title:
         axes.set_title(panel.title, size=9, loc="left", pad=8)
-    if panel.legend:
+    if panel.legend and any(series.name for series in panel.series):
         place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "ncols": panel.legend}
         axes.legend(**place, **LEGEND)
     return texts
