@@ -47,8 +47,8 @@ def svg(groups: Mapping[str, Sequence[Dot]], label: str) -> str:
         max(0.16 + _PITCH * _depth(dots), 0.06 + 0.135 * len(name.splitlines()))
         for name, dots in groups.items()
     ]
-    edges = [0.0, *accumulate(heights)]
-    levels = [(low + high) / 2 for low, high in pairwise(edges)]
+    edges = [0.0, *accumulate(heights or [0.3])]
+    levels = [(low + high) / 2 for low, high in pairwise(edges)][: len(groups)]
     names = dict(zip(levels, groups, strict=True))
     rows = Rows(names, [*pairwise(edges)][::2], (0.0, edges[-1]), {})
     placed = [

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 SHADE = "#f4f4f4"
+_LEAST_HEIGHT = 1.5  # inches: labels and a panel without rows
 #: Of each scale, what matplotlib is told.
 _SCALES: dict[str, dict[str, float]] = {"linear": {}, "log": {}, "symlog": {"linthresh": 1}}
 LEGEND = {"frameon": False, "fontsize": 8, "handletextpad": 0.3, "columnspacing": 1}
@@ -150,7 +151,7 @@ def svg(
         figure, made = plt.subplots(
             -(-len(panels) // columns),
             columns,
-            figsize=(WIDTH, height),
+            figsize=(WIDTH, max(height, _LEAST_HEIGHT)),
             layout="constrained",
             squeeze=False,
             sharex=share == "x",
