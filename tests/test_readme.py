@@ -163,7 +163,7 @@ def stand(level: Any) -> str:
         rows.pop(own, None)
     ratios = [row["ratio"] for row in rows.values() if row["ratio"] is not None]
     if not ratios:
-        return "ahead"
+        return "alone"
     _, least, most = min(ratios)
     return "ahead" if least > 1 else "behind" if most < 1 else "even"
 
@@ -184,10 +184,15 @@ def test_who_is_ahead_is_counted_from_the_rows() -> None:
         assert found is not None, where
         ahead, reached, others = found.groups()
         assert int(ahead) == stands.count("ahead")
-        assert int(reached) == len(stands) - stands.count("not reached")
-        for word in ("even", "behind"):
+        assert int(reached) == sum(stands.count(word) for word in ("ahead", "even", "behind"))
+        for word, told in (
+            ("even", "even"),
+            ("behind", "behind"),
+            ("alone", "more that no other program run there reaches"),
+            ("not reached", "that it does not reach"),
+        ):
             if stands.count(word):
-                assert f"{stands.count(word)} {word}" in others
+                assert f"{stands.count(word)} {told}" in others
     lost = [
         (row["ratio"][0], row["program"])
         for c in cells

@@ -20,7 +20,7 @@ from polhode.studies.speed import page
 from polhode.studies.speed.page import contest
 
 ROOT = Path(__file__).parents[2]
-WIDTH = 104
+WIDTH = 118
 #: Where each part stands.
 PLACES = {
     "ahead": ROOT / "README.md",

@@ -20,8 +20,8 @@ Levels: TypeAlias = Sequence[tuple[Told, Told]]
 LONG = 1000  # from this end on a run is told as a long one
 SHOWN_OUTPUTS = 101  # of the figure
 _COUNTED = (
-    "Cells in which no other program reaches the digits count as ahead; those in which the "
-    "propagator does not reach them are not counted."
+    "Counted are cells in which the propagator and another program reach the digits; of the others "
+    "it is said how many there are. Not every program was run in every cell."
 )
 WORDS = ("ahead", "even", "behind", "alone", "not reached")
 
@@ -68,9 +68,9 @@ def headline(found: Told) -> Number | None:
     if not far[1]:
         return None
     words = (
-        "cells of the speed study from t = 100 on, to 6, 9 and 12 digits, in which a polhode "
-        "propagator is ahead of every other program, heyoka itself apart; at t = 1 and 10 it is "
-        f"{near[0]} of {near[1]}"
+        "cells of the speed study from t = 100 on, to 6, 9 and 12 digits, of those in which a "
+        "polhode propagator and another program reach the digits, in which it is ahead of every "
+        f"other program, heyoka itself apart; at t = 1 and 10: {near[0]} of {near[1]}"
     )
     return Number(f"{far[0]} of {far[1]}", words)
 
@@ -117,20 +117,25 @@ def counted(found: Levels) -> dict[str, int]:
 
 
 def _stands(cells: Sequence[Told], where: str, wanted: Callable[[Told, float], bool]) -> str:
-    """In how many of the cells a propagator is ahead of all others, where it reaches the digits."""
+    """In how many of the cells a propagator is ahead of all others, where both reach the digits."""
     count = counted(levels(cells, wanted))
-    ahead, reached = _ahead(cells, wanted)
-    if not reached:
+    ahead, compared = _ahead(cells, wanted)
+    if not compared and not count["alone"]:
         return ""
-    more = in_words({word: count[word] for word in ("even", "behind")})
-    return f"{where} in {ahead} of {reached} cells" + (f" ({more})" if more else "")
+    more = [in_words({word: count[word] for word in ("even", "behind")})]
+    if count["alone"]:
+        more.append(f"{count['alone']} more that no other program run there reaches")
+    if count["not reached"]:
+        more.append(f"{count['not reached']} that it does not reach")
+    told = "; ".join(filter(None, more))
+    return f"{where} in {ahead} of {compared} cells" + (f" ({told})" if told else "")
 
 
 def _ahead(cells: Sequence[Told], wanted: Callable[[Told, float], bool]) -> tuple[int, int]:
-    """In how many cells it is ahead, of how many in which it reaches the digits."""
+    """In how many cells it is ahead, of how many in which it and another reach the digits."""
     here = levels(cells, wanted)
     count = counted(here)
-    return count["ahead"] + count["alone"], len(here) - count["not reached"]
+    return count["ahead"], len(here) - count["not reached"] - count["alone"]
 
 
 def _far_and_near(cells: Sequence[Told]) -> list[str]:
