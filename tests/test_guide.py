@@ -162,9 +162,9 @@ def test_the_seven_jobs_are_as_short_as_promised(folder):
     own = plot.partition("\n\n\n")[2]
     assert len([x for x in own.splitlines() if x and not x.startswith("print")]) == 6
     commands = re.findall(r"^\$ (.*)$", guide.page("jobs"), re.M)
-    (page,) = (command for command in commands if command.endswith("looping.html"))
+    (page,) = (command for command in commands if command.endswith("top.html"))
     commanded(page)
-    assert 50_000 < Path("looping.html").stat().st_size < 1_500_000
+    assert 50_000 < Path("top.html").stat().st_size < 1_500_000
 
 
 def test_the_verb_prints_pages_and_refuses_what_is_none(capsys):
@@ -232,4 +232,6 @@ def test_a_term_finds_its_entry_in_the_glossary_first():
     assert text.startswith("The ")
     assert {"closed-forms", "start"} <= {page for page, *_ in rest}
     assert guide.search("chaos maps")[1][:2] == ("dynamics", "Chaos maps")
+    for words in ("sleeping top", "Euler angles", "cusp", "middle axis"):
+        assert guide.search(words)[0][0] == "glossary", words
     assert guide.search("no such words here") == []

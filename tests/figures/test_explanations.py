@@ -14,7 +14,7 @@ from polhode.scenes import library
 def said(name):
     scene = polhode.load(name)
     known = reference(scene)
-    return explained(known.kind, known.regime, scene.body)
+    return explained(known.kind, known.regime, scene)
 
 
 def test_every_case_of_the_library_has_words_of_its_own_kind_and_all_words_are_used():
@@ -26,29 +26,36 @@ def test_every_case_of_the_library_has_words_of_its_own_kind_and_all_words_are_u
         used.add(text)
     for body, omega in (([1, 1, 2], [1, 0, 0]), ([1, 1, 2], [0, 0, 1])):
         scene = polhode.top(moments=body, weight=0, omega=omega, gamma=[0, 0, 1], end=1)
-        used.add(explained("euler", reference(scene).regime, scene.body))
+        used.add(explained("euler", reference(scene).regime, scene))
     unused = {(kind, begins) for kind, begins, text in EXPLANATIONS if text not in used}
     no_case = {("lagrange", "spherical pendulum, conical"), ("staude", "")}
     assert unused == no_case
+
+
+def test_a_free_body_next_to_its_middle_axis_is_a_tennis_racket():
+    assert "tennis racket" in said("euler/dzhanibekov")
+    assert "tennis racket" not in said("euler/largest-axis")
+    text = polhode.view("euler/dzhanibekov", end=30).text
+    assert "axis of the middle moment" in text  # whose path is drawn
 
 
 def test_a_weight_that_pulls_upward_turns_high_and_low():
     body = {"moments": [2, 2, 1], "centre": [0, 0, 1], "weight": -1}
     hanging = polhode.top(**body, omega=[0, 0, 1], gamma=[0, 0, 1], end=1)
     assert reference(hanging).regime == "hanging"
-    assert "opposite to the centre of mass" in explained("lagrange", "hanging", hanging.body)
+    assert "opposite to the centre of mass" in explained("lagrange", "hanging", hanging)
 
 
 def test_nothing_is_said_of_a_stability_that_is_not_decided():
     body = {"moments": [2, "5/2", 3], "centre": [0, 0, 1], "weight": "1/2"}
     top = polhode.top(**body, omega=[0, 0, 1], gamma=[0, 0, 1], end=1)
     assert reference(top).regime == "permanent rotation, stability undecided"
-    assert "push" not in explained("staude", reference(top).regime, top.body)
+    assert "push" not in explained("staude", reference(top).regime, top)
 
 
 def test_a_closed_form_that_somebody_adds_is_called_by_its_name():
-    body = polhode.load("lagrange/looping").body
-    assert explained("mine", "slow", body) == "A motion with a closed form (mine): slow."
+    scene = polhode.load("lagrange/looping")
+    assert explained("mine", "slow", scene) == "A motion with a closed form (mine): slow."
 
 
 def angles(name, end):

@@ -148,6 +148,10 @@ def test_a_preview_that_is_not_accurate_is_not_shown():
         ("lagrange/upper-pole", "The axis passes through the vertical, or close to it."),
         ("lagrange/lower-pole", "The axis passes through the vertical, or close to it."),
         ("lagrange/sleeping-stable", "The axis stays vertical, or nearly."),
+        (
+            "lagrange/sleeping-unstable",
+            "The axis stands upright, but spins too slowly: the smallest push makes it fall.",
+        ),
         ("kovalevskaya/generic", ""),
     ],
 )

@@ -169,7 +169,7 @@ def page_of(found: Samples, command: str, measured: bool = False) -> str:
     )
     known = reference_of(replace(scene, reference="auto"))
     title, regime = scene.title or scene.name, known.regime
-    words = explained(known.kind, regime, scene.body)
+    words = explained(known.kind, regime, scene)
     if measured and not motion.on_level():
         words = regime = (
             "The file is of another motion than the scene's: energy or momentum differ."

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import sign
 from polhode.scenes.body import Body
 from polhode.scenes.classification import CHAPLYGIN, kind_of_body
+from polhode.scenes.scene import Scene
 
 
 class Explanation(NamedTuple):
@@ -240,10 +242,31 @@ _UPWARD = (
 )
 
 
-def explained(kind: str, regime: str, body: Body) -> str:
+_TENNIS = (
+    "No torque acts. The motion comes close to the rotation about the axis of the middle moment, "
+    "which is unstable: the body turns over from there again and again. This is the effect of the "
+    "tennis racket, or Dzhanibekov's."
+)
+_CLOSE = 0.01
+
+
+def explained(kind: str, regime: str, scene: Scene) -> str:
     """Two sentences on a motion; ``kind`` and ``regime`` of its reference."""
+    body = scene.body
+    if kind == "euler" and regime.startswith("polhode") and _turns_over(scene):
+        return _TENNIS
     upward = not body.torque_free and sign(body.weight) < 0
     return _words(kind, regime, body) + (_UPWARD if upward else "")
+
+
+def _turns_over(scene: Scene) -> bool:
+    """Whether the polhode is close to the separatrices: 2 T B near G², A < B < C."""
+    small, middle, large = sorted(to_double(x) for x in scene.body.moments)
+    w = [to_double(x) for x in scene.omega]
+    momentum = [to_double(x) for x in scene.body.momentum(scene.omega)]
+    square = sum(x * x for x in momentum)
+    off = middle * sum(x * y for x, y in zip(w, momentum, strict=True)) - square
+    return abs(off) < _CLOSE * square * (large - small) / middle
 
 
 def _words(kind: str, regime: str, body: Body) -> str:

@@ -58,7 +58,7 @@ def page(found: Motion, title: str, regime: str, words: str, origin: str, comman
     """
     scene = found.scene
     point, _ = apex(Samples(scene.name, {}, scene))
-    data = _data(found)
+    data = _data(found, words)
     scripts = "".join((_PARTS / f"{name}.js").read_text(encoding="utf-8") for name in SCRIPTS)
     what = "its solids" if scene.body.parts else "its ellipsoid of inertia"
     return _filled(
@@ -74,8 +74,8 @@ def page(found: Motion, title: str, regime: str, words: str, origin: str, comman
         ),
         rolling_alt="the curves of omega in the body and in space, rolling on each other",
         rolling_caption=_POINSOT if data["poinsot"] else _CONES,
-        first=f"spin about {_spun(data)}",
-        second="spin across it" if data["start"]["free"] else "tilt from the vertical",
+        first=f"spin: ω along {_spun(data)}",
+        second="ω across it" if data["start"]["free"] else "tilt from the vertical",
         scene=escape(printable(scene.source.strip().expandtabs(4)) or repr(scene)),
         origin=(
             f"{escape(origin)}{_coarse(found)} Made by <code>{escape(printable(command))}</code>, "
@@ -115,7 +115,7 @@ def _filled(template: str, **parts: str) -> str:
     return "".join(pieces)
 
 
-def _data(found: Motion) -> dict[str, Any]:
+def _data(found: Motion, words: str) -> dict[str, Any]:
     """What the page's scripts read."""
     scene, body = found.scene, found.scene.body
     samples = np.hstack([found.attitude, found.omega]).astype("<f4")
@@ -132,6 +132,8 @@ def _data(found: Motion) -> dict[str, Any]:
     return {
         "begin": begin,
         "end": end,
+        "si": scene.units == "SI",
+        "words": words,
         "places": max(0, min(9, 2 - math.floor(math.log10(pace)))),
         "pace": float(f"{pace:.3g}"),
         "samples": base64.b64encode(samples.tobytes()).decode(),

@@ -11,7 +11,7 @@ from polhode.figures.canvas.canvas import BODY, HIDDEN, SPACE, panels
 from polhode.figures.canvas.curve_sampling import Samples
 from polhode.figures.canvas.globe import facing_most
 from polhode.numbers.conversion import to_double
-from polhode.numbers.exact import sqrt
+from polhode.numbers.exact import sign, sqrt
 from polhode.scenes.body import dot
 from polhode.scenes.vocabulary import ATTITUDE, STATE
 
@@ -40,9 +40,26 @@ def draw(plt: Any, found: Samples, axes: Any = None) -> Any:
 
 
 def apex(found: Samples) -> tuple[str, list[float]]:
-    """What is followed in space: the centre of mass where it is heavy, else the third axis."""
-    body = found.scene.body if found.scene is not None else None
-    if body is None or body.torque_free:
+    """What is followed in space: of a heavy body its centre of mass.
+
+    Of a free one its axis of symmetry, or the principal axis along which omega begins the largest;
+    the third axis where neither is there.
+    """
+    scene = found.scene
+    if scene is None:
         return "third axis", [0.0, 0.0, 1.0]
-    length = sqrt(dot(body.centre, body.centre))
-    return "centre of mass", [to_double(x / length) for x in body.centre]
+    body = scene.body
+    if not body.torque_free:
+        length = sqrt(dot(body.centre, body.centre))
+        return "centre of mass", [to_double(x / length) for x in body.centre]
+    a, b, c = body.moments
+    if a == b == c or not any(sign(x) for x in scene.omega):
+        return "third axis", [0.0, 0.0, 1.0]
+    if len({a, b, c}) == 2:
+        name, k = "axis of symmetry", 2 if a == b else 0 if b == c else 1
+    else:
+        along = [abs(to_double(x)) for x in body.axes.components(scene.omega)]
+        k = int(np.argmax(along))
+        rank = sorted(body.moments).index(body.moments[k])
+        name = f"axis of the {('smallest', 'middle', 'largest')[rank]} moment"
+    return name, [to_double(x) for x in body.axes.rows[k]]

@@ -10,15 +10,19 @@ const shown = {};
 function redraw() { wanted = true; }
 
 function tell() {
-  part("now").textContent = `t = ${time.toFixed(motion.places)}`;
-  part("state").textContent = `|ω| = ${norm(motion.omega(time)).toPrecision(4)}`;
+  part("now").textContent = `t = ${time.toFixed(motion.places)}${own.si ? " s" : ""}`;
+  part("state").textContent = `|ω| = ${norm(motion.omega(time)).toPrecision(4)}${rate()}`;
   part("time").value = time;
   curves.at(time);
 }
 
 function speed() { return motion.pace * 2 ** Number(part("speed").value); }
 
-function tellSpeed() { part("pace").textContent = `1 s shows ${speed().toPrecision(2)} of t`; }
+const rate = () => own.si ? " rad/s" : "";
+
+function tellSpeed() {
+  part("pace").textContent = `1 s shows ${speed().toPrecision(2)} ${own.si ? "s" : "of t"}`;
+}
 
 function play(on) {
   playing = on;
@@ -46,8 +50,8 @@ const degrees = angle => `${(angle * 180 / Math.PI).toFixed(1)}°`;
 
 function tellStart() {
   const [first, second] = ["first", "second"].map(id => Number(part(id).value));
-  part("first-now").textContent = first.toPrecision(4);
-  part("second-now").textContent = start.free ? second.toPrecision(4) : degrees(second);
+  part("first-now").textContent = first.toPrecision(4) + rate();
+  part("second-now").textContent = start.free ? second.toPrecision(4) + rate() : degrees(second);
   for (const id of ["first", "second"])
     part(id).setAttribute("aria-valuetext", part(`${id}-now`).textContent);
   return [first, second];
@@ -59,11 +63,12 @@ function tryStart() {
   part("preview").hidden = false;
   part("shown").hidden = next === null;
   part("refused").hidden = next !== null;
-  part("explained").classList.toggle("aside", next !== null);
+  const seen = looks(own, attitude, omega);
+  part("explained").textContent = next === null ? own.words : `A preview of another start. ${seen}`;
   const row = numbers => numbers.map(x => Number(x.toPrecision(12))).join(", ");
+  const turn = attitude.map(x => Number(x.toFixed(12)));
   part("numbers").textContent = (start.t === 0 ? "" : `# at t = ${start.t}\n`)
-    + `omega = [${row(omega)}]\nquaternion = [${row(attitude)}]\nnormalise = true`;
-  part("looks").textContent = looks(own, attitude, omega);
+    + `omega = [${row(omega)}]\nquaternion = [${turn.join(", ")}]\nnormalise = true`;
   show(next === null ? own : next);
 }
 
@@ -72,7 +77,7 @@ function backToScene() {
   part("second").value = start.second;
   tellStart();
   part("preview").hidden = true;
-  part("explained").classList.remove("aside");
+  part("explained").textContent = own.words;
   show(own);
 }
 

@@ -146,8 +146,12 @@ function looks({inertia, weight, symmetric}, attitude, omega) {
   const F = dot(w, gamma) + n * u, b = u + dot(w, w) / a, size = Math.abs(n) + Math.sqrt(a);
   const slope = 2 * n * dot(w, gamma) - a * (1 - u * u) - 2 * u * dot(w, w);
   const still = Math.abs(dot(cross(w, gamma), axis)) < 2e-3 * size;
-  if (still && Math.abs(slope) < 4e-3 * size * size)
-    return 1 - u * u < 1e-5 ? "The axis stays vertical, or nearly." : "The axis keeps its tilt, or nearly.";
+  if (still && Math.abs(slope) < 5e-3 * (2 * n * n + a)) {  // which it nods by, about
+    if (1 - u * u > 1e-5) return "The axis keeps its tilt, or nearly.";
+    return u > 0 && n * n < 2 * a
+      ? "The axis stands upright, but spins too slowly: the smallest push makes it fall."
+      : "The axis stays vertical, or nearly.";
+  }
   if (Math.abs(F) < 1e-3 * size && Math.abs(n) < 1e-3 * size) return "It swings in a plane.";
   if (Math.abs(F - n) < 2e-3 * size && b > 1 || Math.abs(F + n) < 2e-3 * size)
     return "The axis passes through the vertical, or close to it.";
