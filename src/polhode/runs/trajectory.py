@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import TYPE_CHECKING, Generic, SupportsFloat, cast, overload
+from typing import TYPE_CHECKING, Generic, Literal, SupportsFloat, cast, overload
 
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import nearest
@@ -140,7 +140,11 @@ class Trajectory(Result, ByValue, Generic[S_co]):
             f"to t = {shown(self.reached)}, {self.outcome.value}>"
         )
 
-    def __getitem__(self, name: str) -> Flat | Objects:
+    @overload
+    def __getitem__(self, name: Literal["t"]) -> npt.NDArray[np.float64]: ...
+    @overload
+    def __getitem__(self, name: str) -> S_co: ...
+    def __getitem__(self, name: str) -> S_co | npt.NDArray[np.float64]:
         """A column by its name, an array of the run's type, nan where a number is not defined.
 
         ``name``: t, p, q, r, gamma1, gamma2, gamma3, or of an output that was asked for.
@@ -154,7 +158,7 @@ class Trajectory(Result, ByValue, Generic[S_co]):
             return self.t
         for names, rows in self.named:
             if name in names:
-                return self._column(rows, names.index(name))
+                return cast("S_co", self._column(rows, names.index(name)))
         known = ["t", *(name for names, _ in self.named for name in names)]
         raise KeyError(f"{name}: expected {nearest(name, known)}; outputs= adds others")
 
@@ -179,27 +183,27 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         return [(self.columns, self.states), *outputs]
 
     @property
-    def omega(self) -> Flat | Objects:
+    def omega(self) -> S_co:
         """p q r, shape (len(times), 3)."""
-        return self.states[:, :3]
+        return cast("S_co", self.states[:, :3])
 
     @property
-    def gamma(self) -> Flat | Objects:
+    def gamma(self) -> S_co:
         """gamma1 gamma2 gamma3, shape (len(times), 3); no columns where the scene has no gamma."""
-        return self.states[:, 3:]
+        return cast("S_co", self.states[:, 3:])
 
     @property
-    def psi(self) -> Flat | Objects:
+    def psi(self) -> S_co:
         """The precession angle, where angles were asked for."""
         return self["psi"]
 
     @property
-    def theta(self) -> Flat | Objects:
+    def theta(self) -> S_co:
         """The nutation angle, where angles were asked for."""
         return self["theta"]
 
     @property
-    def phi(self) -> Flat | Objects:
+    def phi(self) -> S_co:
         """The angle of proper rotation, where angles were asked for."""
         return self["phi"]
 

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput, nearest
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
+from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes.given_numbers import in_units, reader
 
 Vector = tuple[Exact, Exact, Exact]
@@ -116,6 +117,21 @@ class Part:
     at: Vector = (ZERO, ZERO, ZERO)
     axis: str = "z"
     units: str = field(default="", init=False, repr=False, compare=False)
+
+    if TYPE_CHECKING:  # numbers of any kind are taken, and kept as exact ones
+
+        def __init__(
+            self,
+            shape: str,
+            mass: AnyNumber,
+            size: AnyVector | None = None,
+            semi_axes: AnyVector | None = None,
+            radius: AnyNumber | None = None,
+            height: AnyNumber | None = None,
+            inner: AnyNumber | None = None,
+            at: AnyVector = (0, 0, 0),
+            axis: str = "z",
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         of_kind("Part", "shape", self.shape, str, "text")
