@@ -344,3 +344,24 @@ def test_the_view_shows_most_of_a_curve():
     behind = np.array([[-1.0, -0.2, 0.1 * k] for k in range(-3, 4)])
     assert (facing_most(behind).facing(behind) > 0).all()
     assert facing_most(np.array([[1.0, 0.3, 0.2]])) == Globe(25, 20)
+
+
+def test_axes_of_a_scene_in_si_have_seconds():
+    cone = polhode.Part("cone", mass="50 g", radius="3 cm", height="5 cm")
+    top = polhode.top(parts=[cone], g=9.80665, angles=[0, "pi/6", 0], rates=[0, 0, 150], end=0.1)
+    assert polhode.plot(top, "angles")[-1].get_xlabel() == "t (s)"
+    axes = polhode.plot(top, "omega")
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("t (s)", "ω in the body (rad/s)")
+    assert (
+        polhode.plot("lagrange/nutation", "omega", end=1).get_xlabel() == "t (units of the scene)"
+    )
+
+
+def test_a_run_is_drawn_into_axes_that_come_first():
+    from matplotlib import pyplot as plt
+
+    run = polhode.integrate("lagrange/nutation", at=[1, 2])
+    figure, axes = plt.subplots()
+    assert run.plot(axes) is axes
+    assert axes.lines
+    plt.close(figure)

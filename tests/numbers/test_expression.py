@@ -129,10 +129,10 @@ def test_irrational_identities_hold_by_the_rule(text: str) -> None:
         ("1 2", "operator was expected"),
         ("1_000", "operator was expected"),
         ("2//3", "'/' stands"),
-        ("2^3", "'\\^' is not part"),
+        ("2$3", "'\\$' is not part"),
         ("1;2", "';' is not part"),
         ("\u0663", "is not part"),
-        ("1\u00b2", "is not part"),
+        ("1⁴", "is not part"),
         ("1/0", "division by zero"),
         ("1/(sqrt(2)*sqrt(3)-sqrt(6))", "division by zero"),
         ("0**-1", "division by zero"),
@@ -286,3 +286,9 @@ def test_underscores_stand_between_digits(text: str, expected: int) -> None:
 def test_what_is_not_a_decimal_is_refused(text: str) -> None:
     with pytest.raises(ExpressionError):
         decimal(text)
+
+
+def test_powers_and_products_may_be_written_as_in_print() -> None:
+    assert evaluate("2^10", {}) == 1024
+    assert evaluate("2·3² − 4", {}) == 14
+    assert evaluate("2^3^2", {}) == 512

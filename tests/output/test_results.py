@@ -153,12 +153,12 @@ def test_what_is_there_is_replaced_by_its_own_kind_alone(tmp_path):
     for suffix in (".csv", ".json", ".npz"):
         path = tmp_path / f"x{suffix}"
         path.write_text("mine\n")
-        with pytest.raises(polhode.BadInput, match=r"no result of polhode"):
+        with pytest.raises(polhode.BadInput, match=r"there is another, perhaps a certificate"):
             made("Levels").save(path)
         assert path.read_text() == "mine\n"
         path.unlink()
     made("Levels").save(tmp_path / "x.npz")
-    with pytest.raises(polhode.BadInput, match="there is a Levels"):
+    with pytest.raises(polhode.BadInput, match="the file of a result Levels"):
         made("Orbit").save(tmp_path / "x.npz")
     (tmp_path / "y.json").write_text('{"mine": 1}')
     with pytest.raises(polhode.BadInput, match=r"y\.json"):

@@ -381,3 +381,20 @@ def test_a_negative_end_may_have_an_exponent(tmp_path: Path) -> None:
         path = tmp_path / f"x{end}.html"
         code = cli.main(["view", "euler/largest-axis", "--end", end, "-o", str(path)])
         assert (code, path.exists()) == ((2, False) if "," in end else (0, True))
+
+
+def test_a_certificate_does_not_replace_the_file_beside_a_table(tmp_path, capsys):
+    """Nor a table's file a certificate: both orders are refused before the work."""
+    ask = ["reference", "lagrange/nutation", "--at", "1", "--digits", "15", "--certified", "-o"]
+    table, certificate = tmp_path / "ref.csv", tmp_path / "ref.json"
+    assert cli.main([*ask, str(table)]) == 0
+    kept = certificate.read_bytes()
+    assert cli.main([*ask, str(certificate)]) == 2
+    assert "a new file, or a certificate's" in capsys.readouterr().err
+    assert certificate.read_bytes() == kept
+    assert cli.main([*ask, str(tmp_path / "own.json")]) == 0
+    assert cli.main([*ask, str(tmp_path / "own.json")]) == 0  # one certificate in place of another
+    capsys.readouterr()
+    assert cli.main([*ask, str(tmp_path / "own.csv")]) == 2
+    assert "perhaps a certificate" in capsys.readouterr().err
+    assert not (tmp_path / "own.csv").exists()

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from polhode.certificates import verify
-from polhode.common.errors import BadInput
+from polhode.common.errors import UNREADABLE, BadInput
 from polhode.common.files import write_whole
 from polhode.common.progress import Progress
 from polhode.numbers.flint_context import ctx
@@ -41,6 +41,21 @@ def checked(
     raise BadInput(name, "certificate", fault, "a statement that its own checker proves")
 
 
+def refuse_another(path: str | Path) -> None:
+    """Raise BadInput where a file is there that is no certificate; an empty one is nothing."""
+    place = Path(path)
+    if not place.is_file() or not place.stat().st_size:
+        return
+    try:
+        there = json.loads(place.read_text(encoding="utf-8"))
+    except (OSError, *UNREADABLE):
+        there = None
+    if not isinstance(there, dict) or there.get("kind") not in verify.KINDS:
+        expected = "a new file, or a certificate's (there is another, perhaps that of a table)"
+        raise BadInput(str(place), "file", None, expected)
+
+
 def write(path: str | Path, found: Made) -> None:
     """The file, whole or not at all; raises BadInput."""
+    refuse_another(path)
     write_whole({Path(path): json.dumps(found) + "\n"})

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from polhode.figures.canvas.canvas import BODY, TIME, panels, remark
+from polhode.figures.canvas.canvas import BODY, panels, remark, time_label
 from polhode.figures.canvas.curve_sampling import Samples
 from polhode.numbers.rows import Doubles
 from polhode.scenes.vocabulary import ANGLES
@@ -32,7 +32,7 @@ def draw(plt: Any, found: Samples, axes: Any = None) -> Any:
             middle = float(np.nanmean(angle))  # a constant, not its rounding
             axes.set_ylim(middle - 0.5, middle + 0.5)
     figure.align_ylabels()
-    made[-1, 0].set_xlabel(TIME)
+    made[-1, 0].set_xlabel(time_label(found.scene))
     return figure
 
 

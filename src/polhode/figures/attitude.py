@@ -12,4 +12,4 @@ from polhode.scenes.vocabulary import ATTITUDE
 def draw(plt: Any, found: Samples, axes: Any = None) -> Any:
     """The four components, the fourth in grey."""
     shown = {name: found.columns[name] for name in ATTITUDE}
-    return curves.draw(plt, found.columns["t"], shown, "attitude quaternion", axes)
+    return curves.draw(plt, found, shown, "attitude quaternion", axes)

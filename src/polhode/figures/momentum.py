@@ -19,4 +19,4 @@ def draw(plt: Any, found: Samples, axes: Any = None) -> Any:
     momentum = found.vectors(STATE[:3]) @ inertia
     shown = dict(zip(("P", "Q", "R"), momentum.T, strict=True))
     shown["|G|"] = np.linalg.norm(momentum, axis=1)
-    return curves.draw(plt, found.columns["t"], shown, "G = Iω in the body", axes)
+    return curves.draw(plt, found, shown, "G = Iω in the body", axes)

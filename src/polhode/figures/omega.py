@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from polhode.figures.canvas import curves
+from polhode.figures.canvas.canvas import rate_unit
 from polhode.figures.canvas.curve_sampling import Samples
 from polhode.scenes.vocabulary import STATE
 
@@ -17,4 +18,4 @@ def draw(plt: Any, found: Samples, axes: Any = None) -> Any:
     shown = {name: found.columns[name] for name in names}
     if len(names) == 3:
         shown["|ω|"] = np.linalg.norm(found.vectors(STATE[:3]), axis=1)
-    return curves.draw(plt, found.columns["t"], shown, "ω in the body (rad / unit of time)", axes)
+    return curves.draw(plt, found, shown, f"ω in the body ({rate_unit(found.scene)})", axes)

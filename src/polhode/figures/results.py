@@ -12,7 +12,7 @@ from polhode.common.errors import BadInput
 from polhode.common.result import Result
 from polhode.figures import frequencies, levels, map, orbit_family, section
 from polhode.figures.canvas import canvas
-from polhode.figures.canvas.canvas import BODY, REST, SPACE, TIME
+from polhode.figures.canvas.canvas import BODY, REST, SPACE, rate_unit, time_label
 from polhode.numbers.conversion import to_double
 from polhode.scenes.output_times import even_times
 from polhode.scenes.scene import Scene
@@ -50,7 +50,7 @@ def _over_a_period(plt: Drawn, scene: Scene, kind: str, axes: Drawn) -> Drawn:
 
     run = solve(scene, DOUBLE)
     figure, panels = canvas.panels(plt, axes, 1)
-    _omega(panels[0, 0], run.t, np.array(run.states, dtype=float))
+    _omega(panels[0, 0], run.t, np.array(run.states, dtype=float), scene)
     panels[0, 0].set(title=f"period {to_double(scene.end):.6g}, {kind}")
     return figure
 
@@ -68,7 +68,7 @@ def _lyapunov(plt: Drawn, found: Drawn, axes: Drawn) -> Drawn:
     around = found.uncertainty if np.isfinite(found.uncertainty) else 0.0
     panels[0, 0].errorbar([found.end], [found.exponent], [around], fmt="o", color=BODY)
     panels[0, 0].axhline(0, color="#999999", lw=0.6)
-    panels[0, 0].set(xlabel=TIME, ylabel="largest exponent", title=found.verdict)
+    panels[0, 0].set(xlabel=time_label(None), ylabel="largest exponent", title=found.verdict)
     return figure
 
 
@@ -78,15 +78,15 @@ def _reference(plt: Drawn, found: Drawn, axes: Drawn) -> Drawn:
     times = times[:: -(-len(times) // MOST)] if len(times) > MOST else times
     rows = np.array([[float(x) for x in row] for row in found.at(times, digits=15)])
     figure, panels = canvas.panels(plt, axes, 1)
-    _omega(panels[0, 0], [to_double(t) for t in times], rows)
+    _omega(panels[0, 0], [to_double(t) for t in times], rows, found.scene)
     panels[0, 0].set(title=f"{found.kind}: {found.regime}")
     return figure
 
 
-def _omega(axes: Drawn, t: Drawn, rows: Drawn) -> None:
+def _omega(axes: Drawn, t: Drawn, rows: Drawn, scene: Scene) -> None:
     for k, (name, colour) in enumerate(zip("pqr", (BODY, SPACE, REST), strict=True)):
         axes.plot(t, rows[:, k], color=colour, label=name, gid=name)
-    axes.set(xlabel=TIME, ylabel="ω (1/unit of time)")
+    axes.set(xlabel=time_label(scene), ylabel=f"ω ({rate_unit(scene)})")
     axes.legend(frameon=False)
 
 
@@ -101,7 +101,7 @@ def _judgement(plt: Drawn, found: Drawn, axes: Drawn) -> Drawn:
         only.fill_between([x for x, _ in bands], low, high, **band)
     if found.digits:
         only.plot(t, found.digits, ".-", color=BODY, ms=3, label="correct digits", gid="digits")
-    only.set(xlabel=TIME, ylabel="correct digits")
+    only.set(xlabel=time_label(found.reference.scene), ylabel="correct digits")
     only.set_ylim(bottom=0)
     only.legend(frameon=False)
     return figure
@@ -113,7 +113,7 @@ def _enclosure(plt: Drawn, found: Drawn, axes: Drawn) -> Drawn:
     t = [to_double(x) for x in found.times]
     panels[0, 0].plot(t, found.digits, ".-", color=BODY, gid="digits")
     panels[0, 0].axhline(found.asked, color="#999999", lw=0.6, ls=":")
-    panels[0, 0].set(xlabel=TIME, ylabel="proven digits (dotted: asked for)")
+    panels[0, 0].set(xlabel=time_label(found.scene), ylabel="proven digits (dotted: asked for)")
     return figure
 
 
@@ -122,7 +122,7 @@ def _events(plt: Drawn, found: Drawn, axes: Drawn) -> Drawn:
     t = np.array([to_double(getattr(x, "time", x)) for x in found.times])
     figure, panels = canvas.panels(plt, axes, 1)
     panels[0, 0].plot(t[1:], np.diff(t), ".", color=BODY, gid=found.name)
-    panels[0, 0].set(xlabel=TIME, ylabel="time since the one before")
+    panels[0, 0].set(xlabel=time_label(None), ylabel="time since the one before")
     panels[0, 0].set_title(f"{found.name}: {len(t)} times")
     return figure
 
@@ -136,7 +136,7 @@ def _ensemble(plt: Drawn, found: Drawn, axes: Drawn) -> Drawn:
     for k, shade in zip(kept, shades, strict=True):
         values = np.asarray(found.states[k][:, -1], dtype=float)
         panels[0, 0].plot(found.t, values, color=shade, lw=0.8, gid=f"member {k + 1}")
-    panels[0, 0].set(xlabel=TIME, ylabel=column)
+    panels[0, 0].set(xlabel=time_label(found.scene), ylabel=column)
     panels[0, 0].set_title(f"{len(kept)} members by {', '.join(found.varied.keys)}")
     return figure
 

@@ -29,6 +29,10 @@ _TOKEN = re.compile(
     r"|(?P<name>[A-Za-z_][A-Za-z_0-9]*)|(?P<sign>\*\*|[-+*/()])|(?P<end>$))",
     re.ASCII,
 )
+#: Other ways to write the same.
+_SAME = str.maketrans(
+    {"^": "**", "²": "**2", "³": "**3", "·": "*", "×": "*", "°": " deg", "−": "-"}
+)
 _DECIMAL = re.compile(
     r"([+-]?)(?:([0-9]+)(?:\.([0-9]*))?|\.([0-9]+))(?:[eE]([+-]?[0-9]{1,9}))?", re.ASCII
 )
@@ -229,6 +233,7 @@ class _Reader:
 def _split(text: str) -> list[str]:
     tokens: list[str] = []
     position = 0
+    text = text.translate(_SAME)
     while True:
         match = _TOKEN.match(text, position)
         if match is None:

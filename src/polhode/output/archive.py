@@ -112,6 +112,8 @@ def load_run(path: str | Path) -> Trajectory:
     (True, True)
     """
     name = str(path)
+    if Path(path).suffix.lower() in (".csv", ".json", ".parquet"):
+        raise BadInput(name, "file", None, "a .npz file; polhode.load_result reads this one")
     try:
         held = read_npz(read_whole(Path(path), MAX_BYTES, "a run that polhode saved"))
         return run_of(held)

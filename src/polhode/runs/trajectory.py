@@ -245,7 +245,7 @@ class Trajectory(Result, ByValue, Generic[S_co]):
     @overload
     def plot(
         self,
-        what: str = "",
+        what: str | Axes = "",
         axes: object = None,
         *,
         end: AnyNumber | None = None,
@@ -253,7 +253,7 @@ class Trajectory(Result, ByValue, Generic[S_co]):
     ) -> Axes | npt.NDArray[np.object_]: ...
     def plot(
         self,
-        what: str = "",
+        what: str | Axes = "",
         axes: object = None,
         *,
         end: AnyNumber | None = None,
@@ -261,9 +261,11 @@ class Trajectory(Result, ByValue, Generic[S_co]):
     ) -> Axes | npt.NDArray[np.object_]:
         """Draw a figure with matplotlib, see :func:`polhode.plot`; the axes drawn into.
 
-        ``ax``: the same as ``axes``; into one pair of axes omega is drawn unless ``what`` says
-        something else.
+        ``ax``: the same as ``axes``, which may come first, too, as in other results' ``plot``; into
+        one pair of axes omega is drawn unless ``what`` says something else.
         """
+        if not isinstance(what, str):
+            what, axes = "", what
         return _PRESENTATION.get().plot(self, what, axes if ax is None else ax, end)
 
     def view(self, *, end: AnyNumber | None = None) -> Page:

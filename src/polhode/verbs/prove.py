@@ -88,7 +88,10 @@ def main(options: Namespace) -> int:
 def _check_place(options: Namespace) -> None:
     """Whether a certificate can be written, before anything is proved; raises BadInput."""
     if options.file is not None:
+        from polhode.certificates import certificate_file
+
         check_writable(Path(options.file), [".json"], [library.path_of(options.scene)])
+        certificate_file.refuse_another(options.file)
         refuse_two_on_stdout(Path(options.file), options.json)
 
 

@@ -134,7 +134,10 @@ def _check(path: Path, options: Namespace) -> None:
     if _is_table(path, options):
         csv_tables.check_paths(path, [source])
     else:
+        from polhode.certificates import certificate_file
+
         check_writable(path, [".csv", ".json"], [source])
+        certificate_file.refuse_another(path)
 
 
 def _is_table(path: Path, options: Namespace) -> bool:

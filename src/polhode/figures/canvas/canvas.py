@@ -12,6 +12,7 @@ from typing import Any
 from polhode.common.errors import BadInput
 from polhode.common.text_tables import printable
 from polhode.figures.canvas.mark_titles import titled
+from polhode.scenes.scene import Scene
 
 COLOURS = {"double": "#0072b2", "extended": "#e69f00", "quad": "#009e73", "mp": "#cc79a7"}
 MARKS = {"double": "o", "extended": "s", "quad": "D", "mp": "^"}
@@ -113,6 +114,16 @@ SERIES = (BODY, SPACE, REST, "#a0508a")  # motions, in the order in which they a
 PLAIN = "#333333"  # where a colour would say something
 HIDDEN = {BODY: "#a6cbe3", SPACE: "#f3c6a5", REST: "#a6dccb", PLAIN: "#b0b0b0"}
 TIME = "t (units of the scene)"
+
+
+def time_label(scene: Scene | None) -> str:
+    """What an axis of time says: seconds where a scene is in SI."""
+    return "t (s)" if scene is not None and scene.units == "SI" else TIME
+
+
+def rate_unit(scene: Scene | None) -> str:
+    """The unit of an angular velocity."""
+    return "rad/s" if scene is not None and scene.units == "SI" else "rad / unit of time"
 
 
 def remark(axes: Any, text: str) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from polhode.figures.canvas.canvas import TIME, panels
+from polhode.figures.canvas.canvas import panels, time_label
 from polhode.figures.canvas.curve_sampling import Samples
 from polhode.figures.canvas.log_ticks import RAISED
 
@@ -46,7 +46,7 @@ def draw(
     axes.set_ylim(*_decades(found, names))
     axes.yaxis.set_major_locator(plt.MaxNLocator(5, integer=True))
     axes.yaxis.set_major_formatter(lambda power, _: "10" + f"{power:.0f}".translate(RAISED))
-    made[-1, 0].set_xlabel(TIME)
+    made[-1, 0].set_xlabel(time_label(found.scene))
     figure.align_ylabels()
     return figure
 

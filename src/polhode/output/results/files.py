@@ -168,8 +168,9 @@ def _refuse_another(place: Path, kind: str) -> None:
     except BadInput:
         there = ""
     if there != kind:
-        what = f"a {there}" if there else "no result of polhode"
-        raise BadInput(str(place), "file", None, f"a new file, or a {kind}'s (there is {what})")
+        what = f"the file of a result {there}" if there else "another, perhaps a certificate"
+        expected = f"a new file, or that of a result {kind} (there is {what})"
+        raise BadInput(str(place), "file", None, expected)
 
 
 def _kind_there(place: Path) -> str:
