@@ -103,11 +103,11 @@ def finding(found: JsonObject) -> str:
     rows = {row["program"]: row for row in _beside_ours(found["cost"]) if "ratio" in row}
     ours = rows.pop(_OURS, None)
     if ours is not None and rows:
-        ratios = [f"{row['ratio']:.3g} ({name})" for name, row in rows.items()]
+        alone = sorted((row["microseconds"], name) for name, row in rows.items())
         told.append(
-            f"in batches of {ours['orbits']} orbits a crossing takes {ours['microseconds']:.3g} "
-            "µs; one orbit alone takes longer for each crossing, by a factor of "
-            f"{', '.join(ratios)}"
+            "a crossing of one orbit takes, in µs, "
+            + ", ".join(f"{microseconds:.0f} ({name})" for microseconds, name in alone)
+            + f"; in batches of {ours['orbits']} orbits polhode takes {ours['microseconds']:.3g}"
         )
     text = "; ".join(told)
     return f"{sentence(text)}." if text else ""

@@ -38,7 +38,11 @@ def headline(found: JsonObject) -> Number | None:
     row = next((row for row in found["needs"] if row["need"] == "50 digits"), None)
     if row is None:
         return None
-    words = f"right in {row['seconds']:.2g} s, a whole command ({row['command']})"
+    made_on = found.get("provenance", {}).get("cpu", "")
+    words = (
+        f"correct in {row['seconds']:.2g} s: the whole command {row['command']}, its code compiled "
+        f"before{f', {made_on}' if made_on else ''}"
+    )
     return Number(f"{int(row['digits'])} digits", words)
 
 
