@@ -97,14 +97,17 @@ def write():
 """
 #: Studies that take a second or two in their quick form.
 CHEAP = ("published", "gallery")
+#: And some that take tens of seconds; the others take up to two minutes.
+DEAR = ("needs", "forms", "events")
+
+
+def _marks(name):
+    return () if name in CHEAP else pytest.mark.slow if name in DEAR else pytest.mark.campaign
 
 
 @pytest.mark.parametrize(
     "name",
-    [
-        name if name in CHEAP else pytest.param(name, marks=pytest.mark.slow)
-        for name in report.STUDIES
-    ],
+    [pytest.param(name, marks=_marks(name)) for name in report.STUDIES],
 )
 def test_what_a_study_loads_is_in_its_closure(name, tmp_path):
     """Of the process that runs it, and of all that it starts."""
