@@ -63,7 +63,7 @@ def options(parser: ArgumentParser) -> None:
         "--at-least",
         type=at_least,
         metavar="D",
-        help="exit code 3 if any part has fewer correct digits at any time",
+        help="exit code 3 if any part has fewer correct digits at any time, 2 if a cell is empty",
     )
     parser.add_argument(
         "--orders",
@@ -97,6 +97,10 @@ def main(options: Namespace) -> int:
             raise
         note(f"polhode: {fault}")
         return NOT_REACHED
+    if options.at_least is not None:
+        from polhode.judging.score.gate import refuse_gaps
+
+        refuse_gaps(judged)
     if isinstance(told, str):
         say(told)
     else:
@@ -157,7 +161,7 @@ def _judged(options: Namespace, file: str, answer: Callable[[Judgement], T]) -> 
     with ProgressLine("compare") as progress:
 
         def first(brief: Judgement, count: int) -> None:
-            digits = f"{min(brief.digits):.2f} correct digits" if brief.digits else "no state"
+            digits = f"{brief.state_worst:.2f} correct digits" if brief.digits else "no state"
             told = f"{digits} in {len(brief.times)} of {count} rows, all of them follow"
             progress.say(told, at_once=True)
 

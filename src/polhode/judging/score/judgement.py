@@ -89,9 +89,15 @@ class Judgement(Result, ByValue):
         return HeldAgainst(self.subject, self.reference, self.workers, self.progress)
 
     @property
-    def digits(self) -> tuple[float, ...]:
-        """Correct digits of the state at each time; empty where no column of it is there."""
+    def digits(self) -> RowDigits:
+        """Correct digits of the state at each time, None where no number of it is there; empty
+        where none is at any time."""
         return self._held.digits
+
+    @property
+    def state_worst(self) -> float:
+        """The fewest correct digits of the state; ValueError where it was not judged."""
+        return min(d for d in self.digits if d is not None)
 
     @property
     def worst(self) -> float:
@@ -118,7 +124,7 @@ class Judgement(Result, ByValue):
             if d is not None
         ]
         if not found:
-            raise ValueError(f"{self.subject.name}: no column was judged")
+            raise ValueError(f"{self.subject.name}: no number was judged")
         return min(found, key=lambda one: one.digits)
 
     @cached_property
@@ -172,7 +178,7 @@ class Judgement(Result, ByValue):
     @property
     def _lowest(self) -> int:
         """The first row at which the digits of the state are fewest."""
-        return self.digits.index(min(self.digits))
+        return self.digits.index(self.state_worst)
 
     @property
     def asked(self) -> int | None:
@@ -182,7 +188,7 @@ class Judgement(Result, ByValue):
     @property
     def reached(self) -> bool | None:
         """Whether the digits asked for were reached; None where none were asked for."""
-        return None if self.asked is None else min(self.digits) >= self.asked
+        return None if self.asked is None else self.state_worst >= self.asked
 
     @cached_property
     def conditionings(self) -> tuple[Conditioning, ...]:
@@ -292,11 +298,11 @@ class Judgement(Result, ByValue):
             return ""
         found = self._limit
         blamed = self.subject.run is None and found.startswith("method")
-        return "" if blamed and (min(self.digits) < LAST or self.readings) else found
+        return "" if blamed and (self.state_worst < LAST or self.readings) else found
 
     @cached_property
     def _limit(self) -> str:
-        about, agreement, worst = self.subject, self.reference.agreement, min(self.digits)
+        about, agreement, worst = self.subject, self.reference.agreement, self.state_worst
         if about.printed is not None and worst >= about.printed - 1:
             return "rounding (of the printed digits)"
         held, steps = min(about.held, about.number.most_digits), about.steps
@@ -319,7 +325,7 @@ class Judgement(Result, ByValue):
         if not self.limit.startswith("method"):
             return None
         expected = self.expected[self._lowest]
-        return None if expected is None else chance(min(self.digits), expected, len(self.times))
+        return None if expected is None else chance(self.state_worst, expected, len(self.times))
 
     @property
     def parts(self) -> dict[str, float]:
@@ -374,14 +380,14 @@ class Judgement(Result, ByValue):
         if self.as_it_stands or not isinstance(source, Table):
             return ()
         wrong = {name for name, digits in self.parts.items() if digits < WRONG}
-        if self.digits and min(self.digits) < WRONG:
+        if self.digits and self.state_worst < WRONG:
             wrong |= {"omega", "gamma"}
         if wrong or not self.digits:
             return tuple(readings(self.subject, self.reference, wrong)) if wrong else ()
-        at, worst, scene = self._lowest, min(self.digits), self.reference.scene
+        at, worst, scene = self._lowest, self.state_worst, self.reference.scene
 
         def judged(table: Table) -> float:
-            return min(Judgement(of_table(table, scene), self.reference).digits)
+            return Judgement(of_table(table, scene), self.reference).state_worst
 
         found = reading(source, scene, at, worst, 10.0**-worst, judged)
         return () if found is None else (found,)
@@ -393,7 +399,7 @@ class Judgement(Result, ByValue):
         source, digits = self.subject.source, self.digits
         if not isinstance(source, Table) or not digits or self.offers:
             return ()
-        if min(digits) >= LAST and not self.limit.startswith("method"):
+        if self.state_worst >= LAST and not self.limit.startswith("method"):
             return ()
         return causes(self.subject, self.reference.scene)
 
@@ -451,7 +457,7 @@ class Judgement(Result, ByValue):
         if not self.digits:
             return worst + read
         time = brief(self.times[self._lowest])
-        return f"{worst}; of the state {min(self.digits):.2f} at t = {time}, {limited}"
+        return f"{worst}; of the state {self.state_worst:.2f} at t = {time}, {limited}"
 
     def __repr__(self) -> str:
         try:
