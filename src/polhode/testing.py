@@ -101,6 +101,7 @@ def assert_digits(
         mine, at = [mine(t) for t in held], held
     found = compare(mine, scene, number=number, at=at, columns=columns, as_it_stands=as_it_stands)
     refuse_gaps(found)
+    _ = found.worst  # refused where nothing was judged
     rows = [d for d in found.part_digits.values() if d]
     for k, t in enumerate(found.times):
         here = min((x for d in rows if (x := d[k]) is not None), default=at_least)

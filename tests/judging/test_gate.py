@@ -140,3 +140,16 @@ def test_a_table_without_numbers_has_no_digits(columns, tmp_path, capsys):
     told = json.loads(capsys.readouterr().out)
     assert told["worst"] is None
     assert told["correct_digits"] == []
+
+
+def test_where_nothing_can_be_judged_nothing_passes(tmp_path, capsys):
+    """psi and phi of a top that sleeps: there are none, and there is nothing else."""
+    case = "lagrange/sleeping-stable"
+    with pytest.raises(polhode.BadInput, match="expected a number in a column that can be judged"):
+        polhode.testing.assert_digits({"t": [0, 1], "psi": [None] * 2, "phi": [None] * 2}, case, 1)
+    (tmp_path / "x.csv").write_text("t,psi,phi\n0,,\n1,,\n")
+    assert cli.main(["compare", str(tmp_path / "x.csv"), case, "--at-least", "1"]) == 2
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert len(told.err.splitlines()) == 1
+    assert cli.main(["compare", str(tmp_path / "x.csv"), case]) == 0

@@ -101,6 +101,7 @@ def main(options: Namespace) -> int:
         from polhode.judging.score.gate import refuse_gaps
 
         refuse_gaps(judged)
+        _ = judged.worst  # refused where nothing was judged
     if isinstance(told, str):
         say(told)
     else:

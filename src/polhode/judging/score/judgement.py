@@ -9,6 +9,7 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from polhode.common.cached_property import cached_property
+from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.result import Result
 from polhode.common.text_tables import few
@@ -101,17 +102,17 @@ class Judgement(Result, ByValue):
 
     @property
     def worst(self) -> float:
-        """The fewest correct digits of any part that was judged; ValueError where none was."""
+        """The fewest correct digits of any part that was judged; BadInput where none was."""
         return self._worst.digits
 
     @property
     def worst_time(self) -> Fraction:
-        """The first time at which the digits are fewest; ValueError likewise."""
+        """The first time at which the digits are fewest; BadInput likewise."""
         return self.times[self._worst.row]
 
     @property
     def worst_part(self) -> str:
-        """The part that has the fewest: "state", or one of ``part_digits``; ValueError likewise."""
+        """The part that has the fewest: "state", or one of ``part_digits``; BadInput likewise."""
         return self._worst.part
 
     @cached_property
@@ -124,7 +125,9 @@ class Judgement(Result, ByValue):
             if d is not None
         ]
         if not found:
-            raise ValueError(f"{self.subject.name}: no number was judged")
+            why = "; ".join(self._unjudged) or "all cells are empty"
+            expected = f"a number in a column that can be judged ({why})"
+            raise BadInput(self.subject.name, "columns", None, expected)
         return min(found, key=lambda one: one.digits)
 
     @cached_property
@@ -340,16 +343,21 @@ class Judgement(Result, ByValue):
     @property
     def notes(self) -> tuple[str, ...]:
         """What was not judged, and why."""
-        unjudged = [
-            f"{name} {'were' if name == 'angles' else 'was'} not judged: {found}"
-            for name, found in self._held.parts.items()
-            if isinstance(found, str)
-        ]
+        unjudged = self._unjudged
         if isinstance(self._drift, str):
             unjudged.append(f"drift of the integrals was not judged: {self._drift}")
         if not engine.installed:
             unjudged.append("what limits the digits was not computed: heyoka is not installed")
         return (*self.subject.notes, *unjudged)
+
+    @property
+    def _unjudged(self) -> list[str]:
+        """Parts beside the state that were not judged, and why."""
+        return [
+            f"{name} {'were' if name == 'angles' else 'was'} not judged: {found}"
+            for name, found in self._held.parts.items()
+            if isinstance(found, str)
+        ]
 
     @cached_property
     def omega_alone(self) -> OmegaAlone | None:
@@ -464,7 +472,7 @@ class Judgement(Result, ByValue):
             told = f"worst {self.worst:.2f} correct digits at t = {brief(self.worst_time)}"
             told += f", limited by {self.limit}" if self.limit else ""
             told += f", read as {self.reading}" if self.reading else ""
-        except ValueError:
+        except BadInput:
             told = "nothing was judged"
         return f"<Judgement of {self.subject.name} against {self.reference.kind}: {told}>"
 
