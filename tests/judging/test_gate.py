@@ -153,3 +153,15 @@ def test_where_nothing_can_be_judged_nothing_passes(tmp_path, capsys):
     assert told.out == ""
     assert len(told.err.splitlines()) == 1
     assert cli.main(["compare", str(tmp_path / "x.csv"), case]) == 0
+
+
+def test_the_command_judges_as_it_stands_unless_conventions_are_named(columns, tmp_path, capsys):
+    mine = some(columns, STATE)
+    for name in STATE[:3]:
+        mine[name] = np.degrees(mine[name])
+    gate = ["compare", str(as_csv(mine, tmp_path)), SCENE, "--at-least", "6"]
+    assert cli.main(gate) == cli.main([*gate, "--as-it-stands"]) == 3
+    assert cli.main([*gate, "--read", "degrees"]) == 0
+    assert cli.main(gate[:-2]) == 0
+    told = capsys.readouterr()
+    assert "read as omega degrees" in told.out

@@ -63,7 +63,8 @@ def options(parser: ArgumentParser) -> None:
         "--at-least",
         type=at_least,
         metavar="D",
-        help="exit code 3 if any part has fewer correct digits at any time, 2 if a cell is empty",
+        help="judge the table as it stands, unless --read names its conventions: exit code 3 if "
+        "any part has fewer correct digits at any time, 2 if a cell is empty",
     )
     parser.add_argument(
         "--orders",
@@ -186,7 +187,7 @@ def _judged(options: Namespace, file: str, answer: Callable[[Judgement], T]) -> 
             progress=partial(progress.show, what="rows or steps of the reference"),
             max_seconds=options.max_seconds,
             forecast=foretold,
-            as_it_stands=options.as_it_stands,
+            as_it_stands=options.as_it_stands or options.at_least is not None,
             read=options.read,
         )
         return answer(judged)
