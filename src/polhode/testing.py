@@ -11,7 +11,7 @@ from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
 from polhode.judging.convergence_order import ObservedOrder, observed_order
 from polhode.judging.score.compare import compare
-from polhode.judging.score.gate import refuse_gaps
+from polhode.judging.score.gate import refuse_incomplete
 from polhode.judging.score.judgement import Judgement
 from polhode.numbers.conversion import exact_number, to_double
 from polhode.numbers.decimals import brief
@@ -75,7 +75,7 @@ def assert_digits(
         Too few digits: the message shows the first such time, and the judgement.
     BadInput
         Input that cannot be judged, or in which a number that is to be judged is missing: a cell
-        that is empty or not a number.
+        that is empty or not a number, or a component of a vector.
 
     Examples
     --------
@@ -100,8 +100,7 @@ def assert_digits(
         held = [to_double(exact_number(t)) for t in times]
         mine, at = [mine(t) for t in held], held
     found = compare(mine, scene, number=number, at=at, columns=columns, as_it_stands=as_it_stands)
-    refuse_gaps(found)
-    _ = found.worst  # refused where nothing was judged
+    refuse_incomplete(found)
     rows = [d for d in found.part_digits.values() if d]
     for k, t in enumerate(found.times):
         here = min((x for d in rows if (x := d[k]) is not None), default=at_least)

@@ -165,3 +165,36 @@ def test_the_command_judges_as_it_stands_unless_conventions_are_named(columns, t
     assert cli.main(gate[:-2]) == 0
     told = capsys.readouterr()
     assert "read as omega degrees" in told.out
+
+
+@pytest.mark.parametrize(
+    ("names", "ours", "there"),
+    [
+        (STATE, "gamma1", "gamma2, gamma3"),
+        (STATE, "r", "p, q"),
+        (ATTITUDE, "q2", "q0, q1, q3"),
+    ],
+)
+def test_a_vector_with_a_misspelt_component_is_refused(
+    columns, tmp_path, capsys, names, ours, there
+):
+    mine = {name if name != ours else "gam1": x for name, x in some(columns, names).items()}
+    told = rf"{ours}: expected it beside {there} \(columns that are not known: gam1\)$"
+    with pytest.raises(polhode.BadInput, match=told):
+        polhode.testing.assert_digits(mine, SCENE, 7)
+    file = as_csv(mine, tmp_path)
+    assert cli.main(["compare", str(file), SCENE]) == 0
+    capsys.readouterr()
+    assert cli.main(["compare", str(file), SCENE, "--at-least", "7"]) == 2
+    assert f"x.csv: {ours}: expected it beside" in capsys.readouterr().err
+
+
+def test_components_of_rows_that_are_not_named_are_refused(columns):
+    rows = np.transpose([columns["p"], columns["q"]])
+    with pytest.raises(polhode.BadInput, match=r"states: r: expected it beside p, q$"):
+        polhode.testing.assert_digits(rows, SCENE, 7, at=TIMES, columns=["p", "q"])
+
+
+def test_whole_vectors_are_enough(columns):
+    for names in (STATE[:3], STATE[3:], ATTITUDE, ["theta"]):
+        assert polhode.testing.assert_digits(some(columns, names), SCENE, 12).worst > 12

@@ -64,7 +64,7 @@ def options(parser: ArgumentParser) -> None:
         type=at_least,
         metavar="D",
         help="judge the table as it stands, unless --read names its conventions: exit code 3 if "
-        "any part has fewer correct digits at any time, 2 if a cell is empty",
+        "any part has fewer correct digits at any time, 2 if a number is missing",
     )
     parser.add_argument(
         "--orders",
@@ -99,10 +99,9 @@ def main(options: Namespace) -> int:
         note(f"polhode: {fault}")
         return NOT_REACHED
     if options.at_least is not None:
-        from polhode.judging.score.gate import refuse_gaps
+        from polhode.judging.score.gate import refuse_incomplete
 
-        refuse_gaps(judged)
-        _ = judged.worst  # refused where nothing was judged
+        refuse_incomplete(judged)
     if isinstance(told, str):
         say(told)
     else:

@@ -1,4 +1,4 @@
-"""What a table must have where digits are demanded of it: a number in each cell that is judged."""
+"""What a table must have where digits are demanded of it: whole vectors, a number in each cell."""
 
 from __future__ import annotations
 
@@ -14,14 +14,32 @@ from polhode.scenes.vocabulary import ANGLES, ATTITUDE, COLUMNS
 _DIGITS = 15  # of the angles that are asked for where a table has none
 
 
-def refuse_gaps(judged: Judgement) -> None:
-    """Raise BadInput for the first cell of a judged column that is empty or not a number.
+def refuse_incomplete(judged: Judgement) -> None:
+    """Raise BadInput for what is judged in part only, or where nothing was judged.
 
-    An angle may be missing where the motion has none: psi and phi at a pole.
+    That is a vector of which components are missing, or a cell that is empty or not a number.  An
+    angle may be missing where the motion has none: psi and phi at a pole.
     """
     table = judged.subject.source
-    if not isinstance(table, Table):
-        return
+    if isinstance(table, Table):
+        _refuse_parts(judged, table)
+        _refuse_gaps(judged, table)
+    _ = judged.worst  # raises BadInput where nothing was judged
+
+
+def _refuse_parts(judged: Judgement, table: Table) -> None:
+    columns = judged.reference.scene.columns
+    for vector in (columns[:3], columns[3:], ATTITUDE if columns[3:] else ()):
+        missing = [name for name in vector if name not in table.columns]
+        if 0 < len(missing) < len(vector):
+            there = ", ".join(name for name in vector if name in table.columns)
+            expected = f"it beside {there}"
+            if table.ignored:
+                expected += f" (columns that are not known: {', '.join(table.ignored)})"
+            raise BadInput(table.name, ", ".join(missing), None, expected)
+
+
+def _refuse_gaps(judged: Judgement, table: Table) -> None:
     gaps = [gap for name in _judged_columns(judged, table) for gap in _gaps(judged, table, name)]
     if gaps:
         row, name = min(gaps, key=lambda gap: gap[0])
