@@ -41,6 +41,7 @@ def assert_digits(
     number: str | None = None,
     columns: Sequence[str] | None = None,
     as_it_stands: bool = True,
+    told: Callable[[Judgement], None] | None = None,
 ) -> Judgement:
     """Judge a trajectory, and fail if it has fewer correct digits than ``at_least``.
 
@@ -63,6 +64,8 @@ def assert_digits(
         The columns of rows; by default those of the scene.
     as_it_stands : bool
         False: other conventions than the scene's are allowed.
+    told : callable, optional
+        Called with the judgement before digits are demanded of it.
 
     Returns
     -------
@@ -101,12 +104,14 @@ def assert_digits(
         mine, at = [mine(t) for t in held], held
     found = compare(mine, scene, number=number, at=at, columns=columns, as_it_stands=as_it_stands)
     refuse_incomplete(found)
+    if told is not None:
+        told(found)
     rows = [d for d in found.part_digits.values() if d]
     for k, t in enumerate(found.times):
         here = min((x for d in rows if (x := d[k]) is not None), default=at_least)
         if not here >= at_least:  # nor where that is nan
-            told = f"{here:.2f} correct digits at t = {brief(t)}, where at least {at_least:g}"
-            raise AssertionError(f"{told} are wanted\n{found}")
+            few = f"{here:.2f} correct digits at t = {brief(t)}, where at least {at_least:g}"
+            raise AssertionError(f"{few} are wanted\n{found}")
     return found
 
 
