@@ -92,6 +92,7 @@ def assert_digits(
     AssertionError: 6.00 correct digits at t = 1, where at least 9 are wanted
     ...
     """
+    __tracebackhide__ = True  # pytest shows the user's line, not this function's
     of_kind("assert_digits", "at_least", at_least, (int, float), "a number of digits")
     if math.isnan(at_least):
         raise BadInput("assert_digits", "at_least", at_least, "a number of digits")
@@ -102,8 +103,13 @@ def assert_digits(
             raise BadInput(scene.name, "at", None, "times at which the function is called")
         held = [to_double(exact_number(t)) for t in times]
         mine, at = [mine(t) for t in held], held
-    found = compare(mine, scene, number=number, at=at, columns=columns, as_it_stands=as_it_stands)
-    refuse_incomplete(found)
+    try:
+        found = compare(
+            mine, scene, number=number, at=at, columns=columns, as_it_stands=as_it_stands
+        )
+        refuse_incomplete(found)
+    except BadInput as fault:
+        raise fault.with_traceback(None) from None
     if told is not None:
         told(found)
     rows = [d for d in found.part_digits.values() if d]

@@ -69,3 +69,30 @@ def test_a_session_that_does_not_ask_imports_nothing_more():
     )
     ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert ran.stdout == "[]\n"
+
+
+_WRONG = """
+from polhode import testing
+
+def test_few(assert_digits):
+    assert_digits(lambda t: [1, 2, 3, 0, 0, 1], "lagrange/nutation", 9, at=[1])
+
+def test_bad(assert_digits):
+    assert_digits(lambda t: [float("nan")] * 6, "lagrange/nutation", 9, at=[1])
+
+def mine(t):
+    return testing.order_of(None, "lagrange/nutation")
+
+def test_own_function(assert_digits):
+    assert_digits(mine, "lagrange/nutation", 9, at=[1])
+"""
+
+
+def test_what_fails_shows_the_users_line_and_no_source_of_polhode(tmp_path):
+    printed = session(tmp_path, "-p", "no:xdist", tests=_WRONG)
+    assert "3 failed" in printed
+    few, bad, own = printed.partition("FAILURES")[2].split("________ test_")[1:]
+    for told in (few, bad):
+        assert "polhode/" not in told
+        assert told.count("test_mine.py:") == 1
+    assert "return testing.order_of(None" in own  # a fault of the user's function is shown, too
