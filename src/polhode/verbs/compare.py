@@ -41,7 +41,8 @@ def options(parser: ArgumentParser) -> None:
         type=word,
         nargs="+",
         metavar="FILE",
-        help="a CSV, .npz, .npy or .parquet with a column t; several with --orders",
+        help="a CSV (- for standard input), .npz, .npy or .parquet with a column t; several with "
+        "--orders",
     )
     parser.add_argument("scene", type=word, metavar="SCENE", help="a case that ships, or a path")
     parser.add_argument("--number", help="the file's decimals are rounded values of this type")
