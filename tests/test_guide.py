@@ -7,6 +7,8 @@ import io
 import json
 import re
 import shlex
+import subprocess
+import sys
 import warnings
 from itertools import pairwise
 from pathlib import Path
@@ -188,7 +190,26 @@ def test_the_options_that_the_guide_names_exist():
     assert set(re.findall(r"(?<![\w`-])--[a-z][a-z-]+", texts)) <= known | {
         "--help",
         "--print-completion",
+        "--no-deps",  # of pip
     }
+
+
+def test_the_table_of_the_page_on_ci_passes_all_its_gates(folder):
+    """One table for `compare`, for the benchmark's checker, and for the job of a pipeline."""
+    page = guide.page("ci")
+    (made,) = re.findall(r"^\$ (polhode run .* -o mine.csv)$", page, re.M)
+    commanded(made)
+    (job,) = (text for language, text, _ in blocks("ci") if language == "yaml")
+    (gate,) = re.findall(r"\.venv/bin/(polhode compare .*) > judged.txt$", job, re.M)
+    assert "--at-least" in gate
+    assert "worst" in commanded(gate)
+    (checker,) = re.findall(r"^python (check.py .*)$", page, re.M)
+    script, top, *rest = checker.split()
+    top = Path(__file__).parents[1] / "reports/benchmark" / top
+    command = [sys.executable, top.with_name(script), top, *rest]
+    assert subprocess.run(command, capture_output=True).returncode == 0
+    few = subprocess.run([*command[:-1], "40"], capture_output=True)
+    assert few.returncode == 1
 
 
 def test_the_table_of_verbs_is_the_programs(capsys):

@@ -11,6 +11,7 @@ from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
 from polhode.judging.convergence_order import ObservedOrder, observed_order
 from polhode.judging.score.compare import compare
+from polhode.judging.score.gate import refuse_incomplete
 from polhode.judging.score.judgement import Judgement
 from polhode.numbers.conversion import exact_number, to_double
 from polhode.numbers.decimals import brief
@@ -40,6 +41,7 @@ def assert_digits(
     number: str | None = None,
     columns: Sequence[str] | None = None,
     as_it_stands: bool = True,
+    told: Callable[[Judgement], None] | None = None,
 ) -> Judgement:
     """Judge a trajectory, and fail if it has fewer correct digits than ``at_least``.
 
@@ -62,6 +64,8 @@ def assert_digits(
         The columns of rows; by default those of the scene.
     as_it_stands : bool
         False: other conventions than the scene's are allowed.
+    told : callable, optional
+        Called with the judgement before digits are demanded of it.
 
     Returns
     -------
@@ -73,7 +77,8 @@ def assert_digits(
     AssertionError
         Too few digits: the message shows the first such time, and the judgement.
     BadInput
-        Input that cannot be judged.
+        Input that cannot be judged, or in which a number that is to be judged is missing: a cell
+        that is empty or not a number, or a component of a vector.
 
     Examples
     --------
@@ -87,6 +92,7 @@ def assert_digits(
     AssertionError: 6.00 correct digits at t = 1, where at least 9 are wanted
     ...
     """
+    __tracebackhide__ = True  # pytest shows the user's line, not this function's
     of_kind("assert_digits", "at_least", at_least, (int, float), "a number of digits")
     if math.isnan(at_least):
         raise BadInput("assert_digits", "at_least", at_least, "a number of digits")
@@ -97,13 +103,21 @@ def assert_digits(
             raise BadInput(scene.name, "at", None, "times at which the function is called")
         held = [to_double(exact_number(t)) for t in times]
         mine, at = [mine(t) for t in held], held
-    found = compare(mine, scene, number=number, at=at, columns=columns, as_it_stands=as_it_stands)
+    try:
+        found = compare(
+            mine, scene, number=number, at=at, columns=columns, as_it_stands=as_it_stands
+        )
+        refuse_incomplete(found)
+    except BadInput as fault:
+        raise fault.with_traceback(None) from None
+    if told is not None:
+        told(found)
     rows = [d for d in found.part_digits.values() if d]
     for k, t in enumerate(found.times):
         here = min((x for d in rows if (x := d[k]) is not None), default=at_least)
         if not here >= at_least:  # nor where that is nan
-            told = f"{here:.2f} correct digits at t = {brief(t)}, where at least {at_least:g}"
-            raise AssertionError(f"{told} are wanted\n{found}")
+            few = f"{here:.2f} correct digits at t = {brief(t)}, where at least {at_least:g}"
+            raise AssertionError(f"{few} are wanted\n{found}")
     return found
 
 

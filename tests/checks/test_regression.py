@@ -107,13 +107,17 @@ def test_without_a_band_nothing_passes_or_fails_and_lost_digits_are_words(tmp_pa
     path.write_text(text.partition("[expect]")[0].replace("end = 30", "end = 400"))
     report = next(regression.check([str(path)], ["double"]))
     assert report.passed is None
-    assert cli.main(["check", str(path), "--number", "double"]) == 0
-    out = capsys.readouterr().out
+    assert cli.main(["check", str(path), "--number", "double"]) == 2
+    out, err = capsys.readouterr()
+    assert err.endswith("to hold it against\n")
+    assert "expected a case with bands of digits ([expect])" in err
     assert "no digits left after t = 100: no band" in out
     assert "0.00" not in out
     assert out.endswith("0 passed, 0 failed, 1 without a band\n")
-    assert cli.main(["check", str(path), "--number", "double", "--json"]) == 0
-    (run,) = json.loads(capsys.readouterr().out)["cases"][0]["runs"]
+    assert cli.main(["check", str(path), "--number", "double", "--json"]) == 2
+    found = json.loads(capsys.readouterr().out)
+    assert found["passed"] is None
+    (run,) = found["cases"][0]["runs"]
     assert run["correct_digits"] is run["passed"] is None
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from xml.etree import ElementTree
 
 import numpy as np
@@ -11,8 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import polhode
+from polhode.common.errors import BadInput
 from polhode.figures.canvas import panel, timed_path
-from polhode.figures.canvas.canvas import paper
+from polhode.figures.canvas.canvas import paper, require
 from polhode.figures.canvas.direct_labels import Look, balanced
 from polhode.figures.canvas.globe import facing_most
 from polhode.figures.canvas.log_ticks import names, ticks
@@ -130,3 +132,11 @@ def test_a_path_says_which_colour_is_which_time():
     light = [sum(int(x[k : k + 2], 16) for k in (1, 3, 5)) for x in timed_path.colours()]
     assert len(set(colours)) == len(light) == 32
     assert light == sorted(light)  # from dark to light: it prints in grey
+
+
+def test_without_matplotlib_one_line_says_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    with pytest.raises(BadInput) as fault:
+        require()
+    told = "figures: matplotlib: expected it to be installed: pip install 'polhode[figures]'"
+    assert str(fault.value) == told

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+import subprocess
+import sys
 from fractions import Fraction
 
 import numpy as np
@@ -112,3 +115,18 @@ def test_the_first_answer_where_lines_are_no_rows(tmp_path, count):
     found = polhode.compare(path, scene, first=lambda some, count: told.append(count))
     assert told == ([count] if count > 1000 else [])
     assert found.worst > 12
+
+
+def test_a_table_from_the_standard_input():
+    command = [sys.executable, "-m", "polhode", "compare", "-", "lagrange/nutation", "--json"]
+    text = "t,p,q,r\n0,0.16,0.3,4.1\n"
+    told = subprocess.run(command, input=text, capture_output=True, text=True)
+    assert told.returncode == 0, told.stderr
+    assert json.loads(told.stdout)["file"] == "standard input"
+    for text, fault in (
+        ("t,p\n0,x\n", ":2: p = x: expected a finite"),
+        ("", ": file: expected a header"),
+    ):
+        told = subprocess.run(command, input=text, capture_output=True, text=True)
+        assert told.returncode == 2
+        assert f"polhode: standard input{fault}" in told.stderr

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import xml.etree.ElementTree as ET
+
+import pytest
 
 _TESTS = """
 import polhode
@@ -16,37 +19,48 @@ def test_right(assert_digits):
 def test_wrong(assert_digits):
     assert_digits(lambda t: RUN.states[0] + 1e-6, "lagrange/nutation", 9, at=[1])
 
+def test_two(assert_digits):
+    for _ in range(2):
+        assert_digits(RUN, "lagrange/nutation", 13)
+
 def test_that_asks_for_nothing():
     pass
 """
 
 
-def test_digits_stand_at_the_end_and_in_the_xml(tmp_path):
-    (tmp_path / "test_mine.py").write_text(_TESTS)
-    ran = subprocess.run(
-        [
-            sys.executable,
-            "-m",
-            "pytest",
-            "-q",
-            "--junitxml=x.xml",
-            "-p",
-            "no:cacheprovider",
-        ],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-    )
-    assert ran.returncode == 1
-    assert "1 failed, 2 passed" in ran.stdout
-    assert "6.00 correct digits at t = 1, where at least 9 are wanted" in ran.stdout
-    told = [
-        line for line in ran.stdout.splitlines() if "::" in line and "correct digits of" in line
-    ]
-    assert len(told) == 1
-    assert told[0].startswith("test_mine.py::test_right: 1")
-    assert told[0].endswith("correct digits of lagrange/nutation")
-    assert (tmp_path / "x.xml").read_text().count('name="correct_digits"') == 1
+def session(folder, *options, tests=_TESTS):
+    """What pytest prints of the tests."""
+    (folder / "test_mine.py").write_text(tests)
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *options]
+    ran = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    assert ran.returncode == 1, ran.stdout
+    return ran.stdout
+
+
+@pytest.mark.parametrize("options", [(), ("-W", "error"), ("-n", "2")])
+def test_digits_stand_at_the_end_and_in_the_xml(tmp_path, options):
+    printed = session(tmp_path, "--junitxml=x.xml", *options)
+    assert "1 failed, 3 passed" in printed
+    assert "6.00 correct digits at t = 1, where at least 9 are wanted" in printed
+    end = printed.partition("= correct digits =")[2].splitlines()
+    told = sorted(line for line in end if " correct digits of lagrange/nutation" in line)
+    names = ["test_right", "test_two", "test_two", "test_wrong"]
+    assert [line.partition(":: ")[0].split("::")[1].partition(":")[0] for line in told] == names
+    assert told[-1] == "test_mine.py::test_wrong: 6.00 correct digits of lagrange/nutation"
+    assert all(13 < float(line.split()[1]) <= 16 for line in told[:-1])
+    written = {
+        case.get("name"): [
+            p.get("value") for p in case.iter("property") if p.get("name") == "correct_digits"
+        ]
+        for case in ET.parse(tmp_path / "x.xml").iter("testcase")
+    }
+    assert written["test_wrong"] == ["6.0"]
+    assert {name: len(digits) for name, digits in written.items()} == {
+        "test_right": 1,
+        "test_wrong": 1,
+        "test_two": 2,
+        "test_that_asks_for_nothing": 0,
+    }
 
 
 def test_a_session_that_does_not_ask_imports_nothing_more():
@@ -55,3 +69,30 @@ def test_a_session_that_does_not_ask_imports_nothing_more():
     )
     ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert ran.stdout == "[]\n"
+
+
+_WRONG = """
+from polhode import testing
+
+def test_few(assert_digits):
+    assert_digits(lambda t: [1, 2, 3, 0, 0, 1], "lagrange/nutation", 9, at=[1])
+
+def test_bad(assert_digits):
+    assert_digits(lambda t: [float("nan")] * 6, "lagrange/nutation", 9, at=[1])
+
+def mine(t):
+    return testing.order_of(None, "lagrange/nutation")
+
+def test_own_function(assert_digits):
+    assert_digits(mine, "lagrange/nutation", 9, at=[1])
+"""
+
+
+def test_what_fails_shows_the_users_line_and_no_source_of_polhode(tmp_path):
+    printed = session(tmp_path, "-p", "no:xdist", tests=_WRONG)
+    assert "3 failed" in printed
+    few, bad, own = printed.partition("FAILURES")[2].split("________ test_")[1:]
+    for told in (few, bad):
+        assert "polhode/" not in told
+        assert told.count("test_mine.py:") == 1
+    assert "return testing.order_of(None" in own  # a fault of the user's function is shown, too

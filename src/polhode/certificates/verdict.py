@@ -8,11 +8,9 @@ from typing import NamedTuple
 from polhode.certificates import verify as checker
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
-from polhode.common.files import read_whole
+from polhode.common.files import read_stdin, read_whole
 from polhode.common.progress import Progress
 from polhode.numbers.flint_context import ctx
-
-_STDIN = Path("/dev/stdin")
 
 
 class Verdict(NamedTuple):
@@ -72,8 +70,8 @@ def verify(path: str | Path, progress: Progress | None = None) -> Verdict:
     True
     """
     of_kind("verify", "path", path, (str, Path), "the path of a certificate")
-    file = _STDIN if str(path) == "-" else Path(path)
-    data = read_whole(file, checker.LARGEST, "a readable certificate", str(path))
+    most, what = checker.LARGEST, "a readable certificate"
+    data = read_stdin(most, what) if str(path) == "-" else read_whole(Path(path), most, what)
     try:
         with ctx.workprec(checker.COARSE):  # which the checker changes as it likes
             return Verdict(True, "\n".join(checker.verify(data, progress)))

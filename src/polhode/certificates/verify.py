@@ -45,7 +45,13 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import NamedTuple, TypeAlias, TypeVar
 
-from flint import arb, arb_mat, arb_poly, ctx, fmpq, fmpz
+try:
+    from flint import arb, arb_mat, arb_poly, ctx, fmpq, fmpz
+except ImportError:
+    if __name__ != "__main__":
+        raise
+    print("python-flint is needed: pip install python-flint", file=sys.stderr)
+    sys.exit(2)
 
 FORMAT = "polhode certificate 1"
 LARGEST = 64_000_000  # bytes of a file

@@ -131,4 +131,4 @@ def _line(scene: Scene, reference: Remembered, number: str, known: Conditioning 
     if not run.outcome.done:
         return Line(scene.name, number, 0.0, band, None, run.outcome.value)
     judged = compare(run, reference, known=known)
-    return Line(scene.name, number, min(judged.digits), band, judged, run.outcome.value)
+    return Line(scene.name, number, judged.state_worst, band, judged, run.outcome.value)

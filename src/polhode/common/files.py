@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 STDOUT = Path("-")
+STDIN = "standard input"  # what it is called
 _HANDLES = ("/dev/fd/", "/proc/self/fd/")  # names of what is open already
 MOST_UNPACKED = 1 << 32  # bytes of an NPZ file's arrays
 PATIENCE = 10.0  # seconds to wait for the first byte of a pipe
@@ -51,6 +52,22 @@ def read_whole(path: Path, most: int, what: str, name: str | None = None) -> byt
     if len(found) > most:
         raise BadInput(name, "file", None, f"at most {most} bytes")
     return found
+
+
+def read_stdin(most: int, what: str) -> bytes:
+    """What comes on the standard input until it ends, however slowly; raises BadInput for more than
+    ``most`` bytes.  ``what``: what was expected."""
+    found: list[bytes] = []
+    size = 0
+    try:
+        while size <= most and (part := os.read(0, 1 << 20)):
+            found.append(part)
+            size += len(part)
+    except OSError as error:
+        raise BadInput(STDIN, "file", None, f"{what} ({error.strerror})") from None
+    if size > most:
+        raise BadInput(STDIN, "file", None, f"at most {most} bytes")
+    return b"".join(found)
 
 
 def _streamed(handle: int, most: int, name: str, what: str) -> bytes:

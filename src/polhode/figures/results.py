@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, TypeAlias
@@ -100,7 +101,8 @@ def _judgement(plt: Drawn, found: Drawn, axes: Drawn) -> Drawn:
         band = {"color": BODY, "alpha": 0.2, "lw": 0, "label": "expected, nine runs in ten"}
         only.fill_between([x for x, _ in bands], low, high, **band)
     if found.digits:
-        only.plot(t, found.digits, ".-", color=BODY, ms=3, label="correct digits", gid="digits")
+        digits = [math.nan if d is None else d for d in found.digits]
+        only.plot(t, digits, ".-", color=BODY, ms=3, label="correct digits", gid="digits")
     only.set(xlabel=time_label(found.reference.scene), ylabel="correct digits")
     only.set_ylim(bottom=0)
     only.legend(frameon=False)

@@ -159,7 +159,10 @@ def order_between(
     right = all(0 < h < math.inf for h in lengths)
     if not right or len(lengths) != len(judged) or len({*lengths}) < max(2, len(judged)):
         raise BadInput(", ".join(names), "steps", None, expected)
-    digits = [dict(zip(map(_label, one.times), _fewest(one), strict=True)) for one in judged]
+    digits = [
+        {_label(t): d for t, d in zip(one.times, _fewest(one), strict=True) if d is not None}
+        for one in judged
+    ]
     times = [t for t in judged[0].times if t and all(_label(t) in held for held in digits)]
     rows = tuple(tuple(held[_label(t)] for t in times) for held in digits)
     most = min(one.subject.held for one in judged) - _SPARE
@@ -185,13 +188,13 @@ def _label(t: Fraction) -> str:
     return f"{float(t):.12g}"
 
 
-def _fewest(judged: Judgement) -> list[float]:
+def _fewest(judged: Judgement) -> list[float | None]:
     """At each time the digits of the state; of what is judged, where there is no state."""
     if judged.digits:
         return [*judged.digits]
     parts = [row for row in judged.part_digits.values() if row]
     return [
-        min((d for d in here if d is not None), default=0.0) for here in zip(*parts, strict=True)
+        min((d for d in here if d is not None), default=None) for here in zip(*parts, strict=True)
     ]
 
 

@@ -268,7 +268,7 @@ def of_judgement(judged: Judgement) -> JsonObject:
         "judged": [*subject.columns, *judged.parts],
         "times": [in_full(t) for t in judged.times],
         "correct_digits": [
-            None if is_lost(d, p) else round(d, 2)
+            None if d is None or is_lost(d, p) else round(d, 2)
             for d, p in zip(judged.digits, judged.expected, strict=True)
         ],
         "digits_expected": [

@@ -6,6 +6,7 @@ from argparse import ArgumentParser, Namespace
 from typing import Any
 
 from polhode.checks import results
+from polhode.common.errors import BadInput
 from polhode.numbers.decimals import shown
 from polhode.verbs.terminal import DONE, FAILED, ProgressLine, print_json, say, word
 
@@ -51,7 +52,7 @@ def main(options: Namespace) -> int:
                     _print_cross_check(found)
     verdicts = [report.passed for report in reports] + [found.passed for found in crossed]
     judged = [verdict for verdict in verdicts if verdict is not None]
-    passed = all(judged)
+    passed = all(judged) if judged else None
     if options.json:
         answer = {"passed": passed, "cases": [results.of_check(r) for r in reports]}
         print_json(answer | {"forms": [results.of_cross_check(c) for c in crossed]})
@@ -59,6 +60,9 @@ def main(options: Namespace) -> int:
         unjudged = len(verdicts) - len(judged)
         rest = f", {unjudged} without a band" if unjudged else ""
         say(f"{sum(judged)} passed, {len(judged) - sum(judged)} failed{rest}")
+    if passed is None:
+        expected = "a case with bands of digits ([expect]) or printed figures to hold it against"
+        raise BadInput("polhode check", "SCENE", " ".join(options.scenes), expected)
     return DONE if passed else FAILED
 
 

@@ -41,7 +41,8 @@ def options(parser: ArgumentParser) -> None:
         type=word,
         nargs="+",
         metavar="FILE",
-        help="a CSV, .npz, .npy or .parquet with a column t; several with --orders",
+        help="a CSV (- for standard input), .npz, .npy or .parquet with a column t; several with "
+        "--orders",
     )
     parser.add_argument("scene", type=word, metavar="SCENE", help="a case that ships, or a path")
     parser.add_argument("--number", help="the file's decimals are rounded values of this type")
@@ -63,7 +64,8 @@ def options(parser: ArgumentParser) -> None:
         "--at-least",
         type=at_least,
         metavar="D",
-        help="exit code 3 if any part has fewer correct digits at any time",
+        help="judge the table as it stands, unless --read names its conventions: exit code 3 if "
+        "any part has fewer correct digits at any time, 2 if a number is missing",
     )
     parser.add_argument(
         "--orders",
@@ -97,6 +99,10 @@ def main(options: Namespace) -> int:
             raise
         note(f"polhode: {fault}")
         return NOT_REACHED
+    if options.at_least is not None:
+        from polhode.judging.score.gate import refuse_incomplete
+
+        refuse_incomplete(judged)
     if isinstance(told, str):
         say(told)
     else:
@@ -157,7 +163,7 @@ def _judged(options: Namespace, file: str, answer: Callable[[Judgement], T]) -> 
     with ProgressLine("compare") as progress:
 
         def first(brief: Judgement, count: int) -> None:
-            digits = f"{min(brief.digits):.2f} correct digits" if brief.digits else "no state"
+            digits = f"{brief.state_worst:.2f} correct digits" if brief.digits else "no state"
             told = f"{digits} in {len(brief.times)} of {count} rows, all of them follow"
             progress.say(told, at_once=True)
 
@@ -181,7 +187,7 @@ def _judged(options: Namespace, file: str, answer: Callable[[Judgement], T]) -> 
             progress=partial(progress.show, what="rows or steps of the reference"),
             max_seconds=options.max_seconds,
             forecast=foretold,
-            as_it_stands=options.as_it_stands,
+            as_it_stands=options.as_it_stands or options.at_least is not None,
             read=options.read,
         )
         return answer(judged)

@@ -28,8 +28,8 @@ def pyplot(own: bool = True) -> Any:
     try:
         import matplotlib
     except ImportError:
-        expected = "matplotlib, which figures need: pip install 'polhode[figures]'"
-        raise BadInput("polhode", "figures", None, expected) from None
+        expected = "it to be installed: pip install 'polhode[figures]'"
+        raise BadInput("figures", "matplotlib", None, expected) from None
     if own:
         matplotlib.use("svg")
         matplotlib.rcParams["svg.hashsalt"] = "polhode"

@@ -95,13 +95,15 @@ def is_thin(body: Body) -> bool:
     return min(moments) < THIN * max(moments)
 
 
-def is_lost(digits: float, expected: Band | None) -> bool:
+def is_lost(digits: float | None, expected: Band | None) -> bool:
     """Whether no digit is expected there, and none was found either."""
-    return expected is not None and expected.middle == 0 and digits < 1
+    return expected is not None and expected.middle == 0 and digits is not None and digits < 1
 
 
-def shown_digits(digits: float, expected: Band | None) -> str:
-    """Correct digits for people; never a number where none is left."""
+def shown_digits(digits: float | None, expected: Band | None) -> str:
+    """Correct digits for people; never a number where none is left, or none was judged."""
+    if digits is None:
+        return "-"
     return "none left" if is_lost(digits, expected) else f"{digits:.2f}"
 
 

@@ -9,6 +9,7 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from polhode.common.cached_property import cached_property
+from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.result import Result
 from polhode.common.text_tables import few
@@ -89,23 +90,29 @@ class Judgement(Result, ByValue):
         return HeldAgainst(self.subject, self.reference, self.workers, self.progress)
 
     @property
-    def digits(self) -> tuple[float, ...]:
-        """Correct digits of the state at each time; empty where no column of it is there."""
+    def digits(self) -> RowDigits:
+        """Correct digits of the state at each time, None where no number of it is there; empty
+        where none is at any time."""
         return self._held.digits
 
     @property
+    def state_worst(self) -> float:
+        """The fewest correct digits of the state; ValueError where it was not judged."""
+        return min(d for d in self.digits if d is not None)
+
+    @property
     def worst(self) -> float:
-        """The fewest correct digits of any part that was judged; ValueError where none was."""
+        """The fewest correct digits of any part that was judged; BadInput where none was."""
         return self._worst.digits
 
     @property
     def worst_time(self) -> Fraction:
-        """The first time at which the digits are fewest; ValueError likewise."""
+        """The first time at which the digits are fewest; BadInput likewise."""
         return self.times[self._worst.row]
 
     @property
     def worst_part(self) -> str:
-        """The part that has the fewest: "state", or one of ``part_digits``; ValueError likewise."""
+        """The part that has the fewest: "state", or one of ``part_digits``; BadInput likewise."""
         return self._worst.part
 
     @cached_property
@@ -118,7 +125,9 @@ class Judgement(Result, ByValue):
             if d is not None
         ]
         if not found:
-            raise ValueError(f"{self.subject.name}: no column was judged")
+            why = "; ".join(self._unjudged) or "all cells are empty"
+            expected = f"a number in a column that can be judged ({why})"
+            raise BadInput(self.subject.name, "columns", None, expected)
         return min(found, key=lambda one: one.digits)
 
     @cached_property
@@ -172,7 +181,7 @@ class Judgement(Result, ByValue):
     @property
     def _lowest(self) -> int:
         """The first row at which the digits of the state are fewest."""
-        return self.digits.index(min(self.digits))
+        return self.digits.index(self.state_worst)
 
     @property
     def asked(self) -> int | None:
@@ -182,7 +191,7 @@ class Judgement(Result, ByValue):
     @property
     def reached(self) -> bool | None:
         """Whether the digits asked for were reached; None where none were asked for."""
-        return None if self.asked is None else min(self.digits) >= self.asked
+        return None if self.asked is None else self.state_worst >= self.asked
 
     @cached_property
     def conditionings(self) -> tuple[Conditioning, ...]:
@@ -292,11 +301,11 @@ class Judgement(Result, ByValue):
             return ""
         found = self._limit
         blamed = self.subject.run is None and found.startswith("method")
-        return "" if blamed and (min(self.digits) < LAST or self.readings) else found
+        return "" if blamed and (self.state_worst < LAST or self.readings) else found
 
     @cached_property
     def _limit(self) -> str:
-        about, agreement, worst = self.subject, self.reference.agreement, min(self.digits)
+        about, agreement, worst = self.subject, self.reference.agreement, self.state_worst
         if about.printed is not None and worst >= about.printed - 1:
             return "rounding (of the printed digits)"
         held, steps = min(about.held, about.number.most_digits), about.steps
@@ -319,7 +328,7 @@ class Judgement(Result, ByValue):
         if not self.limit.startswith("method"):
             return None
         expected = self.expected[self._lowest]
-        return None if expected is None else chance(min(self.digits), expected, len(self.times))
+        return None if expected is None else chance(self.state_worst, expected, len(self.times))
 
     @property
     def parts(self) -> dict[str, float]:
@@ -334,16 +343,21 @@ class Judgement(Result, ByValue):
     @property
     def notes(self) -> tuple[str, ...]:
         """What was not judged, and why."""
-        unjudged = [
-            f"{name} {'were' if name == 'angles' else 'was'} not judged: {found}"
-            for name, found in self._held.parts.items()
-            if isinstance(found, str)
-        ]
+        unjudged = self._unjudged
         if isinstance(self._drift, str):
             unjudged.append(f"drift of the integrals was not judged: {self._drift}")
         if not engine.installed:
             unjudged.append("what limits the digits was not computed: heyoka is not installed")
         return (*self.subject.notes, *unjudged)
+
+    @property
+    def _unjudged(self) -> list[str]:
+        """Parts beside the state that were not judged, and why."""
+        return [
+            f"{name} {'were' if name == 'angles' else 'was'} not judged: {found}"
+            for name, found in self._held.parts.items()
+            if isinstance(found, str)
+        ]
 
     @cached_property
     def omega_alone(self) -> OmegaAlone | None:
@@ -374,14 +388,14 @@ class Judgement(Result, ByValue):
         if self.as_it_stands or not isinstance(source, Table):
             return ()
         wrong = {name for name, digits in self.parts.items() if digits < WRONG}
-        if self.digits and min(self.digits) < WRONG:
+        if self.digits and self.state_worst < WRONG:
             wrong |= {"omega", "gamma"}
         if wrong or not self.digits:
             return tuple(readings(self.subject, self.reference, wrong)) if wrong else ()
-        at, worst, scene = self._lowest, min(self.digits), self.reference.scene
+        at, worst, scene = self._lowest, self.state_worst, self.reference.scene
 
         def judged(table: Table) -> float:
-            return min(Judgement(of_table(table, scene), self.reference).digits)
+            return Judgement(of_table(table, scene), self.reference).state_worst
 
         found = reading(source, scene, at, worst, 10.0**-worst, judged)
         return () if found is None else (found,)
@@ -393,7 +407,7 @@ class Judgement(Result, ByValue):
         source, digits = self.subject.source, self.digits
         if not isinstance(source, Table) or not digits or self.offers:
             return ()
-        if min(digits) >= LAST and not self.limit.startswith("method"):
+        if self.state_worst >= LAST and not self.limit.startswith("method"):
             return ()
         return causes(self.subject, self.reference.scene)
 
@@ -451,14 +465,14 @@ class Judgement(Result, ByValue):
         if not self.digits:
             return worst + read
         time = brief(self.times[self._lowest])
-        return f"{worst}; of the state {min(self.digits):.2f} at t = {time}, {limited}"
+        return f"{worst}; of the state {self.state_worst:.2f} at t = {time}, {limited}"
 
     def __repr__(self) -> str:
         try:
             told = f"worst {self.worst:.2f} correct digits at t = {brief(self.worst_time)}"
             told += f", limited by {self.limit}" if self.limit else ""
             told += f", read as {self.reading}" if self.reading else ""
-        except ValueError:
+        except BadInput:
             told = "nothing was judged"
         return f"<Judgement of {self.subject.name} against {self.reference.kind}: {told}>"
 

@@ -22,14 +22,15 @@ _SHORT = 24  # characters of a time that is printed with all its digits
 
 def table(
     times: Sequence[Fraction],
-    digits: Sequence[float],
+    digits: Sequence[float | None],
     expected: Sequence[Band | None],
     number: NumberType,
     parts: Mapping[str, Sequence[float | None]],
 ) -> list[str]:
     """The lines of the digits at a few of the times, beside those that are expected.
 
-    ``digits``: of the state, empty where it was not judged; ``parts``: of others.
+    ``digits``: of the state, empty where it was not judged, None where it has no number;
+    ``parts``: of others.
     """
     shown = few(len(times), SHOWN)
     columns = {"t": [_time(times[k], number) for k in shown]}

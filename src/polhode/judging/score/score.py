@@ -9,6 +9,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TypeAlias
 
+import numpy as np
+
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
@@ -47,13 +49,14 @@ class HeldAgainst:
     progress: Progress | None = None
 
     @cached_property
-    def digits(self) -> tuple[float, ...]:
-        """Correct digits of the state at each time; empty where no column of it is there."""
-        if not self.subject.columns:
+    def digits(self) -> RowDigits:
+        """Correct digits of the state at each time; empty where no number of it is there."""
+        states = self.subject.states
+        if not self.subject.columns or not any(there := _there(states)):
             return ()
         if self.many is not None:
-            return tuple(digits(self.many.errors, self.subject.held))
-        return self._digits(self.subject.states)
+            return _where(there, digits(self.many.errors, self.subject.held))
+        return self._digits(states)
 
     @cached_property
     def many(self) -> ManyRows | None:
@@ -84,7 +87,7 @@ class HeldAgainst:
 
         def most_right(found: list[list[Scalar]]) -> float:
             digits = self._digits(states, found)
-            return max((digits[k] for k in there), default=0.0)
+            return max((d for k in there if (d := digits[k]) is not None), default=0.0)
 
         found = self._true(ask, most_right)
         return [row if t else start for t, row in zip(self.subject.times, found, strict=True)]
@@ -109,26 +112,28 @@ class HeldAgainst:
                 return found
             wanted = min(self._wanted, 4 * wanted)
 
-    def _digits(self, states: Given, true: list[list[Scalar]] | None = None) -> tuple[float, ...]:
+    def _digits(self, states: Given, true: list[list[Scalar]] | None = None) -> RowDigits:
         true = self.rows if true is None else true
         scale = rate_scale(true, self.reference.scene, self.bits)
         found = errors(states, true, scale, self.bits)
-        return tuple(digits_of(error, self.subject.held) for error in found)
+        return _where(_there(states), [digits_of(error, self.subject.held) for error in found])
 
     @cached_property
     def halves(self) -> dict[str, RowDigits]:
         """Digits of omega and of gamma at each time, of what is there of them."""
         found: dict[str, RowDigits] = {}
-        there = self.subject.columns
+        columns = self.subject.columns
         for name, half in (("omega", slice(0, 3)), ("gamma", slice(3, 6))):
-            if not {*STATE[half]} & {*there}:
+            if not {*STATE[half]} & {*columns}:
                 continue
+            states = self.subject.states
             if self.many is not None:
-                found[name] = tuple(digits(self.many.halves[name], self.subject.held))
+                there = _there(_some_columns(states, half))
+                found[name] = _where(there, digits(self.many.halves[name], self.subject.held))
                 continue
             own = [
                 [x if k in range(*half.indices(6)) else None for k, x in enumerate(row)]
-                for row in self.subject.states
+                for row in states
             ]
             found[name] = self._digits(own)
         return found
@@ -201,7 +206,15 @@ def does_not_answer(reference: AnyReference, fault: ValueError) -> bool:
 
 def _there(own: Given) -> Sequence[bool]:
     """Whether rows have any cell."""
+    if isinstance(own, np.ndarray) and own.dtype.kind != "O":  # of numbers: all are there
+        return [True] * len(own)
     return [any(x is not None for x in row) for row in own]
+
+
+def _some_columns(rows: Given, which: slice) -> Given:
+    if isinstance(rows, np.ndarray):
+        return rows[:, which]
+    return [row[which] for row in rows]
 
 
 def _where(there: Sequence[bool], found: Sequence[float]) -> RowDigits:

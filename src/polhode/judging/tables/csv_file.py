@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TextIO
 
 from polhode.common.errors import BadInput
-from polhode.common.files import called, read_whole
+from polhode.common.files import STDIN, called, read_stdin, read_whole
 from polhode.common.text_tables import few
 from polhode.judging.tables.column_aliases import Column, known, twice
 from polhode.judging.tables.csv_columns import most_printed, values
@@ -96,16 +96,22 @@ class TableFile:
 
 
 def open_table(path: Path, number: NumberType | None, names: Naming | None = None) -> TableFile:
-    """A CSV file's lines; raises BadInput.  ``number``: see :class:`TableFile`; ``names``: columns
-    that were named beside it."""
-    found = read_whole(path, MAX_BYTES, "a readable CSV file")
+    """A CSV file's lines, of ``-`` those of the standard input; raises BadInput.
+
+    ``number``: see :class:`TableFile`; ``names``: columns that were named beside it.
+    """
+    piped = str(path) == "-"
+    path = Path(STDIN) if piped else path
+    what = "a readable CSV file"
+    found = read_stdin(MAX_BYTES, what) if piped else read_whole(path, MAX_BYTES, what)
     try:
         lines = tuple(_lines(io.StringIO(found.decode("utf-8-sig"), newline="")))
     except (UnicodeDecodeError, csv.Error):
         raise _no_text(path) from None
     names = names or Naming()
     laid = layout(lines, names)
-    return TableFile(path, laid.lines, number, beside(path), laid.separator, laid.before, names)
+    about = Sidecar() if piped else beside(path)
+    return TableFile(path, laid.lines, number, about, laid.separator, laid.before, names)
 
 
 def read_table(path: Path, number: NumberType | None) -> Table:

@@ -215,7 +215,7 @@ def _lyapunov(found: Lyapunov) -> Table:
 def _judgement(found: Judgement) -> Table:
     columns: dict[str, Value] = {"t": found.times}
     if found.digits:
-        columns["correct_digits"] = found.digits
+        columns["correct_digits"] = [float("nan") if d is None else d for d in found.digits]
         for k, name in enumerate(("least", "median", "most")):
             columns[f"expected_{name}"] = [
                 float("nan") if band is None else band[k] for band in found.expected

@@ -104,7 +104,7 @@ def _run(
     }
     if run.outcome.done:
         judged = compare(run, reference, known=known)
-        worst = min(judged.digits)
+        worst = judged.state_worst
         at = judged.digits.index(worst)
         found |= {
             "correct_digits": round(worst, 2),
@@ -136,7 +136,7 @@ def _refined(steps: Trajectory, reference: Remembered) -> dict[str, Any] | None:
         return None
     held = steps.number.most_digits
     return {
-        "correct_digits": round(min(compare(run, reference).digits), 2),
+        "correct_digits": round(compare(run, reference).state_worst, 2),
         "agreement": round(worst_digits(run.states, steps.states, scene, held), 2),
     }
 

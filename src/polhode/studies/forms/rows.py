@@ -135,7 +135,7 @@ def _run(scene: Scene, reference: Remembered, number: str) -> dict[str, Any]:
     known |= {"outcome": run.outcome.value, "steps": run.steps}
     if not run.outcome.done:
         return known | {"reason": run.cause, "reached": float(run.reached)}
-    digits = round(min(compare(run, reference).digits), 2)
+    digits = round(compare(run, reference).state_worst, 2)
     return known | {"correct_digits": digits}
 
 

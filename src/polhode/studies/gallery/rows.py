@@ -217,6 +217,6 @@ def _row(shown: Shown) -> dict[str, Any]:
         "end": shown.end,
         "regime": reference.regime,
         "reference": reference.kind,
-        "digits": round(min(compare(integrate(last), reference).digits), 1),
+        "digits": round(compare(integrate(last), reference).state_worst, 1),
         "path": [[round(float(x), _PLACES) for x in row] for row in path],
     }
