@@ -215,7 +215,10 @@ def test_a_cause_is_printed_and_in_json(tmp_path, capsys):
     path.write_text(text)
     assert main(["compare", str(path), name]) == 0
     line = "explained by the moment C = 0.51 (the scene's is 0.5), which gives 15.0 digits"
-    assert line in capsys.readouterr().out.splitlines()
+    text = capsys.readouterr().out
+    assert line in text.splitlines()
+    assert "no limit is named, since another number explains the error" in text
+    assert "limited by" not in text
     assert main(["compare", str(path), name, "--json"]) == 0
     told = json.loads(capsys.readouterr().out)["causes"]
     assert told[0] == {"cause": "the moment C = 0.51 (the scene's is 0.5)", "digits": 15.0}

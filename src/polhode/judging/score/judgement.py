@@ -19,7 +19,15 @@ from polhode.judging.conditioning.lyapunov import Lyapunov, lyapunov
 from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.diagnosis.causes import Cause, causes
 from polhode.judging.diagnosis.departure import Departure, departure
-from polhode.judging.diagnosis.error_budget import LAST, between, chance, is_lost, is_thin, limit
+from polhode.judging.diagnosis.error_budget import (
+    BEYOND_ROUNDING,
+    LAST,
+    between,
+    chance,
+    is_lost,
+    is_thin,
+    limit,
+)
 from polhode.judging.diagnosis.omega_only import OmegaAlone, omega_alone
 from polhode.judging.references.reference import by_sign
 from polhode.judging.score.part_digits import PartDigits, RowDigits, fewest
@@ -428,6 +436,16 @@ class Judgement(Result, ByValue):
         return "\n".join(lines)
 
     @property
+    def _is_foreign(self) -> bool:
+        """Whether the limit is called a method of which nothing is known: that of a table."""
+        return self.subject.run is None and self.limit.startswith("method")
+
+    @property
+    def _limit_in_words(self) -> str:
+        """The limit as it is printed: of a table it may be anything but rounding."""
+        return BEYOND_ROUNDING if self._is_foreign else self.limit
+
+    @property
     def _unlimited(self) -> str:
         """Why no limit is named."""
         if self.readings:
@@ -438,8 +456,10 @@ class Judgement(Result, ByValue):
     def _headline(self) -> str:
         """The fewest digits of all, and what limits those of the state."""
         read = f"; read as {self.reading}" if self.reading else ""
-        limited = f"limited by {self.limit}" if self.limit else self._unlimited
-        if self.chance is not None and self.chance > RARE:
+        limited = f"limited by {self._limit_in_words}" if self.limit else self._unlimited
+        if self.causes:
+            limited = "no limit is named, since another number explains the error"
+        elif self.chance is not None and self.chance > RARE:
             limited += f", or by chance: one run in {1 / self.chance:.0f} has so few digits"
         limited += read
         if self.digits and self.lost:
@@ -456,7 +476,7 @@ class Judgement(Result, ByValue):
     def __repr__(self) -> str:
         try:
             told = f"worst {self.worst:.2f} correct digits at t = {brief(self.worst_time)}"
-            told += f", limited by {self.limit}" if self.limit else ""
+            told += f", limited by {self._limit_in_words}" if self.limit else ""
             told += f", read as {self.reading}" if self.reading else ""
         except ValueError:
             told = "nothing was judged"
