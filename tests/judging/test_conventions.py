@@ -211,6 +211,17 @@ def test_a_reading_is_applied(tmp_path, columns, told):
     assert plain.readings == ()
 
 
+def test_what_limits_the_digits_of_a_table_that_was_read_is_told(tmp_path):
+    """The convention was applied: what is left is the error of the table as it is read."""
+    columns = of(STATE) | {n: np.degrees(COLUMNS[n]) for n in STATE[:3]}
+    found = judged(tmp_path, **columns | {"p": columns["p"] + 1e-6})
+    assert found.reading == "omega degrees"
+    assert found.limit.startswith("method")
+    text = str(found)
+    assert "limited by more than rounding" in text
+    assert "no limit is named" not in text
+
+
 def test_a_wrong_sign_in_a_row_or_two_is_no_other_axis(tmp_path):
     columns = of(STATE) | {"p": [-x for x in COLUMNS["p"]]}
     for rows in (1, 2):

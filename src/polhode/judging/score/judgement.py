@@ -294,13 +294,13 @@ class Judgement(Result, ByValue):
         :func:`polhode.judging.diagnosis.error_budget.limit`.
 
         Empty where the state was not judged, and of a table that is wrong in the first digit or
-        would be right in another convention: then its method is not to blame.
+        would be right in a convention that is not applied: then its method is not to blame.
         """
         if not self.digits:
             return ""
         found = self._limit
         blamed = self.subject.run is None and found.startswith("method")
-        return "" if blamed and (min(self.digits) < LAST or self.readings) else found
+        return "" if blamed and (min(self.digits) < LAST or self.offers) else found
 
     @cached_property
     def _limit(self) -> str:
@@ -368,9 +368,10 @@ class Judgement(Result, ByValue):
     @property
     def readings(self) -> tuple[Reading, ...]:
         """Conventions in which parts of a table that is wrong as it stands are right: those that
-        were applied; where none was, those in which they would be."""
+        were applied, and those in which parts still wrong would be."""
         known = (*self.subject.readings, *self._turns)
-        return known or self.offers
+        read = {one.part for one in known}
+        return (*known, *(one for one in self.offers if one.part not in read))
 
     @cached_property
     def offers(self) -> tuple[Reading, ...]:
@@ -448,7 +449,7 @@ class Judgement(Result, ByValue):
     @property
     def _unlimited(self) -> str:
         """Why no limit is named."""
-        if self.readings:
+        if self.offers:
             return "no limit is named, since another convention gives more digits"
         return "wrong in the first digit, so no limit is named"
 
