@@ -252,7 +252,9 @@ def test_a_trajectory_file_of_another_program_is_shown(tmp_path, capsys):
     times = ",".join(str(k / 20) for k in range(101))
     run = ["run", TOP, "--at", times, "--outputs", "attitude", "-o", str(table)]
     assert main(run) == 0
+    capsys.readouterr()
     assert main(["view", str(table), "--scene", TOP, "-o", str(page)]) == 0
+    assert capsys.readouterr().err == ""
     text = page.read_text(encoding="utf-8")
     _, rows = told(text)
     assert len(rows) == 101
@@ -260,6 +262,17 @@ def test_a_trajectory_file_of_another_program_is_shown(tmp_path, capsys):
     assert "makes loops" in text
     assert main(["view", str(table), "--scene", "lagrange/nutation", "-o", str(page)]) == 0
     assert "of another motion than the scene" in page.read_text(encoding="utf-8")
+    said = (
+        "the file is of another motion than the scene's: energy or momentum differ; "
+        "polhode compare FILE SCENE says which convention or cause"
+    )
+    assert said in capsys.readouterr().err
+    film = ["plot", str(table), "--what", "motion", "--size", "100", "--fps", "2"]
+    film += ["-o", str(tmp_path / "x.gif"), "--scene"]
+    assert main([*film, "lagrange/nutation"]) == 0
+    assert said in capsys.readouterr().err
+    assert main([*film, TOP]) == 0
+    assert "another motion" not in capsys.readouterr().err
     assert main(["view", str(table), "--scene", TOP, "-o", str(page)]) == 0
     capsys.readouterr()
     assert main(["view", str(table), "-o", str(page)]) == 2

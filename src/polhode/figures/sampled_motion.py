@@ -15,6 +15,7 @@ from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ATTITUDE, STATE
 
 _NEAR = 1e-3
+ANOTHER = "The file is of another motion than the scene's: energy or momentum differ."
 
 
 class Motion(NamedTuple):

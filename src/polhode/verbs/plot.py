@@ -94,6 +94,8 @@ def main(options: Namespace) -> int:
     found = samples_of(options)
     if isinstance(found, int):
         return found
+    if moving and is_file(options.what_of):
+        warn_of_motion(found)
     made: str | bytes
     t = found.columns["t"]
     shown = {"from": float(t[0]), "to": float(t[-1])}
@@ -246,6 +248,15 @@ def _of_file(options: Namespace) -> Samples:
     found = curve_sampling.of_table(table, scene)
     _refuse_what_is_missing(found, what)
     return found
+
+
+def warn_of_motion(found: Samples) -> None:
+    """Say on stderr what a file that is shown in motion is not."""
+    from polhode.figures.sampled_motion import ANOTHER, of_samples
+
+    if not of_samples(found).on_level():
+        told = "polhode compare FILE SCENE says which convention or cause"
+        note(f"{found.name}: {ANOTHER[0].lower()}{ANOTHER[1:].rstrip('.')}; {told}")
 
 
 def _refuse_what_is_missing(found: Samples, what: str) -> None:

@@ -43,6 +43,8 @@ def main(options: Namespace) -> int:
     found = plot.samples_of(options)
     if isinstance(found, int):
         return found
+    if plot.is_file(options.what_of):
+        plot.warn_of_motion(found)
     command = f"polhode view {called(Path(options.what_of))}"
     text = page_of(found, command, plot.is_file(options.what_of))
     write_whole({path: text})
