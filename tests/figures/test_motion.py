@@ -168,6 +168,7 @@ def test_angles_do_not_climb_by_passing_the_pole():
         seen = np.array([x for x in row if x is not None])
         assert len(seen) < len(row)  # the jumps are gaps
         assert np.ptp(seen) < 3.2
+    assert '"not shown: at a pole, or rows too far apart"' in text
 
 
 @pytest.mark.parametrize(("first", "second"), [(0.5, 0.0), (0.0, 0.4), (-1.25, -0.3)])
@@ -278,6 +279,11 @@ def test_a_trajectory_file_of_another_program_is_shown(tmp_path, capsys):
     assert main(["view", str(table), "-o", str(page)]) == 2
     assert "the scene that the file belongs to" in capsys.readouterr().err
     lines = table.read_text().splitlines()
+    table.write_text("\n".join([lines[0], *lines[1::10]]))
+    for draws in (["view", str(table), "-o", str(page), "--scene"], film):
+        assert main([*draws, TOP]) == 0
+        said = re.search(r"Two samples are up to \S+ radians apart.*", capsys.readouterr().err)[0]
+        assert said in page.read_text(encoding="utf-8")
     table.write_text("\n".join(lines[:10] + lines[11:]))
     assert main(["view", str(table), "--scene", TOP, "-o", str(page)]) == 2
     assert "three rows or more at even times" in capsys.readouterr().err

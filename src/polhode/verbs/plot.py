@@ -254,7 +254,10 @@ def warn_of_motion(found: Samples) -> None:
     """Say on stderr what a file that is shown in motion is not."""
     from polhode.figures.sampled_motion import ANOTHER, of_samples
 
-    if not of_samples(found).on_level():
+    motion = of_samples(found)
+    if far := motion.coarse():
+        note(f"{found.name}: {far}")
+    if not motion.on_level():
         told = "polhode compare FILE SCENE says which convention or cause"
         note(f"{found.name}: {ANOTHER[0].lower()}{ANOTHER[1:].rstrip('.')}; {told}")
 
