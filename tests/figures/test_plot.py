@@ -16,11 +16,36 @@ import polhode
 from polhode.cli import main
 from polhode.figures.canvas import curve_sampling, over_time
 from polhode.figures.canvas.globe import Globe, facing_most
+from polhode.scenes.vocabulary import STATE
 
 pytest.importorskip("matplotlib")
 SVG = "{http://www.w3.org/2000/svg}"
 TOP = "lagrange/looping"
 LOWERED = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
+
+
+@pytest.mark.parametrize("ending", ["npz", "npy", "parquet"])
+def test_a_file_of_arrays_is_drawn_as_its_csv_is(tmp_path, ending):
+    """By the reader of ``compare``."""
+    run = polhode.integrate(polhode.load(TOP).at([Fraction(k, 10) for k in range(31)]))
+    columns = {"t": np.array(run.t, dtype=float), **dict(zip(STATE, run.states.T, strict=True))}
+    table = tmp_path / f"x.{ending}"
+    if ending == "npz":
+        np.savez(table, **columns)
+    elif ending == "npy":
+        np.save(table, np.rec.fromarrays([*columns.values()], names=[*columns]))
+    else:
+        pytest.importorskip("pyarrow")
+        pytest.importorskip("pandas").DataFrame(columns).to_parquet(table)
+    lines = zip(*(x.tolist() for x in columns.values()), strict=True)
+    text = "\n".join([",".join(columns), *(",".join(map(repr, row)) for row in lines)])
+    (tmp_path / "x.csv").write_text(text + "\n")
+    one, other = (
+        Figure(plotted(tmp_path, str(tmp_path / name), "--what", "omega", name=f"{name}.svg"))
+        for name in (f"x.{ending}", "x.csv")
+    )
+    assert np.array_equal(one.curve("p"), other.curve("p"), equal_nan=True)
+    assert len(one.curve("p")) > 10
 
 
 def plotted(folder, *arguments, name="x.svg"):

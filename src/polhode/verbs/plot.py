@@ -45,7 +45,7 @@ KINDS = (
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
     parser.add_argument(
-        "what_of", type=word, metavar="SCENE|FILE", help="a case, a scene's path, or a CSV"
+        "what_of", type=word, metavar="SCENE|FILE", help="a case, a scene's path, or a table"
     )
     parser.add_argument("--what", required=True, choices=KINDS, help="the kind of figure")
     parser.add_argument(
@@ -167,9 +167,11 @@ def _chaos(options: Namespace, path: Path, suffix: str) -> int:
 
 
 def is_file(name: str) -> bool:
-    """Whether a trajectory file is meant: an existing path that is no scene, or a .csv."""
+    """Whether a trajectory file is meant: an existing path that is no scene, or its ending says so."""
+    from polhode.judging.tables.array_file import ENDINGS
+
     suffix = Path(name).suffix.lower()
-    return suffix == ".csv" or (
+    return suffix in (".csv", *ENDINGS) or (
         suffix != ".toml" and not library.ships(name) and Path(name).is_file()
     )
 
@@ -226,6 +228,7 @@ def _of_file(options: Namespace) -> Samples:
     from polhode.figures.canvas import curve_sampling, over_time
     from polhode.figures.drawing import OVER_TIME
     from polhode.judging.references.reference import reference as reference_of
+    from polhode.judging.tables.array_file import ENDINGS, read_arrays
     from polhode.judging.tables.csv_file import read_table
     from polhode.runs.problem.options import choose_number
 
@@ -240,7 +243,8 @@ def _of_file(options: Namespace) -> Samples:
         if scene is None:
             raise BadInput(path, "--number", options.number, "a --scene to judge the file with it")
         number = choose_number(scene, options.number, options.digits)
-    table = read_table(Path(path), number)
+    read = read_arrays if Path(path).suffix.lower() in ENDINGS else read_table
+    table = read(Path(path), number)
     if what == "error" and scene is not None:
         return over_time.errors_of_table(table, reference_of(scene), number)
     if what == "integrals" and scene is not None:

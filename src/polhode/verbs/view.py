@@ -15,7 +15,7 @@ HELP = "a motion as one animated HTML page that needs nothing else"
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
     parser.add_argument(
-        "what_of", type=word, metavar="SCENE|FILE", help="a case, a scene's path, or a CSV"
+        "what_of", type=word, metavar="SCENE|FILE", help="a case, a scene's path, or a table"
     )
     parser.add_argument(
         "-o", dest="file", type=word, required=True, metavar="FILE", help="the page: .html"
