@@ -48,6 +48,18 @@ def test_a_file_of_arrays_is_drawn_as_its_csv_is(tmp_path, ending):
     assert len(one.curve("p")) > 10
 
 
+def test_a_file_with_a_quaternion_and_no_angles_says_what_draws_it(tmp_path, capsys):
+    (tmp_path / "x.csv").write_text("t,q0,q1,q2,q3\n" + "0,1,0,0,0\n1,1,0,0,0\n2,1,0,0,0\n")
+    arguments = ["plot", str(tmp_path / "x.csv"), "-o", str(tmp_path / "x.svg"), "--what"]
+    assert main([*arguments, "angles"]) == 2
+    error = capsys.readouterr().err
+    assert "one of psi, theta, phi for angles; --what attitude draws its q0, q1, q2, q3" in error
+    assert main([*arguments, "attitude"]) == 0
+    (tmp_path / "x.csv").write_text("t,p\n0,1\n1,1\n2,1\n")
+    assert main([*arguments, "angles"]) == 2
+    assert "attitude" not in capsys.readouterr().err
+
+
 def plotted(folder, *arguments, name="x.svg"):
     path = folder / name
     assert main(["plot", *arguments, "-o", str(path)]) == 0

@@ -282,7 +282,10 @@ def _refuse_what_is_missing(found: Samples, what: str) -> None:
     }
     there, expected = wanted[what]
     if not there:
-        raise BadInput(found.name, "header", ",".join(found.columns), f"{expected} for {what}")
+        expected = f"{expected} for {what}"
+        if what == "angles" and found.has(ATTITUDE):
+            expected += "; --what attitude draws its q0, q1, q2, q3"
+        raise BadInput(found.name, "header", ",".join(found.columns), expected)
     if len(found.columns["t"]) < 3:
         raise BadInput(found.name, "file", None, "three rows or more, to draw a curve")
 
