@@ -426,7 +426,7 @@ class Judgement(Result, ByValue):
         lines += [f"{name}: {'; '.join(texts)}" for name, texts in told.items()]
         lines += [str(reading) for reading in self.readings]
         lines += [str(cause) for cause in self.causes]
-        if self.omega_alone is not None:
+        if self.omega_alone is not None and self.omega_alone.concludes:
             lines.append(str(self.omega_alone))
         if self.drift is not None:
             lines.append(f"drift {self.drift}")
