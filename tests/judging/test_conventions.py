@@ -154,6 +154,21 @@ def test_another_sequence_of_angles_is_named(tmp_path):
     right_once(judged(tmp_path, **degrees), "angles", "turns about z-y-x in degrees", 13.0)
 
 
+@pytest.mark.parametrize("turned", [0, 360])
+def test_angles_in_degrees_are_read_as_omega_in_degrees_is(tmp_path, turned):
+    """psi, theta, phi of the scene's own sequence; also where a program cuts turns off."""
+    degrees = {name: np.degrees(COLUMNS[name]) for name in ANGLES}
+    degrees["psi"] = degrees["psi"] + turned
+    found = judged(tmp_path, **degrees)
+    assert found.worst > 13
+    turns = "; psi and phi up to whole turns" if turned else ""
+    assert found.reading == f"angles in degrees{turns}"
+    assert f"read as angles in degrees{turns}" in str(found)
+    assert judged(tmp_path, **of(ANGLES)).reading is None
+    plain = polhode.compare(tmp_path / "x.csv", SCENE, as_it_stands=True)
+    assert plain.reading is None
+
+
 def test_times_that_are_off_by_a_step_are_named(tmp_path):
     moved = {name: [*COLUMNS[name][1:], 0.0][:-1] for name in STATE[:3]}
     path = written(tmp_path / "x.csv", t=COLUMNS["t"][:-1], **moved)
