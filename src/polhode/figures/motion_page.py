@@ -77,7 +77,8 @@ def page(found: Motion, title: str, regime: str, words: str, origin: str, comman
         second="ω across it" if data["start"]["free"] else "tilt from the vertical",
         scene=escape(printable(scene.source.strip().expandtabs(4)) or repr(scene)),
         origin=(
-            f"{escape(' '.join(filter(None, (origin, found.coarse()))))} Made by <code>{escape(printable(command))}</code>, "
+            f"{escape(' '.join(filter(None, (origin, found.coarse()))))} "
+            f"Made by <code>{escape(printable(command))}</code>, "
             f"polhode {__version__}."
         ),
         data=json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c"),

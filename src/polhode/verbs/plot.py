@@ -167,7 +167,7 @@ def _chaos(options: Namespace, path: Path, suffix: str) -> int:
 
 
 def is_file(name: str) -> bool:
-    """Whether a trajectory file is meant: an existing path that is no scene, or its ending says so."""
+    """Whether a trajectory file is meant: by its ending, or an existing path that is no scene."""
     from polhode.judging.tables.array_file import ENDINGS
 
     suffix = Path(name).suffix.lower()

@@ -34,7 +34,7 @@ from polhode.judging.score.part_digits import PartDigits, RowDigits, fewest
 from polhode.judging.score.report_text import SHOWN, table, together
 from polhode.judging.score.score import AnyReference, HeldAgainst
 from polhode.judging.tables.candidate import Subject, of_table
-from polhode.judging.tables.reading import WRONG, Reading
+from polhode.judging.tables.reading import TURNS, WRONG, Reading
 from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.decimals import brief
@@ -133,19 +133,27 @@ class Judgement(Result, ByValue):
     def _others(self) -> dict[str, RowDigits]:
         """Digits of what is no column of the state, as it is read."""
         found = {k: part for k, part in self._held.parts.items() if isinstance(part, PartDigits)}
+        strict = not self._may_turn
         return {
-            name: part.digits if self.as_it_stands or not part.is_turned else part.turned or ()
+            name: part.digits if strict or not part.is_turned else part.turned or ()
             for name, part in found.items()
         }
+
+    @property
+    def _may_turn(self) -> bool:
+        """Whether angles may be right up to whole turns: unless told to judge them as they are."""
+        return not self.as_it_stands or any(x.part == "angles" for x in self.subject.readings)
 
     @property
     def _turns(self) -> tuple[Reading, ...]:
         """That psi and phi are read up to whole turns, where they are."""
         angles = self._held.parts.get("angles")
-        if self.as_it_stands or not isinstance(angles, PartDigits) or not angles.is_turned:
+        if not self._may_turn or not isinstance(angles, PartDigits) or not angles.is_turned:
+            return ()
+        if any(one.convention == TURNS for one in self.subject.readings):
             return ()
         before, now = (fewest(d or (), self.subject.held) for d in angles)
-        return (Reading("angles", before, "psi and phi up to whole turns", now),)
+        return (Reading("angles", before, TURNS, now),)
 
     @property
     def reading(self) -> str | None:

@@ -1,7 +1,8 @@
 """How a table's text is laid out: its separator, where its header stands, what its columns mean.
 
 Separators are comma, semicolon, tab, or blanks, as the first line of the table has them.  Between
-semicolons the numbers may have decimal commas, if none has a point.  A header may stand in a comment (``# t p q r``, as NumPy writes it), or be given.
+semicolons the numbers may have decimal commas, if none has a point.  A header may stand in a
+comment (``# t p q r``, as NumPy writes it), or be given.
 """
 
 from __future__ import annotations
