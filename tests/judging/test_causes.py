@@ -68,6 +68,23 @@ def test_another_moment_is_found_to_its_digits(name, moment):
     assert first.digits > 11
 
 
+@pytest.mark.parametrize("name", ["lagrange/nutation", "kovalevskaya/generic"])
+def test_equal_moments_are_fitted_together(name):
+    """A wrong symmetric top stays one."""
+    own = scene(name)
+    inertia = [[*row] for row in own.body.inertia]
+    for i in range(2):
+        inertia[i][i] *= Fraction(102, 100)
+    other = replace(own, body=Body(inertia, own.body.centre, own.body.weight))
+    first = found(table(other), name).causes[0]
+    assert first.words.startswith("the moments A = B = ")
+    assert f"(the scene's are {float(own.body.inertia[0][0]):g})" in first.words
+    assert number(first.words.replace("A = B", "A")) == pytest.approx(
+        float(inertia[0][0]), rel=1e-9
+    )
+    assert first.digits > 11
+
+
 @pytest.mark.sample(2)
 @pytest.mark.parametrize("name", HEAVY)
 def test_another_weight_or_centre_is_found(name):
