@@ -15,6 +15,7 @@ from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME, in_text
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, SPACE, STATE
+from polhode.verbs import table_file
 from polhode.verbs.terminal import (
     DONE,
     INTERRUPTED,
@@ -63,6 +64,7 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--number", help="double (default), extended, quad or mp; for a FILE: that of its decimals"
     )
+    table_file.options(parser)
     digits = "digits wanted, by which the number type is chosen"
     parser.add_argument("--digits", type=whole, help=digits)
     parser.add_argument(
@@ -94,7 +96,7 @@ def main(options: Namespace) -> int:
     found = samples_of(options)
     if isinstance(found, int):
         return found
-    if moving and is_file(options.what_of):
+    if moving and table_file.is_file(options.what_of):
         warn_of_motion(found)
     made: str | bytes
     t = found.columns["t"]
@@ -103,7 +105,7 @@ def main(options: Namespace) -> int:
         made = page_of(
             found,
             f"polhode plot {called(Path(options.what_of))} --what motion",
-            is_file(options.what_of),
+            table_file.is_file(options.what_of),
         )
     elif moving:
         with ProgressLine("plot") as progress:
@@ -146,7 +148,7 @@ def _chaos(options: Namespace, path: Path, suffix: str) -> int:
     from polhode.proofs.chaos.prove_chaos import prove_chaos
     from polhode.proofs.refusals import NotProved
 
-    for key in ("end", "scene", "number", "digits"):
+    for key in ("end", "scene", "number", "digits", "read", "columns"):
         if getattr(options, key) is not None:
             expected = f"not with --what {CHAOS}"
             raise BadInput(options.what_of, f"--{key}", getattr(options, key), expected)
@@ -166,19 +168,9 @@ def _chaos(options: Namespace, path: Path, suffix: str) -> int:
     return DONE
 
 
-def is_file(name: str) -> bool:
-    """Whether a trajectory file is meant: by its ending, or an existing path that is no scene."""
-    from polhode.judging.tables.array_file import ENDINGS
-
-    suffix = Path(name).suffix.lower()
-    return suffix in (".csv", *ENDINGS) or (
-        suffix != ".toml" and not library.ships(name) and Path(name).is_file()
-    )
-
-
 def samples_of(options: Namespace) -> Samples | int:
     """What a figure shows, of a scene or a file; an exit code where a run did not get there."""
-    return _of_file(options) if is_file(options.what_of) else _of_scene(options)
+    return _of_file(options) if table_file.is_file(options.what_of) else _of_scene(options)
 
 
 def _of_scene(options: Namespace) -> Samples | int:
@@ -188,8 +180,7 @@ def _of_scene(options: Namespace) -> Samples | int:
     from polhode.judging.references.reference import reference as reference_of
 
     scene = library.load(options.what_of)
-    if options.scene is not None:
-        raise BadInput(scene.name, "--scene", options.scene, "no --scene: it is for a FILE")
+    table_file.refuse_for_scene(options, scene.name)
     if options.what not in FREE_OF_GAMMA and scene.gamma is None:
         raise BadInput(scene.name, "--what", options.what, "a scene with start.gamma")
     end = None if options.end is None else _time(scene, options.end)
@@ -228,8 +219,6 @@ def _of_file(options: Namespace) -> Samples:
     from polhode.figures.canvas import curve_sampling, over_time
     from polhode.figures.drawing import OVER_TIME
     from polhode.judging.references.reference import reference as reference_of
-    from polhode.judging.tables.array_file import ENDINGS, read_arrays
-    from polhode.judging.tables.csv_file import read_table
     from polhode.runs.problem.options import choose_number
 
     what, path = options.what, options.what_of
@@ -243,8 +232,7 @@ def _of_file(options: Namespace) -> Samples:
         if scene is None:
             raise BadInput(path, "--number", options.number, "a --scene to judge the file with it")
         number = choose_number(scene, options.number, options.digits)
-    read = read_arrays if Path(path).suffix.lower() in ENDINGS else read_table
-    table = read(Path(path), number)
+    table = table_file.table(options, scene, number)
     if what == "error" and scene is not None:
         return over_time.errors_of_table(table, reference_of(scene), number)
     if what == "integrals" and scene is not None:
