@@ -7,6 +7,8 @@ import json
 import re
 import shutil
 import subprocess
+from dataclasses import replace
+from fractions import Fraction
 from html import unescape
 
 import numpy as np
@@ -168,6 +170,7 @@ def test_angles_do_not_climb_by_passing_the_pole():
         seen = np.array([x for x in row if x is not None])
         assert len(seen) < len(row)  # the jumps are gaps
         assert np.ptp(seen) < 3.2
+    assert '"not shown: at a pole, or rows too far apart"' in text
 
 
 @pytest.mark.parametrize(("first", "second"), [(0.5, 0.0), (0.0, 0.4), (-1.25, -0.3)])
@@ -252,7 +255,9 @@ def test_a_trajectory_file_of_another_program_is_shown(tmp_path, capsys):
     times = ",".join(str(k / 20) for k in range(101))
     run = ["run", TOP, "--at", times, "--outputs", "attitude", "-o", str(table)]
     assert main(run) == 0
+    capsys.readouterr()
     assert main(["view", str(table), "--scene", TOP, "-o", str(page)]) == 0
+    assert capsys.readouterr().err == ""
     text = page.read_text(encoding="utf-8")
     _, rows = told(text)
     assert len(rows) == 101
@@ -260,14 +265,59 @@ def test_a_trajectory_file_of_another_program_is_shown(tmp_path, capsys):
     assert "makes loops" in text
     assert main(["view", str(table), "--scene", "lagrange/nutation", "-o", str(page)]) == 0
     assert "of another motion than the scene" in page.read_text(encoding="utf-8")
+    said = (
+        "the file is of another motion than the scene's: energy or momentum differ; "
+        "polhode compare FILE SCENE says which convention or cause"
+    )
+    assert said in capsys.readouterr().err
+    film = ["plot", str(table), "--what", "motion", "--size", "100", "--fps", "2"]
+    film += ["-o", str(tmp_path / "x.gif"), "--scene"]
+    assert main([*film, "lagrange/nutation"]) == 0
+    assert said in capsys.readouterr().err
+    assert main([*film, TOP]) == 0
+    assert "another motion" not in capsys.readouterr().err
     assert main(["view", str(table), "--scene", TOP, "-o", str(page)]) == 0
     capsys.readouterr()
     assert main(["view", str(table), "-o", str(page)]) == 2
     assert "the scene that the file belongs to" in capsys.readouterr().err
     lines = table.read_text().splitlines()
+    table.write_text("\n".join([lines[0], *lines[1::10]]))
+    for draws in (["view", str(table), "-o", str(page), "--scene"], film):
+        assert main([*draws, TOP]) == 0
+        said = re.search(r"Two samples are up to \S+ radians apart.*", capsys.readouterr().err)[0]
+        assert said in page.read_text(encoding="utf-8")
     table.write_text("\n".join(lines[:10] + lines[11:]))
     assert main(["view", str(table), "--scene", TOP, "-o", str(page)]) == 2
     assert "three rows or more at even times" in capsys.readouterr().err
+
+
+def test_a_file_is_shown_in_the_conventions_that_are_told(tmp_path, capsys):
+    """omega in degrees, the scalar last, other names: the same page as of the plain file."""
+    times = [Fraction(k, 20) for k in range(41)]
+    run = polhode.integrate(replace(polhode.load(TOP).at(times), outputs=("attitude",)))
+    t, w = np.array(run.t, dtype=float), run.states[:, :3]
+    q = np.array(run.attitude, dtype=float)
+    tables = {"plain": np.c_[t, w, q], "other": np.c_[1000 * t, np.degrees(w), np.roll(q, -1, 1)]}
+    for name, rows in tables.items():
+        head = "t,p,q,r,q0,q1,q2,q3" if name == "plain" else "clock,p,q,r,q0,q1,q2,q3"
+        path = tmp_path / f"{name}.csv"
+        np.savetxt(path, rows, delimiter=",", fmt="%.17g", header=head, comments="")
+    read = ["--read", "degrees, scalar-last", "--columns", "clock=t*1e-3"]
+    shown = {}
+    for name, told_by_hand in (("plain", []), ("other", read)):
+        page = tmp_path / f"{name}.html"
+        command = ["view", str(tmp_path / f"{name}.csv"), "--scene", TOP, "-o", str(page)]
+        assert main([*command, *told_by_hand]) == 0
+        assert capsys.readouterr().err == ""
+        shown[name] = told(page.read_text(encoding="utf-8"))[1]
+    assert shown["other"] == pytest.approx(shown["plain"], abs=1e-6)
+    picture = ["-o", str(tmp_path / "x.svg")]
+    other = str(tmp_path / "other.csv")
+    assert main(["plot", other, "--what", "omega", "--scene", TOP, *read, *picture]) == 0
+    assert main(["plot", other, "--what", "omega", *read, *picture]) == 2
+    assert "--scene whose conventions are meant" in capsys.readouterr().err
+    assert main(["plot", TOP, "--what", "omega", "--read", "degrees", *picture]) == 2
+    assert "no --read: it is for a FILE" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -16,11 +16,48 @@ import polhode
 from polhode.cli import main
 from polhode.figures.canvas import curve_sampling, over_time
 from polhode.figures.canvas.globe import Globe, facing_most
+from polhode.scenes.vocabulary import STATE
 
 pytest.importorskip("matplotlib")
 SVG = "{http://www.w3.org/2000/svg}"
 TOP = "lagrange/looping"
 LOWERED = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
+
+
+@pytest.mark.parametrize("ending", ["npz", "npy", "parquet"])
+def test_a_file_of_arrays_is_drawn_as_its_csv_is(tmp_path, ending):
+    """By the reader of ``compare``."""
+    run = polhode.integrate(polhode.load(TOP).at([Fraction(k, 10) for k in range(31)]))
+    columns = {"t": np.array(run.t, dtype=float), **dict(zip(STATE, run.states.T, strict=True))}
+    table = tmp_path / f"x.{ending}"
+    if ending == "npz":
+        np.savez(table, **columns)
+    elif ending == "npy":
+        np.save(table, np.rec.fromarrays([*columns.values()], names=[*columns]))
+    else:
+        pytest.importorskip("pyarrow")
+        pytest.importorskip("pandas").DataFrame(columns).to_parquet(table)
+    lines = zip(*(x.tolist() for x in columns.values()), strict=True)
+    text = "\n".join([",".join(columns), *(",".join(map(repr, row)) for row in lines)])
+    (tmp_path / "x.csv").write_text(text + "\n")
+    one, other = (
+        Figure(plotted(tmp_path, str(tmp_path / name), "--what", "omega", name=f"{name}.svg"))
+        for name in (f"x.{ending}", "x.csv")
+    )
+    assert np.array_equal(one.curve("p"), other.curve("p"), equal_nan=True)
+    assert len(one.curve("p")) > 10
+
+
+def test_a_file_with_a_quaternion_and_no_angles_says_what_draws_it(tmp_path, capsys):
+    (tmp_path / "x.csv").write_text("t,q0,q1,q2,q3\n" + "0,1,0,0,0\n1,1,0,0,0\n2,1,0,0,0\n")
+    arguments = ["plot", str(tmp_path / "x.csv"), "-o", str(tmp_path / "x.svg"), "--what"]
+    assert main([*arguments, "angles"]) == 2
+    error = capsys.readouterr().err
+    assert "one of psi, theta, phi for angles; --what attitude draws its q0, q1, q2, q3" in error
+    assert main([*arguments, "attitude"]) == 0
+    (tmp_path / "x.csv").write_text("t,p\n0,1\n1,1\n2,1\n")
+    assert main([*arguments, "angles"]) == 2
+    assert "attitude" not in capsys.readouterr().err
 
 
 def plotted(folder, *arguments, name="x.svg"):

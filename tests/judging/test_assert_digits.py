@@ -35,7 +35,7 @@ def test_the_error_tells_the_first_wrong_time_and_the_judgement(run):
     first, *rest = str(error.value).splitlines()
     assert first == "6.00 correct digits at t = 2, where at least 9 are wanted"
     assert "\n".join(rest).startswith("states against lagrange of lagrange/nutation")
-    assert "limited by method" in str(error.value)
+    assert "limited by more than rounding" in str(error.value)
 
 
 def test_another_convention_is_wrong_unless_it_is_allowed(run):

@@ -154,6 +154,21 @@ def test_another_sequence_of_angles_is_named(tmp_path):
     right_once(judged(tmp_path, **degrees), "angles", "turns about z-y-x in degrees", 13.0)
 
 
+@pytest.mark.parametrize("turned", [0, 360])
+def test_angles_in_degrees_are_read_as_omega_in_degrees_is(tmp_path, turned):
+    """psi, theta, phi of the scene's own sequence; also where a program cuts turns off."""
+    degrees = {name: np.degrees(COLUMNS[name]) for name in ANGLES}
+    degrees["psi"] = degrees["psi"] + turned
+    found = judged(tmp_path, **degrees)
+    assert found.worst > 13
+    turns = "; psi and phi up to whole turns" if turned else ""
+    assert found.reading == f"angles in degrees{turns}"
+    assert f"read as angles in degrees{turns}" in str(found)
+    assert judged(tmp_path, **of(ANGLES)).reading is None
+    plain = polhode.compare(tmp_path / "x.csv", SCENE, as_it_stands=True)
+    assert plain.reading is None
+
+
 def test_times_that_are_off_by_a_step_are_named(tmp_path):
     moved = {name: [*COLUMNS[name][1:], 0.0][:-1] for name in STATE[:3]}
     path = written(tmp_path / "x.csv", t=COLUMNS["t"][:-1], **moved)
@@ -209,6 +224,17 @@ def test_a_reading_is_applied(tmp_path, columns, told):
     assert plain.worst < 1
     assert plain.reading is None
     assert plain.readings == ()
+
+
+def test_what_limits_the_digits_of_a_table_that_was_read_is_told(tmp_path):
+    """The convention was applied: what is left is the error of the table as it is read."""
+    columns = of(STATE) | {n: np.degrees(COLUMNS[n]) for n in STATE[:3]}
+    found = judged(tmp_path, **columns | {"p": columns["p"] + 1e-6})
+    assert found.reading == "omega degrees"
+    assert found.limit.startswith("method")
+    text = str(found)
+    assert "limited by more than rounding" in text
+    assert "no limit is named" not in text
 
 
 def test_a_wrong_sign_in_a_row_or_two_is_no_other_axis(tmp_path):

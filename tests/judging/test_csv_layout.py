@@ -51,6 +51,34 @@ def test_any_separator_is_read(tmp_path, capsys, table, separator):
     is_right(judged(tmp_path, capsys, text(table, separator)))
 
 
+@pytest.mark.parametrize("headed", [True, False])
+def test_decimal_commas_between_semicolons_are_read(tmp_path, capsys, table, headed):
+    content = text(table, ";", NAMES if headed else ()).replace(".", ",")
+    options = [] if headed else ["--columns", ",".join(NAMES)]
+    found = judged(tmp_path, capsys, content, *options)
+    is_right(found)
+    assert found[1]["remarks"] == ["read as: decimal commas"]
+    plain = judged(tmp_path, capsys, text(table, ";"))
+    assert plain[1]["remarks"] == []
+    assert plain[1]["correct_digits"] == found[1]["correct_digits"]
+
+
+@pytest.mark.parametrize("cell", ["0.5", "1.000,5", "1,000,5", "x,5"])
+def test_commas_that_are_not_all_decimal_are_refused(tmp_path, capsys, table, cell):
+    content = text(table, ";").replace(".", ",")
+    code, error = judged(tmp_path, capsys, content.rpartition(";")[0] + f";{cell}\n")
+    assert code == 2
+    assert "expected a finite decimal number" in error
+
+
+def test_a_column_without_a_name_is_quoted(tmp_path, capsys, table):
+    content = "\n".join(f"{k - 1 if k else ''},{x}" for k, x in enumerate(text(table).split()))
+    (tmp_path / "x.csv").write_text(content)
+    assert cli.main(["compare", str(tmp_path / "x.csv"), SCENE]) == 0
+    said = "not judged: column '' is not known and was not judged"
+    assert said in capsys.readouterr().out.splitlines()
+
+
 @pytest.mark.parametrize("separator", [",", ";", "\t", " "])
 @pytest.mark.parametrize("comments", ["", "# made by a program, of t and such\n"])
 def test_a_header_in_a_comment_is_read(tmp_path, capsys, table, separator, comments):

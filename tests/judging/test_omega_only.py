@@ -76,6 +76,18 @@ def test_compare_says_it_of_a_file(tmp_path, monkeypatch, capsys):
     assert float(answer["drift"]["gamma"]) < 1e-4
 
 
+@pytest.mark.parametrize(("spacing", "factor"), [(Fraction(5), 1), (Fraction(1, 40), 100)])
+def test_compare_prints_nothing_where_nothing_is_concluded(spacing, factor):
+    """Samples too far apart; omega in another unit.  JSON has the numbers."""
+    scene = polhode.load("lagrange/nutation")
+    run = polhode.integrate(scene.at(tuple(k * spacing for k in range(21))))
+    columns = dict(zip("pqr", factor * run.states[:, :3].T, strict=True))
+    judged = polhode.compare({"t": [float(t) for t in run.t]} | columns, scene, as_it_stands=True)
+    assert judged.omega_alone is not None
+    assert not judged.omega_alone.concludes
+    assert "gamma from omega" not in str(judged)
+
+
 def test_the_sentence_says_what_the_numbers_mean():
     def told(spacing, factor):
         change = mpmath.mpf(factor)

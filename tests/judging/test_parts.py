@@ -168,8 +168,11 @@ def test_what_is_wrong_in_the_first_digit_has_no_limit(tmp_path, capsys, nutatio
 def test_a_rough_method_is_the_limit_still(tmp_path, capsys, nutation):
     p = [x + 1e-4 for x in nutation["p"]]
     path = written(tmp_path / "x.csv", {name: nutation[name] for name in ("t", *STATE)} | {"p": p})
-    answer, _ = compared(capsys, path, "lagrange/nutation")
+    answer, text = compared(capsys, path, "lagrange/nutation")
     assert answer["limit"] == "method (steps of the program)"
+    assert "limited by more than rounding: the program's steps, noise, or another motion" in text
+    assert "method" not in text
+    assert "limited by more than rounding" in repr(polhode.compare(path, "lagrange/nutation"))
 
 
 def test_no_more_digits_are_told_than_the_type_has(tmp_path, capsys, nutation):

@@ -71,6 +71,46 @@ def test_it_is_the_reading_that_is_found(columns):
     assert told.digits == found.digits
 
 
+def angles_of(columns, turned=0):
+    found = polhode.reference(CASE).angles([float(t) for t in columns["t"]], 20)
+    psi, theta, phi = np.degrees(np.array(found, dtype=float)).T
+    return {"t": columns["t"], "psi": psi + turned, "theta": theta, "phi": phi}
+
+
+@pytest.mark.parametrize("told", ["degrees", "in degrees", "angles in degrees", "deg"])
+def test_angles_in_degrees_are_told(columns, told):
+    found = polhode.compare(angles_of(columns, 360), CASE, read=told)
+    assert found.worst > 13
+    assert found.reading == "angles in degrees; psi and phi up to whole turns"
+    assert polhode.compare(angles_of(columns), CASE, read=told).reading == "angles in degrees"
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        lambda columns: scalar_last(in_degrees(columns)),
+        lambda columns: y_up(columns),
+        lambda columns: in_degrees(columns | {"p": columns["q"], "q": columns["p"]}),
+        lambda columns: columns | {"t": columns["t"] + 5},
+        lambda columns: in_degrees(columns) | angles_of(columns, 360),
+        lambda columns: in_milliseconds(scalar_last(columns)),
+    ],
+)
+def test_what_compare_prints_can_be_told(columns, changed):
+    found = polhode.compare(changed(columns), CASE)
+    assert found.reading is not None
+    told = polhode.compare(changed(columns), CASE, read=found.reading)
+    assert told.worst > 13
+    assert told.part_digits == found.part_digits
+
+
+def test_a_convention_is_told_of_one_part(columns):
+    both = columns | angles_of(columns)
+    found = polhode.compare(both, CASE, read="angles in degrees")
+    assert found.worst > 13
+    assert polhode.compare(both, CASE, read="degrees").reading.startswith("omega degrees; angles")
+
+
 def test_axes_are_told_as_a_reading_tells_them(columns):
     changed = columns | {"p": columns["q"], "q": columns["p"]}
     assert polhode.compare(changed, CASE, read="p q r = q p r").worst > 14
@@ -99,6 +139,26 @@ def test_a_convention_of_a_part_that_is_not_there_is_refused(columns):
     some = {name: columns[name] for name in ("t", *STATE)}
     with pytest.raises(BadInput, match="read = scalar-last"):
         polhode.compare(some, CASE, read="scalar-last")
+
+
+@pytest.mark.parametrize(
+    ("told", "refused", "why"),
+    [
+        ("y up, left-handed", "left-handed", "expected conventions: degrees, rpm"),
+        ("degrees", "degrees", "expected omega or angles in every row; the table has attitude"),
+        ("omega degrees", "degrees", "expected omega in every row; the table has attitude"),
+        ("attitude degrees", "degrees", "a convention of attitude; this one is of omega or angles"),
+        ("turns about z-x-z in degrees", "turns about", "this one is reported, and not applied"),
+        ("along the axes of space", "along the axes", "this one is reported, and not applied"),
+        ("y up", "y up", "a quaternion that nearly has the first row's attitude in it"),
+        ("scalar-last, q1 the scalar", ".* the scalar|scalar-last", "no second convention"),
+    ],
+)
+def test_the_refusal_names_the_word_and_why(columns, told, refused, why):
+    some = {name: columns[name] for name in ("t", *ATTITUDE)}
+    some = quaternion_times(some, left=np.array([0.8, 0.36, 0.48, 0]))
+    with pytest.raises(BadInput, match=f"read = (?:{refused}).*: .*{why}"):
+        polhode.compare(some, CASE, read=told)
 
 
 def test_the_command_line(columns, tmp_path, capsys):

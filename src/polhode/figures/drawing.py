@@ -16,7 +16,7 @@ from polhode.figures import motion_page, results
 from polhode.figures.canvas import canvas, curve_sampling, over_time
 from polhode.figures.canvas.curve_sampling import Samples
 from polhode.figures.explanations import explained
-from polhode.figures.sampled_motion import of_samples
+from polhode.figures.sampled_motion import ANOTHER, of_samples
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers.exact import Exact
 from polhode.numbers.scalars import AnyNumber
@@ -171,9 +171,7 @@ def page_of(found: Samples, command: str, measured: bool = False) -> str:
     title, regime = scene.title or scene.name, known.regime
     words = explained(known.kind, regime, scene)
     if measured and not motion.on_level():
-        words = regime = (
-            "The file is of another motion than the scene's: energy or momentum differ."
-        )
+        words = regime = ANOTHER
     return motion_page.page(motion, title, regime, words, origin, command)
 
 

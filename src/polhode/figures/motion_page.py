@@ -30,7 +30,6 @@ from polhode.scenes.classification import LAGRANGE, SPHERE, kind_of_body
 _PARTS = Path(__file__).parent / "page"
 TURN_SECONDS = 2.5  # that a turn at the fastest rate takes on the screen
 MOST_SECONDS = 60.0  # that the whole motion takes at most
-_COARSE = 0.5  # radians from one sample to the next that a cubic does not follow
 #: The page's scripts, in the order in which they build on each other.
 SCRIPTS = ("webgl", "solids", "motion", "views", "curves", "controls")
 BLUE, ORANGE, GREEN = "#0072b2", "#d55e00", "#009e73"
@@ -78,23 +77,12 @@ def page(found: Motion, title: str, regime: str, words: str, origin: str, comman
         second="ω across it" if data["start"]["free"] else "tilt from the vertical",
         scene=escape(printable(scene.source.strip().expandtabs(4)) or repr(scene)),
         origin=(
-            f"{escape(origin)}{_coarse(found)} Made by <code>{escape(printable(command))}</code>, "
+            f"{escape(' '.join(filter(None, (origin, found.coarse()))))} "
+            f"Made by <code>{escape(printable(command))}</code>, "
             f"polhode {__version__}."
         ),
         data=json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c"),
         scripts=scripts,
-    )
-
-
-def _coarse(found: Motion) -> str:
-    """That what is shown between two samples is not the motion, where that is so."""
-    fastest = float(np.max(np.linalg.norm(found.omega, axis=1)))
-    apart = fastest * float(found.times[1] - found.times[0])
-    if apart < _COARSE:
-        return ""
-    return (
-        f" Two samples are up to {apart:.2g} radians apart: between them the picture is not the "
-        "motion. A shorter time, or more rows, shows it."
     )
 
 

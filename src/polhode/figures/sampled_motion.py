@@ -15,6 +15,8 @@ from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ATTITUDE, STATE
 
 _NEAR = 1e-3
+_COARSE = 0.5  # radians from one sample to the next that a cubic does not follow
+ANOTHER = "The file is of another motion than the scene's: energy or momentum differ."
 
 
 class Motion(NamedTuple):
@@ -54,6 +56,17 @@ class Motion(NamedTuple):
         return bool(
             abs(own[0] - to_double(h)) <= _NEAR * sizes[0]
             and abs(own[1] - to_double(f)) <= _NEAR * sizes[1]
+        )
+
+    def coarse(self) -> str:
+        """That what is shown between two samples is not the motion, where that is so."""
+        fastest = float(np.max(np.linalg.norm(self.omega, axis=1)))
+        apart = fastest * float(self.times[1] - self.times[0])
+        if apart < _COARSE:
+            return ""
+        return (
+            f"Two samples are up to {apart:.2g} radians apart: between them the picture is not "
+            "the motion. A shorter time, or more rows, shows it."
         )
 
     @property

@@ -15,6 +15,7 @@ from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME, in_text
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, SPACE, STATE
+from polhode.verbs import table_file
 from polhode.verbs.terminal import (
     DONE,
     INTERRUPTED,
@@ -45,7 +46,7 @@ KINDS = (
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
     parser.add_argument(
-        "what_of", type=word, metavar="SCENE|FILE", help="a case, a scene's path, or a CSV"
+        "what_of", type=word, metavar="SCENE|FILE", help="a case, a scene's path, or a table"
     )
     parser.add_argument("--what", required=True, choices=KINDS, help="the kind of figure")
     parser.add_argument(
@@ -63,6 +64,7 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--number", help="double (default), extended, quad or mp; for a FILE: that of its decimals"
     )
+    table_file.options(parser)
     digits = "digits wanted, by which the number type is chosen"
     parser.add_argument("--digits", type=whole, help=digits)
     parser.add_argument(
@@ -94,6 +96,8 @@ def main(options: Namespace) -> int:
     found = samples_of(options)
     if isinstance(found, int):
         return found
+    if moving and table_file.is_file(options.what_of):
+        warn_of_motion(found)
     made: str | bytes
     t = found.columns["t"]
     shown = {"from": float(t[0]), "to": float(t[-1])}
@@ -101,7 +105,7 @@ def main(options: Namespace) -> int:
         made = page_of(
             found,
             f"polhode plot {called(Path(options.what_of))} --what motion",
-            is_file(options.what_of),
+            table_file.is_file(options.what_of),
         )
     elif moving:
         with ProgressLine("plot") as progress:
@@ -144,7 +148,7 @@ def _chaos(options: Namespace, path: Path, suffix: str) -> int:
     from polhode.proofs.chaos.prove_chaos import prove_chaos
     from polhode.proofs.refusals import NotProved
 
-    for key in ("end", "scene", "number", "digits"):
+    for key in ("end", "scene", "number", "digits", "read", "columns"):
         if getattr(options, key) is not None:
             expected = f"not with --what {CHAOS}"
             raise BadInput(options.what_of, f"--{key}", getattr(options, key), expected)
@@ -164,17 +168,9 @@ def _chaos(options: Namespace, path: Path, suffix: str) -> int:
     return DONE
 
 
-def is_file(name: str) -> bool:
-    """Whether a trajectory file is meant: an existing path that is no scene, or a .csv."""
-    suffix = Path(name).suffix.lower()
-    return suffix == ".csv" or (
-        suffix != ".toml" and not library.ships(name) and Path(name).is_file()
-    )
-
-
 def samples_of(options: Namespace) -> Samples | int:
     """What a figure shows, of a scene or a file; an exit code where a run did not get there."""
-    return _of_file(options) if is_file(options.what_of) else _of_scene(options)
+    return _of_file(options) if table_file.is_file(options.what_of) else _of_scene(options)
 
 
 def _of_scene(options: Namespace) -> Samples | int:
@@ -184,8 +180,7 @@ def _of_scene(options: Namespace) -> Samples | int:
     from polhode.judging.references.reference import reference as reference_of
 
     scene = library.load(options.what_of)
-    if options.scene is not None:
-        raise BadInput(scene.name, "--scene", options.scene, "no --scene: it is for a FILE")
+    table_file.refuse_for_scene(options, scene.name)
     if options.what not in FREE_OF_GAMMA and scene.gamma is None:
         raise BadInput(scene.name, "--what", options.what, "a scene with start.gamma")
     end = None if options.end is None else _time(scene, options.end)
@@ -224,7 +219,6 @@ def _of_file(options: Namespace) -> Samples:
     from polhode.figures.canvas import curve_sampling, over_time
     from polhode.figures.drawing import OVER_TIME
     from polhode.judging.references.reference import reference as reference_of
-    from polhode.judging.tables.csv_file import read_table
     from polhode.runs.problem.options import choose_number
 
     what, path = options.what, options.what_of
@@ -238,7 +232,7 @@ def _of_file(options: Namespace) -> Samples:
         if scene is None:
             raise BadInput(path, "--number", options.number, "a --scene to judge the file with it")
         number = choose_number(scene, options.number, options.digits)
-    table = read_table(Path(path), number)
+    table = table_file.table(options, scene, number)
     if what == "error" and scene is not None:
         return over_time.errors_of_table(table, reference_of(scene), number)
     if what == "integrals" and scene is not None:
@@ -246,6 +240,18 @@ def _of_file(options: Namespace) -> Samples:
     found = curve_sampling.of_table(table, scene)
     _refuse_what_is_missing(found, what)
     return found
+
+
+def warn_of_motion(found: Samples) -> None:
+    """Say on stderr what a file that is shown in motion is not."""
+    from polhode.figures.sampled_motion import ANOTHER, of_samples
+
+    motion = of_samples(found)
+    if far := motion.coarse():
+        note(f"{found.name}: {far}")
+    if not motion.on_level():
+        told = "polhode compare FILE SCENE says which convention or cause"
+        note(f"{found.name}: {ANOTHER[0].lower()}{ANOTHER[1:].rstrip('.')}; {told}")
 
 
 def _refuse_what_is_missing(found: Samples, what: str) -> None:
@@ -264,7 +270,10 @@ def _refuse_what_is_missing(found: Samples, what: str) -> None:
     }
     there, expected = wanted[what]
     if not there:
-        raise BadInput(found.name, "header", ",".join(found.columns), f"{expected} for {what}")
+        expected = f"{expected} for {what}"
+        if what == "angles" and found.has(ATTITUDE):
+            expected += "; --what attitude draws its q0, q1, q2, q3"
+        raise BadInput(found.name, "header", ",".join(found.columns), expected)
     if len(found.columns["t"]) < 3:
         raise BadInput(found.name, "file", None, "three rows or more, to draw a curve")
 

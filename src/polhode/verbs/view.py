@@ -6,7 +6,7 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
 from polhode.scenes import library
-from polhode.verbs import plot
+from polhode.verbs import plot, table_file
 from polhode.verbs.terminal import DONE, print_json, refuse_two_on_stdout, say, whole, word
 
 HELP = "a motion as one animated HTML page that needs nothing else"
@@ -15,7 +15,7 @@ HELP = "a motion as one animated HTML page that needs nothing else"
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
     parser.add_argument(
-        "what_of", type=word, metavar="SCENE|FILE", help="a case, a scene's path, or a CSV"
+        "what_of", type=word, metavar="SCENE|FILE", help="a case, a scene's path, or a table"
     )
     parser.add_argument(
         "-o", dest="file", type=word, required=True, metavar="FILE", help="the page: .html"
@@ -24,6 +24,7 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--scene", type=word, metavar="SCENE", help="for a FILE: the scene that it belongs to"
     )
+    table_file.options(parser)
     parser.add_argument("--number", help="double (default), extended, quad or mp")
     parser.add_argument(
         "--digits", type=whole, help="digits wanted, by which the number type is chosen"
@@ -43,8 +44,10 @@ def main(options: Namespace) -> int:
     found = plot.samples_of(options)
     if isinstance(found, int):
         return found
+    if table_file.is_file(options.what_of):
+        plot.warn_of_motion(found)
     command = f"polhode view {called(Path(options.what_of))}"
-    text = page_of(found, command, plot.is_file(options.what_of))
+    text = page_of(found, command, table_file.is_file(options.what_of))
     write_whole({path: text})
     t = found.columns["t"]
     if options.json:

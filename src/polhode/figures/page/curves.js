@@ -73,7 +73,7 @@ class Curves {
 
 // An angle as it is printed: the tilt in degrees, what goes round in turns where these are many.
 function told(angle, row, low, high) {
-  if (!Number.isFinite(angle)) return "not defined at a pole";
+  if (!Number.isFinite(angle)) return "not shown: at a pole, or rows too far apart";
   const turns = row > 0 && high - low > 2 * Math.PI * TURNS;
   return turns ? `${(angle / 2 / Math.PI).toFixed(2)} turns` : `${(angle * 180 / Math.PI).toFixed(1)}°`;
 }

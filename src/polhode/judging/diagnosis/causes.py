@@ -1,7 +1,8 @@
 """Why a table leaves the motion: another constant of the body, another start, another clock.
 
-One number at a time is fitted to the table, by Gauss's and Newton's method on the motion integrated
-in double, over rows from the first ones on, so that a motion that turns many times is not lost.
+One number at a time (of a symmetric body its equal moments, too, as one) is fitted to the table, by
+Gauss's and Newton's method on the motion integrated in double, over rows from the first ones on, so
+that a motion that turns many times is not lost.
 Where one number makes the table right to three digits more, it is told, with the digits that it is
 fitted to.  Nothing is changed: it may be the program's mistake, or the scene's.
 
@@ -173,21 +174,32 @@ def _candidates(scene: Scene, columns: Sequence[int]) -> Iterator[_Candidate]:
         for i, letter in enumerate("ABC"):
             own = to_double(body.inertia[i][i])
             words = f"the moment {letter} = {{}} (the scene's is {own:.6g})"
-            yield _Candidate(words, partial(_of_body, scene, i, None), own, own)
+            yield _Candidate(words, partial(_of_body, scene, (i,), None), own, own)
+        if equal := _equal_moments(body):
+            own = to_double(body.inertia[equal[0]][equal[0]])
+            letters = " = ".join("ABC"[i] for i in equal)
+            words = f"the moments {letters} = {{}} (the scene's are {own:.6g})"
+            yield _Candidate(words, partial(_of_body, scene, equal, None), own, own)
     if scene.columns[3:] and body.weight:
         own = to_double(body.weight)
         words = f"a weight, or a distance of the centre, of {{}} times the scene's {own:.6g}"
-        yield _Candidate(words, partial(_of_body, scene, None, None), 1.0, 1.0)
+        yield _Candidate(words, partial(_of_body, scene, (), None), 1.0, 1.0)
         size = to_double(max(map(abs, body.centre)))
         for i, axis in enumerate("xyz"):
             own = to_double(body.centre[i])
             words = f"the centre's {axis} = {{}} (the scene's is {own:.6g})"
-            yield _Candidate(words, partial(_of_body, scene, None, i), own, size)
+            yield _Candidate(words, partial(_of_body, scene, (), i), own, size)
     rate = max([to_double(abs(w)) for w in scene.omega]) or 1.0
     for i, name in enumerate(STATE[:3]):
         own = to_double(scene.omega[i])
         words = f"{name} = {{}} at t = 0 (the scene's is {own:.6g})"
         yield _Candidate(words, partial(_of_start, scene, i, rate), own, rate)
+
+
+def _equal_moments(body: Body) -> tuple[int, ...]:
+    """The axes of moments that are equal, empty where all differ."""
+    own = [body.inertia[i][i] for i in range(3)]
+    return tuple(i for i in range(3) if own.count(own[i]) > 1)
 
 
 def _of_clock(scene: Scene, columns: Sequence[int]) -> Iterator[_Candidate]:
@@ -222,13 +234,17 @@ def _faster(scene: Scene, x: float, times: Sequence[Fraction]) -> Doubles | None
 
 
 def _of_body(
-    scene: Scene, moment: int | None, centre: int | None, x: float, times: Sequence[Fraction]
+    scene: Scene,
+    moments: Sequence[int],
+    centre: int | None,
+    x: float,
+    times: Sequence[Fraction],
 ) -> Doubles | None:
-    """The motion of a body with another moment, or component of the centre; neither: weight."""
+    """The motion of a body with other moments, or component of the centre; neither: weight."""
     body, by = scene.body, Fraction(x)
-    weight = body.weight if centre is not None or moment is not None else body.weight * (1 + by)
+    weight = body.weight if centre is not None or moments else body.weight * (1 + by)
     a, b, c = (
-        _moved(row, i if i == moment else None, by * row[i]) for i, row in enumerate(body.inertia)
+        _moved(row, i if i in moments else None, by * row[i]) for i, row in enumerate(body.inertia)
     )
     middle = _moved(body.centre, centre, by * max(map(abs, body.centre)))
     try:

@@ -23,6 +23,8 @@ UNKNOWN = "unknown (the digits to expect were not computed)"
 THIN, THIN_TAKES = 5e-5, 2.0
 OF_THIN = "unknown (steps of so thin a body lose more than the expected digits allow for)"
 ALONE = 0.03  # digits: what steps add to an error three times theirs
+#: What a table that is no run of polhode's may have instead of a method's error.
+BEYOND_ROUNDING = "more than rounding: the program's steps, noise, or another motion"
 
 
 def limit(

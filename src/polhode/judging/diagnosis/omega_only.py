@@ -45,6 +45,11 @@ class OmegaAlone:
         off = max(abs(x) for x in (self.drift.gamma, self.drift.f) if x is not None)
         return -math.log10(off) if off > 0 else math.inf
 
+    @property
+    def concludes(self) -> bool:
+        """Whether it says anything of omega: derivatives tell, and gamma has about length 1."""
+        return self.derivative >= TELLING and self.satisfied >= 0
+
     def __str__(self) -> str:
         found = (
             f"gamma from omega, its derivative and the energy ({SOURCE}): "

@@ -17,6 +17,8 @@ def as_read(subject: Subject, readings: Sequence[Reading]) -> Subject:
             continue
         if part == "attitude" and subject.attitude is not None:
             subject = replace(subject, attitude=[change.row([*row]) for row in subject.attitude])
+        elif part == "angles" and subject.angles is not None and change.order:
+            subject = replace(subject, angles=[change.row([*row]) for row in subject.angles])
         elif part in ("omega", "gamma") and subject.states is not None and change.order:
             place = slice(0, 3) if part == "omega" else slice(3, 6)
             states = [[None if x is None else exactly(x) for x in row] for row in subject.states]

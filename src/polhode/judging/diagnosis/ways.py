@@ -172,6 +172,8 @@ def _is_steady(values: Doubles) -> bool:
 def _of_angles(values: Doubles, right: Right) -> Iterator[Way]:
     true = right.matrices
     yield Way("", _against(turns("zxz", values), true), Change())
+    held = turns("zxz", _DEGREE * values)
+    yield Way("in degrees", _against(held, true), Change(SAME, (1, 1, 1), 1))
     found: list[tuple[int, Way]] = []
     for sequence in _SEQUENCES:
         for factor, unit in ((1.0, ""), (_DEGREE, "in degrees")):

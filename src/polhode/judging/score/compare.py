@@ -26,7 +26,7 @@ from polhode.judging.score.judgement import Judgement
 from polhode.judging.score.part_digits import fewest
 from polhode.judging.score.report_text import SHOWN
 from polhode.judging.score.score import AnyReference, does_not_answer
-from polhode.judging.tables.array_file import ENDINGS, arrays
+from polhode.judging.tables.array_file import ENDINGS, read_arrays
 from polhode.judging.tables.candidate import Subject, of_run, of_table
 from polhode.judging.tables.csv_file import open_table
 from polhode.judging.tables.csv_layout import Naming, naming
@@ -176,9 +176,7 @@ def compare(
             raise BadInput(scene.name, "digits", digits, "number given with it: mp")
         kind = None if number is None else choose_number(scene, number, digits)
         if isinstance(what, (str, Path)) and Path(what).suffix.lower() in ENDINGS:
-            meant = _naming(columns) or Naming()
-            held, own = arrays(Path(what), meant)
-            what = table_of_columns(held, kind or own, str(what), meant.column)
+            what = read_arrays(Path(what), kind, _naming(columns))
         elif isinstance(what, (str, Path)):
             file = open_table(Path(what), kind, _naming(columns))
             some = None if first is None else file.some(SHOWN)

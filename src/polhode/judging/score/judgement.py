@@ -20,14 +20,22 @@ from polhode.judging.conditioning.lyapunov import Lyapunov, lyapunov
 from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.diagnosis.causes import Cause, causes
 from polhode.judging.diagnosis.departure import Departure, departure
-from polhode.judging.diagnosis.error_budget import LAST, between, chance, is_lost, is_thin, limit
+from polhode.judging.diagnosis.error_budget import (
+    BEYOND_ROUNDING,
+    LAST,
+    between,
+    chance,
+    is_lost,
+    is_thin,
+    limit,
+)
 from polhode.judging.diagnosis.omega_only import OmegaAlone, omega_alone
 from polhode.judging.references.reference import by_sign
 from polhode.judging.score.part_digits import PartDigits, RowDigits, fewest
 from polhode.judging.score.report_text import SHOWN, table, together
 from polhode.judging.score.score import AnyReference, HeldAgainst
 from polhode.judging.tables.candidate import Subject, of_table
-from polhode.judging.tables.reading import WRONG, Reading
+from polhode.judging.tables.reading import TURNS, WRONG, Reading
 from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.decimals import brief
@@ -134,19 +142,27 @@ class Judgement(Result, ByValue):
     def _others(self) -> dict[str, RowDigits]:
         """Digits of what is no column of the state, as it is read."""
         found = {k: part for k, part in self._held.parts.items() if isinstance(part, PartDigits)}
+        strict = not self._may_turn
         return {
-            name: part.digits if self.as_it_stands or not part.is_turned else part.turned or ()
+            name: part.digits if strict or not part.is_turned else part.turned or ()
             for name, part in found.items()
         }
+
+    @property
+    def _may_turn(self) -> bool:
+        """Whether angles may be right up to whole turns: unless told to judge them as they are."""
+        return not self.as_it_stands or any(x.part == "angles" for x in self.subject.readings)
 
     @property
     def _turns(self) -> tuple[Reading, ...]:
         """That psi and phi are read up to whole turns, where they are."""
         angles = self._held.parts.get("angles")
-        if self.as_it_stands or not isinstance(angles, PartDigits) or not angles.is_turned:
+        if not self._may_turn or not isinstance(angles, PartDigits) or not angles.is_turned:
+            return ()
+        if any(one.convention == TURNS for one in self.subject.readings):
             return ()
         before, now = (fewest(d or (), self.subject.held) for d in angles)
-        return (Reading("angles", before, "psi and phi up to whole turns", now),)
+        return (Reading("angles", before, TURNS, now),)
 
     @property
     def reading(self) -> str | None:
@@ -295,13 +311,13 @@ class Judgement(Result, ByValue):
         :func:`polhode.judging.diagnosis.error_budget.limit`.
 
         Empty where the state was not judged, and of a table that is wrong in the first digit or
-        would be right in another convention: then its method is not to blame.
+        would be right in a convention that is not applied: then its method is not to blame.
         """
         if not self.digits:
             return ""
         found = self._limit
         blamed = self.subject.run is None and found.startswith("method")
-        return "" if blamed and (self.state_worst < LAST or self.readings) else found
+        return "" if blamed and (self.state_worst < LAST or self.offers) else found
 
     @cached_property
     def _limit(self) -> str:
@@ -374,9 +390,10 @@ class Judgement(Result, ByValue):
     @property
     def readings(self) -> tuple[Reading, ...]:
         """Conventions in which parts of a table that is wrong as it stands are right: those that
-        were applied; where none was, those in which they would be."""
+        were applied, and those in which parts still wrong would be."""
         known = (*self.subject.readings, *self._turns)
-        return known or self.offers
+        read = {one.part for one in known}
+        return (*known, *(one for one in self.offers if one.part not in read))
 
     @cached_property
     def offers(self) -> tuple[Reading, ...]:
@@ -431,7 +448,7 @@ class Judgement(Result, ByValue):
         lines += [f"{name}: {'; '.join(texts)}" for name, texts in told.items()]
         lines += [str(reading) for reading in self.readings]
         lines += [str(cause) for cause in self.causes]
-        if self.omega_alone is not None:
+        if self.omega_alone is not None and self.omega_alone.concludes:
             lines.append(str(self.omega_alone))
         if self.drift is not None:
             lines.append(f"drift {self.drift}")
@@ -442,9 +459,19 @@ class Judgement(Result, ByValue):
         return "\n".join(lines)
 
     @property
+    def _is_foreign(self) -> bool:
+        """Whether the limit is called a method of which nothing is known: that of a table."""
+        return self.subject.run is None and self.limit.startswith("method")
+
+    @property
+    def _limit_in_words(self) -> str:
+        """The limit as it is printed: of a table it may be anything but rounding."""
+        return BEYOND_ROUNDING if self._is_foreign else self.limit
+
+    @property
     def _unlimited(self) -> str:
         """Why no limit is named."""
-        if self.readings:
+        if self.offers:
             return "no limit is named, since another convention gives more digits"
         return "wrong in the first digit, so no limit is named"
 
@@ -452,8 +479,10 @@ class Judgement(Result, ByValue):
     def _headline(self) -> str:
         """The fewest digits of all, and what limits those of the state."""
         read = f"; read as {self.reading}" if self.reading else ""
-        limited = f"limited by {self.limit}" if self.limit else self._unlimited
-        if self.chance is not None and self.chance > RARE:
+        limited = f"limited by {self._limit_in_words}" if self.limit else self._unlimited
+        if self.causes:
+            limited = "no limit is named, since another number explains the error"
+        elif self.chance is not None and self.chance > RARE:
             limited += f", or by chance: one run in {1 / self.chance:.0f} has so few digits"
         limited += read
         if self.digits and self.lost:
@@ -470,7 +499,7 @@ class Judgement(Result, ByValue):
     def __repr__(self) -> str:
         try:
             told = f"worst {self.worst:.2f} correct digits at t = {brief(self.worst_time)}"
-            told += f", limited by {self.limit}" if self.limit else ""
+            told += f", limited by {self._limit_in_words}" if self.limit else ""
             told += f", read as {self.reading}" if self.reading else ""
         except BadInput:
             told = "nothing was judged"

@@ -52,7 +52,7 @@ def together(notes: Sequence[str]) -> list[str]:
     for one, many in _OF_COLUMNS.items():
         same = [k for k, note in enumerate(told) if note.endswith(one)]
         if len(same) > 1:
-            names = " ".join(told[k].split()[1] for k in same)
+            names = " ".join(told[k].removeprefix("column ").removesuffix(one) for k in same)
             told[same[0]] = f"columns {names}{many}"
             told = [note for k, note in enumerate(told) if k not in same[1:]]
     return told

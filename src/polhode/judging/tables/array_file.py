@@ -15,6 +15,7 @@ from polhode.common.files import read_whole
 from polhode.judging.tables.column_aliases import column
 from polhode.judging.tables.csv_file import MAX_BYTES
 from polhode.judging.tables.csv_layout import Naming
+from polhode.judging.tables.table import Table, table_of_columns
 from polhode.numbers.conversion import exactly
 from polhode.numbers.expression import decimal
 from polhode.numbers.number_types import MAX_DIGITS, NAMES, NumberType, bits_for
@@ -30,6 +31,13 @@ _AXES = {3: "xyz", 4: "wxyz"}
 
 #: Columns by the names in the file.
 Arrays: TypeAlias = "Mapping[str, object] | pd.DataFrame"
+
+
+def read_arrays(path: Path, number: NumberType | None, names: Naming | None = None) -> Table:
+    """A file of arrays as a table; raises BadInput.  ``number``: of its numbers, where given."""
+    names = names or Naming()
+    held, own = arrays(path, names)
+    return table_of_columns(held, number or own, str(path), names.column)
 
 
 def arrays(path: Path, names: Naming) -> tuple[Arrays, NumberType | None]:

@@ -137,7 +137,7 @@ def of_run(run: Trajectory) -> Subject:
 def of_table(table: Table, scene: Scene) -> Subject:
     """A table as what is judged: its columns as far as the scene has them."""
     number, there = table.number, table.columns
-    notes = [f"column {name} is not known and was not judged" for name in table.ignored]
+    notes = [f"column {_quoted(name)} is not known and was not judged" for name in table.ignored]
     unjudged = not_judged()
     notes += [f"column {n} was not judged: {why}" for n, why in unjudged.items() if n in there]
     if not scene.columns[3:]:
@@ -168,6 +168,11 @@ def of_table(table: Table, scene: Scene) -> Subject:
         notes=tuple(notes),
         remarks=table.remarks,
     )
+
+
+def _quoted(name: str) -> str:
+    """A column's name, in quotation marks where it is no word."""
+    return name if name and not any(map(str.isspace, name)) else repr(name)
 
 
 def judged_words() -> list[str]:

@@ -6,7 +6,7 @@ import csv
 import io
 import string
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import TextIO
@@ -37,8 +37,8 @@ class TableFile:
     """The lines of a CSV file, comments blank, whose cells are still to be read.
 
     ``number``: its decimals stand for numbers of it; that which the JSON that polhode wrote beside
-    it names, unless given.  ``beside``: what that JSON says.  ``separator``, ``before``, ``names``:
-    see :mod:`polhode.judging.tables.csv_layout`.
+    it names, unless given.  ``beside``: what that JSON says.  ``separator``, ``before``, ``names``,
+    ``commas``: see :mod:`polhode.judging.tables.csv_layout`.
     """
 
     path: Path
@@ -48,6 +48,7 @@ class TableFile:
     separator: str = ","
     before: int = 0
     names: Naming = field(default_factory=Naming)
+    commas: bool = False
 
     @property
     def table(self) -> Table:
@@ -92,7 +93,10 @@ class TableFile:
             raise BadInput(str(path), "header", ",".join(header), expected)
         if len(rows) == 1:
             raise BadInput(str(path), "file", None, "at least one line of numbers")
-        return _table(path, header, named, rows[1:], self.number, self.beside)
+        found = _table(path, header, named, rows[1:], self.number, self.beside)
+        if self.commas:
+            found = replace(found, remarks=(*found.remarks, "read as: decimal commas"))
+        return found
 
 
 def open_table(path: Path, number: NumberType | None, names: Naming | None = None) -> TableFile:
@@ -111,12 +115,14 @@ def open_table(path: Path, number: NumberType | None, names: Naming | None = Non
     names = names or Naming()
     laid = layout(lines, names)
     about = Sidecar() if piped else beside(path)
-    return TableFile(path, laid.lines, number, about, laid.separator, laid.before, names)
+    return TableFile(
+        path, laid.lines, number, about, laid.separator, laid.before, names, laid.commas
+    )
 
 
-def read_table(path: Path, number: NumberType | None) -> Table:
-    """A CSV file as a table; raises BadInput.  ``number``: see :class:`TableFile`."""
-    return open_table(path, number).table
+def read_table(path: Path, number: NumberType | None, names: Naming | None = None) -> Table:
+    """A CSV file as a table; raises BadInput.  ``number``, ``names``: see :func:`open_table`."""
+    return open_table(path, number, names).table
 
 
 def _no_text(path: Path) -> BadInput:

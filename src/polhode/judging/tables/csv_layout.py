@@ -1,11 +1,13 @@
 """How a table's text is laid out: its separator, where its header stands, what its columns mean.
 
-Separators are comma, semicolon, tab, or blanks, as the first line of the table has them.  A header
-may stand in a comment (``# t p q r``, as NumPy writes it), or be given.
+Separators are comma, semicolon, tab, or blanks, as the first line of the table has them.  Between
+semicolons the numbers may have decimal commas, if none has a point.  A header may stand in a
+comment (``# t p q r``, as NumPy writes it), or be given.
 """
 
 from __future__ import annotations
 
+import re
 import string
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -18,6 +20,7 @@ from polhode.numbers.expression import ExpressionError
 
 SEPARATORS = ",;\t"
 _BLANK = SEPARATORS + string.whitespace
+_WITH_COMMA = re.compile(r"[+-]?(?:\d+,\d*|,\d+)(?:[eE][+-]?\d+)?")
 
 
 @dataclass(frozen=True)
@@ -40,12 +43,14 @@ class Naming:
 class Layout:
     """Lines whose first that is not blank is the header, and what separates their cells.
 
-    ``before``: lines in front of them that the file does not have.
+    ``before``: lines in front of them that the file does not have.  ``commas``: whether the
+    file's decimal commas became points.
     """
 
     lines: tuple[str, ...]
     separator: str
     before: int = 0
+    commas: bool = False
 
 
 def naming(text: str) -> Naming:
@@ -76,6 +81,10 @@ def layout(lines: Sequence[str], names: Naming) -> Layout:
     first = next((k for k, line in enumerate(plain) if line.strip(_BLANK)), None)
     if first is None:
         return Layout(tuple(plain), ",")
+    rows = first + _is_header(plain[first])
+    commas = ";" in plain[first] and _have_decimal_commas(plain[rows:])
+    if commas:
+        plain[rows:] = [line.replace(",", ".") for line in plain[rows:]]
     separator = _separator(plain[first])
     before = 0
     if _is_row(plain[first], separator):
@@ -90,7 +99,19 @@ def layout(lines: Sequence[str], names: Naming) -> Layout:
         plain[first] = _joined(names.header, separator)
     if separator == " " and not any('"' in line for line in plain):
         plain = [" ".join(line.split()) + "\n" for line in plain]
-    return Layout(tuple(plain), separator, before)
+    return Layout(tuple(plain), separator, before, commas)
+
+
+def _have_decimal_commas(rows: Sequence[str]) -> bool:
+    """Whether cells between semicolons are numbers with a comma, or have neither comma nor point,
+    and one has a comma."""
+    marked = [cell for line in rows for cell in _cells(line, ";") if "," in cell or "." in cell]
+    return bool(marked) and all(_WITH_COMMA.fullmatch(cell) for cell in marked)
+
+
+def _is_header(line: str) -> bool:
+    """Whether a line between semicolons has a cell that begins like a name."""
+    return any(cell[:1].isalpha() for cell in _cells(line, ";"))
 
 
 def _commented(lines: Sequence[str], first: int, count: int, names: Naming) -> int | None:
