@@ -165,9 +165,10 @@ def test_derivatives_along_a_great_circle_and_their_bounds():
     """At 50 digits, beside Taylor's coefficients of mpmath; the bounds hold and are not slack."""
     rng = random.Random(5)
     nearest = [0.0, 0.0]
-    for _ in range(40):
-        moments = tuple(Fraction(rng.randint(30, 90), 40) for _ in range(3))
-        torque = tuple(Fraction(rng.randint(-30, 30), 30) for _ in range(3))
+    for k in range(80):  # a nearly spherical free body comes close to the bounds
+        apart, heavy = (40, 1) if k % 2 else (4000, 0)
+        moments = tuple(1 + Fraction(rng.randint(-20, 30), apart) for _ in range(3))
+        torque = tuple(heavy * Fraction(rng.randint(-30, 30), 30) for _ in range(3))
         f = Fraction(rng.randint(1, 60), 20)
         with mpmath.workdps(60), ctx.workprec(220):
             g, u = frame(rng)
@@ -187,11 +188,11 @@ def test_derivatives_along_a_great_circle_and_their_bounds():
             right = [mpmath.factorial(k) * c for k, c in enumerate(mpmath.taylor(along, 0, 4))]
             for got, expected in zip(known.derivatives(*of), right[1:4], strict=True):
                 assert abs(float(got - arb(str(expected)))) < 1e-45
-            for k, (bound, order) in enumerate(zip(known.bounds(), (2, 4), strict=True)):
-                ratio = float(abs(arb(str(right[order]))) / bound)
+            for which, bound in enumerate(known.bounds()):
+                ratio = float(abs(arb(str(right[2 * which + 2]))) / bound)
                 assert ratio <= 1
-                nearest[k] = max(nearest[k], ratio)
-    assert min(nearest) > 0.2
+                nearest[which] = max(nearest[which], ratio)
+    assert min(nearest) > 0.75
 
 
 def frame(rng):
