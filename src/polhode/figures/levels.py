@@ -37,6 +37,7 @@ SHADES: dict[Region, str] = {
     (1, 1, 1): "#f3d9b1",
 }
 OTHER = "#e4e4e4"
+HATCH = "////"
 
 
 class Window(NamedTuple):
@@ -65,8 +66,8 @@ def window(found: Levels, f: Any = None, h: Any = None) -> Window:
         low, high = [here[1]], [here[1]]
         for at in np.linspace(f[0], f[1], 9):
             for column in found.columns(abs(at), abs(at), 1):
-                low.append(column.energies[0])
-                high.append(column.energies[-1])
+                low.extend(column.energies[:1])
+                high.extend(column.energies[-1:])
         margin = 0.08 * (max(high) - min(low)) or 1.0
         h = (min(low) - margin, max(high) + margin)
     return Window((float(f[0]), float(f[1])), (float(h[0]), float(h[1])))
@@ -114,7 +115,6 @@ def draw(plt: Any, what: Diagram, axes: Any = None) -> Any:
 
 
 def _shades(axes: Axes, found: Levels, shown: Window) -> None:
-    top = max(shown.h)
     span = (shown.f[1] - shown.f[0]) / 1e6  # f = 0 itself may be critical everywhere
     ends = [x or (span if x == shown.f[0] else -span) for x in shown.f]
     columns = found.columns(ends[0], ends[1], COLUMNS)
@@ -126,15 +126,22 @@ def _shades(axes: Axes, found: Levels, shown: Window) -> None:
         else:
             pairs = [(left, left, left.f, middle), (right, right, middle, right.f)]
         for one, other, f0, f1 in pairs:
-            seen |= _strip(axes, one, other, (f0, f1), top)
+            seen |= _strip(axes, one, other, (f0, f1), shown.h)
     for k, region in enumerate(sorted(seen, key=lambda region: (len(region), region))):
-        axes.fill([], [], color=SHADES.get(region, OTHER), label=name(region), gid=f"region {k}")
+        (patch,) = axes.fill([], [], color=SHADES.get(region, OTHER))
+        patch.set(label=name(region), gid=f"region {k}")
+        if not region:
+            patch.set(facecolor="#ffffff", edgecolor="#888888", hatch=HATCH, linewidth=0)
 
 
 def _strip(
-    axes: Axes, one: Column, other: Column, f: tuple[float, float], top: float
+    axes: Axes, one: Column, other: Column, f: tuple[float, float], h: tuple[float, float]
 ) -> set[Region]:
-    """The regions between two columns that have the same ones."""
+    """The regions between two columns that have the same ones; hatched where none is decided."""
+    if not one.regions:
+        axes.fill_between(f, *h, facecolor="#ffffff", edgecolor="#888888", hatch=HATCH, linewidth=0)
+        return {()}
+    top = max(h)
     seen = set()
     for k, region in enumerate(one.regions):
         low = one.energies[k], other.energies[k]
@@ -186,7 +193,9 @@ def _legends(legend: Any, axes: Axes, drawn: set[Any], kinds: set[str]) -> None:
 
 
 def name(region: Region) -> str:
-    """A region's topology, short."""
+    """A region's topology, short; of none, that it is not decided."""
+    if not region:
+        return "not decided"
     names = {0: "RP³", 1: "S³", 2: "S²×S¹"}
     counted = {k: region.count(k) for k in region}
     return " + ".join(

@@ -90,7 +90,7 @@ def _say(found: Levels) -> None:
         for value in here.fourth.critical:
             say(f"  {value.value:<20.12g}{value.what}")
     if not found.exact:
-        say("decided for the body's or the level's irrational numbers rounded to 1024 bits")
+        say("decided with the irrational numbers of the body, or h and f, rounded to 1024 bits")
 
 
 _LARGEST = 1e306  # of what an axis shows

@@ -7,98 +7,125 @@ in the start form), which meet over its edge.  A connected part of U with k edge
 (k = 0), S^3 (k = 1) or a sum of k - 1 copies of S^2 x S^1.
 
 Parts and edges come from the critical points of W_f below h: a part holds n0 minima, n1 saddles,
-n2 maxima and has k = 2 - (n0 - n1 + n2) edges.  Two critical points are in one part if a path of
-steepest descent from one ends at the other.  Of a body symmetric about an axis that carries its
-centre of mass W_f is a function of the height u on that axis alone, and its parts are intervals.
+n2 maxima and has k = 2 - (n0 - n1 + n2) edges.  Two critical points are in one part if a descent
+from one ends at the other, which is proven in balls (:mod:`polhode.dynamics.levels.descents`).  Of
+a body symmetric about an axis that carries its centre of mass W_f is a function of the height u on
+that axis alone, and its parts are intervals.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from fractions import Fraction
 from itertools import pairwise
 from typing import NamedTuple, TypeAlias
 
-import numpy as np
 from flint import arb, fmpq_poly
 
+from polhode.dynamics.levels.descents import Critical, Descents, Undecided
 from polhode.dynamics.levels.permanent_rotations import Arc
 from polhode.dynamics.levels.rotation_arcs import BITS, RationalBody
+from polhode.numbers.exact import EQUAL_BITS
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.polynomials import middle, rational, real_roots
-from polhode.numbers.rows import Doubles
 
 #: Edges of each part of U, ascending; () where the level does not exist.
 Region: TypeAlias = tuple[int, ...]
 
-_STEP, _MOST = 0.02, 4000  # radians of a step of descent; steps
-_NEAR = 1e-6  # of a critical point, in radians
-_AXES = np.eye(3)
+_BESIDE = Fraction(1, 2**100)  # of f, where two critical points meet at f
+
+#: Regions by the pieces of all critical points, in the order of their energies, and how many of
+#: them are below: neighbouring f of a figure have the same.
+Known: TypeAlias = dict[tuple[tuple[tuple[int, int], ...], int], Region]
 
 
-class Critical(NamedTuple):
-    """A critical point of W_f: gamma in principal axes, W_f, how many directions lower it.
+class CriticalPoints(NamedTuple):
+    """Those of W_f by rising value, computed at ``f`` in balls of ``bits`` bits.
 
-    ``piece``: the arc and its segment on which it lies.
+    ``apart``: a bound of how far the values are from those at the f asked for: 0 but where two
+    points meet there.  Values that do not differ by more count as one.
     """
 
-    gamma: tuple[float, float, float]
-    value: arb
-    morse: int
-    piece: tuple[int, int] = (0, 0)
+    points: list[Critical]
+    f: Fraction
+    apart: Fraction
+    bits: int
+
+    def same(self, one: Critical, other: Critical) -> bool:
+        """Whether two of them, by rising value, count as one energy."""
+        return not bool(other.value - one.value > rational(self.apart))
 
 
-#: Regions by the pieces whose critical points are below them: neighbouring f have the same.
-Known: TypeAlias = dict[tuple[tuple[int, int], ...], Region]
+class _Meeting(Exception):
+    """An f at which two permanent rotations meet."""
 
 
-class Undecided(Exception):
-    """A level that is itself critical, or so near that double precision does not tell it apart."""
+def critical_points(
+    body: RationalBody, arcs: Sequence[Arc], f: Fraction, bits: int = BITS
+) -> CriticalPoints:
+    """The critical points of W_f, not of a body whose critical points form circles.
 
-
-def critical_points(body: RationalBody, arcs: Sequence[Arc], f: Fraction) -> list[Critical]:
-    """Those of W_f, by rising value; raises Undecided at an f where two of them meet.
-
-    Not of a body whose critical points form circles.
+    Where values agree that are not those of mirror images the balls get as many bits as the rule
+    for *equal* (:mod:`polhode.numbers.exact`).  At an f where two points meet they are computed at
+    an f that is larger by 2^-100 of itself: along an arc
+    dh = om df, and om is at most f over the least moment, so that between there and f no energy
+    passes an h that is farther from all of them than twice that bound.
     """
-    with ctx.workprec(BITS):
-        if f == 0:
-            if not any(body.torque):
-                raise Undecided("a free body at f = 0 has no isolated permanent rotation")
-            return _at_rest(body)
-        found = []
+    if f == 0:
+        if not any(body.torque):
+            raise Undecided("a free body at f = 0 has no isolated permanent rotation")
+        return CriticalPoints(_at_rest(body), f, Fraction(0), bits)
+    at, apart = abs(f), Fraction(0)
+    try:
+        found = _critical_points(body, arcs, at, bits)
+    except _Meeting:
+        at *= 1 + _BESIDE
+        apart = 2 * at * (at - abs(f)) / min(body.moments)
+        found = _critical_points(body, arcs, at, bits)
+    known = CriticalPoints(found, at, apart, bits)
+    distinct = all(a.value is b.value or not known.same(a, b) for a, b in pairwise(found))
+    if bits == EQUAL_BITS or apart or distinct:
+        return known
+    return critical_points(body, arcs, f, EQUAL_BITS)
+
+
+def _critical_points(
+    body: RationalBody, arcs: Sequence[Arc], f: Fraction, bits: int
+) -> list[Critical]:
+    found = []
+    with ctx.workprec(bits):
         for k, arc in enumerate(arcs):
-            for at in arc.meets(abs(f)):
+            for at in arc.meets(f, bits):
                 point = arc.at(at)
                 number = _segment(arc, at)
-                morse = arc.segments[number].morse
-                if morse is None:
-                    raise Undecided(f"at f = {float(f):g} two permanent rotations meet")
+                morse = None if number is None else arc.segments[number].morse
+                if number is None or morse is None:
+                    raise _Meeting
                 gamma = arc.gamma(point)
                 mirrored = list(gamma)
                 if arc.axis is not None:
                     mirrored[arc.axis] = -gamma[arc.axis]
-                for g in [gamma] if mirrored == gamma else [gamma, mirrored]:
+                for g in [gamma] if arc.axis is None else [gamma, mirrored]:
                     found.append(Critical((g[0], g[1], g[2]), point.h, morse, (k, number)))
     return sorted(found, key=lambda c: middle(c.value))
 
 
 def region(body: RationalBody, arcs: Sequence[Arc], h: Fraction, f: Fraction) -> Region:
-    """The edges of each part of U; raises Undecided on a bifurcation."""
+    """The edges of each part of U; raises Undecided where h is a critical value."""
     if f == 0 and not any(body.torque):  # a free body: W_f is zero everywhere
         if h == 0:
             raise Undecided("rest, in any position")
         return (0,) if h > 0 else ()
     if body.axis is not None:
         return _symmetric(body, body.axis, h, f)
-    below, level = [], arb(rational(h))
-    for point in critical_points(body, arcs, f):
-        if point.value.overlaps(level):
-            raise Undecided("the energy is that of a permanent rotation")
-        if point.value < level:
-            below.append(point)
-    return _parts(body, below, f)
+    for bits in (BITS, EQUAL_BITS):
+        known = critical_points(body, arcs, f, bits)
+        with ctx.workprec(known.bits):
+            low, high = arb(rational(h - known.apart)), arb(rational(h + known.apart))
+        below = [point for point in known.points if point.value < low]
+        if all(point.value > high for point in known.points[len(below) :]):
+            return _parts(_descents(body, known), len(below))
+    raise Undecided("the energy is that of a permanent rotation")
 
 
 def regions_between(
@@ -106,6 +133,7 @@ def regions_between(
 ) -> list[tuple[float, Region]]:
     """At one f: the critical energies by rising h, and the region above each.
 
+    Energies equal by the rule for *equal*, or of rotations that meet at f, are listed once.
     ``known``: regions found at other f of the same body, used and added to.
     """
     known = {} if known is None else known
@@ -119,27 +147,30 @@ def regions_between(
             (float(low), _symmetric(body, body.axis, (low + high) / 2, f))
             for low, high in zip(energies, above, strict=True)
         ]
-    points = critical_points(body, arcs, f)
-    values = [float(point.value) for point in points]
+    at = critical_points(body, arcs, f)
+    points = at.points
+    descents, pieces = _descents(body, at), tuple(point.piece for point in points)
     found = []
-    for k, value in enumerate(values):
-        if k + 1 < len(values) and points[k + 1].value.overlaps(points[k].value):
-            if points[k + 1].value is not points[k].value:
-                raise Undecided("energies that double precision and more do not tell apart")
-            continue  # its mirror image
-        below = points[: k + 1]
-        key = tuple(point.piece for point in below)
-        if key not in known:
-            known[key] = _parts(body, below, f)
-        found.append((value, known[key]))
+    for count, point in enumerate(points, 1):
+        if count < len(points) and at.same(point, points[count]):
+            continue
+        if (pieces, count) not in known:
+            known[pieces, count] = _parts(descents, count)
+        found.append((float(point.value), known[pieces, count]))
     return found
 
 
-def _segment(arc: Arc, at: arb) -> int:
-    """The number of the piece on which a parameter lies."""
+def _descents(body: RationalBody, at: CriticalPoints) -> Descents:
+    return Descents(body, at.f, at.points, at.bits)
+
+
+def _segment(arc: Arc, at: arb) -> int | None:
+    """The number of the piece on which a parameter lies; None where pieces of two indices meet."""
     for k, segment in enumerate(arc.segments):
         if segment.last is None or bool(at < segment.last):
             return k
+        if segment.last.overlaps(at) and segment.morse != arc.segments[k + 1].morse:
+            return None
     return len(arc.segments) - 1
 
 
@@ -147,123 +178,29 @@ def _at_rest(body: RationalBody) -> list[Critical]:
     """f = 0: hanging and upright."""
     square = rational(sum((t * t for t in body.torque), Fraction(0)))
     size = arb(square).sqrt()
-    down = [float(-rational(t) / size) for t in body.torque]
-    up = [-x for x in down]
-    return [
-        Critical((down[0], down[1], down[2]), -size, 0),
-        Critical((up[0], up[1], up[2]), size, 2),
-    ]
+    x, y, z = (rational(t) / size for t in body.torque)
+    return [Critical((-x, -y, -z), -size, 0), Critical((x, y, z), size, 2)]
 
 
 # -- parts by descent ----------------------------------------------------------------------------
 
 
-def _parts(body: RationalBody, below: Sequence[Critical], f: Fraction) -> Region:
-    landscape = _Landscape(body, f)
-    part = list(range(len(below)))
+def _parts(descents: Descents, count: int) -> Region:
+    """The edges of each part that holds some of the lowest ``count`` critical points."""
+    part = list(range(count))
 
     def root(k: int) -> int:
         while part[k] != k:
             k = part[k]
         return k
 
-    for k, point in enumerate(below):
-        for start in landscape.ways_down(point):
-            part[root(k)] = root(landscape.end(start, below, k))
+    for k in range(count):
+        for end in descents.ends(k):
+            part[root(k)] = root(end)
     parts: dict[int, int] = {}
-    for k, point in enumerate(below):
+    for k, point in enumerate(descents.points[:count]):
         parts[root(k)] = parts.get(root(k), 0) + (-1 if point.morse == 1 else 1)
     return tuple(sorted(2 - count for count in parts.values()))
-
-
-class _Landscape:
-    """W_f in doubles, scaled to order one."""
-
-    def __init__(self, body: RationalBody, f: Fraction) -> None:
-        largest = max(body.moments)
-        f2 = f * f / largest
-        scale = f2 / min(body.moments) * largest + max(map(abs, body.torque))
-        self.inertia = np.array([float(a / largest) for a in body.moments])
-        self.torque = np.array([float(t / scale) for t in body.torque])
-        self.f2 = float(f2 / scale)
-
-    def value(self, g: Doubles) -> float:
-        """W_f."""
-        return float(self.f2 / (2 * g @ (self.inertia * g)) + self.torque @ g)
-
-    def derivatives(self, g: Doubles) -> tuple[Doubles, Doubles, Doubles]:
-        """Two unit vectors across gamma (rows), gradient and second variation in their plane."""
-        momentum = self.inertia * g
-        inertia = g @ momentum
-        gradient = self.torque - self.f2 / inertia**2 * momentum
-        second = (
-            4 * self.f2 / inertia**3 * np.outer(momentum, momentum)
-            - self.f2 / inertia**2 * np.diag(self.inertia)
-            - (g @ gradient) * _AXES
-        )
-        least = int(np.argmin(np.abs(g)))
-        first = _unit(_cross(g, _AXES[least]))
-        across = np.array([first, _cross(g, first)])
-        return across, across @ gradient, across @ second @ across.T
-
-    def ways_down(self, point: Critical) -> list[Doubles]:
-        """Where descents begin: two from a saddle, one from a maximum, none from a minimum."""
-        g = np.array(point.gamma)
-        across, _, second = self.derivatives(g)
-        _, directions = np.linalg.eigh(second)
-        if point.morse == 0:
-            return []
-        if point.morse == 1:
-            ways = [directions[:, 0], -directions[:, 0]]
-        else:  # along no symmetry of the body
-            ways = [math.cos(1.0) * directions[:, 0] + math.sin(1.0) * directions[:, 1]]
-        return [_unit(g + 1e-4 * (way @ across)) for way in ways]
-
-    def end(self, g: Doubles, below: Sequence[Critical], start: int) -> int:
-        """The critical point at which a path of steepest descent ends."""
-        others = [(k, np.array(c.gamma)) for k, c in enumerate(below) if k != start]
-        for _ in range(_MOST):
-            across, gradient, second = self.derivatives(g)
-            size = float(np.linalg.norm(gradient))
-            for k, place in others:
-                if np.linalg.norm(place - g) < _NEAR or (size < 1e-12 and _near(place, g, 1e-3)):
-                    return k
-            step: Doubles = -gradient * (_STEP / size if size else 0.0)
-            curve = np.linalg.eigvalsh(second)
-            if curve[0] > 0:  # a bowl: Newton's step where it is short
-                newton = -np.linalg.solve(second, gradient)
-                if np.linalg.norm(newton) < _STEP:
-                    g = _unit(g + newton @ across)
-                    continue
-            elif curve[1] > 0:  # along a valley: no further than its wall's curvature allows
-                step = -gradient * min(_STEP / size, 1 / float(np.abs(curve).max()))
-            g = self._lower(g, step @ across)
-        raise Undecided("a descent between critical points that lie too near to each other")
-
-    def _lower(self, g: Doubles, step: Doubles) -> Doubles:
-        """A step that does not climb."""
-        here = self.value(g)
-        for _ in range(60):
-            moved = _unit(g + step)
-            if self.value(moved) <= here:
-                return moved
-            step = step / 2
-        return moved
-
-
-def _near(place: Doubles, g: Doubles, distance: float) -> bool:
-    return bool(np.linalg.norm(place - g) < distance)
-
-
-def _unit(g: Doubles) -> Doubles:
-    found: Doubles = g / math.sqrt(g @ g)
-    return found
-
-
-def _cross(a: Doubles, b: Doubles) -> Doubles:
-    """numpy's own takes ten times as long for one vector."""
-    (x, y, z), (u, v, w) = a.tolist(), b.tolist()
-    return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
 
 
 # -- symmetric bodies ----------------------------------------------------------------------------
@@ -318,7 +255,7 @@ def _symmetric_energies(
     with ctx.workprec(BITS):
         balls = [arb(rational(h)) for h in found]
         for arc in arcs:
-            for at in arc.meets(abs(f)) if f != 0 else ():
+            for at in arc.meets(abs(f), BITS) if f != 0 else ():
                 h = arc.at(at).h
                 if not any(h.overlaps(ball) for ball in balls):  # an arc may be a pole's own
                     found.add(middle(h))

@@ -16,7 +16,8 @@ from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.levels import effective_potential, permanent_rotations, rotation_arcs
 from polhode.dynamics.levels.arc_sampling import points
-from polhode.dynamics.levels.effective_potential import Region, Undecided
+from polhode.dynamics.levels.descents import Undecided
+from polhode.dynamics.levels.effective_potential import Region
 from polhode.dynamics.levels.fourth_integral import FourthIntegral, fourth_integral
 from polhode.dynamics.levels.permanent_rotations import Arc
 from polhode.dynamics.levels.rotation_arcs import RationalBody, Segment
@@ -31,6 +32,7 @@ from polhode.scenes.given_numbers import AREA, reader
 from polhode.scenes.scene import Scene
 
 DIGIT_BITS = 128  # of what is isolated exactly: 38 digits
+_SHORT_BITS = 256  # of the denominator of a level's rational number
 COLUMNS = 48  # of the regions of a diagram
 
 
@@ -67,7 +69,10 @@ class Curve(NamedTuple):
 
 
 class Column(NamedTuple):
-    """At one f: the energies of permanent rotations, ascending, and the region above each."""
+    """At one f: the energies of permanent rotations, ascending, and the region above each.
+
+    Both empty where they are not decided.
+    """
 
     f: float
     energies: tuple[float, ...]
@@ -123,37 +128,43 @@ class Levels(Result, ByValue):
     def regions(self, f: AnyNumber) -> list[tuple[float, Region]]:
         """At one f: the energies of permanent rotations, ascending, and the region above each.
 
-        Raises BadInput for an f at which two of them meet.
+        Energies of rotations that meet at this f are listed once.  Raises BadInput for f = 0 of a
+        free body, where every position is a rotation's.
         """
         (given,) = each(self.scene.name, "f", (f,), reader(self.scene.units, AREA), "a number")
         near = fraction_near(given, rotation_arcs.BODY_BITS)[0]
         refuse_far(self.scene.name, "f", RationalBody.of(self.scene.body), near)
         (found,) = self._regions([given])
-        if found is None:
-            expected = "an f where no two permanent rotations meet"
+        if isinstance(found, Undecided):
+            expected = f"an f at which the regions are decided ({found})"
             raise BadInput(self.scene.name, "f", shown(given), expected)
         return found
 
     def columns(self, first: float, last: float, count: int = COLUMNS) -> list[Column]:
-        """The regions at so many f, evenly spaced; those at which two rotations meet left out."""
+        """The regions at so many f, evenly spaced; none in a column where they are not decided."""
         body = RationalBody.of(self.scene.body)
         for end in (first, last):
             refuse_far(self.scene.name, "f", body, Fraction(end))
         step = (Fraction(last) - Fraction(first)) / max(1, count - 1)
         at = [Fraction(first) + k * step for k in range(count)]
         pairs = zip(at, self._regions(at), strict=True)
-        return [Column(float(f), *zip(*found, strict=True)) for f, found in pairs if found]
+        return [
+            Column(float(f), (), ())
+            if isinstance(found, Undecided)
+            else Column(float(f), *zip(*found, strict=True))
+            for f, found in pairs
+        ]
 
-    def _regions(self, at: Sequence[Exact]) -> list[list[tuple[float, Region]] | None]:
+    def _regions(self, at: Sequence[Exact]) -> list[list[tuple[float, Region]] | Undecided]:
         body, known = RationalBody.of(self.scene.body), effective_potential.Known()
         arcs = permanent_rotations.arcs(body)
-        found: list[list[tuple[float, Region]] | None] = []
+        found: list[list[tuple[float, Region]] | Undecided] = []
         for f in at:
             near = fraction_near(f, rotation_arcs.BODY_BITS)[0]
             try:
                 found.append(effective_potential.regions_between(body, arcs, near, known))
-            except Undecided:
-                found.append(None)
+            except Undecided as fault:
+                found.append(fault)
         return found
 
 
@@ -230,6 +241,7 @@ def levels(scene: Scene | str | Path) -> Levels:
 def _here(scene: Scene, body: RationalBody, found: tuple[Arc, ...]) -> tuple[Here, bool]:
     energy, area = scene.integrals.energy, scene.integrals.area
     assert area is not None
+    energy, area = simplest(energy), simplest(area)
     (h, h_exact), (f, f_exact) = (fraction_near(x, rotation_arcs.BODY_BITS) for x in (energy, area))
     region, remark = None, ""
     try:
@@ -241,16 +253,24 @@ def _here(scene: Scene, body: RationalBody, found: tuple[Arc, ...]) -> tuple[Her
     return Here(area, energy, least, region, remark, fourth), h_exact and f_exact
 
 
+def simplest(x: Exact) -> Exact:
+    """A rational number that x is by the rule for *equal*, if it is a short one; else x.
+
+    A start on a rational level has an irrational omega, from which h and f are computed.
+    """
+    if isinstance(x, Fraction):
+        return x
+    near = fraction_near(x, rotation_arcs.BODY_BITS)[0].limit_denominator(2**_SHORT_BITS)
+    return near if x == near else x
+
+
 def least_energy(body: RationalBody, found: tuple[Arc, ...], f: Fraction) -> float:
     """The least h at one f: that of the lowest permanent rotation."""
     if f == 0 and not any(body.torque):
         return 0.0
     if body.axis is not None:
         return effective_potential.least_of_symmetric(body, body.axis, found, f)
-    try:
-        return float(effective_potential.critical_points(body, found, f)[0].value)
-    except Undecided:  # where two others meet the lowest is one of them at a neighbouring f
-        return float(effective_potential.critical_points(body, found, f + abs(f) / 2**60)[0].value)
+    return float(effective_potential.critical_points(body, found, f).points[0].value)
 
 
 def _curve(arc: Arc, segment: Segment) -> Curve:

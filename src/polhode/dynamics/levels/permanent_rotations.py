@@ -95,14 +95,13 @@ class FirstArc:
         f = n / ((size * root).sqrt() * root)
         return Point(s, om, f, (n / 2 + t * pole) / (size * root))
 
-    def gamma(self, point: Point) -> list[float]:
+    def gamma(self, point: Point) -> list[arb]:
         """gamma in principal axes."""
         body, s, square = self.body, point.parameter, point.om * point.om
-        held = [
+        return [
             arb(0) if t == 0 else rational(t) / ((rational(a) - s) * square)
             for a, t in zip(body.moments, body.torque, strict=True)
         ]
-        return [float(x) for x in held]
 
     def inside(self, s: arb) -> bool:
         """Whether s is on this arc."""
@@ -110,9 +109,9 @@ class FirstArc:
         after = low is None or bool(s > rational(low))
         return after and (high is None or bool(s < rational(high)))
 
-    def meets(self, f: Fraction) -> Iterator[arb]:
-        """The s at which the arc has the area f > 0."""
-        for root in _first_family_at(self.body, f):
+    def meets(self, f: Fraction, bits: int) -> Iterator[arb]:
+        """The s at which the arc has the area f > 0, to so many bits."""
+        for root in _first_family_at(self.body, f, bits):
             if self.inside(root.ball):
                 yield root.ball
 
@@ -185,23 +184,25 @@ class SecondArc:
         square = om * om
         return Point(om, om, om * a + k / (om * square), square * a / 2 + 3 * k / (2 * square))
 
-    def gamma(self, point: Point) -> list[float]:
+    def gamma(self, point: Point) -> list[arb]:
         """gamma in principal axes, gamma_i > 0; its mirror image is another."""
-        square = float(point.om) ** 2
-        found = [0.0] * 3
+        square = point.om * point.om
+        found = [arb(0)] * 3
         for j, x in self._tilts.items():
-            found[j] = float(x) / square
-        found[self.axis] = max(0.0, 1 - sum(x * x for x in found)) ** 0.5
+            found[j] = rational(x) / square
+        found[self.axis] = (1 - rational(self.least) / square**2).sqrt()
         return found
 
     def inside(self, om: arb) -> bool:
         """Whether om is on this arc, past its beginning."""
         return bool(om > 0) and bool(om**4 > rational(self.least))
 
-    def meets(self, f: Fraction) -> Iterator[arb]:
-        """The om at which the arc has the area f > 0."""
+    def meets(self, f: Fraction, bits: int) -> Iterator[arb]:
+        """The om at which the arc has the area f > 0, to so many bits."""
         a, k = rational(self.body.moments[self.axis]), rational(self._excess)
-        for root in real_roots(fmpq_poly([k, 0, 0, -rational(f), a])):
+        with ctx.workprec(bits):
+            roots = real_roots(fmpq_poly([k, 0, 0, -rational(f), a]))
+        for root in roots:
             if self.inside(root.ball):
                 yield root.ball
 
@@ -288,10 +289,10 @@ def arcs(body: RationalBody) -> tuple[Arc, ...]:
 
 
 @lru_cache(maxsize=4)  # every arc of a body asks for the same
-def _first_family_at(body: RationalBody, f: Fraction) -> list[Root]:
-    """The s of all permanent rotations of the first family with the area f, to BITS bits."""
+def _first_family_at(body: RationalBody, f: Fraction, bits: int) -> list[Root]:
+    """The s of all permanent rotations of the first family with the area f, to so many bits."""
     p, f4 = _polynomials(body), rational(f) ** 4
-    with ctx.workprec(BITS):
+    with ctx.workprec(bits):
         return real_roots(f4 * p.pole * p.pole * p.q * p.q * p.q - p.n**4)
 
 
