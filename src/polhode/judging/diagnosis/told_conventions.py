@@ -11,7 +11,7 @@ from polhode.judging.diagnosis.reading import as_read
 from polhode.judging.diagnosis.time_unit import UNITS
 from polhode.judging.diagnosis.ways import Right, as_it_stands, ways
 from polhode.judging.tables.candidate import Subject
-from polhode.judging.tables.reading import Reading, TimeChange
+from polhode.judging.tables.reading import WHOLE_TURNS, Reading, TimeChange
 from polhode.numbers.rows import Doubles
 
 #: Other words for the same.
@@ -23,6 +23,7 @@ _SAME = {
     "conjugate": "body from space",
     "backward": "t of the other sense",
     "ms": "t milliseconds",
+    "whole turns": WHOLE_TURNS,
 }
 _UP = [f"{axis} {sense}" for axis in "xyz" for sense in ("up", "down")]
 _TIMES = ["t of the other sense", "one step of t late", "one step of t early"]
@@ -30,7 +31,7 @@ _KNOWN = [
     *("degrees", "rpm", "revolutions", "of the other sense", "p q r = q p -r"),
     *("the downward vertical", "gamma1 gamma2 gamma3 = gamma1 -gamma2 -gamma3"),
     *("scalar-last", "q1 the scalar", "body from space", "body x y z = x -y -z", *_UP[:-2]),
-    *("z down", *_TIMES, *(f"t {unit.name}" for unit in UNITS)),
+    *("z down", WHOLE_TURNS, *_TIMES, *(f"t {unit.name}" for unit in UNITS)),
 ]
 _VERTICAL = re.compile(r"space x y z = [-xyz ]+")  # which the rows tell, where its name was told
 
@@ -40,7 +41,11 @@ def read_as_told(subject: Subject, reference: AnyReference, told: str) -> Subjec
 
     Raises BadInput for one that is none of the table's parts.
     """
-    phrases = dict.fromkeys(_plain(text) for text in told.split(",") if text.strip())
+    phrases = _phrases(told)
+    if WHOLE_TURNS in phrases and subject.angles is not None:  # which the judgement itself allows
+        del phrases[WHOLE_TURNS]
+        if not phrases:
+            return subject
     if not phrases:
         raise BadInput(subject.name, "read", told, f"conventions: {', '.join(_KNOWN)}")
     later = dict(other_times(subject, reference.scene, far=True))
@@ -64,6 +69,15 @@ def read_as_told(subject: Subject, reference: AnyReference, told: str) -> Subjec
             expected = f"conventions of its parts: {listed(phrase, _KNOWN)}"
             raise BadInput(subject.name, "read", phrase, expected)
     return as_read(subject, found)
+
+
+def allows_turns(told: str) -> bool:
+    """Whether angles are to be read up to whole turns."""
+    return WHOLE_TURNS in _phrases(told)
+
+
+def _phrases(told: str) -> dict[str, None]:
+    return dict.fromkeys(_plain(text) for text in told.split(",") if text.strip())
 
 
 def _plain(text: str) -> str:

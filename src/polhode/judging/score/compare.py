@@ -18,7 +18,7 @@ from polhode.judging.diagnosis.conventions import readings
 from polhode.judging.diagnosis.motion_in_double import integrated
 from polhode.judging.diagnosis.reading import as_read
 from polhode.judging.diagnosis.time_unit import begins_at_start, time_unit
-from polhode.judging.diagnosis.told_conventions import read_as_told
+from polhode.judging.diagnosis.told_conventions import allows_turns, read_as_told
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference, Remembered, reference
 from polhode.judging.references.two_precisions import TwoPrecisions
@@ -197,8 +197,9 @@ def compare(
     if not (subject.columns or subject.angles or subject.attitude or subject.derived):
         expected = f"columns of {', '.join(against.scene.columns)}, angles or attitude"
         raise BadInput(subject.name, "header", None, expected)
+    told = read is not None and subject.run is None
     if read is not None and subject.run is None:
-        subject, as_it_stands = read_as_told(subject, against, read), True
+        subject, as_it_stands = read_as_told(subject, against, read), not allows_turns(read)
     elif not as_it_stands and subject.run is None:
         subject = _from_the_start(_in_seconds(subject, against), against)
         if isinstance(against, Certified):
@@ -214,7 +215,8 @@ def compare(
             raise
         found = replace(found, reference=Certified(against.scene, **limits))
         _ = found.digits
-    return found if as_it_stands or found.subject.run is not None else _as_read(found)
+    stands = told or as_it_stands or found.subject.run is not None
+    return found if stands else _as_read(found)
 
 
 def _naming(columns: Sequence[str] | None) -> Naming | None:

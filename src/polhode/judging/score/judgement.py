@@ -27,7 +27,7 @@ from polhode.judging.score.part_digits import PartDigits, RowDigits, fewest
 from polhode.judging.score.report_text import SHOWN, table, together
 from polhode.judging.score.score import AnyReference, HeldAgainst
 from polhode.judging.tables.candidate import Subject, of_table
-from polhode.judging.tables.reading import WRONG, Reading
+from polhode.judging.tables.reading import WHOLE_TURNS, WRONG, Reading
 from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.decimals import brief
@@ -146,7 +146,7 @@ class Judgement(Result, ByValue):
         if self.as_it_stands or not isinstance(angles, PartDigits) or not angles.is_turned:
             return ()
         before, now = (fewest(d or (), self.subject.held) for d in angles)
-        return (Reading("angles", before, "psi and phi up to whole turns", now),)
+        return (Reading("angles", before, WHOLE_TURNS, now),)
 
     @property
     def reading(self) -> str | None:

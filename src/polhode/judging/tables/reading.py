@@ -12,6 +12,8 @@ from polhode.numbers.conversion import exactly
 
 #: Digits: below the first a part is wrong as it stands, the second is what a reading must add.
 WRONG, GAIN = 3.0, 3.0
+#: The convention of angles whose whole turns mean nothing.
+WHOLE_TURNS = "psi and phi up to whole turns"
 
 _ROOT_PLACES = 10**1100  # of the square root of two, as of a degree
 
