@@ -198,3 +198,19 @@ def test_components_of_rows_that_are_not_named_are_refused(columns):
 def test_whole_vectors_are_enough(columns):
     for names in (STATE[:3], STATE[3:], ATTITUDE, ["theta"]):
         assert polhode.testing.assert_digits(some(columns, names), SCENE, 12).worst > 12
+
+
+def test_angles_without_whole_turns_pass_where_that_is_named(columns, tmp_path, capsys):
+    mine = some(columns, ANGLES)
+    mine["psi"] = np.remainder(mine["psi"] + np.pi, 2 * np.pi) - np.pi
+    mine["phi"] = np.remainder(mine["phi"] + np.pi, 2 * np.pi) - np.pi
+    gate = ["compare", str(as_csv(mine, tmp_path)), SCENE, "--at-least", "12"]
+    assert cli.main(gate) == 3
+    assert cli.main([*gate, "--read", "psi and phi up to whole turns"]) == 0
+    assert "read as psi and phi up to whole turns" in capsys.readouterr().out
+    mine["phi"] = np.degrees(mine["phi"])
+    mine["psi"], mine["theta"] = np.degrees(mine["psi"]), np.degrees(mine["theta"])
+    as_csv(mine, tmp_path)
+    assert cli.main([*gate, "--read", "whole turns"]) == 3
+    as_csv(some(columns, STATE), tmp_path)
+    assert cli.main([*gate, "--read", "whole turns"]) == 2

@@ -28,6 +28,7 @@ _SAME = {
     "backward": "t of the other sense",
     "ms": "t milliseconds",
     "in degrees": "degrees",
+    "whole turns": TURNS,
 }
 _UP = [f"{axis} {sense}" for axis in "xyz" for sense in ("up", "down")]
 _TIMES = ["t of the other sense", "one step of t late", "one step of t early"]
