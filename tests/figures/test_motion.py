@@ -7,6 +7,8 @@ import json
 import re
 import shutil
 import subprocess
+from dataclasses import replace
+from fractions import Fraction
 from html import unescape
 
 import numpy as np
@@ -287,6 +289,35 @@ def test_a_trajectory_file_of_another_program_is_shown(tmp_path, capsys):
     table.write_text("\n".join(lines[:10] + lines[11:]))
     assert main(["view", str(table), "--scene", TOP, "-o", str(page)]) == 2
     assert "three rows or more at even times" in capsys.readouterr().err
+
+
+def test_a_file_is_shown_in_the_conventions_that_are_told(tmp_path, capsys):
+    """omega in degrees, the scalar last, other names: the same page as of the plain file."""
+    times = [Fraction(k, 20) for k in range(41)]
+    run = polhode.integrate(replace(polhode.load(TOP).at(times), outputs=("attitude",)))
+    t, w = np.array(run.t, dtype=float), run.states[:, :3]
+    q = np.array(run.attitude, dtype=float)
+    tables = {"plain": np.c_[t, w, q], "other": np.c_[1000 * t, np.degrees(w), np.roll(q, -1, 1)]}
+    for name, rows in tables.items():
+        head = "t,p,q,r,q0,q1,q2,q3" if name == "plain" else "clock,p,q,r,q0,q1,q2,q3"
+        path = tmp_path / f"{name}.csv"
+        np.savetxt(path, rows, delimiter=",", fmt="%.17g", header=head, comments="")
+    read = ["--read", "degrees, scalar-last", "--columns", "clock=t*1e-3"]
+    shown = {}
+    for name, told_by_hand in (("plain", []), ("other", read)):
+        page = tmp_path / f"{name}.html"
+        command = ["view", str(tmp_path / f"{name}.csv"), "--scene", TOP, "-o", str(page)]
+        assert main([*command, *told_by_hand]) == 0
+        assert capsys.readouterr().err == ""
+        shown[name] = told(page.read_text(encoding="utf-8"))[1]
+    assert shown["other"] == pytest.approx(shown["plain"], abs=1e-6)
+    picture = ["-o", str(tmp_path / "x.svg")]
+    other = str(tmp_path / "other.csv")
+    assert main(["plot", other, "--what", "omega", "--scene", TOP, *read, *picture]) == 0
+    assert main(["plot", other, "--what", "omega", *read, *picture]) == 2
+    assert "--scene whose conventions are meant" in capsys.readouterr().err
+    assert main(["plot", TOP, "--what", "omega", "--read", "degrees", *picture]) == 2
+    assert "no --read: it is for a FILE" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,8 @@
 """Why a table leaves the motion: another constant of the body, another start, another clock.
 
-One number at a time (of a symmetric body its equal moments, too, as one) is fitted to the table, by Gauss's and Newton's method on the motion integrated
-in double, over rows from the first ones on, so that a motion that turns many times is not lost.
+One number at a time (of a symmetric body its equal moments, too, as one) is fitted to the table, by
+Gauss's and Newton's method on the motion integrated in double, over rows from the first ones on, so
+that a motion that turns many times is not lost.
 Where one number makes the table right to three digits more, it is told, with the digits that it is
 fitted to.  Nothing is changed: it may be the program's mistake, or the scene's.
 

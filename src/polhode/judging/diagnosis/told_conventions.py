@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 from polhode.common.errors import BadInput, listed
@@ -11,9 +12,11 @@ from polhode.judging.diagnosis.conventions import AnyReference, other_times, rig
 from polhode.judging.diagnosis.reading import as_read
 from polhode.judging.diagnosis.time_unit import UNITS
 from polhode.judging.diagnosis.ways import Right, as_it_stands, ways
-from polhode.judging.tables.candidate import Subject
+from polhode.judging.tables.candidate import Subject, of_table
 from polhode.judging.tables.reading import TURNS, Reading, TimeChange
+from polhode.judging.tables.table import Table
 from polhode.numbers.rows import Doubles
+from polhode.scenes.vocabulary import ANGLES, ATTITUDE
 
 #: Other words for the same.
 _SAME = {
@@ -100,6 +103,23 @@ def read_as_told(subject: Subject, reference: AnyReference, told: str) -> Subjec
         if one.phrase not in known and not any(_has(reading, one) for reading in found):
             raise BadInput(subject.name, "read", one.phrase, _expected(one, parts))
     return as_read(subject, found)
+
+
+def table_as_told(table: Table, reference: AnyReference, told: str) -> Table:
+    """A table whose state, angles and attitude are read so; raises BadInput likewise."""
+    scene = reference.scene
+    subject = read_as_told(of_table(table, scene), reference, told)
+    columns = dict(table.columns)
+    parts = (
+        (scene.columns, subject.states),
+        (ANGLES, subject.angles),
+        (ATTITUDE, subject.attitude),
+    )
+    for names, rows in parts:
+        for k, name in enumerate(names):
+            if rows is not None and name in columns:
+                columns[name] = tuple(row[k] for row in rows)
+    return replace(table, times=subject.times, columns=columns)
 
 
 def _named(subject: Subject, told: str) -> list[_Told]:

@@ -114,9 +114,9 @@ def open_table(path: Path, number: NumberType | None, names: Naming | None = Non
     )
 
 
-def read_table(path: Path, number: NumberType | None) -> Table:
-    """A CSV file as a table; raises BadInput.  ``number``: see :class:`TableFile`."""
-    return open_table(path, number).table
+def read_table(path: Path, number: NumberType | None, names: Naming | None = None) -> Table:
+    """A CSV file as a table; raises BadInput.  ``number``, ``names``: see :func:`open_table`."""
+    return open_table(path, number, names).table
 
 
 def _no_text(path: Path) -> BadInput:
