@@ -303,7 +303,7 @@ def test_digits_of_the_times_are_not_digits_of_the_states(
         ("t,p\n0,1,2\n", "foreign.csv:2: line = 0,1,2: expected 2 values"),
         ("t,p\n0\n", "foreign.csv:2: line = 0"),
         ("x;p\n0;1\n", "a column t"),
-        ("t;p\n0;1,5\n", "foreign.csv:2: p = 1,5"),
+        ("t;p\n0;1,5\n1;2.5\n", "foreign.csv:2: p = 1,5"),
         (b"\xff\xfe\x00", "readable CSV"),
         (b"t,p\n\x00,1\n", "foreign.csv"),
         ("x" * 3_000_000, "foreign.csv"),

@@ -32,6 +32,8 @@ from polhode.verbs.terminal import (
 if TYPE_CHECKING:
     from polhode.figures.canvas.curve_sampling import Samples
     from polhode.figures.film import Look
+    from polhode.judging.tables.table import Table
+    from polhode.numbers.number_types import NumberType
     from polhode.runs.trajectory import Trajectory
 
 HELP = "a figure of a motion, from a scene or a trajectory file"
@@ -64,13 +66,27 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--number", help="double (default), extended, quad or mp; for a FILE: that of its decimals"
     )
-    table_file.options(parser)
+    table_options(parser)
     digits = "digits wanted, by which the number type is chosen"
     parser.add_argument("--digits", type=whole, help=digits)
     parser.add_argument(
         "--size", type=whole, metavar="PIXELS", help="of a film: pixels of a side (360)"
     )
     parser.add_argument("--fps", type=whole, metavar="N", help="of a film: frames a second (20)")
+
+
+def table_options(parser: ArgumentParser) -> None:
+    """The options by which a file is read, as ``compare`` has them."""
+    parser.add_argument(
+        "--read",
+        metavar="WORDS",
+        help="for a FILE: the conventions to read it in, as for compare: 'degrees, scalar-last'",
+    )
+    parser.add_argument(
+        "--columns",
+        metavar="NAMES",
+        help="for a FILE: its columns in order, t,qw,qx,...; or some: 'time_ms=t*1e-3, Q.W=q0'",
+    )
 
 
 def main(options: Namespace) -> int:
@@ -180,7 +196,9 @@ def _of_scene(options: Namespace) -> Samples | int:
     from polhode.judging.references.reference import reference as reference_of
 
     scene = library.load(options.what_of)
-    table_file.refuse_for_scene(options, scene.name)
+    for key in ("scene", "read", "columns"):
+        if (value := getattr(options, key)) is not None:
+            raise BadInput(scene.name, f"--{key}", value, f"no --{key}: it is for a FILE")
     if options.what not in FREE_OF_GAMMA and scene.gamma is None:
         raise BadInput(scene.name, "--what", options.what, "a scene with start.gamma")
     end = None if options.end is None else _time(scene, options.end)
@@ -232,7 +250,7 @@ def _of_file(options: Namespace) -> Samples:
         if scene is None:
             raise BadInput(path, "--number", options.number, "a --scene to judge the file with it")
         number = choose_number(scene, options.number, options.digits)
-    table = table_file.table(options, scene, number)
+    table = _table(options, scene, number)
     if what == "error" and scene is not None:
         return over_time.errors_of_table(table, reference_of(scene), number)
     if what == "integrals" and scene is not None:
@@ -240,6 +258,25 @@ def _of_file(options: Namespace) -> Samples:
     found = curve_sampling.of_table(table, scene)
     _refuse_what_is_missing(found, what)
     return found
+
+
+def _table(options: Namespace, scene: Scene | None, number: NumberType | None) -> Table:
+    """The table of a file, in the conventions that were told."""
+    from polhode.judging.diagnosis.told_conventions import table_as_told
+    from polhode.judging.references.reference import reference
+    from polhode.judging.tables.array_file import ENDINGS, read_arrays
+    from polhode.judging.tables.csv_file import read_table
+    from polhode.judging.tables.csv_layout import naming
+
+    path = Path(options.what_of)
+    names = None if options.columns is None else naming(options.columns)
+    read = read_arrays if path.suffix.lower() in ENDINGS else read_table
+    found = read(path, number, names)
+    if options.read is None:
+        return found
+    if scene is None:
+        raise BadInput(str(path), "--read", options.read, "a --scene whose conventions are meant")
+    return table_as_told(found, reference(scene), options.read)
 
 
 def warn_of_motion(found: Samples) -> None:

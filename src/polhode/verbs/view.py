@@ -24,7 +24,7 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--scene", type=word, metavar="SCENE", help="for a FILE: the scene that it belongs to"
     )
-    table_file.options(parser)
+    plot.table_options(parser)
     parser.add_argument("--number", help="double (default), extended, quad or mp")
     parser.add_argument(
         "--digits", type=whole, help="digits wanted, by which the number type is chosen"
