@@ -8,6 +8,7 @@ from polhode.dynamics.periodic_orbits.continuation import BRANCH, DOUBLING, FOLD
 from polhode.dynamics.periodic_orbits.families import OrbitFamily
 from polhode.figures.canvas import canvas
 from polhode.figures.canvas.canvas import BODY, PLAIN, REST, SPACE
+from polhode.figures.canvas.residue_axis import residue_axis
 
 _MARKS = {FOLD: ("s", SPACE), BRANCH: ("D", REST), DOUBLING: ("o", PLAIN)}
 
@@ -29,9 +30,7 @@ def draw(plt: Any, found: OrbitFamily, axes: Any = None) -> Any:
             at = getattr(one.point, found.by), getattr(one.point, name)
             panel.plot(*at, mark, color=colour, ms=4, mfc="none", label=label)
         panel.set_ylabel(name)
-    below.set_yscale("symlog", linthresh=2, linscale=1.5)
-    for level in (0, 1):
-        below.axhline(level, color="#999999", lw=0.5, ls=":")
+    residue_axis(below, [point.residue for point in found.points])
     below.set_xlabel(f"{found.by}, at {'f' if found.by == 'h' else 'h'} = {_held(found):.6g}")
     if found.bifurcations:
         above.legend(frameon=False, fontsize=8)

@@ -14,6 +14,7 @@ from polhode.common.result import Result
 from polhode.figures import frequencies, levels, map, orbit_family, section
 from polhode.figures.canvas import canvas
 from polhode.figures.canvas.canvas import BODY, REST, SPACE, rate_unit, time_label
+from polhode.figures.canvas.residue_axis import residue_axis
 from polhode.numbers.conversion import to_double
 from polhode.scenes.output_times import even_times
 from polhode.scenes.scene import Scene
@@ -158,10 +159,14 @@ def _reductions(plt: Drawn, found: Drawn, axes: Drawn) -> Drawn:
 def _search(plt: Drawn, found: Drawn, axes: Drawn) -> Drawn:
     """Residue over period."""
     figure, panels = canvas.panels(plt, axes, 1)
-    points = [(point.period, point.residue) for point in found.orbits]
-    panels[0, 0].plot(*zip(*points, strict=True), "o", color=BODY) if points else None
-    panels[0, 0].set_yscale("symlog", linthresh=2)
-    panels[0, 0].set(xlabel="period", ylabel="residue")
+    periods = [point.period for point in found.orbits]
+    residues = [point.residue for point in found.orbits]
+    panels[0, 0].plot(periods, residues, "o", color=BODY)
+    residue_axis(panels[0, 0], residues)
+    if periods:  # equal but for rounding they stand above each other
+        margin = max(0.05 * (max(periods) - min(periods)), 0.02 * max(periods))
+        panels[0, 0].set_xlim(min(periods) - margin, max(periods) + margin)
+    panels[0, 0].set_xlabel("period")
     return figure
 
 

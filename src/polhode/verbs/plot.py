@@ -15,7 +15,6 @@ from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME, in_text
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, SPACE, STATE
-from polhode.verbs import table_file
 from polhode.verbs.terminal import (
     DONE,
     INTERRUPTED,
@@ -112,7 +111,7 @@ def main(options: Namespace) -> int:
     found = samples_of(options)
     if isinstance(found, int):
         return found
-    if moving and table_file.is_file(options.what_of):
+    if moving and is_file(options.what_of):
         warn_of_motion(found)
     made: str | bytes
     t = found.columns["t"]
@@ -121,7 +120,7 @@ def main(options: Namespace) -> int:
         made = page_of(
             found,
             f"polhode plot {called(Path(options.what_of))} --what motion",
-            table_file.is_file(options.what_of),
+            is_file(options.what_of),
         )
     elif moving:
         with ProgressLine("plot") as progress:
@@ -184,9 +183,19 @@ def _chaos(options: Namespace, path: Path, suffix: str) -> int:
     return DONE
 
 
+def is_file(name: str) -> bool:
+    """Whether a trajectory file is meant: by its ending, or an existing path that is no scene."""
+    from polhode.judging.tables.array_file import ENDINGS
+
+    suffix = Path(name).suffix.lower()
+    return suffix in (".csv", *ENDINGS) or (
+        suffix != ".toml" and not library.ships(name) and Path(name).is_file()
+    )
+
+
 def samples_of(options: Namespace) -> Samples | int:
     """What a figure shows, of a scene or a file; an exit code where a run did not get there."""
-    return _of_file(options) if table_file.is_file(options.what_of) else _of_scene(options)
+    return _of_file(options) if is_file(options.what_of) else _of_scene(options)
 
 
 def _of_scene(options: Namespace) -> Samples | int:

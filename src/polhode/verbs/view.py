@@ -6,7 +6,7 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
 from polhode.scenes import library
-from polhode.verbs import plot, table_file
+from polhode.verbs import plot
 from polhode.verbs.terminal import DONE, print_json, refuse_two_on_stdout, say, whole, word
 
 HELP = "a motion as one animated HTML page that needs nothing else"
@@ -44,10 +44,10 @@ def main(options: Namespace) -> int:
     found = plot.samples_of(options)
     if isinstance(found, int):
         return found
-    if table_file.is_file(options.what_of):
+    if plot.is_file(options.what_of):
         plot.warn_of_motion(found)
     command = f"polhode view {called(Path(options.what_of))}"
-    text = page_of(found, command, table_file.is_file(options.what_of))
+    text = page_of(found, command, plot.is_file(options.what_of))
     write_whole({path: text})
     t = found.columns["t"]
     if options.json:
