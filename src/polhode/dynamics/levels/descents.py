@@ -7,11 +7,12 @@ c = i'' = 2 (u.I u - i), T = Mg r0 and F = f^2, W = F/(2 i) + T.gamma has at t =
     W''  = -T.gamma + F/2 (2 b^2/i^3 - c/i^2)
     W''' = -T.u + F/2 (4 b/i^2 + 6 b c/i^3 - 6 b^3/i^4).
 
-With r half the difference of the extreme moments and m the least one, |i^(n)| <= 2^n r, so that
-everywhere
+Let r be half the difference of the extreme moments.  i is a constant and a cosine of 2 t of a size
+of at most r: |i^(n)| <= 2^n r, and i'^2 <= 4 (i - least moment)(greatest moment - i) <= 8 r i.
+Where i is not below j, with y = r/j and x = min(4 y^2, 8 y), which i'^2/i^2 does not exceed,
 
-    |W''|   <= |T| + F/2 (4 r/m^2 + 8 r^2/m^3)
-    |W''''| <= |T| + F/2 (16 r/m^2 + 224 r^2/m^3 + 576 r^3/m^4 + 384 r^4/m^5).
+    |W''|   <= |T| + F/(2 j) (4 y + 2 x)
+    |W''''| <= |T| + F/(2 j) (16 y + 96 y^2 + x (32 + 144 y + 24 x)).
 
 A step is taken only if Taylor's series with the second bound shows that W is below its start on all
 of it: every term above 0 grows faster with t than the first, which is below 0.  A path that starts
@@ -85,13 +86,20 @@ class Potential(NamedTuple):
             scale * (4 * b + 6 * by * (c - b * by)) - push,
         )
 
-    def bounds(self) -> tuple[arb, arb]:
-        """Of the second and of the fourth derivative along every great circle."""
+    def least_inertia(self, g: Vector, u: Vector, length: arb) -> arb:
+        """What gamma.I gamma is not below along the great circle for so long."""
         low, high = min(self.moments), max(self.moments)
-        size, kinetic = dot(self.torque, self.torque).sqrt(), self.half_square / low
-        r = (high - low) / (2 * low)
-        fourth = 16 + r * (224 + r * (576 + r * 384))
-        return size + kinetic * r * (4 + 8 * r), size + kinetic * r * fourth
+        slope = 2 * abs(weighted(self.moments, g, u))
+        falling = weighted(self.moments, g, g) - length * (slope + (high - low) * length)
+        return falling.max(low)
+
+    def bounds(self, least: arb) -> tuple[arb, arb]:
+        """Of the second and of the fourth derivative where gamma.I gamma is not below ``least``."""
+        r = (max(self.moments) - min(self.moments)) / (2 * least)
+        x = (4 * r * r).min(8 * r)
+        size, kinetic = dot(self.torque, self.torque).sqrt(), self.half_square / least
+        fourth = r * (16 + 96 * r) + x * (32 + 144 * r + 24 * x)
+        return size + kinetic * (4 * r + 2 * x), size + kinetic * fourth
 
 
 class Descents:
@@ -108,7 +116,7 @@ class Descents:
         self._found: dict[int, list[int]] = {}
         with ctx.workprec(bits):
             self._potential = Potential.of(body, f)
-            self._second, self._fourth = self._potential.bounds()
+            self._second, _ = self._potential.bounds(min(self._potential.moments))
 
     def ends(self, start: int) -> list[int]:
         """The numbers of the critical points at which descents from one of them end.
@@ -191,9 +199,10 @@ class Descents:
         p, q, r = (x * way[0] / length + y * way[1] / length for x, y in zip(*across, strict=True))
         u = unit((p, q, r))
         one, two, three = self._potential.derivatives(g, u)
+        _, fourth = self._potential.bounds(self._potential.least_inertia(g, u, length))
         square, zero = two * length**2 / 2, arb(0)
         lead, rest = (square, zero) if critical else (one * length, square.max(zero))
-        rest += (three * length**3 / 6).max(zero) + self._fourth * length**4 / 24
+        rest += (three * length**3 / 6).max(zero) + fourth * length**4 / 24
         if not bool(lead + rest < lead / 4):
             return None
         cos, sin = length.cos(), length.sin()

@@ -56,7 +56,7 @@ class CriticalPoints(NamedTuple):
         return not bool(other.value - one.value > rational(self.apart))
 
 
-class _Meeting(Exception):
+class _Meeting(Undecided):
     """An f at which two permanent rotations meet."""
 
 
@@ -100,7 +100,7 @@ def _critical_points(
                 number = _segment(arc, at)
                 morse = None if number is None else arc.segments[number].morse
                 if number is None or morse is None:
-                    raise _Meeting
+                    raise _Meeting(f"at f = {float(f):.12g} two permanent rotations meet")
                 gamma = arc.gamma(point)
                 mirrored = list(gamma)
                 if arc.axis is not None:

@@ -128,8 +128,8 @@ class Levels(Result, ByValue):
     def regions(self, f: AnyNumber) -> list[tuple[float, Region]]:
         """At one f: the energies of permanent rotations, ascending, and the region above each.
 
-        Energies of rotations that meet at this f are listed once.  Raises BadInput for f = 0 of a
-        free body, where every position is a rotation's.
+        Energies of rotations that meet at this f are listed once.  Raises BadInput where regions
+        are not decided, such as f = 0 of a free body, where every position is a rotation's.
         """
         (given,) = each(self.scene.name, "f", (f,), reader(self.scene.units, AREA), "a number")
         near = fraction_near(given, rotation_arcs.BODY_BITS)[0]
