@@ -44,9 +44,11 @@ def lighter(colour: str) -> str:
 def draw(axes: Axes, globe: Globe, points: Doubles, end: str, width: float = 1.3) -> None:
     """The path through points at even times, its start marked; ``end``: the last time."""
     cuts = np.linspace(0, len(points) - 1, _PIECES + 1).round().astype(int)
+    panel = axes.figure.axes.index(axes)
+    name = f"path-{panel + 1}" if panel else "path"  # no name stands twice in a figure
     for k, ((first, last), colour) in enumerate(zip(pairwise(cuts), colours(), strict=True)):
         piece = points[first : last + 1]
-        globe.curve(axes, piece, colour, lighter(colour), f"path-{k + 1}", lw=width)
+        globe.curve(axes, piece, colour, lighter(colour), f"{name}-{k + 1}", lw=width)
     globe.mark(axes, points[0], colours()[0], lighter(colours()[0]))
     _bar(axes, end)
 
