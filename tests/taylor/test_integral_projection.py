@@ -88,13 +88,17 @@ def test_a_fourth_integral_needs_its_condition_exactly():
 @pytest.mark.parametrize("name", TOPS)
 @pytest.mark.parametrize(("number", "end"), [("double", 5000), ("extended", 1500)])
 def test_a_projected_run_has_more_digits(name, number, end):
-    """In the mean of some late times: at one of them errors are small or large by chance."""
+    """In the mean of some late times and starts: at one of them errors are small by chance."""
     scene = polhode.load(name).at([Fraction(end * k, 40) for k in range(33, 41)])
-    bare, projected = (
-        np.mean(polhode.compare(polhode.integrate(scene, number, project=p)).digits)
-        for p in (False, None)
-    )
-    assert bare + 1 < projected < bare + 5
+    gains = []
+    for k in range(4):  # a little faster each time: each rounds in its own way
+        near = replace(scene, omega=tuple(x * (1 + Fraction(k, 1000)) for x in scene.omega))
+        bare, projected = (
+            np.mean(polhode.compare(polhode.integrate(near, number, project=p)).digits)
+            for p in (False, None)
+        )
+        gains.append(projected - bare)
+    assert 1 < np.mean(gains) < 5
 
 
 @pytest.mark.sample(1, first=2)
