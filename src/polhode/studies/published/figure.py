@@ -10,13 +10,12 @@ from polhode.figures.canvas.canvas import BODY
 from polhode.figures.canvas.direct_labels import GUIDE, Look
 from polhode.figures.canvas.panel import Axis, Panel, Point, Series
 from polhode.output.json_object import JsonObject
+from polhode.studies.published.page import is_printout
 
 _GAP = Look("#b0b0b0", "", "-", 0.8)
 _VALUE = Look("#333333", "o", "", size=5, inside="#ffffff")
 _PRINTOUT = Look(GUIDE, "D", "", inside="#ffffff")
 _RIGHT = Look(BODY, "o", "", size=3.5)
-#: In the cite of a printout: the number of a simulation, or the time step of a run.
-_SIMULATED = re.compile(r"\bsimulation \d|\bdt = ")
 _WORDS = (("**2", "²"), ("180/pi*", "180/π·"), ("sqrt", "√"), ("*", "·"), (" - ", " − "))
 _SOURCE = re.compile(r"simulation \d+|Enright & Pryce|Kynema")
 
@@ -42,7 +41,7 @@ def svg(found: JsonObject) -> str:
         Series(gaps, _GAP),
         *(
             Series(
-                [p for p, (_, row) in pairs if bool(_SIMULATED.search(row["cite"])) == made],
+                [p for p, (_, row) in pairs if is_printout(row) == made],
                 look,
                 name,
             )
