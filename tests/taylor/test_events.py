@@ -258,10 +258,10 @@ def test_an_exact_tangency_is_one_grazing_event(number):
 @pytest.mark.sample(3)
 @pytest.mark.parametrize(
     ("shift", "zeros", "grazing"),
-    [("1e-6", 2, 0), ("-1e-6", 0, 0), ("1e-10", 1, 1), ("-1e-10", 1, 1), ("1e-30", 1, 1)],
+    [("1e-6", 2, 0), ("-1e-6", 0, 0), ("1e-10", 2, 0), ("-1e-10", 0, 0), ("1e-30", 1, 1)],
 )
 def test_what_rounding_decides_is_called_grazing_and_nothing_else(shift, zeros, grazing):
-    """In double within sqrt(eps) = 1.5e-8 of a touch; two crossings 6e-3 apart are sure."""
+    """In double a few eps from a touch; two crossings 1e-5 apart are sure."""
     run = polhode.integrate(watched(EULER, f"q - {LARGEST_Q} + {shift}"), at=[98])
     (event,) = run.events
     assert len(event.times) == 10 * zeros
@@ -480,7 +480,7 @@ def test_a_second_run_watches_with_the_integrator_of_the_first(monkeypatch):
 def test_no_contact_is_told_beyond_where_a_run_ended():
     """Polished, the extremum lies at 1/2; the run ended at a pole of another event just before."""
     scene = polhode.top(moments=[2, 3, 4], omega=["0.3", "-0.4", "1.1"], gamma=["0.6", 0, "0.8"])
-    watching = (Event("contact", "(t-0.5)**2-1e-12", "falling"), Event("pole", "1/(t-0.5)**2"))
+    watching = (Event("contact", "(t-0.5)**2", "falling"), Event("pole", "1/(t-0.5)**2"))
     run = polhode.integrate(replace(scene, events=watching), at=[2], max_steps=500)
     assert run.outcome is polhode.Outcome.NON_FINITE
     assert 0.49 < run.reached < 0.5

@@ -41,9 +41,9 @@ class Rules:
 class Limits:
     """Thresholds of one event as numbers of the run's type; times in the run's unit.
 
-    From the sizes S of the expression and S' of its rate and sqrt(eps): a contact is a value below
-    sqrt(eps) min(S, S') at an extremum; a slope below S'/256 is looked at twice.  ``typed``: makes
-    the numbers, heyoka's unless given.
+    From the sizes S of the expression and S' of its rate: a contact is a value below 16 eps S at an
+    extremum; a slope below S'/256 is looked at twice.  ``typed``: makes the numbers, heyoka's
+    unless given.
     """
 
     def __init__(
@@ -65,8 +65,8 @@ class Limits:
         self.zero = typed(ZERO)
         self.noise = typed(noise)
         self.steep = typed(rate / 256)
-        self.flat = typed(half * rate + noise)
-        self.contact = typed(half * min(value, rate) + noise)
+        self.flat = typed(16 * eps * rate)
+        self.contact = typed(16 * eps * value)
         small = Fraction(1) if steering else half
         self.damping = typed(small * Fraction(2) ** -_exponent(max(value, rate)))
         self.converged = typed(Fraction(2) ** -(number.bits // 2 + 6))

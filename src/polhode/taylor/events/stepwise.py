@@ -61,7 +61,7 @@ from polhode.taylor.events.vectorized_roots import (
 )
 from polhode.taylor.events.vectorized_roots import marks as plain_marks
 from polhode.taylor.integrator.protocols import Desk, Found
-from polhode.taylor.integrator.specification import CLOCK
+from polhode.taylor.integrator.specification import TINY
 
 _PROBES = 8  # steps over which an expression that starts at zero must leave it
 
@@ -139,7 +139,9 @@ class Watch:
             desk.with_time.append("t" in hy.get_variables([value]))
             damping = hy.expression(self.limits[k].damping)
             events += [
-                hy.nt_event(hy.subs(f * damping, {TIME: clock}), Callback(desk, k), **kind)
+                hy.nt_event(
+                    hy.subs(f * damping, {TIME: clock}) + hy.par[TINY], Callback(desk, k), **kind
+                )
                 for f in (value, rate(value, variables, rates))
                 if hy.get_variables([f])  # a constant has no zeros
             ]
@@ -187,7 +189,7 @@ class Watch:
         ta = self.heyoka
         ta.update_d_output(ago, rel_time=True)
         if self.desk.with_time[k]:
-            clock = ta.pars[:CLOCK]
+            clock = ta.pars[:TINY]
             found = self.desk.evaluate[k](self.row, pars=clock, time=ta.time + ago)
         else:
             found = self.desk.evaluate[k](self.row)
@@ -218,7 +220,7 @@ class Watch:
         after = state.copy()
         after[: len(moved)] = moved
         for k, evaluate in enumerate(self.desk.evaluate):
-            options = {"pars": ta.pars[:CLOCK], "time": ta.time} if self.desk.with_time[k] else {}
+            options = {"pars": ta.pars[:TINY], "time": ta.time} if self.desk.with_time[k] else {}
             value, slope = evaluate(state, **options)[:2]
             new_value, new_slope = evaluate(after, **options)[:2]
             if abs(new_value - value) > abs(value) / 4:

@@ -40,9 +40,11 @@ from polhode.taylor.integrator.singularities import terminal_event
 Field: TypeAlias = Callable[[Sequence[Expression], Mapping[str, Expression]], list[Expression]]
 Distance: TypeAlias = Callable[[Sequence[Expression], Mapping[str, Expression]], Expression | None]
 
-#: heyoka's parameters: so many for the time of events, then the coefficients of the pattern, then
-#: the variables that are kept.
-CLOCK = 2
+#: heyoka's parameters: two for the time of events and one for their first step, then the
+#: coefficients of the pattern, then the variables that are kept.
+CLOCK = 3
+#: Added to all that heyoka watches, during the first step of a run.
+TINY = 2
 
 LONG = 500  # operations of a run's events whose code is compiled as loops
 
