@@ -30,7 +30,7 @@ from polhode.taylor.batches.compiled_batch import CompiledBatch
 from polhode.taylor.batches.lane_queue import LaneQueue
 from polhode.taylor.corrections.level_projection import ARRAYS, TINY, Level, Put
 from polhode.taylor.events.batch_search import Met, built, through_the_first_step
-from polhode.taylor.events.vectorized_roots import along
+from polhode.taylor.events.jets import along
 
 DONE, NONE_LEFT, NON_FINITE, STOPPED = "all crossings", "no more crossings", "not finite", "stopped"
 

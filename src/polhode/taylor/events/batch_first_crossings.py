@@ -29,7 +29,7 @@ from polhode.taylor.backend.types import CompiledFunction, Expression, HeyokaInt
 from polhode.taylor.batches.compiled_batch import CompiledBatch
 from polhode.taylor.batches.lane_queue import LaneQueue
 from polhode.taylor.events.batch_search import Met, built, through_the_first_step
-from polhode.taylor.events.functions import TIME, in_columns
+from polhode.taylor.events.functions import TIME, in_columns, typed_constant
 
 STRETCH = 32.0  # of the motions' unit of time, a radian or two
 _AT_START = 1e-9  # of an expression's size: so near to zero a start is taken for one at zero
@@ -204,7 +204,8 @@ def _built(
         ]
     vectors[0] = [per_unit * x for x in vectors[0]]
     values = [x for vector in vectors for x in vector]
-    crossing = in_columns(zero, columns, values, unit * TIME, DOUBLE)
+    fn = heyoka_numbers.EXPRESSIONS
+    crossing = in_columns(zero, columns, values, unit * TIME, typed_constant(DOUBLE), fn)
     field = principal.field(variables, k, heyoka_numbers.EXPRESSIONS)
     value = hy.cfunc([hy.subs(crossing, {TIME: TIME + since})], vars=[*variables, TIME])
     within = hy.subs(crossing / hy.expression(size), {TIME: hy.time + since}) + hy.par[_TINY]
