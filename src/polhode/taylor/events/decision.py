@@ -248,7 +248,7 @@ def depths(found: list[Happening], places: Places, start: End, end: End) -> Flat
     """
     value = np.abs(places.values[0])
     seen = np.flatnonzero(~places.root & (value > places.noise))
-    ends = [np.inf if e.near else abs(e.value) for e in (start, end)]
+    ends = [abs(e.value) for e in (start, end)]
     heights = np.concatenate([ends[:1], value[seen], ends[1:]])
     least = np.fmin(heights[:-1], heights[1:])
     at = np.array([h.at for h in found], dtype=int)

@@ -111,9 +111,9 @@ class RoundingErrors:
     """
 
     def __init__(self, scene: Scene, number: NumberType, u: Fraction, still: bool) -> None:
-        self.scene, self.still = scene, still
+        self.scene, self.still = scene.apart(), still  # kept with what is kept for a scene
         self.band = float(BAND * u)
-        self.form = equations(scene)
+        self.form = equations(self.scene)
         self._typed = to_double if number.name == "double" else to_extended
         self._fn = Functions(self._constant(Fraction(0)), _sin, _cos, _sqrt)
         self._k = self._given(self.form.coefficients)
