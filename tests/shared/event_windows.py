@@ -106,7 +106,9 @@ def rates(x: Sequence[Any], k: Sequence[Any]) -> list[Any]:
 
 def value(text: str, x: Sequence[Any], t: Any) -> Any:
     """One of TEXTS at a state and a time, of any numbers."""
-    return eval(text, {"sin": _sine, "cos": _cosine}, dict(zip((*NAMES, "t"), (*x, t), strict=True)))
+    return eval(
+        text, {"sin": _sine, "cos": _cosine}, dict(zip((*NAMES, "t"), (*x, t), strict=True))
+    )
 
 
 @dataclass

@@ -29,7 +29,6 @@ from polhode.taylor.events.jets import Marks, of_scene
 from polhode.taylor.events.polishing import Places, refined
 from polhode.taylor.events.rules import Rules
 from polhode.taylor.events.watch import Note, Watch
-from polhode.taylor.integrator.protocols import Desk
 
 if TYPE_CHECKING:
     from polhode.refined.double_run import Base
@@ -51,9 +50,7 @@ class Search(Watch):
         self.candidates = Candidates(scene, self.backward)
         self._series: dict[tuple[str, str], Series] = {}
         self._end_note: Note | None = None
-        desk = Desk()
-        desk.jets += of_scene(scene, number, self._hop)
-        self.sit_down(desk)
+        self.jets = of_scene(scene, number, self._hop)
 
     def begin(self, series: Series) -> None:
         """Take note of the start."""
@@ -114,7 +111,7 @@ class Search(Watch):
         self, k: int, known: Places, end: End, side: int, since: int, before: int
     ) -> Places | None:
         """The crossing to a side between two places: beside the extremum that is nearer to zero."""
-        jet, guesses = self.desk.jets[k], []
+        jet, guesses = self.jets[k], []
         with np.errstate(all="ignore"):
             for place, way in ((since, self.way), (before, -self.way)):
                 if 0 <= place < len(known.ahead) and not known.root[place]:

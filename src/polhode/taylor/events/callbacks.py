@@ -23,9 +23,7 @@ class AfterStep:
     to zero.  Steps of zero count towards no limit: they would go on for ever.
     """
 
-    def __init__(
-        self, stopped: Callable[[HeyokaIntegrator], bool], number: NumberType
-    ) -> None:
+    def __init__(self, stopped: Callable[[HeyokaIntegrator], bool], number: NumberType) -> None:
         self.stopped, self.idle = stopped, 0
         self.eps = heyoka_numbers.scalar(number.eps, number)
 

@@ -205,9 +205,7 @@ class Decision:
         self.side, self.since, self.starting = side, i, False
         self.inside.clear()
 
-    def _happens(
-        self, i: int, sign: int, spread: float = 0.0, own: Places | None = None
-    ) -> None:
+    def _happens(self, i: int, sign: int, spread: float = 0.0, own: Places | None = None) -> None:
         self.found.append(Happening(i, sign, spread, own))
 
     def _happens_inside(self, sign: int) -> None:

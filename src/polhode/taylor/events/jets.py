@@ -17,10 +17,11 @@ from polhode.numbers.rows import Array, Booleans, Indices
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend.engine import hy
-from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS, scalar, type_options
+from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS, array, scalar, scalars, type_options
 from polhode.taylor.backend.time_grid import exact_sum
 from polhode.taylor.backend.types import CompiledFunction, Expression
-from polhode.taylor.events.functions import TIME, event_expression, jet, typed_constant
+from polhode.taylor.events.functions import TIME, event_expression, jet
+from polhode.taylor.integrator.specification import DESK
 
 
 class Marks(NamedTuple):
@@ -57,48 +58,41 @@ class Jet(NamedTuple):
     """An expression along a motion, compiled in a run's number type.
 
     ``evaluate``: its value and three derivatives at columns of the form's variables, which
-    ``timed`` says to take the time, too.  ``hop``: along the motion.
+    ``timed`` says to take the time, too.  ``motion``: the variables' first three derivatives.
+    ``numbers``: the coefficients that both take as parameters.  ``hop``: along the motion, where
+    its Taylor polynomials are not to do.
     """
 
     evaluate: CompiledFunction
+    motion: CompiledFunction
     timed: bool
     number: NumberType
-    hop: Hop
+    numbers: Array
+    hop: Hop | None = None
 
     def at(self, marks: Marks) -> Array:
         """Value and derivatives, (4, n)."""
-        found: Array
-        columns = np.ascontiguousarray(marks.columns)
-        if self.timed:
-            clock = np.stack([marks.high, marks.low])
-            found = self.evaluate(columns, pars=clock, time=marks.time + marks.rest)
-        else:
-            found = self.evaluate(columns)
-        return found
+        return self._of(self.evaluate, marks)
 
     def moved(self, marks: Marks, step: Array) -> Marks:
         """The same places a little later."""
-        return marks._replace(rest=marks.rest + step, columns=self.hop(marks, step))
+        if self.hop is not None:
+            columns = self.hop(marks, step)
+        else:
+            rates = self._of(self.motion, marks).reshape(3, *marks.columns.shape)
+            divisors = [scalar(Fraction(k), self.number) for k in (2, 3)]
+            columns = along(marks.columns, rates, step, divisors)
+        return marks._replace(rest=marks.rest + step, columns=columns)
 
-
-class TaylorHop:
-    """Along the motion by its Taylor polynomials of third order, for short ways."""
-
-    def __init__(
-        self,
-        number: NumberType,
-        variables: Sequence[Expression],
-        rates: Sequence[Expression],
-    ) -> None:
-        options = type_options(number)
-        self._motion = hy.cfunc(jet(rates, variables, rates, 2), vars=list(variables), **options)
-        self._divisors = [scalar(Fraction(k), number) for k in (2, 3)]
-
-    def __call__(self, marks: Marks, step: Array) -> Array:
-        """The variables so much later."""
-        columns = np.ascontiguousarray(marks.columns)
-        rates = self._motion(columns).reshape(3, *columns.shape)
-        return along(columns, rates, step, self._divisors)
+    def _of(self, compiled: CompiledFunction, marks: Marks) -> Array:
+        clock = [marks.high, marks.low]
+        count = max(0, compiled.nparams - DESK)
+        pars = [*clock, *(x + 0 * marks.time for x in self.numbers[:count])]
+        options = {"pars": np.stack(pars[: compiled.nparams])} if compiled.nparams else {}
+        if compiled.is_time_dependent:
+            options["time"] = marks.time + marks.rest
+        found: Array = compiled(np.ascontiguousarray(marks.columns), **options)
+        return found
 
 
 def along(
@@ -113,28 +107,31 @@ def along(
 
 
 def compiled(
-    scene: Scene,
-    number: NumberType,
-    variables: Sequence[Expression],
-    rates: Sequence[Expression],
-    hop: Hop | None = None,
+    scene: Scene, number: NumberType, variables: Sequence[Expression], rates: Sequence[Expression]
 ) -> list[Jet]:
-    """The jets of a scene's events, in the variables of its form, with the body's numbers."""
+    """The jets of a scene's events, in the variables of its form, for any numbers."""
     options, names = type_options(number), list(variables)
-    hop = hop or TaylorHop(number, names, rates)
+    motion = hy.cfunc(jet(rates, names, rates, 2), vars=names, **options)
     clock = {TIME: hy.time + hy.par[1] + hy.par[0]}
-    found = []
+    found: dict[str | None, Jet] = {}
     for event in scene.events:
-        value = event_expression(scene, event, number, names)
-        values = hy.subs(jet([value], names, rates, 3), clock)
-        evaluate = hy.cfunc(values, vars=names, **options)
-        found.append(Jet(evaluate, "t" in hy.get_variables([value]), number, hop))
-    return found
+        if event.expression not in found:
+            value = event_expression(scene, event, number, names)
+            values = hy.subs(jet([value], names, rates, 3), clock)
+            evaluate = hy.cfunc(values, vars=names, **options)
+            timed = "t" in hy.get_variables([value])
+            found[event.expression] = Jet(evaluate, motion, timed, number, np.empty(0))
+    return [found[event.expression] for event in scene.events]
 
 
 def of_scene(scene: Scene, number: NumberType, hop: Hop) -> list[Jet]:
-    """The same, where no integrator has variables of its own."""
-    form, constant = equations(scene), typed_constant(number)
+    """The jets of a scene's events, where no integrator has variables of its own."""
+    form = equations(scene)
     variables = hy.make_vars(*form.variables)
-    k = {name: constant(x) for name, x in form.coefficients.items()}
-    return compiled(scene, number, variables, form.field(variables, k, EXPRESSIONS), hop)
+    k = {name: hy.par[i] for i, name in enumerate(form.coefficients, DESK)}
+    rates = form.field(variables, k, EXPRESSIONS)
+    numbers = array(scalars([*form.coefficients.values()], number), number)
+    return [
+        found._replace(numbers=numbers, hop=hop)
+        for found in compiled(scene, number, variables, rates)
+    ]

@@ -97,9 +97,7 @@ def refined(jet: Jet, marks: Marks, kind: str) -> Marks:
     return marks
 
 
-def places(
-    jet: Jet, marks: Marks, band: Fraction, noise: Noise, way: int, root: bool
-) -> Places:
+def places(jet: Jet, marks: Marks, band: Fraction, noise: Noise, way: int, root: bool) -> Places:
     """What rounding leaves certain at some marks."""
     count = len(marks.time)
     ahead = marks.since_start if way > 0 else -marks.since_start

@@ -37,7 +37,8 @@ from polhode.taylor.backend.types import Expression, HeyokaEvent, HeyokaIntegrat
 from polhode.taylor.events.callbacks import AfterStep, Callback
 from polhode.taylor.events.decision import Decision, End, Happening, Standing, at_the_start, depths
 from polhode.taylor.events.functions import TIME, event_expression, rate
-from polhode.taylor.events.jets import Marks, compiled
+from polhode.taylor.events.jets import Jet, Marks, compiled
+from polhode.taylor.events.magnitudes import middle_axis
 from polhode.taylor.events.polishing import (
     Noise,
     Places,
@@ -113,7 +114,7 @@ class Watch:
         self._offset = ZERO
         self._met: HeyokaIntegrator = None
         self._row: Array
-        self.desk = Desk()
+        self.jets: list[Jet] = []
 
     @property
     def stop(self) -> Fraction | None:
@@ -124,10 +125,11 @@ class Watch:
 
     @property
     def key(self) -> tuple[object, ...]:
-        """What tells the events from others along the same equations with the same numbers."""
-        axes = equations(self.scene).axes.rows
+        """What tells the events from others along the same equations."""
+        axes, events = equations(self.scene).axes.rows, self.scene.events
         turn = tuple(str(heyoka_numbers.scalar(x, self.number)) for row in axes for x in row)
-        return tuple(event.expression for event in self.scene.events), self.scene.time_unit, turn
+        zeros = tuple(event.expression or middle_axis(self.scene) for event in events)
+        return zeros, self.scene.time_unit, turn
 
     @property
     def damping(self) -> list[Fraction]:
@@ -156,14 +158,15 @@ class Watch:
                     events.append(hy.nt_event(seen, Callback(desk, k, order), **kind))
         return events, desk
 
-    def sit_down(self, desk: Desk) -> None:
-        """Take over the desk of the integrator that a run goes on with."""
-        self.desk, desk.watch = desk, self
+    def sit_down(self, desk: Desk, numbers: Array) -> None:
+        """Take over the desk of the integrator that a run goes on with, with its coefficients."""
+        self.jets = [jet._replace(numbers=numbers) for jet in desk.jets]
+        desk.watch = self
 
     def counts_from(self, offset: Fraction, heyoka: HeyokaIntegrator) -> None:
         """Take note of the integrator and of where its time begins; tell it, where t is asked."""
         self._offset, self._stepping = offset, heyoka
-        if any(jet.timed for jet in self.desk.jets):
+        if any(jet.timed for jet in self.jets):
             heyoka.pars[:2] = self._clock(offset)
         if not self._starts:
             self.starts_at(self._here(heyoka))
@@ -209,7 +212,7 @@ class Watch:
         noted, record = self._noted(k), self._known.records[k]
         here = self._here(ta)
         if not record.open and noted[0] == record.noted[0]:
-            value = self.desk.jets[k].at(here)[0, 0]
+            value = self.jets[k].at(here)[0, 0]
             if not value * record.standing.side < 0:  # on the same side, and no zero was met
                 self._keep(k, replace(record, noted=noted))
                 return
@@ -250,7 +253,7 @@ class Watch:
         before = marks._replace(columns=state[: self.width, None].copy())
         after = before._replace(columns=before.columns.copy())
         after.columns[: len(moved), 0] = moved
-        for jet in self.desk.jets:
+        for jet in self.jets:
             value = jet.at(before)[0, 0]
             if abs(jet.at(after)[0, 0] - value) > abs(value) / 4:
                 return True
@@ -325,7 +328,7 @@ class Watch:
         record, noted = self._known.records[k], self._noted(k)
         notes = zip(self._notes[k], record.taken, strict=True)
         met = [self._gathered(several[taken:]) for several, taken in notes]
-        new = polished(self.desk.jets[k], met, self.rules.band, self._noise(k), self.way)
+        new = polished(self.jets[k], met, self.rules.band, self._noise(k), self.way)
         known = new if record.places is None else joined([record.places, new])
         since, last = record.standing.since, end.place.ahead[0]
         if self.stop is not None:
@@ -373,7 +376,7 @@ class Watch:
         return partial(self.rules.errors, self.scene.events[k])
 
     def _places(self, k: int, marks: Marks, root: bool = False) -> Places:
-        jet, band = self.desk.jets[k], self.rules.band
+        jet, band = self.jets[k], self.rules.band
         return places(jet, marks, band, self._noise(k), self.way, root)
 
     def _end(self, k: int, marks: Marks) -> End:
@@ -385,7 +388,7 @@ class Watch:
         self, k: int, known: Places, end: End, side: int, since: int, before: int
     ) -> Places | None:
         """The crossing to a side between two places: along other steps, and by bisection."""
-        jet, way = self.desk.jets[k], self.way
+        jet, way = self.jets[k], self.way
         begin = self._starts[k].place.marks if since < 0 else known.marks.those([since])
         last = (end.place if before == len(known.ahead) else known.those([before])).ahead[0]
         muted, offset, self.muted = self.muted, self._offset, True
@@ -414,7 +417,7 @@ class Watch:
         low, high = -probe.last_h, probe.last_h - probe.last_h
         for _ in range(self.number.bits + 8):
             middle = (low + high) / 2
-            if self.desk.jets[k].at(self._here(probe, middle))[0, 0] * side >= 0:
+            if self.jets[k].at(self._here(probe, middle))[0, 0] * side >= 0:
                 high = middle
             else:
                 low = middle

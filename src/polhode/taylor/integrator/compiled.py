@@ -36,8 +36,8 @@ class Compiled:
     ) -> None:
         start, coefficients = plan.state, plan.parameters  # refused before anything is compiled
         self._key: Hashable = plan.key
-        if watcher is not None and self._key is not None:  # whose expressions have the numbers
-            self._key = (self._key, watcher.key, *map(str, plan.constants))
+        if watcher is not None and self._key is not None:
+            self._key = (self._key, watcher.key)
         idle = POOL.take(RUNS, self._key)
         self._built = idle or built(plan, watcher, cyclic)
         self.heyoka = self._built.heyoka

@@ -121,7 +121,7 @@ class Watcher(Protocol):
 
     @property
     def key(self) -> Hashable:
-        """What tells its events from others along the same equations with the same numbers."""
+        """What tells its events from others along the same equations."""
 
     @property
     def damping(self) -> Sequence[Fraction]:
@@ -136,11 +136,14 @@ class Watcher(Protocol):
         """heyoka's events for an integrator about to be built, in its variables; and their desk.
 
         ``rates``: with the integrator's parameters, which its events share with its equations.
-        ``known``: the same rates with the body's numbers, for the desk, which serves one body.
+        ``known``: the same rates with the parameters of the desk's functions.
         """
 
-    def sit_down(self, desk: Desk) -> None:
-        """Take over the desk of an integrator's events: what they meet is told to this watcher."""
+    def sit_down(self, desk: Desk, numbers: Array) -> None:
+        """Take over the desk of an integrator's events: what they meet is told to this watcher.
+
+        ``numbers``: the coefficients that are parameters.
+        """
 
     def met(self, k: int, order: int, ta: HeyokaIntegrator, t: HeyokaNumber) -> None:
         """heyoka met a zero of expression k (0) or of its rate (1), at t in the last step."""

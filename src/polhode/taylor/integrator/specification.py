@@ -45,6 +45,8 @@ Distance: TypeAlias = Callable[[Sequence[Expression], Mapping[str, Expression]],
 CLOCK = 3
 #: Added to all that heyoka watches, during the first step of a run.
 TINY = 2
+#: Before the coefficients among the parameters of a desk's functions: two parts of the time.
+DESK = 2
 
 LONG = 500  # operations of a run's events whose code is compiled as loops
 
@@ -132,7 +134,7 @@ def built(plan: Blueprint, watcher: Watcher | None, cyclic: Cyclic | None) -> Bu
     variables = hy.make_vars(*plan.names)
     start = CLOCK + (0 if watcher is None else len(watcher.damping))
     first = start + len(plan.pattern)
-    k = {name: hy.par[i] for i, name in enumerate(plan.pattern, start)} or _as_constants(plan)
+    k = _coefficients(plan, start)
     rates = plan.field(variables, k)
     kept = kept_columns(rates)
     stepped = plan.field(as_parameters(variables, kept, first), k) if kept else rates
@@ -141,7 +143,7 @@ def built(plan: Blueprint, watcher: Watcher | None, cyclic: Cyclic | None) -> Bu
     options, desk = dict(plan.options), None
     with disk_cache(plan.number):
         if watcher is not None:
-            known = plan.field(variables, _as_constants(plan))
+            known = plan.field(variables, _coefficients(plan, DESK))
             known = known if cyclic is None else cyclic.slowed(known)
             events, desk = watcher.attach(variables, rates, known)
             options["nt_events"] = events
@@ -156,7 +158,10 @@ def built(plan: Blueprint, watcher: Watcher | None, cyclic: Cyclic | None) -> Bu
     return Built(heyoka, desk, start, coefficients, kept[: used - coefficients], away is None)
 
 
-def _as_constants(plan: Blueprint) -> dict[str, Expression]:
+def _coefficients(plan: Blueprint, first: int) -> dict[str, Expression]:
+    """Parameters from a first one on; constants in a form whose coefficients are none."""
+    if plan.pattern:
+        return {name: hy.par[i] for i, name in enumerate(plan.pattern, first)}
     named = zip(plan.coefficients, plan.constants, strict=True)
     return {name: hy.expression(x) for name, x in named}
 

@@ -81,7 +81,7 @@ class Integrator:
         self.compiled = compiled or Compiled(plan, watcher, self._cyclic)
         self.heyoka, self.state = self.compiled.heyoka, self.compiled.state
         if watcher is not None and self.compiled.desk is not None:
-            watcher.sit_down(self.compiled.desk)
+            watcher.sit_down(self.compiled.desk, plan.parameters[: len(plan.pattern)])
             watcher.counts_from(origin, self.heyoka)
 
     def release(self) -> None:
