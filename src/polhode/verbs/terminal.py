@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 from polhode.common.errors import BadInput
 from polhode.common.files import is_stdout, write_stdout
-from polhode.common.interrupts import heard
+from polhode.common.signals import INTERRUPTED as INTERRUPTED
+from polhode.common.signals import hear, heard
 from polhode.common.text_tables import aligned, printable
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from polhode.scenes.scene import Scene
 
 LONG = 10.0  # seconds of a proof that are foretold
-DONE, FAILED, BAD_INPUT, NOT_REACHED, INTERRUPTED = 0, 1, 2, 3, 130
+DONE, FAILED, BAD_INPUT, NOT_REACHED = 0, 1, 2, 3
 
 
 class _Closed(io.TextIOBase):
@@ -46,12 +47,9 @@ def prepare() -> None:
         sys.stdout = _Closed()
     if sys.stderr is None:
         sys.stderr = _nowhere()
-    heard.came = False
+    heard.came, heard.loaded = False, True
     if threading.current_thread() is threading.main_thread():
-        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-            signal.signal(signal.SIGINT, heard)
-        if signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
-            signal.signal(signal.SIGTERM, heard)  # ends like Ctrl-C
+        hear()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
