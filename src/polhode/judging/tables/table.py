@@ -10,7 +10,7 @@ from typing import Any
 
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput, nearest
-from polhode.common.text_tables import counted
+from polhode.common.text_tables import counted, one_line
 from polhode.judging.tables.column_aliases import Column, column, known, not_judged, twice
 from polhode.judging.tables.type_inference import type_of
 from polhode.numbers import exact
@@ -33,6 +33,10 @@ class Table:
     number: NumberType | None = None  # whose values the numbers are; None: exact decimals
     projected: bool = False  # whether the integrals were, as the file beside it says
     remarks: tuple[str, ...] = ()  # what its JSON file says, and what of that was ignored
+
+    def __post_init__(self) -> None:
+        if (name := one_line(self.name)) != self.name:
+            object.__setattr__(self, "name", name)
 
     def __repr__(self) -> str:
         return (
