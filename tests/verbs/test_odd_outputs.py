@@ -309,7 +309,8 @@ ODD = "a\x1b[31m\nz!"
 
 def test_names_of_any_kind_are_one_line_that_commands_no_terminal(capsys) -> None:
     text = free_file("at = [0, 1]")
-    words = 'title = "a\\u001b[31m\\nz!"\ntags = ["a\\u001b[31m\\nz!"]\ncite = ["a\\u001b[31m\\nz!"]'
+    word = json.dumps(ODD)
+    words = f"title = {word}\ntags = [{word}]\ncite = [{word}]"
     Path(f"{ODD}.toml").write_text(text.replace("schema = 1", f"schema = 1\n{words}"))
     scene = polhode.load(f"{ODD}.toml")
     given = replace(scene, name=ODD)

@@ -72,7 +72,8 @@ def table_of_rows(
         given = [row if hasattr(row, "dtype") else list(row) for row in states]
         rows = [[_exactly(x) for x in row] for row in given]
     except (TypeError, ValueError) as fault:
-        raise BadInput("compare", "states", None, f"rows of finite numbers ({fault})") from None
+        expected = f"a run, a file, columns by name or rows of finite numbers ({fault})"
+        raise BadInput("compare", "states", None, expected) from None
     if at is None or len(times) != len(rows) or not rows:
         raise BadInput("compare", "at", len(times), f"a time for each of {len(rows)} rows")
     judged = [name for name in known()[1:] if name not in not_judged()]
@@ -102,6 +103,9 @@ def table_of_columns(
     are known as such; nan, NaT and None are empty cells.  Raises BadInput.
     """
     if hasattr(given, "iloc"):  # a DataFrame
+        if not hasattr(given, "columns"):
+            expected = "columns by name, t among them: a DataFrame, not one Series"
+            raise BadInput(source, "columns", type(given).__name__, expected)
         if meaning(str(given.index.name)).name == "t":
             given = given.reset_index()
         held = {str(name): given[name].to_numpy() for name in given.columns}
