@@ -34,7 +34,10 @@ VERBS = (
 _BEFORE = "the verb and its options before it: what follows -- is read as a name"
 
 #: Options whose numbers may be negative, and written in any way.
-_MAY_BE_NEGATIVE = ("--at", "--tol", "--f", "--h", "--end", "--period", "--tilt", "--spin")
+_MAY_BE_NEGATIVE = (
+    *("--at", "--end", "--every", "--tol", "--f", "--h"),
+    *("--period", "--tilt", "--spin"),
+)
 
 WELCOME = f"""\
 polhode {__version__}: how a heavy rigid body moves about a fixed point, to how many correct digits.
