@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from polhode.common.arguments import of_kind
 from polhode.common.errors import UNREADABLE, BadInput
 from polhode.common.files import read_npz, read_whole
 from polhode.common.value_semantics import same
@@ -111,6 +112,7 @@ def load_run(path: str | Path) -> Trajectory:
     >>> again == run, list(again(1.5)) == list(run(1.5))
     (True, True)
     """
+    of_kind("load_run", "path", path, (str, Path), "the path of a .npz file")
     name = str(path)
     if Path(path).suffix.lower() in (".csv", ".json", ".parquet"):
         raise BadInput(name, "file", None, "a .npz file; polhode.load_result reads this one")

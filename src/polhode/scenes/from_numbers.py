@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Never
 
-from polhode.common.arguments import each, of_kind
-from polhode.common.errors import BadInput, listed, plain
+from polhode.common.arguments import each, of_kind, refuse_unknown
+from polhode.common.errors import BadInput
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes import keys, scene_file
 from polhode.scenes.body import unit_in_doubles
@@ -139,9 +138,7 @@ def top(
     """
     of_kind("top", "name", name, str, "text")
     of_kind(name, "start.normalise", normalise, bool, "True or False")
-    for key in unknown:
-        known = [*inspect.signature(top).parameters][:-1]
-        raise BadInput(name, key, plain(unknown[key]), f"an argument: {listed(key, known)}")
+    refuse_unknown(name, top, unknown)
     normalise = normalise or unit_in_doubles(gamma) or unit_in_doubles(quaternion)
     given = {key: value for key, value in locals().items() if value is not None}
     data: dict[str, Any] = {

@@ -17,7 +17,7 @@ from polhode.common.arguments import each, of_kind
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, nearest
 from polhode.common.presentation import Slot
-from polhode.common.text_tables import counted
+from polhode.common.text_tables import counted, one_line
 from polhode.common.value_semantics import may_wait
 from polhode.numbers import exact
 from polhode.numbers.conversion import exact_number
@@ -140,6 +140,8 @@ class Scene:
     def __post_init__(self, normalise: bool) -> None:
         for key in ("name", "title", "form", "reference", "units"):
             of_kind("Scene", key, getattr(self, key), str, "text")
+        if (name := one_line(self.name)) != self.name:  # it stands in every line that is said of it
+            object.__setattr__(self, "name", name)
         if not callable(vars(self)["_source"]):
             of_kind("Scene", "source", self.source, str, "text")
         for key, kind in _PARTS.items():

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, TypeGuard
 
+from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput, nearest, plain
 from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import in_full, is_decimal
@@ -64,6 +65,7 @@ def toml(scene: Scene) -> str:
     end = 10
     <BLANKLINE>
     """
+    of_kind("as_toml", "scene", scene, Scene, "a Scene")
     if scene.source and scene_file.parse(scene.source, scene.name) == scene:
         return scene.source
     data: dict[str, Any] = {key: _plainly(getattr(scene, key)) for key in _TITLES}
@@ -185,7 +187,7 @@ class _Value:
 
     def number(self, value: Any) -> str:
         try:
-            x = exact_number(value[()] if getattr(value, "ndim", None) == 0 else value)
+            x = exact_number(value.item() if getattr(value, "ndim", None) == 0 else value)
         except ValueError as fault:
             raise BadInput(self.name, self.key, plain(value), f"a number ({fault})") from None
         if isinstance(x, Irrational):

@@ -45,7 +45,6 @@ from polhode.studies.page.blocks import (
 from polhode.studies.page.columns import Column, table
 from polhode.studies.page.hero import hero
 from polhode.studies.row_filter import Only
-from polhode.studies.source_closure import sources
 
 #: The studies in the order of the report; each is a folder of that name, with _ for -.
 STUDIES = (
@@ -53,6 +52,7 @@ STUDIES = (
     *("events", "dynamics", "published", "gallery"),
 )
 PAGE = "report.html"
+PACKAGE = Path(__file__).parents[1]
 #: The study that the page of all begins with.
 LEAD = "needs"
 #: The motion that moves there, for so many periods of its nutation, so many samples each.
@@ -248,11 +248,18 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
 
 
 def key(name: str, quick: bool) -> str:
-    """What a study's results depend on: the code of its rows, cases, versions, processor, mode."""
+    """What a study's results depend on: the package, cases, versions, processor, mode."""
     cases = [library.folder() / f"{case}.toml" for case in library.names()]
-    paths = [*sources([f"studies/{_folder(name)}/rows"]), *cases]
-    parts = [f"{'/'.join(path.parts[-3:])}\n{path.read_text(encoding='utf-8')}" for path in paths]
-    return digest("\0".join([*parts, str(_versions(name)), cpu(), str(quick)]))
+    parts = [f"{'/'.join(path.parts[-3:])}\n{path.read_text(encoding='utf-8')}" for path in cases]
+    return digest("\0".join([*_package(), *parts, str(_versions(name)), cpu(), str(quick)]))
+
+
+def _package() -> Iterator[str]:
+    """The modules of polhode, each with its place; nothing else that lies beside them counts."""
+    for path in sorted(PACKAGE.rglob("*.py")):
+        # a stray file, such as a "._name.py" of macOS, is no text
+        text = path.read_text(encoding="utf-8", errors="backslashreplace")
+        yield f"{path.relative_to(PACKAGE).as_posix()}\n{text}"
 
 
 def _folder(study: str) -> str:

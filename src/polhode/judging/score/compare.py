@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias, TypedDict
+from typing import TYPE_CHECKING, Never, TypeAlias, TypedDict
 
-from polhode.common.arguments import each, of_kind, whole
+from polhode.common.arguments import each, of_kind, refuse_unknown, whole
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.text_tables import few
@@ -83,6 +83,7 @@ def compare(
     read: str | None = None,
     max_seconds: float | None = None,
     forecast: Callable[[float, str], None] | None = None,
+    **unknown: Never,
 ) -> Judgement:
     """Judge a run, a trajectory file, columns or an array of states against a reference.
 
@@ -128,6 +129,8 @@ def compare(
     forecast : callable, optional
         Called before each proof with a rough estimate of its seconds, and with the unit that
         the times seem to have, if any.
+    **unknown
+        No other argument is accepted; one is refused with the nearest known names.
 
     Returns
     -------
@@ -151,6 +154,9 @@ def compare(
     >>> 6 < polhode.compare(rows, scene, at=[1]).worst < 7
     True
     """
+    gate = "no threshold: polhode.testing.assert_digits(run, scene, at_least) has one"
+    refuse_unknown("compare", compare, unknown, at_least=gate)
+    of_kind("compare", "as_it_stands", as_it_stands, bool, "True or False")
     if against is None:
         if not isinstance(what, Trajectory):
             raise BadInput("compare", "against", None, "a reference, or a scene")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from polhode.common.arguments import of_kind
 from polhode.common.errors import UNREADABLE, BadInput, nearest
 from polhode.common.files import check_writable, npz, read_npz, read_whole, write_whole
 from polhode.common.result import Result
@@ -31,6 +32,7 @@ _KIND_OF_SIDECAR = {"states": "Trajectory", "members": "Ensemble"}
 
 def save(found: Result, path: str | Path, more: JsonObject | None = None) -> None:
     """Write a result; raises BadInput.  ``more``: what else the JSON beside a table says."""
+    of_kind("save", "path", path, (str, Path), "the path of a file")
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
@@ -70,6 +72,7 @@ def load_result(path: str | Path) -> Result:
     >>> again == found
     True
     """
+    of_kind("load_result", "path", path, (str, Path), "the path of a file")
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
