@@ -77,6 +77,9 @@ def arrays(run: Trajectory) -> JsonObject:
         held[f"event{k}_times"] = np.array(event.time_strings(), dtype=np.str_)
         held[f"event{k}_states"] = _texts(event.states, run.number)
         held[f"event{k}_grazing"] = np.array(event.grazing, dtype=bool)
+        held[f"event{k}_signs"] = np.array(event.signs, dtype=np.int8)
+        held[f"event{k}_uncertainty"] = np.array(event.uncertainty, dtype=float)
+        held[f"event{k}_depths"] = np.array(event.depths, dtype=float)
     held["about"] = np.array(as_json(about))
     return held
 
@@ -203,9 +206,19 @@ def _events(
         times = _times(held, f"event{k}_times")
         states = _numbers(held, f"event{k}_states", number, (len(times), len(scene.columns)))
         states = read_only(states, len(scene.columns))
-        grazing = _array(held, f"event{k}_grazing", "b", (len(times),))
+        if f"event{k}_signs" not in held:
+            raise ValueError("events without their signs, of an older version: run again")
+        signs, uncertainty, depths = (
+            tuple(_array(held, f"event{k}_{name}", kind, (len(times),)).tolist())
+            for name, kind in (("signs", "i"), ("uncertainty", "f"), ("depths", "f"))
+        )
+        grazing = _array(held, f"event{k}_grazing", "b", (len(times),)).tolist()
+        if not set(signs) <= {-1, 0, 1} or grazing != [sign == 0 for sign in signs]:
+            raise ValueError("signs of events: expected -1, 1, and 0 where they graze")
         complete = _told(told, "complete", bool)
-        found.append(EventTimes(told["name"], times, states, tuple(grazing.tolist()), complete))
+        found.append(
+            EventTimes(told["name"], times, states, signs, uncertainty, depths, complete)
+        )
     return tuple(found)
 
 

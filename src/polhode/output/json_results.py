@@ -106,12 +106,15 @@ def rows_of_column(word: str, shown: Any) -> Texts:
 
 
 def of_event(event: EventTimes, number: NumberType) -> JsonObject:
-    """When an event happened, and the states then."""
+    """When an event happened, in which direction, how surely, and the states then."""
     return {
         "name": event.name,
         "times": event.time_strings(),
         "states": strings(event.states, number),
+        "signs": list(event.signs),
         "grazing": list(event.grazing),
+        "uncertainty": [f"{x:.1e}" for x in event.uncertainty],
+        "depths": [f"{x:.1e}" for x in event.depths],
         "complete": event.complete,
     }
 

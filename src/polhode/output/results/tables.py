@@ -193,7 +193,8 @@ def _event_times(found: EventTimes) -> Table:
     width = len(found.states[0]) if len(found.states) else 0
     columns: dict[str, Value] = {"event": [*range(1, len(found.times) + 1)], "t": found.t}
     columns |= {name: [row[k] for row in found.states] for k, name in enumerate(STATE[:width])}
-    return Table(1, columns | {"grazing": found.grazing})
+    columns |= {"sign": found.signs, "grazing": found.grazing}
+    return Table(1, columns | {"uncertainty": found.uncertainty, "depth": found.depths})
 
 
 def _proved_orbit(found: ProvedOrbit) -> Table:
