@@ -48,7 +48,7 @@ class Published(NamedTuple):
     quantity: str
     value: str
     cite: str
-    right: int | None = None  # significant digits known to be right, where not all are
+    right: int | None = None  # significant digits that are right at least, where not all are
 
     @property
     def recomputed(self) -> bool:
