@@ -19,6 +19,8 @@ import numpy as np
 
 from polhode.common.errors import BadInput
 from polhode.judging.diagnosis.evidence import (
+    BEGINS,
+    FAR_GAIN,
     course,
     follows,
     is_alike,
@@ -61,16 +63,25 @@ class _World(NamedTuple):
 
 
 class _Part(NamedTuple):
-    """A part of a table in a world: its best way, whether that tells anything, the plain one."""
+    """A part of a table in a world: its plainest way of the best, whether that tells anything.
 
-    way: Way
-    is_told: bool
+    ``plain``: the way as it stands.  ``goes``: whether the best one goes with the motion.
+    """
+
+    best: Way
     plain: Way
+    is_told: bool
+    goes: bool
+
+    @property
+    def way(self) -> Way:
+        """The way to read it."""
+        return self.best if self.is_told else self.plain
 
     @property
     def course(self) -> Doubles:
         """The digits that count at each row."""
-        return course(self.way.rows, self.way.fitted)
+        return course(self.best.rows, self.best.fitted)
 
 
 def readings(
@@ -89,12 +100,17 @@ def readings(
     if right is None:
         return []
     first = _World("", right)
-    plain = {k: found for k in parts if (found := _part(k, parts[k], right, k in wrong))}
+
+    def seen(world: _World) -> dict[str, _Part]:
+        found = {k: _part(k, values, world, k in wrong) for k, values in parts.items()}
+        return {k: one for k, one in found.items() if one is not None}
+
+    plain = seen(first)
     world, best = first, plain
     if not _explains(plain):
         for other in _other_worlds(subject, reference.scene, times):
-            found = {k: one for k in plain if (one := _part(k, parts[k], other.right, k in wrong))}
-            if found.keys() == plain.keys() and _is_better_world(found, best, other.right):
+            found = seen(other)
+            if found.keys() == plain.keys() and _is_better_world(found, best):
                 world, best = other, found
     return [
         _reading(k, plain[k].plain, best[k].way, world, times)
@@ -103,23 +119,22 @@ def readings(
     ]
 
 
-def _part(part: str, values: Doubles, right: Right, is_wrong: bool) -> _Part | None:
+def _part(part: str, values: Doubles, world: _World, is_wrong: bool) -> _Part | None:
     """The best way of a part; the plain one, where no other tells more or the part is right."""
-    tried = ways(part, values, right)
+    tried = ways(part, values, world.right)
     plain = next(tried, None)
     if plain is None:
         return None
+    moved = world.right.moved(part)
     if not is_wrong or plain.digits >= WRONG:
-        return _Part(plain, False, plain)
+        return _Part(plain, plain, False, True)
     found = [plain, *tried]
     courses = [course(way.rows, way.fitted) for way in found]
     best = max(courses, key=lambda one: float(np.sum(one)))
     k = next(k for k, one in enumerate(courses) if is_alike(one, best))
-    gain = least_gain(len(found), FREEDOM[part])
-    told = is_better(courses[k], courses[0], gain)
-    if told and follows(courses[k], right.moved(part), found[k].fitted):
-        return _Part(found[k], True, plain)
-    return _Part(plain, False, plain)
+    gain = least_gain(found[k].tries, FREEDOM[part])
+    goes = follows(courses[k], moved, found[k].fitted, bool(world.words))
+    return _Part(found[k], plain, goes and is_better(courses[k], courses[0], gain), goes)
 
 
 def _explains(parts: Mapping[str, _Part]) -> bool:
@@ -127,16 +142,16 @@ def _explains(parts: Mapping[str, _Part]) -> bool:
     return all(one.way.digits >= WRONG for one in parts.values())
 
 
-def _is_better_world(
-    found: Mapping[str, _Part], other: Mapping[str, _Part], right: Right
-) -> bool:
-    """Whether a part has far more digits, all together have more, and all go with the motion."""
-    pairs = [(one.course, other[k].course) for k, one in found.items()]
-    more = sum(float(np.sum(mine - theirs)) for mine, theirs in pairs)
+def _is_better_world(found: Mapping[str, _Part], other: Mapping[str, _Part]) -> bool:
+    """Whether all parts begin right, all together have more digits, and some have far more."""
+    mine = {k: one.course for k, one in found.items()}
+    more = {k: float(np.sum(one - other[k].course)) for k, one in mine.items()}
+    far = [k for k, one in mine.items() if is_better(one, other[k].course, FAR_GAIN)]
     return (
-        more > 0
-        and any(is_better(mine, theirs) for mine, theirs in pairs)
-        and all(follows(x.course, right.moved(k), x.way.fitted) for k, x in found.items())
+        bool(far)
+        and sum(more.values()) > 0
+        and all(float(one[0]) >= BEGINS for one in mine.values())
+        and all(found[k].goes for k in far)
     )
 
 
@@ -152,9 +167,9 @@ def _reading(
 
 def shown_rows(way: Way, times: Sequence[Fraction]) -> tuple[tuple[Fraction, float], ...]:
     """Times with the digits of a way there: the first row, one on the way, the last one."""
-    last = len(times) - 1
-    middle = min(range(len(times)), key=lambda k: abs(abs(times[k]) - abs(times[last]) / 4))
-    return tuple((times[k], float(way.rows[k])) for k in sorted({0, middle, last}))
+    first, last = int(way.fitted), len(times) - 1  # a row that is fitted is right for nothing
+    middle = min(range(first, last + 1), key=lambda k: abs(abs(times[k]) - abs(times[last]) / 4))
+    return tuple((times[k], float(way.rows[k])) for k in sorted({first, middle, last}))
 
 
 def _other_worlds(

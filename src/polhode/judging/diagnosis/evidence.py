@@ -21,7 +21,9 @@ import numpy as np
 from polhode.numbers.rows import Doubles
 
 MOST = 12.0  # digits that count: more are no more certain
-LEAST_GAIN = 2.0  # digits that a convention gives at least, at some of the first rows
+BEGINS = 1.0  # digits of a first row that is right
+LEAST_GAIN = 1.5  # digits that a convention gives at least, at some of the first rows
+FAR_GAIN = 2.0  # likewise other times, or another scene
 _RARE = 3.5  # log10 of so many tables of which one is right by chance
 _ALIKE, _ALIKE_IF_EXACT, _EXACT = 0.3, 1.0, 9.0  # digits by which conventions do not differ
 _LEFT = 0.1  # of its size: by so much the motion has left its first row
@@ -52,7 +54,7 @@ def course(digits: Doubles, fitted: bool = False) -> Doubles:
     return np.minimum.accumulate(held)
 
 
-def is_better(mine: Doubles, other: Doubles, gain: float = LEAST_GAIN) -> bool:
+def is_better(mine: Doubles, other: Doubles, gain: float) -> bool:
     """Whether a course has so many more digits somewhere, and fewer nowhere before."""
     more = mine - other
     rows = np.flatnonzero(more >= gain)
@@ -70,14 +72,17 @@ def _slack(digits: Doubles) -> Doubles:
 
 def least_gain(tries: int, freedom: int) -> float:
     """The digits that random numbers, so many in a row, hardly have in any of so many tries."""
-    return max(LEAST_GAIN, (math.log10(max(tries, 1)) + _RARE) / freedom)
+    return max(LEAST_GAIN, (math.log10(tries) + _RARE) / freedom)
 
 
-def follows(mine: Doubles, moved: Doubles, fitted: bool = False) -> bool:
-    """Whether a course goes with the motion; ``moved``: how far that is from its first row."""
+def follows(mine: Doubles, moved: Doubles, fitted: bool, must_move: bool) -> bool:
+    """Whether a course goes with the motion; ``moved``: how far that is from its first row.
+
+    ``must_move``: whether a motion that stands still tells nothing.
+    """
     left = np.flatnonzero(moved >= _LEFT)
     row = int(left[0]) if len(left) else int(np.argmax(moved))
     if moved[row] < _STILL:
-        return not fitted
+        return not (fitted or must_move)
     digits = float(mine[row]) + math.log10(float(moved[row]))
     return digits >= (_FOLLOWS_FITTED if fitted else _FOLLOWS)

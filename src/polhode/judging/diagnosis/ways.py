@@ -61,12 +61,14 @@ class Right(NamedTuple):
 class Way(NamedTuple):
     """A convention, the digits that it gives at each row, and the change that applies it, if any.
 
+    ``tries``: how many conventions are as plain, of which one may be right by chance.
     ``fitted``: whether the first row decides what is changed, so that it is right there.
     """
 
     words: str
     rows: Doubles  # the earliest first
     change: Change | None = None
+    tries: int = 1
     fitted: bool = False
 
     @property
@@ -102,7 +104,7 @@ def _of_omega(values: Doubles, right: Right) -> Iterator[Way]:
             along = np.einsum("nij,nj->ni", right.matrices, true)
             for way in _of_vector(("x", "y", "z"), factor * values, along, True):
                 words = filter(None, ("along the axes of space", way.words, unit))
-                yield Way(" ".join(words), way.rows)
+                yield Way(" ".join(words), way.rows, tries=way.tries)
 
 
 def _of_vector(
@@ -116,7 +118,8 @@ def _of_vector(
     """Axes in another order or of another sense, left-handed frames among them."""
     held = values * (degrees * _DEGREE or 1.0)
     for order, signs in AXES:
-        if order == SAME and len({*signs}) == 1:
+        plain = order == SAME and len({*signs}) == 1
+        if plain:
             opposite = "of the other sense" if relative else "the downward vertical"
             words = "" if signs[0] > 0 else opposite
         elif len(values) < LEAST_ROWS:
@@ -126,7 +129,8 @@ def _of_vector(
             words = f"{' '.join(names)} = {' '.join(axes)}"
         change = Change(order, signs, degrees)
         digits = _against(held[:, order] * signs, true, relative)
-        yield Way(" ".join(filter(None, (words, unit))), digits, change)
+        tries = (2 if plain else len(AXES)) * (len(_UNITS) if relative else 1)
+        yield Way(" ".join(filter(None, (words, unit))), digits, change, tries)
 
 
 def _of_attitude(values: Doubles, right: Right) -> Iterator[Way]:
@@ -152,7 +156,8 @@ def _of_attitude(values: Doubles, right: Right) -> Iterator[Way]:
                         body=quaternion(frames.body),
                     )
                     change = _of_same_sign(change, values, frames.rows, right)
-                way = Way(words, frames.rows, change, frames.is_fitted)
+                tries = 2 * len(_ORDERS) * frames.tries
+                way = Way(words, frames.rows, change, tries, frames.is_fitted)
                 found += [_Framed(frames.renamed, way)] if words else []
     yield from _plain_first(found)
 
@@ -215,6 +220,13 @@ class _Frames(NamedTuple):
         return f"{TURN}{rotation_in_words(self.body)} in body axes"
 
     @property
+    def tries(self) -> int:
+        """How many frames are as plain."""
+        if self.is_fitted:
+            return 2
+        return len(TURNED) ** 2 if self.words else 1
+
+    @property
     def renamed(self) -> int:
         """How many frames are renamed; a turned one is less plain."""
         return 3 if self.is_fitted else self.words.count("=")
@@ -264,7 +276,8 @@ def _of_angles(values: Doubles, right: Right) -> Iterator[Way]:
                 words = " ".join(filter(None, (name, unit, sense)))
                 for frames in _frames(held, true):
                     told = ", ".join(filter(None, (words, frames.words)))
-                    way = Way(told, frames.rows, None, frames.is_fitted)
+                    tries = 4 * len(_SEQUENCES) * frames.tries
+                    way = Way(told, frames.rows, None, tries, frames.is_fitted)
                     found.append(_Framed(frames.renamed, way))
     yield from _plain_first(found)
 
