@@ -229,16 +229,17 @@ def _naming(columns: Sequence[str] | None) -> Naming | None:
 
 
 def _as_read(found: Judgement) -> Judgement:
-    """The judgement in the conventions that make its wrong parts right, where some do."""
+    """The judgement in the conventions in which its wrong parts begin right, where some do."""
     if not found.is_wrong:
         return found
-    offers = [one for one in found.offers if one.change is not None]
-    if not offers:
+    applied = [one for one in found.offers if one.change is not None]
+    if not applied:
         return found
-    other = replace(found, subject=as_read(found.subject, offers))
-    wanted = {name: fewest(digits, 0.0) - GAIN for name, digits in found.part_digits.items()}
-    wanted |= {one.part: one.as_it_stands + GAIN for one in offers}
-    good = all(fewest(other.part_digits.get(k, ()), 0.0) >= d for k, d in wanted.items())
+    left = tuple(one for one in found.offers if one.change is None)
+    other = replace(found, subject=as_read(found.subject, applied), offered=left)
+    before, now = ({k: fewest(d, 0.0) for k, d in x.part_digits.items()} for x in (found, other))
+    read = {one.part for one in applied}
+    good = all(now.get(k, 0.0) >= d - GAIN for k, d in before.items() if k not in read)
     return other if good else found
 
 
@@ -251,12 +252,7 @@ def _read_before(subject: Subject, against: Certified) -> Subject:
     found = [one for one in readings(subject, against, parts) if one.change is not None]
     if not found:
         return subject
-    read = as_read(subject, found)
-    with suppress(BadInput):
-        digits = Judgement(read, against).part_digits
-        if all(fewest(digits.get(x.part, ()), 0.0) >= x.as_it_stands + GAIN for x in found):
-            return read
-    return subject
+    return as_read(subject, found)
 
 
 def _in_seconds(subject: Subject, against: AnyReference) -> Subject:
