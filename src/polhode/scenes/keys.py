@@ -63,7 +63,7 @@ KEYS: dict[str, tuple[Key, ...]] = {
             "units",
             WORD,
             "`SI`: numbers without a unit are in m, kg, s and rad; implied where any number has a "
-            "unit, as `5 cm`; left out otherwise: any consistent units",
+            "unit, as `5 cm`, an angle's aside; left out otherwise: any consistent units",
             '"SI"',
             '""',
         ),

@@ -26,7 +26,7 @@ class Reading:
 
     def __init__(self, name: str, data: dict[str, Any]) -> None:
         self.name, self.data = name, data
-        self.in_si = False  # a number was written with a unit
+        self.in_si = False  # a number was written with a unit, and is more than an angle
 
     def bad(self, key: str, value: object, expected: str) -> BadInput:
         """The fault of a key's value, to be raised."""
@@ -124,18 +124,18 @@ class Reading:
 
 
 def number_in_text(text: str, key: str) -> tuple[Exact, bool]:
-    """The value of an expression for a key, and whether it was written with units.
+    """The value of an expression for a key, and whether its units make it a number in SI.
 
-    Raises ExpressionError.
+    Those of an angle do not: it is the same number in any units.  Raises ExpressionError.
     """
     try:
         return expression.number(text), False
     except ExpressionError:
-        from polhode.numbers.quantity import in_unit, mentions_unit
+        from polhode.numbers.quantity import in_unit, is_angle, mentions_unit
 
         if not mentions_unit(text):
             raise
-        return in_unit(text, keys.unit(key)), True
+        return in_unit(text, keys.unit(key)), not is_angle(text)
 
 
 def is_int(value: object) -> bool:
