@@ -19,8 +19,12 @@ from polhode.numbers.scalars import Scalar
 
 MAX_LENGTH = 1000
 MAX_NESTING = 50
+MAX_DIGITS = 4000  # of a decimal
 MAX_EXPONENT = 4000  # of ten, in a decimal; and of a power of an irrational
 MAX_BITS = 14_000  # of a rational on the way, and of an irrational before or after its point
+MOST_BITS = 16 * MAX_BITS  # of a numerator or a denominator that is not written as a text
+
+TOO_LARGE = "a number too large to hold"  # or too small
 
 FUNCTIONS = ("sqrt", "sin", "cos")
 
@@ -79,10 +83,11 @@ def decimal(text: str) -> Fraction:
         raise ExpressionError(f"{plain[:40]!r} is not a finite decimal number")
     minus, whole, places, only_places, power = match.groups()
     places = places or only_places or ""
-    digits = (whole or "") + places
+    digits = ((whole or "") + places).lstrip("0") or "0"
     exponent = int(power or 0)
-    if len(digits) > 4000 or abs(exponent) > MAX_EXPONENT:
-        raise ExpressionError(f"a decimal has at most 4000 digits and exponent {MAX_EXPONENT}")
+    if max(len(digits), len(places)) > MAX_DIGITS or abs(exponent) > MAX_EXPONENT:
+        expected = f"at most {MAX_DIGITS} digits and an exponent from -{MAX_EXPONENT}"
+        raise ExpressionError(f"a decimal has {expected} to {MAX_EXPONENT}")
     exponent -= len(places)
     if exponent < 0:
         return Fraction(int(minus + digits), 10**-exponent)
@@ -287,7 +292,7 @@ def bounded(value: Scalar) -> Scalar:
     if isinstance(value, Fraction):
         size = max(value.numerator.bit_length(), value.denominator.bit_length())
         if size > MAX_BITS:
-            raise ExpressionError("a number too large to hold")
+            raise ExpressionError(TOO_LARGE)
     elif isinstance(value, Irrational) and abs(exact.magnitude(value)) > MAX_BITS:
         raise ExpressionError("a number too large or too small to hold")
     return value

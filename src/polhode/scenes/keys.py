@@ -34,6 +34,8 @@ from polhode.scenes.vocabulary import (
 NUMBER, VECTOR, WORD, WORDS = "number", "three numbers", "text", "list of texts"
 WHOLE, TRUTH, TABLE, TABLES = "whole number", "true or false", "table", "tables"
 
+_OF_TABLES = ("body.parts", "events", "published")
+
 _INDEX = re.compile(r"\[[0-9]+\]")
 
 
@@ -81,7 +83,8 @@ KEYS: dict[str, tuple[Key, ...]] = {
         Key(
             "inertia",
             "3 x 3 matrix",
-            "or the inertia matrix in any body axes",
+            "or the inertia matrix in any body axes; off its diagonal stand minus the products of "
+            "inertia, Ixy = -∫ x y dm, as in URDF",
             '[[2, "1/2", 0], ["1/2", 2, 0], [0, 0, 3]]',
             unit="kg*m**2",
         ),
@@ -269,6 +272,15 @@ KEYS: dict[str, tuple[Key, ...]] = {
 def names(section: str) -> list[str]:
     """The keys that a section may have."""
     return [key.name for key in KEYS[section]]
+
+
+def homes(name: str) -> str:
+    """The sections that have a key of this name, as they are written; "" for none."""
+    return " or ".join(
+        f"[[{section}]]" if section in _OF_TABLES else f"[{section}]" if section else "the top level"
+        for section in KEYS
+        if name in names(section)
+    )
 
 
 def words(section: str) -> set[str]:

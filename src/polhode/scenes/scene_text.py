@@ -13,6 +13,7 @@ from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import in_full, is_decimal
 from polhode.numbers.exact import Irrational
 from polhode.scenes import keys, scene_file
+from polhode.scenes.body import MATRIX
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Published, Scene
 from polhode.scenes.shapes import Part
@@ -166,6 +167,8 @@ class _Value:
             return "[\n  " + ",\n  ".join(items) + ",\n]" if many else f"[{', '.join(items)}]"
         if self.words:
             raise BadInput(self.name, self.key, plain(value), "a text")
+        if isinstance(value, Mapping) and self.key == "body.inertia":
+            raise BadInput(self.name, self.key, plain(value), MATRIX)
         return self.number(value)
 
     def held(self, value: object) -> object:
@@ -174,23 +177,30 @@ class _Value:
             return value
         if isinstance(value, str):
             return str(value) if _plain(value) else self._read(value)
-        if type(value) in (int, float) and not self.words:
-            return value if isinstance(value, int) else exact_number(value)
+        if type(value) is int and not self.words:
+            return value
         if _several(value):
             return [self.held(x) for x in value]
-        return self._read(value)
+        if self.words or isinstance(value, Mapping) or hasattr(value, "__index__") or type(value).__name__ == "bool_":
+            return self._read(value)
+        found = self.exactly(value)
+        return found if is_decimal(found) else self._read(value)
 
     def _read(self, value: object) -> object:
         return scene_file.tables(f"x = {self.text(value)}", self.name)["x"]
 
-    def number(self, value: Any) -> str:
+    def exactly(self, value: object) -> Fraction:
         try:
-            x = exact_number(value[()] if getattr(value, "ndim", None) == 0 else value)
+            x = exact_number(value)
         except ValueError as fault:
             raise BadInput(self.name, self.key, plain(value), f"a number ({fault})") from None
         if isinstance(x, Irrational):
             expected = "a number with finitely many digits, or its expression as text"
             raise BadInput(self.name, self.key, float(x), expected)
+        return x
+
+    def number(self, value: object) -> str:
+        x = self.exactly(value)
         return in_full(x) if is_decimal(x) else json.dumps(in_full(x))
 
 
