@@ -126,6 +126,10 @@ def exact_number(value: object) -> Exact:
 
 def derived_number(value: object) -> Exact:
     """The same of what may be computed from numbers given: a Fraction may be larger."""
+    if isinstance(value, Fraction):
+        if max(value.numerator.bit_length(), value.denominator.bit_length()) > MOST_BITS:
+            raise ExpressionError(TOO_LARGE)
+        return value
     if getattr(value, "ndim", None) == 0:
         value = value[()]  # type: ignore[index]  # of an array of no dimension
     if isinstance(value, exact.Irrational):
@@ -143,8 +147,6 @@ def derived_number(value: object) -> Exact:
 
 def _too_large(value: Any) -> bool:
     """Whether a number has too many bits, found without making it exact."""
-    if isinstance(value, Fraction):
-        return max(value.numerator.bit_length(), value.denominator.bit_length()) > MOST_BITS
     if hasattr(value, "_mpf_"):
         _, mantissa, exponent, bits = value._mpf_
         return mantissa != 0 and not -MOST_BITS < exponent <= exponent + bits <= MAX_BITS

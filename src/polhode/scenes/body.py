@@ -8,7 +8,7 @@ exactly, and projections onto an axis are formed before the axis is scaled to le
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import InitVar, dataclass, field
 from fractions import Fraction
 from typing import Any
@@ -163,25 +163,27 @@ class Body:
 
     def __post_init__(self, rounded: bool | None) -> None:
         given = each("Body", "inertia", self.inertia, _listed, MATRIX)
-        if len(given) != 3:
-            raise BadInput("Body", "inertia", f"{len(given)} rows", MATRIX)
+        if len(given) != 3 or isinstance(self.inertia, Mapping):
+            shown = f"{len(given)} rows" if len(given) != 3 else self.inertia
+            raise BadInput("Body", "inertia", shown, MATRIX)
         x, y, z = (exact_vector(row, key=f"inertia[{i + 1}]") for i, row in enumerate(given))
         if rounded is None:
             rounded = are_rounded(number for row in given for number in row)
         object.__setattr__(self, "inertia", (x, y, z))
         if rounded:
-            self._changed(*symmetrised(self.inertia))
+            self._take(*symmetrised(self.inertia))
         object.__setattr__(self, "centre", exact_vector(self.centre, key="centre"))
         (weight,) = each("Body", "weight", (self.weight,), derived_number, "a number")
         object.__setattr__(self, "weight", weight)
         self._check_parts()
         gap, (i, j) = asymmetry(self.inertia)
-        if sign(gap) != 0:
+        if gap is not ZERO:
             pair = f"[{i + 1}][{j + 1}] and [{j + 1}][{i + 1}]"
-            raise UnphysicalBody(f"a symmetric matrix: {pair} differ by {brief(gap, 3)}; {PRODUCTS}")
+            expected = f"a symmetric matrix: {pair} differ by {brief(gap, 3)}; {PRODUCTS}"
+            raise UnphysicalBody(expected)
         self._check_moments(rounded)
 
-    def _changed(self, inertia: Matrix, change: str) -> None:
+    def _take(self, inertia: Matrix, change: str) -> None:
         """Take another inertia matrix where something of it was rounding."""
         if change:
             object.__setattr__(self, "inertia", inertia)
@@ -194,7 +196,7 @@ class Body:
         if all(sign(moment) > 0 for moment in self.moments):
             if rounded and sign(over) > 0:
                 flat, change = flattened(self.inertia, over)
-                self._changed(flat, change)
+                self._take(flat, change)
                 over = ZERO if change else over
             if sign(over) == 0:
                 return

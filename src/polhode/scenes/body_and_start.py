@@ -16,7 +16,6 @@ from polhode.scenes.body import (
     UnphysicalBody,
     Vector,
     diagonal,
-    dot,
     scaled,
 )
 from polhode.scenes.given_numbers import in_units
@@ -236,11 +235,11 @@ def _square(
     shown = as_written(given)
     square = exact.total(x * x for x in numbers)
     if square != 1 and not normalise:
-        off = square - 1
+        amount = f"1 {_signed(square - 1)}"
         if not is_unit_but_for_rounding(given):
-            told = f"length exactly 1, or normalise = true: its square is 1 {_signed(off)}"
-            raise reading.bad(f"start.{key}", shown, told)
-        reading.change = f"start.{key} brought to length 1 (its square was 1 {_signed(off)}: rounding)"
+            expected = f"length exactly 1, or normalise = true: its square is {amount}"
+            raise reading.bad(f"start.{key}", shown, expected)
+        reading.change = f"start.{key} brought to length 1 (its square was {amount}: rounding)"
     if sign(square) == 0:
         raise reading.bad(f"start.{key}", shown, "a vector that is not zero")
     return square

@@ -11,7 +11,6 @@ from polhode.common.errors import BadInput, listed, plain
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes import keys, scene_file
 from polhode.scenes.event import Event
-from polhode.scenes.rounding import is_unit_but_for_rounding
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_text import as_read, owned, written
 from polhode.scenes.shapes import Part
@@ -173,19 +172,13 @@ def top(
         raise BadInput(name, "run.samples", samples, "a whole number")
     data = owned(data)  # read once, and written when the caller may have changed or used it up
     try:
-        read = as_read(data, name)
-        if any(_is_unit_but_for_rounding(read, key) for key in ("gamma", "quaternion")):
-            data["start"]["normalise"] = True  # in its text
-        scene = scene_file.of_tables(read, name, lambda: written(data, name))
+        scene = scene_file.of_tables(as_read(data, name), name, lambda: written(data, name))
     except ValueError:
         return scene_file.parse(written(data, name), name)  # the line of a fault shows its text
+    if scene.change:  # gamma or the quaternion was brought to length 1: its text is to say so
+        data["start"]["normalise"] = True
     scene.speak()
     return scene
-
-
-def _is_unit_but_for_rounding(read: Mapping[str, Any], key: str) -> bool:
-    given = read["start"].get(key)
-    return isinstance(given, list) and is_unit_but_for_rounding(given)
 
 
 def _event(name: str, index: int, event: object) -> Mapping[str, Any]:

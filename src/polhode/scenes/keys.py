@@ -34,8 +34,6 @@ from polhode.scenes.vocabulary import (
 NUMBER, VECTOR, WORD, WORDS = "number", "three numbers", "text", "list of texts"
 WHOLE, TRUTH, TABLE, TABLES = "whole number", "true or false", "table", "tables"
 
-_OF_TABLES = ("body.parts", "events", "published")
-
 _INDEX = re.compile(r"\[[0-9]+\]")
 
 
@@ -269,6 +267,10 @@ KEYS: dict[str, tuple[Key, ...]] = {
 }
 
 
+_OF_TABLES = ("body.parts", "events", "published")
+_HEADS = {x: f"[[{x}]]" if x in _OF_TABLES else f"[{x}]" for x in KEYS} | {"": "the top level"}
+
+
 def names(section: str) -> list[str]:
     """The keys that a section may have."""
     return [key.name for key in KEYS[section]]
@@ -276,11 +278,7 @@ def names(section: str) -> list[str]:
 
 def homes(name: str) -> str:
     """The sections that have a key of this name, as they are written; "" for none."""
-    return " or ".join(
-        f"[[{section}]]" if section in _OF_TABLES else f"[{section}]" if section else "the top level"
-        for section in KEYS
-        if name in names(section)
-    )
+    return " or ".join(_HEADS[section] for section in KEYS if name in names(section))
 
 
 def words(section: str) -> set[str]:

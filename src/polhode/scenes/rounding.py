@@ -24,6 +24,7 @@ GRACE = 8 * Fraction(sys.float_info.epsilon)
 
 _PAIRS = ((0, 1), (0, 2), (1, 2))
 _WIDEST = 64  # bits of a longdouble
+_FINEST = 1100  # bits of the denominator of the smallest double
 
 
 def are_rounded(numbers: Iterable[object]) -> bool:
@@ -39,30 +40,28 @@ def are_rounded(numbers: Iterable[object]) -> bool:
 
 def is_unit_but_for_rounding(numbers: Sequence[object]) -> bool:
     """Whether exact numbers are all doubles, of length 1 to 8 eps but not exactly."""
-    if not all(isinstance(x, (int, Fraction)) and _is_double(x) for x in numbers):
-        return False
-    square = sum((Fraction(x) ** 2 for x in numbers), Fraction(-1))  # type: ignore[arg-type]
-    return 0 < abs(square) <= GRACE
+    doubles = [Fraction(x) for x in numbers if isinstance(x, (int, Fraction)) and _is_double(x)]
+    square = sum((x**2 for x in doubles), Fraction(-1))
+    return len(doubles) == len(numbers) and 0 < abs(square) <= GRACE
 
 
 def _is_double(x: int | Fraction) -> bool:
-    bottom = x.denominator
-    small = abs(x.numerator).bit_length() <= _WIDEST and bottom.bit_length() < 1100
-    return small and bottom & (bottom - 1) == 0
+    over, under = x.as_integer_ratio()
+    small = abs(over).bit_length() <= _WIDEST and under.bit_length() < _FINEST
+    return small and under & (under - 1) == 0
 
 
 def asymmetry(matrix: Matrix) -> tuple[Exact, tuple[int, int]]:
     """The largest difference of two elements across the diagonal, and where it is."""
-    gap, where = max(
-        ((abs(matrix[i][j] - matrix[j][i]), (i, j)) for i, j in _PAIRS), key=lambda pair: pair[0]
-    )
-    return gap, where
+    pairs = ((matrix[i][j], matrix[j][i], (i, j)) for i, j in _PAIRS)
+    gaps = [(abs(x - y), where) for x, y, where in pairs if x is not y and x != y]
+    return max(gaps, key=lambda gap: gap[0], default=(ZERO, (0, 0)))
 
 
 def symmetrised(matrix: Matrix) -> tuple[Matrix, str]:
     """A matrix made symmetric where it is so to 8 eps, and what was changed; else as it is."""
     gap, _ = asymmetry(matrix)
-    if gap == 0 or gap > GRACE * max(abs(x) for row in matrix for x in row):
+    if gap is ZERO or gap > GRACE * max(abs(x) for row in matrix for x in row):
         return matrix, ""
     a, b, c = ((*((matrix[i][j] + matrix[j][i]) / 2 for j in range(3)),) for i in range(3))
     change = f"inertia made symmetric (elements differed by {brief(gap, 2)} at most: rounding)"
@@ -72,8 +71,8 @@ def symmetrised(matrix: Matrix) -> tuple[Matrix, str]:
 def excess(moments: Vector) -> Exact:
     """By how much the largest principal moment exceeds the sum of the others; 0 if it does not."""
     a, b, c = moments
-    found = max((c - a - b, a - b - c, b - c - a))
-    return found if sign(found) > 0 else ZERO
+    over = 2 * max(moments) - (a + b + c)
+    return over if sign(over) > 0 else ZERO
 
 
 def flattened(matrix: Matrix, over: Exact) -> tuple[Matrix, str]:

@@ -138,7 +138,7 @@ class Scene:
     section: SectionPlan = field(default_factory=SectionPlan)
     units: str = ""  # "SI" where the numbers are in m, kg, s and rad
     normalise: InitVar[bool] = False
-    change: str = field(default="", compare=False)  # of the start; the body has its own
+    change: str = field(default="", compare=False)  # of gamma; the body has its own
     doubt: str = field(default="", compare=False)  # what is hardly meant
 
     def __post_init__(self, normalise: bool) -> None:

@@ -179,9 +179,12 @@ class _Value:
             return str(value) if _plain(value) else self._read(value)
         if type(value) is int and not self.words:
             return value
+        if isinstance(value, float) and not self.words:
+            return exact_number(value)
         if _several(value):
             return [self.held(x) for x in value]
-        if self.words or isinstance(value, Mapping) or hasattr(value, "__index__") or type(value).__name__ == "bool_":
+        whole = hasattr(value, "__index__") or type(value).__name__ == "bool_"
+        if self.words or whole or isinstance(value, Mapping):
             return self._read(value)
         found = self.exactly(value)
         return found if is_decimal(found) else self._read(value)

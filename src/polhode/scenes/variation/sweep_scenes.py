@@ -120,7 +120,8 @@ class _Reading:
         self.data = tables_of(scene)
         self.places = _places(self.data, varied.keys, scene.name)
         self.same_body = not any(key.startswith("body.") for key in varied.keys)
-        self.bare = replace(scene, times=(), published=(), expect={}, source="", outputs=())
+        bare = {"times": (), "published": (), "expect": {}, "source": "", "outputs": ()}
+        self.bare = replace(scene, **bare, change="", doubt="")
         self.bodies: dict[tuple[Any, ...], Body] = {}
 
     def member(self, index: int) -> Scene:
@@ -131,8 +132,8 @@ class _Reading:
                 table[at] = value
         body = self.scene.body if self.same_body else self._known(row, name)
         body, omega, gamma, psi, change = scene_file.body_and_start(self.data, name, body)
-        start = {"omega": omega, "gamma": gamma, "psi": psi, "change": change}
-        return replace(self.bare, body=body, name=name, **start)
+        found = replace(self.bare, body=body, omega=omega, gamma=gamma, psi=psi, name=name)
+        return replace(found, change=change) if change else found
 
     def _known(self, row: tuple[Exact, ...], name: str) -> Body:
         """The body that the tables hold now: one for all members that have the same."""
