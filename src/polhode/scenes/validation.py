@@ -9,6 +9,7 @@ from typing import Any, TypeGuard
 
 from polhode.common.errors import BadInput, nearest, plain
 from polhode.numbers import exact, expression
+from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
 from polhode.scenes import keys
@@ -167,6 +168,8 @@ def as_written(value: object, depth: int = 4) -> Any:
         return "{" + ", ".join(f"{key} = {_shown(item, depth)}" for key, item in items) + "}"
     if isinstance(value, bool):
         return "true" if value else "false"
+    if isinstance(value, (Fraction, exact.Irrational)):
+        return shown(value)
     if isinstance(value, Literal) and len(value) > _LONG:
         return _as_double(value)
     return value
