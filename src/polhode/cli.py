@@ -16,6 +16,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import NoReturn
 
+from polhode.common import notices
 from polhode.common.errors import BadInput, StdoutFault, nearest
 from polhode.common.files import write_stdout
 from polhode.common.provenance import __version__
@@ -111,7 +112,8 @@ def _main(arguments: Sequence[str] | None) -> int:
             options, rest = _parser(given).parse_known_args(_joined(given))
             if rest:
                 options.parser.refuse(rest, given)
-            code: int = options.main(options)
+            with notices.of_verb():
+                code: int = options.main(options)
             return code
         except BadInput as fault:
             if heard.came and isinstance(fault.__context__, ImportError):

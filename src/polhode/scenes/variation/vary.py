@@ -8,10 +8,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple, overload
 
+from polhode.common import notices
 from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput, plain
-from polhode.numbers.exact import Exact
+from polhode.numbers import exact
+from polhode.numbers.exact import ZERO, Exact
 from polhode.numbers.expression import ExpressionError
+from polhode.scenes.body_and_start import THETA, doubtful_theta
 from polhode.scenes.given_numbers import in_text, reader
 from polhode.scenes.keys import unit
 
@@ -161,11 +164,22 @@ def grid(vary: Vary, name: str, units: str = "") -> Grid:
                 listed = ", ".join(map(plain, member))
                 raise BadInput(name, f"member {k + 1}", listed, f"the keys {', '.join(keys)}")
         columns = [[_exact(m[key], key, name, units) for m in vary] for key in keys]
+    for key, column in zip(keys, columns, strict=True):
+        if key == THETA:
+            _doubt(column, name)
     if not keys:
         raise BadInput(name, "vary", None, "at least one number of the scene file to vary")
     if count > MAX_MEMBERS:
         raise BadInput(name, "vary", f"{count} members", f"at most {MAX_MEMBERS}; split the sweep")
     return Grid(keys, Rows(columns, product))
+
+
+def _doubt(column: Sequence[Exact], name: str) -> None:
+    """Say where a theta is of more than a turn."""
+    ends = (column.first, column.last) if isinstance(column, Spaced) else column
+    largest = max(ends, key=abs, default=ZERO)
+    if abs(largest) > 2 * exact.pi():
+        notices.doubt(name, doubtful_theta(largest))
 
 
 def _column(key: str, given: object, name: str, units: str) -> Sequence[Exact]:
