@@ -45,7 +45,7 @@ def _lowest_limit_of_digits():
 
 @pytest.fixture(scope="module")
 def certificates(tmp_path_factory):
-    """One of each form: states with their attitude, in principal and in other axes; orbit; chaos."""
+    """Of states, with their attitude too; in other axes; of an orbit; of chaos."""
     path = tmp_path_factory.mktemp("certificates") / "attitude.json"
     scene = replace(polhode.load("general/asymmetric-regular"), outputs=("attitude",))
     polhode.certify(scene, at=["1/2", 1], digits=16).save(path)
