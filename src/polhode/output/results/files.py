@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from polhode.common.arguments import of_kind
-from polhode.common.errors import UNREADABLE, BadInput, nearest
+from polhode.common.errors import BadInput, nearest
 from polhode.common.files import check_writable, npz, read_npz, read_whole, write_whole
 from polhode.common.result import Result
 from polhode.output import archive, csv_tables, frames
@@ -144,12 +144,14 @@ def _told(path: Path) -> Any:
             held = read_npz(data)
             if KEY not in held:
                 return archive.run_of(held)
-            return json.loads(str(held[KEY]))
-        if suffix == ".parquet":
-            return json.loads(_parquet_attrs(data)[KEY])
-        return json.loads(json.loads(data)[KEY])
-    except (KeyError, TypeError, AttributeError, *UNREADABLE):
+            told = json.loads(str(held[KEY]))
+        elif suffix == ".parquet":
+            told = json.loads(_parquet_attrs(data)[KEY])
+        else:
+            told = json.loads(json.loads(data)[KEY])
+    except archive.DAMAGED:
         return None
+    return told if isinstance(told, dict) else None
 
 
 def _parquet_attrs(data: bytes) -> dict[str, str]:
@@ -157,7 +159,10 @@ def _parquet_attrs(data: bytes) -> dict[str, str]:
 
     frames.needed("pyarrow")
     parquet = frames.needed("pyarrow.parquet")
-    found = parquet.read_schema(BytesIO(data)).metadata[b"PANDAS_ATTRS"]
+    try:
+        found = parquet.read_schema(BytesIO(data)).metadata[b"PANDAS_ATTRS"]
+    except Exception as fault:  # pyarrow has classes of its own for what is no such file
+        raise ValueError(str(fault)) from None
     told: dict[str, str] = json.loads(found)
     return told
 
