@@ -60,7 +60,6 @@ if _TYPE_CHECKING:
     from polhode.judging.references.certified import Certified as Certified
     from polhode.judging.references.reference import Reference as Reference
     from polhode.judging.references.reference import reference as reference
-    from polhode.judging.references.two_precisions import TwoPrecisions as TwoPrecisions
     from polhode.judging.rolling_cones import Rolling as Rolling
     from polhode.judging.rolling_cones import rolling as rolling
     from polhode.judging.score.compare import compare as compare
@@ -124,7 +123,6 @@ _HOMES = {
     "Section": "dynamics.sections.section",
     "SectionPlan": "scenes.scene",
     "Trajectory": "runs.trajectory",
-    "TwoPrecisions": "judging.references.two_precisions",
     "Verdict": "certificates.verdict",
     "__version__": "common.provenance",
     "as_toml": "scenes.scene_text:toml",

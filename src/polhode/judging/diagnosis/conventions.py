@@ -21,14 +21,13 @@ from polhode.judging.diagnosis.time_unit import UNITS
 from polhode.judging.diagnosis.ways import LEAST_ROWS, Right, Way, as_it_stands, ways
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference, Remembered, rows
-from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.judging.tables.candidate import Subject
 from polhode.judging.tables.reading import GAIN, WRONG, Reading, TimeChange
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.rows import Doubles
 from polhode.scenes.scene import Scene
 
-AnyReference: TypeAlias = Reference | Certified | TwoPrecisions | Remembered
+AnyReference: TypeAlias = Reference | Certified | Remembered
 
 MOST_ROWS = 40  # looked at
 _AS_GOOD = 1.0  # digits by which a plainer convention may be behind the best
