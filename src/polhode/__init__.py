@@ -13,11 +13,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 
-from polhode.common.presentation import provide as _provide
-
 if _TYPE_CHECKING:
-    from collections.abc import Callable as _Callable
-
     from polhode import testing as testing
 
     # `as`: mypy and pyright take these names, and no others, for exported
@@ -158,25 +154,6 @@ _HOMES = {
 }
 
 __all__ = [*_HOMES]
-
-
-def _presentation(name: str) -> _Callable[[], object]:
-    """Loads what results of lower rooms do by higher ones, see polhode.common.presentation."""
-
-    def load() -> object:
-        from polhode.output import presentation
-
-        return getattr(presentation, name)
-
-    return load
-
-
-_provide(
-    scenes=_presentation("SCENES"),
-    runs=_presentation("RUNS"),
-    reevaluation=_presentation("REEVALUATION"),
-    results=_presentation("RESULTS"),
-)
 
 
 def __getattr__(name: str) -> object:

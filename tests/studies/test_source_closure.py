@@ -74,7 +74,7 @@ def test_studies_rest_on_different_files():
 def test_imports_that_a_text_does_not_tell_are_declared():
     declared = {*INSTEAD, *BESIDE}
     assert {name for name in EVERY if unread(name)} <= declared
-    assert {name for name in BESIDE if not unread(name)} == {"runs/trajectory"}
+    assert {name for name in BESIDE if not unread(name)} == set()
     assert declared <= {*EVERY}
 
 

@@ -20,14 +20,14 @@ _NAME = re.compile(r"polhode((?:\.\w+)+\.?)")
 #: Files whose own imports are not followed, and what is followed in their place.
 INSTEAD: dict[str, tuple[str, ...]] = {
     # the front door loads any room that a user names; rooms import each other by their own names
-    "__init__": ("common/presentation",),
+    "__init__": (),
     # runs studies one by one and makes pages of their results: no row rests on it
     "studies/report": (),
 }
+#: Files that show and save what they hold by higher rooms: no row rests on these imports.
+SHOWING = ("common/result", "scenes/scene", "runs/trajectory")
 #: What a file imports beside that in a way that its text does not tell.
 BESIDE: dict[str, tuple[str, ...]] = {
-    # asks by a slot of common/presentation, which output/presentation fills with this
-    "runs/trajectory": ("runs/reevaluate",),
     # modules that its rows name, in strings of their own
     "studies/speed/programs": (),
     # the module that a job names: one of the programs
@@ -59,7 +59,7 @@ def closure(names: Iterable[str]) -> tuple[str, ...]:
         if name in found:
             continue
         found.add(name)
-        waiting += INSTEAD[name] if name in INSTEAD else imported(name)
+        waiting += INSTEAD[name] if name in INSTEAD else _followed(name)
         waiting += (x for part in BESIDE.get(name, ()) for x in _files(part))
         waiting += (f"{folder.as_posix()}/__init__" for folder in [*Path(name).parents][:-1])
         waiting.append("__init__")
@@ -72,6 +72,11 @@ def sources(names: Iterable[str]) -> Iterator[Path]:
         yield TOP / f"{name}.py"
         if name in DATA:
             yield from sorted(path for path in (TOP / DATA[name]).rglob("*") if path.is_file())
+
+
+def _followed(name: str) -> Iterator[str]:
+    above = ("figures/", "output/") if name in SHOWING else ()
+    return (x for x in imported(name) if not x.startswith(above))
 
 
 @cache
