@@ -20,7 +20,6 @@ from fuzz.campaign import case
 from polhode.common import files
 from polhode.output import description
 from polhode.runs.sweep import results
-from polhode.taylor.integrator.stepping import Integrator
 from shared.commands import STEPPING
 
 FAST = {"scene": 250, "call": 500, "table": 25, "command": 25}
@@ -230,7 +229,6 @@ def test_digits_are_a_whole_number_within_bounds(digits):
     for scene, most in (
         (polhode.load("top.toml"), 5000),
         (general, 250),
-        (replace(general, reference="two-precisions"), 5000),
     ):
         expected = rf"digits.*: expected a whole number, 1 to {most}"
         with pytest.raises(polhode.BadInput, match=expected):
@@ -332,19 +330,6 @@ def test_ctrl_c_while_a_sweep_is_read_out_loses_nothing(monkeypatch):
     monkeypatch.setattr(results.Reader, "states", interrupted)
     many = polhode.integrate_many("top.toml", {"start.omega[1]": [1, "1.1"]}, at=[0])
     assert many.done
-
-
-def test_ctrl_c_in_a_reference_by_integration_is_heard(monkeypatch):
-    """It was taken for a motion that keeps no digits."""
-    scene = replace(polhode.load("general/asymmetric-regular"), reference="two-precisions")
-    reference = polhode.reference(scene)
-
-    def interrupted(*_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(Integrator, "chunk", interrupted)
-    with pytest.raises(KeyboardInterrupt):
-        reference.at([1], 20)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the system's own signal at a parent's end")

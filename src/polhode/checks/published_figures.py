@@ -17,7 +17,6 @@ from typing import Any
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.derived import column_of
 from polhode.judging.references.reference import Reference
-from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import decimal_string
@@ -74,7 +73,7 @@ class PrintedFigure:
         return f"{right} digits right, where {wanted} are expected: differs by {difference}"
 
 
-def figures(scene: Scene, reference: Reference | Certified | TwoPrecisions) -> list[PrintedFigure]:
+def figures(scene: Scene, reference: Reference | Certified) -> list[PrintedFigure]:
     """Every published figure of a scene beside ours."""
     columns = {
         (t, digits): columns_at(scene, reference, t, digits)
@@ -135,7 +134,7 @@ def _leading_unit(x: Fraction) -> Fraction:
 
 
 def columns_at(
-    scene: Scene, reference: Reference | Certified | TwoPrecisions, t: Fraction, digits: int
+    scene: Scene, reference: Reference | Certified, t: Fraction, digits: int
 ) -> dict[str, Any]:
     """All columns that the scene's figures name, at one time."""
     found: dict[str, Real | None] = dict(

@@ -31,7 +31,7 @@ from polhode.runs.reevaluate import made_again
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import scene_file
 from polhode.scenes.scene import Scene
-from polhode.scenes.scene_text import toml
+from polhode.scenes.scene_text import as_toml
 from polhode.scenes.vocabulary import ATTITUDE, COLUMNS
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def arrays(run: Trajectory) -> JsonObject:
         "provenance": dict(run.provenance),
     }
     held: JsonObject = {
-        "scene": np.array(toml(run.scene)),
+        "scene": np.array(as_toml(run.scene)),
         "source": np.array(run.scene.source),
         "times": np.array(run.time_strings(), dtype=np.str_),
     }

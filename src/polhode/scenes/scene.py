@@ -17,7 +17,6 @@ from polhode.common import notices
 from polhode.common.arguments import each, of_kind
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, nearest
-from polhode.common.presentation import Slot
 from polhode.common.provenance import provenance
 from polhode.common.text_tables import counted, one_line
 from polhode.common.value_semantics import may_wait
@@ -29,10 +28,7 @@ from polhode.numbers.scalars import AnyNumber
 from polhode.scenes.body import Body, Vector, dot, exact_vector, scaled
 from polhode.scenes.event import Event, check_event
 from polhode.scenes.output_times import OutputTimes, listed_times
-from polhode.scenes.presentation import ScenePresentation
 from polhode.scenes.vocabulary import COLUMNS, FORMS, STATE, UNITS
-
-_PRESENTATION: Slot[ScenePresentation[Scene]] = Slot("scenes")
 
 
 class Published(NamedTuple):
@@ -197,7 +193,9 @@ class Scene:
         return f"<Scene {self.name}: moments {moments}{until}>"
 
     def _repr_html_(self) -> str:
-        return _PRESENTATION.get().html(self)
+        from polhode.output import notebook
+
+        return notebook.of_scene(self)
 
     def _bad(self, key: str, value: object, expected: str) -> BadInput:
         return BadInput(self.name, key, value, expected)

@@ -28,7 +28,7 @@ _OF_TIMES = ("end", "samples", "at")
 _SURROGATE = re.compile("[\ud800-\udfff]")
 
 
-def toml(scene: Scene) -> str:
+def as_toml(scene: Scene) -> str:
     """Write a scene as the text of a file that holds it exactly.
 
     It is the file's own text if the scene was not changed since; body and start are written as they

