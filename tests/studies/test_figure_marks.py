@@ -74,19 +74,6 @@ def test_every_printed_figure_says_what_was_printed_at_both_of_its_marks():
     assert not +wanted
 
 
-def test_every_form_says_its_digits_and_its_time():
-    found, texts = said("forms", "forms")
-    wanted = Counter(
-        f"{motion['what']}, {run['form']}: {run['correct_digits']:.1f} digits, "
-        f"{run['time_against_principal']:.2f} times the principal form's time"
-        for motion in found["motions"]
-        for run in motion["runs"]
-        if run["number"] == "double" and "correct_digits" in run
-        for _ in range(2)
-    )
-    assert texts == wanted
-
-
 def test_every_orbit_says_its_period_and_whether_it_is_proved():
     found, texts = said("proofs", "proofs")
     orbits = [(top["what"], row) for top in found["orbits"] for row in top["orbits"]]
@@ -134,15 +121,15 @@ def test_other_figures_say_numbers_at_every_mark(study, figure):
 
 
 def test_marks_of_the_page_can_be_pointed_at_and_thumbnails_cannot():
-    found = report.results(COMMITTED, "forms")
+    found = report.results(COMMITTED, "events")
     assert found is not None
     drawn = report.figures(found)
-    blocks = (html.Figure("forms", "What it shows"), html.Figure("plain", "No marks"))
+    blocks = (html.Figure("events", "What it shows"), html.Figure("plain", "No marks"))
     plain = '<svg viewBox="0 0 1 1" width="1pt" height="1pt"><path id="a" d="M 0 0"/></svg>'
-    section = html.Section("forms", "Forms", "", blocks, drawn | {"plain": plain})
+    section = html.Section("events", "Events", "", blocks, drawn | {"plain": plain})
     text = html.page("t", [section])
-    assert text.count("<title>") == drawn["forms"].count("<title>") + 1  # and the page's own
-    assert 'id="forms-figure"' in text
+    assert text.count("<title>") == drawn["events"].count("<title>") + 1  # and the page's own
+    assert 'id="events-figure"' in text
     assert 'role="group" aria-label="What it shows"' in text  # a reader may enter it
     assert 'role="img" aria-label="No marks"' in text
     assert ".marks use:hover" in text

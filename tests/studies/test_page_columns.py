@@ -105,7 +105,7 @@ def test_columns_are_explained_by_their_headers_and_once_below():
     assert "Columns" not in markdown("t", [made._replace(meanings=())])
 
 
-@pytest.mark.parametrize("name", [name for name in report.STUDIES if name != "gallery"])
+@pytest.mark.parametrize("name", report.STUDIES)
 def test_what_is_explained_of_a_study_can_stand_in_one_line(name):
     found = report.results(COMMITTED, name)
     assert found is not None

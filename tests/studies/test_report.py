@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from polhode.cli import main
 from polhode.common.errors import BadInput
 from polhode.common.provenance import digest
 from polhode.judging.diagnosis.error_budget import selected
@@ -229,6 +231,38 @@ def test_a_folder_that_cannot_be_made_is_refused_before_the_work(tmp_path):
     for write in (report.write_report, lambda folder: report.write_study("accuracy", folder)):
         with pytest.raises(BadInput, match="a folder to write to"):
             write(tmp_path / "file" / "below")
+
+
+@pytest.mark.parametrize("name", report.GONE)
+def test_a_study_that_went_names_what_there_is_instead(name, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for more in ([], ["--only", "x"], ["--quick"]):
+        assert main(["study", name, *more, "-o", "out"]) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert line.endswith(f"; {name} is a study no more: there is {report.GONE[name]}")
+    assert not [*tmp_path.iterdir()]
+
+
+def test_all_that_the_reports_link_to_is_there_and_nothing_else_is():
+    linked = {"report.html", "looping.gif"}  # README's
+    for page in COMMITTED.glob("*.md"):
+        linked.add(page.name)
+        for target in re.findall(r"\]\(([^)#]+)[)#]", page.read_text()):
+            if not target.startswith("http"):
+                assert (COMMITTED / target).is_file(), (page.name, target)
+                linked.add(target)
+    linked |= {f"{name}.json" for name in report.STUDIES}
+    files = {path.relative_to(COMMITTED).as_posix() for path in COMMITTED.rglob("*.*")}
+    assert {name for name in files - linked if not name.startswith("benchmark/")} == set()
+
+
+def test_the_gallery_has_a_picture_of_each_motion_of_its_loop():
+    text = (COMMITTED / "gallery.md").read_text()
+    rows = re.findall(r"^([\w-]+/[\w-]+) (\d+)$", text, re.M)
+    assert len(rows) > 20
+    for case, end in rows:
+        assert f"[{case}](../cases/{case}.toml) to t = {end}" in " ".join(text.split())
+        assert f"(gallery/{case.replace('/', '-')}.svg)" in text
 
 
 def test_an_unknown_study_is_refused_with_the_nearest_name(tmp_path):

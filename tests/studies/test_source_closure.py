@@ -96,9 +96,9 @@ def write():
         file.write(" ".join(names))
 """
 #: Studies that take a second or two in their quick form.
-CHEAP = ("published", "gallery")
+CHEAP = ("published",)
 #: And some that take tens of seconds; the others take up to two minutes.
-DEAR = ("needs", "forms", "events")
+DEAR = ("events",)
 
 
 def _marks(name):

@@ -49,12 +49,16 @@ from polhode.studies.source_closure import sources
 
 #: The studies in the order of the report; each is a folder of that name, with _ for -.
 STUDIES = (
-    *("needs", "accuracy", "certified", "proofs", "speed", "stability", "long-run", "forms"),
-    *("events", "dynamics", "published", "gallery"),
+    *("accuracy", "certified", "proofs", "speed", "stability", "long-run", "events", "published"),
 )
+#: Studies that there were, and what has their rows, or makes them, now.
+GONE = {
+    "needs": "the studies accuracy (digits of each case) and speed (what they cost)",
+    "forms": "polhode check --forms (each form's digits), polhode guide forms (which one to use)",
+    "dynamics": "polhode levels, polhode section and polhode map, each of any scene",
+    "gallery": "reports/gallery.md, whose figures polhode plot draws",
+}
 PAGE = "report.html"
-#: The study that the page of all begins with.
-LEAD = "needs"
 #: The motion that moves there, for so many periods of its nutation, so many samples each.
 _SHOWN, _PERIODS, _SAMPLES = "lagrange/looping", 41, 14
 
@@ -134,7 +138,7 @@ def write_pages(folder: Path, tick: Message | None = None) -> list[Path]:
         sections.append(section)
     first = hero(_motion(), [number for found in every for number in _numbers(found)])
     texts[folder / PAGE] = html.page(
-        "polhode: digits, and what limits them", sections, LEAD, first, table(every, _ORIGINS)
+        "polhode: digits, and what limits them", sections, "", first, table(every, _ORIGINS)
     )
     write_whole(texts)
     return [*kept, *texts]
@@ -286,6 +290,9 @@ def _check(folder: Path, names: Iterable[str]) -> None:
 
 def _options(name: str, without: Sequence[str]) -> dict[str, Any]:
     """Options of a study's rows; raises BadInput for a study that is not, or that has none."""
+    if name in GONE:
+        there = f"{', '.join(STUDIES)}; {name} is a study no more: there is {GONE[name]}"
+        raise BadInput("study", "NAME", name, there)
     if name not in STUDIES:
         raise BadInput("study", "NAME", name, nearest(name, [*STUDIES]))
     if not without:
