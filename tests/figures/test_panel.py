@@ -6,17 +6,15 @@ import re
 import sys
 from xml.etree import ElementTree
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import polhode
 from polhode.common.errors import BadInput
-from polhode.figures.canvas import panel, timed_path
-from polhode.figures.canvas.canvas import paper, require
+from polhode.figures.canvas import panel
+from polhode.figures.canvas.canvas import require
 from polhode.figures.canvas.direct_labels import Look, balanced
-from polhode.figures.canvas.globe import facing_most
 from polhode.figures.canvas.log_ticks import names, ticks
 from polhode.figures.canvas.mark_titles import titled
 from polhode.figures.canvas.panel import Axis, Guide, Panel, Point, Series
@@ -114,24 +112,6 @@ def test_axes_of_a_map_and_of_a_section_are_the_same_and_say_what_they_are(by):
 def test_a_free_body_has_its_third_axis_where_a_heavy_one_has_its_centre():
     found = polhode.section("euler/largest-axis", grid=(2, 2), crossings=2)
     assert "third axis" in found.plot().get_ylabel()
-
-
-def test_a_path_says_which_colour_is_which_time():
-    points = np.array([[np.cos(x), np.sin(x), 0.0] for x in np.linspace(0, 2, 65)])
-    with paper() as plt:
-        _, axes = plt.subplots()
-        globe = facing_most(points)
-        globe.surface(axes)
-        timed_path.draw(axes, globe, points, "7")
-        colours = [
-            line.get_color() for line in axes.lines if (line.get_gid() or "").startswith("path")
-        ]
-        assert [text.get_text() for text in axes.texts] == ["t = 0", "t = 7"]
-        plt.close()
-    assert colours[0] == timed_path.colours()[0]
-    light = [sum(int(x[k : k + 2], 16) for k in (1, 3, 5)) for x in timed_path.colours()]
-    assert len(set(colours)) == len(light) == 32
-    assert light == sorted(light)  # from dark to light: it prints in grey
 
 
 def test_without_matplotlib_one_line_says_what_to_install(monkeypatch):

@@ -49,11 +49,13 @@ from polhode.studies.source_closure import sources
 
 #: The studies in the order of the report; each is a folder of that name, with _ for -.
 STUDIES = (
-    *("accuracy", "certified", "proofs", "speed", "stability", "long-run", "events", "published"),
+    *("accuracy", "proofs", "speed", "stability", "long-run", "events"),
 )
 #: Studies that there were, and what has their rows, or makes them, now.
 GONE = {
     "needs": "the studies accuracy (digits of each case) and speed (what they cost)",
+    "published": "the study accuracy, whose rows of printed figures are shown by --only printed",
+    "certified": "the study accuracy, whose closed forms in enclosures are shown by --only proven",
     "forms": "polhode check --forms (each form's digits), polhode guide forms (which one to use)",
     "dynamics": "polhode levels, polhode section and polhode map, each of any scene",
     "gallery": "reports/gallery.md, whose figures polhode plot draws",
@@ -248,7 +250,7 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     yield from _module(found["study"], "page").blocks(found)
     yield Heading("Provenance")
     key = f"; code, cases and versions `{origin['key']}`" if "key" in origin else ""
-    yield Text(f"{_packages(found)}; {origin['cpu']}{key}.")
+    yield Text(f"{_packages(found)}; {origin['cpu']}{key}. {origin.get('note', '')}".rstrip())
 
 
 def key(name: str, quick: bool) -> str:
