@@ -10,7 +10,6 @@ import pytest
 
 from polhode.output.json_object import JsonObject
 from polhode.studies import report
-from polhode.studies.page import html
 
 COMMITTED = Path(__file__).parents[2] / "reports"
 SVG = "{http://www.w3.org/2000/svg}"
@@ -85,21 +84,6 @@ def test_other_figures_say_numbers_at_every_mark(study, figure):
     for group in svg.split('<g class="marks">')[1:]:  # no mark of a group is silent
         marks = group.split("</g>")[0]
         assert marks.count("<use ") == marks.count("<title>") > 0
-
-
-def test_marks_of_the_page_can_be_pointed_at_and_thumbnails_cannot():
-    found = report.results(COMMITTED, "events")
-    assert found is not None
-    drawn = report.figures(found)
-    blocks = (html.Figure("events", "What it shows"), html.Figure("plain", "No marks"))
-    plain = '<svg viewBox="0 0 1 1" width="1pt" height="1pt"><path id="a" d="M 0 0"/></svg>'
-    section = html.Section("events", "Events", "", blocks, drawn | {"plain": plain})
-    text = html.page("t", [section])
-    assert text.count("<title>") == drawn["events"].count("<title>") + 1  # and the page's own
-    assert 'id="events-figure"' in text
-    assert 'role="group" aria-label="What it shows"' in text  # a reader may enter it
-    assert 'role="img" aria-label="No marks"' in text
-    assert ".marks use:hover" in text
 
 
 @pytest.mark.filterwarnings("error")
