@@ -11,7 +11,5 @@ def svg(found: JsonObject) -> str:
     groups: dict[str, list[dot_strips.Dot]] = {}
     for case in found["cases"]:
         dots = groups.setdefault(case["case"].partition("/")[0], [])
-        dots += [
-            dot for run in case["runs"] if (dot := dot_strips.dot(case["case"], run)) is not None
-        ]
+        dots += [dot for run in case["runs"] if (dot := dot_strips.dot(run)) is not None]
     return dot_strips.svg(groups, dot_strips.LABEL)
