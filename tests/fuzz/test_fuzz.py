@@ -298,7 +298,7 @@ def test_a_drift_beyond_doubles_is_said_in_words():
 # -- files, folders and interruptions -------------------------------------------------------------
 
 
-@pytest.mark.parametrize("verb", [["report"], ["study", "published"]])
+@pytest.mark.parametrize("verb", [["report"], ["study", "events"]])
 def test_no_name_is_no_folder(verb):
     """It meant the current one."""
     assert promise.of_command([*verb, "-o", ""]) == ([], 2)

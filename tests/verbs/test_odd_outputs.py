@@ -182,12 +182,12 @@ def test_a_full_disk_leaves_all_files_of_a_study_or_none(monkeypatch: pytest.Mon
         made.append({path.suffix for path in texts})
         raise BadInput("x", "file", None, "a place to write to (No space left on device)")
 
-    committed = Path(__file__).parents[2] / "reports/published.json"
+    committed = Path(__file__).parents[2] / "reports/events.json"
     monkeypatch.setattr(report, "_run", lambda *_: committed.read_text())
-    monkeypatch.setattr(report, "figures", lambda _: {"published": "<?xml"})
+    monkeypatch.setattr(report, "figures", lambda _: {"events": "<?xml"})
     monkeypatch.setattr(report, "write_whole", fail)
     with pytest.raises(BadInput, match="No space left"):
-        report.write_study("published", Path("out"), quick=True)
+        report.write_study("events", Path("out"), quick=True)
     assert made == [{".json", ".md", ".svg"}]
 
 

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from functools import partial
 from io import BytesIO, StringIO
-from types import MappingProxyType
 from typing import Any
 
 from polhode.common.errors import BadInput
 from polhode.common.text_tables import printable
-from polhode.figures.canvas.mark_titles import titled
 from polhode.scenes.scene import Scene
 
 COLOURS = {"double": "#0072b2", "extended": "#e69f00", "quad": "#009e73", "mp": "#cc79a7"}
@@ -83,21 +81,15 @@ def legend_of(figure: Any, axes: Any) -> Any:
     return np.ravel(np.asarray(axes, dtype=object))[0].legend
 
 
-def as_svg(
-    figure: Any, title: str | None = None, texts: Mapping[str, Sequence[str]] = MappingProxyType({})
-) -> str:
-    """A figure as SVG text; the figure is closed.
-
-    ``texts``: what the marks of a line say, by the line's gid.
-    """
+def as_svg(figure: Any, title: str | None = None) -> str:
+    """A figure as SVG text; the figure is closed."""
     out = StringIO()
     metadata: dict[str, str | None] = {"Date": None}
     if title is not None:
         metadata["Title"] = printable(title)  # matplotlib refuses a title of None
     figure.savefig(out, format="svg", metadata=metadata)
     pyplot().close(figure)
-    text = "\n".join(line.rstrip() for line in out.getvalue().splitlines()) + "\n"
-    return titled(text, texts)
+    return "\n".join(line.rstrip() for line in out.getvalue().splitlines()) + "\n"
 
 
 #: Of printed figures: text stays text (no mathtext: it sets letter by letter), thin axes.
