@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from polhode.common.provenance import provenance
 from polhode.equations.column import Texts, column, derived_words
 from polhode.judging.diagnosis.error_budget import is_lost
 from polhode.motion.outcomes import EventTimes
@@ -148,7 +147,7 @@ def of_reference(reference: Reference, times: Sequence[Exact], digits: int) -> J
         if word in scene.outputs:
             rows = right_rows(partial(reference.column, word), held, printed)
             answer[word] = of_column(word, answer["states"], strings(rows, number))
-    answer |= {"outcome": "reached end", "steps": 0, "provenance": provenance(scene.text)}
+    answer |= {"outcome": "reached end", "steps": 0, "provenance": scene.provenance()}
     return answer
 
 
@@ -201,7 +200,7 @@ def of_enclosure(found: Enclosure) -> JsonObject:
         "steps": found.steps,
         "tries": found.tries,
         "seconds": round(found.seconds_in_all, 3),
-        "provenance": provenance(scene.text),
+        "provenance": scene.provenance(),
     }
 
 
@@ -312,7 +311,7 @@ def of_judgement(judged: Judgement) -> JsonObject:
         answer["causes"] = [
             {"cause": cause.words, "digits": round(cause.digits, 1)} for cause in judged.causes
         ]
-    answer["proven"] = reference.is_proven
+    answer["proven"] = True  # a closed form, or balls
     if not reference.is_closed_form:
         answer["reference_digits"] = None if math.isnan(known) else round(known, 1)
     return answer

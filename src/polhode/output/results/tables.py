@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     from polhode.judging.conditioning.lyapunov import Lyapunov
     from polhode.judging.references.certified import Certified
     from polhode.judging.references.reference import Reference
-    from polhode.judging.references.two_precisions import TwoPrecisions
     from polhode.judging.score.judgement import Judgement
     from polhode.motion.outcomes import EventTimes
     from polhode.proofs.proved_orbit import ProvedOrbit
@@ -226,7 +225,7 @@ def _judgement(found: Judgement) -> Table:
     return Table(1, columns)
 
 
-def _reference(found: Reference | Certified | TwoPrecisions) -> Table:
+def _reference(found: Reference | Certified) -> Table:
     scene = found.scene
     rows = found.at(scene.times, digits=REFERENCE_DIGITS)
     states = {name: [row[k] for row in rows] for k, name in enumerate(scene.columns)}
@@ -260,5 +259,4 @@ KINDS: dict[str, Callable[[Value], Table]] = {
     "Reductions": _reductions,
     "Reference": _reference,
     "Section": _section,
-    "TwoPrecisions": _reference,
 }
