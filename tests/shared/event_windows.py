@@ -1,4 +1,4 @@
-"""Where an expression crosses zero along a motion, from its extrema in quad, and nothing of polhode.
+"""Where an expression crosses zero along a motion: from its extrema in quad, without polhode.
 
 Between two neighbouring extrema an expression is monotone: its signs there say whether it crosses
 zero once or not at all.  heyoka finds the extrema, in quad and along equations written down here.

@@ -111,7 +111,7 @@ def judged(case: Case, found: list[tuple[float, int]]) -> Counter[str]:
 
 
 def checked(case: Case) -> Counter[str]:
-    """The same of all that a run tells of an expression: events by direction, and where it stops."""
+    """The same of all that a run tells: events by direction, and where it stops."""
     run = case.run(("any", False), ("rising", False), ("falling", False))
     every, rising, falling = run.events
     found = [(abs(float(t)), s * case.way) for t, s in zip(every.times, every.signs, strict=True)]

@@ -246,8 +246,9 @@ def _first(
         run = solve_one(singles.scene(k), DOUBLE, options, heard)
         steps[k] = run.steps
         met = run.events[0]
-        times[k] = float(met.times[0]) if met.times else np.nan
-        states[k] = met.states[0] if met.times else np.nan
+        stopped = run.outcome is Outcome.STOPPED_AT_EVENT  # by the last: a contact stops nothing
+        times[k] = float(met.times[-1]) if stopped else np.nan
+        states[k] = met.states[-1] if stopped else np.nan
         outcomes[k] = code(Outcome.REACHED_END if run.outcome.done else run.outcome)
     names = what.names(job.columns)
     return Reduced(outcomes, steps, dict(zip(names, (times, *states.T), strict=True)))

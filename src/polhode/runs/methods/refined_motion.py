@@ -17,7 +17,7 @@ from polhode.motion.outcomes import EventTimes, Outcome, Projection
 from polhode.numbers.conversion import exactly, number_value, to_double, to_mpf
 from polhode.numbers.exact import ZERO
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Doubles, Row, Rows, read_only
+from polhode.numbers.rows import Doubles, Row, Rows
 from polhode.numbers.scalars import AnyNumber, Real, Scalar, numbers_given
 from polhode.refined.attitude import Attitude, Following
 from polhode.refined.errors import CannotRefine, Stalled

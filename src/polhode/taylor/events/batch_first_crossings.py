@@ -1,16 +1,18 @@
 """The first zero of an expression on each of many motions: batches of doubles with an event.
 
 heyoka's batch integrator tells the crossings of a stretch of time; the clock starts again from 0 at
-each stretch, so that a time is the stretch's start and a small rest.  An expression changes sign as
-often as it crosses zero: where what was found does not fit the signs at a stretch's two ends, a
-crossing was lost at a seam of steps, and the motion is given back as *unsure*, to be followed by
-itself.  What a lane gives does not depend on its neighbours.
+each stretch, so that a time is the stretch's start and a small rest.  When all motions are over
+their crossings are polished together.  A motion is given back as *unsure*, to be followed by
+itself, where the expression is within rounding of zero at a stretch's end or has no certain slope
+at its crossing, and where the crossings do not fit the signs at a stretch's two ends.  What a lane
+gives does not depend on its neighbours.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -20,8 +22,11 @@ from polhode.common.progress import Stop
 from polhode.equations import kinematics
 from polhode.equations.forms import principal
 from polhode.motion.outcomes import Outcome, code
+from polhode.numbers.conversion import to_double
+from polhode.numbers.exact import Number
 from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.rows import Doubles
+from polhode.numbers.rows import Booleans, Doubles, Flat
+from polhode.numbers.scalars import Functions, Scalar
 from polhode.taylor.backend import heyoka_numbers
 from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.integrator_pool import Kind
@@ -30,9 +35,15 @@ from polhode.taylor.batches.compiled_batch import CompiledBatch
 from polhode.taylor.batches.lane_queue import LaneQueue
 from polhode.taylor.events.batch_search import Met, built, through_the_first_step
 from polhode.taylor.events.functions import TIME, in_columns, typed_constant
+from polhode.taylor.events.jets import Jet, Marks, jet_of
+from polhode.taylor.events.polishing import places, refined
+from polhode.taylor.events.roundoff import BAND, FUNCTIONS, Roundoff, rounding_error, sized
+from polhode.taylor.integrator.specification import DESK
 
 STRETCH = 32.0  # of the motions' unit of time, a radian or two
-_AT_START = 1e-9  # of an expression's size: so near to zero a start is taken for one at zero
+_AT_START = 2.0**-46  # of the unit of time: a crossing so near to a start at zero is that itself
+_SMALL = 1e-9  # of an expression's size: above it nothing is within rounding of zero
+_BAND = BAND * DOUBLE.eps / 2
 _TINY = 3  # the parameter behind those of units and time
 _TURN = tuple(f"turn{i}{j}" for i in range(3) for j in range(3))
 
@@ -89,12 +100,13 @@ FIRSTS: Kind[HeyokaIntegrator] = Kind(16)
 class FirstMet(Met):
     """heyoka's callback: of each lane the crossings in a direction, each earlier than the last.
 
-    ``value``: the expression, compiled.  ``counts``: the crossings in either direction.
+    ``value``: the expression, compiled, and its ``jet``.  ``counts``: the crossings in either
+    direction.
     """
 
-    def __init__(self, value: CompiledFunction) -> None:
+    def __init__(self, value: CompiledFunction, jet: Jet) -> None:
         super().__init__()
-        self.value = value
+        self.value, self.jet = value, jet
 
     def begin(self, direction: int, since: Doubles) -> None:
         """Forget them; ``since``: the crossings of a lane up to then are the start itself."""
@@ -136,7 +148,44 @@ class _Motions:
     def run(self, stop: Stop | None) -> First:
         """All of them."""
         self.lanes.follow(self._begin, lambda: self._stretch(stop), stop)
+        self._polish(np.flatnonzero(np.isfinite(self.found.times)))
         return self.found
+
+    def _polish(self, which: npt.NDArray[np.intp]) -> None:
+        """Take crossings to their last digits; unsure where rounding leaves no certain slope."""
+        if len(which) == 0:
+            return
+        job, found = self.job, self.found
+        jet = self.met.jet._replace(numbers=self._numbers(which))
+        marks = _marks(found.times[which], found.states[which].T)
+        with np.errstate(all="ignore"):
+            marks = refined(jet, marks, "zeros")
+        way = 1 if job.end > 0 else -1
+        place = places(jet, marks, _BAND, partial(self._error, which), way, True)
+        found.times[which], found.states[which] = marks.since_start, marks.columns.T
+        found.unsure[which] |= ~(place.steep & (np.abs(place.values[0]) <= place.noise))
+
+    def _numbers(self, which: npt.NDArray[np.intp]) -> Doubles:
+        """The parameters of the jet for some motions, a column each."""
+        job, ones = self.job, np.ones((1, len(which)))
+        unit = 2.0**job.time_unit
+        turn = np.empty((0, len(which))) if job.turns is None else job.turns[which].T
+        return np.concatenate([ones / unit, ones * unit, job.coefficients[which].T, turn])
+
+    def _error(self, which: npt.NDArray[np.intp], columns: Flat, clock: Flat) -> Flat:
+        """The rounding error of the expression on some motions, at columns of states and times."""
+        job, band = self.job, float(_BAND)
+        numbers = [sized(x, band) for x in self._numbers(which)]
+        zero = Zero(job.names, job.columns, job.zero, job.turns is not None)
+
+        def constant(x: Number) -> Roundoff:
+            return Roundoff(to_double(x), 0.0, band)
+
+        return rounding_error(
+            lambda state, time: zero.value(state, time, numbers, constant, FUNCTIONS),
+            lambda state: principal.field(state, zero.coefficients(numbers), FUNCTIONS),
+            *(columns, clock, band),
+        )
 
     def _begin(self, lane: int) -> None:
         job, k, pars = self.job, self.lanes.motion[lane], self.batch.parameters
@@ -151,21 +200,23 @@ class _Motions:
         """Go on by one stretch of time: the lanes whose motions are over; None where stopped."""
         job, batch, busy = self.job, self.batch, self.lanes.busy
         batch.parameters[2:3] = origin = self.done * self.length
-        before = self._values(0.0)
-        near = np.abs(before) < _AT_START * job.size
-        starting = near & (self.done == 0)
-        # an exact zero at t = 0 is no event; heyoka may find it at some small time
-        self.met.begin(job.direction, np.where(starting, _AT_START * abs(self.length), -1.0))
+        before, begin = self._values(0.0), busy & (self.done == 0)
+        at_zero = begin & (before == 0)
+        near = ~at_zero & self._near(before, origin)
+        side = np.where(at_zero, self._leaving(at_zero), before)
+        # an exact zero at t = 0 is no event; heyoka finds it at some tiny time
+        self.met.begin(job.direction, np.where(at_zero, _AT_START, -1.0))
         batch.begin()
         left = job.max_steps - int(self.found.steps[self.lanes.motion[busy]].max())
         ends = np.where(busy, self.length, 0.0).tolist()
-        begin = busy & (self.done == 0)
         ended = through_the_first_step(batch, _TINY, begin, ends, max(1, left), stop)
         if ended.stopped:
             return None
         after = self._values(self.length)
-        fits = (before * after < 0) == (np.array(self.met.counts) % 2 == 1)
-        sure = (fits | starting) & [outcome is Outcome.REACHED_END for outcome in ended.outcomes]
+        near |= self._near(after, origin + self.length)
+        fits = (side * after < 0) == (np.array(self.met.counts) % 2 == 1)
+        done = [outcome is Outcome.REACHED_END for outcome in ended.outcomes]
+        sure = fits & ~near & (side != 0) & done
         self.found.steps[self.lanes.motion[busy]] += ended.steps[busy]
         self.done += busy
         firsts = {met.lane: met for met in self.met.crossings}
@@ -186,28 +237,80 @@ class _Motions:
             found: Doubles = value(columns, pars=batch.parameters[: value.nparams])[0]
         return found
 
+    def _near(self, values: Doubles, times: Doubles) -> Booleans:
+        """In which lanes the expression is within its rounding error of zero."""
+        near: Booleans = np.abs(values) < _SMALL * self.job.size
+        if near.any():
+            error = self._error(self.lanes.motion, self.batch.state, times)
+            near &= ~(np.abs(values) > float(_BAND) * error)
+        return near
+
+    def _leaving(self, lanes: Booleans) -> Doubles:
+        """To which side lanes that start at zero leave it, 0 where the slope does not tell."""
+        side = np.zeros(len(lanes))
+        if lanes.any():
+            which = self.lanes.motion
+            marks = _marks(np.zeros(len(lanes)), self.batch.state)
+            slopes = self.met.jet._replace(numbers=self._numbers(which)).at(marks)[1]
+            side = np.sign(slopes) * np.sign(self.length)
+        return side
+
+
+class Zero(NamedTuple):
+    """A text in columns and t, on motions of many bodies.
+
+    ``numbers``: 1 / unit of time, unit, coefficients by ``names``, and the turn where ``turned``.
+    """
+
+    names: tuple[str, ...]
+    columns: tuple[str, ...]
+    zero: str
+    turned: bool
+
+    def coefficients(self, numbers: Sequence[Scalar]) -> dict[str, Scalar]:
+        """The coefficients by name."""
+        return dict(zip(self.names, numbers[2:], strict=False))
+
+    def value(
+        self,
+        state: Sequence[Scalar],
+        time: Scalar,
+        numbers: Sequence[Scalar],
+        constant: Callable[[Number], Scalar],
+        fn: Functions,
+    ) -> Scalar:
+        """At a state in principal axes, for any scalar."""
+        vectors = [state[i : i + 3] for i in range(0, len(self.columns), 3)]
+        turn = dict(zip(_TURN, numbers[2 + len(self.names) :], strict=False))
+        if self.turned:
+            vectors = [kinematics.in_scene_axes(vector, turn, fn.zero) for vector in vectors]
+        vectors[0] = [numbers[0] * x for x in vectors[0]]
+        values = [x for vector in vectors for x in vector]
+        return in_columns(self.zero, self.columns, values, numbers[1] * time, constant, fn)
+
+
+def _marks(times: Doubles, columns: Doubles) -> Marks:
+    none = np.zeros(len(times))
+    return Marks(none, none, times, none, columns)
+
 
 def _built(
-    names: tuple[str, ...], columns: tuple[str, ...], zero: str, size: float, turned: bool
+    names: tuple[str, ...], columns: tuple[str, ...], text: str, size: float, turned: bool
 ) -> HeyokaIntegrator:
-    variables = hy.make_vars(*columns)
-    per_unit, unit, since = (hy.par[i] for i in range(3))
-    k = {name: hy.par[_TINY + 1 + i] for i, name in enumerate(names)}
-    vectors = [variables[i : i + 3] for i in range(0, len(columns), 3)]
-    if turned:
-        turn: Mapping[str, Expression] = {
-            name: hy.par[_TINY + 1 + len(names) + i] for i, name in enumerate(_TURN)
-        }
-        vectors = [
-            kinematics.in_scene_axes(vector, turn, heyoka_numbers.EXPRESSIONS.zero)
-            for vector in vectors
-        ]
-    vectors[0] = [per_unit * x for x in vectors[0]]
-    values = [x for vector in vectors for x in vector]
-    fn = heyoka_numbers.EXPRESSIONS
-    crossing = in_columns(zero, columns, values, unit * TIME, typed_constant(DOUBLE), fn)
-    field = principal.field(variables, k, heyoka_numbers.EXPRESSIONS)
+    variables, constant = hy.make_vars(*columns), typed_constant(DOUBLE)
+    zero, fn = Zero(names, columns, text, turned), heyoka_numbers.EXPRESSIONS
+    many = 2 + len(names) + len(_TURN) * turned
+
+    def built_with(first: int, then: int) -> tuple[Expression, list[Expression]]:
+        numbers = [hy.par[first + i] if i < 2 else hy.par[then + i] for i in range(many)]
+        field = principal.field(variables, zero.coefficients(numbers), fn)
+        return zero.value(variables, TIME, numbers, constant, fn), field
+
+    crossing, field = built_with(0, _TINY - 1)
+    since = hy.par[2]
     value = hy.cfunc([hy.subs(crossing, {TIME: TIME + since})], vars=[*variables, TIME])
     within = hy.subs(crossing / hy.expression(size), {TIME: hy.time + since}) + hy.par[_TINY]
     equations = list(zip(variables, field, strict=True))
-    return built(equations, crossing, FirstMet(value), within=within)
+    plain, rates = built_with(DESK, DESK)
+    met = FirstMet(value, jet_of(plain, variables, rates, DOUBLE))
+    return built(equations, crossing, met, within=within)

@@ -106,21 +106,36 @@ def along(
     return found
 
 
+def jet_of(
+    value: Expression,
+    variables: Sequence[Expression],
+    rates: Sequence[Expression],
+    number: NumberType,
+    motion: CompiledFunction = None,
+) -> Jet:
+    """The jet of an expression in variables and TIME, coefficients from parameter DESK on.
+
+    ``motion``: of another jet in the same variables.
+    """
+    options, names = type_options(number), list(variables)
+    if motion is None:
+        motion = hy.cfunc(jet(rates, names, rates, 2), vars=names, **options)
+    values = hy.subs(jet([value], names, rates, 3), {TIME: hy.time + hy.par[1] + hy.par[0]})
+    timed = "t" in hy.get_variables([value])
+    return Jet(hy.cfunc(values, vars=names, **options), motion, timed, number, np.empty(0))
+
+
 def compiled(
     scene: Scene, number: NumberType, variables: Sequence[Expression], rates: Sequence[Expression]
 ) -> list[Jet]:
     """The jets of a scene's events, in the variables of its form, for any numbers."""
-    options, names = type_options(number), list(variables)
-    motion = hy.cfunc(jet(rates, names, rates, 2), vars=names, **options)
-    clock = {TIME: hy.time + hy.par[1] + hy.par[0]}
     found: dict[str | None, Jet] = {}
+    motion = None
     for event in scene.events:
         if event.expression not in found:
-            value = event_expression(scene, event, number, names)
-            values = hy.subs(jet([value], names, rates, 3), clock)
-            evaluate = hy.cfunc(values, vars=names, **options)
-            timed = "t" in hy.get_variables([value])
-            found[event.expression] = Jet(evaluate, motion, timed, number, np.empty(0))
+            value = event_expression(scene, event, number, variables)
+            jet = jet_of(value, variables, rates, number, motion)
+            found[event.expression], motion = jet, jet.motion
     return [found[event.expression] for event in scene.events]
 
 

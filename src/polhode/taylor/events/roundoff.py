@@ -8,7 +8,7 @@ cancel has a large one.  Bounds are plain numbers of numpy, at all places of a r
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 
 import numpy as np
@@ -104,6 +104,35 @@ def _sqrt(x: Roundoff) -> Roundoff:
     return Roundoff(value, x.error / (2 * value) + value, x.band)
 
 
+#: The functions of columns with bounds.
+FUNCTIONS = Functions(Roundoff(0.0, 0.0, 0.0), _sin, _cos, _sqrt)
+
+
+def sized(x: Scalar, band: float) -> Roundoff:
+    """A number that is rounded once."""
+    return Roundoff(x, abs(x), band)
+
+
+def rounding_error(
+    value: Callable[[list[Roundoff], Roundoff], Roundoff],
+    field: Callable[[list[Roundoff]], list[Roundoff]] | None,
+    columns: Flat,
+    clock: Flat,
+    band: float,
+) -> Flat:
+    """The error, times u, of an expression at columns of variables and times.
+
+    ``field``: the variables' rates; None where they do not change.
+    """
+    with np.errstate(all="ignore"):
+        state = [sized(x, band) for x in columns]
+        if field is not None:
+            for x, rate in zip(state, field(state), strict=True):
+                x.error = x.error + _STEP * rate.error
+        error: Flat = value(state, sized(clock, band)).error + 0 * clock
+    return error
+
+
 class RoundingErrors:
     """The rounding errors of a scene's events; ``u``: half the last bit of 1, in a run's type.
 
@@ -115,35 +144,26 @@ class RoundingErrors:
         self.band = float(BAND * u)
         self.form = equations(self.scene)
         self._typed = to_double if number.name == "double" else to_extended
-        self._fn = Functions(self._constant(Fraction(0)), _sin, _cos, _sqrt)
         self._k = self._given(self.form.coefficients)
         self._turn = self._given(kinematics.turn_coefficients(self.form.axes))
 
     def __call__(self, event: Event, columns: Flat, clock: Flat) -> Flat:
         """The error, times u, at columns of the form's variables and times in the run's unit."""
-        with np.errstate(all="ignore"):
-            state = [self._sized(x) for x in columns]
-            if not self.still:
-                rates = self.form.field(state, self._k, self._fn)
-                for x, rate in zip(state, rates, strict=True):
-                    x.error = x.error + _STEP * rate.error
-            found = value_of(
-                self.scene,
-                event,
-                state,
-                self._sized(clock),
-                (self._k, self._turn),
-                self._constant,
-                self._fn,
-            )
-            error: Flat = found.error + 0 * clock
-        return error
 
-    def _sized(self, x: Scalar) -> Roundoff:
-        return Roundoff(x, abs(x), self.band)
+        def value(state: list[Roundoff], time: Roundoff) -> Roundoff:
+            numbers = self._k, self._turn
+            found: Roundoff = value_of(
+                self.scene, event, state, time, numbers, self._constant, FUNCTIONS
+            )
+            return found
+
+        def field(state: list[Roundoff]) -> list[Roundoff]:
+            return self.form.field(state, self._k, FUNCTIONS)
+
+        return rounding_error(value, None if self.still else field, columns, clock, self.band)
 
     def _constant(self, x: Number) -> Roundoff:
         return Roundoff(self._typed(x), 0.0, self.band)
 
     def _given(self, numbers: Mapping[str, Number]) -> dict[str, Roundoff]:
-        return {name: self._sized(self._typed(x)) for name, x in numbers.items()}
+        return {name: sized(self._typed(x), self.band) for name, x in numbers.items()}

@@ -26,10 +26,9 @@ from polhode.common.value_semantics import waiting
 from polhode.equations.form import equations
 from polhode.equations.readout import Readout
 from polhode.motion.outcomes import EventTimes
-from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import ZERO, sign
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Array, Flat, Given, read_only
+from polhode.numbers.rows import Array, Given, read_only
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import heyoka_numbers
 from polhode.taylor.backend.engine import hy
