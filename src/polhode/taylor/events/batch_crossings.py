@@ -1,8 +1,9 @@
 """Crossings of a section by many orbits of one body: batches of doubles with an event.
 
-heyoka's batch integrator gives each crossing's time and state; two steps of Newton's method in
-numpy then put all of them on the section, and one more puts them on the first integrals without
-leaving it.  Between chunks of time the clock starts again from 0, so that a time is a chunk's start
+heyoka's batch integrator gives each crossing's time and state; Newton's method then puts all of
+them on the section, and one more step puts them on the first integrals without leaving it.  Where
+rounding leaves no certain slope, the sides before and after say whether it is a crossing; a contact
+is none.  Between chunks of time the clock starts again from 0, so that a time is a chunk's start
 and a small rest, and the states are put back on the integrals there, too.  What a lane gives does
 not depend on its neighbours.
 """
@@ -19,7 +20,8 @@ from polhode.common.progress import Stop
 from polhode.equations.forms import principal
 from polhode.equations.section_functions import SectionZero
 from polhode.motion.outcomes import Outcome
-from polhode.numbers.rows import Booleans, Complexes, Doubles, doubles
+from polhode.numbers.number_types import DOUBLE
+from polhode.numbers.rows import Booleans, Complexes, Doubles, Flat
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend.engine import hy
@@ -29,14 +31,20 @@ from polhode.taylor.backend.types import HeyokaIntegrator
 from polhode.taylor.batches.compiled_batch import CompiledBatch
 from polhode.taylor.batches.lane_queue import LaneQueue
 from polhode.taylor.corrections.level_projection import ARRAYS, TINY, Level, Put
-from polhode.taylor.events.batch_search import Met, built, through_the_first_step
-from polhode.taylor.events.jets import along
+from polhode.taylor.events.batch_search import Crossing, Met, built, through_the_first_step
+from polhode.taylor.events.jets import Jet, jet_of, marks_at
+from polhode.taylor.events.polishing import places, refined
+from polhode.taylor.events.roundoff import BAND, FUNCTIONS, Roundoff, rounding_error, sized
+from polhode.taylor.integrator.specification import DESK
 
 DONE, NONE_LEFT, NON_FINITE, STOPPED = "all crossings", "no more crossings", "not finite", "stopped"
 
 _BESIDE = 1e-6  # of a unit of time: a lane so near to a crossing runs on before it is touched
 _BEGIN = 1e-9  # of a chunk: a crossing before it is the start itself
 _BLOCK = 2048  # crossings whose arrays fit into a processor's own memory
+_CERTAIN = 2.0**-20  # of a section's function: extrema further from zero are no contacts
+_TWICE = 2.0**-46  # times max(1, t): so near together two crossings are one, told twice
+_BAND = BAND * DOUBLE.eps / 2
 
 #: Columns of states, complex ones too.
 C = TypeVar("C", Doubles, Complexes)
@@ -118,22 +126,6 @@ def slope(zero: SectionZero, state: Doubles, velocity: Doubles) -> Doubles:
     return found
 
 
-def polished(
-    coefficients: Mapping[str, float], zero: SectionZero, state: Doubles, time: Doubles
-) -> tuple[Doubles, Doubles, Doubles]:
-    """States (6, n) and times brought onto the section by two steps; and the slope there."""
-    with np.errstate(all="ignore"):
-        for _ in range(2):
-            velocity = rates(coefficients, state)
-            curve = np.imag(rates(coefficients, state + TINY * 1j * velocity)) / TINY
-            value = np.real(zero.value(list(state), ARRAYS))
-            step = -value / slope(zero, state, velocity)
-            step = np.where(np.abs(step) < 1e-3, step, 0.0)  # a grazing contact stays
-            state = doubles(along(state, [velocity, curve], step))
-            time = time + step
-        return state, time, slope(zero, state, rates(coefficients, state))
-
-
 #: Each thread takes one.
 SECTIONS: Kind[HeyokaIntegrator] = Kind(16)
 
@@ -143,7 +135,8 @@ class _Orbits:
 
     def __init__(self, job: CrossingJob, batch: CompiledBatch) -> None:
         self.job, self.batch, self.k = job, batch, dict(job.coefficients)
-        self.met: Met = batch.heyoka.nt_events[0].callback
+        self.met: SectionMet = batch.heyoka.nt_events[0].callback
+        self.jet = self.met.jet._replace(numbers=np.array([x for _, x in job.coefficients]))
         self.lanes = LaneQueue(len(job.starts), batch.places)
         self.state = job.starts[self.lanes.motion].T.copy()
         self.put = Put(job.level, self.state)
@@ -222,14 +215,63 @@ class _Orbits:
             return near
 
     def _keep(self) -> None:
+        """The crossings of the chunk, each once."""
         counts = np.zeros(len(self.found), dtype=int)
         begin = _BEGIN * self.job.chunk
-        for lane, time, state in self.met.crossings:
-            if self.origin[lane] > 0 or time > begin:
-                self.rows.append((self.lanes.motion[lane], self.origin[lane], time, state))
-                counts[lane] += 1
+        met = [row for row in self.met.crossings if self.origin[row.lane] > 0 or row.time > begin]
+        met.sort(key=lambda row: (row.lane, row.time))
+        last, width = Crossing(-1, 0.0, np.empty(0)), 0.0
+        for row, certain in zip(met, self._certain(met), strict=True):
+            wide = 0.0 if certain else self._width(row)
+            apart = max(wide, width) + _TWICE * max(1.0, row.time)
+            if wide == np.inf or (row.lane == last.lane and row.time - last.time <= apart):
+                continue
+            last, width = row, wide
+            motion, origin = self.lanes.motion[row.lane], self.origin[row.lane]
+            self.rows.append((motion, origin, row.time, row.state))
+            counts[row.lane] += 1
         self.found += counts
         self.quiet = np.where(counts > 0, 0, self.quiet + 1)
+
+    def _certain(self, met: list[Crossing]) -> list[bool]:
+        """Where the slope is so large that no rounding can make it a contact."""
+        if not met:
+            return []
+        columns, times = (np.array([row[i] for row in met]) for i in (2, 1))
+        _, slopes, bends, _ = self.jet.at(marks_at(times, columns.T))
+        steep: list[bool] = (slopes * slopes > _CERTAIN * np.abs(bends)).tolist()
+        return steep
+
+    def _width(self, row: Crossing) -> float:
+        """How wide a crossing is, 0 with a certain slope; infinite for a contact."""
+        jet = self.jet
+        marks = marks_at(np.array([row.time]), row.state[:, None])
+        with np.errstate(all="ignore"):
+            marks = refined(jet, marks, "zeros")
+            place = places(jet, marks, _BAND, self._error, 1, True)
+            if place.steep[0] and abs(place.values[0, 0]) <= place.noise[0]:
+                return 0.0
+            marks = refined(jet, marks, "multiple")
+            place = places(jet, marks, _BAND, self._error, 1, True)
+        sides = [jet.at(jet.moved(marks, way * 2 * place.width))[0, 0] for way in (-1, 1)]
+        before, after = (side / float(_BAND) for side in sides)
+        there = min(abs(before), abs(after)) > place.noise[0] and before * after < 0
+        right = after * self.job.direction >= 0
+        return 4 * float(place.width[0]) if there and right else np.inf
+
+    def _error(self, columns: Flat, clock: Flat) -> Flat:
+        """The rounding error of the section's function at columns of states."""
+        band = float(_BAND)
+        k = {name: sized(x, band) for name, x in self.k.items()}
+
+        def constant(x: float) -> Roundoff:
+            return Roundoff(x, 0.0, band)
+
+        return rounding_error(
+            lambda state, _: self.job.zero.value(state, FUNCTIONS, constant),
+            lambda state: principal.field(state, k, FUNCTIONS),
+            *(columns, clock, band),
+        )
 
     def _crossed(self) -> Crossed:
         """All crossings polished at once, and put in order."""
@@ -241,10 +283,14 @@ class _Orbits:
         if self.rows:
             orbits, origins, taus = (np.array([row[i] for row in self.rows]) for i in range(3))
             raw = np.array([row[3] for row in self.rows]).T
-            raw, taus, by = polished(self.k, job.zero, raw, taus)
+            by = np.empty(len(taus))
             whole = Put(job.level, job.starts.T)
             for first in range(0, len(taus), _BLOCK):
                 at = slice(first, first + _BLOCK)
+                with np.errstate(all="ignore"):
+                    there = refined(self.jet, marks_at(taus[at], raw[:, at]), "zeros")
+                    by[at] = self.jet.at(there)[1]
+                raw[:, at], taus[at] = there.columns, there.since_start
                 raw[:, at] = whole.of(orbits[at]).within(job.zero, raw[:, at])
             order = np.lexsort((taus, origins, orbits))  # a seam of steps may swap two
             orbits, origins, taus = orbits[order], origins[order], taus[order]
@@ -258,6 +304,14 @@ class _Orbits:
         return Crossed(states, times, rests, slopes, found, tuple(self.outcomes), self.put.drift)
 
 
+class SectionMet(Met):
+    """heyoka's callback, with the section's function compiled."""
+
+    def __init__(self, jet: Jet) -> None:
+        super().__init__()
+        self.jet = jet
+
+
 def _built(
     coefficients: tuple[tuple[str, float], ...], zero: SectionZero, direction: int
 ) -> HeyokaIntegrator:
@@ -265,6 +319,8 @@ def _built(
     constants: dict[str, Scalar] = {name: hy.expression(x) for name, x in coefficients}
     field = principal.field(variables, constants, EXPRESSIONS)
     crossing = zero.value(variables, EXPRESSIONS, hy.expression)
-    return built(
-        list(zip(variables, field, strict=True)), crossing, Met(), direction, crossing + hy.par[0]
-    )
+    named = {name: hy.par[DESK + i] for i, (name, _) in enumerate(coefficients)}
+    rates = principal.field(variables, named, EXPRESSIONS)
+    met = SectionMet(jet_of(crossing, variables, rates, DOUBLE))
+    watched = crossing + hy.par[0]
+    return built(list(zip(variables, field, strict=True)), crossing, met, direction, watched)

@@ -35,7 +35,7 @@ from polhode.taylor.batches.compiled_batch import CompiledBatch
 from polhode.taylor.batches.lane_queue import LaneQueue
 from polhode.taylor.events.batch_search import Met, built, through_the_first_step
 from polhode.taylor.events.functions import TIME, in_columns, typed_constant
-from polhode.taylor.events.jets import Jet, Marks, jet_of
+from polhode.taylor.events.jets import Jet, jet_of, marks_at
 from polhode.taylor.events.polishing import places, refined
 from polhode.taylor.events.roundoff import BAND, FUNCTIONS, Roundoff, rounding_error, sized
 from polhode.taylor.integrator.specification import DESK
@@ -157,7 +157,7 @@ class _Motions:
             return
         job, found = self.job, self.found
         jet = self.met.jet._replace(numbers=self._numbers(which))
-        marks = _marks(found.times[which], found.states[which].T)
+        marks = marks_at(found.times[which], found.states[which].T)
         with np.errstate(all="ignore"):
             marks = refined(jet, marks, "zeros")
         way = 1 if job.end > 0 else -1
@@ -250,7 +250,7 @@ class _Motions:
         side = np.zeros(len(lanes))
         if lanes.any():
             which = self.lanes.motion
-            marks = _marks(np.zeros(len(lanes)), self.batch.state)
+            marks = marks_at(np.zeros(len(lanes)), self.batch.state)
             slopes = self.met.jet._replace(numbers=self._numbers(which)).at(marks)[1]
             side = np.sign(slopes) * np.sign(self.length)
         return side
@@ -287,11 +287,6 @@ class Zero(NamedTuple):
         vectors[0] = [numbers[0] * x for x in vectors[0]]
         values = [x for vector in vectors for x in vector]
         return in_columns(self.zero, self.columns, values, numbers[1] * time, constant, fn)
-
-
-def _marks(times: Doubles, columns: Doubles) -> Marks:
-    none = np.zeros(len(times))
-    return Marks(none, none, times, none, columns)
 
 
 def _built(

@@ -13,7 +13,7 @@ import numpy as np
 
 from polhode.equations.form import equations
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Array, Booleans, Indices
+from polhode.numbers.rows import Array, Booleans, Doubles, Indices
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend.engine import hy
@@ -48,6 +48,12 @@ class Marks(NamedTuple):
         """Some of them."""
         high, low, time, rest, columns = self
         return Marks(high[which], low[which], time[which], rest[which], columns[:, which])
+
+
+def marks_at(times: Doubles, columns: Doubles) -> Marks:
+    """Doubles by one clock."""
+    none = np.zeros(len(times))
+    return Marks(none, none, times, none, columns)
 
 
 #: The form's variables, columns (variables, n), so much after some marks.
