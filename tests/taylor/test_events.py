@@ -412,8 +412,9 @@ def test_the_command_line_prints_events_and_a_stop_is_success(tmp_path):
     names = [event["name"] for event in answer["events"]]
     assert names == ["nutation", "flip", "section:gamma3 - 0.9"]
     for event in answer["events"]:
-        assert set(event) == {"name", "times", "states", "grazing", "complete"}
-        assert len(event["times"]) == len(event["states"]) == len(event["grazing"])
+        each = {"times", "states", "signs", "grazing", "uncertainty", "depths"}
+        assert set(event) == each | {"name", "complete"}
+        assert len({len(event[key]) for key in each}) == 1
         assert all(isinstance(x, str) for row in event["states"] for x in row)
     assert answer["reached"] == answer["events"][1]["times"][0]
     assert Fraction(answer["reached"]) == Fraction(float(answer["reached"]))

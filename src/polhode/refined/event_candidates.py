@@ -45,11 +45,13 @@ EVENTS: Kind[HeyokaIntegrator] = Kind(0)
 
 class Place(NamedTuple):
     """By the clock of a run in double; ``event``: its number in the scene; ``extremum``: or an
-    end of that run, no zero that it has found."""
+    end of that run, no zero that it has found.  ``value``: of the expression at an extremum where
+    it is so far from zero that the run in double is enough, else 0."""
 
     clock: float
     event: int
     extremum: bool
+    value: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,8 +126,9 @@ class Candidates:
             kept += [Place(t, number, False) for t in self._nearer(expression, polynomials, zeros)]
             others = np.array([0.0, end, *(p.clock for p in mine if p.extremum)])
             values, _ = self._at(expression, polynomials, others)
-            small = np.abs(values) <= _SMALL * expression.size
-            kept += [Place(float(t), number, True) for t in others[small]]
+            values[np.abs(values) <= _SMALL * expression.size] = 0.0
+            places = zip(others.tolist(), values.tolist(), strict=True)
+            kept += [Place(t, number, True, value) for t, value in places]
         return tuple(kept)
 
     def still(self, polynomials: Any, number: int) -> bool:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -26,7 +26,7 @@ from polhode.scenes.scene import Scene
 from polhode.taylor.backend.heyoka_numbers import array, as_fraction, scalar
 from polhode.taylor.events.decision import End
 from polhode.taylor.events.jets import Marks, of_scene
-from polhode.taylor.events.polishing import Places, refined
+from polhode.taylor.events.polishing import Places, in_order, joined, refined
 from polhode.taylor.events.rules import Rules
 from polhode.taylor.events.watch import Note, Watch
 
@@ -37,10 +37,19 @@ _FARTHEST = 0.125  # from an extremum to the zeros beside it, in the run's own u
 _ALIKE = 2.0**-34  # times 64: within it two zeros of one slope are one, found along two runs
 
 
+class EventSide(NamedTuple):
+    """The value of an event far from zero, at a time ahead of the start (run's own unit)."""
+
+    ahead: Fraction
+    event: int
+    value: float
+
+
 class Search(Watch):
     """The events of one scene during one refined run in a number type.
 
-    ``stop``: the time (run's own unit) of the event that ended the run.
+    ``stop``: the time (run's own unit) of the event that ended the run.  ``sides``: what the
+    present run in double tells of the time ahead.
     """
 
     def __init__(self, scene: Scene, number: NumberType) -> None:
@@ -48,6 +57,7 @@ class Search(Watch):
         self.backward = self.way < 0
         self.alike = _ALIKE
         self.candidates = Candidates(scene, self.backward)
+        self.sides: list[EventSide] = []
         self._series: dict[tuple[str, str], Series] = {}
         self._end_note: Note | None = None
         self.jets = of_scene(scene, number, self._hop)
@@ -74,6 +84,10 @@ class Search(Watch):
     def passed(self, time: Fraction, series: Series) -> None:
         """Decide about the events that may end the run: it has come to a time."""
         self._end_note = self._note(time, series)
+        for side in self.sides:
+            if side.ahead <= abs(time):
+                self._notes[side.event][2].append(side)
+        self.sides[:] = [side for side in self.sides if side.ahead > abs(time)]
         for k in self._ends:
             if self._noted(k) != self._known.records[k].noted or self._known.records[k].open:
                 self.decide(k, self._last())
@@ -83,6 +97,20 @@ class Search(Watch):
             return self._known.at
         assert self._end_note is not None
         return self._marks(self._end_note)
+
+    def _polished(self, k: int, notes: Sequence[list[Any]]) -> Places:
+        met = super()._polished(k, notes)
+        return in_order(joined([met, self._told(notes[2])])) if notes[2] else met
+
+    def _told(self, sides: Sequence[EventSide]) -> Places:
+        """The sides that the run in double tells, as places."""
+        zero = scalar(ZERO, self.number)
+        row = array([zero] * self.width, self.number)
+        marks = self._gathered([Note(side.ahead * self.way, zero, row) for side in sides])
+        none, away = np.zeros(len(sides)), np.zeros(len(sides), dtype=bool)
+        values = np.zeros((4, len(sides)))
+        values[0] = [side.value / float(self.rules.band) for side in sides]
+        return Places(marks, abs(marks.since_start), values, none, away, away, none, none)
 
     def _note(self, time: Fraction, series: Series) -> Note:
         high, low = self._clock(time).tolist()
@@ -114,7 +142,11 @@ class Search(Watch):
         jet, guesses = self.jets[k], []
         with np.errstate(all="ignore"):
             for place, way in ((since, self.way), (before, -self.way)):
-                if 0 <= place < len(known.ahead) and not known.root[place]:
+                if (
+                    0 <= place < len(known.ahead)
+                    and known.noise[place] > 0
+                    and not known.root[place]
+                ):
                     extremum = known.those([place])
                     value, _, bend, _ = jet.at(extremum.marks)
                     step = np.sqrt(abs((value + value) / bend))

@@ -24,7 +24,7 @@ from polhode.refined.deferred_correction import Constants, Intervals, Solved, so
 from polhode.refined.double_run import STEPS, Base, base
 from polhode.refined.error_estimate import Estimate, Side, Stretch, estimate, made
 from polhode.refined.errors import CannotRefine, TooFarOff, TooLong
-from polhode.refined.events import Search
+from polhode.refined.events import EventSide, Search
 from polhode.refined.expansions import Limbs
 from polhode.refined.interval_blocks import WIDTH, Block, cut
 from polhode.refined.scaled_problem import Problem, in_unit, out_of_unit, problem
@@ -244,9 +244,12 @@ class _Run:
             self.search.begin(self._series([round(x * (1 << bits)) for x in self.problem.state]))
         done, seam = len(self.found), self.origin + _SEAM
         ahead = {t for t in self.times[done:] if t in self._asked or t <= seam}
+        self.search.sides.clear()
         for place in now.places:
             t = now.time(place.clock)
-            if t <= self.times[-1]:
+            if place.value:
+                self.search.sides.append(EventSide(t, place.event, place.value))
+            elif t <= self.times[-1]:
                 self._sought.setdefault(t, []).append((place.event, place.extremum))
                 ahead.add(t)
         self.times[done:] = sorted(ahead)

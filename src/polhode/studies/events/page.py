@@ -97,9 +97,9 @@ def _counts(found: JsonObject) -> str:
     if found["grazing"]:
         right = share(row["as_expected"] for row in found["grazing"])
         told += (
-            " At a contact within sqrt(eps) of zero, rounding decides whether there are no, one "
-            "or two zeros. It should be reported once, as undecided, and a contact further away "
-            f"as it is: this was so in {right} runs."
+            " At an exact contact rounding decides whether there are no, one or two zeros. It "
+            "should be reported once, as undecided, and an extremum further away as two crossings "
+            f"or as nothing: this was so in {right} runs."
         )
     return told
 
@@ -142,9 +142,9 @@ def _proven(cases: list[JsonObject]) -> Iterator[Block]:
 def _contacts(found: JsonObject) -> Iterator[Block]:
     yield Heading("Contacts that rounding decides")
     yield Text(
-        "An event is where q of `euler/largest-axis` has its largest value less a shift. If the "
-        "shift is above sqrt(eps), there are two crossings at each touch, or none; if it is "
-        "below, there is one undecided contact."
+        "An event is where q of `euler/largest-axis` has its largest value less a shift. With a "
+        "shift there are two crossings at each touch, or none; without one there is one "
+        "undecided contact."
     )
     again = "polhode study events --only grazing --only {0} --only 'shift {1}'"
     yield table(found["grazing"], _GRAZING, again)

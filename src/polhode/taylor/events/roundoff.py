@@ -29,6 +29,7 @@ from polhode.taylor.events.functions import value_of
 BAND = 32
 
 _STEP = 0.5  # of the run's unit of time: over so much the rounding of the rates adds up
+_PASSES = 2  # a component takes over the rounding of those that its own rate is made of
 
 
 class Roundoff:
@@ -126,9 +127,11 @@ def rounding_error(
     """
     with np.errstate(all="ignore"):
         state = [sized(x, band) for x in columns]
-        if field is not None:
-            for x, rate in zip(state, field(state), strict=True):
-                x.error = x.error + _STEP * rate.error
+        for _ in range(_PASSES if field is not None else 0):
+            assert field is not None
+            rates = field(state)
+            errors = [abs(x) + _STEP * rate.error for x, rate in zip(columns, rates, strict=True)]
+            state = [Roundoff(x, e, band) for x, e in zip(columns, errors, strict=True)]
         error: Flat = value(state, sized(clock, band)).error + 0 * clock
     return error
 

@@ -18,7 +18,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -67,13 +67,13 @@ class Note(NamedTuple):
 class Record:
     """What is known of one event while a run is under way.
 
-    ``noted``: how many zeros, and how many extrema, of which ``taken`` are polished: ``places``.
-    ``happened``: what is decided, up to ``standing``; ``open``: a zero is in sight.
+    ``noted``: how many zeros, extrema and other places, of which ``taken`` are polished:
+    ``places``.  ``happened``: what is decided, up to ``standing``; ``open``: a zero is in sight.
     """
 
     standing: Standing
-    noted: tuple[int, int] = (0, 0)
-    taken: tuple[int, int] = (0, 0)
+    noted: tuple[int, ...] = (0, 0, 0)
+    taken: tuple[int, ...] = (0, 0, 0)
     places: Places | None = None
     happened: tuple[Happening, ...] = ()
     complete: bool = True
@@ -103,7 +103,8 @@ class Watch:
         self.width = len(equations(scene).variables)
         self.alike = float(number.eps)
         self.after_step = AfterStep(self._stops, number) if rules.asked else None
-        self._notes: list[tuple[list[Note], list[Note]]] = [([], []) for _ in scene.events]
+        # zeros and extrema that were met, and what else tells the sides of an expression
+        self._notes: list[tuple[list[Any], ...]] = [([], [], []) for _ in scene.events]
         self._known = Found()
         self._ends = [k for k, event in enumerate(scene.events) if event.stop]
         self._starts: list[End] = []
@@ -202,9 +203,8 @@ class Watch:
                 self._look(k, ta)
         return self.stop is not None
 
-    def _noted(self, k: int) -> tuple[int, int]:
-        zeros, extrema = self._notes[k]
-        return len(zeros), len(extrema)
+    def _noted(self, k: int) -> tuple[int, ...]:
+        return tuple(map(len, self._notes[k]))
 
     def _look(self, k: int, ta: HeyokaIntegrator) -> None:
         """Decide about an event that may end the run, unless nothing can have happened."""
@@ -326,8 +326,7 @@ class Watch:
         """What happened of an event since its standing, up to an end."""
         record, noted = self._known.records[k], self._noted(k)
         notes = zip(self._notes[k], record.taken, strict=True)
-        met = [self._gathered(several[taken:]) for several, taken in notes]
-        new = polished(self.jets[k], met, self.rules.band, self._noise(k), self.way)
+        new = self._polished(k, [several[taken:] for several, taken in notes])
         known = new if record.places is None else joined([record.places, new])
         since, last = record.standing.since, end.place.ahead[0]
         if self.stop is not None:
@@ -348,6 +347,11 @@ class Watch:
             complete=record.complete and decision.complete,
             open=False,
         )
+
+    def _polished(self, k: int, notes: Sequence[list[Any]]) -> Places:
+        """Zeros and extrema that were met, polished."""
+        met = [self._gathered(several) for several in notes[:2]]
+        return polished(self.jets[k], met, self.rules.band, self._noise(k), self.way)
 
     def _gathered(self, notes: Sequence[Note]) -> Marks:
         """What heyoka met, as arrays."""

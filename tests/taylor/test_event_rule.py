@@ -1,0 +1,231 @@
+"""What counts as an event: a change of side beyond rounding; what comes near and turns back."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import pytest
+
+import polhode
+from polhode.motion.outcomes import Outcome
+from polhode.numbers import number_types
+from polhode.numbers.conversion import exactly
+from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
+from polhode.scenes.event import Event
+
+NUMBERS = [DOUBLE, EXTENDED, QUAD, number_types.mp(50)]
+
+
+def top(*events: Event, **given: object) -> polhode.Scene:
+    usual = {"moments": [1, 2, 3], "omega": ["0.3", 0, 1], "gamma": ["0.6", 0, "0.8"], "at": [2]}
+    return polhode.top(**{**usual, **given}, events=list(events))
+
+
+def found(event, number="double", method="taylor", **given):
+    events = [Event("e", event)] if isinstance(event, str) else [event]
+    run = polhode.integrate(top(*events, **given), number, method=method)
+    assert all(one.complete for one in run.events)
+    return run, run.events[0]
+
+
+# -- small motions, and levels near an extremum -----------------------------------------------
+
+
+@pytest.mark.sample(3)
+@pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
+@pytest.mark.parametrize("size", ["1e-8", "1e-11", "1e-13"])
+@pytest.mark.parametrize("kind", ["pendulum", "wobble"])
+def test_a_small_motion_has_the_zeros_of_a_large_one(kind, size, number):
+    """Of period 2 pi: gamma2 = -size sin t of a pendulum, q = size sin t of a wobble."""
+    given = {"moments": [1, 1, 1], "centre": [0, 0, -1], "weight": 1, "gamma": [0, 0, 1]}
+    zero = "gamma2"
+    if kind == "wobble":
+        given, zero = {"moments": [1, 1, 2], "gamma": [1, 0, 0]}, "q"
+    omega = [size, 0, 0] if kind == "pendulum" else [size, 0, 1]
+    run, event = found(zero, number, **given, omega=omega, at=[20])
+    first = -1 if kind == "wobble" else int(np.sign(float(run("1")[4]) * -1))
+    assert event.signs == tuple(first * (-1) ** k for k in range(6))
+    for k, t in enumerate(event.times, 1):
+        assert abs(float(t) - k * math.pi) < 1e-4  # heyoka's steps are chosen by the largest
+    assert all(0.9 < depth / float(size) < 1.1 for depth in event.depths[:-1])
+    for way, sign in (("rising", 1), ("falling", -1)):
+        run, event = found(Event("s", zero, way, True), number, **given, omega=omega, at=[20])
+        assert run.outcome is Outcome.STOPPED_AT_EVENT
+        assert event.signs == (sign,)
+        assert abs(float(run.reached) - (2 if sign != first else 1) * math.pi) < 1e-4
+
+
+@pytest.mark.sample(4)
+@pytest.mark.parametrize("number", NUMBERS[:3], ids=lambda n: n.name)
+@pytest.mark.parametrize(
+    ("below", "signs"),
+    [
+        *(("1e-4", (-1, 1, -1)), ("1e-9", (-1, 1, -1)), ("1e-13", (-1, 1, -1))),
+        *(("1e-60", (-1, 0)), ("0", (0,)), ("-1e-60", (0,)), ("-1e-13", ()), ("-1e-9", ())),
+    ],
+)
+def test_a_level_is_crossed_twice_below_an_extremum_and_touched_at_it(below, signs, number):
+    """p = cos 2t: 1 at the start and at t = pi."""
+    body = {"moments": [1, 1, 2], "omega": [1, 0, 2], "gamma": [1, 0, 0], "at": [4]}
+    _, event = found(f"p - 1 + ({below})", number, **body)
+    assert event.signs == signs
+    assert event.grazing == tuple(sign == 0 for sign in signs)
+    away = math.acos(1 - float(below)) / 2 if signs and signs[0] else 0.0
+    true = [away, math.pi - away, math.pi + away][: len(signs)]
+    true[1:2] = true[1:2] if len(signs) == 3 else [math.pi] * (len(signs) > 1)
+    true = [math.pi] if signs == (0,) else true
+    for t, x, off in zip(event.times, true, event.uncertainty, strict=True):
+        assert abs(float(t) - x) <= off + 1e-15 / max(away, 1e-6) + 4e-16
+    if 0 in signs:
+        assert event.depths[-1] <= 64 * float(number.eps)
+        assert event.uncertainty[-1] < 100 * math.sqrt(float(number.eps))
+    for way in ("rising", "falling"):
+        run, event = found(Event("s", f"p - 1 + ({below})", way, True), number, **body)
+        stops = (1 if way == "rising" else -1) in signs
+        assert (run.outcome is Outcome.STOPPED_AT_EVENT) == stops
+        assert event.grazing == tuple(sign == 0 for sign in event.signs)
+
+
+@pytest.mark.sample(2)
+@pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
+@pytest.mark.parametrize(
+    ("name", "zero", "ends"),
+    [
+        ("euler/largest-axis", "q - sqrt(7/25)", (1000, 200, 40, 20)),
+        ("lagrange/cusped", "p*gamma1 + q*gamma2", (100, 60, 20, 10)),
+    ],
+)
+def test_every_exact_tangency_is_one_contact(name, zero, ends, number):
+    end = ends[NUMBERS.index(number)]
+    scene = replace(polhode.load(name), events=(Event("touch", zero),), outputs=()).at([end])
+    event = polhode.integrate(scene, number).events[0]
+    assert event.complete
+    assert set(event.signs) == {0}
+    reference = polhode.reference(replace(scene, events=()))
+    with mpmath.workdps(40):
+        gaps = np.diff(event.t) / float(reference.period)
+    assert np.abs(gaps - 1).max(initial=0) < 1e-6
+    first = float(event.times[0])
+    assert len(event.times) == 1 + math.floor((end - first) / float(reference.period))
+    for k, (t, off) in enumerate(zip(event.times, event.uncertainty, strict=True)):
+        true = event.times[0] + k * exactly(reference.period)
+        assert abs(float(t - true)) <= off + event.uncertainty[0] + 1e-12 * k
+    stopping = replace(scene, events=(Event("touch", zero, stop=True),))
+    assert polhode.integrate(stopping, number).outcome is Outcome.REACHED_END
+
+
+def test_a_flat_zero_is_a_crossing_with_its_direction_and_a_wide_time():
+    for zero, sign, width in (
+        ("(t-1.2)**3", 1, 1e-4),
+        ("-(t-1.2)**5", -1, 1e-2),
+        ("q**3 - q**3 + (t - 1.2)**3", 1, 1e-4),
+    ):
+        run, event = found(zero)
+        assert event.signs == (sign,)
+        assert abs(float(event.times[0]) - 1.2) <= event.uncertainty[0] < width
+        way = "rising" if sign > 0 else "falling"
+        run, _ = found(Event("s", zero, way, True))
+        assert run.outcome is Outcome.STOPPED_AT_EVENT
+    for zero in ("(t-1.2)**2", "(t-1.2)**4"):
+        _, event = found(Event("touch", zero, "falling"))
+        assert event.signs == (0,)
+        assert abs(float(event.times[0]) - 1.2) <= event.uncertainty[0] < 1e-2
+
+
+def test_what_terms_cancel_is_uncertain_and_what_is_small_is_not():
+    """A shift of 1e6 costs six digits of the level; the same level without it is crossed."""
+    body = {"moments": [1, 1, 2], "omega": [1, 0, 2], "gamma": [1, 0, 0], "at": [4]}
+    _, plain = found("p - 1 + 1e-11", **body)
+    _, shifted = found("(p + 1e6) - 1000001 + 1e-11", **body)
+    assert plain.signs == (-1, 1, -1)
+    assert shifted.signs == (-1, 0)  # above zero at the start, by less than rounding
+    _, scaled = found("1e-30*(p - 1 + 1e-11)", **body)
+    assert scaled.signs == plain.signs
+    assert scaled.times[1:] == pytest.approx(plain.times[1:], abs=1e-9)
+
+
+# -- starts, ends and seams -------------------------------------------------------------------
+
+#: Zeros up to t = 2 of expressions that vanish at the start, q = 0 there, along the usual motion.
+AT_ZERO = {
+    "q*(p-0.28)": [0.36744942741237435],
+    "t*(t-1/10)": [0.1],
+    "q*cos(6*t)": [(2 * k + 1) * math.pi / 12 for k in range(4)],
+    "gamma2*(t-1.5)": [1.5],
+    "t**2*(t-1)": [1.0],
+    "-t*(t-1/1000)*(t-1)": [0.001, 1.0],
+    "sin(40*t)": [k * math.pi / 40 for k in range(1, 26)],
+}
+
+
+@pytest.mark.sample(6)
+@pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
+@pytest.mark.parametrize("zero", AT_ZERO)
+def test_a_start_at_zero_hides_no_other_zero(zero, number):
+    _, event = found(zero, number)
+    assert [float(t) for t in event.times] == pytest.approx(AT_ZERO[zero], abs=1e-15)
+    assert all(a == -b != 0 for a, b in zip(event.signs[1:], event.signs[:-1], strict=True))
+    run, _ = found(Event("s", zero, stop=True), number)
+    assert float(run.reached) == pytest.approx(AT_ZERO[zero][0], abs=4e-16)
+
+
+@pytest.mark.sample(2)
+@pytest.mark.parametrize("zero", AT_ZERO)
+def test_nor_does_it_in_lanes(zero):
+    scene = top(Event("e", zero))
+    found = polhode.reduce_many(scene, {"start.omega[1]": ["0.3"] * 3}, "first e")
+    assert found["t of first e"] == pytest.approx([AT_ZERO[zero][0]] * 3, abs=4e-16)
+
+
+@pytest.mark.parametrize(
+    ("zero", "signs"),
+    [("t - 3", (1,)), ("(t-3)*(t-3.0625)", (-1, 1)), ("(t-3)**2", (0,)), ("(t-3)**3", (1,))],
+)
+@pytest.mark.parametrize("steps", [None, 1])
+def test_zeros_on_a_seam_are_told_once(zero, signs, steps, monkeypatch):
+    from shared.policies import change_policy
+
+    if steps is not None:
+        change_policy(monkeypatch, chunk=steps)
+    for at in ([1, 3, "3.0625", 4], [3, "3.0625", 4], [4]):
+        _, event = found(zero, at=at)
+        assert event.signs == signs
+    _, event = found(zero, at=[3])  # a run that ends at a zero has its slope, and no more
+    assert event.signs == (signs[:1] if "**" not in zero else ())
+
+
+def test_a_start_within_rounding_leaves_to_the_other_side_or_to_its_own():
+    """The exact sign at the start decides: 1e-18 above zero and falling is a crossing at once."""
+    for shift, signs in (("1e-18", (-1,)), ("-1e-18", ()), ("0", ())):
+        _, event = found(f"0.3 - p - q + ({shift})", at=["0.1"])
+        assert event.signs == signs
+        for t, off in zip(event.times, event.uncertainty, strict=True):
+            assert 0 <= t <= Fraction(1, 10**13)
+            assert off < 1e-12
+    _, event = found("q + 1e-18", at=["0.1"])
+    assert event.signs == ()
+
+
+@pytest.mark.parametrize("number", [DOUBLE, QUAD], ids=lambda n: n.name)
+def test_a_lost_zero_is_found_again(number, monkeypatch):
+    """Without the zeros that heyoka meets, those between the extrema are found by other steps."""
+    from polhode.taylor.events.watch import Watch
+
+    scene = {"at": [20], "moments": [2, 3, 4]}
+    _, whole = found("q - gamma2/3", number, **scene)
+    met = Watch.met
+
+    def deaf(self, k, order, ta, t):
+        if order:
+            met(self, k, order, ta, t)
+
+    monkeypatch.setattr(Watch, "met", deaf)
+    _, event = found("q - gamma2/3", number, **scene)
+    assert event.signs == whole.signs
+    assert len(event.signs) == 3
+    for s, t in zip(event.times, whole.times, strict=True):
+        assert abs(s - t) <= 40 * number.eps
