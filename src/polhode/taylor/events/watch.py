@@ -51,7 +51,7 @@ from polhode.taylor.integrator.protocols import Desk
 from polhode.taylor.integrator.specification import CLOCK, TINY
 
 _PROBES = 8  # steps over which an expression that starts at zero must leave it
-_OTHER_SEAMS = Fraction(1, 20)  # the first step of a search, in the run's unit
+_OTHER_SEAMS = Fraction(1, 20)  # the longest step of a search, in the run's unit
 _MOST_STEPS = 10_000  # of a search
 
 
@@ -390,28 +390,44 @@ class Watch:
     def _search(
         self, k: int, known: Places, end: End, side: int, since: int, before: int
     ) -> Places | None:
-        """The crossing to a side between two places: along other steps, and by bisection."""
-        jet, way = self.jets[k], self.way
-        begin = self._starts[k].place.marks if since < 0 else known.marks.those([since])
-        last = (end.place if before == len(known.ahead) else known.those([before])).ahead[0]
+        """The crossing to a side between two places: along other steps, and by bisection.
+
+        It begins where the expression is nearer to zero: where steps are long for it, the motion
+        from there on is the one that was seen there.
+        """
+        first = self._starts[k].place if since < 0 else known.those([since])
+        last = end.place if before == len(known.ahead) else known.those([before])
+        ways = [(first, last, side, self.way), (last, first, -side, -self.way)]
+        if abs(last.values[0, 0]) < abs(first.values[0, 0]):
+            ways.reverse()
+        for begin, stop, wanted, way in ways:
+            found = self._along(k, begin.marks, abs(stop.ahead[0] - begin.ahead[0]), wanted, way)
+            if found is not None:
+                return found
+        return None
+
+    def _along(
+        self, k: int, begin: Marks, length: HeyokaNumber, wanted: int, way: int
+    ) -> Places | None:
+        """Where the expression comes to a side along steps from a place, within some length."""
         muted, offset, self.muted = self.muted, self._offset, True
         probe = copy.deepcopy(self._stepping)
         clock = heyoka_numbers.array([begin.high[0], begin.low[0]], self.number)
-        if jet.timed:
+        if self.jets[k].timed:
             probe.pars[:2] = clock
         self._offset = sum((heyoka_numbers.as_fraction(x, self.number) for x in clock), ZERO)
-        probe.time = (begin.time + begin.rest).tolist()[0]
+        (start,) = (begin.time + begin.rest).tolist()
+        probe.time = start
         probe.state[: self.width] = begin.columns[:, 0]
-        longest = _OTHER_SEAMS
-        found = None
+        longest, found = heyoka_numbers.scalar(_OTHER_SEAMS, self.number), None
         for _ in range(_MOST_STEPS):
-            probe.step(heyoka_numbers.scalar(way * longest, self.number), write_tc=True)
-            here = self._here(probe)
-            if jet.at(here)[0, 0] * side >= 0:
-                found = self._bisected(k, probe, side)
-            if found is not None or not here.since_start[0] * way < last:
+            left = length - abs(probe.time - start)
+            if not left > 0:
                 break
-            longest = Fraction(1)
+            probe.step(way * min(longest, left), write_tc=True)
+            if self.jets[k].at(self._here(probe))[0, 0] * wanted >= 0:
+                found = self._bisected(k, probe, wanted)
+                break
         self.muted, self._offset = muted, offset
         return found
 
