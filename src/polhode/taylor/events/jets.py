@@ -13,7 +13,7 @@ import numpy as np
 
 from polhode.equations.form import equations
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Array, Booleans, Doubles, Indices
+from polhode.numbers.rows import Booleans, Doubles, Indices
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend.engine import hy
@@ -25,23 +25,23 @@ from polhode.taylor.integrator.specification import DESK
 
 
 class Marks(NamedTuple):
-    """Zeros of an expression, or of its rate, in a run's numbers.
+    """Zeros of an expression, or of its rate: arrays of a run's numbers, heyoka's own, too.
 
     The time, in the run's unit, is ``high`` + ``low`` (where a clock began anew) + ``time``
     (heyoka's) + ``rest``.  ``columns``: the variables of the form there, (variables, n).
     """
 
-    high: Array
-    low: Array
-    time: Array
-    rest: Array
-    columns: Array
+    high: Scalar
+    low: Scalar
+    time: Scalar
+    rest: Scalar
+    columns: Scalar
 
     @property
-    def since_start(self) -> Array:
+    def since_start(self) -> Scalar:
         """The times, rounded to the type."""
         near, beside = exact_sum(self.high, self.time)
-        found: Array = near + (beside + (self.low + self.rest))
+        found: Scalar = near + (beside + (self.low + self.rest))
         return found
 
     def those(self, which: Booleans | Indices | list[int]) -> Marks:
@@ -57,7 +57,7 @@ def marks_at(times: Doubles, columns: Doubles) -> Marks:
 
 
 #: The form's variables, columns (variables, n), so much after some marks.
-Hop: TypeAlias = Callable[[Marks, Array], Array]
+Hop: TypeAlias = Callable[[Marks, Scalar], Scalar]
 
 
 class Jet(NamedTuple):
@@ -73,14 +73,14 @@ class Jet(NamedTuple):
     motion: CompiledFunction
     timed: bool
     number: NumberType
-    numbers: Array
+    numbers: Scalar
     hop: Hop | None = None
 
-    def at(self, marks: Marks) -> Array:
+    def at(self, marks: Marks) -> Scalar:
         """Value and derivatives, (4, n)."""
         return self._of(self.evaluate, marks)
 
-    def moved(self, marks: Marks, step: Array) -> Marks:
+    def moved(self, marks: Marks, step: Scalar) -> Marks:
         """The same places a little later."""
         if self.hop is not None:
             columns = self.hop(marks, step)
@@ -90,25 +90,28 @@ class Jet(NamedTuple):
             columns = along(marks.columns, rates, step, divisors)
         return marks._replace(rest=marks.rest + step, columns=columns)
 
-    def _of(self, compiled: CompiledFunction, marks: Marks) -> Array:
+    def _of(self, compiled: CompiledFunction, marks: Marks) -> Scalar:
         clock = [marks.high, marks.low]
         count = max(0, compiled.nparams - DESK)
         pars = [*clock, *(x + 0 * marks.time for x in self.numbers[:count])]
         options = {"pars": np.stack(pars[: compiled.nparams])} if compiled.nparams else {}
         if compiled.is_time_dependent:
             options["time"] = marks.time + marks.rest
-        found: Array = compiled(np.ascontiguousarray(marks.columns), **options)
+        found: Scalar = compiled(np.ascontiguousarray(marks.columns), **options)
         return found
 
 
 def along(
-    columns: Array, rates: Array | Sequence[Array], step: Array, divisors: Sequence[Scalar] = (2, 3)
-) -> Array:
+    columns: Scalar,
+    rates: Scalar | Sequence[Scalar],
+    step: Scalar,
+    divisors: Sequence[Scalar] = (2, 3),
+) -> Scalar:
     """States a little later by a Taylor polynomial: ``rates``, first derivatives and so on."""
     bend = rates[-1]
     for k in range(len(rates) - 1, 0, -1):
         bend = rates[k - 1] + step / divisors[k - 1] * bend
-    found: Array = columns + step * bend
+    found: Scalar = columns + step * bend
     return found
 
 

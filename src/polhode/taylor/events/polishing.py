@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Array, Booleans, Flat, Indices
+from polhode.numbers.rows import Booleans, Flat, Indices
 from polhode.numbers.scalars import Scalar
 from polhode.taylor.backend.heyoka_numbers import array, as_fraction, scalar
 from polhode.taylor.events.jets import Jet, Marks
@@ -41,7 +41,7 @@ class Places(NamedTuple):
     """
 
     marks: Marks
-    ahead: Array
+    ahead: Scalar
     values: Flat
     noise: Flat
     root: Booleans
@@ -51,8 +51,16 @@ class Places(NamedTuple):
 
     def those(self, which: Booleans | Indices | list[int]) -> Places:
         """Some of them."""
-        marks, ahead, values, *more = self
-        return Places(marks.those(which), ahead[which], values[:, which], *(x[which] for x in more))
+        return Places(
+            self.marks.those(which),
+            self.ahead[which],
+            self.values[:, which],
+            self.noise[which],
+            self.root[which],
+            self.steep[which],
+            self.reach[which],
+            self.width[which],
+        )
 
 
 #: The rounding error of the expression at columns and times, see taylor/events/roundoff.py.
@@ -113,7 +121,7 @@ def places(jet: Jet, marks: Marks, band: Fraction, noise: Noise, way: int, root:
     else:
         values, error = np.empty((4, 0)), np.empty(0)
     with np.errstate(all="ignore"):
-        value, rate, bend, third = abs(values)
+        value, rate, bend, third = np.abs(values)
         across = 2 * (error + value) / rate
         steep = (2 * bend * across < rate) & (2 * third * across * across < 3 * rate)
         reach = 2 * _half_width(values, error)
@@ -130,9 +138,11 @@ def places(jet: Jet, marks: Marks, band: Fraction, noise: Noise, way: int, root:
 
 def _half_width(values: Flat, height: Flat) -> Flat:
     """How far from an extremum or a zero the expression rises so high, by its derivatives."""
-    _, rate, bend, third = abs(values)
+    _, rate, bend, third = np.abs(values)
     near: Flat = np.fmin(height / rate, np.sqrt(2 * height / bend))
-    return np.fmin(near, np.cbrt(6 * height / third))
+    far: Flat = np.cbrt(6 * height / third)
+    least: Flat = np.fmin(near, far)
+    return least
 
 
 def _sought(jet: Jet, marks: Marks, unit: Scalar, error: Flat) -> Flat:
@@ -140,10 +150,10 @@ def _sought(jet: Jet, marks: Marks, unit: Scalar, error: Flat) -> Flat:
     found = np.full(len(error), _WIDTHS[-1], dtype=error.dtype)
     open_still = np.ones(len(error), dtype=bool)
     for width in _WIDTHS:
-        step = array([scalar(Fraction(width), jet.number)] * len(error), jet.number)
+        step: Scalar = array([scalar(Fraction(width), jet.number)] * len(error), jet.number)
         for side in (step, -step):
             value = plain(jet.at(jet.moved(marks, side))[0] / unit, jet.number)
-            out = open_still & (abs(value) > 2 * error)
+            out = open_still & (np.abs(value) > 2 * error)
             found[out] = width
             open_still &= ~out
         if not open_still.any():
@@ -151,7 +161,7 @@ def _sought(jet: Jet, marks: Marks, unit: Scalar, error: Flat) -> Flat:
     return found
 
 
-def plain(values: Array, number: NumberType) -> Flat:
+def plain(values: Scalar, number: NumberType) -> Flat:
     """Numbers of a run's type as numpy's own: doubles of doubles, else longdoubles."""
     if number.flat:
         found: Flat = np.asarray(values)
@@ -165,17 +175,18 @@ def joined(parts: Sequence[Places]) -> Places:
     parts = [part for part in parts if len(part.ahead)] or parts[:1]
     if len(parts) == 1:
         return parts[0]
-    marks = Marks(
-        *(np.concatenate(x) for x in zip(*(p.marks[:4] for p in parts), strict=True)),
-        np.concatenate([p.marks.columns for p in parts], axis=1),
+    high, low, time, rest = (
+        np.concatenate(x) for x in zip(*(p.marks[:4] for p in parts), strict=True)
     )
+    columns = np.concatenate([p.marks.columns for p in parts], axis=1)
+    marks = Marks(high, low, time, rest, columns)
     ahead = np.concatenate([p.ahead for p in parts])
     values = np.concatenate([p.values for p in parts], axis=1)
     more = (np.concatenate(x) for x in zip(*(p[3:] for p in parts), strict=True))
     return Places(marks, ahead, values, *more)
 
 
-def exact_times(times: Array, time_unit: int, number: NumberType) -> tuple[Fraction, ...]:
+def exact_times(times: Scalar, time_unit: int, number: NumberType) -> tuple[Fraction, ...]:
     """Times in a run's unit 2**time_unit as exact numbers in the scene's."""
     if number.name == "double" and abs(time_unit) < _SHIFT:
         sizes = np.abs(times)

@@ -28,7 +28,8 @@ from polhode.equations.readout import Readout
 from polhode.motion.outcomes import EventTimes
 from polhode.numbers.exact import ZERO, sign
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Array, Given, read_only
+from polhode.numbers.rows import Array, read_only
+from polhode.numbers.scalars import Scalar
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import heyoka_numbers
 from polhode.taylor.backend.engine import hy
@@ -298,7 +299,7 @@ class Watch:
         sizes = np.array([abs(float(t)) for t in times.tolist()])
         spreads = np.array([happening.spread for happening in happened])
         widths = where.width + spreads / 2 + sizes * float(self.number.eps / 2)
-        rows: Given = where.marks.columns.T
+        rows = where.marks.columns.T
         if not self.number.flat:
             rows = [heyoka_numbers.numbers(row, self.number) for row in rows.tolist()]
         return EventTimes(
@@ -360,7 +361,7 @@ class Watch:
             return Marks(none, none, none, none, np.empty((self.width, 0)))
         clocks = {id(note.offset): self._clock(note.offset) for note in notes}
         high, low = np.stack([clocks[id(note.offset)] for note in notes], axis=1)
-        time = heyoka_numbers.array([note.time for note in notes], self.number)
+        time: Scalar = heyoka_numbers.array([note.time for note in notes], self.number)
         rows = np.concatenate([note.row for note in notes]).reshape(len(notes), -1)
         return Marks(high, low, time, time - time, rows.T.copy())
 
@@ -372,8 +373,8 @@ class Watch:
             ta.update_d_output(ago, rel_time=True)
             row, low = ta.d_output, low + ago
         parts = *self._clock(self._offset).tolist(), high, low
-        clock = (heyoka_numbers.array([x], self.number) for x in parts)
-        return Marks(*clock, row[: self.width, None].copy())
+        before, beside, time, rest = (heyoka_numbers.array([x], self.number) for x in parts)
+        return Marks(before, beside, time, rest, row[: self.width, None].copy())
 
     def _noise(self, k: int) -> Noise:
         return partial(self.rules.errors, self.scene.events[k])
