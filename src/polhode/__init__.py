@@ -11,11 +11,9 @@ True
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING as _TYPE_CHECKING
+TYPE_CHECKING = False  # typing's, which takes longer to import than all that is needed here
 
-from polhode.common.presentation import provide as _provide
-
-if _TYPE_CHECKING:
+if TYPE_CHECKING:
     from collections.abc import Callable as _Callable
 
     from polhode import testing as testing
@@ -173,12 +171,13 @@ def _presentation(name: str) -> _Callable[[], object]:
     return load
 
 
-_provide(
-    scenes=_presentation("SCENES"),
-    runs=_presentation("RUNS"),
-    reevaluation=_presentation("REEVALUATION"),
-    results=_presentation("RESULTS"),
-)
+#: Where common.presentation finds what results of lower rooms do by higher ones, by its words.
+_PRESENTATIONS = {
+    "scenes": _presentation("SCENES"),
+    "runs": _presentation("RUNS"),
+    "reevaluation": _presentation("REEVALUATION"),
+    "results": _presentation("RESULTS"),
+}
 
 
 def __getattr__(name: str) -> object:

@@ -18,8 +18,8 @@ from typing import NoReturn
 
 from polhode.common.errors import BadInput, StdoutFault, nearest
 from polhode.common.files import write_stdout
+from polhode.common.interrupts import INTERRUPTED, heard
 from polhode.common.provenance import __version__
-from polhode.common.signals import INTERRUPTED, heard
 from polhode.verbs import terminal
 from polhode.verbs.terminal import BAD_INPUT, DONE
 

@@ -81,6 +81,7 @@ class Checkpoint:
         except BadInput:
             if not self.pieces():
                 self.remove()
+            self.release()
             raise
 
     def pieces(self) -> list[Path]:
@@ -144,6 +145,7 @@ class Checkpoint:
         try:
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
+            self.release()
             expected = f"no other {self._words[1]} running in this folder"
             raise BadInput(str(self.folder), "parts", None, expected) from None
 

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput, FileName, StdoutFault
-from polhode.common.interrupts import delayed
+from polhode.common.interrupts import Delay
 
 if TYPE_CHECKING:
     import numpy as np
@@ -101,7 +101,7 @@ def write_whole(texts: Mapping[Path, str | bytes]) -> None:
     if any(map(is_stream, texts)):  # whose reader may let us wait for ever
         _write_whole(texts)
         return
-    with delayed():
+    with Delay():
         _write_whole(texts)
 
 
@@ -151,8 +151,9 @@ def read_npz(file: Path | bytes, names: Sequence[str] = ()) -> dict[str, npt.NDA
     import numpy as np
 
     try:
-        held = io.BytesIO(file) if isinstance(file, bytes) else file
-        with np.load(held, allow_pickle=False) as found:
+        # numpy leaves a file open that it opens itself, and that is none
+        opened = io.BytesIO(file) if isinstance(file, bytes) else file.open("rb")
+        with opened as held, np.load(held, allow_pickle=False) as found:
             size = sum(part.file_size for part in found.zip.infolist())
             if size > MOST_UNPACKED:
                 raise ValueError(f"{size} bytes, unpacked")

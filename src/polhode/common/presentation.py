@@ -8,12 +8,10 @@ which Python imports before any room of it, says where each word's object comes 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import sys
 from typing import Generic, TypeVar
 
 P = TypeVar("P")
-
-_LOADERS: dict[str, Callable[[], object]] = {}
 
 
 class Slot(Generic[P]):
@@ -24,10 +22,5 @@ class Slot(Generic[P]):
 
     def get(self) -> P:
         """The object."""
-        found: P = _LOADERS[self.word]()  # type: ignore[assignment]
+        found: P = sys.modules["polhode"]._PRESENTATIONS[self.word]()
         return found
-
-
-def provide(**loaders: Callable[[], object]) -> None:
-    """Say where the object of each word comes from; nothing is imported yet."""
-    _LOADERS.update(loaders)
