@@ -168,6 +168,8 @@ def _main(arguments: Sequence[str] | None) -> int:
 
 def command() -> NoReturn:
     """The command ``polhode``: main, and out."""
+    if 0 < sys.get_int_max_str_digits() < sys.int_info.default_max_str_digits:
+        sys.set_int_max_str_digits(sys.int_info.default_max_str_digits)  # whatever is printed
     code = main()
     terminal.deaf()  # all is said: nothing is left to interrupt
     gc.freeze()  # what is left goes with the process: nobody need look for circles in it

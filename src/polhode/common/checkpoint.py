@@ -122,7 +122,7 @@ class Checkpoint:
 
     def _check(self) -> None:
         try:
-            found = json.loads((self.folder / MANIFEST).read_text())
+            found = json.loads((self.folder / MANIFEST).read_text(encoding="utf-8"))
         except (OSError, *UNREADABLE):
             if self.folder.is_dir() and not any(self.folder.iterdir()):
                 return
