@@ -81,6 +81,7 @@ class Checkpoint:
         except BadInput:
             if not self.pieces():
                 self.remove()
+            self.release()
             raise
 
     def pieces(self) -> list[Path]:
@@ -121,7 +122,7 @@ class Checkpoint:
 
     def _check(self) -> None:
         try:
-            found = json.loads((self.folder / MANIFEST).read_text())
+            found = json.loads((self.folder / MANIFEST).read_text(encoding="utf-8"))
         except (OSError, *UNREADABLE):
             if self.folder.is_dir() and not any(self.folder.iterdir()):
                 return
@@ -144,6 +145,7 @@ class Checkpoint:
         try:
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
+            self.release()
             expected = f"no other {self._words[1]} running in this folder"
             raise BadInput(str(self.folder), "parts", None, expected) from None
 

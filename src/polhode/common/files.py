@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput, FileName, StdoutFault
-from polhode.common.interrupts import delayed
+from polhode.common.interrupts import Delay
 
 if TYPE_CHECKING:
     import numpy as np
@@ -106,7 +106,7 @@ def write_whole(texts: Mapping[Path, str | bytes]) -> None:
     if any(map(is_stream, texts)):  # whose reader may let us wait for ever
         _write_whole(texts)
         return
-    with delayed():
+    with Delay():
         _write_whole(texts)
 
 

@@ -17,6 +17,10 @@ def folder() -> Path:
     return inside if inside.is_dir() else Path(__file__).parents[3] / "cases"
 
 
+#: Endings of files that are tables.
+_TABLES = (".csv", ".npz", ".npy", ".parquet")
+
+
 def names() -> list[str]:
     """The names of all cases that ship, such as ``euler/separatrix``, sorted."""
     top = folder()
@@ -84,8 +88,13 @@ def place(scene: str | Path) -> tuple[Path, str | None]:
     except (OSError, ValueError):
         exists = False
     if not exists or not name:
-        known = nearest(name, names())
+        known = nearest(name.removesuffix(".toml"), names())
+        if name and Path(f"{name}.toml").is_file():
+            known = f"did you mean the file {name}.toml?"
         raise BadInput(name or "''", "SCENE", None, f"a path, or the name of a case: {known}")
+    if Path(scene).suffix.lower() in _TABLES:
+        expected = "a scene file (.toml): this is a table, as for polhode compare FILE SCENE"
+        raise BadInput(name, "SCENE", None, expected)
     return Path(scene), None
 
 

@@ -138,7 +138,7 @@ def numbers(text: str, key: str, name: str, units: str, dimension: str) -> Seque
             first, *rest = item.split(":")
             ends = [in_text(x, units, dimension) for x in (first, *rest[:1])]
         except ExpressionError as fault:
-            raise BadInput(name, key, item, f"a number ({fault})") from None
+            raise BadInput(name, key, item, f"numbers ({fault})") from None
         count = int(rest[1]) if rest[1:] and re.fullmatch(r"\s*\d{1,9}\s*", rest[1]) else 0
         if rest and not (len(rest) == 2 and 1 <= count <= MAX_MEMBERS):
             raise BadInput(name, key, item, f"FROM:TO:N with N from 1 to {MAX_MEMBERS}")
