@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from polhode.common.errors import BadInput, listed
+from polhode.judging.diagnosis.clock import told_clock
 from polhode.judging.diagnosis.conventions import AnyReference, other_times, right_at, whole_parts
 from polhode.judging.diagnosis.reading import as_read
 from polhode.judging.diagnosis.time_unit import UNITS
@@ -36,7 +37,7 @@ _KNOWN = [
     *("degrees", "rpm", "revolutions", "of the other sense", "p q r = q p -r"),
     *("the downward vertical", "gamma1 gamma2 gamma3 = gamma1 -gamma2 -gamma3"),
     *("scalar-last", "q1 the scalar", "body from space", "body x y z = x -y -z", *_UP[:-2]),
-    *("z down", *_TIMES, *(f"t {unit.name}" for unit in UNITS)),
+    *("z down", *_TIMES, *(f"t {unit.name}" for unit in UNITS), "t - NUMBER"),
 ]
 _VERTICAL = re.compile(r"space x y z = [-xyz ]+")  # which the rows tell, where its name was told
 _FROM_FIRST = re.compile(r"(?:t )?from its first row on(?: \(.*\))?")
@@ -79,6 +80,7 @@ def read_as_told(subject: Subject, reference: AnyReference, told: str) -> Subjec
     if not phrases:
         raise BadInput(subject.name, "read", told, f"conventions: {', '.join(_KNOWN)}")
     later = dict(other_times(subject, reference.scene, far=True))
+    later |= {phrase: by for phrase in phrases if (by := told_clock(phrase)) is not None}
     for phrase in phrases:
         if phrase not in later:
             _refuse_unknown(subject, phrase)
@@ -96,7 +98,7 @@ def read_as_told(subject: Subject, reference: AnyReference, told: str) -> Subjec
     if known and not found:
         digits = [as_it_stands(part, values, right) for part, values in parts.items()]
         least = min((d for d in digits if d is not None), default=0.0)
-        found.append(Reading("t", 0.0, known[0], least, None, moved))
+        found.append(Reading("t", 0.0, known[0].removeprefix("t "), least, None, moved))
     if TURNS in phrases and "angles" in parts and all(one.part != "angles" for one in found):
         before = as_it_stands("angles", parts["angles"], right) or 0.0
         found.append(Reading("angles", before, TURNS, before))

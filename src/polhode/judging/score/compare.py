@@ -14,6 +14,7 @@ from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.text_tables import few
 from polhode.judging.conditioning.conditioning import Conditioning
+from polhode.judging.diagnosis.clock import clock, unknown_clock
 from polhode.judging.diagnosis.conventions import readings
 from polhode.judging.diagnosis.motion_in_double import integrated
 from polhode.judging.diagnosis.reading import as_read
@@ -199,6 +200,7 @@ def compare(
         subject, as_it_stands = read_as_told(subject, against, read), True
     elif not as_it_stands and subject.run is None:
         subject = _from_the_start(_in_seconds(subject, against), against)
+        subject = _by_the_clock(subject, against)
         if isinstance(against, Certified):
             subject = _read_before(subject, against)
     found = Judgement(subject, against, known, workers, progress, as_it_stands)
@@ -206,8 +208,10 @@ def compare(
         _ = found.digits  # what cannot be judged is refused here
     except BadInput as refused:
         if not does_not_answer(against, refused):
-            if refused.key == "at" and (unit := _unit(subject, scene)):  # a proof of too many steps
-                expected = f"{refused.expected}; t seems to be in {unit}"
+            if refused.key == "at":  # a proof of too many steps
+                unit = _unit(subject, scene)
+                hints = [f"t seems to be in {unit}"] if unit else unknown_clock(subject, scene)
+                expected = "; ".join([refused.expected, *hints])
                 raise BadInput(refused.source, "t", refused.value, expected) from None
             raise
         found = replace(found, reference=Certified(against.scene, **limits))
@@ -273,12 +277,28 @@ def _from_the_start(subject: Subject, against: AnyReference) -> Subject:
     return _at_other_times(subject, against, some, TimeChange(shift=first), words)
 
 
+def _by_the_clock(subject: Subject, against: AnyReference) -> Subject:
+    """A table with the times of the scene, where its first rows belong to others."""
+    some = sorted(range(len(subject.times)), key=subject.times.__getitem__)[:_FIRST]
+    rows = subject.some(some)
+    plain = _as_they_stand(rows, against)
+    if plain >= WRONG:
+        return subject
+    found = clock(rows, against.scene)
+    if found is None:
+        remark = unknown_clock(subject, against.scene)
+        return replace(subject, remarks=(*subject.remarks, *remark))
+    reading = Reading("t", plain, found.words, found.digits)
+    moved = subject.at_other_times(found.change, found.off)
+    return replace(moved, readings=(*subject.readings, reading))
+
+
 def _at_other_times(
     subject: Subject, against: AnyReference, some: list[int], change: TimeChange, words: str
 ) -> Subject:
     """A table at changed times, where some of its rows are right so alone."""
     rows = subject.some(some)
-    changed = replace(rows, times=tuple(change.of(t) for t in rows.times))
+    changed = rows.at_other_times(change)
     before = _as_they_stand(rows, against)
     if before >= WRONG:
         return subject
@@ -286,8 +306,8 @@ def _at_other_times(
         now = Judgement(changed, against).worst
         if now >= before + GAIN:
             reading = Reading("t", before, words, now)
-            times = tuple(change.of(t) for t in subject.times)
-            return replace(subject, times=times, readings=(*subject.readings, reading))
+            moved = subject.at_other_times(change)
+            return replace(moved, readings=(*subject.readings, reading))
     return subject
 
 

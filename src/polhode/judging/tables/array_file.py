@@ -37,7 +37,7 @@ def read_arrays(path: Path, number: NumberType | None, names: Naming | None = No
     """A file of arrays as a table; raises BadInput.  ``number``: of its numbers, where given."""
     names = names or Naming()
     held, own = arrays(path, names)
-    return table_of_columns(held, number or own, str(path), names.column)
+    return table_of_columns(held, number or own, str(path), names.columns)
 
 
 def arrays(path: Path, names: Naming) -> tuple[Arrays, NumberType | None]:

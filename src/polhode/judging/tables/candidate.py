@@ -15,7 +15,7 @@ from polhode.equations.column import column, derived_words
 from polhode.equations.integrals import Drift, drift, drift_of_columns
 from polhode.judging.tables.column_aliases import not_judged
 from polhode.judging.tables.table import Table
-from polhode.numbers.conversion import to_mpf
+from polhode.numbers.conversion import to_double, to_mpf
 from polhode.numbers.number_types import DOUBLE, NumberType, mp
 from polhode.numbers.rows import Given
 from polhode.runs.trajectory import Trajectory
@@ -23,7 +23,7 @@ from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, COLUMNS, STATE, column_names
 
 if TYPE_CHECKING:
-    from polhode.judging.tables.reading import Reading
+    from polhode.judging.tables.reading import Reading, TimeChange
     from polhode.numbers.double_double import Pairs
 
 MOST_DIGITS = 1000.0  # that are told of a table
@@ -41,7 +41,9 @@ class Subject(ByValue):
     ``attitude`` likewise, None where nothing of them is there; ``derived``: the same of derived
     columns, by output.  ``steps``: what is to blame where the method is.  ``printed``: significant
     digits in a table, None of a run.  ``remarks``: how the table was read.  ``readings``:
-    conventions that were applied to it.
+    conventions that were applied to it.  ``time_errors``: by which the times may be off, rounded;
+    empty where they are exact.  ``signless``: whether the quaternion's sign means nothing at any
+    time.
     """
 
     source: Trajectory | Table
@@ -60,6 +62,8 @@ class Subject(ByValue):
     notes: tuple[str, ...]
     remarks: tuple[str, ...] = ()
     readings: tuple[Reading, ...] = ()
+    time_errors: tuple[float, ...] = ()
+    signless: bool = False
 
     def part(self, word: str) -> Given | None:
         """Rows of an output by its word, None where nothing of it is there."""
@@ -78,7 +82,17 @@ class Subject(ByValue):
             angles=of(self.angles),
             attitude=of(self.attitude),
             derived={word: [rows[k] for k in which] for word, rows in self.derived.items()},
+            time_errors=tuple(self.time_errors[k] for k in which) if self.time_errors else (),
         )
+
+    def at_other_times(self, change: TimeChange, off: float | None = None) -> Subject:
+        """The same rows at changed times; ``off``: by how much their origin may be off, as much as
+        the first time unless given."""
+        times, unit = tuple(change.of(t) for t in self.times), abs(to_double(change.unit))
+        errors = [unit * x for x in self.time_errors or [0.0] * len(times)]
+        off = (errors[0] if change.shift else 0.0) if off is None else off
+        told = tuple(x + off for x in errors) if any(errors) or off else ()
+        return replace(self, times=times, time_errors=told)
 
     @property
     def run(self) -> Trajectory | None:
@@ -167,6 +181,8 @@ def of_table(table: Table, scene: Scene) -> Subject:
         projected=table.projected,
         notes=tuple(notes),
         remarks=table.remarks,
+        time_errors=table.time_errors,
+        signless=table.signless,
     )
 
 
