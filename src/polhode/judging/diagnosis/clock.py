@@ -259,4 +259,5 @@ class _Fit(NamedTuple):
         motion = self.signal(right)
         scale = np.maximum(1.0 if self.values.shape[1] > 6 else 0.0, np.max(np.abs(motion)))
         off = motion.reshape(len(times), *self.values.shape) - self.values
-        return (off / scale).reshape(len(times), -1)
+        found: Doubles = (off / scale).reshape(len(times), -1)
+        return found

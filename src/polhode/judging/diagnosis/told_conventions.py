@@ -14,7 +14,7 @@ from polhode.judging.diagnosis.reading import as_read
 from polhode.judging.diagnosis.time_unit import UNITS
 from polhode.judging.diagnosis.ways import Right, as_it_stands, ways
 from polhode.judging.tables.candidate import Subject, of_table
-from polhode.judging.tables.reading import TURNS, Reading, TimeChange
+from polhode.judging.tables.reading import LENGTH, TURNS, Reading, TimeChange
 from polhode.judging.tables.table import Table
 from polhode.numbers.rows import Doubles
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE
@@ -36,7 +36,7 @@ _TIMES = ["t of the other sense", "one step of t late", "one step of t early"]
 _KNOWN = [
     *("degrees", "rpm", "revolutions", "of the other sense", "p q r = q p -r"),
     *("the downward vertical", "gamma1 gamma2 gamma3 = gamma1 -gamma2 -gamma3"),
-    *("scalar-last", "q1 the scalar", "body from space", "body x y z = x -y -z", *_UP[:-2]),
+    *("scalar-last", "q1 the scalar", "body from space", "body x y z = x -y -z", *_UP[:-2], LENGTH),
     *("z down", *_TIMES, *(f"t {unit.name}" for unit in UNITS), "t - NUMBER"),
 ]
 _VERTICAL = re.compile(r"space x y z = [-xyz ]+")  # which the rows tell, where its name was told
@@ -77,6 +77,8 @@ def read_as_told(subject: Subject, reference: AnyReference, told: str) -> Subjec
     """
     named = _named(subject, told)
     phrases = dict.fromkeys(one.phrase for one in named)
+    if not phrases and LENGTH in told:
+        return subject
     if not phrases:
         raise BadInput(subject.name, "read", told, f"conventions: {', '.join(_KNOWN)}")
     later = dict(other_times(subject, reference.scene, far=True))
@@ -135,6 +137,8 @@ def _named(subject: Subject, told: str) -> list[_Told]:
             first, _, rest = phrase.partition(" ")
             if first in _PARTS and rest:
                 part, phrase = first, _plain(rest)
+            if phrase == LENGTH:  # applied before
+                continue
             if _FROM_FIRST.fullmatch(phrase):
                 phrase = f"t from {float(subject.times[0]):.6g} on"
             found.append(_Told(part, phrase))

@@ -20,9 +20,11 @@ from typing import TypeAlias
 
 from polhode.judging.tables.column_aliases import MATRIX, RODRIGUES, ROTATION_VECTOR
 from polhode.numbers import exact
+from polhode.numbers.conversion import to_double
 from polhode.scenes.vocabulary import ATTITUDE
 
 GUARD = 64  # bits beyond those of the cells
+_OFF = 1e-3  # of 1: a length that is another, and no error of a method
 
 Cells: TypeAlias = "tuple[Fraction | None, ...]"
 Quaternion: TypeAlias = "list[Fraction]"
@@ -41,11 +43,28 @@ def with_quaternions(columns: Mapping[str, Cells], bits: int) -> tuple[dict[str,
     for names, read in readers.items():
         if not {*names} <= {*columns}:
             continue
-        rows = zip(*(columns[name] for name in names), strict=True)
+        rows = [*zip(*(columns[name] for name in names), strict=True)]
         cells = [*zip(*_steady(rows, read), strict=True)]
         others = {name: x for name, x in columns.items() if name not in names}
         return others | dict(zip(ATTITUDE, cells, strict=True)), True
     return dict(columns), False
+
+
+def lengths(rows: Sequence[Sequence[Fraction | None]]) -> tuple[float, float] | None:
+    """The least and the largest length of quaternions, if one is not nearly 1; None if all are."""
+    there = [[to_double(x) for x in row if x is not None] for row in rows]
+    found = [math.hypot(*row) for row in there if len(row) == len(ATTITUDE)]
+    least, most = min(found, default=1.0), max(found, default=1.0)
+    return None if max(1 - least, most - 1) < _OFF else (least, most)
+
+
+def of_length_one(row: Sequence[Fraction | None], bits: int) -> list[Fraction | None]:
+    """A quaternion over its length, as it is where it has none."""
+    there = [x for x in row if x is not None]
+    length = _root(sum((x * x for x in there), Fraction(0)), bits + GUARD)
+    if length == 0 or len(there) < len(row):
+        return [*row]
+    return [x / length for x in there]
 
 
 def _steady(
@@ -81,7 +100,7 @@ def _of_matrix(r: Sequence[Fraction], bits: int) -> Quaternion | None:
 
 
 def _of_parameters(sigma: Sequence[Fraction]) -> Quaternion:
-    square = sum(x * x for x in sigma)
+    square = sum((x * x for x in sigma), Fraction(0))
     return [(1 - square) / (1 + square), *(2 * x / (1 + square) for x in sigma)]
 
 

@@ -13,6 +13,7 @@ from polhode.common.cached_property import cached_property
 from polhode.common.value_semantics import ByValue
 from polhode.equations.column import column, derived_words
 from polhode.equations.integrals import Drift, drift, drift_of_columns
+from polhode.judging.tables.attitude_forms import lengths
 from polhode.judging.tables.column_aliases import not_judged
 from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import to_double, to_mpf
@@ -162,6 +163,7 @@ def of_table(table: Table, scene: Scene) -> Subject:
     notes += [f"column {name} is not in the file" for name in scene.columns if name not in there]
     if any(_gaps(there[name]) for name in columns):
         notes.append("empty cells were not judged")
+    attitude = table.rows(ATTITUDE) if scene.columns[3:] else None
     yardstick = number or (DOUBLE if table.printed <= DOUBLE.printed_digits else mp(table.printed))
     held = number.most_digits if number else min(table.printed + 2.0, MOST_DIGITS)
     derived = {word: table.rows(COLUMNS[word].names) for word in judged_words()}
@@ -174,16 +176,26 @@ def of_table(table: Table, scene: Scene) -> Subject:
         columns=columns,
         states=table.rows(scene.columns),
         angles=table.rows(ANGLES) if scene.columns[3:] else None,
-        attitude=table.rows(ATTITUDE) if scene.columns[3:] else None,
+        attitude=attitude,
         derived={word: rows for word, rows in derived.items() if rows and scene.columns[3:]},
         steps="steps of the program",
         printed=table.printed,
         projected=table.projected,
         notes=tuple(notes),
-        remarks=table.remarks,
+        remarks=(*table.remarks, *_length(attitude)),
         time_errors=table.time_errors,
         signless=table.signless,
     )
+
+
+def _length(attitude: list[list[Fraction | None]] | None) -> list[str]:
+    """That quaternions have another length than 1."""
+    found = None if attitude is None else lengths(attitude)
+    if found is None:
+        return []
+    least, most = (f"{x:.6g}" for x in found)
+    told = f"is {least}" if least == most else f"is between {least} and {most}"
+    return [f"the quaternion's length {told}, not 1"]
 
 
 def _quoted(name: str) -> str:

@@ -37,7 +37,7 @@ _GREEK = str.maketrans({"ω": "w", "γ": "gamma", "ψ": "psi", "θ": "theta", "�
 _GREEK |= str.maketrans({"Ω": "w", "σ": "sigma", "°": "deg", "µ": "u", "μ": "u", "·": " "})
 
 _S = r"[._/ -]?"
-_BEFORE = r"(?:.*[./:])?(?:(?:imu|body|sensor|motion|device)[_ -])*"
+_BEFORE = r"(?:.*[./:])?(?:(?:imu|body|sensor|motion|device|vehicle)[_ -])*"
 _TURNING = rf"(?:ang(?:ular)?|rot(?:ation(?:al)?)?|body){_S}(?:vel(?:ocity)?|rates?|speed)"
 #: Stems by what they are stems of.  ``w_a`` is Modelica's, ``qvel`` MuJoCo's (of a ball joint),
 #: ``sigma_BN`` and ``omega_BN_B`` Basilisk's; ``orientation``, ``rotation`` are those of ROS, Unity
@@ -155,10 +155,12 @@ Column(name='psi', degrees=True, factor=Fraction(1, 1), part=False)]
     """
     alone = [_alone(header) for header in headers]
     parts = [one if isinstance(one, _Part) else None for one in alone]
+    there = [part for part in parts if part is not None]
     first = {
-        (part.kind, part.stem): "0" if any("0" in x.axis for x in parts if _alike(x, part)) else "1"
-        for part in parts
-        if part is not None
+        (part.kind, part.stem): "0"
+        if any("0" in x.axis for x in there if x[:2] == part[:2])
+        else "1"
+        for part in there
     }
     found = [
         one if isinstance(one, Column) else _component(one, first[one.kind, one.stem])
@@ -205,10 +207,6 @@ def twice(named: Iterable[Column]) -> str | None:
         if len(same) > 1 and not (all(x.part for x in same) and len({*same}) == len(same)):
             return name
     return None
-
-
-def _alike(one: _Part | None, other: _Part) -> bool:
-    return one is not None and one[:2] == other[:2]
 
 
 def _alone(header: str) -> Column | _Part:

@@ -15,6 +15,8 @@ WRONG, GAIN = 3.0, 3.0
 
 TURNS = "psi and phi up to whole turns"  # the convention of angles that need it
 
+LENGTH = "of length 1"  # that of quaternions which have another
+
 _ROOT_PLACES = 10**1100  # of the square root of two, as of a degree
 
 
