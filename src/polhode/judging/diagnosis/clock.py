@@ -56,11 +56,15 @@ Signal: TypeAlias = Callable[[Right], Doubles]
 
 class Clock(NamedTuple):
     """Times at which rows hold instead, the digits of the first ones then, and by how much the
-    offset may be off: 0 of one that is a short decimal; None of the first time itself."""
+    offset may be off: 0 of one that is a short decimal; None of the first time itself.
+
+    ``entire``: whether all numbers of the rows are the motion's then, and not some of them.
+    """
 
     change: TimeChange
     digits: float
     off: float | None
+    entire: bool = False
 
     @property
     def words(self) -> str:
@@ -88,7 +92,7 @@ def clock(rows: Subject, scene: Scene) -> Clock | None:
         motion = sampled(scene, grid, "attitude" in parts)
         if motion is None:
             return None
-        for signal, values in wanted:
+        for number, (signal, values) in enumerate(wanted):
             path = signal(motion)
             starts = _starts(path, values[0])
             for unit in _units(path, starts, values, [t - times[0] for t in times], _STEP / rate):
@@ -96,7 +100,8 @@ def clock(rows: Subject, scene: Scene) -> Clock | None:
                 fit = _Fit(scene, signal, values, since, rate)
                 best = fit.best(grid[starts])
                 if best is not None and best[1] >= WRONG:
-                    return _clock(*best, unit, rows)
+                    found = _clock(*best, unit, rows)
+                    return found and found._replace(entire=number == 0)
     return None
 
 

@@ -302,15 +302,28 @@ def _by_the_clock(subject: Subject, against: AnyReference) -> Subject:
     some = sorted(range(len(subject.times)), key=subject.times.__getitem__)[:_FIRST]
     rows = subject.some(some)
     plain = _as_they_stand(rows, against)
-    if plain >= WRONG:
+    if plain >= WRONG or _is_explained(rows, against):
         return subject
     found = clock(rows, against.scene)
     if found is None:
         remark = unknown_clock(subject, against.scene)
         return replace(subject, remarks=(*subject.remarks, *remark))
-    reading = Reading("t", plain, found.words, found.digits)
     moved = subject.at_other_times(found.change, found.off)
+    if not found.entire and not _is_explained(moved.some(some), against):
+        return subject
+    reading = Reading("t", plain, found.words, found.digits)
     return replace(moved, readings=(*subject.readings, reading))
+
+
+def _is_explained(rows: Subject, against: AnyReference) -> bool:
+    """Whether all parts are right, as they stand or in another convention."""
+    parts, times = whole_parts(rows)
+    right = right_at(against, times)
+    if right is None:
+        return False
+    plain = {name: digits_as_they_stand(name, values, right) for name, values in parts.items()}
+    wrong = {name for name, digits in plain.items() if digits is not None and digits < WRONG}
+    return wrong <= {one.part for one in readings(rows, against, wrong)}
 
 
 def _of_length_one(subject: Subject, against: AnyReference) -> Subject:
