@@ -20,7 +20,8 @@ from typing import TypeAlias
 
 from polhode.judging.tables.column_aliases import MATRIX, RODRIGUES, ROTATION_VECTOR
 from polhode.numbers import exact
-from polhode.numbers.conversion import to_double
+from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.rows import Given, GivenRow
 from polhode.scenes.vocabulary import ATTITUDE
 
 GUARD = 64  # bits beyond those of the cells
@@ -50,20 +51,20 @@ def with_quaternions(columns: Mapping[str, Cells], bits: int) -> tuple[dict[str,
     return dict(columns), False
 
 
-def lengths(rows: Sequence[Sequence[Fraction | None]]) -> tuple[float, float] | None:
+def lengths(rows: Given) -> tuple[float, float] | None:
     """The least and the largest length of quaternions, if one is not nearly 1; None if all are."""
-    there = [[to_double(x) for x in row if x is not None] for row in rows]
+    there = [[to_double(exactly(x)) for x in row if x is not None] for row in rows]
     found = [math.hypot(*row) for row in there if len(row) == len(ATTITUDE)]
     least, most = min(found, default=1.0), max(found, default=1.0)
     return None if max(1 - least, most - 1) < _OFF else (least, most)
 
 
-def of_length_one(row: Sequence[Fraction | None], bits: int) -> list[Fraction | None]:
+def of_length_one(row: GivenRow, bits: int) -> list[Fraction | None]:
     """A quaternion over its length, as it is where it has none."""
-    there = [x for x in row if x is not None]
+    there = [exactly(x) for x in row if x is not None]
     length = _root(sum((x * x for x in there), Fraction(0)), bits + GUARD)
     if length == 0 or len(there) < len(row):
-        return [*row]
+        return [None if x is None else exactly(x) for x in row]
     return [x / length for x in there]
 
 
