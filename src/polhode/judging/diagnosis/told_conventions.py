@@ -8,10 +8,9 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from polhode.common.errors import BadInput, listed
-from polhode.judging.diagnosis.clock import told_clock
 from polhode.judging.diagnosis.conventions import AnyReference, other_times, right_at, whole_parts
 from polhode.judging.diagnosis.reading import as_read
-from polhode.judging.diagnosis.time_unit import UNITS
+from polhode.judging.diagnosis.time_unit import UNITS, told_clock
 from polhode.judging.diagnosis.ways import Right, as_it_stands, ways
 from polhode.judging.tables.candidate import Subject, of_table
 from polhode.judging.tables.reading import LENGTH, TURNS, Reading, TimeChange

@@ -13,8 +13,8 @@ from polhode.common.arguments import each, of_kind, whole
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.text_tables import few
+from polhode.judging.clock import clock, unknown_clock
 from polhode.judging.conditioning.conditioning import Conditioning
-from polhode.judging.diagnosis.clock import clock, unknown_clock
 from polhode.judging.diagnosis.conventions import readings, right_at, whole_parts
 from polhode.judging.diagnosis.motion_in_double import integrated
 from polhode.judging.diagnosis.reading import as_read

@@ -26,8 +26,7 @@ from polhode.judging._dense_reference.parallel_evaluation import Ask
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference, rows
 from polhode.judging.score.part_digits import TURNING
-from polhode.judging.tables.candidate import Subject
-from polhode.judging.tables.double_double_columns import columns_in_pairs
+from polhode.judging.tables.candidate import Subject, columns_in_pairs
 from polhode.numbers import exact
 from polhode.numbers.conversion import to_double
 from polhode.numbers.double_double import Pairs, of_exact, of_fractions, of_pairs, pairs

@@ -17,6 +17,7 @@ from polhode.judging.tables.attitude_forms import lengths
 from polhode.judging.tables.column_aliases import not_judged
 from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import to_double, to_mpf
+from polhode.numbers.exact import ZERO
 from polhode.numbers.number_types import DOUBLE, NumberType, mp
 from polhode.numbers.rows import Given
 from polhode.runs.trajectory import Trajectory
@@ -106,8 +107,6 @@ class Subject(ByValue):
 
         Raises OverflowError for a number beyond doubles.
         """
-        from polhode.judging.tables.double_double_columns import columns_in_pairs
-
         return columns_in_pairs(self.states)
 
     def drift(self, scene: Scene, bits: int) -> Drift | str:
@@ -125,6 +124,28 @@ class Subject(ByValue):
         if at_once is not None:
             return at_once
         return drift(scene, [[to_mpf(x, bits) for x in row] for row in self.states], bits)
+
+
+def columns_in_pairs(rows: Given) -> list[Pairs]:
+    """The columns of rows; not a number where a cell is not there.
+
+    Raises OverflowError for a number beyond doubles.
+    """
+    import numpy as np
+
+    from polhode.numbers.double_double import Pairs, of_fractions
+
+    if isinstance(rows, np.ndarray):
+        wide = rows.astype(np.float64)
+        rest = (rows - wide).astype(np.float64)
+        return [Pairs(wide[:, i], rest[:, i]) for i in range(rows.shape[1])]
+    found = []
+    for cells in zip(*rows, strict=True):
+        gaps = np.array([x is None for x in cells])
+        some = of_fractions([ZERO if x is None else x for x in cells])
+        some.hi[gaps] = np.nan
+        found.append(some)
+    return found
 
 
 def of_run(run: Trajectory) -> Subject:

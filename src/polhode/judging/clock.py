@@ -8,7 +8,6 @@ that fits.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from typing import NamedTuple, TypeAlias
@@ -19,13 +18,12 @@ from polhode.equations.integrals import departures
 from polhode.judging.diagnosis.conventions import whole_parts
 from polhode.judging.diagnosis.motion_in_double import sampled
 from polhode.judging.diagnosis.rotation_matrices import matrices
-from polhode.judging.diagnosis.time_unit import UNITS
+from polhode.judging.diagnosis.time_unit import UNITS, clock_words
 from polhode.judging.diagnosis.ways import Right
 from polhode.judging.tables.candidate import Subject
 from polhode.judging.tables.reading import WRONG, TimeChange
 from polhode.numbers.conversion import to_double
-from polhode.numbers.decimals import brief, in_full
-from polhode.numbers.expression import decimal
+from polhode.numbers.decimals import brief
 from polhode.numbers.rows import Doubles
 from polhode.scenes.scene import Scene
 
@@ -44,11 +42,6 @@ _FEWEST = 9  # numbers that a time is fitted to
 _SAME = 1e-2  # of integrals: the first row is on the scene's level
 _ROUNDING = 4 * 2.0**-52
 _SPARED = 3  # decimal places that a short offset does not need
-
-_TOLD = re.compile(
-    rf"(?:(?:t )?of another clock(?: in ({'|'.join(unit.name for unit in UNITS)}))?:"
-    r" rows belong to )?t ([-+]) ?(\d[\d.]*(?:e[+-]?\d\d?)?)"
-)
 
 #: What is compared with the motion: of rows of it, arrays with a row for each.
 Signal: TypeAlias = Callable[[Right], Doubles]
@@ -71,10 +64,7 @@ class Clock(NamedTuple):
         """The reading in words."""
         if self.off is None:
             return f"from its first row on ({brief(self.change.shift)})"
-        unit = next((f" in {unit.name}" for unit in UNITS if unit.length == self.change.unit), "")
-        sign = "-" if self.change.shift > 0 else "+"
-        shift = in_full(abs(self.change.shift))
-        return f"of another clock{unit}: rows belong to t {sign} {shift}"
+        return clock_words(self.change)
 
 
 def clock(rows: Subject, scene: Scene) -> Clock | None:
@@ -103,20 +93,6 @@ def clock(rows: Subject, scene: Scene) -> Clock | None:
                     found = _clock(*best, unit, rows)
                     return found and found._replace(entire=number == 0)
     return None
-
-
-def told_clock(words: str) -> TimeChange | None:
-    """The change of times that words such as ``t - 12.5`` tell; None where they tell none.
-
-    >>> told_clock("of another clock: rows belong to t - 12.5").of(Fraction(15))
-    Fraction(5, 2)
-    """
-    found = _TOLD.fullmatch(words)
-    if found is None:
-        return None
-    unit = next((x.length for x in UNITS if x.name == found[1]), Fraction(1))
-    shift = decimal(found[3])
-    return TimeChange(unit=unit, shift=shift if found[2] == "-" else -shift)
 
 
 def unknown_clock(subject: Subject, scene: Scene) -> tuple[str, ...]:
