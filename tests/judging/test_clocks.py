@@ -211,3 +211,14 @@ def test_the_command_reads_a_clock_and_says_so(tmp_path, capsys):
     out = capsys.readouterr().out
     assert "read as t of another clock: rows belong to t - 1700000000" in out
     assert "limited by rounding (of the times, by up to 2e-07)" in out
+
+
+def test_what_takes_long_to_follow_is_foretold(tmp_path, capsys, monkeypatch):
+    from polhode.verbs import compare
+
+    (tmp_path / "x.csv").write_text("t,p,q,r\n0,0.16,0.3,4.1\n1,0,0,0\n")
+    assert cli.main(["compare", str(tmp_path / "x.csv"), SCENE]) == 0
+    assert "is followed through" not in capsys.readouterr().err
+    monkeypatch.setattr(compare, "_SECONDS", 5.0)
+    assert cli.main(["compare", str(tmp_path / "x.csv"), SCENE]) == 0
+    assert "the motion is followed through 4.1 radians" in capsys.readouterr().err
