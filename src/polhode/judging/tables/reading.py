@@ -18,6 +18,7 @@ TURNS = "psi and phi up to whole turns"  # the convention of angles that need it
 
 TURN = "a constant rotation of "  # how a rotation of an attitude begins
 _EXACT = 12.0  # digits of a row that is right but for rounding
+LENGTH = "of length 1"  # that of quaternions which have another
 
 _ROOT_PLACES = 10**1100  # of the square root of two, as of a degree
 
