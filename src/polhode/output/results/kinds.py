@@ -231,7 +231,8 @@ def _check_shapes(word: str, found: Value) -> None:
 
 def _fits(value: Value, hint: Value) -> bool:
     """Whether a value has the type that an annotation says."""
-    origin, arguments = typing.get_origin(hint), typing.get_args(hint)
+    origin: Value = typing.get_origin(hint)
+    arguments = typing.get_args(hint)
     if origin in (typing.Union, types.UnionType):
         return any(_fits(value, x) for x in arguments)
     if origin is tuple:
