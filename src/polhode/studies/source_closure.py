@@ -32,9 +32,9 @@ BESIDE: dict[str, tuple[str, ...]] = {
     "studies/speed/programs": (),
     # the module that a job names: one of the programs
     "studies/speed/first_result": ("studies/speed/programs",),
-    # classes by the names that a document gives
-    "output/results/document": (
-        *("dynamics", "enclosures", "judging", "motion", "numbers", "runs", "scenes"),
+    # classes of results, from a table of their places
+    "output/results/kinds": (
+        *("dynamics", "enclosures", "judging", "motion", "numbers", "proofs", "runs", "scenes"),
     ),
     # packages of others
     "output/frames": (),
