@@ -175,7 +175,7 @@ def read_npz(
         raise ValueError(f"no complete NPZ file: {fault}") from None
 
 
-def _array(packed: zipfile.ZipFile, part: zipfile.ZipInfo, texts: int) -> Any:
+def _array(packed: zipfile.ZipFile, part: zipfile.ZipInfo, texts: int) -> npt.NDArray[np.generic]:
     import numpy as np
 
     with packed.open(part) as file:
@@ -185,10 +185,11 @@ def _array(packed: zipfile.ZipFile, part: zipfile.ZipInfo, texts: int) -> Any:
     if dtype.kind in "US" and count > texts:
         raise ValueError(f"{part.filename}: {count} texts")
     with packed.open(part) as file:
-        return np.lib.format.read_array(file, allow_pickle=False)
+        found: npt.NDArray[np.generic] = np.lib.format.read_array(file, allow_pickle=False)
+    return found
 
 
-def npy_header(file: IO[bytes]) -> tuple[np.dtype[Any], int, int]:
+def npy_header(file: IO[bytes]) -> tuple[np.dtype[np.generic], int, int]:
     """Of an array in NumPy's format: the type, how many elements, and where they begin."""
     import numpy as np
 

@@ -77,9 +77,21 @@ def load(scene: Scene | str | Path) -> Scene:
     return found
 
 
+def _expected(given: object) -> str:
+    """What is loaded; of a result, what of it may have been meant."""
+    meant = ""
+    if callable(getattr(given, "orbit", None)):  # a family of orbits, or a search for them
+        meant = "; its orbit k is .orbit(k)"
+    elif hasattr(given, "residue") and hasattr(given, "state"):
+        meant = "; the orbit of point k of a family or a search is family.orbit(k)"
+    elif isinstance(getattr(given, "scene", None), Scene):
+        meant = "; did you mean its .scene?"
+    return f"a Scene, a path, or the name of a case{meant}"
+
+
 def place(scene: str | Path) -> tuple[Path, str | None]:
     """The file of a scene, and its name where it is a case that ships; raises BadInput."""
-    of_kind("load", "scene", scene, (str, Path), "a Scene, a path, or the name of a case")
+    of_kind("load", "scene", scene, (str, Path), _expected(scene))
     name = str(scene)
     if ships(name):
         return folder() / f"{name}.toml", name

@@ -55,6 +55,8 @@ class Published(NamedTuple):
 
 
 #: What a scene holds several of.
+#: All are compiled: 100 took 1.5 to 4 s where it was measured, 200 with long expressions minutes.
+MOST_EVENTS = 100
 _PARTS = {"tags": str, "cite": str, "outputs": str, "events": Event, "published": Published}
 
 
@@ -151,6 +153,8 @@ class Scene:
             for k, part in enumerate(parts):
                 of_kind(self.name, f"{key}[{k + 1}]", part, kind, f"{kind.__name__}")
             object.__setattr__(self, key, parts)
+        if len(self.events) > MOST_EVENTS:
+            raise self._bad("events", f"{len(self.events)} events", f"at most {MOST_EVENTS}")
         for k, event in enumerate(self.events):
             check_event(event, self.name, f"events[{k + 1}]")
         of_kind(self.name, "section", self.section, SectionPlan, "a SectionPlan")
