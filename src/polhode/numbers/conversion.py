@@ -145,10 +145,10 @@ def derived_number(value: object) -> Exact:
     return exactly(value)
 
 
-def _too_large(value: Any) -> bool:
+def _too_large(value: object) -> bool:
     """Whether a number has too many bits, found without making it exact."""
-    if hasattr(value, "_mpf_"):
-        _, mantissa, exponent, bits = value._mpf_
+    if (raw := getattr(value, "_mpf_", None)) is not None:
+        _, mantissa, exponent, bits = raw
         return mantissa != 0 and not -MOST_BITS < exponent <= exponent + bits <= MAX_BITS
     if hasattr(value, "__index__") and getattr(value, "ndim", 0) == 0:
         return index(value).bit_length() > MAX_BITS

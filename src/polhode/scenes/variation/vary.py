@@ -8,9 +8,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple, overload
 
-from polhode.common import notices
 from polhode.common.arguments import each, of_kind
-from polhode.common.errors import BadInput, plain
+from polhode.common.errors import BadInput, plain, say_doubt
 from polhode.numbers import exact
 from polhode.numbers.exact import ZERO, Exact
 from polhode.numbers.expression import ExpressionError
@@ -176,7 +175,7 @@ def _doubt(column: Sequence[Exact], name: str) -> None:
     ends = (column.first, column.last) if isinstance(column, Spaced) else column
     largest = max(ends, key=abs, default=ZERO)
     if abs(largest) > 2 * exact.pi():
-        notices.doubt(name, doubtful_theta(largest))
+        say_doubt(name, doubtful_theta(largest))
 
 
 def _column(key: str, given: object, name: str, units: str) -> Sequence[Exact]:
