@@ -150,9 +150,10 @@ def _too_large(value: object) -> bool:
     if (raw := getattr(value, "_mpf_", None)) is not None:
         _, mantissa, exponent, bits = raw
         return mantissa != 0 and not -MOST_BITS < exponent <= exponent + bits <= MAX_BITS
-    if hasattr(value, "__index__") and getattr(value, "ndim", 0) == 0:
-        return index(value).bit_length() > MAX_BITS
-    return False  # numpy's, none of which is as large
+    try:
+        return index(value).bit_length() > MAX_BITS  # type: ignore[arg-type]  # if it is whole
+    except TypeError:
+        return False  # numpy's, none of which is as large; or no number
 
 
 def _bits(top: int, bottom: int) -> int:

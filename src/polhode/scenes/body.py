@@ -21,7 +21,7 @@ from polhode.numbers.conversion import derived_number, exact_number
 from polhode.numbers.decimals import brief
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.rounding import are_rounded, asymmetry, excess, flattened, symmetrised
-from polhode.numbers.scalars import AnyNumber, AnyVector
+from polhode.numbers.scalars import AnyNumber, AnyVector, numbers_given
 from polhode.scenes.shapes import Part, carried, together
 
 Vector = tuple[Exact, Exact, Exact]
@@ -40,8 +40,8 @@ PRODUCTS = "off the diagonal stand minus the products of inertia"
 
 def _listed(row: object) -> list[object]:
     """A row for looking at it twice; what is none is refused where it is read."""
-    listed = isinstance(row, Iterable) and not isinstance(row, str)
-    return [*row] if listed else cast(list[object], row)  # type: ignore[misc]
+    items, several = numbers_given(row)
+    return items if several else cast(list[object], row)
 
 
 def exact_vector(values: object, source: str = "Body", key: str = "vector") -> Vector:

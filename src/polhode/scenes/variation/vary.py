@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple, overload
 
@@ -13,6 +13,7 @@ from polhode.common.errors import BadInput, plain, say_doubt
 from polhode.numbers import exact
 from polhode.numbers.exact import ZERO, Exact
 from polhode.numbers.expression import ExpressionError
+from polhode.numbers.scalars import numbers_given
 from polhode.scenes.body_and_start import THETA, doubtful_theta
 from polhode.scenes.given_numbers import in_text, reader
 from polhode.scenes.keys import unit
@@ -181,9 +182,12 @@ def _doubt(column: Sequence[Exact], name: str) -> None:
 def _column(key: str, given: object, name: str, units: str) -> Sequence[Exact]:
     if isinstance(given, str):
         return values(given, key, name, units)
-    if not isinstance(given, Iterable):
+    if isinstance(given, Spaced):
+        return given
+    listed, several = numbers_given(given)
+    if not several:
         raise BadInput(name, key, plain(given), "a sequence of numbers, or FROM:TO:N")
-    column = given if isinstance(given, Spaced) else [_exact(x, key, name, units) for x in given]
+    column = [_exact(x, key, name, units) for x in listed]
     if not column:
         raise BadInput(name, key, "nothing", "at least one value")
     return column
