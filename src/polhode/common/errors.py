@@ -6,8 +6,12 @@ import sys
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from fractions import Fraction
 
 from polhode.common.text_tables import printable
+
+_LONG = "a number of thousands of digits"
+_MOST_BITS = 14_000  # of an integer that is printed, some 4200 digits
 
 #: What reading JSON or TOML raises for text that is none, or nested too deeply.
 UNREADABLE = (ValueError, RecursionError)
@@ -92,11 +96,18 @@ def _short(value: object, limit: int = 60) -> str:
 
 
 def plain(value: object) -> str:
-    """``str(value)``, also of an integer that Python refuses to print."""
+    """``str(value)``, also of an integer that Python refuses to print, or would for minutes."""
     try:
-        return str(value)
+        return _LONG if _too_long(value) else str(value)
     except ValueError:  # an integer too long for Python to print
-        return "a number of thousands of digits"
+        return _LONG
+
+
+def _too_long(value: object) -> bool:
+    """Whether an integer of thousands of digits is in a value, whatever Python's limit is."""
+    if isinstance(value, (int, Fraction)):
+        return max(value.numerator.bit_length(), value.denominator.bit_length()) > _MOST_BITS
+    return isinstance(value, (list, tuple)) and any(map(_too_long, value[:100]))
 
 
 # -- input that is taken --------------------------------------------------------------------------
