@@ -18,10 +18,10 @@ from typing import NoReturn
 
 from polhode.common.errors import BadInput, StdoutFault, in_verb, nearest
 from polhode.common.files import write_stdout
-from polhode.common.interrupts import heard
 from polhode.common.provenance import __version__
+from polhode.common.signals import INTERRUPTED, heard
 from polhode.verbs import terminal
-from polhode.verbs.terminal import BAD_INPUT, DONE, INTERRUPTED
+from polhode.verbs.terminal import BAD_INPUT, DONE
 
 VERBS = (
     *("list", "show", "new", "run", "reference", "check", "compare", "sweep", "plot", "view"),
@@ -34,7 +34,10 @@ VERBS = (
 _BEFORE = "the verb and its options before it: what follows -- is read as a name"
 
 #: Options whose numbers may be negative, and written in any way.
-_MAY_BE_NEGATIVE = ("--at", "--tol", "--f", "--h", "--end", "--period", "--tilt", "--spin")
+_MAY_BE_NEGATIVE = (
+    *("--at", "--end", "--every", "--tol", "--f", "--h"),
+    *("--period", "--tilt", "--spin"),
+)
 
 WELCOME = f"""\
 polhode {__version__}: how a heavy rigid body moves about a fixed point, to how many correct digits.

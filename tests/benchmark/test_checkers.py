@@ -31,8 +31,6 @@ def checkers(tmp_path_factory):
         found["C"] = [str(built)]
     if node := shutil.which("node"):
         found["JavaScript"] = [node, str(HELD / "check.js")]
-    if julia := shutil.which("julia"):
-        found["Julia"] = [julia, str(HELD / "check.jl")]
     return found
 
 
@@ -167,14 +165,3 @@ def test_bad_input_is_exit_code_2(checkers, tmp_path, spoil):
 
 def test_no_file_is_exit_code_2(checkers, tmp_path):
     assert judged(checkers, tmp_path / "none.csv").returncode == 2
-
-
-@pytest.mark.skipif(shutil.which("octave") is None, reason="no Octave")
-def test_octave_prints_the_same(checkers, tmp_path):
-    rows = [[*row] for row in ROWS]
-    for row in rows[1:]:
-        row[1] = decimal(Fraction(row[1]) + Fraction(1, 10**23))
-    path = table(tmp_path / "x.csv", rows)
-    program = f"addpath('{HELD}'); check('{HELD / TOP}.csv', '{path}');"
-    ran = subprocess.run(["octave", "--eval", program], capture_output=True, text=True)
-    assert numbers(ran.stdout) == pytest.approx(numbers(judged(checkers, path).stdout), abs=0.011)

@@ -1,34 +1,23 @@
-"""Figures as data: ticks that can be read, marks that say what they show."""
+"""Figures as data: ticks that can be read, marks of all that the axes hold."""
 
 from __future__ import annotations
 
 import re
 import sys
-from xml.etree import ElementTree
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import polhode
 from polhode.common.errors import BadInput
-from polhode.figures.canvas import panel, timed_path
-from polhode.figures.canvas.canvas import paper, require
+from polhode.figures.canvas import panel
+from polhode.figures.canvas.canvas import require
 from polhode.figures.canvas.direct_labels import Look, balanced
-from polhode.figures.canvas.globe import facing_most
 from polhode.figures.canvas.log_ticks import names, ticks
-from polhode.figures.canvas.mark_titles import titled
 from polhode.figures.canvas.panel import Axis, Guide, Panel, Point, Series
 
-SVG = "{http://www.w3.org/2000/svg}"
 LOOK = Look("#0072b2", "o")
-
-
-def titles(text: str) -> list[str]:
-    """What the marks of a figure say."""
-    marks = ElementTree.fromstring(text.encode()).iter(f"{SVG}use")
-    return [title.text or "" for mark in marks for title in mark.iter(f"{SVG}title")]
 
 
 @given(st.floats(-300, 300), st.floats(0.05, 200))
@@ -48,28 +37,13 @@ def test_a_logarithmic_axis_has_two_labels_or_more_each_of_its_value(low, decade
         assert value == pytest.approx(x, rel=1e-5)
 
 
-def test_marks_say_their_texts_escaped_and_in_order():
-    one = Series([Point(1, 1, "a < b"), Point(2, 2, '"c" & d'), Point(3, 3, "e")], LOOK, "one")
-    other = Series([Point(1, 3, "f"), Point(2, 1, "g")], LOOK.marks, "other")
-    silent = Series(panel.line([1, 2], [2, 2]), LOOK, "silent")
-    text = panel.svg([Panel([one, silent], legend=2), Panel([silent]), Panel([other])], 4)
-    assert titles(text) == ["a < b", '"c" & d', "e", "f", "g"]
-    assert "<title>a &lt; b</title>" in text
-    assert text.count('class="marks"') == 2
-    assert 'id="panel' not in text  # names that are only needed on the way
-
-
 def test_what_a_logarithmic_axis_does_not_hold_has_no_mark():
-    points = [Point(1, 1, "a"), Point(10, 0, "b"), Point(-1, 1, "c"), Point(1000, 2, "d")]
-    series = Series(points, LOOK, tops=[2, 1, 2, 3])
-    text = panel.svg([Panel([series], Axis("x", "log"), Axis("y", "log"))], 3)
-    assert titles(text) == ["a", "d"]
-
-
-def test_another_number_of_marks_than_of_texts_is_an_error():
-    group = '<g id="a"><use href="#m"/></g><g id="b"><use href="#m"/></g>'
-    with pytest.raises(ValueError, match="1 marks and 2 texts"):
-        titled(group, {"a": ["x", "y"]})
+    points = [Point(1, 1), Point(10, 0), Point(-1, 1), Point(1000, 2)]
+    held = [points[0], points[-1]]
+    axes = Axis("x", "log"), Axis("y", "log")
+    drawn = [panel.svg([Panel([Series(row, LOOK)], *axes)], 3) for row in (points, held, held[:1])]
+    marks = [text.count("<use ") for text in drawn]
+    assert marks[0] == marks[1] != marks[2]
 
 
 def test_rows_stand_from_the_top_down_under_their_headings():
@@ -114,24 +88,6 @@ def test_axes_of_a_map_and_of_a_section_are_the_same_and_say_what_they_are(by):
 def test_a_free_body_has_its_third_axis_where_a_heavy_one_has_its_centre():
     found = polhode.section("euler/largest-axis", grid=(2, 2), crossings=2)
     assert "third axis" in found.plot().get_ylabel()
-
-
-def test_a_path_says_which_colour_is_which_time():
-    points = np.array([[np.cos(x), np.sin(x), 0.0] for x in np.linspace(0, 2, 65)])
-    with paper() as plt:
-        _, axes = plt.subplots()
-        globe = facing_most(points)
-        globe.surface(axes)
-        timed_path.draw(axes, globe, points, "7")
-        colours = [
-            line.get_color() for line in axes.lines if (line.get_gid() or "").startswith("path")
-        ]
-        assert [text.get_text() for text in axes.texts] == ["t = 0", "t = 7"]
-        plt.close()
-    assert colours[0] == timed_path.colours()[0]
-    light = [sum(int(x[k : k + 2], 16) for k in (1, 3, 5)) for x in timed_path.colours()]
-    assert len(set(colours)) == len(light) == 32
-    assert light == sorted(light)  # from dark to light: it prints in grey
 
 
 def test_without_matplotlib_one_line_says_what_to_install(monkeypatch):

@@ -35,7 +35,7 @@ WORKS: dict[str, list[str]] = {
     "run": ["run", "lagrange/nutation", "--number", "quad", "-o", "x.csv"],
     "compare": ["compare", "given.csv", "lagrange/nutation", "--json"],
     "sweep": ["sweep", "lagrange/nutation", "--number", "extended", *VARY, "-o", "x.npz"],
-    "study": ["study", "published", "--quick", "-o", "out"],
+    "study": ["study", "events", "--quick", "-o", "out"],
     "report": ["report", "--quick", "-o", "out"],
 }
 _TIMED = {"provenance", "seconds", "about", "made"}  # what differs from run to run

@@ -62,7 +62,7 @@ WORKS = {
     "plot": "plot R --what error --end 1e4 -o x.svg",
     "plot-integrals": "plot R --what integrals --end 1e8 -o x.png",
     "film": "plot R --what motion --end 300 -o x.gif",
-    "study": "study dynamics --quick -o out",
+    "study": "study stability --quick -o out",
     "study-speed": "study speed --quick -o out",
     "levels": "levels R --f=-1e12:1e12 -o x.svg",
     "section": "section C --grid 40x40 --crossings 3000 -o x.npz",

@@ -84,7 +84,7 @@ def test_a_full_disk_is_one_line_and_leaves_nothing(work, tmp_path):
 def test_two_reports_into_one_folder_at_once(tmp_path):
     """Both end, and what is there is what one of them alone would have written."""
     code = "from polhode import cli; from polhode.studies import report; "
-    code += "report.STUDIES = ('published',); raise SystemExit(cli.main(['report', '--quick', "
+    code += "report.STUDIES = ('events',); raise SystemExit(cli.main(['report', '--quick', "
     code += "'-o', 'out']))"
     both = [
         subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, stderr=subprocess.PIPE)
@@ -94,6 +94,6 @@ def test_two_reports_into_one_folder_at_once(tmp_path):
         _, err = one.communicate()
         assert one.returncode == 0, err
     found = faults.outputs(tmp_path / "out")
-    assert set(found) == {"published.json", "published.md", "published.svg", "report.html"}
-    assert json.loads((tmp_path / "out/published.json").read_text())["study"] == "published"
+    assert set(found) == {"events.json", "events.md", "events.svg", "report.html"}
+    assert json.loads((tmp_path / "out/events.json").read_text())["study"] == "events"
     assert not faults.leftovers(tmp_path)

@@ -16,7 +16,6 @@ from polhode.studies import report
 from polhode.studies.long_run.page import far_table
 from polhode.studies.page.blocks import PageTable, markdown
 from polhode.studies.proofs import page as proofs_page
-from polhode.studies.speed import page
 from polhode.studies.speed.page import contest
 
 ROOT = Path(__file__).parents[2]
@@ -54,7 +53,7 @@ def _table(made: PageTable) -> str:
 
 def _speed(found: Any) -> str:
     """Who is ahead where, in sentences."""
-    told = page.finding(found), _refined(found["refined"])
+    told = contest.finding(found), _refined(found["refined"])
     return "\n\n".join(map(_filled, told))
 
 

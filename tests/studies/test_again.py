@@ -56,7 +56,7 @@ def finds(command: str, name: str, rows: list[tuple[str, ...]]) -> bool:
 
 
 @pytest.mark.sample(4)
-@pytest.mark.parametrize("name", [name for name in report.STUDIES if name != "gallery"])
+@pytest.mark.parametrize("name", report.STUDIES)
 def test_every_row_has_a_command_that_finds_it(name):
     rows = labels(name)
     made = list(commands(name))

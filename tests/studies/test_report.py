@@ -3,25 +3,28 @@
 from __future__ import annotations
 
 import json
+import re
+import shutil
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from polhode.cli import main
 from polhode.common.errors import BadInput
 from polhode.common.provenance import digest
 from polhode.judging.diagnosis.error_budget import selected
 from polhode.scenes import library
 from polhode.studies import report
 from polhode.studies.accuracy import rows as accuracy
+from polhode.studies.events import rows as events
 from polhode.studies.page.blocks import Figure, PageTable
-from polhode.studies.published import rows as published
 
 COMMITTED = Path(__file__).parents[2] / "reports"
 #: Studies whose quick form takes longer than a test may.
 SLOW = ("stability", "events")
 #: Studies that a test can hold against the committed ones; those of timings are not among them.
-COMPARED = ("accuracy", "published", *SLOW)
+COMPARED = ("accuracy", *SLOW)
 
 
 def committed(name: str) -> dict[str, Any]:
@@ -51,7 +54,7 @@ def test_the_committed_report_covers_every_case_as_it_is():
         assert case["sha256"] == digest(library.load(case["case"]).source), case["case"]
 
 
-@pytest.mark.parametrize("name", ["accuracy", "stability", "published"])
+@pytest.mark.parametrize("name", ["accuracy", "stability"])
 def test_every_case_stands_in_a_table_of_the_page(name):
     found = committed(name)
     tables = [block for block in report.blocks(found) if isinstance(block, PageTable)]
@@ -127,53 +130,50 @@ def test_differences_are_seen():
 def test_a_study_is_deterministic():
     one, two = (accuracy._case(library.load("euler/separatrix")) for _ in range(2))
     assert one == two
-    found = published.rows(quick=True)
-    assert report.figures(found) == report.figures(found)
 
 
 # -- writing and resuming ---------------------------------------------------------------------
 
 
 class Studies:
-    """Two small studies in place of the real ones; counts how often each is run."""
+    """The committed rows in place of two studies' own; counts how often each is run."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.runs: list[str] = []
         self.interrupted = False
-        monkeypatch.setattr(report, "STUDIES", ("published", "accuracy"))
-        honest = published.rows(quick=True)
+        monkeypatch.setattr(report, "STUDIES", ("events", "accuracy"))
+        for module in (events, accuracy):
+            monkeypatch.setattr(module, "rows", self._rows(module.NAME))
 
-        def first(quick: bool, tick: Any) -> dict[str, Any]:
-            self.runs.append("published")
-            return honest | {"quick": quick}
+    def _rows(self, name: str) -> Any:
+        kept = committed(name)
+        del kept["provenance"]
 
-        def second(quick: bool, tick: Any) -> dict[str, Any]:
-            if self.interrupted:
+        def rows(quick: bool, tick: Any) -> dict[str, Any]:
+            if self.interrupted and name == "accuracy":
                 raise KeyboardInterrupt
-            self.runs.append("accuracy")
-            tick("accuracy: half")
-            cases = [accuracy._case(library.load("euler/rest"))]
-            return {"study": "accuracy", "question": "?", "quick": quick, "cases": cases}
+            self.runs.append(name)
+            if tick is not None:
+                tick(f"{name}: half")
+            return kept | {"quick": quick}
 
-        monkeypatch.setattr(published, "rows", first)
-        monkeypatch.setattr(accuracy, "rows", second)
+        return rows
 
 
-@pytest.mark.slow
 def test_a_report_that_was_killed_goes_on_where_it_stopped(tmp_path, monkeypatch):
     studies, said = Studies(monkeypatch), []
     studies.interrupted = True
     with pytest.raises(KeyboardInterrupt):
         report.write_report(tmp_path, tick=said.append)
-    assert [p.name for p in tmp_path.iterdir()] == ["published.json"]  # whole, and nothing else
+    assert [p.name for p in tmp_path.iterdir()] == ["events.json"]  # whole, and nothing else
     studies.interrupted = False
     paths = report.write_report(tmp_path, tick=said.append)
-    assert studies.runs == ["published", "accuracy"]
+    assert studies.runs == ["events", "accuracy"]
     assert "2 of 2: accuracy: half" in said
     assert sorted(tmp_path.iterdir()) == sorted(paths)
     assert {p.suffix for p in paths} == {".json", ".md", ".svg", ".html"}
     report.write_report(tmp_path, tick=said.append)
-    assert studies.runs == ["published", "accuracy"]
+    assert studies.runs == ["events", "accuracy"]
 
 
 @pytest.mark.slow
@@ -181,7 +181,7 @@ def test_a_report_that_was_killed_goes_on_where_it_stopped(tmp_path, monkeypatch
 def test_results_that_are_not_todays_are_made_again(change, tmp_path, monkeypatch):
     studies = Studies(monkeypatch)
     report.write_report(tmp_path, tick=print)
-    path = tmp_path / "published.json"
+    path = tmp_path / "events.json"
     if change == "text":
         path.write_text(path.read_text().replace('"key": "', '"key": "0'))
     elif change == "cut short":
@@ -191,10 +191,9 @@ def test_results_that_are_not_todays_are_made_again(change, tmp_path, monkeypatc
         monkeypatch.setattr(report, "key", lambda name, quick: "new" + key(name, quick))
     report.write_report(tmp_path, quick=change == "quick", fresh=change == "fresh", tick=print)
     every = change in ("fresh", "quick", "code")
-    assert studies.runs == ["published", "accuracy", "published"] + ["accuracy"] * every
+    assert studies.runs == ["events", "accuracy", "events"] + ["accuracy"] * every
 
 
-@pytest.mark.slow
 def test_pages_are_made_from_the_results_alone(tmp_path, monkeypatch):
     Studies(monkeypatch)
     paths = report.write_report(tmp_path, tick=print)
@@ -206,22 +205,39 @@ def test_pages_are_made_from_the_results_alone(tmp_path, monkeypatch):
     assert {path: path.read_text() for path in paths} == texts
 
 
-@pytest.mark.slow
 def test_one_study_leaves_the_others_as_they_are(tmp_path, monkeypatch):
     studies = Studies(monkeypatch)
     report.write_report(tmp_path, tick=print)
     before = (tmp_path / "accuracy.json").read_text()
-    report.write_study("published", tmp_path, quick=True)
-    assert studies.runs == ["published", "accuracy", "published"]
+    report.write_study("events", tmp_path, quick=True)
+    assert studies.runs == ["events", "accuracy", "events"]
     assert (tmp_path / "accuracy.json").read_text() == before
-    assert json.loads((tmp_path / "published.json").read_text())["quick"]
-    assert "--quick" in (tmp_path / "published.md").read_text()
+    assert json.loads((tmp_path / "events.json").read_text())["quick"]
+    assert "--quick" in (tmp_path / "events.md").read_text()
+
+
+def test_a_key_changes_with_every_module_and_nothing_beside_them(tmp_path, monkeypatch):
+    """As in an installed copy, where Python leaves what it compiled beside its modules."""
+    package = tmp_path / "polhode"
+    shutil.copytree(report.PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(report, "PACKAGE", package)
+    before = report.key("events", False)
+    for beside in ("__pycache__/cli.cpython-311.pyc", "studies/new.so", "notes.txt", "._cli.pyc"):
+        (package / beside).parent.mkdir(exist_ok=True)
+        (package / beside).write_bytes(b"\xf3\r\r\n\x00")
+    assert report.key("events", False) == before
+    keys = {before, report.key("events", True)}
+    for module in ("cli.py", "closed_forms/euler/top.py", "studies/events/page.py", "new.py"):
+        with (package / module).open("ab") as file:
+            file.write(b"\n# changed \xf3\n")  # and one that is no UTF-8
+        keys.add(report.key("events", False))
+    assert len(keys) == 2 + 4
 
 
 def test_a_folder_that_is_missing_is_made(tmp_path, monkeypatch):
     Studies(monkeypatch)
-    report.write_study("published", tmp_path / "new" / "deep")
-    assert (tmp_path / "new" / "deep" / "published.json").is_file()
+    report.write_study("events", tmp_path / "new" / "deep")
+    assert (tmp_path / "new" / "deep" / "events.json").is_file()
 
 
 def test_a_folder_that_cannot_be_made_is_refused_before_the_work(tmp_path):
@@ -229,6 +245,38 @@ def test_a_folder_that_cannot_be_made_is_refused_before_the_work(tmp_path):
     for write in (report.write_report, lambda folder: report.write_study("accuracy", folder)):
         with pytest.raises(BadInput, match="a folder to write to"):
             write(tmp_path / "file" / "below")
+
+
+@pytest.mark.parametrize("name", report.GONE)
+def test_a_study_that_went_names_what_there_is_instead(name, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for more in ([], ["--only", "x"], ["--quick"]):
+        assert main(["study", name, *more, "-o", "out"]) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert line.endswith(f"; {name} is a study no more: there is {report.GONE[name]}")
+    assert not [*tmp_path.iterdir()]
+
+
+def test_all_that_the_reports_link_to_is_there_and_nothing_else_is():
+    linked = {"report.html", "looping.gif"}  # README's
+    for page in COMMITTED.glob("*.md"):
+        linked.add(page.name)
+        for target in re.findall(r"\]\(([^)#]+)[)#]", page.read_text()):
+            if not target.startswith("http"):
+                assert (COMMITTED / target).is_file(), (page.name, target)
+                linked.add(target)
+    linked |= {f"{name}.json" for name in report.STUDIES}
+    files = {path.relative_to(COMMITTED).as_posix() for path in COMMITTED.rglob("*.*")}
+    assert {name for name in files - linked if not name.startswith("benchmark/")} == set()
+
+
+def test_the_gallery_has_a_picture_of_each_motion_of_its_loop():
+    text = (COMMITTED / "gallery.md").read_text()
+    rows = re.findall(r"^([\w-]+/[\w-]+) (\d+)$", text, re.M)
+    assert len(rows) > 20
+    for case, end in rows:
+        assert f"[{case}](../cases/{case}.toml) to t = {end}" in " ".join(text.split())
+        assert f"(gallery/{case.replace('/', '-')}.svg)" in text
 
 
 def test_an_unknown_study_is_refused_with_the_nearest_name(tmp_path):

@@ -21,11 +21,11 @@ from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.scalars import Functions
 from polhode.peers import field
+from polhode.scenes import library
 from polhode.studies import peer_processes
+from polhode.studies.accuracy.printed import printed_figures
 from polhode.studies.page.blocks import markdown
 from polhode.studies.peer_processes import Method, Task
-from polhode.studies.published import rows as published
-from polhode.studies.row_filter import Only
 from polhode.studies.speed import contenders, page, refined
 from polhode.studies.speed import rows as speed
 from polhode.studies.speed.published_benchmarks import READ
@@ -218,8 +218,7 @@ def test_a_reference_that_is_wrong_is_found_by_the_wall(monkeypatch, tmp_path):
 
 def test_the_figure_that_was_read_of_kynema_is_off_by_what_is_said():
     """Its benchmark is a published figure of the library too; ours is the closed form's."""
-    found = published.rows(only=Only(("bruels",)))
-    rows = [row for case in found["cases"] for row in case["figures"]]
+    rows, _ = printed_figures(library.load("published/bruels-cardona-arnold"))
     off = [abs(float(row["difference"])) for row in rows if "Kynema" in row["cite"]]
     assert len(off) == 3
     told = f"off by {max(off):.1e} from".replace("e-0", "e-")

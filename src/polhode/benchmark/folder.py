@@ -19,7 +19,7 @@ from polhode.scenes import library
 from polhode.scenes.scene import Scene
 
 DATA, PAGE = "tops.json", "README.md"
-CHECKERS = ("check.py", "check.c", "check.js", "check.jl", "check.m")
+CHECKERS = ("check.py", "check.c", "check.js")
 SECONDS = 7  # of the processor that a top takes, about
 NAME = "heavy top benchmark"
 _PLACES, _BITS = 60, 1000  # of decimals of data that have no end, and of what they are made from

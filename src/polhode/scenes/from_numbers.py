@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Never
 
-from polhode.common.arguments import each, of_kind
-from polhode.common.errors import BadInput, listed, plain
+from polhode.common.arguments import each, of_kind, refuse_unknown
+from polhode.common.errors import BadInput
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes import keys, scene_file
 from polhode.scenes.event import Event
@@ -146,9 +145,7 @@ def top(
     """
     of_kind("top", "name", name, str, "text")
     of_kind(name, "start.normalise", normalise, bool, "True or False")
-    for key in unknown:
-        known = [*inspect.signature(top).parameters][:-1]
-        raise BadInput(name, key, plain(unknown[key]), f"an argument: {listed(key, known)}")
+    refuse_unknown(name, top, unknown)
     given = {key: value for key, value in locals().items() if value is not None}
     data: dict[str, Any] = {
         section: {key.name: given[key.name] for key in keys.KEYS[section] if key.name in given}

@@ -245,7 +245,7 @@ KEYS: dict[str, tuple[Key, ...]] = {
         Key("quantity", WORD, "an expression in the columns", '"180/pi*p"'),
         Key("value", WORD, "the value, digit for digit as printed", '"12.6183907758"'),
         Key("cite", WORD, "who printed it", '"NASA/TM-2015-218675"'),
-        Key("right", WHOLE, "digits known to be right, if not all are", "7"),
+        Key("right", WHOLE, "the fewest digits that are right, if not all are", "7"),
     ),
     "reference": (Key("kind", WORD, f"one of {_listed(REFERENCES)}", '"euler"', '"auto"'),),
     "section": (

@@ -16,9 +16,8 @@ from typing import NamedTuple
 from polhode.common.arguments import each, of_kind
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, nearest, say_change, say_doubt
-from polhode.common.presentation import Slot
 from polhode.common.provenance import provenance
-from polhode.common.text_tables import counted
+from polhode.common.text_tables import counted, one_line
 from polhode.common.value_semantics import may_wait
 from polhode.numbers import exact
 from polhode.numbers.conversion import derived_number
@@ -28,10 +27,7 @@ from polhode.numbers.scalars import AnyNumber
 from polhode.scenes.body import Body, Vector, dot, exact_vector, scaled
 from polhode.scenes.event import Event, check_event
 from polhode.scenes.output_times import OutputTimes, listed_times
-from polhode.scenes.presentation import ScenePresentation
 from polhode.scenes.vocabulary import COLUMNS, FORMS, STATE, UNITS
-
-_PRESENTATION: Slot[ScenePresentation[Scene]] = Slot("scenes")
 
 
 class Published(NamedTuple):
@@ -49,7 +45,7 @@ class Published(NamedTuple):
     quantity: str
     value: str
     cite: str
-    right: int | None = None  # significant digits known to be right, where not all are
+    right: int | None = None  # significant digits that are right at least, where not all are
 
     @property
     def recomputed(self) -> bool:
@@ -143,6 +139,8 @@ class Scene:
     def __post_init__(self, normalise: bool) -> None:
         for key in ("name", "title", "form", "reference", "units"):
             of_kind("Scene", key, getattr(self, key), str, "text")
+        if (name := one_line(self.name)) != self.name:  # it stands in every line that is said of it
+            object.__setattr__(self, "name", name)
         if not callable(vars(self)["_source"]):
             of_kind("Scene", "source", self.source, str, "text")
         for key, kind in _PARTS.items():
@@ -194,7 +192,9 @@ class Scene:
         return f"<Scene {self.name}: moments {moments}{until}>"
 
     def _repr_html_(self) -> str:
-        return _PRESENTATION.get().html(self)
+        from polhode.output import notebook
+
+        return notebook.of_scene(self)
 
     def _bad(self, key: str, value: object, expected: str) -> BadInput:
         return BadInput(self.name, key, value, expected)

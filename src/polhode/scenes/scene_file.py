@@ -23,6 +23,7 @@ from polhode.scenes.validation import Literal, Reading, is_int
 from polhode.scenes.vocabulary import (
     DIRECTIONS,
     EXTREMA,
+    FORMER_REFERENCES,
     READY_MADE,
     REFERENCES,
     SECTION,
@@ -117,7 +118,8 @@ class _File(Reading):
         judged = self.table("reference", required=False)
         kind = self.word("reference.kind", self.given("reference", judged, "kind"))
         if kind not in REFERENCES and kind not in (more := added_families.names()):
-            raise self.bad("reference.kind", kind, nearest(kind, [*REFERENCES, *more]))
+            expected = FORMER_REFERENCES.get(kind) or nearest(kind, [*REFERENCES, *more])
+            raise self.bad("reference.kind", kind, expected)
         times = self.times(run)
         published = tuple(self.published(i, p) for i, p in enumerate(self.tables("published")))
         units = self.word("units", self.given("", data, "units"))

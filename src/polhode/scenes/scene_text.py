@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, TypeGuard
 
+from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput, nearest, plain
 from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import in_full, is_decimal
@@ -27,7 +28,7 @@ _OF_TIMES = ("end", "samples", "at")
 _SURROGATE = re.compile("[\ud800-\udfff]")
 
 
-def toml(scene: Scene) -> str:
+def as_toml(scene: Scene) -> str:
     """Write a scene as the text of a file that holds it exactly.
 
     It is the file's own text if the scene was not changed since; body and start are written as they
@@ -65,6 +66,7 @@ def toml(scene: Scene) -> str:
     end = 10
     <BLANKLINE>
     """
+    of_kind("as_toml", "scene", scene, Scene, "a Scene")
     if scene.source and scene_file.parse(scene.source, scene.name) == scene:
         return scene.source
     data: dict[str, Any] = {key: _plainly(getattr(scene, key)) for key in _TITLES}

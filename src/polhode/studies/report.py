@@ -10,11 +10,9 @@ from __future__ import annotations
 
 import inspect
 import json
-import math
 import shlex
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from fractions import Fraction
 from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
@@ -25,38 +23,27 @@ from polhode.common.files import check_writable, make_folder, write_whole
 from polhode.common.progress import Message
 from polhode.common.provenance import cpu, digest, versions
 from polhode.figures.canvas import canvas
-from polhode.judging.adaptive_precision import integrate
-from polhode.judging.references.reference import Reference
-from polhode.judging.references.reference import reference as reference_of
 from polhode.output.json_object import JsonObject
 from polhode.output.json_results import as_json
-from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
-from polhode.studies.page import html
-from polhode.studies.page.blocks import (
-    Block,
-    Figure,
-    Heading,
-    Number,
-    PageTable,
-    Text,
-    markdown,
-)
-from polhode.studies.page.columns import Column, table
-from polhode.studies.page.hero import hero
+from polhode.studies.page.blocks import Block, Figure, Heading, PageTable, Text, markdown
+from polhode.studies.page.html import html
+from polhode.studies.page.html import require as require_markdown
 from polhode.studies.row_filter import Only
-from polhode.studies.source_closure import sources
 
 #: The studies in the order of the report; each is a folder of that name, with _ for -.
-STUDIES = (
-    *("needs", "accuracy", "certified", "proofs", "speed", "stability", "long-run", "forms"),
-    *("events", "dynamics", "published", "gallery"),
-)
+STUDIES = ("accuracy", "proofs", "speed", "stability", "long-run", "events")
+#: Studies that there were, and what has their rows, or makes them, now.
+GONE = {
+    "needs": "the studies accuracy (digits of each case) and speed (what they cost)",
+    "published": "the study accuracy, whose rows of printed figures are shown by --only printed",
+    "certified": "the study accuracy, whose closed forms in enclosures are shown by --only proven",
+    "forms": "polhode check --forms (each form's digits), polhode guide forms (which one to use)",
+    "dynamics": "polhode levels, polhode section and polhode map, each of any scene",
+    "gallery": "reports/gallery.md, whose figures polhode plot draws",
+}
 PAGE = "report.html"
-#: The study that the page of all begins with.
-LEAD = "needs"
-#: The motion that moves there, for so many periods of its nutation, so many samples each.
-_SHOWN, _PERIODS, _SAMPLES = "lagrange/looping", 41, 14
+PACKAGE = Path(__file__).parents[1]
 
 
 def write_report(
@@ -68,7 +55,9 @@ def write_report(
     mode is kept, unless ``fresh``: a report that was interrupted goes on where it stopped.
     """
     command = "polhode report" + " --quick" * quick
+    require_markdown()
     _check(folder, STUDIES)
+    check_writable(folder / PAGE)
     for k, name in enumerate(STUDIES):
         if fresh or not _is_current(folder, name, quick):
             said = None if tick is None else _counted(tick, k + 1)
@@ -92,8 +81,7 @@ def write_study(
     command = f"polhode study {name}" + " --quick" * quick
     command += "".join(f" --without {shlex.quote(word)}" for word in without)
     text = _run(name, quick, command, tick, options)
-    texts, _ = _made(folder, json.loads(text), tick)
-    texts = {folder / f"{name}.json": text, **texts}
+    texts = {folder / f"{name}.json": text, **_made(folder, json.loads(text), tick)}
     write_whole(texts)
     return [*texts]
 
@@ -123,69 +111,25 @@ def part(
 
 def write_pages(folder: Path, tick: Message | None = None) -> list[Path]:
     """Figures and pages of all results in the folder, made from them alone; paths of all files."""
-    kept: list[Path] = []
-    texts: dict[Path, str] = {}
-    sections: list[html.Section] = []
     every = [found for name in STUDIES if (found := results(folder, name)) is not None]
-    for found in every:
-        made, section = _made(folder, found, tick)
-        kept.append(folder / f"{found['study']}.json")
-        texts |= made
-        sections.append(section)
-    first = hero(_motion(), [number for found in every for number in _numbers(found)])
-    texts[folder / PAGE] = html.page(
-        "polhode: digits, and what limits them", sections, LEAD, first, table(every, _ORIGINS)
-    )
+    texts = {path: text for found in every for path, text in _made(folder, found, tick).items()}
+    texts[folder / PAGE] = html({path.name: text for path, text in texts.items()})
     write_whole(texts)
-    return [*kept, *texts]
+    return [*(folder / f"{found['study']}.json" for found in every), *texts]
 
 
-def _numbers(found: JsonObject) -> Iterator[Number]:
-    """What a study's page puts on the first screen, if anything."""
-    module = _module(found["study"], "page")
-    if hasattr(module, "headline") and (number := module.headline(found)) is not None:
-        yield number
-
-
-def _motion() -> Trajectory:
-    """A motion that is shown there: periods after which it is nearly back where it began."""
-    scene = library.load(_SHOWN)
-    known = reference_of(scene)
-    assert isinstance(known, Reference)
-    step = Fraction(2 * math.pi / float(known.frequencies["nutation"])) / _SAMPLES
-    return integrate(scene.at([step * k for k in range(_PERIODS * _SAMPLES)]))
+def _made(folder: Path, found: dict[str, Any], tick: Message | None) -> dict[Path, str]:
+    """What is made of a study's results, by its place: figures and page."""
+    if tick is not None:
+        tick(f"{found['study']}: figures and pages")
+    texts = {folder / f"{name}.svg": svg for name, svg in figures(found).items()}
+    return {**texts, folder / f"{found['study']}.md": page(found)}
 
 
 def _packages(found: JsonObject) -> str:
     """The versions with which a study was made."""
     packages: dict[str, str] = found["provenance"]["versions"]
     return ", ".join(f"{name} {version}" for name, version in packages.items())
-
-
-#: How each study was made.
-_ORIGINS = (
-    Column("study", "study"),
-    Column("command", "provenance.command", "code"),
-    Column("seconds", "provenance.seconds", ".0f"),
-    Column("versions", _packages),
-    Column("processor", "provenance.cpu"),
-    Column("key", "provenance.key", "code"),
-)
-
-
-def _made(
-    folder: Path, found: dict[str, Any], tick: Message | None
-) -> tuple[dict[Path, str], html.Section]:
-    """Of a study's results: the texts made of them, by their places, and its section."""
-    name = found["study"]
-    if tick is not None:
-        tick(f"{name}: figures and pages")
-    drawn, parts = figures(found), tuple(blocks(found))
-    texts = {folder / f"{figure}.svg": svg for figure, svg in drawn.items()}
-    texts[folder / f"{name}.md"] = markdown(title(name), parts)
-    own = (Text(found["question"]), *_module(name, "page").blocks(found))
-    told = (name, title(name), finding(found), own, drawn)
-    return texts, html.Section(*told, brief(found), f"{name}.json")
 
 
 def results(folder: Path, name: str) -> dict[str, Any] | None:
@@ -213,18 +157,6 @@ def title(name: str) -> str:
     return found
 
 
-def finding(found: dict[str, Any]) -> str:
-    """A study in a sentence made of its results; its question where there are too few for one."""
-    told: str = _module(found["study"], "page").finding(found) or found["question"]
-    return told
-
-
-def brief(found: JsonObject) -> str:
-    """The one sentence of a study's card; empty where it is the first of its finding."""
-    module = _module(found["study"], "page")
-    return module.brief(found) if hasattr(module, "brief") else ""
-
-
 def page(found: dict[str, Any]) -> str:
     """A study's page as Markdown, from its JSON object."""
     return markdown(title(found["study"]), blocks(found))
@@ -244,15 +176,22 @@ def blocks(found: dict[str, Any]) -> Iterator[Block]:
     yield from _module(found["study"], "page").blocks(found)
     yield Heading("Provenance")
     key = f"; code, cases and versions `{origin['key']}`" if "key" in origin else ""
-    yield Text(f"{_packages(found)}; {origin['cpu']}{key}.")
+    yield Text(f"{_packages(found)}; {origin['cpu']}{key}. {origin.get('note', '')}".rstrip())
 
 
 def key(name: str, quick: bool) -> str:
-    """What a study's results depend on: the code of its rows, cases, versions, processor, mode."""
+    """What a study's results depend on: the package, cases, versions, processor, mode."""
     cases = [library.folder() / f"{case}.toml" for case in library.names()]
-    paths = [*sources([f"studies/{_folder(name)}/rows"]), *cases]
-    parts = [f"{'/'.join(path.parts[-3:])}\n{path.read_text(encoding='utf-8')}" for path in paths]
-    return digest("\0".join([*parts, str(_versions(name)), cpu(), str(quick)]))
+    parts = [f"{'/'.join(path.parts[-3:])}\n{path.read_text(encoding='utf-8')}" for path in cases]
+    return digest("\0".join([*_package(), *parts, str(_versions(name)), cpu(), str(quick)]))
+
+
+def _package() -> Iterator[str]:
+    """The modules of polhode, each with its place; nothing else that lies beside them counts."""
+    for path in sorted(PACKAGE.rglob("*.py")):
+        # a stray file, such as a "._name.py" of macOS, is no text
+        text = path.read_text(encoding="utf-8", errors="backslashreplace")
+        yield f"{path.relative_to(PACKAGE).as_posix()}\n{text}"
 
 
 def _folder(study: str) -> str:
@@ -281,11 +220,13 @@ def _check(folder: Path, names: Iterable[str]) -> None:
     for name in names:
         for suffix in (".json", ".md", ".svg"):
             check_writable(folder / f"{name}{suffix}")
-    check_writable(folder / PAGE)
 
 
 def _options(name: str, without: Sequence[str]) -> dict[str, Any]:
     """Options of a study's rows; raises BadInput for a study that is not, or that has none."""
+    if name in GONE:
+        there = f"{', '.join(STUDIES)}; {name} is a study no more: there is {GONE[name]}"
+        raise BadInput("study", "NAME", name, there)
     if name not in STUDIES:
         raise BadInput("study", "NAME", name, nearest(name, [*STUDIES]))
     if not without:

@@ -21,24 +21,19 @@ _PITCH = 0.052  # inches from a dot to the next where several are level
 
 
 class Dot(NamedTuple):
-    """One run: its digits, whether it has fewer than the least expected, and what it says."""
+    """One run: its digits, and whether it has fewer than the least expected."""
 
     digits: float
     number: str
     behind: bool
-    text: str
 
 
-def dot(case: str, run: Mapping[str, Any]) -> Dot | None:
+def dot(run: Mapping[str, Any]) -> Dot | None:
     """The dot of a run in a study's JSON; None where the run has no digits."""
     if "correct_digits" not in run:
         return None
     digits, expected = run["correct_digits"], run.get("expected")
-    text = f"{case}, {run['number']}: {digits:.1f} digits"
-    if expected is None:
-        return Dot(digits, run["number"], False, text)
-    text += f", expected {expected[0]:.1f} to {expected[-1]:.1f}"
-    return Dot(digits, run["number"], digits < expected[0], text)
+    return Dot(digits, run["number"], expected is not None and digits < expected[0])
 
 
 def svg(groups: Mapping[str, Sequence[Dot]], label: str) -> str:
@@ -72,7 +67,7 @@ def _series(number: str, placed: Sequence[tuple[Dot, float]]) -> Iterator[Series
         (True, "", look._replace(rim="#000000", rim_width=0.9)),
     ):
         points = [
-            Point(one.digits, y, one.text)
+            Point(one.digits, y)
             for one, y in placed
             if (one.number, one.behind) == (number, ringed)
         ]

@@ -74,15 +74,15 @@ class Globe:
                     gid=f"{name}{end}" if name else None,
                 )
 
-    def surface(self, axes: Any, step: int = 30) -> None:
-        """The graticule, a line each ``step`` degrees, and the outline."""
+    def surface(self, axes: Any) -> None:
+        """The graticule, a line each 30 degrees, and the outline."""
         turn = np.radians(np.arange(0, 361, 5))
         half = np.radians(np.arange(-90, 91, 5))
-        for degrees in range(-90 + step, 90, step):
+        for degrees in range(-60, 90, 30):
             c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
             ring = np.array([c * np.cos(turn), c * np.sin(turn), np.full(len(turn), s)]).T
             self.curve(axes, ring * self.semi_axes, FRONT, BACK, lw=0.4, above=-1)
-        for degrees in range(0, 360, step):
+        for degrees in range(0, 360, 30):
             c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
             arc = np.array([c * np.cos(half), s * np.cos(half), np.sin(half)]).T
             self.curve(axes, arc * self.semi_axes, FRONT, BACK, lw=0.4, above=-1)

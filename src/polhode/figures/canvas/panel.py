@@ -34,16 +34,15 @@ class Axis:
 
 
 class Point(NamedTuple):
-    """A point of a series, and what its mark says; nan breaks the line."""
+    """A point of a series; nan breaks the line."""
 
     x: float
     y: float
-    text: str = ""
 
 
 @dataclass(frozen=True)
 class Series:
-    """Points that look alike, all of them with texts or none.
+    """Points that look alike.
 
     ``name``: in the legend; ``end``: beside its last point; ``tops``: where bars from it end.
     """
@@ -56,7 +55,7 @@ class Series:
 
 
 def line(x: Iterable[float], y: Iterable[float]) -> list[Point]:
-    """Points that say nothing."""
+    """Points from their coordinates."""
     return [Point(*both) for both in zip(x, y, strict=True)]
 
 
@@ -160,9 +159,8 @@ def svg(
         for axes in made.flat[len(panels) :]:
             axes.set_axis_off()
         pairs = [*zip(made.flat, panels, strict=False)]
-        texts: dict[str, Sequence[str]] = {}
-        for k, (axes, panel) in enumerate(pairs):
-            texts |= _draw(axes, panel, f"panel {k}")
+        for axes, panel in pairs:
+            _draw(axes, panel)
         if any(labels):
             figure.supxlabel(labels[0], size=9)
             figure.supylabel(labels[1], size=9)
@@ -171,20 +169,18 @@ def svg(
             figure.legend(*made[0, 0].get_legend_handles_labels(), **place, **LEGEND)
         for axes, panel in pairs:
             label_ends(axes, _ends(axes, panel))
-        return as_svg(figure, texts=texts)
+        return as_svg(figure)
 
 
-def _draw(axes: Axes, panel: Panel, name: str) -> dict[str, Sequence[str]]:
-    """The texts of its marks, by names that begin with this one."""
+def _draw(axes: Axes, panel: Panel) -> None:
     rows = panel.rows
     for low, high in panel.shaded if rows is None else rows.bands:
         axes.axhspan(low, high, color=SHADE, lw=0)
     for guide in panel.guides:
         draw = axes.axvline if guide.axis == "x" else axes.axhline
         draw(guide.at, color=guide.colour, lw=0.8, ls=guide.line)
-    texts: dict[str, Sequence[str]] = {}
-    for k, series in enumerate(panel.series):
-        texts |= _points(axes, series, panel, f"{name} series {k}")
+    for series in panel.series:
+        _points(axes, series, panel)
     for y, text in {} if rows is None else rows.headings.items():
         axes.text(0.02, y, text, transform=axes.get_yaxis_transform(), va="center", size=8)
     axes.set_xscale(panel.x.scale, **_SCALES[panel.x.scale])
@@ -208,17 +204,14 @@ def _draw(axes: Axes, panel: Panel, name: str) -> dict[str, Sequence[str]]:
     if panel.legend and any(series.name for series in panel.series):
         place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "ncols": panel.legend}
         axes.legend(**place, **LEGEND)
-    return texts
 
 
-def _points(axes: Axes, series: Series, panel: Panel, name: str) -> dict[str, Sequence[str]]:
-    """The texts of its marks by the name, if it has some."""
+def _points(axes: Axes, series: Series, panel: Panel) -> None:
     look = series.look
     points = [
         point if _is_on(point, panel) else Point(math.nan, math.nan) for point in series.points
     ]
     x, y = [point.x for point in points], [point.y for point in points]
-    texts = [point.text for point in points if point.text]
     axes.plot(
         x,
         y,
@@ -232,11 +225,9 @@ def _points(axes: Axes, series: Series, panel: Panel, name: str) -> dict[str, Se
         mew=look.rim_width,
         alpha=look.alpha,
         label=series.name or None,
-        gid=name if texts else None,
     )
     if series.tops:
         axes.vlines(x, y, series.tops, color=look.colour, lw=2, alpha=0.3)
-    return {name: texts} if texts else {}
 
 
 def _is_on(point: Point, panel: Panel) -> bool:

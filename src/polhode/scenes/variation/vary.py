@@ -112,7 +112,8 @@ def option(text: str, name: str, units: str = "") -> tuple[str, Sequence[Exact]]
     key, equals, listed = text.partition("=")
     if not equals:
         raise BadInput(name, "--vary", text, "KEY=FROM:TO:N or KEY=a,b,c")
-    return key.strip(), values(listed, key.strip(), name, units)
+    key = key.strip()
+    return key, numbers(listed, key, name, units, unit(key))
 
 
 def options(texts: Sequence[str], name: str, units: str = "") -> dict[str, Sequence[Exact]]:
@@ -126,21 +127,23 @@ def options(texts: Sequence[str], name: str, units: str = "") -> dict[str, Seque
     return varied
 
 
-def values(text: str, key: str, name: str, units: str) -> Sequence[Exact]:
-    """The numbers of ``FROM:TO:N`` (N of them, evenly spaced, ends included) or of ``a,b,c``."""
-    try:
-        if ":" not in text:
-            return [in_text(item, units, unit(key)) for item in text.split(",")]
-        ends = text.split(":")
-        if len(ends) != 3:
-            raise BadInput(name, key, text, "FROM:TO:N")
-        first, last = (in_text(x, units, unit(key)) for x in ends[:2])
-    except ExpressionError as fault:
-        raise BadInput(name, key, text, f"numbers ({fault})") from None
-    count = int(ends[2]) if re.fullmatch(r"\s*\d{1,9}\s*", ends[2]) else 0
-    if not 1 <= count <= MAX_MEMBERS:
-        raise BadInput(name, key, text, f"FROM:TO:N with N from 1 to {MAX_MEMBERS}")
-    return Spaced(first, last, count)
+def numbers(text: str, key: str, name: str, units: str, dimension: str) -> Sequence[Exact]:
+    """The numbers of ``a,b,c``, where each may be ``FROM:TO:N``: N evenly spaced, ends included.
+
+    ``dimension``: as in ``given_numbers.in_text``.  Raises BadInput.
+    """
+    parts = []
+    for item in text.split(","):
+        try:
+            first, *rest = item.split(":")
+            ends = [in_text(x, units, dimension) for x in (first, *rest[:1])]
+        except ExpressionError as fault:
+            raise BadInput(name, key, item, f"a number ({fault})") from None
+        count = int(rest[1]) if rest[1:] and re.fullmatch(r"\s*\d{1,9}\s*", rest[1]) else 0
+        if rest and not (len(rest) == 2 and 1 <= count <= MAX_MEMBERS):
+            raise BadInput(name, key, item, f"FROM:TO:N with N from 1 to {MAX_MEMBERS}")
+        parts.append(Spaced(ends[0], ends[1], count) if rest else ends)
+    return parts[0] if len(parts) == 1 else [x for part in parts for x in part]
 
 
 def grid(vary: Vary, name: str, units: str = "") -> Grid:
@@ -181,7 +184,7 @@ def _doubt(column: Sequence[Exact], name: str) -> None:
 
 def _column(key: str, given: object, name: str, units: str) -> Sequence[Exact]:
     if isinstance(given, str):
-        return values(given, key, name, units)
+        return numbers(given, key, name, units, unit(key))
     if isinstance(given, Spaced):
         return given
     listed, several = numbers_given(given)

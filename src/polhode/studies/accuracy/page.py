@@ -17,8 +17,8 @@ from polhode.studies.page.case_runs import (
     in_numbers,
     runs_of,
 )
-from polhode.studies.page.columns import Column, table
-from polhode.studies.page.words import formatted, median
+from polhode.studies.page.columns import CASE, END, Column, T, table, yes
+from polhode.studies.page.words import formatted, median, share
 
 TITLE = "Accuracy: correct digits by case and number type"
 
@@ -50,6 +50,54 @@ _COLUMNS = (
     OUTCOMES,
 )
 
+_PROVEN = (
+    CASE,
+    Column("closed form", "reference"),
+    END,
+    Column("proven digits", "digits", ".1f"),
+    Column(
+        "worst",
+        "ratio",
+        ".2g",
+        "the largest |closed form − midpoint| over the radius: 1 or less lies inside",
+    ),
+    Column("tries", "tries", "d", "proofs begun, with more bits each, until one gave the digits"),
+    Column("inside", yes("inside", "NO")),
+)
+_KINDS = ("value", "printout", "recomputed")
+_FIGURES = (
+    CASE,
+    Column("kind", "kind"),
+    T,
+    Column("quantity", "quantity", "code"),
+    Column("printed", "printed", ">"),
+    Column("ours", "ours", ">", "evaluated to 8 digits more than are printed, shown with 2 more"),
+    Column("difference", "difference", ">"),
+    Column("units", "last_units", ".2g", "the difference in units of the last digit printed"),
+    Column(
+        "digits right",
+        lambda row: f"{row['digits_right']:.1f} of {row['digits_shown']}",
+        *(">", "-log10 of the relative difference, and how many digits are printed"),
+    ),
+    Column("verdict", lambda row: _verdict(row)),
+    Column("source", "cite"),
+)
+_LABELS = (
+    CASE,
+    Column("source", "cite"),
+    T,
+    Column("shift", "shift", "+.4g", "the figures agree at the time t and this shift"),
+    Column("largest difference", "before", ".1e", "at the time that the source gives"),
+    Column("shifted", "after", ".1e", "the same at the shifted time"),
+)
+
+
+def _verdict(row: JsonObject) -> str:
+    """What is said of a figure; of a printout, how far it agrees."""
+    if row["stands"] or row["kind"] != "printout":
+        return str(row["verdict"])
+    return f"agrees to {row['digits_right']:.1f} digits"
+
 
 def blocks(found: JsonObject) -> Iterator[Block]:
     """The study's page from its JSON object."""
@@ -59,8 +107,7 @@ def blocks(found: JsonObject) -> Iterator[Block]:
         "the type holds (double 15.95, extended 19.27, quad 34.02; mp is asked for 50). A run is "
         "judged against the exact scene, so rounding its inputs is part of its error. Where a run "
         "is put back on its integrals, drift says nothing about its error, and the sum of all "
-        "corrections stands beside it. Figures printed elsewhere are in "
-        "[published](published.md), hard cases in [stability](stability.md)."
+        "corrections stands beside it. Hard cases are in [stability](stability.md)."
     )
     yield Text(
         "*Expected*: the band in which nine in ten runs in double would end that round the state "
@@ -85,27 +132,50 @@ def blocks(found: JsonObject) -> Iterator[Block]:
     for kind, title in REFERENCES.items():
         cases = [by_number(case) for case in found["cases"] if case["reference"] == kind]
         if cases:
-            closed = "" if kind not in ("certified", "two-precisions") else " (no closed form)"
+            closed = " (no closed form)" if kind == "certified" else ""
             yield Heading(f"Against {title}{closed}")
             yield table(cases, _COLUMNS, "polhode study accuracy --only {0}")
     yield from _weakest(found["cases"])
-    yield from _motions(found.get("motions", []))
+    yield from _proven(found["proven"])
+    yield from _printed(found)
 
 
-def _motions(motions: list[JsonObject]) -> Iterator[Block]:
-    """Three notable motions: what is seen of each."""
-    if not motions:
+def _proven(rows: list[JsonObject]) -> Iterator[Block]:
+    """Closed forms in their enclosures."""
+    if not rows:
         return
-    yield Heading("Three motions by their closed forms")
-    yield Figure(
-        "motions", "Paths in space of a point of the body, Z upwards; each starts at the dot"
+    yield Heading("Every closed form in its proven enclosure")
+    yield Text(
+        "An enclosure gives a ball for each number, a midpoint and a radius. It is proven to "
+        "contain the exact motion of the exact scene, whatever heyoka computed (see "
+        "`polhode.certify`). Each closed form is followed through three times up to 60 steps of a "
+        f"proof, and 16 digits are asked for. {share(row['inside'] for row in rows)} closed forms "
+        "lie in their enclosures."
     )
-    yield Items(
-        tuple(
-            f"{row['name']} (`{row['case']}` to t = {row['end']}): {row['seen']}."
-            for row in motions
-        )
+    yield table(rows, _PROVEN, "polhode study accuracy --only proven --only {0}")
+
+
+def _printed(found: JsonObject) -> Iterator[Block]:
+    """Figures printed elsewhere, and those recomputed for the library."""
+    rows, again = found["printed"], "polhode study accuracy --only printed --only {0}"
+    if not rows:
+        return
+    kinds = {kind: [r for r in rows if r["kind"] == kind] for kind in _KINDS}
+    right = {kind: share(row["stands"] for row in members) for kind, members in kinds.items()}
+    yield Heading("Figures that others printed")
+    yield Text(
+        f"*Value*: somebody stands for it; {right['value']} are right to their last digit, rounded "
+        f"or cut off there. *Printout*: the output of one run of a program, with all digits that "
+        "its numbers happen to have; nobody claimed that all are right, and the difference is the "
+        f"error of that run ({right['printout']} are right to the last digit). *Recomputed*: a "
+        "figure of a published scene that was recomputed for this library, so that others can "
+        f"check their own; {right['recomputed']} are reproduced. polhode's figures are those of a "
+        "closed form or a proven enclosure."
     )
+    yield table([row for members in kinds.values() for row in members], _FIGURES, again)
+    if found["time_labels"]:
+        yield Text("One shift of the time explains all figures of a source at once:")
+        yield table(found["time_labels"], _LABELS, again)
 
 
 def _two_methods(cases: list[JsonObject]) -> Iterator[Block]:

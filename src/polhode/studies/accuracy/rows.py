@@ -1,4 +1,7 @@
-"""Study ``accuracy``: every case in every number type, correct digits against its reference."""
+"""Study ``accuracy``: correct digits of every case in every number type, and of what others print.
+
+The closed forms that cases are judged by are held against proven enclosures.
+"""
 
 from __future__ import annotations
 
@@ -19,13 +22,15 @@ from polhode.numbers import conversion, decimals, number_types
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
-from polhode.studies.accuracy.motions import paths
+from polhode.studies.accuracy.printed import printed_figures
+from polhode.studies.accuracy.proven import provable, proven_case
 from polhode.studies.row_filter import Only
 
 NAME = "accuracy"
 QUESTION = (
     "How many digits of each case's trajectory are correct in each number type, how far do the "
-    "integrals drift, and what does rounding the inputs alone cost?"
+    "integrals drift, and what does rounding the inputs alone cost? Does every closed form lie in "
+    "its proven enclosure, and how many digits of figures that others printed are right?"
 )
 QUICK_CASES = (
     *("euler/largest-axis", "euler/separatrix", "euler/sphere", "euler/turned-axes"),
@@ -44,16 +49,32 @@ def rows(
 ) -> dict[str, Any]:
     """The study's results as a JSON object; no figure in it depends on the clock."""
     wanted = only or Only()
-    names = QUICK_CASES if quick else library.names()
-    scenes = [library.load(name) for name in names if wanted(name)]
+    every = [library.load(name) for name in (QUICK_CASES if quick else library.names())]
+    workers = 1 if quick else cores()
 
     def begun(scene: Scene) -> None:
         if tick is not None:
             tick(f"{NAME}: {scene.name}")
 
-    cases = case_rows(scenes, 1 if quick else cores(), begun)
-    found = {"study": NAME, "question": QUESTION, "quick": quick, "cases": cases}
-    return found if wanted else found | {"motions": paths()}
+    cases = case_rows([scene for scene in every if wanted(scene.name)], workers, begun)
+    asked = [scene for scene in every if wanted(scene.name, "proven")]
+    alone = [scene for scene in map(provable, asked) if scene is not None]
+    printed, labels = [], []
+    for scene in every:
+        if scene.published and wanted(scene.name, "printed"):
+            begun(scene)
+            figures, moved = printed_figures(scene)
+            printed += figures
+            labels += moved
+    return {
+        "study": NAME,
+        "question": QUESTION,
+        "quick": quick,
+        "cases": cases,
+        "proven": [*in_order(proven_case, alone, workers, begun)],
+        "printed": printed,
+        "time_labels": labels,
+    }
 
 
 def case_rows(

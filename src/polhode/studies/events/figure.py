@@ -34,14 +34,7 @@ def _errors(motions: Sequence[JsonObject]) -> Panel:
         steps = panel.line(_twice([FLOOR, *sizes])[1:], _twice([0.0, *share])[:-1])
         series.append(Series(steps, Look(colour, "", width=1.2)))
         places = [len(sizes) * k // 8 for k in range(1, 8)] if sizes else []
-        points = [
-            Point(
-                sizes[k],
-                share[k],
-                f"{name}: {share[k]:.0f} % of {len(sizes)} events within {sizes[k]:.2g} ulp",
-            )
-            for k in places
-        ]
+        points = [Point(sizes[k], share[k]) for k in places]
         series.append(Series(points, Look(colour, MARKS[name], ""), name))
     x = Axis("error of the time, in units of its last place", "log", FLOOR)
     return Panel(series, x, Axis("events with no larger error, %", low=0, high=100), legend=4)
@@ -53,13 +46,7 @@ def _cost(rows: Sequence[JsonObject]) -> Panel:
     for k, row in enumerate(rows):
         times, aside = row["microseconds_a_step"], 0.07 * (k - (len(rows) - 1) / 2)
         points = [
-            Point(
-                n + aside,
-                time / times[0],
-                f"{row['number']}, {n} events watched: {time:.4g} µs a step, "
-                f"{time / times[0]:.2f} times as long as without",
-            )
-            for n, time in zip(row["events"], times, strict=True)
+            Point(n + aside, time / times[0]) for n, time in zip(row["events"], times, strict=True)
         ]
         series.append(Series(points, Look(COLOURS[row["number"]], MARKS[row["number"]], "")))
     x = Axis("events watched", ticks={n: str(n) for n in (0, 1, 3)})

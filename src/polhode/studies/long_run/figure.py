@@ -8,7 +8,7 @@ from dataclasses import replace
 from polhode.figures.canvas import panel
 from polhode.figures.canvas.canvas import SERIES, TIME
 from polhode.figures.canvas.direct_labels import GUIDE, LOOKS, Look
-from polhode.figures.canvas.panel import Axis, Panel, Point, Series
+from polhode.figures.canvas.panel import Axis, Panel, Series
 from polhode.output.json_object import JsonObject
 
 _MARKS = {"euler": "o", "lagrange": "s", "kovalevskaya": "D"}
@@ -40,12 +40,7 @@ def _growth(tops: Sequence[JsonObject], name: str) -> Iterator[Series]:
                 put_back = "projected" if "projected" in method["method"] else "not projected"
                 row, end = method[name], f"{top['top']}, {put_back}"
                 look = _look(top, method["method"])
-                points = [
-                    Point(t, mid, f"{end}, t = {t:g}: {name} {mid:.2g}, at worst {most:.2g}")
-                    for t, mid, most in zip(
-                        top["times"], row["median"], row["largest"], strict=True
-                    )
-                ]
+                points = panel.line(top["times"], row["median"])
                 yield Series(points, look, end=end, tops=row["largest"])
     times, (slope, label) = tops[0]["times"], _SLOPES[name]
     since = next(k for k, t in enumerate(times) if t >= tops[0]["fitted_since"])
@@ -63,11 +58,7 @@ def _inputs(tops: Sequence[JsonObject]) -> Iterator[Series]:
                 middle, last = method["inputs"]["median"], top["times"][-1]
                 times = top["times"][: len(middle)]
                 look = Look(GUIDE, _MARKS[top["top"]], "--", 0.8, size=2.5)
-                points = [
-                    Point(t, error, f"{top['top']}, rounded inputs, t = {t:g}: error {error:.2g}")
-                    for t, error in zip(times, middle, strict=True)
-                ]
-                yield Series(points, look)
+                yield Series(panel.line(times, middle), look)
                 ends = middle[-1], middle[-1] * last / times[-1]
                 grown.append(Series(panel.line((times[-1], last), ends), _DOTTED))
     grown.sort(key=lambda series: series.points[-1].y)  # side by side: one name is enough
@@ -82,15 +73,8 @@ def _walks(tops: Sequence[JsonObject]) -> Iterator[Series]:
         for row in top["methods"][0]["integrals"]:
             if row["integral"] == "h":
                 look = _look(top, "double")._replace(width=0.8)
-                name, mean = top["top"], row["mean"]
-                points = [
-                    Point(
-                        t, size, f"{name}, t = {t:g}: deviation of h {size:.2g}, mean {middle:.2g}"
-                    )
-                    for t, size, middle in zip(top["times"], row["deviation"], mean, strict=True)
-                ]
-                yield Series(points, look, end=name)
-                sizes = [p._replace(y=abs(x)) for p, x in zip(points, mean, strict=True)]
+                yield Series(panel.line(top["times"], row["deviation"]), look, end=top["top"])
+                sizes = panel.line(top["times"], map(abs, row["mean"]))
                 yield Series(sizes, look.marks._replace(size=5, inside="none"))
                 lowest.append(row["deviation"][-1])
     if lowest:

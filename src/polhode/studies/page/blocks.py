@@ -6,13 +6,6 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 
-class Number(NamedTuple):
-    """A number of a study's rows for the first screen of all, and what of, with its conditions."""
-
-    value: str
-    words: str
-
-
 class Heading(NamedTuple):
     """A section's title."""
 

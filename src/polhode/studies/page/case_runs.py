@@ -27,7 +27,6 @@ REFERENCES = {
     "goryachev-chaplygin": "the closed form of Goryachev and Chaplygin's case",
     "hess": "the closed form of Hess and Appelrot's case",
     "certified": "a proven enclosure",
-    "two-precisions": "two integrations at different precision",
 }
 
 

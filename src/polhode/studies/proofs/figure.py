@@ -57,15 +57,7 @@ def _top(top: JsonObject) -> Panel:
     ]
     kinds.append(("not proved", Look("#555555", "x", ""), [r for r in orbits if not r["proved"]]))
     series = [
-        Series([_point(top["what"], row) for row in rows], look, name) for name, look, rows in kinds
+        Series([Point(row["period"], row["residue"]) for row in rows], look, name)
+        for name, look, rows in kinds
     ]
     return Panel(series, y=Axis(scale="symlog"), title=top["what"], shaded=[(0, 1)])
-
-
-def _point(what: str, row: JsonObject) -> Point:
-    text = f"{what}: period {row['period']:.6g}, residue {row['residue']:.4g}"
-    if row["proved"]:
-        text += f", {row['kind']}, proved to {int(row['digits'])} digits"
-    else:
-        text += f", not proved: {row['cause']}"
-    return Point(row["period"], row["residue"], text)

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 
 from polhode.output.json_object import JsonObject
-from polhode.studies.page.blocks import Block, Figure, Heading, Number, Text
+from polhode.studies.page.blocks import Block, Figure, Heading, Text
 from polhode.studies.page.columns import Column, table, yes
 from polhode.studies.page.words import DASH, between, counted, median, share
 
@@ -127,20 +127,6 @@ def blocks(found: JsonObject) -> Iterator[Block]:
                     "their own.",
                 )
         yield table(found["chaos"], _CHAOS, _AGAIN)
-
-
-def headline(found: JsonObject) -> Number | None:
-    """How many periodic orbits were proved, and in what time."""
-    orbits = [row for one in found["orbits"] for row in one["orbits"]]
-    proved = [row["seconds"] for row in orbits if row["proved"]]
-    if not proved:
-        return None
-    words = (
-        f"periodic orbits that a search found of {len(found['orbits'])} tops are proved to exist, "
-        f"in {median(proved, '.2g')} s each (median); for each of the others the proof says why it "
-        "is refused"
-    )
-    return Number(f"{len(proved)} of {len(orbits)}", words)
 
 
 def finding(found: JsonObject) -> str:

@@ -53,10 +53,7 @@ def _programs(cells: Sequence[Told], digits: float) -> Iterator[Series]:
         points = []
         for end in sorted({cell["end"] for cell in cells}):
             if ratios := _ratios(cells, end, digits, name):
-                middle = statistics.median(ratios)
-                text = f"{name} to {digits:g} digits at t = {end}: {middle:.3g} times as long as "
-                text += f"{OURS}, median (kinds of motion: {len(ratios)})"
-                points.append(Point(end, middle, text))
+                points.append(Point(end, statistics.median(ratios)))
         if points:
             yield Series(points, LOOKS[name], end=name)
 
@@ -118,16 +115,7 @@ def _title(motion: Told) -> str:
 def _curves(curves: Told) -> Iterator[Series]:
     """Curves with their names."""
     for name, points in curves.items():
-        marks = [
-            Point(
-                p["seconds_min"],
-                10.0 ** -p["digits"],
-                f"{name}, tolerance {p['tol']:.2g}: {p['digits']:.1f} digits in "
-                f"{p['seconds_min']:.3g} s",
-            )
-            for p in points
-            if p.get("digits")
-        ]
+        marks = [Point(p["seconds_min"], 10.0 ** -p["digits"]) for p in points if p.get("digits")]
         if marks:
             look, end = LOOKS[name]._replace(size=3.5), name.removeprefix("polhode ")
             yield Series(marks, look, end=end)

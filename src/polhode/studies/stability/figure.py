@@ -16,7 +16,7 @@ def svg(found: dict[str, Any]) -> str:
             dot
             for name in kind["cases"]
             for run in runs.get(name, ())
-            if (dot := dot_strips.dot(name, run)) is not None
+            if (dot := dot_strips.dot(run)) is not None
         ]
         for kind in found["kinds"]
     }

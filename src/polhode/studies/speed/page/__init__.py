@@ -12,9 +12,6 @@ from polhode.studies.speed.page import contest, contest_tables
 
 TITLE = "Speed: what a correct digit costs"
 
-#: What the page says of the comparison with other programs, in sentences of three lengths.
-finding, brief, headline = contest.finding, contest.brief, contest.headline
-
 _MOTION = Column("motion", "motion")
 _BEST = (
     _MOTION,

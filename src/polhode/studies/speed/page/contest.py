@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import TypeAlias
 
 from polhode.output.json_object import JsonObject
-from polhode.studies.page.blocks import Number
 from polhode.studies.page.words import between, median
 from polhode.studies.page.words import counted as in_words
 from polhode.studies.speed.programs import ENGINE, OURS, RUN
@@ -55,24 +54,6 @@ def points(found: Told) -> list[str]:
     told += [_engine(cells), _trajectories(cells), _compensated(cells)]
     told += [_first(found["first"]), _absent(found)]
     return [text for text in told if text]
-
-
-def brief(found: Told) -> str:
-    """The same in a sentence."""
-    return _ahead_of_all(_far_and_near(found["cells"]))
-
-
-def headline(found: Told) -> Number | None:
-    """How often a propagator is ahead, in long runs and in short ones."""
-    far, near = (_ahead(found["cells"], wanted) for wanted in (_far, _near))
-    if not far[1]:
-        return None
-    words = (
-        "cells of the speed study from t = 100 on, to 6, 9 and 12 digits, of those in which a "
-        "polhode propagator and another program reach the digits, in which it is ahead of every "
-        f"other program, heyoka itself apart; at t = 1 and 10: {near[0]} of {near[1]}"
-    )
-    return Number(f"{far[0]} of {far[1]}", words)
 
 
 def short(found: Told) -> str:

@@ -1,1 +1,0 @@
-"""Study ``certified``: what is proven, how far, and at what price."""

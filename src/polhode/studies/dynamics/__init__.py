@@ -1,1 +1,0 @@
-"""Levels, sections and a chaos map of six bodies, and what a section costs elsewhere."""

@@ -1,1 +1,0 @@
-"""What each form of the equations costs."""

@@ -1,1 +1,0 @@
-"""The study gallery: motions worth knowing, each with its picture."""

@@ -1,1 +1,0 @@
-"""What a need costs: the command for it, the digits it gives, its seconds."""
