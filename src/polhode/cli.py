@@ -16,9 +16,8 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import NoReturn
 
-from polhode.common import notices
 from polhode.common.arguments import called_here
-from polhode.common.errors import BadInput, StdoutFault, listed, nearest
+from polhode.common.errors import BadInput, StdoutFault, in_verb, listed, nearest
 from polhode.common.files import write_stdout
 from polhode.common.interrupts import INTERRUPTED, heard
 from polhode.common.provenance import __version__
@@ -139,7 +138,7 @@ def _main(arguments: Sequence[str] | None) -> int:
             options, rest = _parser(given).parse_known_args(_joined(given))
             if rest:
                 options.parser.refuse(rest, given)
-            with notices.of_verb():
+            with in_verb():
                 code: int = options.main(options)
             return code
         except BadInput as fault:

@@ -13,10 +13,9 @@ from dataclasses import InitVar, dataclass, field
 from fractions import Fraction
 from typing import NamedTuple
 
-from polhode.common import notices
 from polhode.common.arguments import each, of_kind
 from polhode.common.cached_property import cached_property
-from polhode.common.errors import BadInput, nearest
+from polhode.common.errors import BadInput, nearest, say_change, say_doubt
 from polhode.common.provenance import provenance
 from polhode.common.text_tables import counted, one_line
 from polhode.common.value_semantics import may_wait
@@ -274,9 +273,9 @@ class Scene:
     def speak(self) -> None:
         """Say its notes on stderr: a change once in a process, a doubt as a warning."""
         for text in self.changes:
-            notices.change(self.name, text)
+            say_change(self.name, text)
         if self.doubt:
-            notices.doubt(self.name, self.doubt)
+            say_doubt(self.name, self.doubt)
 
     @property
     def output_times(self) -> OutputTimes[Exact]:
