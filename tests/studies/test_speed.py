@@ -24,7 +24,6 @@ from polhode.peers import field
 from polhode.scenes import library
 from polhode.studies import peer_processes
 from polhode.studies.accuracy.printed import printed_figures
-from polhode.studies.page.blocks import markdown
 from polhode.studies.peer_processes import Method, Task
 from polhode.studies.speed import contenders, page, refined
 from polhode.studies.speed import rows as speed
@@ -249,7 +248,7 @@ def test_refined_runs_stand_beside_heyokas_own_steps():
     assert 32 < row["taylor"]["digits"] < 34.5
     assert abs(row["agreement"] - row["taylor"]["digits"]) < 1
     assert row["estimate"] > 10 ** -row["refined"]["digits"]
-    rows = [row, {**row, "gain": 20.0}]
-    text = markdown("Speed", page._refined(rows))
-    assert f"0.050 to {1 / row['gain']:.3f} of the time" in text
-    assert list(page._refined([])) == []
+    empty = {"cells": [], "first": [], "motions": [], "without": [], "once_above": 0.1}
+    told = page.facts(empty | {"refined": [row, {**row, "gain": 20.0}]})
+    assert told["refined_time"] == f"0.050 to {1 / row['gain']:.3f}"
+    assert page.facts(empty)["refined_time"] == "–"
