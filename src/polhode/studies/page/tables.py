@@ -40,11 +40,10 @@ class PageTable(NamedTuple):
         for header, meaning in zip(self.header, self.meanings, strict=False):
             headers.setdefault(meaning, []).append(header)
         told = [f"*{', '.join(names)}*: {meaning}" for meaning, names in headers.items() if meaning]
-        if told:
-            lines += ["", f"Columns: {'; '.join(told)}."]
+        lines += ["", f"Columns: {'; '.join(told)}."] if told else [""]
         if self.again:
-            lines += ["", f"To make rows again, here the first: `{self.command(self.rows[0])}`"]
-        return "\n".join(lines)
+            lines.append(f"To make rows again, here the first: `{self.command(self.rows[0])}`.")
+        return "\n".join(lines).rstrip()
 
 
 def _line(cells: Iterable[str]) -> str:
@@ -121,10 +120,7 @@ def yes(key: str, no: str = "no") -> Value:
 CASE = Column("case", "case", "", "a scene of the library, which `polhode show CASE` prints")
 NUMBER = Column("number", "number", "", "the number type of the run")
 REGIME = Column("regime", "regime", "", "the kind of motion")
-OUTCOME = Column("outcome", "outcome")
 T = Column("t", "t", "g")
 END = Column("to t", "end", "g", "the last time of the run")
 STEPS = Column("steps", "steps", "d")
 DIGITS = Column("digits", "digits", ".1f", "-log10 of the largest relative error")
-F = Column("f", "f", ".4g", "the area integral, the vertical component of the angular momentum")
-H = Column("h", "h", ".4g", "the energy")
