@@ -77,7 +77,7 @@ DIGITS = {"correct_digits", "digits_bound", "inputs", "digits", "digits_right", 
 SAME = {
     *("outcome", "regime", "reference", "verdict", "printed", "ours", "lost", "stands", "changed"),
     *("true", "found", "grazing", "complete", "touches", "cusps", "as_expected", "exit_code"),
-    *("rests", "sha256", "target", "within"),
+    *("rests", "sha256", "target", "within", "inside", "kind"),
 }
 IDS = ("case", "number", "zero", "quantity", "t", "cite", "shift", "limit", "end", "reference")
 UNCOMPARED = {"provenance", "kinds", "cost", "samples", "lines"}
