@@ -233,7 +233,7 @@ def test_a_study_that_went_names_what_there_is_instead(name, tmp_path, monkeypat
     for more in ([], ["--only", "x"], ["--quick"]):
         assert main(["study", name, *more, "-o", "out"]) == 2
         (line,) = capsys.readouterr().err.splitlines()
-        assert line.endswith(f"; {name} is a study no more: there is {report.GONE[name]}")
+        assert line.endswith(f"; {name} is a study no more, see {report.GONE[name]}")
     assert not [*tmp_path.iterdir()]
 
 

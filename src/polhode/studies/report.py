@@ -201,7 +201,7 @@ def _check(folder: Path, names: Iterable[str]) -> None:
 def _options(name: str, without: Sequence[str]) -> dict[str, Any]:
     """Options of a study's rows; raises BadInput for a study that is not, or that has none."""
     if name in GONE:
-        there = f"{', '.join(STUDIES)}; {name} is a study no more: there is {GONE[name]}"
+        there = f"{', '.join(STUDIES)}; {name} is a study no more, see {GONE[name]}"
         raise BadInput("study", "NAME", name, there)
     if name not in STUDIES:
         raise BadInput("study", "NAME", name, nearest(name, [*STUDIES]))
