@@ -76,7 +76,6 @@ def results() -> dict[str, object]:
         "many": polhode.integrate_many("euler/sphere", {"start.omega[1]": "0:1:3"}, at=[0, 1]),
         "judged": polhode.compare(run),
         "reference": polhode.reference(scene),
-        "twice": polhode.TwoPrecisions(chaotic),
         "certified": polhode.Certified(chaotic),
         "enclosure": polhode.certify("euler/sphere", at=[1], digits=15),
         "zeros": polhode.certify_events(scene, end=2)[0],
@@ -93,7 +92,7 @@ def made() -> tuple[dict[str, object], dict[str, object]]:
 
 
 KINDS = [
-    *("scene", "body", "run", "quad", "mp", "many", "judged", "reference", "twice", "kappa"),
+    *("scene", "body", "run", "quad", "mp", "many", "judged", "reference", "kappa"),
     *("exponent", "events", "drift", "certified", "enclosure", "zeros"),
 ]
 

@@ -70,7 +70,7 @@ def test_a_room_with_an_underscore_is_its_package_s_own():
     """Nobody else imports it; and of the other inner rooms somebody else does."""
     source = TOP / "src/polhode"
     users: dict[str, set[str]] = {}
-    for path in source.rglob("*.py"):
+    for path in [source / "__init__.pyi", *source.rglob("*.py")]:
         floor = path.relative_to(source).parts[0]
         for package, room in set(re.findall(r"polhode\.(\w+)\.(\w+)\.\w", path.read_text())):
             users.setdefault(f"{package}/{room}", set()).add(floor)
@@ -285,7 +285,8 @@ def test_types_tell_a_user_what_is_wrong(tmp_path):
     """``mypy --strict`` of a script: nothing in the right one, each fault in the wrong one."""
     mypy = [Path(sys.executable).parent / "mypy", "--strict", "--config-file", ""]
     right = tmp_path / "right.py"
-    right.write_text(USED + "".join(f"reveal_type({text})\n" for text in REVEALED))
+    every = "".join(f"polhode.{name}\n" for name in polhode.__all__)
+    right.write_text(USED + every + "".join(f"reveal_type({text})\n" for text in REVEALED))
     wrong = tmp_path / "wrong.py"
     wrong.write_text(USED + "\n".join(WRONG) + "\n")
     options = ["--ignore-missing-imports", "--follow-imports", "silent", right, wrong]

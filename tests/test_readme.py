@@ -14,7 +14,9 @@ from typing import Any, NamedTuple
 
 import pytest
 
+from polhode import conditioning
 from polhode.output import guide
+from polhode.scenes import library
 
 TOP = Path(__file__).parents[1]
 README = (TOP / "README.md").read_text(encoding="utf-8")
@@ -205,6 +207,16 @@ def test_who_is_ahead_is_counted_from_the_rows() -> None:
     assert lost
     least, name = min(lost)
     assert f"({name} {least:.2f})" in text
+
+
+def test_what_the_example_multiplies_errors_by(folder: Path) -> None:
+    """In README and guide, as the scene's conditioning has it."""
+    (path,) = folder.glob("*.toml")
+    scene = library.load(str(path))
+    (*_, power) = conditioning(scene).log10_amplification
+    expected = f"{10**power:.1e}".replace("e+0", "e")
+    for text in (README, guide.page("judging")):
+        assert re.findall(r"multiplies errors by (\S+?);? ", text) == [expected]
 
 
 def test_what_was_withdrawn_is_said_in_the_changelog() -> None:

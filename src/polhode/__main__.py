@@ -1,5 +1,17 @@
-"""``python -m polhode``."""
+"""``polhode``, and ``python -m polhode``."""
 
-from polhode.cli import command
+from typing import NoReturn
 
-command()
+from polhode.common.signals import hear
+
+
+def command() -> NoReturn:
+    """The command line, whose signals are heard before the rest is imported."""
+    hear()
+    from polhode import cli
+
+    cli.command()
+
+
+if __name__ == "__main__":
+    command()

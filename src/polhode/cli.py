@@ -16,12 +16,13 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import NoReturn
 
+from polhode.common import notices
 from polhode.common.errors import BadInput, StdoutFault, nearest
 from polhode.common.files import write_stdout
-from polhode.common.interrupts import heard
 from polhode.common.provenance import __version__
+from polhode.common.signals import INTERRUPTED, heard
 from polhode.verbs import terminal
-from polhode.verbs.terminal import BAD_INPUT, DONE, INTERRUPTED
+from polhode.verbs.terminal import BAD_INPUT, DONE
 
 VERBS = (
     *("list", "show", "new", "run", "reference", "check", "compare", "sweep", "plot", "view"),
@@ -34,7 +35,10 @@ VERBS = (
 _BEFORE = "the verb and its options before it: what follows -- is read as a name"
 
 #: Options whose numbers may be negative, and written in any way.
-_MAY_BE_NEGATIVE = ("--at", "--tol", "--f", "--h", "--end", "--period", "--tilt", "--spin")
+_MAY_BE_NEGATIVE = (
+    *("--at", "--end", "--every", "--tol", "--f", "--h"),
+    *("--period", "--tilt", "--spin"),
+)
 
 WELCOME = f"""\
 polhode {__version__}: how a heavy rigid body moves about a fixed point, to how many correct digits.
@@ -108,7 +112,8 @@ def _main(arguments: Sequence[str] | None) -> int:
             options, rest = _parser(given).parse_known_args(_joined(given))
             if rest:
                 options.parser.refuse(rest, given)
-            code: int = options.main(options)
+            with notices.of_verb():
+                code: int = options.main(options)
             return code
         except BadInput as fault:
             if heard.came and isinstance(fault.__context__, ImportError):

@@ -94,6 +94,7 @@ def assert_digits(
     """
     __tracebackhide__ = True  # pytest shows the user's line, not this function's
     of_kind("assert_digits", "at_least", at_least, (int, float), "a number of digits")
+    at_least = float(at_least) if isinstance(at_least, float) else to_double(at_least)
     if math.isnan(at_least):
         raise BadInput("assert_digits", "at_least", at_least, "a number of digits")
     scene = library.load(scene)

@@ -160,7 +160,7 @@ def test_another_body_or_level_is_not_proved(key, small):
         ({"alone": ["0", "0", "1e-4"]}, "no other orbit is so near"),
         ({"alone": ["0", "0", "-1e-40"]}, "no negative"),
         ({"least": 1}, "true or false"),
-        ({"kind": "stable"}, "expected the kind"),
+        ({"kind": "stable"}, "kind: expected hyperbolic"),
         ({"start": []}, "a list of 6"),
     ],
 )

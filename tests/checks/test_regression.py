@@ -205,16 +205,44 @@ def test_a_printed_figure_stands_if_rounded_or_cut_off_from_ours():
     assert figure("3.32561218023830882530588").ours == "3.3256121802383088253058840"
 
 
-def test_right_counts_digits_from_below_and_from_above():
-    assert figure("3.3256121999", right=8).passed
-    assert not figure("3.3256121999", right=9).passed
-    assert not figure("3.3256121999", right=7).passed
-    assert figure("3.3256121999", right=8).verdict == "8 of 11 digits right"
-    assert "differs by" in figure("3.4").verdict
+@pytest.mark.parametrize(
+    ("value", "right", "passed", "verdict"),
+    [
+        ("3.3256121999", 7, True, "8 of 11 digits right"),
+        ("3.3256121999", 8, True, "8 of 11 digits right"),
+        ("3.3256121999", 9, False, "8 of 11 digits right, where 9 are expected: differs by 2.0e"),
+        ("3.3256121999", None, False, "8 of 11 digits right, where all are expected: differs by 2"),
+        ("3.32561218023", 5, True, "all 12 digits right"),  # cut off: 3.325612180238...
+        ("3.32561218023", 13, False, "all 12 digits right, where 13 are expected"),
+        ("3.4", 0, True, "1 of 2 digits right"),
+        ("3.4", 2, False, "1 of 2 digits right, where 2 are expected: differs by 0.074"),
+        ("-3.4", 0, True, "0 of 2 digits right"),
+    ],
+)
+def test_right_is_the_fewest_digits_that_are_right(value, right, passed, verdict):
+    found = figure(value, right)
+    assert found.passed == passed
+    assert found.verdict.startswith(verdict)
+
+
+def test_a_figure_of_what_is_0_has_all_its_digits_right_or_none():
+    assert figure("0", 1, "p - p").verdict == "all 1 digits right"
+    assert figure("0.0000", 1, "p - p").passed
+    assert figure("1e-30", 1, "p - p").verdict.startswith("0 of 1 digits right")
+
+
+@pytest.mark.parametrize("name", ["nasa-brick", "detest-b5", "bruels-cardona-arnold"])
+def test_the_library_says_how_many_digits_of_its_figures_are_right(name):
+    """No fewer than are: ``right`` is the fewest that pass, so a case may say too few."""
+    scene = polhode.load(f"published/{name}")
+    shown = published_figures.figures(scene, polhode.reference(scene))
+    told = [x for x in shown if x.published.right is not None]
+    assert told
+    assert [x.right for x in told] == [x.published.right for x in told]
 
 
 def test_quantities_are_expressions_in_the_columns():
-    assert figure("11.059769", quantity="p*p").verdict.startswith(("all", "differs"))
+    assert figure("11.059696", quantity="p*p").verdict == "all 8 digits right"
     ours = float(figure("1", quantity="sqrt(p**2 + q**2 + r**2)").ours)
     row = polhode.reference("published/orekit").at([20], 20)[0]
     assert abs(ours - float(sum(x * x for x in row[:3]) ** 0.5)) < 0.05

@@ -3,15 +3,31 @@
 from __future__ import annotations
 
 import ast
+from functools import cache
 from pathlib import Path
 
+import grimp
 import pytest
 
 import polhode
 from polhode.enclosures.statement import BESIDE, TRUSTED, trusted_lines
-from polhode.studies.source_closure import imported
 
 TOP = Path(polhode.__file__).parent
+
+
+@cache
+def graph() -> grimp.ImportGraph:
+    return grimp.build_graph("polhode", exclude_type_checking_imports=True, cache_dir=None)
+
+
+def imported(name: str) -> set[str]:
+    """The files that a file imports, by their places in the package, as it is named itself."""
+    module = f"polhode.{name.replace('/', '.')}".removesuffix(".__init__")
+    found = {
+        x.removeprefix("polhode.").replace(".", "/")
+        for x in graph().find_modules_directly_imported_by(module)
+    }
+    return {f"{x}/__init__" if (TOP / x).is_dir() else x for x in found}
 
 
 def is_beside(name: str) -> bool:
@@ -21,6 +37,11 @@ def is_beside(name: str) -> bool:
 @pytest.mark.parametrize("name", TRUSTED)
 def test_a_trusted_file_imports_what_is_trusted_or_said_to_be_beside(name):
     assert {x for x in imported(name) - {*TRUSTED} if not is_beside(x)} == set()
+
+
+def test_columns_that_are_imported_by_their_words_are_trusted():
+    files = {p.stem for p in (TOP / "equations" / "columns").glob("*.py")}
+    assert {f"equations/columns/{name}" for name in files - {"__init__"}} <= {*TRUSTED}
 
 
 def test_what_is_beside_is_imported_by_a_trusted_file_and_is_not_trusted():

@@ -11,6 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import polhode
@@ -19,7 +20,6 @@ from fuzz.campaign import case
 from polhode.common import files
 from polhode.output import description
 from polhode.runs.sweep import results
-from polhode.taylor.integrator.stepping import Integrator
 from shared.commands import STEPPING
 
 FAST = {"scene": 250, "call": 500, "table": 25, "command": 25}
@@ -141,12 +141,46 @@ class Nothing:
         lambda scene: replace(scene, events=(None,)),
         lambda scene: polhode.Body.of_moments([1, 1]),
         lambda scene: polhode.Body([[1, 0], [0, 1]]),
+        lambda scene: polhode.load_run(1.5),
+        lambda scene: polhode.load_result(None),
+        lambda scene: polhode.integrate(scene, at=[0]).save(b"run.npz"),
+        lambda scene: polhode.view(scene).save(2),
+        lambda scene: polhode.as_toml(1),
+        lambda scene: polhode.top(moments=np.bytes_(b"1"), omega=[1, 1, 1]),
+        lambda scene: polhode.integrate(scene, at=[np.bytes_(b"1")]),
+        lambda scene: polhode.compare(pd.Series([1.0, 2.0]), scene, at=[0, 1]),
+        lambda scene: polhode.compare(scene, scene),
+        lambda scene: polhode.compare([[1] * 6], scene, at=[0], as_it_stands=pd.NA),
+        lambda scene: polhode.section(scene, by=1.5),
+        lambda scene: polhode.section(scene, extremum=np.array(["max"])),
+        lambda scene: polhode.chaos_map(scene, (2, 2), end=1, parts="folder"),
     ],
 )
 def test_wrong_types_are_refused_in_one_line(call):
     """They gave TypeErrors from deep inside."""
     scene = polhode.load("top.toml")
     assert promise.of_call(lambda: call(scene)) == ([], True)
+
+
+@pytest.mark.parametrize(
+    ("call", "expected"),
+    [
+        (lambda run: polhode.integrate(run.scene, rtol=1e-9), "rtol = 1e-09: expected tol, as it"),
+        (lambda run: polhode.integrate(run.scene, t_eval=[1]), "t_eval = [1]: expected at, as it"),
+        (lambda run: polhode.integrate(run.scene, digit=30), "(did you mean 'digits'?)"),
+        (lambda run: polhode.integrate(run.scene, dps=9, progress=True), "expected digits, as it"),
+        (
+            lambda run: polhode.compare(run, at_least=10),
+            "polhode.testing.assert_digits(run, scene,",
+        ),
+        (lambda run: polhode.compare(run, dtype="quad"), "dtype = quad: expected number, as it"),
+        (lambda run: polhode.top(moments=[1, 1, 1], omga=[1, 1, 1]), "(did you mean 'omega'?)"),
+    ],
+)
+def test_an_argument_that_has_another_name_here_is_told(call, expected):
+    with pytest.raises(polhode.BadInput) as refused:
+        call(polhode.integrate("euler/rest", at=[0]))
+    assert expected in str(refused.value)
 
 
 def with_event(zero: str) -> polhode.Scene:
@@ -195,7 +229,6 @@ def test_digits_are_a_whole_number_within_bounds(digits):
     for scene, most in (
         (polhode.load("top.toml"), 5000),
         (general, 250),
-        (replace(general, reference="two-precisions"), 5000),
     ):
         expected = rf"digits.*: expected a whole number, 1 to {most}"
         with pytest.raises(polhode.BadInput, match=expected):
@@ -297,19 +330,6 @@ def test_ctrl_c_while_a_sweep_is_read_out_loses_nothing(monkeypatch):
     monkeypatch.setattr(results.Reader, "states", interrupted)
     many = polhode.integrate_many("top.toml", {"start.omega[1]": [1, "1.1"]}, at=[0])
     assert many.done
-
-
-def test_ctrl_c_in_a_reference_by_integration_is_heard(monkeypatch):
-    """It was taken for a motion that keeps no digits."""
-    scene = replace(polhode.load("general/asymmetric-regular"), reference="two-precisions")
-    reference = polhode.reference(scene)
-
-    def interrupted(*_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(Integrator, "chunk", interrupted)
-    with pytest.raises(KeyboardInterrupt):
-        reference.at([1], 20)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the system's own signal at a parent's end")

@@ -12,7 +12,7 @@ import pytest
 from fuzz import interrupts
 from polhode import cli
 from polhode.common.errors import BadInput
-from polhode.common.interrupts import heard
+from polhode.common.signals import heard
 from polhode.verbs import guide
 
 WORKS = [*interrupts.WORKS]
@@ -106,3 +106,27 @@ def test_a_signal_after_all_is_said_is_not_heard():
     )
     ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert (ended.returncode, ended.stderr) == (0, "")
+
+
+#: ``polhode``, to which a signal comes when a module is looked for.
+LOADED = """
+import os, sys
+module, by = sys.argv[1:]
+class Met:
+    def find_spec(name, path=None, target=None):
+        if name == module:
+            os.kill(os.getpid(), int(by))
+sys.meta_path.insert(0, Met)
+from polhode.__main__ import command
+sys.argv[1:] = ["list"]
+command()
+"""
+
+
+@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("module", ["argparse", "polhode.verbs.terminal", "polhode.verbs.list"])
+def test_a_signal_while_polhode_is_loaded_is_obeyed(module, by):
+    """Its code was -2, and a traceback was printed."""
+    program = [sys.executable, "-c", LOADED, module, str(int(by))]
+    ended = subprocess.run(program, capture_output=True, text=True)
+    assert (ended.returncode, ended.stderr) == (130, "polhode: interrupted\n")

@@ -15,7 +15,6 @@ from polhode.equations import integrals
 from polhode.judging import correct_digits as correct_digits
 from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.references.reference import Reference
-from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.judging.tables.candidate import of_table
 from polhode.judging.tables.table import Table
 from polhode.motion.outcomes import Outcome
@@ -184,51 +183,20 @@ def test_a_run_is_judged_against_the_exact_scene_not_its_rounded_inputs():
 # -- references -------------------------------------------------------------------------------
 
 
-def test_a_closed_form_and_two_integrations_agree_where_both_exist():
+def test_a_closed_form_and_an_integration_agree():
     scene = polhode.load("euler/largest-axis").at((Fraction(20),))
     closed = polhode.reference(scene)
-    twice = polhode.reference(replace(scene, reference="two-precisions"))
     assert isinstance(closed, Reference)
-    assert isinstance(twice, TwoPrecisions)
-    rows = [truth.at([20], 40)[0] for truth in (closed, twice)]
-    assert twice.agreement >= 40
+    rows = closed.at([20], 40)[0], polhode.integrate(scene, "mp", digits=42).states[-1]
     with mpmath.workprec(200):
         difference = max(abs(x - y) for x, y in zip(*rows, strict=True))
     assert difference < mpmath.mpf(10) ** -40
 
 
 def test_a_time_that_is_none_is_refused_in_the_name_of_the_scene():
-    twice = polhode.TwoPrecisions(polhode.load("general/asymmetric-chaotic"))
+    proven = polhode.Certified(polhode.load("general/asymmetric-chaotic"))
     with pytest.raises(polhode.BadInput, match=r"^general/asymmetric-chaotic: t\[1\] = soon"):
-        twice.at(["soon"])
-
-
-def test_two_precisions_says_how_far_it_agrees_on_a_chaotic_motion():
-    scene = polhode.load("general/asymmetric-chaotic")
-    truth = polhode.reference(replace(scene, reference="two-precisions"))
-    assert truth.kind == "two-precisions"
-    assert not truth.is_closed_form
-    assert not truth.is_proven
-    truth.at([30], 25)
-    assert 25 <= truth.agreement < 60
-
-
-@pytest.mark.slow
-def test_two_precisions_are_raised_until_they_agree(monkeypatch):
-    """To t = 300 the motion takes some 15 digits: the first pair of runs has too few."""
-    from polhode.judging.references import two_precisions
-
-    told, real = [], two_precisions.worst_digits
-
-    def counted(*arguments, **options):
-        told.append(real(*arguments, **options))
-        return told[-1]
-
-    monkeypatch.setattr(two_precisions, "worst_digits", counted)
-    truth = polhode.TwoPrecisions(polhode.load("general/asymmetric-chaotic"))
-    truth.at([300], 20)
-    assert len(told) == 2
-    assert told[0] < 20 <= told[1] == truth.agreement
+        proven.at(["soon"])
 
 
 @pytest.mark.sample(1)
@@ -237,9 +205,8 @@ def test_a_scene_without_closed_form_is_judged_by_a_proven_enclosure(kind: str):
     scene = replace(polhode.load("general/asymmetric-chaotic"), reference=kind)
     proven = polhode.reference(scene)
     assert proven.kind == "certified"
-    assert proven.is_proven
-    twice = polhode.TwoPrecisions(scene)
-    rows = [truth.at([30], 25)[0] for truth in (proven, twice)]
+    run = polhode.integrate(scene.at((Fraction(30),)), "mp", digits=40)
+    rows = proven.at([30], 25)[0], run.states[-1]
     assert 25 <= proven.agreement < 35
     with mpmath.workprec(200):
         difference = max(abs(x - y) for x, y in zip(*rows, strict=True))
@@ -247,6 +214,12 @@ def test_a_scene_without_closed_form_is_judged_by_a_proven_enclosure(kind: str):
     found = polhode.compare(polhode.integrate(scene.at((Fraction(30),))), proven)
     assert 9 < found.worst < 16
     assert "proven to" in str(found)
+
+
+def test_a_scene_of_an_earlier_version_is_told_its_reference():
+    scene = replace(polhode.load("general/asymmetric-chaotic"), reference="two-precisions")
+    with pytest.raises(polhode.BadInput, match=r"= two-precisions: expected certified, which fits"):
+        polhode.reference(scene)
 
 
 def test_a_closed_form_is_enclosed_where_a_scene_asks_for_that():

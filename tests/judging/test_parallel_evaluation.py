@@ -103,7 +103,7 @@ def test_what_is_no_number_of_processes_is_refused():
 
 
 def test_only_closed_forms_are_asked_by_processes(monkeypatch):
-    """Two integrations are one run each, which no stretch of times makes shorter."""
+    """An enclosure is one proof, which no stretch of times makes shorter."""
     monkeypatch.setattr(parallel_evaluation, "PAYS", 0.0)
     monkeypatch.setattr(parallel_evaluation, "in_order", None)
     scene = heavy("4", samples=12)

@@ -47,7 +47,7 @@ def answers() -> dict[str, Callable[[], Any]]:
             polhode.integrate_many(scene, {"start.omega[1]": [1, 2]}, number="quad", at=at).states
         ),
         "certified": lambda: polhode.certify("general/asymmetric-regular", at=[1]).midpoints,
-        "two precisions": lambda: polhode.reference("general/asymmetric-regular").at([1], 30),
+        "enclosure": lambda: polhode.reference("general/asymmetric-regular").at([1], 30),
         "orbit": lambda: (lambda found: [found.multipliers, found.residue, found.period])(
             polhode.orbit("grioli/precession", digits=40)
         ),

@@ -62,6 +62,7 @@ CHANGES = {
     "errors of one": put("errors", [1e-16]),
     "event's states": cut("event0_states"),
     "event's grazing": put("event0_grazing", ["x"]),
+    "event's signs": put("event0_signs", [7] * 6),
     "no events": about(events=[]),
     "steps": about(steps="many"),
     "truth for steps": about(steps=True),

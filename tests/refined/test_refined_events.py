@@ -135,7 +135,7 @@ def test_an_event_that_stops_the_run():
 def marks(scene, end, m=6, number=number_types.QUAD):
     search = Search(scene, number)
     found = refine(scene, [Fraction(end)], QUAD, m, search=search)
-    return found, [mark for part, complete in search.sorted_out(found.reached) for mark in part]
+    return found, search.found()
 
 
 @pytest.mark.slow

@@ -10,10 +10,9 @@ import pytest
 import polhode
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
-from polhode.runs._observers import attitude, attitude_lanes, attitude_quadrature, events
+from polhode.runs._observers import attitude, attitude_lanes, attitude_quadrature
 from polhode.runs._observers.attitude_lanes import Lanes
 from polhode.runs._observers.attitude_quadrature import Quadrature
-from polhode.runs._observers.events import Knots
 from polhode.runs._observers.protocol import CannotObserve
 from polhode.runs.plan import plans
 from polhode.runs.problem.options import Options
@@ -59,7 +58,7 @@ def test_the_first_plan_is_the_fastest_way_of_the_number_type():
     assert ways(asked([1000], BOTH)) == [Lanes]
     assert ways(asked([100], BOTH), EXTENDED) == [Quadrature]
     assert ways(asked([1000], BOTH), QUAD) == []
-    assert ways(asked([1000], (), [Event("q", "q")])) == [Knots]
+    assert ways(asked([1000], (), [Event("q", "q")])) == []
     for number in (EXTENDED, QUAD):
         assert ways(asked([1000], (), [Event("q", "q")]), number) == []
 
@@ -114,39 +113,6 @@ def test_the_quadrature_is_for_extended_at_full_accuracy_and_for_slow_spins():
     assert fits(replace(fast, outputs=("attitude",)))
 
 
-@pytest.mark.parametrize(
-    ("event", "quiet"),
-    [
-        (Event("plain", "q"), True),
-        (Event("rising", "q*gamma3 - sin(p)", "rising"), True),
-        (STOP, False),
-        (Event("clock", "q - t"), False),
-        (Event("pole", "1/(q - 5)"), False),
-        (Event("root", "sqrt(q + 5) - 2"), False),
-    ],
-)
-def test_events_found_beside_a_run_never_end_it_and_are_told_by_the_state(event, quiet):
-    scene = asked([1000], (), [Event("q", "q"), event])
-    assert problem(scene, DOUBLE).quiet_events is quiet
-    assert ways(scene) == [Knots] * quiet
-
-
-def test_events_are_found_beside_long_plain_runs_in_double():
-    def fits(scene, number=DOUBLE, **more):
-        ready = problem(scene, number, **more)
-        return events.fits(ready, ready.schedule(scene).inside)
-
-    q = [Event("q", "q")]
-    assert fits(asked([256], (), q))
-    assert fits(asked([-256], (), q))
-    assert not fits(asked([255], (), q))
-    assert not fits(asked([256], (), q), EXTENDED)
-    assert not fits(asked([256], (), q), tolerance=DOUBLE.eps)
-    assert not fits(asked([256], (), q, form="general"))
-    assert not fits(asked([256], ("attitude",), q))
-    assert not fits(asked([10**6], (), q, name="staude/stable"))
-
-
 def test_plans_are_kept_with_the_times_and_made_anew_for_others():
     scene = asked([1000], BOTH)
     first = planned(scene)
@@ -160,9 +126,8 @@ def test_plans_are_kept_with_the_times_and_made_anew_for_others():
     [
         (Lanes, DOUBLE, asked([20, 300], BOTH)),
         (Quadrature, EXTENDED, asked([20, 60], BOTH)),
-        (Knots, DOUBLE, asked([20, 300], (), [Event("q", "q")])),
     ],
-    ids=["lanes", "quadrature", "knots"],
+    ids=["lanes", "quadrature"],
 )
 def test_where_a_way_fails_all_is_one_system(way, number, scene, monkeypatch):
     def refused(*_):

@@ -299,3 +299,21 @@ def test_an_ensemble_can_be_pickled_and_compared():
     assert again == found
     assert again[1] == found[1]
     assert found != polhode.integrate_many(heavy(), {"start.omega[3]": "1:3:3"}, at=[1])
+
+
+@pytest.mark.parametrize(
+    ("body", "vary"),
+    [
+        (TILTED, {"body.inertia[1][1]": ["3"], "start.omega[1]": [1, 5]}),  # not in columns
+        ({"moments": [2, 3, 4]}, {"start.omega[1]": ["1", "1e80"]}),  # beyond doubles on the way
+        ({"moments": ["2e200", "3e200", "4e200"]}, {"body.weight": ["1e210", "1e-9"]}),
+    ],
+)
+def test_the_fastest_member_is_found_without_a_warning(body, vary):
+    """0/0 was computed of members that are left to their scenes."""
+    start = {"omega": [1, 1, 1], "gamma": [0, 0, 1]}
+    scene = polhode.top(**body, centre=[1, 0, 0], weight=1, **start, end=1)
+    members = planned(scene, vary).members
+    rates = [member.log10_rate for member in members]
+    assert lanes.Fastest(members).scene.log10_rate == max(rates)
+    assert len({*rates}) == 2

@@ -51,7 +51,7 @@ quantity = "180/pi*p"
 value = "12.6183907758"
 cite = "NASA/TM-2015-218675"
 [reference]
-kind = "two-precisions"
+kind = "certified"
 [expect]
 double = [11.0, 14.5]
 """
@@ -105,7 +105,7 @@ def test_every_key_of_the_contract_is_read() -> None:
     assert scene.events[0] == ("nutation", "p*gamma2 - q*gamma1", "rising", True)
     assert scene.events[1] == ("event 2", "t - 3", "any", False)
     assert scene.published[0].value == "12.6183907758"
-    assert scene.reference == "two-precisions"
+    assert scene.reference == "certified"
     assert scene.expect == {"double": (11.0, 14.5)}
     assert scene.source == FULL
 
@@ -163,6 +163,10 @@ def test_every_key_of_the_contract_is_read() -> None:
         ),
         ({"end": "end = 1\n[[published]]\nt = 1"}, ["published[1].quantity", "a string"]),
         ({"end": "end = 1\n[reference]\nkind = 'eular'"}, ["reference.kind = eular", "'euler'"]),
+        (
+            {"end": "end = 1\n[reference]\nkind = 'two-precisions'"},
+            ["reference.kind = two-precisions: expected auto, or certified"],
+        ),
         ({"end": "end = 1\n[expect]\ndoubel = [1, 2]"}, ["expect.doubel", "mean 'double'"]),
         ({"end": "end = 1\n[expect]\nmp = [2, 1]"}, ["expect.mp = [2, 1]", "least"]),
         ({"end": "end = 1\n[expect]\nmp = [1, '1e3000']"}, ["expect.mp = [1, 1e3000]", "least"]),

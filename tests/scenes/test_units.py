@@ -66,6 +66,22 @@ def test_python_takes_units_too():
     assert top.end == 60
 
 
+@pytest.mark.parametrize(
+    ("unit", "given"),
+    [
+        ("", {"angles": [0, "25°", 0], "rates": [0, 0, 5]}),
+        ("", {"angles": ["90 deg", "25 degrees", "pi/6"], "rates": [0, 0, 5]}),
+        ("SI", {"angles": [0, "25°", 0], "rates": [0, 0, "5 °/s"]}),
+        ("SI", {"angles": [0, "25°", 0], "rates": [0, 0, "5 s⁻¹"]}),
+        ("SI", {"angles": [0, "25°", 0], "rates": [0, 0, 5], "end": "1 hr"}),
+    ],
+)
+def test_an_angle_alone_makes_no_scene_in_si(unit, given):
+    scene = polhode.top(moments=[1, 1, 0.5], centre=[0, 0, 1], weight=1, **given)
+    assert scene.units == unit == scene_file.parse(scene.source, "top").units
+    assert float(scene.gamma[2]) == pytest.approx(np.cos(np.radians(25)), rel=4e-16)
+
+
 def _in_si(**more):
     given = {"moments": [2, 2, 1], "centre": [0, 0, "10 cm"], "weight": 1, "gamma": [0.6, 0, 0.8]}
     return polhode.top(**given, omega=[0, 0, 1], end=1, **more)
@@ -94,7 +110,7 @@ def test_numbers_given_beside_a_scene_in_si_have_units_too():
 
 
 def test_where_a_scene_has_no_units_a_number_beside_it_has_none_but_an_angles():
-    vary = {"start.psi": "90 deg:180 deg:2"}
+    vary = {"start.psi": "90°:180 deg:2"}
     many = polhode.integrate_many("lagrange/nutation", vary=vary, at=[0])
     assert [float(x) for x, *_ in many.varied.rows] == [np.pi / 2, np.pi]
     scene = polhode.load("lagrange/nutation")

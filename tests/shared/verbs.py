@@ -72,7 +72,7 @@ def reference() -> Any:
     return lagrange.at([1, 3], 50), lagrange.angles([1], 40), euler.at(["0.7"], 200)
 
 
-def two_precisions() -> Any:
+def enclosed() -> Any:
     return polhode.reference(GENERAL).at([1], 25)
 
 
@@ -141,7 +141,7 @@ def show() -> Any:
 VERBS: dict[str, Callable[[], Any]] = {
     f.__name__: f
     for f in (
-        *(integrate, quad, events, reference, two_precisions, certify, compare, levels, section),
+        *(integrate, quad, events, reference, enclosed, certify, compare, levels, section),
         *(chaos_map, orbit, frequencies, integrate_many, reduce_many, lyapunov, conditioning),
         show,
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -212,6 +213,24 @@ def test_one_study_leaves_the_others_as_they_are(tmp_path, monkeypatch):
     assert (tmp_path / "accuracy.json").read_text() == before
     assert json.loads((tmp_path / "events.json").read_text())["quick"]
     assert "--quick" in (tmp_path / "events.md").read_text()
+
+
+def test_a_key_changes_with_every_module_and_nothing_beside_them(tmp_path, monkeypatch):
+    """As in an installed copy, where Python leaves what it compiled beside its modules."""
+    package = tmp_path / "polhode"
+    shutil.copytree(report.PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(report, "PACKAGE", package)
+    before = report.key("events", False)
+    for beside in ("__pycache__/cli.cpython-311.pyc", "studies/new.so", "notes.txt", "._cli.pyc"):
+        (package / beside).parent.mkdir(exist_ok=True)
+        (package / beside).write_bytes(b"\xf3\r\r\n\x00")
+    assert report.key("events", False) == before
+    keys = {before, report.key("events", True)}
+    for module in ("cli.py", "closed_forms/euler/top.py", "studies/events/page.py", "new.py"):
+        with (package / module).open("ab") as file:
+            file.write(b"\n# changed \xf3\n")  # and one that is no UTF-8
+        keys.add(report.key("events", False))
+    assert len(keys) == 2 + 4
 
 
 def test_a_folder_that_is_missing_is_made(tmp_path, monkeypatch):

@@ -194,7 +194,7 @@ def test_a_peers_process_imports_nothing_else_of_polhode():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     package, more = (line.split() for line in done.stdout.splitlines())
-    assert {m.rpartition(".")[2] for m in package if m.count(".") > 1} == {"presentation"}
+    assert not [m for m in package if m.count(".") > 1]
     assert "numpy" not in package
     assert all(m.startswith(("polhode.peers", "polhode.studies")) for m in more)
 

@@ -18,10 +18,9 @@ from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
-from polhode.runs._observers import events as event_observer
 from polhode.scenes import column_expressions, scene_file
 from polhode.scenes.event import Event
-from polhode.taylor.events import stepwise
+from polhode.taylor.events import watch
 from polhode.taylor.integrator import stepping
 from shared.policies import change_policy
 
@@ -132,7 +131,8 @@ def test_ready_made_names_need_no_zero():
     spelt = watched("euler/turned-axes", "p*gamma2 - q*gamma1", "gamma3", "q", "p - 1/10")
     run, other = (polhode.integrate(s, at=[40]) for s in (scene, spelt))
     for k in (0, 1, 3):
-        assert run.events[k].times == other.events[k].times
+        pairs = zip(run.events[k].times, other.events[k].times, strict=True)
+        assert max(abs(float(s - t)) for s, t in pairs) < 2e-14  # next to another third event
     # The components of w along the middle axis of the turned body, at its flips, vanish.
     middle = [float(x) for x in scene.body.axes.rows[1]]
     assert len(run.events[2].times) > 1
@@ -258,10 +258,10 @@ def test_an_exact_tangency_is_one_grazing_event(number):
 @pytest.mark.sample(3)
 @pytest.mark.parametrize(
     ("shift", "zeros", "grazing"),
-    [("1e-6", 2, 0), ("-1e-6", 0, 0), ("1e-10", 1, 1), ("-1e-10", 1, 1), ("1e-30", 1, 1)],
+    [("1e-6", 2, 0), ("-1e-6", 0, 0), ("1e-10", 2, 0), ("-1e-10", 0, 0), ("1e-30", 1, 1)],
 )
 def test_what_rounding_decides_is_called_grazing_and_nothing_else(shift, zeros, grazing):
-    """In double within sqrt(eps) = 1.5e-8 of a touch; two crossings 6e-3 apart are sure."""
+    """In double a few eps from a touch; two crossings 1e-5 apart are sure."""
     run = polhode.integrate(watched(EULER, f"q - {LARGEST_Q} + {shift}"), at=[98])
     (event,) = run.events
     assert len(event.times) == 10 * zeros
@@ -440,7 +440,6 @@ def test_crossings_polished_together_are_those_polished_where_they_are_met(
     number, way, monkeypatch
 ):
     """An event that would end the run, and never comes, has each crossing polished where it is."""
-    monkeypatch.setattr(event_observer, "fits", lambda *_: False)
     change_policy(monkeypatch, chunk=400)
     never = Event("never", "q - 100", stop=True)
     asked = Event("plain", "q"), Event("up", "p*gamma2 - q*gamma1", "rising")
@@ -466,7 +465,6 @@ def test_a_second_run_watches_with_the_integrator_of_the_first(monkeypatch):
     from polhode.taylor.integrator import compiled
 
     monkeypatch.setattr(compiled, "POOL", Pool())
-    monkeypatch.setattr(event_observer, "fits", lambda *_: False)
     scene = watched(polhode.load("kovalevskaya/generic"), Event("q", "q"))
     first = polhode.integrate(scene)
     monkeypatch.setattr(compiled, "built", None)
@@ -480,7 +478,7 @@ def test_a_second_run_watches_with_the_integrator_of_the_first(monkeypatch):
 def test_no_contact_is_told_beyond_where_a_run_ended():
     """Polished, the extremum lies at 1/2; the run ended at a pole of another event just before."""
     scene = polhode.top(moments=[2, 3, 4], omega=["0.3", "-0.4", "1.1"], gamma=["0.6", 0, "0.8"])
-    watching = (Event("contact", "(t-0.5)**2-1e-12", "falling"), Event("pole", "1/(t-0.5)**2"))
+    watching = (Event("contact", "(t-0.5)**2", "falling"), Event("pole", "1/(t-0.5)**2"))
     run = polhode.integrate(replace(scene, events=watching), at=[2], max_steps=500)
     assert run.outcome is polhode.Outcome.NON_FINITE
     assert 0.49 < run.reached < 0.5
@@ -494,13 +492,12 @@ def test_an_advance_that_is_made_again_reports_its_events_once(stop, monkeypatch
     never = Event("never", "q - 100", stop=stop)  # one that may end a run polishes where it meets
     scene = watched(EULER, Event("q", "q"), never)
     at = [Fraction(k, 2) for k in range(1, 200)]
-    monkeypatch.setattr(event_observer, "fits", lambda *_: False)
     usual = polhode.integrate(scene, at=at, project=9)
-    taken, take_back = [], stepwise.Watch.take_back
+    taken, take_back = [], watch.Watch.take_back
     with monkeypatch.context() as patch:
         patch.setattr(stepping, "_REACH", 1e-6)
         patch.setattr(
-            stepwise.Watch, "take_back", lambda self, *a: (taken.append(1), take_back(self, *a))
+            watch.Watch, "take_back", lambda self, *a: (taken.append(1), take_back(self, *a))
         )
         again = polhode.integrate(scene, at=at, project=9)
     assert len(taken) > 10

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 import pickle
+import re
 import resource
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -299,6 +301,42 @@ def test_a_title_turns_no_line_around() -> None:
     for page in [*pages, Path("x.svg").read_text()]:
         assert "\u202e" not in page
         assert "evil ?title" in page
+
+
+#: A name, and a title, that would command a terminal and begin a line of their own.
+ODD = "a\x1b[31m\nz!"
+
+
+def test_names_of_any_kind_are_one_line_that_commands_no_terminal(capsys) -> None:
+    text = free_file("at = [0, 1]")
+    word = json.dumps(ODD)
+    words = f"title = {word}\ntags = [{word}]\ncite = [{word}]"
+    Path(f"{ODD}.toml").write_text(text.replace("schema = 1", f"schema = 1\n{words}"))
+    scene = polhode.load(f"{ODD}.toml")
+    given = replace(scene, name=ODD)
+    assert (scene.title, scene.name, given.name) == (ODD, "a?[31m z!.toml", "a?[31m z!")
+    run = polhode.integrate(scene)
+    run.save(f"{ODD}.csv")
+    results = [scene, given, run, polhode.reference(scene), polhode.conditioning(scene)]
+    results += [polhode.compare(run), polhode.view(scene), polhode.compare(f"{ODD}.csv", scene)]
+    for found in results[:-1]:
+        assert "a?[31m z!" in repr(found)
+    for found in results:
+        assert repr(found).isprintable()
+    capsys.readouterr()
+    for verb in (["show"], ["run"], ["reference"], ["new", "new.toml", "--like"]):
+        assert cli.main([*verb, f"{ODD}.toml"]) == 0
+        out, err = capsys.readouterr()
+        assert not re.search("\x1b|\nz!", out + err)
+
+
+def test_a_name_of_an_event_is_text_of_one_line(capsys) -> None:
+    event = '\n[[events]]\nname = "a\\nb"\nzero = "p"\n'
+    Path("event.toml").write_text(free_file("at = [0, 1]") + event)
+    expected = "event.toml: events[1].name = a b: expected text of one line that can be printed"
+    assert expected in refusal(capsys, "run", "event.toml")
+    with pytest.raises(BadInput, match="of one line"):
+        replace(polhode.load("top.toml"), events=(polhode.Event("\x1b[31m", "p"),))
 
 
 def test_a_tab_and_a_line_end_are_no_commands() -> None:

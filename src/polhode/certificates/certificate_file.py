@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from polhode.certificates import verify
+from polhode.common.arguments import of_kind
 from polhode.common.errors import UNREADABLE, BadInput
 from polhode.common.files import write_whole
 from polhode.common.progress import Progress
@@ -43,6 +44,7 @@ def checked(
 
 def refuse_another(path: str | Path) -> None:
     """Raise BadInput where a file is there that is no certificate; an empty one is nothing."""
+    of_kind("save", "path", path, (str, Path), "the path of a .json file")
     place = Path(path)
     if not place.is_file() or not place.stat().st_size:
         return

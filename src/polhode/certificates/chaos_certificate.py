@@ -117,7 +117,7 @@ def _transit(
         (c + e * arb(what.middle)).mid() for c, e in zip(chart.centre, chart.wide[0], strict=True)
     ]
     found = grid.steps(numbers, start, stated.times[n], bits, _TIME_BITS, part)
-    return {word: found[word] for word in verify.GUESSES[:-1]}
+    return {word: found[word] for word in verify.Guesses._fields[:-1]}
 
 
 def _integers(chart: Chart) -> dict[str, object]:

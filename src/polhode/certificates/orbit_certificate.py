@@ -100,7 +100,8 @@ def _guesses(
     inertia = [[verify.ball(x) for x in row] for row in rows]
     torque = [verify.ball(weight) * verify.ball(x) for x in centre]
     held = {**found, "state_bits": state_bits, "centres": centres, "bits": bits}
-    run = verify.Run(held, inertia, torque)
+    guesses = verify.read_guesses([held[name] for name in verify.Guesses._fields])
+    run = verify.Run(guesses, inertia, torque)
     steep = max(
         float(verify.steepness(verify.slope(run.body, x)).mid()) for x in run.centres
     ) * float(period * Fraction(2) ** run.shift)

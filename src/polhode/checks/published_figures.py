@@ -2,8 +2,8 @@
 
 Ours comes from the scene's reference (the closed form where there is one), never from a table.
 A printed figure stands when it is ours rounded to its last digit, or cut off there; where only
-``right`` of its significant digits are known to be right, when it differs by at most half a unit of
-that digit and by more than half a unit of the next one.
+``right`` of its significant digits are known to be right, when at least so many are: so many that
+it differs by at most half a unit of the last of them.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ from typing import Any
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.derived import column_of
 from polhode.judging.references.reference import Reference
-from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import decimal_string
@@ -33,12 +32,19 @@ SPARE_DIGITS = 8
 
 @dataclass(frozen=True)
 class PrintedFigure:
-    """A printed figure, ours to two digits more, and their difference."""
+    """A printed figure, ours to two digits more, their difference, and how many significant
+    digits of the printed one are right."""
 
     published: Published
     ours: str
     difference: Fraction
-    passed: bool
+    right: int
+
+    @property
+    def passed(self) -> bool:
+        """Whether as many digits are right as are known to be: all, unless the case says less."""
+        known = self.published.right
+        return self.complete if known is None else self.right >= known
 
     @property
     def digits_right(self) -> float:
@@ -52,20 +58,22 @@ class PrintedFigure:
     @property
     def complete(self) -> bool:
         """Whether every printed digit is right, the last one rounded or cut off."""
-        return self.passed and self.published.right is None
+        return self.right == significant_digits(self.published.value)
 
     @property
     def verdict(self) -> str:
-        """In words: every printed digit is right, so many of them are, or what differs."""
+        """In words: how many of the printed digits are right, and what differs where more are
+        expected to be."""
         shown = significant_digits(self.published.value)
-        if not self.passed:
-            return f"differs by {decimal_string(self.difference, 2)}"
-        if self.published.right is None:
-            return f"all {shown} digits right"
-        return f"{self.published.right} of {shown} digits right"
+        right = f"all {shown}" if self.complete else f"{self.right} of {shown}"
+        if self.passed:
+            return f"{right} digits right"
+        wanted = "all" if self.published.right is None else self.published.right
+        difference = decimal_string(self.difference, 2)
+        return f"{right} digits right, where {wanted} are expected: differs by {difference}"
 
 
-def figures(scene: Scene, reference: Reference | Certified | TwoPrecisions) -> list[PrintedFigure]:
+def figures(scene: Scene, reference: Reference | Certified) -> list[PrintedFigure]:
     """Every published figure of a scene beside ours."""
     columns = {
         (t, digits): columns_at(scene, reference, t, digits)
@@ -88,7 +96,7 @@ def _figure(published: Published, columns: Mapping[str, Any]) -> PrintedFigure:
         published,
         decimal_string(ours, significant_digits(published.value) + 2),
         difference,
-        _stands(published, ours, difference),
+        _right(published.value, ours, difference),
     )
 
 
@@ -97,13 +105,17 @@ def ours_of(published: Published, columns: Mapping[str, Any]) -> Fraction:
     return exactly(value(published.quantity, columns, bits_for(_digits(published)) + 32))
 
 
-def _stands(published: Published, ours: Fraction, difference: Fraction) -> bool:
-    if published.right is None:
-        unit = last_unit(published.value)
-        cut_off = difference < unit and abs(decimal(published.value)) <= abs(ours)
-        return cut_off or difference <= unit / 2
-    unit = _leading_unit(ours) / Fraction(10) ** (published.right - 1)
-    return unit / 20 < difference <= unit / 2
+def _right(printed: str, ours: Fraction, difference: Fraction) -> int:
+    """How many significant digits of a printed decimal are right."""
+    shown, unit = significant_digits(printed), last_unit(printed)
+    cut_off = difference < unit and abs(decimal(printed)) <= abs(ours)
+    if cut_off or difference <= unit / 2:
+        return shown
+    if ours == 0:
+        return 0
+    leading = _leading_unit(ours)
+    right = (n for n in range(shown - 1, 0, -1) if difference <= leading / Fraction(10) ** n * 5)
+    return next(right, 0)
 
 
 def last_unit(printed: str) -> Fraction:
@@ -122,7 +134,7 @@ def _leading_unit(x: Fraction) -> Fraction:
 
 
 def columns_at(
-    scene: Scene, reference: Reference | Certified | TwoPrecisions, t: Fraction, digits: int
+    scene: Scene, reference: Reference | Certified, t: Fraction, digits: int
 ) -> dict[str, Any]:
     """All columns that the scene's figures name, at one time."""
     found: dict[str, Real | None] = dict(

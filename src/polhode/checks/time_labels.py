@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 from polhode.checks.published_figures import PrintedFigure, columns_at, ours_of
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference
-from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.numbers.expression import decimal
 from polhode.scenes.scene import Scene
 
@@ -38,7 +37,7 @@ class TimeLabel(NamedTuple):
 
 def time_labels(
     scene: Scene,
-    reference: Reference | Certified | TwoPrecisions,
+    reference: Reference | Certified,
     found: Sequence[PrintedFigure],
 ) -> Iterator[TimeLabel]:
     """The sources of which a shift of the time explains all figures at once."""

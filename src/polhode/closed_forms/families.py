@@ -141,29 +141,13 @@ def misfit(scene: Scene, kind: str) -> Misfit | None:
 
 
 def near(scene: Scene, within: Fraction = _NEAR) -> list[tuple[str, Misfit]]:
-    """The families, and special motions of its own, that a scene is near to, each with its Misfit.
+    """The families that a scene is near to, each with its Misfit.
 
-    Near: all conditions hold up to ``within``, but not all of them exactly.  A special motion is
-    named "family, motion"; its family is the first that fits.
+    Near: all conditions hold up to ``within``, but not all of them exactly.
     """
-    found, special = [], None
     principal = in_principal_axes(scene)
-    for family in known_families():
-        missed = family.misfit(principal)
-        if missed is None and special is None:
-            special = family
-        elif missed is not None and missed.within(within):
-            found.append((family.name, missed))
-    if special is not None:
-        found = [
-            *(
-                (f"{special.name}, {name}", miss)
-                for name, miss in special.special(principal)
-                if miss is not None and miss.within(within)
-            ),
-            *found,
-        ]
-    return found
+    misfits = ((family.name, family.misfit(principal)) for family in known_families())
+    return [(name, miss) for name, miss in misfits if miss is not None and miss.within(within)]
 
 
 def made(family: Family, scene: Scene, principal: PrincipalScene) -> ClosedForm:

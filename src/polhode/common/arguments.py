@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence, Set
+from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from operator import index
 from typing import Any, TypeVar
 
-from polhode.common.errors import BadInput
+from polhode.common.errors import BadInput, listed, plain
 
 T = TypeVar("T")
 
@@ -64,6 +64,40 @@ def each(
         except (TypeError, ValueError) as fault:
             raise BadInput(source, f"{key}[{k + 1}]", value, f"a number ({fault})") from None
     return tuple(found)
+
+
+#: What other programs call an argument, and what it is called here.
+_ELSEWHERE = {
+    "tol": ("rtol", "atol", "tolerance", "eps", "epsabs", "epsrel"),
+    "at": ("t_eval", "t_span", "t", "times", "ts", "tspan", "saveat"),
+    "max_steps": ("nsteps", "n_steps", "mxstep", "maxiter", "steps"),
+    "digits": ("dps", "precision"),
+    "number": ("dtype", "type", "number_type", "prec"),
+    "method": ("solver", "integrator"),
+    "workers": ("n_jobs", "processes", "nworkers", "parallel"),
+    "against": ("scene", "reference", "ref"),
+}
+
+
+def refuse_unknown(
+    source: str,
+    function: Callable[..., object],
+    unknown: Mapping[str, object],
+    **meant: str,
+) -> None:
+    """Raise BadInput for arguments that a function has not, with what may be meant.
+
+    ``meant``: what to say of some names.
+    """
+    for name, value in unknown.items():
+        import inspect
+
+        known = [key for key in inspect.signature(function).parameters if key != "unknown"]
+        here = [key for key, names in _ELSEWHERE.items() if name in names and key in known]
+        expected = f"an argument: {listed(name, known)}"
+        if here:
+            expected = f"{here[0]}, as it is called here"
+        raise BadInput(source, name, plain(value), meant.get(name, expected))
 
 
 def of_kind(

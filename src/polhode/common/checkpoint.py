@@ -14,6 +14,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Self, TypeAlias
 
+from polhode.common.arguments import of_kind
 from polhode.common.errors import UNREADABLE, BadInput
 from polhode.common.files import is_stream, make_folder, npz, read_npz, write_whole
 from polhode.common.provenance import versions
@@ -43,6 +44,7 @@ class Checkpoint:
     """
 
     def __init__(self, folder: Path, manifest: Mapping[str, str], words: tuple[str, str]) -> None:
+        of_kind("polhode", "parts", folder, Path, "a pathlib.Path, of a folder")
         self.folder, self._words = folder, words
         self._manifest = {**manifest, "versions": {name: versions()[name] for name in _SAME}}
         self._lock: BinaryIO | None = None

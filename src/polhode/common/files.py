@@ -9,15 +9,17 @@ from __future__ import annotations
 
 import errno
 import io
+import math
 import os
 import secrets
 import select
 import stat
 import sys
 import time
+import zipfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput, FileName, StdoutFault
 from polhode.common.interrupts import delayed
@@ -30,6 +32,9 @@ STDOUT = Path("-")
 STDIN = "standard input"  # what it is called
 _HANDLES = ("/dev/fd/", "/proc/self/fd/")  # names of what is open already
 MOST_UNPACKED = 1 << 32  # bytes of an NPZ file's arrays
+MOST_ARRAYS = 10_000
+SMALL, RATIO = 1 << 28, 200  # bytes that any NPZ file may unpack to; and per byte of a larger one
+FEW_TEXTS, TEXTS = 100_000, 20  # elements of text, each of which is read; and per byte of a file
 PATIENCE = 10.0  # seconds to wait for the first byte of a pipe
 
 
@@ -142,25 +147,59 @@ def npz(arrays: Mapping[str, Any], packed: bool = False) -> bytes:
     return held.getvalue()
 
 
-def read_npz(file: Path | bytes, names: Sequence[str] = ()) -> dict[str, npt.NDArray[np.generic]]:
-    """The arrays of an NPZ file, all or those of ``names``, no pickles.
+def read_npz(
+    file: Path | bytes, names: Sequence[str] = (), most: int = MOST_UNPACKED
+) -> dict[str, npt.NDArray[np.generic]]:
+    """The arrays of an NPZ file, all or those of ``names``, of ``most`` bytes; no pickles.
 
-    Raises OSError where there is no file, and ValueError for whatever is none: bytes in a wrong
-    place make the libraries below raise almost anything.
+    Their sizes are compared with the file's before memory is taken for any.  Raises OSError where
+    there is no file, and ValueError for whatever is none: bytes in a wrong place make the libraries
+    below raise almost anything.
     """
-    import numpy as np
-
+    size = len(file) if isinstance(file, bytes) else file.stat().st_size
     try:
-        held = io.BytesIO(file) if isinstance(file, bytes) else file
-        with np.load(held, allow_pickle=False) as found:
-            size = sum(part.file_size for part in found.zip.infolist())
-            if size > MOST_UNPACKED:
-                raise ValueError(f"{size} bytes, unpacked")
-            return {name: found[name] for name in names or found.files}
+        with zipfile.ZipFile(io.BytesIO(file) if isinstance(file, bytes) else file) as packed:
+            parts = packed.infolist()
+            unpacked = sum(part.file_size for part in parts)
+            if len(parts) > MOST_ARRAYS or len({part.filename for part in parts}) < len(parts):
+                raise ValueError(f"{len(parts)} arrays, or two of one name")
+            most = min(most, max(SMALL, RATIO * size))
+            if unpacked > most:
+                raise ValueError(f"{unpacked} bytes of arrays, more than {most}")
+            held = {part.filename.removesuffix(".npy"): part for part in parts}
+            texts = FEW_TEXTS + TEXTS * size
+            return {name: _array(packed, held[name], texts) for name in names or held}
     except OSError:
         raise
     except Exception as fault:
         raise ValueError(f"no complete NPZ file: {fault}") from None
+
+
+def _array(packed: zipfile.ZipFile, part: zipfile.ZipInfo, texts: int) -> Any:
+    import numpy as np
+
+    with packed.open(part) as file:
+        dtype, count, begin = npy_header(file)
+    if begin + count * dtype.itemsize != part.file_size:
+        raise ValueError(f"{part.filename}: not as long as it says")
+    if dtype.kind in "US" and count > texts:
+        raise ValueError(f"{part.filename}: {count} texts")
+    with packed.open(part) as file:
+        return np.lib.format.read_array(file, allow_pickle=False)
+
+
+def npy_header(file: IO[bytes]) -> tuple[np.dtype[Any], int, int]:
+    """Of an array in NumPy's format: the type, how many elements, and where they begin."""
+    import numpy as np
+
+    version = np.lib.format.read_magic(file)
+    read = (
+        np.lib.format.read_array_header_1_0
+        if version == (1, 0)
+        else np.lib.format.read_array_header_2_0
+    )
+    shape, _, dtype = read(file)
+    return dtype, math.prod(shape), file.tell()
 
 
 def check_writable(

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
+from polhode.common.arguments import of_kind
 from polhode.common.files import check_writable, write_whole
 
 
@@ -31,5 +32,6 @@ class Page:
 
     def save(self, path: str | Path) -> None:
         """Write it; the name ends in .html."""
+        of_kind("save", "path", path, (str, Path), "the path of an .html file")
         check_writable(Path(path), [".html"])
         write_whole({Path(path): self.text})

@@ -8,24 +8,8 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from types import FrameType
 
-
-class _Heard:
-    """The handler of a command's signals: KeyboardInterrupt, and a note that one came.
-
-    Compiled libraries that are being loaded may turn the exception into another one.
-    """
-
-    def __init__(self) -> None:
-        self.came = False
-
-    def __call__(self, number: int, frame: FrameType | None) -> None:
-        self.came = True
-        raise KeyboardInterrupt
-
-
-heard = _Heard()
+from polhode.common.signals import heard
 
 
 @dataclass

@@ -1,11 +1,13 @@
-"""What every result does: it saves itself, draws itself, and becomes a table of other packages."""
+"""What every result does: it saves itself, draws itself, and becomes a table of other packages.
+
+What does this lies on higher floors: it is imported when it is called, and ``pyproject.toml``
+names each of these imports among what the contracts of import-linter ignore.
+"""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
-
-from polhode.common.presentation import Slot
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     import numpy as np
@@ -13,33 +15,6 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
     from matplotlib.axes import Axes
-
-
-class ResultPresentation(Protocol):
-    """What higher rooms do for any result."""
-
-    def html(self, found: Result, /) -> str:
-        """What a notebook shows of it."""
-        ...
-
-    def save(self, found: Result, path: str | Path, /) -> None:
-        """Write it to a file that loads again."""
-        ...
-
-    def plot(self, found: Result, axes: object, /) -> Axes | npt.NDArray[np.object_]:
-        """Draw its figure: the axes drawn into."""
-        ...
-
-    def to_pandas(self, found: Result, /) -> pd.DataFrame:
-        """Its table."""
-        ...
-
-    def to_xarray(self, found: Result, /) -> xr.Dataset:
-        """Its table along its index."""
-        ...
-
-
-_PRESENTATION: Slot[ResultPresentation] = Slot("results")
 
 
 class Result:
@@ -69,7 +44,9 @@ class Result:
             Another ending, a place that cannot be written to, or a file there that is no result of
             this kind: it is not overwritten.
         """
-        _PRESENTATION.get().save(self, path)
+        from polhode.output.results import files
+
+        files.save(self, path)
 
     def plot(self, ax: object = None) -> Axes | npt.NDArray[np.object_]:
         """Draw the result with matplotlib.
@@ -84,15 +61,23 @@ class Result:
         Axes or ndarray of Axes
             The axes drawn into, an array of them where there are several.
         """
-        return _PRESENTATION.get().plot(self, ax)
+        from polhode.figures import drawing
+
+        return drawing.plot(self, axes=ax)
 
     def to_pandas(self) -> pd.DataFrame:
         """Give the table that a CSV file has as a pandas DataFrame (extra ``polhode[frames]``)."""
-        return _PRESENTATION.get().to_pandas(self)
+        from polhode.output.results import files
+
+        return files.to_pandas(self)
 
     def to_xarray(self) -> xr.Dataset:
         """Give that table as an xarray Dataset along its index (extra ``polhode[frames]``)."""
-        return _PRESENTATION.get().to_xarray(self)
+        from polhode.output.results import files
+
+        return files.to_xarray(self)
 
     def _repr_html_(self) -> str:
-        return _PRESENTATION.get().html(self)
+        from polhode.output import notebook
+
+        return notebook.of_result(self)

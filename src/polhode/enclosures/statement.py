@@ -77,7 +77,7 @@ BESIDE = {
     "enclosures/approximation": "guesses, which the proof does not trust",
     "scenes/library": "where a case's file is",
     "scenes/added_families": "names of closed forms",
-    "scenes/presentation": "how a scene is shown",
+    "output/notebook": "how a scene is shown",
     "scenes/column_expressions": "whether an expression of a run can be read",
     "scenes/variation": "scenes of a sweep, as text",
     "numbers/double_double": "columns of tables",

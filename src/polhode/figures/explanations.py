@@ -275,6 +275,6 @@ def _words(kind: str, regime: str, body: Body) -> str:
     for kinds, begins, text in EXPLANATIONS:
         if kind == kinds and regime.startswith(begins):
             return text
-    if kind in ("certified", "two-precisions"):
+    if kind == "certified":
         return _CHAPLYGIN if kind_of_body(body) == CHAPLYGIN else _NONE
     return f"A motion with a closed form ({kind}): {regime}."

@@ -189,5 +189,4 @@ _FIGURES: dict[str, Callable[[Drawn, Drawn, Drawn], Drawn]] = {
     "Reductions": _reductions,
     "Reference": _reference,
     "Section": section.draw,
-    "TwoPrecisions": _reference,
 }

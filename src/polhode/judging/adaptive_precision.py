@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal, NamedTuple, TypedDict, Unpack, overload
+from typing import Literal, NamedTuple, Never, TypedDict, Unpack, overload
 
-from polhode.common.arguments import whole
+from polhode.common.arguments import refuse_unknown, whole
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress, bar
 from polhode.motion.outcomes import Outcome
@@ -95,6 +95,7 @@ def integrate(
     method: str = "auto",
     proved: bool | None = None,
     progress: Progress | bool | None = None,
+    **unknown: Never,
 ) -> Trajectory:
     """Integrate the Euler–Poisson equations of a scene with heyoka's Taylor method.
 
@@ -131,6 +132,8 @@ def integrate(
         type, and at most some ten seconds; else by a second run.
     progress : callable or bool, optional
         Called from time to time with the fraction of the time done and the steps; True for a bar.
+    **unknown
+        No other argument is accepted; one is refused with the nearest known names.
 
     Returns
     -------
@@ -161,8 +164,10 @@ def integrate(
     >>> run.checked_by, 30 <= run.correct_digits < 35
     ('closed form', True)
     """
+    refuse_unknown("integrate", integrate, unknown)
     if isinstance(progress, bool):
-        asked = {key: value for key, value in locals().items() if key != "progress"}
+        given = locals().items()
+        asked = {key: value for key, value in given if key not in ("progress", "unknown")}
         if not progress:
             return integrate(**asked)
         with bar(library.load(scene).name) as tell:

@@ -114,23 +114,34 @@ class EventTimes(Result, ByValue):
 
         ``times``: in the scene's unit, rounded to the run's type.  ``states``: an array as in a
     trajectory, p q r [gamma1 gamma2 gamma3] at the event itself, read-only: on the section to the
-    type's precision, even if the time has no digits left for that.  ``grazing``: whether rounding
-    decides between no zero and two.  ``complete``: whether rising and falling zeros alternate, as
-    they do unless one was lost or a pole of the expression was passed.
+    type's precision, even if the time has no digits left for that.  ``signs``: 1 rising, -1
+    falling, 0 a contact, of which rounding decides whether it has no zero, one or two; contacts
+    are told for every direction.  ``uncertainty``: how far rounding can move each time in this
+    motion; the run's own error comes on top.  ``depths``: how far the expression goes beyond zero
+    at the extrema beside a crossing, or at the ends of the run, the lesser of both; at a contact,
+    how far from zero it is.  Where that is less than the run's error, the exact motion may have
+    other events.  ``complete``: whether no crossing was lost, and no pole of the expression passed.
 
         >>> from dataclasses import replace
         >>> import polhode
         >>> scene = replace(polhode.load("lagrange/nutation"), events=(polhode.Event("nutation"),))
         >>> (found,) = polhode.integrate(scene, at=[10]).events
-        >>> len(found.times), round(float(found.times[0]), 12), found.grazing[0]
-        (6, 0.46599315847, False)
+        >>> len(found.times), round(float(found.times[0]), 12), found.signs[:3]
+        (6, 0.46599315847, (-1, 1, -1))
     """
 
     name: str
     times: tuple[Fraction, ...]
     states: States
-    grazing: tuple[bool, ...]
+    signs: tuple[int, ...]
+    uncertainty: tuple[float, ...] = ()
+    depths: tuple[float, ...] = ()
     complete: bool = True
+
+    @property
+    def grazing(self) -> tuple[bool, ...]:
+        """Which are contacts."""
+        return tuple(sign == 0 for sign in self.signs)
 
     def __setstate__(self, state: Mapping[str, object]) -> None:
         super().__setstate__(state)
@@ -154,7 +165,9 @@ class EventTimes(Result, ByValue):
             self,
             times=self.times[:count],
             states=self.states[:count],
-            grazing=self.grazing[:count],
+            signs=self.signs[:count],
+            uncertainty=self.uncertainty[:count],
+            depths=self.depths[:count],
         )
 
     @property

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from decimal import Decimal
 from fractions import Fraction
 from operator import index
 from typing import Any, TypeVar
@@ -11,7 +12,14 @@ from typing import Any, TypeVar
 from polhode.common.errors import plain
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact, Number
-from polhode.numbers.expression import number
+from polhode.numbers.expression import (
+    MAX_BITS,
+    MOST_BITS,
+    TOO_LARGE,
+    ExpressionError,
+    decimal,
+    number,
+)
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Numbers, Rows, flat
 from polhode.numbers.scalars import Scalar
@@ -104,13 +112,49 @@ def exactly(value: Any) -> Fraction:
 def exact_number(value: object) -> Exact:
     """A number given in Python, taken exactly, a float as the binary number that it is.
 
-    ``value``: int, Fraction, Irrational, float, numpy or mpmath number, or a string holding an
-    expression such as ``"0.1"`` or ``"sqrt(2)/3"``.  Raises ValueError for anything else.
+    ``value``: int, Fraction, Irrational, float, Decimal, numpy or mpmath number, or a string
+    holding an expression such as ``"0.1"`` or ``"sqrt(2)/3"``.  Raises ValueError for anything
+    else, and for what is larger than a text may say, before it is made exact.
     """
-    if isinstance(value, (Fraction, exact.Irrational)):
+    if isinstance(value, float):
+        return exactly(value)
+    found = derived_number(value)
+    if isinstance(found, Fraction) and _bits(found.numerator, found.denominator) > MAX_BITS:
+        raise ExpressionError(TOO_LARGE)
+    return found
+
+
+def derived_number(value: object) -> Exact:
+    """The same of what may be computed from numbers given: a Fraction may be larger."""
+    if isinstance(value, Fraction):
+        if max(value.numerator.bit_length(), value.denominator.bit_length()) > MOST_BITS:
+            raise ExpressionError(TOO_LARGE)
+        return value
+    if getattr(value, "ndim", None) == 0:
+        value = value[()]  # type: ignore[index]  # of an array of no dimension
+    if isinstance(value, exact.Irrational):
         return value
     if isinstance(value, str):
         return number(value)
+    if isinstance(value, Decimal):
+        return decimal(str(value))
     if isinstance(value, bool) or not hasattr(value, "__float__"):
         raise ValueError(f"not a number: {plain(value)}")
+    if not isinstance(value, float) and _too_large(value):
+        raise ExpressionError(TOO_LARGE)
     return exactly(value)
+
+
+def _too_large(value: Any) -> bool:
+    """Whether a number has too many bits, found without making it exact."""
+    if hasattr(value, "_mpf_"):
+        _, mantissa, exponent, bits = value._mpf_
+        return mantissa != 0 and not -MOST_BITS < exponent <= exponent + bits <= MAX_BITS
+    if hasattr(value, "__index__") and getattr(value, "ndim", 0) == 0:
+        return index(value).bit_length() > MAX_BITS
+    return False  # numpy's, none of which is as large
+
+
+def _bits(top: int, bottom: int) -> int:
+    """The bits of a rational before its point, to one."""
+    return top.bit_length() - bottom.bit_length()

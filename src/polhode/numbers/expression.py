@@ -8,7 +8,7 @@ the name's own arithmetic.  Precedence is Python's: ``-2**2`` is -4, ``2**3**2``
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -19,8 +19,12 @@ from polhode.numbers.scalars import Scalar
 
 MAX_LENGTH = 1000
 MAX_NESTING = 50
+MAX_DIGITS = 4000  # of a decimal
 MAX_EXPONENT = 4000  # of ten, in a decimal; and of a power of an irrational
 MAX_BITS = 14_000  # of a rational on the way, and of an irrational before or after its point
+MOST_BITS = 16 * MAX_BITS  # of a numerator or a denominator that is not written as a text
+
+TOO_LARGE = "a number too large to hold"  # or too small
 
 FUNCTIONS = ("sqrt", "sin", "cos")
 
@@ -29,10 +33,16 @@ _TOKEN = re.compile(
     r"|(?P<name>[A-Za-z_][A-Za-z_0-9]*)|(?P<sign>\*\*|[-+*/()])|(?P<end>$))",
     re.ASCII,
 )
-#: Other ways to write the same.
+#: Other ways to write the same: signs as in print, both signs for micro, spaces that do not break.
 _SAME = str.maketrans(
-    {"^": "**", "²": "**2", "³": "**3", "·": "*", "×": "*", "°": " deg", "−": "-"}
+    {"^": "**", "²": "**2", "³": "**3", "−": "-", "π": "pi"}
+    | dict.fromkeys("·⋅×", "*")
+    | dict.fromkeys("°º˚", " deg ")
+    | dict.fromkeys("µμ", "u")
+    | dict.fromkeys("\u00a0\u2009\u202f", " ")
 )
+_RAISED = {"¹": 1, "²": 2, "³": 3}
+_RECIPROCAL = re.compile("⁻([¹²³])")
 _DECIMAL = re.compile(
     r"([+-]?)(?:([0-9]+)(?:\.([0-9]*))?|\.([0-9]+))(?:[eE]([+-]?[0-9]{1,9}))?", re.ASCII
 )
@@ -47,12 +57,13 @@ class ExpressionError(ValueError):
 class Algebra(NamedTuple):
     """How numbers enter the arithmetic that the names belong to, and its functions by name.
 
-    ``juxtaposed``: a name that follows a value without a sign multiplies it, as a unit does.
+    ``units``: a name that follows a value without a sign multiplies it, as a unit does; those
+    that a refusal lists.  None: names are no units.
     """
 
     lift: Callable[[Exact], Scalar]
     functions: Mapping[str, Callable[[Scalar], Scalar]]
-    juxtaposed: bool = False
+    units: Sequence[str] | None = None
 
 
 def number(text: str) -> Exact:
@@ -72,10 +83,11 @@ def decimal(text: str) -> Fraction:
         raise ExpressionError(f"{plain[:40]!r} is not a finite decimal number")
     minus, whole, places, only_places, power = match.groups()
     places = places or only_places or ""
-    digits = (whole or "") + places
+    digits = ((whole or "") + places).lstrip("0") or "0"
     exponent = int(power or 0)
-    if len(digits) > 4000 or abs(exponent) > MAX_EXPONENT:
-        raise ExpressionError(f"a decimal has at most 4000 digits and exponent {MAX_EXPONENT}")
+    if max(len(digits), len(places)) > MAX_DIGITS or abs(exponent) > MAX_EXPONENT:
+        expected = f"at most {MAX_DIGITS} digits and an exponent from -{MAX_EXPONENT}"
+        raise ExpressionError(f"a decimal has {expected} to {MAX_EXPONENT}")
     exponent -= len(places)
     if exponent < 0:
         return Fraction(int(minus + digits), 10**-exponent)
@@ -106,7 +118,7 @@ class _Reader:
         self.position = 0
         self.depth = 0
         self.names, self.algebra = names, algebra
-        self.juxtaposed = algebra is not None and algebra.juxtaposed
+        self.units = None if algebra is None else algebra.units
 
     def all(self) -> Scalar:
         value = self.sum()
@@ -134,7 +146,7 @@ class _Reader:
             if self.peek() in ("*", "/"):
                 operator, other = self.take(), self.signed()
                 divided |= operator == "/" and not _is_exact(other)
-            elif self.juxtaposed and self.named(self.peek()):
+            elif self.units is not None and self.named(self.peek()):
                 if divided:
                     raise ExpressionError(f"write * or / before {self.peek()!r}")
                 operator, other = "*", self.signed()
@@ -183,10 +195,9 @@ class _Reader:
             return self.names[token]
         if token == "":
             raise ExpressionError("it ends where a number was expected")
-        if self.juxtaposed and token[0].isalpha():
-            raise ExpressionError(
-                f"unknown unit {token[:40]!r}; known are {listed(token, [*self.names])}"
-            )
+        if self.units is not None and token[0].isalpha():
+            known = listed(token, [*self.units])
+            raise ExpressionError(f"unknown unit {token[:40]!r}; known are {known}")
         if token[0].isalpha() or token[0] == "_":
             known = nearest(token, [*self.names, *FUNCTIONS, "pi"])
             raise ExpressionError(f"unknown name {token[:40]!r}; known are {known}")
@@ -230,10 +241,17 @@ class _Reader:
         return self.algebra.lift(value)
 
 
+def in_ascii(text: str) -> str:
+    """An expression without the signs of print: ``25°`` is ``25 deg``, ``s⁻¹`` is ``s**-1``."""
+    if text.isascii() and "^" not in text:
+        return text
+    return _RECIPROCAL.sub(lambda match: f"**-{_RAISED[match[1]]}", text).translate(_SAME)
+
+
 def _split(text: str) -> list[str]:
     tokens: list[str] = []
     position = 0
-    text = text.translate(_SAME)
+    text = in_ascii(text)
     while True:
         match = _TOKEN.match(text, position)
         if match is None:
@@ -274,7 +292,7 @@ def bounded(value: Scalar) -> Scalar:
     if isinstance(value, Fraction):
         size = max(value.numerator.bit_length(), value.denominator.bit_length())
         if size > MAX_BITS:
-            raise ExpressionError("a number too large to hold")
+            raise ExpressionError(TOO_LARGE)
     elif isinstance(value, Irrational) and abs(exact.magnitude(value)) > MAX_BITS:
         raise ExpressionError("a number too large or too small to hold")
     return value

@@ -2,7 +2,8 @@
 
 A unit is a name in an expression.  It may follow a number or another unit without a sign and is
 then multiplied from left to right: ``"1/2 deg"`` is half a degree, ``"2 rev/s"`` is two turns a
-second.  An angle counts as a dimension of its own, so that a length of ``"30 deg"`` is refused.
+second, and so are ``"2 Hz"``.  An angle counts as a dimension of its own, so that a length of
+``"30 deg"`` is refused.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from polhode.numbers.expression import (
     evaluate,
     exact_function,
     exact_power,
+    in_ascii,
 )
 
 #: Exponents of kilogram, metre, second and radian.
@@ -82,60 +84,87 @@ def _of_angle(name: str, x: Quantity) -> Quantity:
     return Quantity(exact_function(name, x.value))
 
 
-_ALGEBRA = Algebra(Quantity, {"sqrt": _root, "sin": _sine, "cos": _cosine}, juxtaposed=True)
-
-
 def _dimension(kg: int = 0, m: int = 0, s: int = 0, rad: int = 0) -> Dimension:
     return tuple(map(Fraction, (kg, m, s, rad)))
 
 
-def _units() -> dict[str, Quantity]:
-    turn, second = 2 * exact.pi(), _dimension(s=1)
-    length, mass = _dimension(m=1), _dimension(kg=1)
-    force, energy = _dimension(1, 1, -2), _dimension(1, 2, -2)
-    return {
-        **{name: Quantity(_decimal(x), length) for name, x in _LENGTHS.items()},
-        **{name: Quantity(_decimal(x), mass) for name, x in _MASSES.items()},
-        **{name: Quantity(_decimal(x), second) for name, x in _DURATIONS.items()},
-        **{name: Quantity(_decimal(x), force) for name, x in _FORCES.items()},
-        **{name: Quantity(_decimal(x), energy) for name, x in _ENERGIES.items()},
-        "rad": Quantity(Fraction(1), _ANGLE),
-        "mrad": Quantity(Fraction(1, 1000), _ANGLE),
-        "deg": Quantity(turn / 360, _ANGLE),
-        "arcmin": Quantity(turn / (360 * 60), _ANGLE),
-        "arcsec": Quantity(turn / (360 * 3600), _ANGLE),
-        "rev": Quantity(turn, _ANGLE),
-        "rpm": Quantity(turn / 60, _dimension(s=-1, rad=1)),
-    }
+_LENGTH, _MASS, _TIME = _dimension(m=1), _dimension(kg=1), _dimension(s=1)
+_FORCE, _ENERGY, _RATE = _dimension(1, 1, -2), _dimension(1, 2, -2), _dimension(s=-1, rad=1)
+
+_POUND, _FOOT = Fraction("0.45359237"), Fraction("0.3048")
+_POUND_FORCE = _POUND * Fraction("9.80665")
+_TURN = 2 * exact.pi()
+
+#: Each unit's names, the first of which tables and refusals list; its size and dimension in SI.
+_TABLE: tuple[tuple[str, Exact | str, Dimension], ...] = (
+    ("m metre metres meter meters", "1", _LENGTH),
+    ("km kilometre kilometres kilometer kilometers", "1000", _LENGTH),
+    ("cm centimetre centimetres centimeter centimeters", "0.01", _LENGTH),
+    ("mm millimetre millimetres millimeter millimeters", "0.001", _LENGTH),
+    ("um micron microns", "1e-6", _LENGTH),
+    ("nm", "1e-9", _LENGTH),
+    ("inch in inches", "0.0254", _LENGTH),
+    ("ft foot feet", _FOOT, _LENGTH),
+    ("kg kilogram kilograms", "1", _MASS),
+    ("g gram grams", "0.001", _MASS),
+    ("mg milligram milligrams", "1e-6", _MASS),
+    ("t tonne tonnes", "1000", _MASS),
+    ("lb lbs lbm pound pounds", _POUND, _MASS),
+    ("oz ounce ounces", _POUND / 16, _MASS),
+    ("slug slugs", _POUND_FORCE / _FOOT, _MASS),
+    ("s sec secs second seconds", "1", _TIME),
+    ("ms msec millisecond milliseconds", "0.001", _TIME),
+    ("us usec microsecond microseconds", "1e-6", _TIME),
+    ("ns", "1e-9", _TIME),
+    ("min mins minute minutes", "60", _TIME),
+    ("h hr hrs hour hours", "3600", _TIME),
+    ("d day days", "86400", _TIME),
+    ("N newton newtons", "1", _FORCE),
+    ("kN", "1000", _FORCE),
+    ("mN", "0.001", _FORCE),
+    ("lbf", _POUND_FORCE, _FORCE),
+    ("kgf", "9.80665", _FORCE),
+    ("J joule joules Nm", "1", _ENERGY),
+    ("kJ", "1000", _ENERGY),
+    ("mJ", "0.001", _ENERGY),
+    ("rad radian radians", "1", _ANGLE),
+    ("mrad", "0.001", _ANGLE),
+    ("deg degree degrees", _TURN / 360, _ANGLE),
+    ("arcmin arcminute arcminutes", _TURN / (360 * 60), _ANGLE),
+    ("arcsec arcsecond arcseconds", _TURN / (360 * 3600), _ANGLE),
+    ("rev revs revolution revolutions turn turns", _TURN, _ANGLE),
+    ("rpm RPM", _TURN / 60, _RATE),
+    ("rps RPS", _TURN, _RATE),
+    ("dps DPS", _TURN / 360, _RATE),
+    ("Hz hz", _TURN, _RATE),
+    ("kHz", 1000 * _TURN, _RATE),
+)
 
 
-def _decimal(text: str) -> Fraction:
-    return Fraction(text)
+def _size(size: Exact | str) -> Exact:
+    return Fraction(size) if isinstance(size, str) else size
 
 
-_LENGTHS = {
-    **{"m": "1", "km": "1000", "cm": "0.01", "mm": "0.001", "um": "1e-6"},
-    **{"inch": "0.0254", "ft": "0.3048"},
-}
-_MASSES = {"kg": "1", "g": "0.001", "mg": "1e-6", "t": "1000", "lb": "0.45359237"}
-_DURATIONS = {"s": "1", "ms": "0.001", "us": "1e-6", "min": "60", "h": "3600"}
-_FORCES = {"N": "1", "kN": "1000", "mN": "0.001", "lbf": "4.4482216152605"}
-_ENERGIES = {"J": "1", "kJ": "1000", "mJ": "0.001"}
+#: The units by name, one name for each.
+UNITS = {names.split()[0]: Quantity(_size(size), what) for names, size, what in _TABLE}
 
-#: The units by name.
-UNITS = _units()
+#: The same under all of their names.
+_NAMED = {name: UNITS[names.split()[0]] for names, _, _ in _TABLE for name in names.split()}
+
+_ALGEBRA = Algebra(Quantity, {"sqrt": _root, "sin": _sine, "cos": _cosine}, tuple(UNITS))
 
 
 def quantity(text: str) -> Exact | Quantity:
     """The exact value of an expression, a Quantity where units are in it."""
-    found = evaluate(text, UNITS, _ALGEBRA)
+    found = evaluate(text, _NAMED, _ALGEBRA)
     assert isinstance(found, (Quantity, Fraction, exact.Irrational))
     return found
 
 
 def mentions_unit(text: str) -> bool:
     """Whether a name in a text follows a number, or is a unit's."""
-    return bool(_AFTER_NUMBER.search(text)) or any(x in UNITS for x in _NAME.findall(text))
+    text = in_ascii(text)
+    return bool(_AFTER_NUMBER.search(text)) or any(x in _NAMED for x in _NAME.findall(text))
 
 
 def in_unit(text: str, unit: str) -> Exact:

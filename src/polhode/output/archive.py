@@ -7,6 +7,7 @@ import math
 import warnings
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, replace
+from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -14,14 +15,14 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from polhode.common.arguments import of_kind
 from polhode.common.errors import UNREADABLE, BadInput
 from polhode.common.files import read_npz, read_whole
 from polhode.common.value_semantics import same
 from polhode.motion.outcomes import Events, EventTimes, Outcome, Projection
-from polhode.numbers import expression
 from polhode.numbers.conversion import number_value
 from polhode.numbers.decimals import decimal_in_full, strings
-from polhode.numbers.number_types import LEAST_MP_BITS, NAMES, NumberType, named
+from polhode.numbers.number_types import LEAST_MP_BITS, MAX_DIGITS, NAMES, NumberType, named
 from polhode.numbers.rows import Given, Row, Rows, read_only
 from polhode.numbers.scalars import AnyNumber
 from polhode.output.json_object import JsonObject
@@ -30,7 +31,7 @@ from polhode.runs.reevaluate import made_again
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import scene_file
 from polhode.scenes.scene import Scene
-from polhode.scenes.scene_text import toml
+from polhode.scenes.scene_text import as_toml
 from polhode.scenes.vocabulary import ATTITUDE, COLUMNS
 
 if TYPE_CHECKING:
@@ -38,7 +39,10 @@ if TYPE_CHECKING:
 
 FORMAT = "polhode run 1"
 MAX_BYTES = 1 << 31
-MOST_BITS = 1 << 24  # of a number in a file
+MOST_BITS = 1 << 16  # of a number in a file
+MOST_CHARACTERS = 70_000  # of a decimal, and the most that its exponent may be
+#: What a file that is no run makes reading it raise.
+DAMAGED = (LookupError, TypeError, AttributeError, ArithmeticError, MemoryError, *UNREADABLE)
 _Held: TypeAlias = "dict[str, npt.NDArray[np.generic]]"
 
 
@@ -62,7 +66,7 @@ def arrays(run: Trajectory) -> JsonObject:
         "provenance": dict(run.provenance),
     }
     held: JsonObject = {
-        "scene": np.array(toml(run.scene)),
+        "scene": np.array(as_toml(run.scene)),
         "source": np.array(run.scene.source),
         "times": np.array(run.time_strings(), dtype=np.str_),
     }
@@ -76,6 +80,9 @@ def arrays(run: Trajectory) -> JsonObject:
         held[f"event{k}_times"] = np.array(event.time_strings(), dtype=np.str_)
         held[f"event{k}_states"] = _texts(event.states, run.number)
         held[f"event{k}_grazing"] = np.array(event.grazing, dtype=bool)
+        held[f"event{k}_signs"] = np.array(event.signs, dtype=np.int8)
+        held[f"event{k}_uncertainty"] = np.array(event.uncertainty, dtype=float)
+        held[f"event{k}_depths"] = np.array(event.depths, dtype=float)
     held["about"] = np.array(as_json(about))
     return held
 
@@ -111,22 +118,21 @@ def load_run(path: str | Path) -> Trajectory:
     >>> again == run, list(again(1.5)) == list(run(1.5))
     (True, True)
     """
+    of_kind("load_run", "path", path, (str, Path), "the path of a .npz file")
     name = str(path)
     if Path(path).suffix.lower() in (".csv", ".json", ".parquet"):
         raise BadInput(name, "file", None, "a .npz file; polhode.load_result reads this one")
+    expected = "a run that polhode saved"
+    data = read_whole(Path(path), MAX_BYTES, expected)
     try:
-        held = read_npz(read_whole(Path(path), MAX_BYTES, "a run that polhode saved"))
-        return run_of(held)
-    except BadInput:
-        raise
-    except (KeyError, TypeError, *UNREADABLE) as fault:
-        expected = f"a run that polhode saved ({fault})"
-        raise BadInput(name, "file", None, expected) from None
+        return run_of(read_npz(data))
+    except DAMAGED as fault:
+        raise BadInput(name, "file", None, f"{expected} ({fault})") from None
 
 
 def run_of(held: _Held) -> Trajectory:
-    """The run of these arrays; raises KeyError, TypeError or ValueError for others."""
-    about = json.loads(str(held["about"]))
+    """The run of these arrays; raises one of DAMAGED for others."""
+    about = json.loads(str(held["about"]), parse_constant=_no_constant)
     if about["format"] != FORMAT:
         raise ValueError(f"format {about['format']!r}")
     scene = scene_file.parse(str(held["scene"]), _told(about, "name", str))
@@ -135,10 +141,11 @@ def run_of(held: _Held) -> Trajectory:
 
 def _run(held: _Held, about: JsonObject, scene: Scene) -> Trajectory:
     number, outcome = _number(about), Outcome(about["outcome"])
+    ends, count = outcome is Outcome.REACHED_END, held["times"].size
+    if count > len(scene.times) or (ends and count < len(scene.times)):
+        raise ValueError("times: not those of the scene")
     times = _times(held, "times")
-    asked = scene.output_times.rounded(number)
-    ends = outcome is Outcome.REACHED_END
-    if asked[: len(asked) if ends else len(times)] != times:
+    if scene.output_times.rounded(number)[:count] != times:
         raise ValueError("times: not those of the scene")
     rows = {
         name: _numbers(held, name, number, (len(times), width))
@@ -162,7 +169,7 @@ def _run(held: _Held, about: JsonObject, scene: Scene) -> Trajectory:
         times=times,
         outcome=outcome,
         steps=_told(about, "steps", int),
-        reached=expression.decimal(_told(about, "reached", str)),
+        reached=_decimal(_told(about, "reached", str)),
         tolerance=float.fromhex(_told(about, "tolerance", str)),
         digits=_told(about, "digits", int, None),
         method=_told(about, "method", str),
@@ -174,8 +181,10 @@ def _run(held: _Held, about: JsonObject, scene: Scene) -> Trajectory:
         provenance=_told(about, "provenance", dict),
         **rows,
     )
-    if not 0 < run.tolerance < math.inf or run.method not in ("taylor", "refined"):
+    if not 0 <= run.tolerance < math.inf or run.method not in ("taylor", "refined"):
         raise ValueError("no tolerance or method of a run")
+    if run.steps < 0 or not (run.digits is None or 0 < run.digits <= MAX_DIGITS):
+        raise ValueError("no steps or digits of a run")
     object.__setattr__(run, "dense", _Again(run))
     return run
 
@@ -201,9 +210,19 @@ def _events(
         times = _times(held, f"event{k}_times")
         states = _numbers(held, f"event{k}_states", number, (len(times), len(scene.columns)))
         states = read_only(states, len(scene.columns))
-        grazing = _array(held, f"event{k}_grazing", "b", (len(times),))
+        if f"event{k}_signs" not in held:
+            raise ValueError("events without their signs, of an older version: run again")
+        signs, uncertainty, depths = (
+            tuple(_array(held, f"event{k}_{name}", kind, (len(times),)).tolist())
+            for name, kind in (("signs", "i"), ("uncertainty", "f"), ("depths", "f"))
+        )
+        grazing = _array(held, f"event{k}_grazing", "b", (len(times),)).tolist()
+        if not set(signs) <= {-1, 0, 1} or grazing != [sign == 0 for sign in signs]:
+            raise ValueError("signs of events: expected -1, 1, and 0 where they graze")
         complete = _told(told, "complete", bool)
-        found.append(EventTimes(told["name"], times, states, tuple(grazing.tolist()), complete))
+        found.append(
+            EventTimes(told["name"], times, states, signs, uncertainty, depths, complete)
+        )
     return tuple(found)
 
 
@@ -220,11 +239,25 @@ def _projection(about: JsonObject) -> Projection | None:
     )
 
 
+def _no_constant(text: str) -> float:
+    raise ValueError(f"{text}: no number")
+
+
+def _decimal(text: str) -> Fraction:
+    """A decimal of more digits than a scene may have."""
+    found = Decimal(text) if len(text) <= MOST_CHARACTERS else Decimal("nan")
+    if not found.is_finite() or abs(found.adjusted()) > MOST_CHARACTERS:
+        raise ValueError(f"{text[:40]!r} is no number of a run")
+    return Fraction(found)
+
+
 def _told(about: JsonObject, key: str, *kinds: type | None) -> Any:
     """A value of the JSON part, of the one kind that polhode writes there, or None where it may."""
     value = about[key]
     if isinstance(value, int) and not isinstance(value, bool) and float in kinds:
         return float(value)
+    if isinstance(value, float) and not math.isfinite(value):
+        raise ValueError(f"{key}: {value!r}")
     if type(value) not in kinds and not (value is None and None in kinds):
         raise ValueError(f"{key}: {value!r}")
     return value
@@ -288,10 +321,7 @@ def _numbers(held: _Held, name: str, number: NumberType, shape: tuple[int, int])
     """The numbers of the type that strings stand for, as a trajectory holds them."""
     texts = _array(held, name, "U", shape)
     rows = [
-        [
-            None if not x else number_value(number.rounded(expression.decimal(str(x))), number)
-            for x in row
-        ]
+        [None if not x else number_value(number.rounded(_decimal(str(x))), number) for x in row]
         for row in texts
     ]
     if not number.flat or any(x is None for row in rows for x in row):
@@ -301,6 +331,4 @@ def _numbers(held: _Held, name: str, number: NumberType, shape: tuple[int, int])
 
 
 def _times(held: _Held, name: str) -> tuple[Fraction, ...]:
-    return tuple(
-        expression.decimal(str(x)) for x in _array(held, name, "U", (held[name].size,)).tolist()
-    )
+    return tuple(_decimal(str(x)) for x in _array(held, name, "U", (held[name].size,)).tolist())

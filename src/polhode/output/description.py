@@ -64,7 +64,7 @@ def described(scene: Scene) -> JsonObject:
 
 
 def _near(scene: Scene) -> JsonObject:
-    """Families and special motions that the scene is near to, and the condition that fails."""
+    """Families that the scene is near to, and the condition that fails."""
     found = [f"{name}: {missed}" for name, missed in near(scene)]
     return {"near": found} if found else {}
 

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from polhode.common.provenance import provenance
 from polhode.equations.column import Texts, column, derived_words
 from polhode.judging.diagnosis.error_budget import is_lost
 from polhode.motion.outcomes import EventTimes
@@ -106,12 +105,15 @@ def rows_of_column(word: str, shown: Any) -> Texts:
 
 
 def of_event(event: EventTimes, number: NumberType) -> JsonObject:
-    """When an event happened, and the states then."""
+    """When an event happened, in which direction, how surely, and the states then."""
     return {
         "name": event.name,
         "times": event.time_strings(),
         "states": strings(event.states, number),
+        "signs": list(event.signs),
         "grazing": list(event.grazing),
+        "uncertainty": [f"{x:.1e}" for x in event.uncertainty],
+        "depths": [f"{x:.1e}" for x in event.depths],
         "complete": event.complete,
     }
 
@@ -145,7 +147,7 @@ def of_reference(reference: Reference, times: Sequence[Exact], digits: int) -> J
         if word in scene.outputs:
             rows = right_rows(partial(reference.column, word), held, printed)
             answer[word] = of_column(word, answer["states"], strings(rows, number))
-    answer |= {"outcome": "reached end", "steps": 0, "provenance": provenance(scene.text)}
+    answer |= {"outcome": "reached end", "steps": 0, "provenance": scene.provenance()}
     return answer
 
 
@@ -198,7 +200,7 @@ def of_enclosure(found: Enclosure) -> JsonObject:
         "steps": found.steps,
         "tries": found.tries,
         "seconds": round(found.seconds_in_all, 3),
-        "provenance": provenance(scene.text),
+        "provenance": scene.provenance(),
     }
 
 
@@ -309,7 +311,7 @@ def of_judgement(judged: Judgement) -> JsonObject:
         answer["causes"] = [
             {"cause": cause.words, "digits": round(cause.digits, 1)} for cause in judged.causes
         ]
-    answer["proven"] = reference.is_proven
+    answer["proven"] = True  # a closed form, or balls
     if not reference.is_closed_form:
         answer["reference_digits"] = None if math.isnan(known) else round(known, 1)
     return answer

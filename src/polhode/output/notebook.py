@@ -13,7 +13,6 @@ from polhode.common.text_tables import counted, few, printable
 from polhode.figures.canvas.canvas import BODY, REST, SPACE
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference
-from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.judging.score.judgement import Judgement
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.decimals import brief, shown
@@ -61,7 +60,7 @@ def of_result(found: Result) -> str:
 def _head(found: Result) -> str:
     """The line that names a result, and the first rows of its table; not of what must compute."""
     told = f"<p>{escape(printable(repr(found).strip('<>')))}</p>"
-    if isinstance(found, (Reference, Certified, TwoPrecisions)):
+    if isinstance(found, (Reference, Certified)):
         return told
     header, *rows = table(found).rows()
     head = "".join(f"<th>{escape(name)}</th>" for name in header)

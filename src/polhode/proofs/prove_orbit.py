@@ -12,7 +12,6 @@ from flint import arb
 from polhode.common.arguments import whole
 from polhode.common.errors import BadInput
 from polhode.common.progress import Message
-from polhode.common.provenance import provenance
 from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.dynamics.periodic_orbits.orbit import Orbit
 from polhode.dynamics.periodic_orbits.orbit import orbit as approximate
@@ -253,7 +252,7 @@ def _result(level: Level, found: Found, seconds: float) -> ProvedOrbit:
             noise,
             found.runs,
             seconds,
-            provenance(what.scene.text),
+            what.scene.provenance(),
             what.tolerance,
         )
 

@@ -31,6 +31,7 @@ from polhode.taylor.integrator.prepared import Prepared
 _COEFFICIENTS = len(principal.NAMES)
 _SPEED, _RATE, _ORIGIN, _PARAMETERS = range(_COEFFICIENTS, _COEFFICIENTS + 4)
 
+TINY = 2.0**-150  # heyoka loses the next zero of a polynomial without constant term
 _DAMPED = 2.0**-26  # so that events take no part in choosing the steps
 _SMALL = 1e-6  # of an expression's size: what an extremum and an end are looked at for
 _STILL = 1e-12  # of an expression's size: that it is no more than this all along says nothing
@@ -96,7 +97,8 @@ class Candidates:
             for extremum, f in enumerate((value, slope)):
                 if hy.get_variables([f]):  # a constant has no zeros
                     callback = _Callback(self, number, bool(extremum))
-                    events.append(hy.nt_event(hy.subs(f, inside) * damping, callback))
+                    seen = hy.subs(f, inside) * damping + hy.expression(TINY)
+                    events.append(hy.nt_event(seen, callback))
             both = hy.cfunc([value, slope], vars=[*x, *names, TIME])
             self._expressions.append(_Expression(both, size))
         equations = [(v, hy.subs(rate, inside)) for v, rate in zip(x, rates, strict=True)]

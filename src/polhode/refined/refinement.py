@@ -240,6 +240,8 @@ class _Run:
             return
         if not self.marks[1:]:
             self.search.refuse_what_never_moves(now)
+            bits = self.wanted.limbs.finest
+            self.search.begin(self._series([round(x * (1 << bits)) for x in self.problem.state]))
         done, seam = len(self.found), self.origin + _SEAM
         ahead = {t for t in self.times[done:] if t in self._asked or t <= seam}
         for place in now.places:
@@ -253,14 +255,20 @@ class _Run:
         """Look at the places passed since the last time; whether one of them ends the run."""
         if self.search is None:
             return False
-        bits, backward = self.wanted.limbs.finest, self.search.backward
+        way = -1 if self.search.backward else 1
         for t, row in zip(self.times[self._looked :], self.found[self._looked :], strict=False):
             if t in self._sought:
-                series = Series(_turned(row, backward), bits, self.problem.coefficients)
-                for event, extremum in self._sought[t]:
-                    self.search.look(-t if backward else t, series, event, extremum)
+                self.search.look(way * t, self._series(row), self._sought[t])
         self._looked = len(self.found)
+        if self.found:
+            self.search.passed(way * self.times[self._looked - 1], self._series(self.found[-1]))
         return self.search.stop is not None
+
+    def _series(self, row: list[int]) -> Series:
+        """The scene's motion through a state."""
+        assert self.search is not None
+        state = _turned(row, self.search.backward)
+        return Series(state, self.wanted.limbs.finest, self.problem.coefficients)
 
     def _in_unit(self, unit: int) -> Constants:
         limbs = self.wanted.limbs

@@ -34,10 +34,6 @@ class Series:
                 return found
         raise ValueError("too far from the state")
 
-    def rates(self, state: Sequence[int]) -> list[int]:
-        """The field at a state."""
-        return self._field(lambda a, b: state[a] * state[b] >> self.bits, state)
-
     def _next(self) -> list[int]:
         terms, n = self._terms, len(self._terms)
 

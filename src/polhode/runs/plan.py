@@ -39,12 +39,7 @@ def plans(problem: Problem, scene: Scene, schedule: Schedule) -> tuple[Plan, ...
 
 
 def _planned(problem: Problem, scene: Scene, times: Times) -> tuple[Plan, ...]:
-    """At most one observer has ways of its own: no events are told beside a run with attitude."""
     ways: list[Way] = []
-    if scene.events:
-        from polhode.runs._observers import events
-
-        ways += events.ways(problem, scene, times)
     if scene.modelled:
         from polhode.runs._observers import attitude
 

@@ -9,7 +9,6 @@ from typing import TypeAlias, cast
 
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
-from polhode.common.provenance import provenance
 from polhode.motion.outcomes import Events, Outcome
 from polhode.motion.protocols import CannotSolve, Motion
 from polhode.numbers.number_types import NumberType
@@ -133,6 +132,6 @@ def _made_of(
     """A trajectory's provenance, made when it is wanted: it takes as long as a short run."""
 
     def found() -> dict[str, object]:
-        return {**provenance(scene.text), "seconds": seconds, **more}
+        return {**scene.provenance(), "seconds": seconds, **more}
 
     return cast(Mapping[str, object], found)

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Generic, Literal, SupportsFloat, cast, overloa
 
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import nearest
-from polhode.common.presentation import Slot
 from polhode.common.result import Result
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue, may_wait
@@ -35,7 +34,6 @@ from polhode.numbers.rows import (
 )
 from polhode.numbers.scalars import AnyNumber, Real
 from polhode.runs.error_estimate import Expected, by_errors, expected
-from polhode.runs.presentation import Reevaluation, RunPresentation
 from polhode.scenes.output_times import OutputTimes
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import COLUMNS, Several, Single
@@ -56,9 +54,6 @@ else:
     S_co = TypeVar("S_co", covariant=True)
 
 _TORUS = 4  # integrals that fix the torus of an integrable top with gamma
-
-_PRESENTATION: Slot[RunPresentation[Trajectory]] = Slot("runs")
-_REEVALUATION: Slot[Reevaluation[Trajectory]] = Slot("reevaluation")
 
 
 @may_wait("provenance")
@@ -224,7 +219,9 @@ class Trajectory(Result, ByValue, Generic[S_co]):
     def attitude_at(self, t: SupportsFloat) -> Row: ...
     def attitude_at(self, t: AnyNumber | Iterable[AnyNumber]) -> Reread:
         """The quaternion q0 q1 q2 q3 at time t, or rows of it; the run is repeated for it."""
-        return _REEVALUATION.get().at_times(self, "attitude", t)
+        from polhode.runs import reevaluate
+
+        return reevaluate.at_times(self, "attitude", t)
 
     @overload
     def angles_at(self, t: str) -> list[Real | None]: ...  # type: ignore[overload-overlap]
@@ -234,7 +231,9 @@ class Trajectory(Result, ByValue, Generic[S_co]):
     def angles_at(self, t: SupportsFloat) -> list[Real | None]: ...
     def angles_at(self, t: AnyNumber | Iterable[AnyNumber]) -> Reread:
         """psi, theta, phi at time t, or rows of them; the run is repeated for it."""
-        return _REEVALUATION.get().at_times(self, "angles", t)
+        from polhode.runs import reevaluate
+
+        return reevaluate.at_times(self, "angles", t)
 
     @overload  # type: ignore[override]  # a run has many figures
     def plot(
@@ -266,11 +265,15 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         """
         if not isinstance(what, str):
             what, axes = "", what
-        return _PRESENTATION.get().plot(self, what, axes if ax is None else ax, end)
+        from polhode.figures import drawing
+
+        return drawing.plot(self, what, axes if ax is None else ax, end=end)
 
     def view(self, *, end: AnyNumber | None = None) -> Page:
         """The motion as an animated page, see :func:`polhode.view`."""
-        return _PRESENTATION.get().view(self, end)
+        from polhode.figures import drawing
+
+        return drawing.view(self, end=end)
 
     @property
     def seconds(self) -> Mapping[str, float]:

@@ -8,18 +8,20 @@ exactly, and projections onto an axis are formed before the axis is scaled to le
 from __future__ import annotations
 
 import math
-import sys
-from collections.abc import Iterable, Sized
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import InitVar, dataclass, field
 from fractions import Fraction
+from typing import Any
 
 from polhode.common.arguments import each, of_kind
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
 from polhode.numbers import exact
-from polhode.numbers.conversion import exact_number
+from polhode.numbers.conversion import derived_number, exact_number
+from polhode.numbers.decimals import brief
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.scalars import AnyNumber, AnyVector
+from polhode.scenes.rounding import are_rounded, asymmetry, excess, flattened, symmetrised
 from polhode.scenes.shapes import Part, carried, together
 
 Vector = tuple[Exact, Exact, Exact]
@@ -28,25 +30,25 @@ Matrix = tuple[Vector, Vector, Vector]
 IDENTITY: Matrix = ((ONE, ZERO, ZERO), (ZERO, ONE, ZERO), (ZERO, ZERO, ONE))
 
 
+#: What an inertia matrix is, and how a robot's description (URDF) gives the same.
+MATRIX = (
+    "a 3 x 3 matrix: with URDF's ixx ixy ixz iyy iyz izz it is "
+    "[[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]], signs unchanged"
+)
+PRODUCTS = "off the diagonal stand minus the products of inertia"
+
+
+def _listed(row: object) -> Any:
+    """A row for looking at it twice; what is none is refused where it is read."""
+    return [*row] if isinstance(row, Iterable) and not isinstance(row, str) else row
+
+
 def exact_vector(values: object, source: str = "Body", key: str = "vector") -> Vector:
     """Three numbers of any kind, taken exactly; raises BadInput."""
-    numbers = each(source, key, values, exact_number, "three numbers")
+    numbers = each(source, key, values, derived_number, "three numbers")
     if len(numbers) != 3:
         raise BadInput(source, key, f"{len(numbers)} numbers", "three numbers")
     return numbers[0], numbers[1], numbers[2]
-
-
-def unit_in_doubles(values: object) -> bool:
-    """Whether floats are of length 1 but for their own rounding, to 8 eps, and not exactly."""
-    if not isinstance(values, Sized) or not isinstance(values, Iterable) or isinstance(values, str):
-        return False  # an iterator is used up by looking at it
-    given = [*values]
-    if not any(isinstance(x, float) for x in given):
-        return False
-    if not all(type(x) is int or (isinstance(x, float) and math.isfinite(x)) for x in given):
-        return False
-    square = sum((Fraction(x) ** 2 for x in given), Fraction(-1))
-    return 0 < abs(square) <= 8 * Fraction(sys.float_info.epsilon)
 
 
 def dot(a: Vector, b: Vector) -> Exact:
@@ -133,10 +135,14 @@ OWN_AXES = PrincipalAxes(IDENTITY, (ONE, ONE, ONE))
 class Body:
     """Inertia matrix I at the fixed point, centre of mass r0, weight Mg, in body axes.
 
-    Any consistent units.  Numbers of any kind are exact, a float the binary number that it is; see
-    :func:`polhode.numbers.conversion.exact_number`.  Raises UnphysicalBody, a ValueError, unless I
-    is symmetric with positive principal moments of which none exceeds the sum of the other two.
-    ``parts``: the solids that it was made of, if any.
+    Any consistent units.  Off the diagonal of I stand minus the products of inertia: I_xy is
+    minus the integral of x y dm.  Numbers of any kind are exact, a float the binary number that it
+    is; see :func:`polhode.numbers.conversion.exact_number`.  Raises UnphysicalBody, a ValueError,
+    unless I is symmetric with positive principal moments of which none exceeds the sum of the other
+    two.  Where I has floats, and none of it is a text, what it lacks of that by 8 eps of its
+    largest element is rounding: I is made symmetric, or that of a flat body, and ``change`` says
+    so.  ``rounded`` says whether it is to be taken so, whatever the numbers.  ``parts``: the solids
+    that it was made of, if any.
 
     >>> import polhode
     >>> top = polhode.Body.of_moments([2, 2, 1], centre=[1, 0, 0], weight="3/2")
@@ -152,35 +158,66 @@ class Body:
     centre: Vector = (ZERO, ZERO, ZERO)
     weight: Exact = ZERO
     parts: tuple[Part, ...] = ()
+    rounded: InitVar[bool | None] = None
+    change: str = field(default="", init=False, repr=False, compare=False)
 
-    def __post_init__(self) -> None:
-        rows = each("Body", "inertia", self.inertia, lambda row: row, "a 3 x 3 matrix")
-        if len(rows) != 3:
-            raise BadInput("Body", "inertia", f"{len(rows)} rows", "a 3 x 3 matrix")
-        rows = tuple(exact_vector(row, key=f"inertia[{i + 1}]") for i, row in enumerate(rows))
-        object.__setattr__(self, "inertia", rows)
+    def __post_init__(self, rounded: bool | None) -> None:
+        given = each("Body", "inertia", self.inertia, _listed, MATRIX)
+        if len(given) != 3 or isinstance(self.inertia, Mapping):
+            shown = f"{len(given)} rows" if len(given) != 3 else self.inertia
+            raise BadInput("Body", "inertia", shown, MATRIX)
+        x, y, z = (exact_vector(row, key=f"inertia[{i + 1}]") for i, row in enumerate(given))
+        if rounded is None:
+            rounded = are_rounded(number for row in given for number in row)
+        object.__setattr__(self, "inertia", (x, y, z))
+        if rounded:
+            self._take(*symmetrised(self.inertia))
         object.__setattr__(self, "centre", exact_vector(self.centre, key="centre"))
-        (weight,) = each("Body", "weight", (self.weight,), exact_number, "a number")
+        (weight,) = each("Body", "weight", (self.weight,), derived_number, "a number")
         object.__setattr__(self, "weight", weight)
         self._check_parts()
-        for i, j in ((0, 1), (0, 2), (1, 2)):
-            if rows[i][j] != rows[j][i]:
-                raise UnphysicalBody("a symmetric matrix")
-        a, b, c = self.moments
-        if any(sign(moment) <= 0 for moment in (a, b, c)):
-            raise UnphysicalBody("positive principal moments")
-        if a + b < c or b + c < a or c + a < b:
-            raise UnphysicalBody("principal moments of which none exceeds the sum of the others")
+        gap, (i, j) = asymmetry(self.inertia)
+        if gap is not ZERO:
+            pair = f"[{i + 1}][{j + 1}] and [{j + 1}][{i + 1}]"
+            expected = f"a symmetric matrix: {pair} differ by {brief(gap, 3)}; {PRODUCTS}"
+            raise UnphysicalBody(expected)
+        self._check_moments(rounded)
+
+    def _take(self, inertia: Matrix, change: str) -> None:
+        """Take another inertia matrix where something of it was rounding."""
+        if change:
+            object.__setattr__(self, "inertia", inertia)
+            object.__setattr__(self, "change", "; ".join(filter(None, (self.change, change))))
+            self.__dict__.pop("_principal", None)
+
+    def _check_moments(self, rounded: bool) -> None:
+        """Refuse principal moments that no body has, unless that is rounding."""
+        over = excess(self.moments)
+        if all(sign(moment) > 0 for moment in self.moments):
+            if rounded and sign(over) > 0:
+                flat, change = flattened(self.inertia, over)
+                self._take(flat, change)
+                over = ZERO if change else over
+            if sign(over) == 0:
+                return
+            expected = "principal moments of which none exceeds the sum of the others"
+            amount = f", too much by {brief(over, 3)}"
+        else:
+            expected, amount = "positive principal moments", ""
+        told = f"{expected}: they are {', '.join(brief(x) for x in self.moments)}{amount}"
+        raise UnphysicalBody(told if self.axes.trivial else f"{told}; {PRODUCTS}")
 
     @classmethod
     def of_moments(
         cls, moments: AnyVector, centre: AnyVector = (0, 0, 0), weight: AnyNumber = 0
     ) -> Body:
         """A body given in principal axes by its moments A, B, C."""
+        given = _listed(moments)
         return cls(
-            diagonal(exact_vector(moments, key="moments")),
+            diagonal(exact_vector(given, key="moments")),
             exact_vector(centre, key="centre"),
             weight,  # type: ignore[arg-type]  # taken exactly there
+            rounded=isinstance(given, list) and are_rounded(given),
         )
 
     @classmethod
@@ -193,7 +230,9 @@ class Body:
         (of_mass,) = each("Body", "mass", (mass,), exact_number, "a number")
         if sign(of_mass) <= 0:
             raise BadInput("Body", "mass", mass, "a mass above 0")
-        return cls(carried(own.inertia, of_mass, place), place, weight)  # type: ignore[arg-type]
+        found = cls(carried(own.inertia, of_mass, place), place, weight)  # type: ignore[arg-type]
+        object.__setattr__(found, "change", own.change)
+        return found
 
     @classmethod
     def of_parts(

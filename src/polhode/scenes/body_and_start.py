@@ -2,18 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple, cast
 
 from polhode.common.errors import BadInput
 from polhode.numbers import exact
+from polhode.numbers.decimals import brief
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
-from polhode.scenes.body import Body, Matrix, UnphysicalBody, Vector, diagonal, dot, scaled
+from polhode.scenes.body import (
+    MATRIX,
+    Body,
+    Matrix,
+    UnphysicalBody,
+    Vector,
+    diagonal,
+    scaled,
+)
+from polhode.scenes.given_numbers import in_units
 from polhode.scenes.level_start import omega_on_level
+from polhode.scenes.rounding import is_unit_but_for_rounding
 from polhode.scenes.shapes import Part, carried
-from polhode.scenes.validation import Reading, as_written
+from polhode.scenes.validation import Reading, as_written, is_expression
 from polhode.scenes.vocabulary import CENTRE, FIXED_POINT, SIGNS
 
+THETA = "start.angles[2]"
 _NOWHERE: Vector = (ZERO, ZERO, ZERO)
 _WAYS_TO_TURN = ("gamma", "angles", "quaternion")
 _WAYS_TO_MOVE = ("omega", "momentum", "rates", "h")
@@ -40,7 +52,9 @@ def body_of(reading: Reading, table: Mapping[str, Any]) -> Body:
     if key == "moments":
         inertia = diagonal(reading.vector("body.moments", table["moments"]))
     else:
-        rows = reading.array("body.inertia", table["inertia"], 3)
+        rows = table["inertia"]
+        if not isinstance(rows, list) or len(rows) != 3:
+            raise reading.bad("body.inertia", rows, MATRIX)
         a, b, c = (reading.vector(f"body.inertia[{i + 1}]", row) for i, row in enumerate(rows))
         inertia = (a, b, c)
     centre = reading.vector("body.centre", table["centre"]) if "centre" in table else _NOWHERE
@@ -55,8 +69,12 @@ def body_of(reading: Reading, table: Mapping[str, Any]) -> Body:
         if mass is None or "centre" not in table:
             missing = "mass" if mass is None else "centre"
             raise reading.bad(f"body.{missing}", None, "a value, with about = 'centre'")
-        _physical(reading, key, table[key], inertia, _NOWHERE, ZERO)
-        inertia = carried(inertia, mass, centre)
+        own = _physical(reading, key, table[key], inertia, _NOWHERE, ZERO)
+        body = _physical(
+            reading, key, table[key], carried(own.inertia, mass, centre), centre, weight
+        )
+        object.__setattr__(body, "change", own.change)
+        return body
     return _physical(reading, key, table[key], inertia, centre, weight)
 
 
@@ -128,8 +146,10 @@ def _weight(reading: Reading, table: Mapping[str, Any], mass: Exact | None) -> E
 def _physical(
     reading: Reading, key: str, value: object, inertia: Matrix, centre: Vector, weight: Exact
 ) -> Body:
+    rows = value if key == "inertia" else [value]
+    exactly = any(is_expression(x) for row in cast(list[list[object]], rows) for x in row)
     try:
-        return Body(inertia, centre, weight)
+        return Body(inertia, centre, weight, rounded=not exactly)
     except UnphysicalBody as fault:
         raise reading.bad(f"body.{key}", value, fault.expected) from None
 
@@ -204,23 +224,37 @@ def _turn(reading: Reading, table: Mapping[str, Any], body: Body) -> Turn | None
         return None
     psi = reading.number("start.psi", reading.given("start", table, "psi"))
     gamma = reading.vector("start.gamma", table["gamma"])
-    square = _square(reading, "gamma", table["gamma"], dot(gamma, gamma), normalise)
+    square = _square(reading, "gamma", table["gamma"], gamma, normalise)
     return Turn(gamma if square == 1 else scaled(1 / exact.sqrt(square), gamma), psi)
 
 
-def _square(reading: Reading, key: str, given: object, square: Exact, normalise: bool) -> Exact:
+def _square(
+    reading: Reading, key: str, given: list[object], numbers: Sequence[Exact], normalise: bool
+) -> Exact:
     """The squared length of a unit vector, 1 or anything above 0 that may be normalised."""
     shown = as_written(given)
+    square = exact.total(x * x for x in numbers)
     if square != 1 and not normalise:
-        raise reading.bad(f"start.{key}", shown, "length exactly 1, or normalise = true")
+        amount = f"1 {_signed(square - 1)}"
+        if not is_unit_but_for_rounding(given):
+            expected = f"length exactly 1, or normalise = true: its square is {amount}"
+            raise reading.bad(f"start.{key}", shown, expected)
+        reading.change = f"start.{key} brought to length 1 (its square was {amount}: rounding)"
     if sign(square) == 0:
         raise reading.bad(f"start.{key}", shown, "a vector that is not zero")
     return square
 
 
+def _signed(x: Exact) -> str:
+    return f"{'-' if sign(x) < 0 else '+'} {brief(abs(x), 2)}"
+
+
 def _of_angles(reading: Reading, table: Mapping[str, Any]) -> Turn:
     """R = Rz(psi) Rx(theta) Rz(phi)."""
     psi, theta, phi = reading.vector("start.angles", table["angles"])
+    given = table["angles"][1]
+    if abs(theta) > 2 * exact.pi() and not (is_expression(given) and in_units(given)):
+        reading.doubt = doubtful_theta(theta)
     try:
         sine, cosine = exact.sin(theta), exact.cos(theta)
         s, c = exact.sin(phi), exact.cos(phi)
@@ -231,6 +265,12 @@ def _of_angles(reading: Reading, table: Mapping[str, Any]) -> Turn:
         psi, phi = psi + phi * (1 if sign(cosine) > 0 else -1), ZERO
         s, c = ZERO, ONE
     return Turn((sine * s, sine * c, cosine), psi, (s, c))
+
+
+def doubtful_theta(theta: Exact) -> str:
+    """What is said of a theta of more than a turn, without a unit."""
+    taken = f"start.angles: theta = {brief(theta)} is taken in radians, and is more than a turn"
+    return f'{taken}; for degrees write "{brief(theta)} deg"'
 
 
 def _of_rates(turn: Turn, rates: Vector) -> Vector:
@@ -252,7 +292,7 @@ def _of_quaternion(reading: Reading, given: object, normalise: bool) -> Turn:
     """
     numbers = reading.array("start.quaternion", given, 4)
     a, b, c, d = (reading.number("start.quaternion", x) for x in numbers)
-    square = _square(reading, "quaternion", given, a * a + b * b + c * c + d * d, normalise)
+    square = _square(reading, "quaternion", numbers, (a, b, c, d), normalise)
     third = (a * a - b * b - c * c + d * d) / square
     gamma = (2 * (b * d - a * c) / square, 2 * (c * d + a * b) / square, third)
     x, y = 2 * (b * d + a * c), 2 * (a * b - c * d)  # R13 and -R23: sin theta (sin psi, cos psi)

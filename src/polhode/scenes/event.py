@@ -53,6 +53,8 @@ def check_event(event: Event, scene: str, key: str) -> None:
     """Refuse what no event can be; raises BadInput in the name of a scene and a key of it."""
     for word in ("name", "zero", "direction"):
         of_kind(scene, f"{key}.{word}", getattr(event, word), str, "text")
+    if not event.name.isprintable():  # it is the name of a row, a column and a key
+        raise BadInput(scene, f"{key}.name", event.name, "text of one line that can be printed")
     of_kind(scene, f"{key}.stop", event.stop, bool, "True or False")
     if event.direction not in DIRECTIONS:
         expected = nearest(event.direction, [*DIRECTIONS])

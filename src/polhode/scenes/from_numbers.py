@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Never
 
-from polhode.common.arguments import each, of_kind
-from polhode.common.errors import BadInput, listed, plain
+from polhode.common.arguments import each, of_kind, refuse_unknown
+from polhode.common.errors import BadInput
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes import keys, scene_file
-from polhode.scenes.body import unit_in_doubles
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_text import as_read, owned, written
@@ -60,7 +58,10 @@ def top(
     moments : vector, optional
         The principal moments of inertia about the fixed point.
     inertia : 3 vectors, optional
-        Or the whole inertia matrix about it.
+        Or the whole inertia matrix about it, [[Ixx, Ixy, Ixz], [Ixy, Iyy, Iyz], [Ixz, Iyz, Izz]]:
+        off the diagonal stand minus the products of inertia, Ixy = -∫ x y dm (as in URDF; some
+        drawing programs list them without the minus).  Floats that are symmetric, or those of a
+        flat body, but for their rounding (8 eps) are made so, and ``Scene.notes`` says it.
     parts : sequence of Part or mapping, optional
         Or solids by shape.
     about : {"fixed point", "centre"}, optional
@@ -74,7 +75,7 @@ def top(
         psi, theta, phi.
     gamma : vector, optional
         The upward vertical in body axes, of length 1.  Floats of length 1 but for their rounding
-        (8 eps) are brought to length 1, and the scene's text says so.
+        (8 eps) are brought to length 1, and the scene's text and ``Scene.notes`` say so.
     psi : number, optional
         The precession angle at the start, with ``gamma``.
     angles : vector, optional
@@ -121,6 +122,11 @@ def top(
     BadInput
         A ValueError: the argument, its value and what was expected.
 
+    Warns
+    -----
+    UserWarning
+        Input that is possible, and hardly meant: theta of more than a turn, without a unit.
+
     See Also
     --------
     load : a scene from a file; ``polhode guide scene`` explains each key.
@@ -139,10 +145,7 @@ def top(
     """
     of_kind("top", "name", name, str, "text")
     of_kind(name, "start.normalise", normalise, bool, "True or False")
-    for key in unknown:
-        known = [*inspect.signature(top).parameters][:-1]
-        raise BadInput(name, key, plain(unknown[key]), f"an argument: {listed(key, known)}")
-    normalise = normalise or unit_in_doubles(gamma) or unit_in_doubles(quaternion)
+    refuse_unknown(name, top, unknown)
     given = {key: value for key, value in locals().items() if value is not None}
     data: dict[str, Any] = {
         section: {key.name: given[key.name] for key in keys.KEYS[section] if key.name in given}
@@ -166,10 +169,13 @@ def top(
         raise BadInput(name, "run.samples", samples, "a whole number")
     data = owned(data)  # read once, and written when the caller may have changed or used it up
     try:
-        return scene_file.of_tables(as_read(data, name), name, lambda: written(data, name))
+        scene = scene_file.of_tables(as_read(data, name), name, lambda: written(data, name))
     except ValueError:
-        pass
-    return scene_file.parse(written(data, name), name)  # the line of a fault shows its text
+        return scene_file.parse(written(data, name), name)  # the line of a fault shows its text
+    if scene.change:  # gamma or the quaternion was brought to length 1: its text is to say so
+        data["start"]["normalise"] = True
+    scene.speak()
+    return scene
 
 
 def _event(name: str, index: int, event: object) -> Mapping[str, Any]:

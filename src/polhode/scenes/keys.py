@@ -63,7 +63,7 @@ KEYS: dict[str, tuple[Key, ...]] = {
             "units",
             WORD,
             "`SI`: numbers without a unit are in m, kg, s and rad; implied where any number has a "
-            "unit, as `5 cm`; left out otherwise: any consistent units",
+            "unit, as `5 cm`, an angle's aside; left out otherwise: any consistent units",
             '"SI"',
             '""',
         ),
@@ -81,7 +81,8 @@ KEYS: dict[str, tuple[Key, ...]] = {
         Key(
             "inertia",
             "3 x 3 matrix",
-            "or the inertia matrix in any body axes",
+            "or the inertia matrix in any body axes; off its diagonal stand minus the products of "
+            "inertia, Ixy = -∫ x y dm, as in URDF",
             '[[2, "1/2", 0], ["1/2", 2, 0], [0, 0, 3]]',
             unit="kg*m**2",
         ),
@@ -244,7 +245,7 @@ KEYS: dict[str, tuple[Key, ...]] = {
         Key("quantity", WORD, "an expression in the columns", '"180/pi*p"'),
         Key("value", WORD, "the value, digit for digit as printed", '"12.6183907758"'),
         Key("cite", WORD, "who printed it", '"NASA/TM-2015-218675"'),
-        Key("right", WHOLE, "digits known to be right, if not all are", "7"),
+        Key("right", WHOLE, "the fewest digits that are right, if not all are", "7"),
     ),
     "reference": (Key("kind", WORD, f"one of {_listed(REFERENCES)}", '"euler"', '"auto"'),),
     "section": (
@@ -266,9 +267,18 @@ KEYS: dict[str, tuple[Key, ...]] = {
 }
 
 
+_OF_TABLES = ("body.parts", "events", "published")
+_HEADS = {x: f"[[{x}]]" if x in _OF_TABLES else f"[{x}]" for x in KEYS} | {"": "the top level"}
+
+
 def names(section: str) -> list[str]:
     """The keys that a section may have."""
     return [key.name for key in KEYS[section]]
+
+
+def homes(name: str) -> str:
+    """The sections that have a key of this name, as they are written; "" for none."""
+    return " or ".join(_HEADS[section] for section in KEYS if name in names(section))
 
 
 def words(section: str) -> set[str]:

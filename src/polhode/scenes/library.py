@@ -68,7 +68,9 @@ def load(scene: Scene | str | Path) -> Scene:
         return scene
     from polhode.scenes import scene_file
 
-    return scene_file.read(*place(scene))
+    found = scene_file.read(*place(scene))
+    found.speak()
+    return found
 
 
 def place(scene: str | Path) -> tuple[Path, str | None]:

@@ -13,24 +13,22 @@ from dataclasses import InitVar, dataclass, field
 from fractions import Fraction
 from typing import NamedTuple
 
+from polhode.common import notices
 from polhode.common.arguments import each, of_kind
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, nearest
-from polhode.common.presentation import Slot
-from polhode.common.text_tables import counted
+from polhode.common.provenance import provenance
+from polhode.common.text_tables import counted, one_line
 from polhode.common.value_semantics import may_wait
 from polhode.numbers import exact
-from polhode.numbers.conversion import exact_number
+from polhode.numbers.conversion import derived_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.scalars import AnyNumber
 from polhode.scenes.body import Body, Vector, dot, exact_vector, scaled
 from polhode.scenes.event import Event, check_event
 from polhode.scenes.output_times import OutputTimes, listed_times
-from polhode.scenes.presentation import ScenePresentation
 from polhode.scenes.vocabulary import COLUMNS, FORMS, STATE, UNITS
-
-_PRESENTATION: Slot[ScenePresentation[Scene]] = Slot("scenes")
 
 
 class Published(NamedTuple):
@@ -48,7 +46,7 @@ class Published(NamedTuple):
     quantity: str
     value: str
     cite: str
-    right: int | None = None  # significant digits known to be right, where not all are
+    right: int | None = None  # significant digits that are right at least, where not all are
 
     @property
     def recomputed(self) -> bool:
@@ -136,10 +134,14 @@ class Scene:
     section: SectionPlan = field(default_factory=SectionPlan)
     units: str = ""  # "SI" where the numbers are in m, kg, s and rad
     normalise: InitVar[bool] = False
+    change: str = field(default="", compare=False)  # of gamma; the body has its own
+    doubt: str = field(default="", compare=False)  # what is hardly meant
 
     def __post_init__(self, normalise: bool) -> None:
         for key in ("name", "title", "form", "reference", "units"):
             of_kind("Scene", key, getattr(self, key), str, "text")
+        if (name := one_line(self.name)) != self.name:  # it stands in every line that is said of it
+            object.__setattr__(self, "name", name)
         if not callable(vars(self)["_source"]):
             of_kind("Scene", "source", self.source, str, "text")
         for key, kind in _PARTS.items():
@@ -155,7 +157,7 @@ class Scene:
         of_kind(self.name, "expect", self.expect, Mapping, "bands of digits by number type")
         of_kind(self.name, "body", self.body, Body, "a Body")
         object.__setattr__(self, "omega", exact_vector(self.omega, self.name, "start.omega"))
-        (psi,) = each(self.name, "start.psi", (self.psi,), exact_number, "a number")
+        (psi,) = each(self.name, "start.psi", (self.psi,), derived_number, "a number")
         object.__setattr__(self, "psi", psi)
         object.__setattr__(self, "times", self._checked_times("run.at", self.times))
         if self.gamma is not None:
@@ -191,7 +193,9 @@ class Scene:
         return f"<Scene {self.name}: moments {moments}{until}>"
 
     def _repr_html_(self) -> str:
-        return _PRESENTATION.get().html(self)
+        from polhode.output import notebook
+
+        return notebook.of_scene(self)
 
     def _bad(self, key: str, value: object, expected: str) -> BadInput:
         return BadInput(self.name, key, value, expected)
@@ -244,6 +248,31 @@ class Scene:
         body = self.body
         parts = (body.inertia, body.centre, body.weight, self.omega, self.gamma, self.psi)
         return self.source or repr((parts, self.times))
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was changed of its numbers, as far as rounding alone kept them from being possible.
+
+        And what of them is possible, and hardly meant.
+        """
+        return tuple(filter(None, (*self.changes, self.doubt)))
+
+    @property
+    def changes(self) -> tuple[str, ...]:
+        """What was changed of its numbers."""
+        return tuple(filter(None, (self.body.change, self.change)))
+
+    def provenance(self) -> dict[str, object]:
+        """Where a result comes from: versions, processor, the text's fingerprint, notes if any."""
+        found = provenance(self.text)
+        return found | {"notes": list(self.notes)} if self.notes else found
+
+    def speak(self) -> None:
+        """Say its notes on stderr: a change once in a process, a doubt as a warning."""
+        for text in self.changes:
+            notices.change(self.name, text)
+        if self.doubt:
+            notices.doubt(self.name, self.doubt)
 
     @property
     def output_times(self) -> OutputTimes[Exact]:

@@ -23,6 +23,7 @@ from polhode.scenes.validation import Literal, Reading, is_int
 from polhode.scenes.vocabulary import (
     DIRECTIONS,
     EXTREMA,
+    FORMER_REFERENCES,
     READY_MADE,
     REFERENCES,
     SECTION,
@@ -65,15 +66,18 @@ def of_tables(data: dict[str, object], name: str, text: Callable[[], str]) -> Sc
 
 def body_and_start(
     data: dict[str, Any], name: str, body: Body | None = None
-) -> tuple[Body, Vector, Vector | None, Exact]:
-    """Body, omega, gamma and psi in the tables of a scene file; raises BadInput.
+) -> tuple[Body, Vector, Vector | None, Exact, str]:
+    """Body, omega, gamma and psi in the tables of a scene file, and what was changed of the start.
+
+    Raises BadInput.
 
     ``body``: the body that the tables are known to hold, to spare reading it again.
     """
     reading = Reading(name, data)
     if body is None:
         body = body_of(reading, reading.table("body"))
-    return body, *start_of(reading, reading.table("start"), body)
+    omega, gamma, psi = start_of(reading, reading.table("start"), body)
+    return body, omega, gamma, psi, reading.change
 
 
 def times_of(run: dict[str, Any], name: str) -> Sequence[Exact]:
@@ -114,7 +118,8 @@ class _File(Reading):
         judged = self.table("reference", required=False)
         kind = self.word("reference.kind", self.given("reference", judged, "kind"))
         if kind not in REFERENCES and kind not in (more := added_families.names()):
-            raise self.bad("reference.kind", kind, nearest(kind, [*REFERENCES, *more]))
+            expected = FORMER_REFERENCES.get(kind) or nearest(kind, [*REFERENCES, *more])
+            raise self.bad("reference.kind", kind, expected)
         times = self.times(run)
         published = tuple(self.published(i, p) for i, p in enumerate(self.tables("published")))
         units = self.word("units", self.given("", data, "units"))
@@ -137,6 +142,8 @@ class _File(Reading):
             source=cast(str, text),  # a function may wait there
             section=self.section(self.table("section", required=False)),
             units=units or ("SI" if self.in_si else ""),
+            change=self.change,
+            doubt=self.doubt,
         )
 
     # -- sections -----------------------------------------------------------------------------

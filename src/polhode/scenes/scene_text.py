@@ -8,11 +8,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, TypeGuard
 
+from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput, nearest, plain
 from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import in_full, is_decimal
 from polhode.numbers.exact import Irrational
 from polhode.scenes import keys, scene_file
+from polhode.scenes.body import MATRIX
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Published, Scene
 from polhode.scenes.shapes import Part
@@ -26,7 +28,7 @@ _OF_TIMES = ("end", "samples", "at")
 _SURROGATE = re.compile("[\ud800-\udfff]")
 
 
-def toml(scene: Scene) -> str:
+def as_toml(scene: Scene) -> str:
     """Write a scene as the text of a file that holds it exactly.
 
     It is the file's own text if the scene was not changed since; body and start are written as they
@@ -64,6 +66,7 @@ def toml(scene: Scene) -> str:
     end = 10
     <BLANKLINE>
     """
+    of_kind("as_toml", "scene", scene, Scene, "a Scene")
     if scene.source and scene_file.parse(scene.source, scene.name) == scene:
         return scene.source
     data: dict[str, Any] = {key: _plainly(getattr(scene, key)) for key in _TITLES}
@@ -166,6 +169,8 @@ class _Value:
             return "[\n  " + ",\n  ".join(items) + ",\n]" if many else f"[{', '.join(items)}]"
         if self.words:
             raise BadInput(self.name, self.key, plain(value), "a text")
+        if isinstance(value, Mapping) and self.key == "body.inertia":
+            raise BadInput(self.name, self.key, plain(value), MATRIX)
         return self.number(value)
 
     def held(self, value: object) -> object:
@@ -174,23 +179,33 @@ class _Value:
             return value
         if isinstance(value, str):
             return str(value) if _plain(value) else self._read(value)
-        if type(value) in (int, float) and not self.words:
-            return value if isinstance(value, int) else exact_number(value)
+        if type(value) is int and not self.words:
+            return value
+        if isinstance(value, float) and not self.words:
+            return exact_number(value)
         if _several(value):
             return [self.held(x) for x in value]
-        return self._read(value)
+        whole = hasattr(value, "__index__") or type(value).__name__ == "bool_"
+        if self.words or whole or isinstance(value, Mapping):
+            return self._read(value)
+        found = self.exactly(value)
+        return found if is_decimal(found) else self._read(value)
 
     def _read(self, value: object) -> object:
         return scene_file.tables(f"x = {self.text(value)}", self.name)["x"]
 
-    def number(self, value: Any) -> str:
+    def exactly(self, value: object) -> Fraction:
         try:
-            x = exact_number(value[()] if getattr(value, "ndim", None) == 0 else value)
+            x = exact_number(value.item() if getattr(value, "ndim", None) == 0 else value)
         except ValueError as fault:
             raise BadInput(self.name, self.key, plain(value), f"a number ({fault})") from None
         if isinstance(x, Irrational):
             expected = "a number with finitely many digits, or its expression as text"
             raise BadInput(self.name, self.key, float(x), expected)
+        return x
+
+    def number(self, value: object) -> str:
+        x = self.exactly(value)
         return in_full(x) if is_decimal(x) else json.dumps(in_full(x))
 
 

@@ -68,6 +68,7 @@ def read(scene: Scene | str | Path) -> StartBox:
         radii.append(_fraction(found))
         omega[k], text = middle, text.replace(item, middle)
     own = scene_file.of_tables(tables, source, lambda: text)
+    own.speak()
     a, b, c = radii
     return StartBox(own if name else replace(own, name=called(path)), (a, b, c))
 

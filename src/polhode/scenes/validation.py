@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeGuard
 
 from polhode.common.errors import BadInput, nearest, plain
 from polhode.numbers import exact, expression
+from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
 from polhode.scenes import keys
 from polhode.scenes.body import Vector
+
+_LONG = 24  # characters: no double is printed with more
 
 #: Between the middle and the radius of an interval, which proofs alone take.
 PLUS_MINUS = ("\u00b1", "+-", "+/-")
@@ -26,7 +30,9 @@ class Reading:
 
     def __init__(self, name: str, data: dict[str, Any]) -> None:
         self.name, self.data = name, data
-        self.in_si = False  # a number was written with a unit
+        self.change = ""  # of the start, which rounding alone kept from being possible
+        self.doubt = ""  # what of it is hardly meant
+        self.in_si = False  # a number was written with a unit, and is more than an angle
 
     def bad(self, key: str, value: object, expected: str) -> BadInput:
         """The fault of a key's value, to be raised."""
@@ -38,6 +44,9 @@ class Reading:
         for key, value in table.items():
             if key not in allowed:
                 full = ".".join(filter(None, (where or section, key)))
+                home = keys.homes(key)
+                if home:
+                    raise self.bad(full, value, f"no such key here: it belongs in {home}")
                 raise self.bad(full, value, f"one of the keys {nearest(key, allowed)}")
 
     def table(self, section: str, required: bool = True) -> Mapping[str, Any]:
@@ -71,7 +80,7 @@ class Reading:
 
     def word(self, key: str, value: object) -> str:
         """A text."""
-        if not isinstance(value, str) or isinstance(value, Literal):
+        if not is_expression(value):
             raise self.bad(key, value, "a string")
         return value
 
@@ -124,18 +133,23 @@ class Reading:
 
 
 def number_in_text(text: str, key: str) -> tuple[Exact, bool]:
-    """The value of an expression for a key, and whether it was written with units.
+    """The value of an expression for a key, and whether its units make it a number in SI.
 
-    Raises ExpressionError.
+    Those of an angle do not: it is the same number in any units.  Raises ExpressionError.
     """
     try:
         return expression.number(text), False
     except ExpressionError:
-        from polhode.numbers.quantity import in_unit, mentions_unit
+        from polhode.numbers.quantity import in_unit, is_angle, mentions_unit
 
         if not mentions_unit(text):
             raise
-        return in_unit(text, keys.unit(key)), True
+        return in_unit(text, keys.unit(key)), not is_angle(text)
+
+
+def is_expression(value: object) -> TypeGuard[str]:
+    """Whether a value is a text, which holds an exact expression; a decimal of the file is none."""
+    return isinstance(value, str) and not isinstance(value, Literal)
 
 
 def is_int(value: object) -> bool:
@@ -154,7 +168,21 @@ def as_written(value: object, depth: int = 4) -> Any:
         return "{" + ", ".join(f"{key} = {_shown(item, depth)}" for key, item in items) + "}"
     if isinstance(value, bool):
         return "true" if value else "false"
+    if isinstance(value, (Fraction, exact.Irrational)):
+        return shown(value)
+    if isinstance(value, Literal) and len(value) > _LONG:
+        return _as_double(value)
     return value
+
+
+def _as_double(value: Literal) -> str:
+    """A decimal that is a double in full as Python prints that one; any other as it is."""
+    near = float(value)
+    try:
+        same = math.isfinite(near) and expression.decimal(value) == Fraction(near)
+    except ExpressionError:
+        return value
+    return repr(near) if same else value
 
 
 def _shown(item: object, depth: int) -> str:

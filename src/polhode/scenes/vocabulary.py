@@ -6,12 +6,14 @@ from collections.abc import Mapping
 from typing import Literal, NamedTuple, TypeAlias
 
 #: What ``reference.kind`` may ask for: the first that fits, a closed form by the name of its family
-#: (polhode.closed_forms.families), a proven enclosure, or two integrations.
+#: (polhode.closed_forms.families), or a proven enclosure.
 REFERENCES = (
     *("auto", "euler", "lagrange", "kovalevskaya", "pendulum", "staude", "bobylev-steklov"),
     *("grioli", "goryachev-chaplygin", "hess", "steklov", "goryachev", "n-kowalewski"),
-    *("chaplygin", "certified", "two-precisions"),
+    *("chaplygin", "certified"),
 )
+#: What earlier versions took for ``reference.kind``, and what to write instead.
+FORMER_REFERENCES = {"two-precisions": "auto, or certified for a proven enclosure"}
 
 
 #: The forms of the equations (polhode.equations.forms), in the order of the source.

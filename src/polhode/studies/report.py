@@ -13,7 +13,7 @@ import inspect
 import json
 import shlex
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from importlib import import_module
 from importlib.resources import files
 from pathlib import Path
@@ -32,7 +32,6 @@ from polhode.studies.page.html import require as require_markdown
 from polhode.studies.page.tables import PageTable
 from polhode.studies.page.template import filled
 from polhode.studies.row_filter import Only
-from polhode.studies.source_closure import sources
 
 #: The studies in the order of the report; each is a folder of that name, with _ for -.
 STUDIES = ("accuracy", "proofs", "speed", "stability", "long-run", "events")
@@ -46,6 +45,7 @@ GONE = {
     "gallery": "reports/gallery.md, whose figures polhode plot draws",
 }
 PAGE = "report.html"
+PACKAGE = Path(__file__).parents[1]
 
 
 def write_report(
@@ -163,11 +163,18 @@ def _text(folder: str, file: str) -> str:
 
 
 def key(name: str, quick: bool) -> str:
-    """What a study's results depend on: the code of its rows, cases, versions, processor, mode."""
+    """What a study's results depend on: the package, cases, versions, processor, mode."""
     cases = [library.folder() / f"{case}.toml" for case in library.names()]
-    paths = [*sources([f"studies/{_folder(name)}/rows"]), *cases]
-    parts = [f"{'/'.join(path.parts[-3:])}\n{path.read_text(encoding='utf-8')}" for path in paths]
-    return digest("\0".join([*parts, str(_versions(name)), cpu(), str(quick)]))
+    parts = [f"{'/'.join(path.parts[-3:])}\n{path.read_text(encoding='utf-8')}" for path in cases]
+    return digest("\0".join([*_package(), *parts, str(_versions(name)), cpu(), str(quick)]))
+
+
+def _package() -> Iterator[str]:
+    """The modules of polhode, each with its place; nothing else that lies beside them counts."""
+    for path in sorted(PACKAGE.rglob("*.py")):
+        # a stray file, such as a "._name.py" of macOS, is no text
+        text = path.read_text(encoding="utf-8", errors="backslashreplace")
+        yield f"{path.relative_to(PACKAGE).as_posix()}\n{text}"
 
 
 def _folder(study: str) -> str:

@@ -7,6 +7,7 @@ from typing import Any
 
 from polhode.checks import results
 from polhode.common.errors import BadInput
+from polhode.common.text_tables import one_line
 from polhode.numbers.decimals import shown
 from polhode.verbs.terminal import DONE, FAILED, ProgressLine, print_json, say, word
 
@@ -82,6 +83,6 @@ def _print_check(report: Any) -> None:
         say(f"     {line.number:<9}{digits}{band}: {line.verdict}{why}")
     for figure in report.figures:
         p = figure.published
-        say(f"     {p.quantity} at t = {shown(p.t)}: {figure.verdict}  ({p.cite})")
+        say(f"     {p.quantity} at t = {shown(p.t)}: {figure.verdict}  ({one_line(p.cite)})")
         say(f"         printed {p.value}")
         say(f"         ours    {figure.ours}")

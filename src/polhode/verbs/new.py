@@ -6,6 +6,7 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
 from polhode.common.errors import BadInput
+from polhode.common.text_tables import one_line
 from polhode.output import new_scene
 from polhode.scenes import library, scene_file
 from polhode.verbs.terminal import DONE, print_json, refuse_two_on_stdout, say, word
@@ -47,7 +48,7 @@ def main(options: Namespace) -> int:
     if options.json:
         print_json({"file": str(path), "title": scene.title, "units": scene.units})
     elif not is_stdout(path):
-        say(f"{path}: {scene.title}")
+        say(f"{path}: {one_line(scene.title)}")
         say(f"next: polhode run {path} -o {path.stem}.csv")
         say(f"      polhode view {path} -o {path.stem}.html")
     return DONE

@@ -105,7 +105,7 @@ def _one(options: Namespace, path: Path | None, found: Orbit) -> int:
     from polhode.common.files import is_stdout, write_whole
     from polhode.output import orbits as output
     from polhode.output import proofs
-    from polhode.scenes.scene_text import toml
+    from polhode.scenes.scene_text import as_toml
 
     proof: ProvedOrbit | None = None
     if options.prove:
@@ -119,7 +119,7 @@ def _one(options: Namespace, path: Path | None, found: Orbit) -> int:
             note(f"polhode: not proved: {why}")
             return NOT_REACHED
     if path is not None:
-        write_whole({path: toml(found.scene)})
+        write_whole({path: as_toml(found.scene)})
     if options.json:
         answer = output.of_orbit(found)
         if proof is not None:

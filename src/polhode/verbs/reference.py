@@ -31,13 +31,13 @@ from polhode.verbs.terminal import (
     positive,
     print_json,
     print_rows,
-    read_times,
     refuse_two_on_stdout,
     seconds,
     tell_certificate,
     whole,
     word,
 )
+from polhode.verbs.times import time_options, times_of
 
 if TYPE_CHECKING:
     from polhode.enclosures.events import CertifiedEvents
@@ -51,7 +51,7 @@ HELP = "the closed form alone, or a proven enclosure of any motion"
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
     parser.add_argument("scene", type=word, metavar="SCENE", help="a case that ships, or a path")
-    parser.add_argument("--at", metavar="T,T...", help="times instead of the scene's")
+    time_options(parser)
     parser.add_argument("--digits", type=whole, default=50, help="correct digits (50)")
     parser.add_argument(
         "--events", action="store_true", help="with --certified: the scene's events, proven"
@@ -95,7 +95,7 @@ def main(options: Namespace) -> int:
     scene = library.load(options.scene) if box is None else box.scene
     if options.outputs is not None:
         scene = replace(scene, outputs=tuple(o for o in options.outputs.split(",") if o))
-    times = scene.times if options.at is None else read_times(scene, options.at)
+    times = times_of(options, scene)
     if not times:
         raise BadInput(scene.name, "run.end", None, "a time, or times given with --at")
     if not 1 <= options.digits <= number_types.MAX_DIGITS:

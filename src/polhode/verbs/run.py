@@ -20,11 +20,11 @@ from polhode.verbs.terminal import (
     positive,
     print_json,
     print_rows,
-    read_times,
     refuse_two_on_stdout,
     whole,
     word,
 )
+from polhode.verbs.times import time_options, times_of
 
 if TYPE_CHECKING:
     from polhode.motion.outcomes import EventTimes
@@ -53,7 +53,7 @@ def options(parser: ArgumentParser) -> None:
         help="check them by a second run, an estimate; default: by a proof if it is cheap enough",
     )
     parser.add_argument("--number", help="double (default), extended, quad or mp")
-    parser.add_argument("--at", metavar="T,T...", help="output times instead of the scene's")
+    time_options(parser)
     parser.add_argument("--tol", metavar="X", help="tolerance of a step (default: the type's eps)")
     parser.add_argument(
         "--method",
@@ -86,8 +86,7 @@ def main(options: Namespace) -> int:
     from polhode.motion.outcomes import Outcome
 
     scene = library.load(options.scene)
-    if options.at is not None:
-        scene = scene.at(read_times(scene, options.at))
+    scene = scene.at(times_of(options, scene))
     if options.form is not None:
         scene = replace(scene, form=options.form)
     if options.outputs is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 
+from polhode.common.text_tables import one_line
 from polhode.scenes import library
 from polhode.verbs.terminal import DONE, print_json, say, word
 
@@ -32,5 +33,5 @@ def main(options: Namespace) -> int:
         elif isinstance(value, (tuple, list)):
             value = ", ".join(str(x) for x in value)
         if value not in (None, ""):
-            say(f"{key:<14}{value}")
+            say(f"{key:<14}{one_line(str(value))}")
     return DONE

@@ -21,11 +21,11 @@ from polhode.verbs.terminal import (
     positive,
     print_json,
     print_table,
-    read_times,
     refuse_two_on_stdout,
     whole,
     word,
 )
+from polhode.verbs.times import time_options, times_of
 
 if TYPE_CHECKING:
     from polhode.dynamics.observables.reduce_many import Reductions
@@ -51,7 +51,7 @@ def options(parser: ArgumentParser) -> None:
     digits = "digits wanted: choose the number type by the fastest member, and are not checked"
     parser.add_argument("--digits", type=whole, help=digits)
     parser.add_argument("--number", help="double (default), extended, quad or mp")
-    parser.add_argument("--at", metavar="T,T...", help="output times instead of the scene's")
+    time_options(parser)
     parser.add_argument("--tol", metavar="X", help="tolerance of a step (default: the type's eps)")
     parser.add_argument(
         "--method", default="auto", help="taylor, refined or auto, as in polhode run"
@@ -77,8 +77,7 @@ def main(options: Namespace) -> int:
     from polhode.scenes.variation import vary
 
     scene = library.load(options.scene)
-    if options.at is not None:
-        scene = scene.at(read_times(scene, options.at))
+    scene = scene.at(times_of(options, scene))
     varied = vary.options(options.vary, scene.name, scene.units)
     path = None if options.file is None else Path(options.file)
     if path is not None:

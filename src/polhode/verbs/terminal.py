@@ -17,18 +17,15 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 from polhode.common.errors import BadInput
 from polhode.common.files import is_stdout, write_stdout
-from polhode.common.interrupts import heard
+from polhode.common.signals import INTERRUPTED as INTERRUPTED
+from polhode.common.signals import hear, heard
 from polhode.common.text_tables import aligned, printable
-from polhode.numbers.exact import Exact
-from polhode.numbers.expression import ExpressionError
-from polhode.scenes.given_numbers import TIME, in_text
 
 if TYPE_CHECKING:
     from polhode.common.checkpoint import Checkpoint
-    from polhode.scenes.scene import Scene
 
 LONG = 10.0  # seconds of a proof that are foretold
-DONE, FAILED, BAD_INPUT, NOT_REACHED, INTERRUPTED = 0, 1, 2, 3, 130
+DONE, FAILED, BAD_INPUT, NOT_REACHED = 0, 1, 2, 3
 
 
 class _Closed(io.TextIOBase):
@@ -46,12 +43,9 @@ def prepare() -> None:
         sys.stdout = _Closed()
     if sys.stderr is None:
         sys.stderr = _nowhere()
-    heard.came = False
+    heard.came, heard.loaded = False, True
     if threading.current_thread() is threading.main_thread():
-        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-            signal.signal(signal.SIGINT, heard)
-        if signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
-            signal.signal(signal.SIGTERM, heard)  # ends like Ctrl-C
+        hear()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
@@ -128,17 +122,6 @@ def seconds(text: str) -> float:
     if not 0 < found < math.inf:
         raise argparse.ArgumentTypeError(f"seconds above 0, not {text[:40]!r}")
     return found
-
-
-def read_times(scene: Scene, text: str) -> tuple[Exact, ...]:
-    """The times of ``--at``, exact."""
-    times = []
-    for item in text.split(","):
-        try:
-            times.append(in_text(item, scene.units, TIME))
-        except ExpressionError as fault:
-            raise BadInput(scene.name, "--at", item, f"a time ({fault})") from None
-    return tuple(times)
 
 
 def refuse_two_on_stdout(path: Path, json: bool) -> None:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Protocol, TypeAlias
+from typing import Protocol
 
 from polhode.closed_forms._engine.closed_form import ClosedForm, Rows
 from polhode.closed_forms._engine.misfit import Misfit
@@ -33,41 +33,25 @@ class Maker(Protocol):
         ...
 
 
-#: Names of a family's special motions, each with the Misfit, None where there is none to tell.
-Special: TypeAlias = Iterable[tuple[str, Misfit | None]]
-
-
-def no_special(scene: PrincipalScene) -> Special:
-    """Of a family without special motions."""
-    del scene
-    return ()
-
-
 @dataclass(frozen=True)
 class Family:
     """One family of closed forms.
 
     ``name``: the word of ``reference.kind`` in a scene file.  ``fits``: whether a scene belongs, by
     exact arithmetic alone.  ``misfit``: why one does not; None of one that belongs.
-    ``closed_form``: gives the maker, and imports what it needs when it is called.  ``special``: of
-    a scene that belongs, the special motions that it may be near to.
+    ``closed_form``: gives the maker, and imports what it needs when it is called.
     """
 
     name: str
     fits: Callable[[PrincipalScene], bool]
     misfit: Callable[[PrincipalScene], Misfit | None]
     closed_form: Callable[[], Maker]
-    special: Callable[[PrincipalScene], Special] = no_special
 
 
-def orbit_family(
-    name: str,
-    motion: type[OrbitMotion],
-    special: Callable[[PrincipalScene], Special] = no_special,
-) -> Family:
+def orbit_family(name: str, motion: type[OrbitMotion]) -> Family:
     """A family that its conditions in the normal axes decide."""
 
     def fits(scene: PrincipalScene) -> bool:
         return placed_in(motion.conditions, scene) is not None
 
-    return Family(name, fits, partial(shortfall, motion.conditions), lambda: motion, special)
+    return Family(name, fits, partial(shortfall, motion.conditions), lambda: motion)

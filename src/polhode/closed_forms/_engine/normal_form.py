@@ -205,20 +205,6 @@ def shortfall(conditions: Conditions, scene: PrincipalScene) -> Misfit | None:
     return best
 
 
-def missing(*conditions: Condition) -> Misfit | None:
-    """By how much conditions fail together; None where all hold, or an ungraded one fails."""
-    failing = [(c.text, c.off) for c in conditions if not c.holds]
-    if any(not (c.holds or c.graded) for c in conditions):
-        return None
-    return leading(failing)
-
-
-def size_of(scene: PrincipalScene) -> Exact:
-    """:attr:`Placed.speed` of a scene in its own principal axes."""
-    assert scene.gamma is not None
-    return Placed(scene.moments, scene.torque, scene.omega, scene.gamma).speed
-
-
 def _failing(conditions: Conditions, placed: Placed, least: float) -> list[Condition]:
     """The conditions that fail, up to one that is off by more than 10^least."""
     failing: list[Condition] = []

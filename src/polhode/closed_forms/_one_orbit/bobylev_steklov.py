@@ -24,19 +24,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from polhode.closed_forms._engine.family import Family, orbit_family
-from polhode.closed_forms._engine.misfit import Misfit
 from polhode.closed_forms._engine.normal_form import (
     Condition,
     Placed,
     equal,
-    missing,
     moving,
     on_axis_1,
-    placed_in,
-    positive,
 )
 from polhode.closed_forms._engine.orbit_motion import Orbit, OrbitMotion
-from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.closed_forms._one_orbit.orbits import EllipticOrbit
 from polhode.closed_forms._winding.euler_angles import Attitude
 from polhode.closed_forms._winding.winding_number import bisected
@@ -191,16 +186,4 @@ class BobylevSteklov(OrbitMotion):
         return Asymptotic(start, placed, self._axes.determinant, p, motion.nu, motion.v0, positive)
 
 
-def special(scene: PrincipalScene) -> Iterator[tuple[str, Misfit | None]]:
-    """By how much the motion misses Ga = gamma1 + C r^2/2 Mg x0 = 1 (with C p^2 < Mg x0)."""
-    found = placed_in(conditions, scene)
-    if found is None:
-        return
-    placed = found[1]
-    p, _, r = placed.omega
-    k = placed.torque[0] / placed.moments[2]
-    limit = equal("gamma1 + C r^2/(2 Mg x0) = 1", placed.gamma[0] + r * r / (2 * k), 1)
-    yield "asymptotic to a rotation", missing(positive("C p^2 < Mg x0", k - p * p), limit)
-
-
-FAMILY: Family = orbit_family("bobylev-steklov", BobylevSteklov, special)
+FAMILY: Family = orbit_family("bobylev-steklov", BobylevSteklov)

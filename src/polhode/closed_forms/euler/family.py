@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from polhode.closed_forms._engine.family import Family, Maker, Special
-from polhode.closed_forms._engine.principal_scene import PrincipalScene
+from polhode.closed_forms._engine.family import Family, Maker
 from polhode.closed_forms.euler.conditions import fits, misfit
 
 
@@ -13,10 +12,4 @@ def _maker() -> Maker:
     return EulerTop
 
 
-def _special(scene: PrincipalScene) -> Special:
-    from polhode.closed_forms.euler.special import special
-
-    return special(scene)
-
-
-FAMILY = Family("euler", fits, misfit, _maker, _special)
+FAMILY = Family("euler", fits, misfit, _maker)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from polhode.closed_forms._engine.family import Family, Maker, Special
-from polhode.closed_forms._engine.principal_scene import PrincipalScene
+from polhode.closed_forms._engine.family import Family, Maker
 from polhode.closed_forms.goryachev_chaplygin.axes import failure
 from polhode.closed_forms.goryachev_chaplygin.conditions import fits
 
@@ -14,10 +13,4 @@ def _maker() -> Maker:
     return GoryachevChaplyginTop
 
 
-def _special(scene: PrincipalScene) -> Special:
-    from polhode.closed_forms.goryachev_chaplygin.special import special
-
-    return special(scene)
-
-
-FAMILY = Family("goryachev-chaplygin", fits, failure, _maker, _special)
+FAMILY = Family("goryachev-chaplygin", fits, failure, _maker)

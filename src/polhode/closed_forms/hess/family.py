@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from polhode.closed_forms._engine.family import Family, Maker, Special
-from polhode.closed_forms._engine.principal_scene import PrincipalScene
+from polhode.closed_forms._engine.family import Family, Maker
 from polhode.closed_forms.hess.axes import failure
 from polhode.closed_forms.hess.conditions import fits
 
@@ -14,10 +13,4 @@ def _maker() -> Maker:
     return HessTop
 
 
-def _special(scene: PrincipalScene) -> Special:
-    from polhode.closed_forms.hess.special import special
-
-    return special(scene)
-
-
-FAMILY = Family("hess", fits, failure, _maker, _special)
+FAMILY = Family("hess", fits, failure, _maker)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from polhode.closed_forms._engine.family import Family, Maker, Special
-from polhode.closed_forms._engine.principal_scene import PrincipalScene
+from polhode.closed_forms._engine.family import Family, Maker
 from polhode.closed_forms.lagrange.axes import fits
 from polhode.closed_forms.lagrange.conditions import misfit
 
@@ -14,10 +13,4 @@ def _maker() -> Maker:
     return LagrangeTop
 
 
-def _special(scene: PrincipalScene) -> Special:
-    from polhode.closed_forms.lagrange.special import special
-
-    return special(scene)
-
-
-FAMILY = Family("lagrange", fits, misfit, _maker, _special)
+FAMILY = Family("lagrange", fits, misfit, _maker)

@@ -29,7 +29,6 @@ from polhode.common.errors import BadInput
 from polhode.common.jobs import carried_out
 from polhode.common.memory import refuse_too_much
 from polhode.common.progress import Progress
-from polhode.common.provenance import provenance
 from polhode.common.result import Result
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
@@ -266,7 +265,7 @@ def chaos_map(
         f=motions.f,
         interrupted=interrupted,
         kept=kept,
-        provenance=provenance(scene.text),
+        provenance=scene.provenance(),
     )
 
 

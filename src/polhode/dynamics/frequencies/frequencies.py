@@ -218,7 +218,7 @@ def _of_run(run: Trajectory, names: tuple[str, ...], count: int) -> Frequencies:
         for name, x in closed.frequencies.items():
             known |= {f"{name}/2": float(x) / 2} if name in half else {name: float(x)}
     signals = {name: _signal(scene.name, name, columns, scene) for name in names}
-    return _found(scene.name, signals, step, count, known, provenance(scene.text))
+    return _found(scene.name, signals, step, count, known, scene.provenance())
 
 
 def _of_table(table: Table, of: Sequence[str] | None, count: int) -> Frequencies:

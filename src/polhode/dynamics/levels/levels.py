@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput
-from polhode.common.provenance import provenance
 from polhode.common.result import Result
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
@@ -235,7 +234,7 @@ def levels(scene: Scene | str | Path) -> Levels:
         for parts in [(special.at.parameter, special.at.f, special.at.h)]
     )
     here, exact = _here(scene, body, found)
-    return Levels(scene, curves, marks, here, body.exact and exact, provenance(scene.text))
+    return Levels(scene, curves, marks, here, body.exact and exact, scene.provenance())
 
 
 def _here(scene: Scene, body: RationalBody, found: tuple[Arc, ...]) -> tuple[Here, bool]:

@@ -13,7 +13,6 @@ from polhode.common.arguments import steps, whole
 from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.jobs import carried_out
 from polhode.common.progress import Progress, bar
-from polhode.common.provenance import provenance
 from polhode.common.text_tables import counted
 from polhode.dynamics.observables.jobs import Reduced, check, job_of, solve
 from polhode.dynamics.observables.reductions import asked
@@ -218,6 +217,6 @@ def reduce_many(
         numbers,
         endings,
         counts,
-        provenance(scene.text),
+        plan.members.provenance(),
         kept,
     )

@@ -12,7 +12,6 @@ import numpy as np
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput, nearest
 from polhode.common.progress import Message
-from polhode.common.provenance import provenance
 from polhode.common.result import Result
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
@@ -233,7 +232,7 @@ def _followed(
         interrupted,
         tuple(members),
         on,
-        provenance(on.scene.text),
+        on.scene.provenance(),
     )
 
 

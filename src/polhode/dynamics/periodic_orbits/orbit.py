@@ -14,7 +14,6 @@ import numpy as np
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
 from polhode.common.progress import Message
-from polhode.common.provenance import provenance
 from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.periodic_orbits import high_precision
@@ -320,7 +319,7 @@ def completed(
         (found.corrections, fine.corrections),
         on,
         found,
-        provenance(scene.text),
+        scene.provenance(),
     )
 
 

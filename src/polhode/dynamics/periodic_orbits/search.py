@@ -16,7 +16,6 @@ import numpy as np
 
 from polhode.common.arguments import cells, whole
 from polhode.common.progress import Message
-from polhode.common.provenance import provenance
 from polhode.common.result import Result
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
@@ -156,7 +155,7 @@ def orbit_search(
         interrupted = True
     found.sort(key=lambda one: float(one.period))
     points = tuple(point_of(on, one) for one in found)
-    return OrbitSearch(scene, points, tried, interrupted, tuple(found), on, provenance(scene.text))
+    return OrbitSearch(scene, points, tried, interrupted, tuple(found), on, scene.provenance())
 
 
 def _guesses(on: Surface, grid: tuple[int, int], most: int) -> Iterator[Guess]:

@@ -17,7 +17,6 @@ from polhode.common.errors import BadInput
 from polhode.common.jobs import carried_out
 from polhode.common.memory import refuse_too_much
 from polhode.common.progress import Progress
-from polhode.common.provenance import provenance
 from polhode.common.result import Result
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
@@ -353,7 +352,7 @@ def _result(
         crossed.drift,
         interrupted,
         kept,
-        provenance(scene.text),
+        scene.provenance(),
     )
 
 

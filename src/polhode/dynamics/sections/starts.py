@@ -8,7 +8,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from polhode.common.arguments import cells, each
+from polhode.common.arguments import cells, each, of_kind
 from polhode.common.errors import BadInput
 from polhode.dynamics.levels import permanent_rotations, rotation_arcs
 from polhode.dynamics.levels.levels import least_energy, refuse_far
@@ -54,6 +54,8 @@ def asked_of(
     """What is asked, checked; ``h`` and ``f`` None for the scene's own.  Raises BadInput."""
     if scene.gamma is None:
         raise BadInput(scene.name, "start.gamma", None, "a unit vector, since a level has h and f")
+    for key, word in (("by", by), ("extremum", extremum)):
+        of_kind(scene.name, key, word, str, "text")
     if extremum not in (MAXIMA, MINIMA):
         raise BadInput(scene.name, "extremum", extremum, "max or min")
     if by not in (MOMENTUM, HEIGHT):

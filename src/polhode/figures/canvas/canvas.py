@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from datetime import UTC, datetime
 from functools import partial
 from io import BytesIO, StringIO
 from typing import Any
@@ -13,6 +15,8 @@ from polhode.common.text_tables import printable
 from polhode.scenes.scene import Scene
 
 COLOURS = {"double": "#0072b2", "extended": "#e69f00", "quad": "#009e73", "mp": "#cc79a7"}
+#: The variable of the environment from which matplotlib takes the date of a file.
+DATE = "SOURCE_DATE_EPOCH"
 MARKS = {"double": "o", "extended": "s", "quad": "D", "mp": "^"}
 
 
@@ -22,18 +26,34 @@ def require() -> None:
 
 
 def pyplot(own: bool = True) -> Any:
-    """matplotlib.pyplot, writing SVG that depends on the figure alone; else as the user has it."""
+    """matplotlib.pyplot, writing SVG that depends on the figure alone; else as the user has it.
+
+    Raises BadInput where it is missing, or cannot use a variable of the environment.
+    """
     try:
         import matplotlib
     except ImportError:
         expected = "it to be installed: pip install 'polhode[figures]'"
         raise BadInput("figures", "matplotlib", None, expected) from None
+    except ValueError:  # it reads this variable while it is imported
+        _refuse_variable("MPLBACKEND", "a backend that matplotlib has, such as agg, or none")
+        raise
+    try:
+        datetime.fromtimestamp(int(os.environ.get(DATE) or 0), UTC)
+    except (ValueError, OverflowError, OSError):
+        _refuse_variable(DATE, "seconds since 1970, a whole number")
     if own:
         matplotlib.use("svg")
         matplotlib.rcParams["svg.hashsalt"] = "polhode"
     from matplotlib import pyplot as plt
 
     return plt
+
+
+def _refuse_variable(name: str, expected: str) -> None:
+    """Raise BadInput for a variable of the environment, if it is set."""
+    if name in os.environ:
+        raise BadInput("environment", name, os.environ[name], expected)
 
 
 def panels(plt: Any, axes: Any, rows: int, columns: int = 1, **how: Any) -> tuple[Any, Any]:

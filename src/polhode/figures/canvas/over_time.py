@@ -18,7 +18,6 @@ from polhode.judging.correct_digits import errors, rate_scale
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference
 from polhode.judging.references.reference import rows as reference_rows
-from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import to_double, to_mpf
 from polhode.numbers.number_types import NumberType
@@ -31,7 +30,7 @@ SAMPLES = 501  # noise, not a curve
 SPARE_DIGITS = 6
 
 
-def errors_of_run(found: Trajectory, reference: Reference | Certified | TwoPrecisions) -> Samples:
+def errors_of_run(found: Trajectory, reference: Reference | Certified) -> Samples:
     """Errors against a reference: of omega over its largest modulus, and of gamma."""
     digits = math.ceil(found.number.most_digits) + SPARE_DIGITS
     logs = _errors([*found.states], reference.at(found.times, digits), found.scene, digits)
@@ -39,7 +38,7 @@ def errors_of_run(found: Trajectory, reference: Reference | Certified | TwoPreci
 
 
 def errors_of_table(
-    table: Table, reference: Reference | Certified | TwoPrecisions, number: NumberType | None
+    table: Table, reference: Reference | Certified, number: NumberType | None
 ) -> Samples:
     """The same of a file, as far as it has columns of the state."""
     scene = reference.scene

@@ -15,7 +15,6 @@ from polhode.common.progress import Progress
 from polhode.common.text_tables import few
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference, reference
-from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.numbers.scalars import Scalar
 from polhode.scenes import added_families
 from polhode.scenes.scene import Scene
@@ -27,7 +26,7 @@ _PIECE, _LEAST = 1.0, 100  # seconds of work of a job, and rows that it has at l
 #: Rows of mpf at times, to so many digits.
 Ask: TypeAlias = Callable[[Sequence[Fraction], int], list[list[Scalar]]]
 
-AnyReference: TypeAlias = Reference | Certified | TwoPrecisions
+AnyReference: TypeAlias = Reference | Certified
 
 
 class Job(NamedTuple):

@@ -1,38 +1,86 @@
-"""What a table that is wrong everywhere may mean: the usual other conventions, tried together.
+"""What a table that is wrong may mean: the usual other conventions, tried together.
 
-Each part is tried in all its conventions at the times as they stand; where that does not explain
-every wrong part, at times that are a step off, run backward, begin elsewhere or have another unit.
+Each part is tried in all its conventions, at the times as they stand and at times that are a step
+off, run backward, begin elsewhere or have another unit, and against scenes with a sign or an order
+of numbers that is often another.  The first rows tell which one it is (:mod:`evidence`): what a
+program loses later is its drift, and is reported in the reading that fits.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from polhode.common.text_tables import few
+from polhode.common.errors import BadInput
+from polhode.judging.diagnosis.evidence import (
+    BEGINS,
+    FAR_GAIN,
+    course,
+    follows,
+    is_alike,
+    is_better,
+    least_gain,
+    probed_rows,
+)
 from polhode.judging.diagnosis.motion_in_double import integrated
 from polhode.judging.diagnosis.rotation_matrices import matrices
 from polhode.judging.diagnosis.time_unit import UNITS
-from polhode.judging.diagnosis.ways import LEAST_ROWS, Right, Way, as_it_stands, ways
+from polhode.judging.diagnosis.ways import FREEDOM, LEAST_ROWS, Right, Way, ways
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference, Remembered, rows
-from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.judging.tables.candidate import Subject
-from polhode.judging.tables.reading import GAIN, WRONG, Reading, TimeChange
+from polhode.judging.tables.reading import WRONG, Reading, TimeChange
 from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles
+from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 
-AnyReference: TypeAlias = Reference | Certified | TwoPrecisions | Remembered
+AnyReference: TypeAlias = Reference | Certified | Remembered
 
-MOST_ROWS = 40  # looked at
-_AS_GOOD = 1.0  # digits by which a plainer convention may be behind the best
 _FARTHEST = 3e3  # radians or so, to which times of another unit are tried
+_POLE = 1e-9  # the sine of theta where psi and phi are one angle
+
+
+class _World(NamedTuple):
+    """What a table may be a motion of: the scene at its times, at other times, or another scene.
+
+    ``words``: what it is called, empty for the plain one.  ``times``: what makes the times its own.
+    ``is_applied``: whether a table can be read so.
+    """
+
+    words: str
+    right: Right
+    times: TimeChange | None = None
+    is_applied: bool = True
+
+
+class _Part(NamedTuple):
+    """A part of a table in a world: its plainest way of the best, whether that tells anything.
+
+    ``plain``: the way as it stands.  ``goes``: whether the best one goes with the motion.
+    """
+
+    best: Way
+    plain: Way
+    is_told: bool
+    goes: bool
+
+    @property
+    def way(self) -> Way:
+        """The way to read it."""
+        return self.best if self.is_told else self.plain
+
+    @property
+    def course(self) -> Doubles:
+        """The digits that count at each row."""
+        return course(self.best.rows, self.best.fitted)
 
 
 def readings(
@@ -40,59 +88,141 @@ def readings(
     reference: AnyReference,
     wrong: Collection[str],
 ) -> list[Reading]:
-    """For each part that is wrong, the convention that makes most of it right, if one does.
+    """For each part that is wrong, the convention that makes it right in its first rows, if any.
 
     ``wrong``: which of omega, gamma, attitude and angles are, or may be.
     """
     parts, times = whole_parts(subject)
-    whole = {k: part for k, part in parts.items() if k in wrong}
-    right = right_at(reference, times) if whole else None
+    if not {*parts} & {*wrong}:
+        return []
+    right = right_at(reference, times)
     if right is None:
         return []
-    plain = {part: as_it_stands(part, values, right) for part, values in whole.items()}
-    found = _read(whole, plain, right)
-    if found and _explains(found, plain):
-        return found
+    first = _World("", right)
+
+    def seen(world: _World) -> dict[str, _Part]:
+        found = {k: _part(k, values, world, k in wrong) for k, values in parts.items()}
+        return {k: one for k, one in found.items() if one is not None}
+
+    plain = seen(first)
+    world, best = first, plain
+    if not _explains(plain):
+        for other in _other_worlds(subject, reference.scene, times):
+            found = seen(other)
+            if found.keys() == plain.keys() and _is_better_world(found, best):
+                world, best = other, found
+    return [
+        _reading(k, plain[k].plain, best[k].way, world, times)
+        for k in best
+        if k in wrong and (best[k].is_told or (world.words and plain[k].plain.digits < WRONG))
+    ]
+
+
+def _part(part: str, values: Doubles, world: _World, is_wrong: bool) -> _Part | None:
+    """The best way of a part; the plain one, where no other tells more or the part is right."""
+    tried = ways(part, values, world.right)
+    plain = next(tried, None)
+    if plain is None:
+        return None
+    moved = world.right.moved(part)
+    if not is_wrong or plain.digits >= WRONG:
+        return _Part(plain, plain, False, True)
+    found = [plain, *tried]
+    courses = [course(way.rows, way.fitted) for way in found]
+    best = max(courses, key=lambda one: float(np.sum(one)))
+    k = next(k for k, one in enumerate(courses) if is_alike(one, best))
+    gain = least_gain(found[k].tries, FREEDOM[part])
+    goes = follows(courses[k], moved, found[k].fitted, bool(world.words))
+    return _Part(found[k], plain, goes and is_better(courses[k], courses[0], gain), goes)
+
+
+def _explains(parts: Mapping[str, _Part]) -> bool:
+    """Whether all parts are right in all rows."""
+    return all(one.way.digits >= WRONG for one in parts.values())
+
+
+def _is_better_world(found: Mapping[str, _Part], other: Mapping[str, _Part]) -> bool:
+    """Whether all parts begin right, all together have more digits, and some have far more."""
+    mine = {k: one.course for k, one in found.items()}
+    more = {k: float(np.sum(one - other[k].course)) for k, one in mine.items()}
+    far = [k for k, one in mine.items() if is_better(one, other[k].course, FAR_GAIN)]
+    return (
+        bool(far)
+        and sum(more.values()) > 0
+        and all(float(one[0]) >= BEGINS for one in mine.values())
+        and all(found[k].goes for k in far)
+    )
+
+
+def _reading(
+    part: str, plain: Way, way: Way, world: _World, times: Sequence[Fraction]
+) -> Reading:
+    """A part as it is read in a world."""
+    words = ", ".join(filter(None, (world.words, way.words)))
+    change = way.change if world.is_applied else None
+    told = shown_rows(way, times)
+    return Reading(part, plain.digits, words, way.digits, change, world.times, told)
+
+
+def shown_rows(way: Way, times: Sequence[Fraction]) -> tuple[tuple[Fraction, float], ...]:
+    """Times with the digits of a way there: the first row, one on the way, the last one."""
+    first, last = int(way.fitted), len(times) - 1  # a row that is fitted is right for nothing
+    middle = min(range(first, last + 1), key=lambda k: abs(abs(times[k]) - abs(times[last]) / 4))
+    return tuple((times[k], float(way.rows[k])) for k in sorted({first, middle, last}))
+
+
+def _other_worlds(
+    subject: Subject, scene: Scene, times: Sequence[Fraction]
+) -> Iterator[_World]:
+    """The motion at other times, and those of other scenes that may be meant."""
     if len(times) >= LEAST_ROWS:
-        for words, change in other_times(subject, reference.scene):
-            moved = integrated(reference.scene, [change.of(t) for t in times])
-            there = [] if moved is None else _read(whole, plain, moved, words, change)
-            if there and _explains(there, plain):
-                return there
-    return found or _other_weight(whole, plain, reference.scene, times)
+        for words, change in other_times(subject, scene):
+            right = integrated(scene, [change.of(t) for t in times])
+            if right is not None:
+                yield _World(words, right, change)
+    for words, other in _other_scenes(scene):
+        right = integrated(other, times)
+        if right is not None:
+            yield _World(words, right, is_applied=False)
 
 
-def _explains(found: Sequence[Reading], plain: dict[str, float | None]) -> bool:
-    """Whether readings make all the parts right that are wrong as they stand."""
-    wrong = {part for part, digits in plain.items() if digits is not None and digits < WRONG}
-    return wrong <= {reading.part for reading in found}
+def _other_scenes(scene: Scene) -> Iterator[tuple[str, Scene]]:
+    """Scenes with a sign or an order of numbers that is often another."""
+    body = scene.body
+    if body.weight:
+        yield "a weight of the other sign", _with_body(scene, body.inertia, -body.weight)
+    products = [(i, j) for i in range(3) for j in range(i) if body.inertia[i][j] != 0]
+    some = [products, *([one] for one in products)] if len(products) > 1 else [products]
+    for signs in filter(None, some):
+        inertia = [
+            [-x if (i, j) in signs or (j, i) in signs else x for j, x in enumerate(row)]
+            for i, row in enumerate(body.inertia)
+        ]
+        names = " and ".join("I" + "xyz"[j] + "xyz"[i] for i, j in signs)
+        words = f"products of inertia of the other sign ({names})"
+        with suppress(BadInput, ValueError):  # moments of no body
+            yield words, _with_body(scene, inertia, body.weight)
+    if scene.columns[3:] and "quaternion" in scene.source:
+        start = integrated(scene, [Fraction(0)])
+        if start is not None and start.attitude is not None:
+            a, b, c, d = start.attitude[0]
+            turned = _with_attitude(scene, (d, a, b, c))
+            yield "a motion from the scene's quaternion, its last number the scalar", turned
 
 
-def _read(
-    whole: dict[str, Doubles],
-    plain: dict[str, float | None],
-    right: Right,
-    words: str = "",
-    times: TimeChange | None = None,
-) -> list[Reading]:
-    """Readings of the parts, at other times where these are given."""
-    found = []
-    for part, values in whole.items():
-        before = plain[part]
-        if before is None or before >= WRONG:
-            continue
-        best = _plainest(part, values, right, times is not None)
-        if best is not None and best.digits >= before + GAIN:
-            told = ", ".join(filter(None, (words, best.words)))
-            found.append(Reading(part, before, told, best.digits, best.change, times))
-    return found
+def _with_body(scene: Scene, inertia: Sequence[Sequence[Exact]], weight: Exact) -> Scene:
+    body = Body(inertia, scene.body.centre, weight)
+    return replace(scene, body=body)
 
 
-def _plainest(part: str, values: Doubles, right: Right, stands: bool) -> Way | None:
-    """The first way that is nearly as good as the best; ``stands``: the plain one is one, too."""
-    found = [*ways(part, values, right)][0 if stands else 1 :]
-    best = max((way.digits for way in found), default=0.0)
-    return next((way for way in found if way.digits >= best - _AS_GOOD), None)
+def _with_attitude(scene: Scene, given: Sequence[float]) -> Scene:
+    """The scene from another attitude, a quaternion, scalar first."""
+    (turned,) = matrices(np.array([given]))
+    x, y = turned[0, 2], -turned[1, 2]  # the sine of theta times those of psi
+    if math.hypot(x, y) < _POLE:
+        x, y = turned[1, 0], turned[0, 0]
+    gamma = tuple(Fraction(float(z)) for z in turned[2])
+    return replace(scene, gamma=gamma, psi=Fraction(math.atan2(x, y)), normalise=True)
 
 
 def other_times(
@@ -118,24 +248,6 @@ def other_times(
             yield f"t {unit.name}", TimeChange(unit=unit.length)
 
 
-def _other_weight(
-    whole: dict[str, Doubles],
-    plain: dict[str, float | None],
-    scene: Scene,
-    times: Sequence[Fraction],
-) -> list[Reading]:
-    """Readings as the same body's motion under a weight of the other sign, told alone."""
-    if not scene.body.weight:
-        return []
-    body = replace(scene.body, weight=-scene.body.weight)
-    right = integrated(replace(scene, body=body), times)
-    change = TimeChange()  # the plain convention is one, too
-    words = "a weight of the other sign"
-    found = [] if right is None else _read(whole, plain, right, words, change)
-    told = [reading._replace(change=None, times=None) for reading in found]
-    return told if told and _explains(told, plain) else []
-
-
 def right_at(
     reference: AnyReference, times: Sequence[Fraction], moved: TimeChange | None = None
 ) -> Right | None:
@@ -159,8 +271,8 @@ def right_at(
 
 
 def whole_parts(subject: Subject) -> tuple[dict[str, Doubles], list[Fraction]]:
-    """The parts of which every number is there, as doubles, at some of the times; and these."""
-    kept = few(len(subject.times), MOST_ROWS)
+    """The parts of which every number is there, as doubles, in the rows that tell; their times."""
+    kept = probed_rows(subject.times)
 
     def doubles(part: Any) -> Any:
         if part is None:

@@ -12,7 +12,8 @@ from polhode.numbers.conversion import exactly
 
 def as_read(subject: Subject, readings: Sequence[Reading]) -> Subject:
     """A subject whose parts are read so, as far as readings can be applied."""
-    for part, _, _, _, change, _ in readings:
+    for reading in readings:
+        part, change = reading.part, reading.change
         if change is None:
             continue
         if part == "attitude" and subject.attitude is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -65,6 +66,21 @@ def in_words(matrix: Doubles) -> str:
     order, signs = np.argmax(np.abs(matrix), axis=1), matrix.sum(axis=1)
     held = ["-" * bool(s < 0) + "xyz"[k] for s, k in zip(signs, order, strict=True)]
     return "" if held == ["x", "y", "z"] else f"x y z = {' '.join(held)}"
+
+
+def rotation_in_words(matrix: Doubles) -> str:
+    """A rotation as ``78.46° about (0.267, 0.535, 0.802)``, by 0 to 180 degrees."""
+    m, trace = matrix, float(np.trace(matrix))
+    twice = np.array([m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
+    sine = float(np.linalg.norm(twice))
+    axis = twice
+    if trace < 1:  # more than a right angle: from the symmetric part, (1 - cos) n nᵀ
+        symmetric = m + m.T + (1 - trace) * np.eye(3)
+        axis = symmetric[:, int(np.argmax(np.diag(symmetric)))]
+        axis = -axis if float(axis @ twice) < 0 else axis
+    axis = (axis / (float(np.linalg.norm(axis)) or 1.0)).round(3) + 0.0
+    angle = math.degrees(math.atan2(sine, trace - 1))
+    return f"{angle:.4g}° about ({', '.join(f'{x:.3g}' for x in axis)})"
 
 
 #: The 24 renamings that are turns, the axes as they are first.

@@ -8,7 +8,13 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from polhode.common.errors import BadInput, listed
-from polhode.judging.diagnosis.conventions import AnyReference, other_times, right_at, whole_parts
+from polhode.judging.diagnosis.conventions import (
+    AnyReference,
+    other_times,
+    right_at,
+    shown_rows,
+    whole_parts,
+)
 from polhode.judging.diagnosis.reading import as_read
 from polhode.judging.diagnosis.time_unit import UNITS
 from polhode.judging.diagnosis.ways import Right, as_it_stands, ways
@@ -52,7 +58,8 @@ _PARTS = {
 }
 #: Readings that are reported and not applied.
 _REPORTED = re.compile(
-    r"along the axes of space.*|turns about .*|of either sign.*|a weight .*|(?:t )?decimals of .*"
+    r"along the axes of space.*|turns about .*|of either sign.*|a weight .*|products .*|"
+    r"a motion from .*|.*a constant rotation of .*|(?:t )?decimals of .*"
 )
 
 
@@ -90,7 +97,7 @@ def read_as_told(subject: Subject, reference: AnyReference, told: str) -> Subjec
     found = [
         reading
         for part, values in parts.items()
-        if (reading := _reading(part, values, right, [*_of(named, part)], moved)) is not None
+        if (reading := _reading(part, values, right, [*_of(named, part)], moved, times)) is not None
     ]
     known = [word for word in phrases if word in later]
     if known and not found:
@@ -128,7 +135,7 @@ def _named(subject: Subject, told: str) -> list[_Told]:
     found = []
     for group in told.split(";"):
         part = ""
-        for text in filter(str.strip, re.split(r",(?! from its first row on)", group)):
+        for text in filter(str.strip, re.split(r",(?! from its first row on)(?![^()]*\))", group)):
             phrase = _plain(text)
             first, _, rest = phrase.partition(" ")
             if first in _PARTS and rest:
@@ -185,6 +192,7 @@ def _reading(
     right: Right,
     phrases: Collection[str],
     moved: TimeChange | None,
+    times: Sequence[Fraction],
 ) -> Reading | None:
     """A part in the most of these conventions that are of it, and in no other."""
     found = [
@@ -196,7 +204,8 @@ def _reading(
     if not found or before is None:
         return None
     _, way = max(found, key=lambda one: (one[0], one[1].digits))
-    return Reading(part, before, way.words, way.digits, way.change, moved)
+    told = shown_rows(way, times)
+    return Reading(part, before, way.words, way.digits, way.change, moved, told)
 
 
 def _count(words: str, phrases: Collection[str]) -> int:

@@ -20,19 +20,25 @@ from polhode.judging.diagnosis.rotation_matrices import (
     matrices,
     nearest_renaming,
     quaternion,
+    rotation_in_words,
     turns,
 )
-from polhode.judging.tables.reading import Change
+from polhode.judging.tables.reading import TURN, Change
 from polhode.numbers.rows import Doubles
 from polhode.scenes.vocabulary import STATE
 
 LEAST_ROWS = 3  # fewer do not tell other axes from a wrong number
 _TELLABLE = 15.0  # digits
+_NEAR_ENOUGH = 0.5  # digits of an attitude whose sign has a meaning
 _DEGREE = math.pi / 180
 #: Units of angles by the degrees in them; 0 for radians.
 _UNITS = ((0, ""), (1, "degrees"), (6, "rpm"), (360, "revolutions"))
 _SEQUENCES = [s for s in itertools.product("xyz", repeat=3) if s[0] != s[1] != s[2]]
 _ORDERS = (((0, 1, 2, 3), ""), ((3, 0, 1, 2), "scalar-last"), ((1, 2, 3, 0), "q1 the scalar"))
+
+
+#: Numbers of a part that are free of each other.
+FREEDOM = {"omega": 3, "gamma": 2, "attitude": 3, "angles": 3}
 
 
 class Right(NamedTuple):
@@ -42,13 +48,33 @@ class Right(NamedTuple):
     attitude: Doubles | None = None  # None where not known
     matrices: Doubles | None = None  # body -> space, likewise
 
+    def moved(self, part: str) -> Doubles:
+        """How far a part is from its first row, in the measure that its errors are told in."""
+        if part in ("attitude", "angles"):
+            assert self.matrices is not None
+            return _errors(self.matrices, self.matrices[0])
+        columns = slice(0, 3) if part == "omega" else slice(3, 6)
+        values = self.states[:, columns]
+        return _errors(values, values[0]) / _size(values, part == "omega")
+
 
 class Way(NamedTuple):
-    """A convention, the digits that it gives, and the change that applies it, if one does."""
+    """A convention, the digits that it gives at each row, and the change that applies it, if any.
+
+    ``tries``: how many conventions are as plain, of which one may be right by chance.
+    ``fitted``: whether the first row decides what is changed, so that it is right there.
+    """
 
     words: str
-    digits: float
+    rows: Doubles  # the earliest first
     change: Change | None = None
+    tries: int = 1
+    fitted: bool = False
+
+    @property
+    def digits(self) -> float:
+        """The fewest digits of a row."""
+        return float(np.min(self.rows))
 
 
 def ways(part: str, values: Doubles, right: Right) -> Iterator[Way]:
@@ -76,8 +102,9 @@ def _of_omega(values: Doubles, right: Right) -> Iterator[Way]:
             yield from _of_vector(STATE[:3], values, true, True, degrees, unit)
         if right.matrices is not None:
             along = np.einsum("nij,nj->ni", right.matrices, true)
-            for words, digits, _ in _of_vector(("x", "y", "z"), factor * values, along, True):
-                yield Way(" ".join(filter(None, ("along the axes of space", words, unit))), digits)
+            for way in _of_vector(("x", "y", "z"), factor * values, along, True):
+                words = filter(None, ("along the axes of space", way.words, unit))
+                yield Way(" ".join(words), way.rows, tries=way.tries)
 
 
 def _of_vector(
@@ -91,7 +118,8 @@ def _of_vector(
     """Axes in another order or of another sense, left-handed frames among them."""
     held = values * (degrees * _DEGREE or 1.0)
     for order, signs in AXES:
-        if order == SAME and len({*signs}) == 1:
+        plain = order == SAME and len({*signs}) == 1
+        if plain:
             opposite = "of the other sense" if relative else "the downward vertical"
             words = "" if signs[0] > 0 else opposite
         elif len(values) < LEAST_ROWS:
@@ -101,55 +129,125 @@ def _of_vector(
             words = f"{' '.join(names)} = {' '.join(axes)}"
         change = Change(order, signs, degrees)
         digits = _against(held[:, order] * signs, true, relative)
-        yield Way(" ".join(filter(None, (words, unit))), digits, change)
+        tries = (2 if plain else len(AXES)) * (len(_UNITS) if relative else 1)
+        yield Way(" ".join(filter(None, (words, unit))), digits, change, tries)
 
 
 def _of_attitude(values: Doubles, right: Right) -> Iterator[Way]:
-    steady = _is_steady(values)
     true = right.matrices
-    yield Way("", _against(matrices(values), true) if steady else 0.0, Change())
-    found: list[tuple[int, Way]] = []
+    assert right.attitude is not None
+    plain = _against(matrices(values), true)
+    signs, sense = _signs(values, plain, right)
+    yield Way("", np.where(signs == -sense, 0.0, plain), Change())
+    yield Way("of either sign at each time", plain)
+    found: list[_Framed] = []
     for order, place in _ORDERS:
         turned = matrices(values[:, order])
-        for signs, sense in (((1, 1, 1, 1), ""), ((1, -1, -1, -1), "body from space")):
-            held = turned if signs[1] > 0 else turned.transpose(0, 2, 1)
-            for space, body, digits in _frames(held, true):
-                frames = _told(space, body)
-                words = ", ".join(filter(None, (place, sense, frames)))
+        for parts, inverse in (((1, 1, 1, 1), ""), ((1, -1, -1, -1), "body from space")):
+            held = turned if parts[1] > 0 else turned.transpose(0, 2, 1)
+            for frames in _frames(held, true):
+                words = ", ".join(filter(None, (place, inverse, frames.words)))
                 change = None
-                if words and steady:
-                    change = Change(order, signs, space=quaternion(space.T), body=quaternion(body))
-                    change = _of_same_sign(change, values[0], right)
-                way = Way(words or "of either sign at each time", digits, change)
-                found.append((frames.count("="), way))
+                if words and not frames.is_fitted:
+                    change = Change(
+                        order,
+                        parts,
+                        space=quaternion(frames.space.T),
+                        body=quaternion(frames.body),
+                    )
+                    change = _of_same_sign(change, values, frames.rows, right)
+                tries = 2 * len(_ORDERS) * frames.tries
+                way = Way(words, frames.rows, change, tries, frames.is_fitted)
+                found += [_Framed(frames.renamed, way)] if words else []
     yield from _plain_first(found)
 
 
-def _plain_first(found: list[tuple[int, Way]]) -> Iterator[Way]:
+class _Framed(NamedTuple):
+    """A way, and how many frames it renames; a frame that is turned counts as more."""
+
+    renamed: int
+    way: Way
+
+
+def _plain_first(found: list[_Framed]) -> Iterator[Way]:
     """Ways by the frames that they rename: a change of scalar or sense may be one of frames."""
-    return (way for _, way in sorted(found, key=lambda one: one[0]))
+    return (one.way for one in sorted(found, key=lambda one: one.renamed))
 
 
-def _of_same_sign(change: Change, first: Doubles, right: Right) -> Change:
-    """A change after which the first row's quaternion has the reference's sign."""
-    if change.space == change.body == (1, 0, 0, 0) or right.attitude is None:
-        return change
-    row = [float(x) for x in change.row([float(x) for x in first]) if x is not None]
-    if float(np.dot(row, right.attitude[0])) >= 0:
+def _signs(quaternions: Doubles, digits: Doubles, right: Right) -> tuple[Doubles, float]:
+    """The sign of each quaternion that is nearly the reference's, or its opposite, 0 of others;
+    and the sign of most."""
+    assert right.attitude is not None
+    signs = np.sign(np.einsum("ni,ni->n", quaternions, right.attitude))
+    signs[digits < _NEAR_ENOUGH] = 0.0
+    return signs, 1.0 if float(np.sum(signs)) >= 0 else -1.0
+
+
+def _of_same_sign(change: Change, values: Doubles, digits: Doubles, right: Right) -> Change | None:
+    """A change after which quaternions have the reference's sign; None where theirs changes."""
+    held = values[:, change.order] * change.signs
+    held = _product(_product(np.array([change.space]), held), np.array([change.body]))
+    signs, sense = _signs(held, digits, right)
+    if np.any(signs == -sense):
+        return None
+    if sense > 0 or change.space == change.body == (1, 0, 0, 0):
         return change
     return change._replace(signs=tuple(-s for s in change.signs))
 
 
-def _frames(held: Doubles, true: Any) -> Iterator[tuple[Doubles, Doubles, float]]:
-    """Frames of space U and of the body B in which held = U R Bᵀ, nearly in the first row.
+def _product(a: Doubles, b: Doubles) -> Doubles:
+    """Products of quaternions, scalar first, row by row."""
+    vectors = a[:, :1] * b[:, 1:] + b[:, :1] * a[:, 1:] + np.cross(a[:, 1:], b[:, 1:])
+    scalars = a[:, :1] * b[:, :1] - np.sum(a[:, 1:] * b[:, 1:], axis=1, keepdims=True)
+    return np.concatenate([scalars, vectors], axis=1)
 
-    Two left-handed frames turn a matrix as two right-handed ones do, their opposites.
+
+class _Frames(NamedTuple):
+    """Frames of space U and of the body B in which a matrix is U R Bᵀ, and its digits then."""
+
+    space: Doubles
+    body: Doubles
+    rows: Doubles
+    is_fitted: bool = False
+
+    @property
+    def words(self) -> str:
+        """What the frames are called."""
+        if not self.is_fitted:
+            return _told(self.space, self.body)
+        if np.array_equal(self.body, np.eye(3)):
+            return f"{TURN}{rotation_in_words(self.space.T)} in space axes"
+        return f"{TURN}{rotation_in_words(self.body)} in body axes"
+
+    @property
+    def tries(self) -> int:
+        """How many frames are as plain."""
+        if self.is_fitted:
+            return 2
+        return len(TURNED) ** 2 if self.words else 1
+
+    @property
+    def renamed(self) -> int:
+        """How many frames are renamed; a turned one is less plain."""
+        return 3 if self.is_fitted else self.words.count("=")
+
+
+def _frames(held: Doubles, true: Any) -> Iterator[_Frames]:
+    """Frames in which matrices are the true ones, nearly in the first row.
+
+    Axes may have other names, or the first row tells by which rotation all differ.  Two left-handed
+    frames turn a matrix as two right-handed ones do, their opposites.
     """
-    for body in TURNED if len(held) >= LEAST_ROWS else TURNED[:1]:
+    few, same = len(held) < LEAST_ROWS, np.eye(3)
+    for body in TURNED[:1] if few else TURNED:
         space = nearest_renaming(held[0] @ body @ true[0].T)
-        same = space is not None and np.array_equal(space, np.eye(3))
-        if space is not None and (same or len(held) >= LEAST_ROWS):
-            yield space, body, _against(space.T @ held @ body, true)
+        if space is not None and (np.array_equal(space, same) or not few):
+            yield _Frames(space, body, _against(space.T @ held @ body, true))
+    if few or not np.all(np.isfinite(held[0])):
+        return
+    space, body = held[0] @ true[0].T, held[0].T @ true[0]
+    yield _Frames(space, same, _against(space.T @ held, true), True)
+    yield _Frames(same, body, _against(held @ body, true), True)
 
 
 def _told(space: Doubles, body: Doubles) -> str:
@@ -164,32 +262,40 @@ def _told(space: Doubles, body: Doubles) -> str:
     return ", ".join(words)
 
 
-def _is_steady(values: Doubles) -> bool:
-    """Whether a quaternion's sign does not change between samples."""
-    return bool(np.all(np.einsum("ni,ni->n", values[1:], values[:-1]) >= 0))
-
-
 def _of_angles(values: Doubles, right: Right) -> Iterator[Way]:
     true = right.matrices
     yield Way("", _against(turns("zxz", values), true), Change())
     held = turns("zxz", _DEGREE * values)
     yield Way("in degrees", _against(held, true), Change(SAME, (1, 1, 1), 1))
-    found: list[tuple[int, Way]] = []
+    found: list[_Framed] = []
     for sequence in _SEQUENCES:
         for factor, unit in ((1.0, ""), (_DEGREE, "in degrees")):
             turned = turns("".join(sequence), factor * values)
             name = f"turns about {'-'.join(sequence)}"
             for held, sense in ((turned, ""), (turned.transpose(0, 2, 1), "body from space")):
                 words = " ".join(filter(None, (name, unit, sense)))
-                for space, body, digits in _frames(held, true):
-                    frames = _told(space, body)
-                    way = Way(", ".join(filter(None, (words, frames))), digits)
-                    found.append((frames.count("="), way))
+                for frames in _frames(held, true):
+                    told = ", ".join(filter(None, (words, frames.words)))
+                    tries = 4 * len(_SEQUENCES) * frames.tries
+                    way = Way(told, frames.rows, None, tries, frames.is_fitted)
+                    found.append(_Framed(frames.renamed, way))
     yield from _plain_first(found)
 
 
-def _against(values: Any, true: Any, relative: bool = False) -> float:
-    """Digits to which arrays agree, the fewest; ``relative``: to the largest vector."""
-    scale = float(np.max(np.linalg.norm(true, axis=1))) if relative else 1.0
-    error = float(np.max(np.abs(values - true))) / (scale or 1.0)
-    return _TELLABLE if error == 0 else min(_TELLABLE, max(0.0, -math.log10(error)))
+def _against(values: Any, true: Any, relative: bool = False) -> Doubles:
+    """Digits to which arrays agree at each row; ``relative``: to the largest vector."""
+    error = _errors(values, true) / _size(true, relative)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        digits = -np.log10(error)
+    return np.clip(np.nan_to_num(digits, nan=0.0, posinf=_TELLABLE), 0.0, _TELLABLE)
+
+
+def _errors(values: Any, true: Any) -> Doubles:
+    """The largest difference in each row."""
+    found: Doubles = np.abs(values - true).reshape(len(values), -1).max(axis=1)
+    return found
+
+
+def _size(true: Any, relative: bool) -> float:
+    """What errors are told in."""
+    return (float(np.max(np.linalg.norm(true, axis=1))) if relative else 1.0) or 1.0

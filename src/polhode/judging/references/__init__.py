@@ -1,1 +1,1 @@
-"""What a trajectory is judged against: closed form, enclosure, two integrations."""
+"""What a trajectory is judged against: closed form, enclosure."""

@@ -40,7 +40,6 @@ class Certified(Result):
     """
 
     is_closed_form = False
-    is_proven = True
     kind = "certified"
     period = None
     __hash__ = None  # type: ignore[assignment]

@@ -1,6 +1,6 @@
-"""The reference of a scene: its closed form, a proven enclosure, or two integrations.
+"""The reference of a scene: its closed form, or a proven enclosure.
 
-All answer the same questions; ``kind`` says which it is, and nothing else is ever called exact.
+Both answer the same questions; ``kind`` says which it is, and nothing else is called exact.
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ from polhode.equations.hodographs import Hodographs, hodographs
 from polhode.judging.correct_digits import errors, rate_scale
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.derived import column_of
-from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.numbers import exact, number_types
 from polhode.numbers.double_double import Pairs
 from polhode.numbers.exact import Exact
@@ -52,7 +51,7 @@ class Reference(Result):
     0.447808688218415
     """
 
-    is_closed_form = is_proven = True
+    is_closed_form = True
     agreement = math.inf  # no rounding enters that the digits asked for would show
     __hash__ = None  # type: ignore[assignment]
 
@@ -182,12 +181,11 @@ class Remembered:
     For judging several runs of one scene, the one with the most digits first.
     """
 
-    def __init__(self, reference: Reference | Certified | TwoPrecisions) -> None:
+    def __init__(self, reference: Reference | Certified) -> None:
         self._asked = reference
         self._kept: dict[tuple[AnyNumber, ...], tuple[int, list[list[Real]], float]] = {}
         self.scene, self.kind, self.regime = reference.scene, reference.kind, reference.regime
-        self.is_closed_form, self.is_proven = reference.is_closed_form, reference.is_proven
-        self.agreement = reference.agreement
+        self.is_closed_form, self.agreement = reference.is_closed_form, reference.agreement
 
     def at(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
         """Rows right to at least so many digits."""
@@ -207,11 +205,10 @@ class Remembered:
         return self._asked.angles(times, digits)
 
 
-def reference(scene: Scene | str | Path) -> Reference | Certified | TwoPrecisions:
+def reference(scene: Scene | str | Path) -> Reference | Certified:
     """Give the reference of a scene: the closed form that fits, else a proven enclosure.
 
-    If the scene's ``reference`` names one, it is that one; two runs at different precision are used
-    only so.
+    If the scene's ``reference`` names one, it is that one.
 
     Parameters
     ----------
@@ -220,7 +217,7 @@ def reference(scene: Scene | str | Path) -> Reference | Certified | TwoPrecision
 
     Returns
     -------
-    Reference, Certified or TwoPrecisions
+    Reference or Certified
         It gives the state p q r [gamma1 gamma2 gamma3] in the scene's body axes, to the digits
         wanted, at any time.
 
@@ -239,8 +236,6 @@ def reference(scene: Scene | str | Path) -> Reference | Certified | TwoPrecision
     <Certified of scene: heavy asymmetric body>
     """
     scene = library.load(scene)
-    if scene.reference == "two-precisions":
-        return TwoPrecisions(scene)
     if scene.reference == "certified":
         return Certified(scene)
     with mpmath.workprec(ROUGH):

@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias, TypedDict
+from typing import TYPE_CHECKING, Never, TypeAlias, TypedDict
 
-from polhode.common.arguments import each, of_kind, whole
+from polhode.common.arguments import each, of_kind, refuse_unknown, whole
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.text_tables import few
@@ -21,7 +21,6 @@ from polhode.judging.diagnosis.time_unit import begins_at_start, time_unit
 from polhode.judging.diagnosis.told_conventions import read_as_told
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference, Remembered, reference
-from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.judging.score.judgement import Judgement
 from polhode.judging.score.part_digits import fewest
 from polhode.judging.score.report_text import SHOWN
@@ -83,6 +82,7 @@ def compare(
     read: str | None = None,
     max_seconds: float | None = None,
     forecast: Callable[[float, str], None] | None = None,
+    **unknown: Never,
 ) -> Judgement:
     """Judge a run, a trajectory file, columns or an array of states against a reference.
 
@@ -128,6 +128,8 @@ def compare(
     forecast : callable, optional
         Called before each proof with a rough estimate of its seconds, and with the unit that
         the times seem to have, if any.
+    **unknown
+        No other argument is accepted; one is refused with the nearest known names.
 
     Returns
     -------
@@ -151,12 +153,15 @@ def compare(
     >>> 6 < polhode.compare(rows, scene, at=[1]).worst < 7
     True
     """
+    gate = "no threshold: polhode.testing.assert_digits(run, scene, at_least) has one"
+    refuse_unknown("compare", compare, unknown, at_least=gate)
+    of_kind("compare", "as_it_stands", as_it_stands, bool, "True or False")
     if against is None:
         if not isinstance(what, Trajectory):
             raise BadInput("compare", "against", None, "a reference, or a scene")
         against = what.scene
     workers = whole("compare", "workers", workers, 1)
-    kinds = (Reference, Certified, TwoPrecisions, Remembered, Scene, str, Path)
+    kinds = (Reference, Certified, Remembered, Scene, str, Path)
     of_kind("compare", "against", against, kinds, "a reference, or a scene")
     limits: _Limits = {"progress": progress, "max_seconds": max_seconds}
     if forecast is not None:
@@ -223,16 +228,17 @@ def _naming(columns: Sequence[str] | None) -> Naming | None:
 
 
 def _as_read(found: Judgement) -> Judgement:
-    """The judgement in the conventions that make its wrong parts right, where some do."""
+    """The judgement in the conventions in which its wrong parts begin right, where some do."""
     if not found.is_wrong:
         return found
-    offers = [one for one in found.offers if one.change is not None]
-    if not offers:
+    applied = [one for one in found.offers if one.change is not None]
+    if not applied:
         return found
-    other = replace(found, subject=as_read(found.subject, offers))
-    wanted = {name: fewest(digits, 0.0) - GAIN for name, digits in found.part_digits.items()}
-    wanted |= {one.part: one.as_it_stands + GAIN for one in offers}
-    good = all(fewest(other.part_digits.get(k, ()), 0.0) >= d for k, d in wanted.items())
+    left = tuple(one for one in found.offers if one.change is None)
+    other = replace(found, subject=as_read(found.subject, applied), offered=left)
+    before, now = ({k: fewest(d, 0.0) for k, d in x.part_digits.items()} for x in (found, other))
+    read = {one.part for one in applied}
+    good = all(now.get(k, 0.0) >= d - GAIN for k, d in before.items() if k not in read)
     return other if good else found
 
 
@@ -245,12 +251,7 @@ def _read_before(subject: Subject, against: Certified) -> Subject:
     found = [one for one in readings(subject, against, parts) if one.change is not None]
     if not found:
         return subject
-    read = as_read(subject, found)
-    with suppress(BadInput):
-        digits = Judgement(read, against).part_digits
-        if all(fewest(digits.get(x.part, ()), 0.0) >= x.as_it_stands + GAIN for x in found):
-            return read
-    return subject
+    return as_read(subject, found)
 
 
 def _in_seconds(subject: Subject, against: AnyReference) -> Subject:

@@ -65,7 +65,8 @@ class Judgement(Result, ByValue):
     ``subject``: what was judged.  ``reference``: what it was judged against.  ``known``: the
     conditioning at the scene's times, if it is known already.  ``workers``: processes that may
     compute the reference; ``progress``: called with its rows if they take long.
-    ``as_it_stands``: whether no other convention is tried.
+    ``as_it_stands``: whether no other convention is tried.  ``offered``: those that are told and
+    not applied, if they are known already.
     ``digits[k]`` belongs to ``times[k]``: -log10 of the larger of the error of omega over the
     largest |omega| of the reference at these times, and the error of gamma, in the scene's body
     axes.  ``worst``: the fewest of these and of those of every other part that was judged.
@@ -83,6 +84,7 @@ class Judgement(Result, ByValue):
     workers: int = field(default=1, compare=False)
     progress: Progress | None = field(default=None, compare=False)
     as_it_stands: bool = False
+    offered: tuple[Reading, ...] | None = field(default=None, compare=False)
 
     def __getstate__(self) -> dict[str, object]:
         """Without what is told of progress: nobody waits for it elsewhere."""
@@ -407,6 +409,8 @@ class Judgement(Result, ByValue):
         wrong = {name for name, digits in self.parts.items() if digits < WRONG}
         if self.digits and self.state_worst < WRONG:
             wrong |= {"omega", "gamma"}
+        if wrong and self.offered is not None:
+            return self.offered
         if wrong or not self.digits:
             return tuple(readings(self.subject, self.reference, wrong)) if wrong else ()
         at, worst, scene = self._lowest, self.state_worst, self.reference.scene
@@ -430,9 +434,7 @@ class Judgement(Result, ByValue):
 
     def __str__(self) -> str:
         against, others = self.reference, self._others
-        known = f"to {self.agreement:.1f} digits"
-        estimated = f", which agree {known}: error estimated"
-        how = f", proven {known}" if against.is_proven else estimated
+        how = f", proven to {self.agreement:.1f} digits"
         how = "" if against.is_closed_form or math.isnan(self.agreement) else how
         scene = f"{against.scene.name} ({against.regime})"
         lines = [f"{self.subject.name} against {against.kind} of {scene}{how}"]

@@ -20,7 +20,6 @@ from polhode.judging.correct_digits import digits_of, errors, rate_scale
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.derived import column_of
 from polhode.judging.references.reference import Reference, Remembered, rows
-from polhode.judging.references.two_precisions import TwoPrecisions
 from polhode.judging.score.part_digits import PartDigits, RowDigits, fewest, part_digits
 from polhode.judging.score.vectorized_score import SPARE_DIGITS, ManyRows, digits, many_rows
 from polhode.judging.tables.candidate import Subject
@@ -32,7 +31,7 @@ from polhode.scenes.vocabulary import COLUMNS, STATE
 _FIRST_ROWS, _MORE = 32, 16  # of rows asked for piece by piece: the first piece, and its growth
 FIRST_ASKED = 100  # digits of a reference, before it is known that more of them are needed
 
-AnyReference: TypeAlias = Reference | Certified | TwoPrecisions | Remembered
+AnyReference: TypeAlias = Reference | Certified | Remembered
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from polhode.common.errors import UNREADABLE, BadInput
-from polhode.common.files import read_whole
+from polhode.common.files import npy_header, read_npz, read_whole
 from polhode.judging.tables.column_aliases import column
 from polhode.judging.tables.csv_file import MAX_BYTES
 from polhode.judging.tables.csv_layout import Naming
@@ -45,19 +45,12 @@ def arrays(path: Path, names: Naming) -> tuple[Arrays, NumberType | None]:
     data = read_whole(path, MAX_BYTES, "a readable file of arrays")
     if path.suffix.lower() == ".parquet":
         return _parquet(path, data), None
-    import numpy as np
-
     try:
-        if zipfile.is_zipfile(io.BytesIO(data)):
-            size = sum(part.file_size for part in zipfile.ZipFile(io.BytesIO(data)).infolist())
-            if size > MAX_BYTES:
-                raise BadInput(str(path), "file", None, f"at most {MAX_BYTES} bytes of arrays")
-        found: Any = np.load(io.BytesIO(data), allow_pickle=False)
-        held = {name: found[name] for name in found.files} if hasattr(found, "files") else found
-    except (*_FAULTS, zipfile.BadZipFile) as fault:
-        if isinstance(fault, BadInput):
-            raise
-        raise BadInput(str(path), "file", None, "arrays of numbers that NumPy wrote") from None
+        packed = zipfile.is_zipfile(io.BytesIO(data))
+        held: Any = read_npz(data, most=MAX_BYTES) if packed else _one(data)
+    except _FAULTS as fault:
+        expected = f"arrays of numbers that NumPy wrote ({fault})"
+        raise BadInput(str(path), "file", None, expected) from None
     if not isinstance(held, dict):
         return _of_one(path, held, names), None
     if {"about", "times", "states"} <= {*held}:
@@ -66,6 +59,16 @@ def arrays(path: Path, names: Naming) -> tuple[Arrays, NumberType | None]:
     for name, array in held.items():
         columns |= _flat(path, name, array)
     return columns, None
+
+
+def _one(data: bytes) -> Any:
+    """The array of a file with one; raises ValueError where it is not as long as it says."""
+    import numpy as np
+
+    dtype, count, begin = npy_header(io.BytesIO(data))
+    if begin + count * dtype.itemsize > len(data):
+        raise ValueError("it is not as long as it says")
+    return np.load(io.BytesIO(data), allow_pickle=False)
 
 
 def _parquet(path: Path, data: bytes) -> pd.DataFrame:

@@ -9,11 +9,15 @@ from typing import NamedTuple
 
 from polhode.judging.tables.table import radians
 from polhode.numbers.conversion import exactly
+from polhode.numbers.decimals import brief
 
 #: Digits: below the first a part is wrong as it stands, the second is what a reading must add.
 WRONG, GAIN = 3.0, 3.0
 
 TURNS = "psi and phi up to whole turns"  # the convention of angles that need it
+
+TURN = "a constant rotation of "  # how a rotation of an attitude begins
+_EXACT = 12.0  # digits of a row that is right but for rounding
 
 _ROOT_PLACES = 10**1100  # of the square root of two, as of a degree
 
@@ -61,7 +65,11 @@ class TimeChange(NamedTuple):
 
 
 class Reading(NamedTuple):
-    """A part of a table read another way: its digits as it stands, and as it is read here."""
+    """A part of a table read another way: its digits as it stands, and as it is read here.
+
+    ``rows``: times with the digits there as it is read, the first row's first; empty where only
+    the fewest digits are known.
+    """
 
     part: str
     as_it_stands: float
@@ -69,12 +77,24 @@ class Reading(NamedTuple):
     digits: float
     change: Change | None = None  # None where it is told, and not applied
     times: TimeChange | None = None
+    rows: tuple[tuple[Fraction, float], ...] = ()
 
     def __str__(self) -> str:
-        return (
-            f"{self.part} as it stands: {self.as_it_stands:.2f} digits; read as {self.convention}: "
-            f"{self.digits:.1f} digits"
-        )
+        after = "right after" if self.convention.startswith(TURN) else "read as"
+        told = f"{self.part} as it stands: {self.as_it_stands:.2f} digits; {after} "
+        if self.digits >= WRONG or not self.rows:
+            return f"{told}{self.convention}: {self.digits:.1f} digits"
+        return f"{told}{self.convention}: {self._drift}"
+
+    @property
+    def _drift(self) -> str:
+        """The digits at each of the rows."""
+        told = []
+        for t, digits in self.rows:
+            unit = " digits" if all(text.startswith("exact") for text in told) else ""
+            value = "exact" if digits >= _EXACT else f"{digits:.1f}{unit}"
+            told.append(f"{value} at t = {brief(t)}")
+        return ", ".join(told)
 
 
 def _product(a: Sequence[Fraction | int], b: Sequence[Fraction | int]) -> list[Fraction]:

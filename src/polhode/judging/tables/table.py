@@ -10,7 +10,7 @@ from typing import Any
 
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput, nearest
-from polhode.common.text_tables import counted
+from polhode.common.text_tables import counted, one_line
 from polhode.judging.tables.column_aliases import Column, column, known, not_judged, twice
 from polhode.judging.tables.type_inference import type_of
 from polhode.numbers import exact
@@ -33,6 +33,10 @@ class Table:
     number: NumberType | None = None  # whose values the numbers are; None: exact decimals
     projected: bool = False  # whether the integrals were, as the file beside it says
     remarks: tuple[str, ...] = ()  # what its JSON file says, and what of that was ignored
+
+    def __post_init__(self) -> None:
+        if (name := one_line(self.name)) != self.name:
+            object.__setattr__(self, "name", name)
 
     def __repr__(self) -> str:
         return (
@@ -68,7 +72,8 @@ def table_of_rows(
         given = [row if hasattr(row, "dtype") else list(row) for row in states]
         rows = [[_exactly(x) for x in row] for row in given]
     except (TypeError, ValueError) as fault:
-        raise BadInput("compare", "states", None, f"rows of finite numbers ({fault})") from None
+        expected = f"a run, a file, columns by name or rows of finite numbers ({fault})"
+        raise BadInput("compare", "states", None, expected) from None
     if at is None or len(times) != len(rows) or not rows:
         raise BadInput("compare", "at", len(times), f"a time for each of {len(rows)} rows")
     judged = [name for name in known()[1:] if name not in not_judged()]
@@ -98,6 +103,9 @@ def table_of_columns(
     are known as such; nan, NaT and None are empty cells.  Raises BadInput.
     """
     if hasattr(given, "iloc"):  # a DataFrame
+        if not hasattr(given, "columns"):
+            expected = "columns by name, t among them: a DataFrame, not one Series"
+            raise BadInput(source, "columns", type(given).__name__, expected)
         if meaning(str(given.index.name)).name == "t":
             given = given.reset_index()
         held = {str(name): given[name].to_numpy() for name in given.columns}

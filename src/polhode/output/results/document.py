@@ -1,7 +1,7 @@
 """A result as a JSON document that gives back an equal one.
 
-What pickle would hold, written as JSON, of polhode's own values alone: a document names no code
-but the classes below and a few functions that make values, so that reading one runs nothing else.
+A document holds values of polhode alone: numbers, texts, arrays, lists, and objects of the classes
+in :mod:`polhode.output.results.kinds`, field by field, each of the field's type.  It names no code.
 A sum over the text finds a document that was changed or cut.
 """
 
@@ -11,35 +11,38 @@ import base64
 import hashlib
 import json
 import math
-import sys
-from enum import Enum
+from collections.abc import Callable, Sequence
 from fractions import Fraction
-from importlib import import_module
 from typing import Any, TypeAlias
 
+import mpmath
 import numpy as np
 
 from polhode.common.errors import BadInput, FileName
 from polhode.common.result import Result
+from polhode.judging.references.reference import Reference, reference
+from polhode.motion.outcomes import Outcome
+from polhode.numbers import ball_rules
+from polhode.numbers.exact import Irrational
+from polhode.numbers.lossless_mpf import real
 from polhode.output import archive
+from polhode.output.results import kinds
 from polhode.runs.trajectory import Trajectory
+from polhode.scenes.scene import Scene
 
 #: Whatever a result holds, and what JSON makes of it.
 Value: TypeAlias = Any
 
-FORMAT = "polhode result 1"
-#: Rooms whose classes a document may name, and the functions by which some values are made.
-_ROOMS = ("dynamics", "enclosures", "judging", "motion", "numbers", "proofs", "runs", "scenes")
-_MAKERS = {
-    "polhode.judging.references.reference:reference",
-    "polhode.numbers.exact:_irrational",
-    "polhode.numbers.lossless_mpf:pair",
-    "polhode.numbers.lossless_mpf:real",
-}
-_RULES = "polhode.numbers.ball_rules"  # all of them: of exact numbers that are not rational
-#: Not part of a value: folders of unfinished work.
-_LEFT_OUT = ("JobCheckpoint", "SweepCheckpoint")
+FORMAT = "polhode document 2"
+MOST_BITS = 1 << 18  # of an integer, and of the exponent of a number
+MOST_BYTES = 1 << 31  # of an array
 _SAFE = 1 << 53  # integers that every reader of JSON keeps
+#: How an irrational number is made of others: names of functions on balls.
+_RULES = {
+    name: rule
+    for name, rule in vars(ball_rules).items()
+    if getattr(rule, "__module__", "") == ball_rules.__name__ and not name.startswith("_")
+}
 
 
 def document(found: Result) -> dict[str, Value]:
@@ -54,17 +57,19 @@ def result_of(told: Value, name: str) -> Result:
     expected = "a result that polhode saved"
     try:
         if told["format"] != FORMAT:
-            raise ValueError(f"format {told['format']!r}")
+            raise ValueError(f"format {str(told['format'])[:40]!r}")
         if told["sum"] != checksum(told["kind"], told["value"]):
             raise ValueError("it was changed or cut")
         found = _Reader().read(told["value"])
-    except (KeyError, TypeError, ValueError, AttributeError, ImportError, RecursionError) as fault:
-        if isinstance(fault, BadInput):
-            raise
-        raise BadInput(name, "file", None, f"{expected} ({fault})") from None
-    if not isinstance(found, Result):
+    except archive.DAMAGED as fault:
+        raise BadInput(name, "file", None, f"{expected} ({_line(fault)})") from None
+    if not isinstance(found, Result) or type(found).__name__ != told["kind"]:
         raise BadInput(name, "file", None, expected)
     return found
+
+
+def _line(fault: BaseException) -> str:
+    return "it is damaged" if isinstance(fault, (KeyError, RecursionError)) else str(fault)
 
 
 def checksum(kind: str, value: Value) -> str:
@@ -74,7 +79,7 @@ def checksum(kind: str, value: Value) -> str:
 
 
 class _Writer:
-    """Writes values; one that occurs twice is written once and told by its number then."""
+    """Writes values; an object that occurs twice is written once and told by its number then."""
 
     def __init__(self) -> None:
         self.known: dict[int, int] = {}
@@ -100,145 +105,163 @@ class _Writer:
             return {"d": [[self.written(k), self.written(v)] for k, v in x.items()]}
         if type(x) is Fraction:
             return {"q": [hex(x.numerator), hex(x.denominator)]}
+        if isinstance(x, mpmath.mpf):
+            sign, mantissa, exponent, _ = x._mpf_
+            if not mantissa and exponent:
+                return {"m": str(float(x))}
+            return {"m": [hex(-int(mantissa) if sign else int(mantissa)), int(exponent)]}
         if isinstance(x, np.ndarray):
             return {"a": [x.dtype.str, list(x.shape), self._elements(x)]}
         if isinstance(x, np.generic):
             return {"s": self.written(np.asarray(x))["a"]}
-        if isinstance(x, Enum):
-            return {"e": [_name_of(type(x)), self.written(x.value)]}
-        if isinstance(x, type) or (callable(x) and hasattr(x, "__qualname__")):
-            return {"g": _name_of(x)}
+        if isinstance(x, Outcome):
+            return {"e": x.value}
         return self._object(x)
 
     def _elements(self, x: Value) -> Value:
-        if x.dtype.kind in "OUS":
+        if x.dtype.kind in "OU":
             return [self.written(item) for item in x.ravel().tolist()]
         if x.dtype.itemsize > 8 and x.dtype.kind == "f":  # whose bytes differ between machines
             return [np.format_float_scientific(item, unique=True) for item in x.ravel()]
         return base64.b64encode(np.ascontiguousarray(x).tobytes()).decode()
 
     def _object(self, x: Value) -> Value:
-        if type(x).__name__ in _LEFT_OUT:
-            return None
         if id(x) in self.known:
             return {"r": self.known[id(x)]}
         if type(x) is Trajectory:
             told: Value = {"run": [[k, self.written(v)] for k, v in archive.arrays(x).items()]}
+        elif isinstance(x, Irrational):
+            told = {"x": [x._rule.__name__, self.written(list(x._parts)), self.written(x.square)]}
+        elif isinstance(x, Reference):
+            told = {"reference": self.written(x.scene)}
         else:
-            reduced: Value = x.__reduce_ex__(2)
-            make, args = reduced[0], list(reduced[1])
-            state = reduced[2] if len(reduced) > 2 else None
-            if make.__name__ == "__newobj__":
-                told = {"n": [_name_of(args[0]), *map(self.written, args[1:])]}
-            else:
-                told = {"o": [_name_of(make), *map(self.written, args)]}
-            if state is not None:
-                told["w"] = self.written(state)
+            word = kinds.word_of(x)
+            told = {"n": [word, *(self.written(getattr(x, k)) for k in kinds.fields_of(word))]}
         self.known[id(x)] = len(self.kept)
         self.kept.append(x)
         return told
 
 
 class _Reader:
-    """Reads what a writer wrote."""
+    """Reads what a writer wrote; raises ValueError and the like for anything else."""
 
     def __init__(self) -> None:
         self.kept: list[object] = []
+        self.readers: dict[str, Callable[[Value], Value]] = {
+            "a": self._array,
+            "c": lambda value: complex(*self._floats(value)),
+            "d": lambda value: {self.read(k): self.read(x) for k, x in value},
+            "e": Outcome,
+            "f": _infinite,
+            "i": _integer,
+            "m": _mpf,
+            "n": lambda value: self._keep(kinds.made(value[0], self._list(value[1:]))),
+            "q": _fraction,
+            "r": self._again,
+            "reference": lambda value: self._keep(_reference(self.read(value))),
+            "run": lambda value: self._keep(archive.run_of({k: self.read(x) for k, x in value})),
+            "s": lambda value: self._array(value)[()],
+            "t": lambda value: tuple(self._list(value)),
+            "x": lambda value: self._keep(self._irrational(*value)),
+        }
 
     def read(self, told: Value) -> Value:
-        """The value; raises what a damaged document makes fail."""
+        """The value."""
         if isinstance(told, list):
-            return [self.read(item) for item in told]
+            return self._list(told)
         if not isinstance(told, dict):
             return told
-        key, value = next(iter(told.items()))
-        if key in ("n", "o", "run"):
-            return self._object(key, value, told)
-        return getattr(self, f"_{key}")(value)
+        if len(told) != 1:
+            raise ValueError("an object of several keys")
+        ((key, value),) = told.items()
+        return self.readers[key](value)
 
-    def _object(self, key: str, value: Value, told: Value) -> Value:
-        if key == "run":
-            found: Value = archive.run_of({k: self.read(v) for k, v in value})
-        else:
-            make = _named(value[0])
-            args = [self.read(item) for item in value[1:]]
-            found = make.__new__(make, *args) if key == "n" else make(*args)
-            if "w" in told:
-                _stated(found, self.read(told["w"]))
+    def _list(self, told: Value) -> list[Value]:
+        if not isinstance(told, list):
+            raise ValueError("no list")
+        return [self.read(item) for item in told]
+
+    def _keep(self, found: Value) -> Value:
         self.kept.append(found)
         return found
 
-    def _i(self, value: str) -> int:
-        return int(value, 16)
-
-    def _f(self, value: str) -> float:
-        return float(value)
-
-    def _c(self, value: Value) -> complex:
-        return complex(self.read(value[0]), self.read(value[1]))
-
-    def _t(self, value: Value) -> tuple[Value, ...]:
-        return tuple(self.read(item) for item in value)
-
-    def _d(self, value: Value) -> dict[Value, Value]:
-        return {self.read(k): self.read(v) for k, v in value}
-
-    def _q(self, value: Value) -> Fraction:
-        return Fraction(int(value[0], 16), int(value[1], 16))
-
-    def _a(self, value: Value) -> Value:
-        dtype, shape, elements = np.dtype(value[0]), tuple(value[1]), value[2]
-        if isinstance(elements, str):
-            flat: Value = np.frombuffer(base64.b64decode(elements), dtype=dtype).copy()
-        elif dtype.kind == "f":
-            flat = np.array([np.longdouble(text) for text in elements], dtype=np.longdouble)
-        else:
-            flat = np.empty(len(elements), dtype=dtype)
-            for k, item in enumerate(elements):
-                flat[k] = self.read(item)
-        return flat.reshape(shape)
-
-    def _s(self, value: Value) -> Value:
-        return self._a(value)[()]
-
-    def _e(self, value: Value) -> Value:
-        return _named(value[0])(self.read(value[1]))
-
-    def _g(self, value: str) -> Value:
-        return _named(value)
-
-    def _r(self, value: int) -> Value:
+    def _again(self, value: Value) -> Value:
+        if type(value) is not int or not 0 <= value < len(self.kept):
+            raise ValueError("an object that is not there")
         return self.kept[value]
 
-
-def _name_of(x: Value) -> str:
-    """Where a class or a function stands; refuses what a document may not name."""
-    name = f"{x.__module__}:{x.__qualname__}"
-    if _named(name) is not x:
-        raise TypeError(f"{name}: no part of a result")
-    return name
-
-
-def _named(name: str) -> Value:
-    module, _, own = name.partition(":")
-    package, _, rest = module.partition(".")
-    allowed = package == "polhode" and rest.partition(".")[0] in _ROOMS and "." not in own
-    found = getattr(sys.modules.get(module) or import_module(module), own) if allowed else None
-    if isinstance(found, type) and found.__module__ == module:
+    def _floats(self, told: Value) -> list[float]:
+        found = self._list(told)
+        if not all(type(x) is float for x in found):
+            raise ValueError("no floats")
         return found
-    if found is None or (name not in _MAKERS and module != _RULES):
-        raise ValueError(f"{name}: no part of a result")
-    return found
+
+    def _array(self, value: Value) -> Value:
+        word, shape, elements = value
+        dtype, count = np.dtype(str(word)), math.prod(shape)
+        if dtype.kind not in "biufcOU" or not all(type(n) is int and n >= 0 for n in shape):
+            raise ValueError(f"an array of {str(word)[:20]}")
+        if isinstance(elements, str):
+            if dtype.kind in "OU":
+                raise ValueError("no elements")
+            flat: Value = np.frombuffer(base64.b64decode(elements, validate=True), dtype).copy()
+        elif dtype.kind == "f":
+            flat = np.array([np.longdouble(text) for text in elements], dtype=np.longdouble)
+        elif dtype.kind == "U":
+            longest = max((len(_text(x)) for x in elements), default=0)
+            if 4 * longest * len(elements) > MOST_BYTES:
+                raise ValueError("texts of too many bytes")
+            flat = np.array(elements, dtype=np.str_)
+        elif dtype.kind == "O":
+            flat = np.empty(len(elements), dtype=object)
+            for k, item in enumerate(elements):
+                flat[k] = self.read(item)
+        else:
+            raise ValueError("no elements")
+        if len(flat) != count:
+            raise ValueError(f"an array of {len(flat)} elements")
+        return flat.reshape(shape)
+
+    def _irrational(self, word: str, parts: Value, square: Value) -> Irrational:
+        rule, numbers, known = _RULES[word], self._list(parts), self.read(square)
+        if rule.__code__.co_argcount != len(numbers) or not all(
+            isinstance(x, (Fraction, Irrational)) for x in [*numbers, known or Fraction(0)]
+        ):
+            raise ValueError("no irrational number")
+        return Irrational(rule, *numbers, square=known)
 
 
-def _stated(found: Value, state: Value) -> None:
-    """Give an object its fields, as unpickling does."""
-    if hasattr(found, "__setstate__"):
-        found.__setstate__(state)
-        return
-    slots: Value = None
-    if isinstance(state, tuple) and len(state) == 2:
-        state, slots = state
-    for fields in (state, slots):
-        for key, value in (fields or {}).items():
-            object.__setattr__(found, key, value)
+def _text(x: Value) -> str:
+    if not isinstance(x, str):
+        raise ValueError("no text")
+    return x
+
+
+def _integer(text: Value) -> int:
+    if not isinstance(text, str) or len(text) > MOST_BITS // 4:
+        raise ValueError("an integer that is too long")
+    return int(text, 16)
+
+
+def _fraction(told: Sequence[Value]) -> Fraction:
+    above, below = map(_integer, told)
+    return Fraction(above, below)
+
+
+def _infinite(text: Value) -> float:
+    return {"inf": math.inf, "-inf": -math.inf, "nan": math.nan}[text]
+
+
+def _mpf(told: Value) -> Value:
+    if isinstance(told, str):
+        return real(mpmath.mpf(_infinite(told))._mpf_)
+    mantissa, exponent = told
+    if type(exponent) is not int or abs(exponent) > MOST_BITS:
+        raise ValueError("an exponent that is too large")
+    return real(mpmath.libmp.from_man_exp(_integer(mantissa), exponent))
+
+
+def _reference(scene: Value) -> Value:
+    if not isinstance(scene, Scene):
+        raise ValueError("no scene")
+    return reference(scene)

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from polhode.common.errors import UNREADABLE, BadInput, nearest
+from polhode.common.arguments import of_kind
+from polhode.common.errors import BadInput, nearest
 from polhode.common.files import check_writable, npz, read_npz, read_whole, write_whole
 from polhode.common.result import Result
 from polhode.output import archive, csv_tables, frames
@@ -31,6 +32,7 @@ _KIND_OF_SIDECAR = {"states": "Trajectory", "members": "Ensemble"}
 
 def save(found: Result, path: str | Path, more: JsonObject | None = None) -> None:
     """Write a result; raises BadInput.  ``more``: what else the JSON beside a table says."""
+    of_kind("save", "path", path, (str, Path), "the path of a file")
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
@@ -70,6 +72,7 @@ def load_result(path: str | Path) -> Result:
     >>> again == found
     True
     """
+    of_kind("load_result", "path", path, (str, Path), "the path of a file")
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
@@ -141,12 +144,14 @@ def _told(path: Path) -> Any:
             held = read_npz(data)
             if KEY not in held:
                 return archive.run_of(held)
-            return json.loads(str(held[KEY]))
-        if suffix == ".parquet":
-            return json.loads(_parquet_attrs(data)[KEY])
-        return json.loads(json.loads(data)[KEY])
-    except (KeyError, TypeError, AttributeError, *UNREADABLE):
+            told = json.loads(str(held[KEY]))
+        elif suffix == ".parquet":
+            told = json.loads(_parquet_attrs(data)[KEY])
+        else:
+            told = json.loads(json.loads(data)[KEY])
+    except archive.DAMAGED:
         return None
+    return told if isinstance(told, dict) else None
 
 
 def _parquet_attrs(data: bytes) -> dict[str, str]:
@@ -154,7 +159,10 @@ def _parquet_attrs(data: bytes) -> dict[str, str]:
 
     frames.needed("pyarrow")
     parquet = frames.needed("pyarrow.parquet")
-    found = parquet.read_schema(BytesIO(data)).metadata[b"PANDAS_ATTRS"]
+    try:
+        found = parquet.read_schema(BytesIO(data)).metadata[b"PANDAS_ATTRS"]
+    except Exception as fault:  # pyarrow has classes of its own for what is no such file
+        raise ValueError(str(fault)) from None
     told: dict[str, str] = json.loads(found)
     return told
 

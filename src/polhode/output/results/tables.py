@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     from polhode.judging.conditioning.lyapunov import Lyapunov
     from polhode.judging.references.certified import Certified
     from polhode.judging.references.reference import Reference
-    from polhode.judging.references.two_precisions import TwoPrecisions
     from polhode.judging.score.judgement import Judgement
     from polhode.motion.outcomes import EventTimes
     from polhode.proofs.proved_orbit import ProvedOrbit
@@ -193,7 +192,8 @@ def _event_times(found: EventTimes) -> Table:
     width = len(found.states[0]) if len(found.states) else 0
     columns: dict[str, Value] = {"event": [*range(1, len(found.times) + 1)], "t": found.t}
     columns |= {name: [row[k] for row in found.states] for k, name in enumerate(STATE[:width])}
-    return Table(1, columns | {"grazing": found.grazing})
+    columns |= {"sign": found.signs, "grazing": found.grazing}
+    return Table(1, columns | {"uncertainty": found.uncertainty, "depth": found.depths})
 
 
 def _proved_orbit(found: ProvedOrbit) -> Table:
@@ -225,7 +225,7 @@ def _judgement(found: Judgement) -> Table:
     return Table(1, columns)
 
 
-def _reference(found: Reference | Certified | TwoPrecisions) -> Table:
+def _reference(found: Reference | Certified) -> Table:
     scene = found.scene
     rows = found.at(scene.times, digits=REFERENCE_DIGITS)
     states = {name: [row[k] for row in rows] for k, name in enumerate(scene.columns)}
@@ -259,5 +259,4 @@ KINDS: dict[str, Callable[[Value], Table]] = {
     "Reductions": _reductions,
     "Reference": _reference,
     "Section": _section,
-    "TwoPrecisions": _reference,
 }

@@ -10,7 +10,6 @@ from flint import arb
 
 from polhode.common.arguments import whole
 from polhode.common.progress import Message
-from polhode.common.provenance import provenance
 from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.dynamics.periodic_orbits.orbit import Orbit
 from polhode.dynamics.periodic_orbits.search import orbit_search
@@ -197,7 +196,7 @@ class _Search:
             proof,
             level,
             begun,
-            provenance(scene.text),
+            scene.provenance(),
         )
 
 

@@ -103,7 +103,7 @@ class RefinedMotion:
         rows = [found.exactly(i) for i in range(len(found.states))]
         self.errors = _errors(scene, number, told, rows)
         if search is not None:
-            self.events = _events(scene, number, search, found)
+            self.events = search.found()
         count = len(equations(scene).variables)
         turned: list[list[Real]] = [[]] * len(rows)
         if found.attitudes is not None:
@@ -197,26 +197,6 @@ def _turned(scene: Scene, number: NumberType, attitudes: list[Attitude]) -> list
                 row += [number_value(exactly(psi), number), ordinary(phi)]
             found.append(row)
     return found
-
-
-def _events(
-    scene: Scene, number: NumberType, search: Search, found: Motion
-) -> tuple[EventTimes, ...]:
-    """The events in scene axes and units, in order of integration."""
-    read, unit = Readout(scene, number), Fraction(2) ** scene.time_unit
-    count = len(equations(scene).variables)
-    return tuple(
-        EventTimes(
-            name=event.name,
-            times=tuple(number.rounded(m.time) * unit for m in marks),
-            states=read_only(read.states([m.row[:count] for m in marks]), read.columns),
-            grazing=tuple(m.slope == 0 for m in marks),
-            complete=complete,
-        )
-        for event, (marks, complete) in zip(
-            scene.events, search.sorted_out(found.reached), strict=True
-        )
-    )
 
 
 def _lacking(found: Motion, errors: Doubles, digits: int) -> int:

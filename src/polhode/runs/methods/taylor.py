@@ -30,7 +30,7 @@ from polhode.taylor.backend.time_grid import Times
 from polhode.taylor.integrator.protocols import Corrector, Integrating, Watcher
 
 if TYPE_CHECKING:
-    from polhode.taylor.events.stepwise import Watch
+    from polhode.taylor.events.watch import Watch
 
 #: Where a start at a pole is left, in the scene's own unit of time: a fraction of a radian on.
 _OFF_THE_POLE = Fraction(1, 2)
@@ -214,7 +214,7 @@ class TaylorMotion:
         """What looks for the scene's events; None where they are not watched."""
         if not self.watched:
             return None
-        from polhode.taylor.events.stepwise import Watch
+        from polhode.taylor.events.watch import Watch
 
         return Watch(self.scene, self.number, self.problem.rules(self.scene))
 
@@ -228,7 +228,7 @@ class TaylorMotion:
         if not suspects:
             return
         from polhode.taylor.events.rules import Rules
-        from polhode.taylor.events.stepwise import Watch
+        from polhode.taylor.events.watch import Watch
         from polhode.taylor.integrator.build import build
 
         fine = number_types.mp(200)
@@ -274,9 +274,7 @@ class TaylorMotion:
         self._refuse_what_never_moves()
         found, outcome = leading.chunk([moment], 10**6)
         self.steps += leading.steps
-        if self._watch is not None:
-            self._watch.settle()  # before the next integrator, which has other variables
-        elif outcome.done:
+        if self._watch is None and outcome.done:
             leading.release()
         if self._stopped:
             return whole, moment

@@ -123,26 +123,6 @@ class Problem:
         q = kinematics.starting_attitude(self.scene.gamma, self.scene.psi)
         return np.array([to_extended(x) for x in (*q, self.scene.psi)])
 
-    @cached_property
-    def quiet_events(self) -> bool:
-        """Whether no event ever ends a run, and the state alone tells all of them everywhere."""
-        from polhode.taylor.events.callbacks import is_entire, tells_time
-
-        scene = self.scene
-        return all(
-            not event.stop and is_entire(scene, event) and not tells_time(scene, event)
-            for event in scene.events
-        )
-
-    @cached_property
-    def event_functions(self) -> object:
-        """What tells the functions of the events, in principal axes and doubles, from others."""
-        scene, body = self.scene, self.scene.body
-        numbers = (*(x for row in body.inertia for x in row), *body.centre, body.weight)
-        if not all(isinstance(x, Fraction) for x in numbers):  # irrational ones have no name
-            return object()
-        return (numbers, scene.time_unit, tuple(event.expression for event in scene.events))
-
     def schedule(self, scene: Scene) -> Schedule:
         """The output times of the scene, or of one that differs from it in its times alone.
 

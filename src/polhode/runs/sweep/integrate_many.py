@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 from polhode.common import executors as crew
 from polhode.common.arguments import steps, whole
 from polhode.common.progress import Progress, bar
-from polhode.common.provenance import provenance
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber
 from polhode.runs.problem.options import check_method
@@ -162,7 +161,7 @@ def integrate_many(
         tolerance=float(tolerance),
         digits=digits,
         told=results.errors,
-        provenance={**provenance(scene.text), "seconds": seconds},
+        provenance={**plan.members.provenance(), "seconds": seconds},
         parts=kept,
     )
 

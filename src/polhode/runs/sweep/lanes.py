@@ -87,9 +87,12 @@ class Fastest:
 
         best, self.scene = -1.0, members[0]
         for block in blocks(members):
-            fourth = np.where(block.left, -1.0, _fourth(block))
+            with np.errstate(all="ignore"):
+                fourth = _fourth(block)
+            left = block.left | ~np.isfinite(fourth)  # doubles do not tell
+            fourth = np.where(left, -1.0, fourth)
             k = int(np.argmax(fourth))
-            others = [block.first + int(i) for i in np.flatnonzero(block.left)]
+            others = [block.first + int(i) for i in np.flatnonzero(left)]
             for index in [block.first + k] * bool(fourth[k] >= 0) + others:
                 member = members[index]
                 if member.log10_rate > best or index == 0:

@@ -9,6 +9,7 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any, overload
 
+from polhode.common import notices
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, FileName, nearest
 from polhode.numbers.decimals import shown
@@ -20,6 +21,8 @@ from polhode.scenes.variation.vary import Grid
 from polhode.scenes.vocabulary import CENTRE
 
 _BODIES = 1024  # that are remembered
+_LOOKED_AT = 64  # members, for notes
+_MAY_BE_ROUNDED = {"body.moments", "body.inertia", "start.gamma", "start.quaternion"}
 
 _SECTIONS = ("body", "start")
 _KEY = re.compile(r"(body|start)\.[a-z]+(\[[1-9]\d*\](\.[a-z_]+)?)*")
@@ -84,6 +87,23 @@ class Members(Sequence[Scene]):
         a, b, c = self.scene.body.moments
         return axes.trivial or "body.centre" not in varied or not (a == b or b == c or c == a)
 
+    @cached_property
+    def notes(self) -> tuple[str, ...]:
+        """The notes of the scene, and what was changed of the first members, as of one of them."""
+        varied = {key.partition("[")[0] for key in self.varied.keys}
+        if not varied & _MAY_BE_ROUNDED:
+            return self.scene.notes
+        of_members = (self[k].changes for k in range(min(len(self), _LOOKED_AT)))
+        changes = next(filter(None, of_members), ())
+        return (*self.scene.notes, *(f"members: {text}" for text in changes))
+
+    def provenance(self) -> dict[str, object]:
+        """Where a result comes from, see :meth:`Scene.provenance`; members' notes are said, too."""
+        for text in self.notes[len(self.scene.notes) :]:
+            notices.change(self.scene.name, text)
+        found = self.scene.provenance()
+        return found | {"notes": list(self.notes)} if self.notes else found
+
     @property
     def tables(self) -> dict[str, Any]:
         """The tables that are varied, numbers exact, none of them varied yet."""
@@ -100,7 +120,8 @@ class _Reading:
         self.data = tables_of(scene)
         self.places = _places(self.data, varied.keys, scene.name)
         self.same_body = not any(key.startswith("body.") for key in varied.keys)
-        self.bare = replace(scene, times=(), published=(), expect={}, source="", outputs=())
+        bare = {"times": (), "published": (), "expect": {}, "source": "", "outputs": ()}
+        self.bare = replace(scene, **bare, change="", doubt="")
         self.bodies: dict[tuple[Any, ...], Body] = {}
 
     def member(self, index: int) -> Scene:
@@ -110,8 +131,9 @@ class _Reading:
             for table, at in spots:
                 table[at] = value
         body = self.scene.body if self.same_body else self._known(row, name)
-        body, omega, gamma, psi = scene_file.body_and_start(self.data, name, body)
-        return replace(self.bare, body=body, omega=omega, gamma=gamma, psi=psi, name=name)
+        body, omega, gamma, psi, change = scene_file.body_and_start(self.data, name, body)
+        found = replace(self.bare, body=body, omega=omega, gamma=gamma, psi=psi, name=name)
+        return replace(found, change=change) if change else found
 
     def _known(self, row: tuple[Exact, ...], name: str) -> Body:
         """The body that the tables hold now: one for all members that have the same."""
@@ -139,7 +161,7 @@ def tables_of(scene: Scene) -> dict[str, Any]:
     held = (scene.body, scene.omega, scene.gamma, scene.psi)
     if scene.source:
         data = scene_file.tables(scene.source, scene.name)
-        if scene_file.body_and_start(data, scene.name) == held:
+        if scene_file.body_and_start(data, scene.name)[:4] == held:
             return {name: dict(data[name]) for name in _SECTIONS}
     body = scene.body
     start: dict[str, Any] = {"omega": list(scene.omega)}

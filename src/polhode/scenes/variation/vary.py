@@ -8,10 +8,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple, overload
 
+from polhode.common import notices
 from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput, plain
-from polhode.numbers.exact import Exact
+from polhode.numbers import exact
+from polhode.numbers.exact import ZERO, Exact
 from polhode.numbers.expression import ExpressionError
+from polhode.scenes.body_and_start import THETA, doubtful_theta
 from polhode.scenes.given_numbers import in_text, reader
 from polhode.scenes.keys import unit
 
@@ -109,7 +112,8 @@ def option(text: str, name: str, units: str = "") -> tuple[str, Sequence[Exact]]
     key, equals, listed = text.partition("=")
     if not equals:
         raise BadInput(name, "--vary", text, "KEY=FROM:TO:N or KEY=a,b,c")
-    return key.strip(), values(listed, key.strip(), name, units)
+    key = key.strip()
+    return key, numbers(listed, key, name, units, unit(key))
 
 
 def options(texts: Sequence[str], name: str, units: str = "") -> dict[str, Sequence[Exact]]:
@@ -123,21 +127,23 @@ def options(texts: Sequence[str], name: str, units: str = "") -> dict[str, Seque
     return varied
 
 
-def values(text: str, key: str, name: str, units: str) -> Sequence[Exact]:
-    """The numbers of ``FROM:TO:N`` (N of them, evenly spaced, ends included) or of ``a,b,c``."""
-    try:
-        if ":" not in text:
-            return [in_text(item, units, unit(key)) for item in text.split(",")]
-        ends = text.split(":")
-        if len(ends) != 3:
-            raise BadInput(name, key, text, "FROM:TO:N")
-        first, last = (in_text(x, units, unit(key)) for x in ends[:2])
-    except ExpressionError as fault:
-        raise BadInput(name, key, text, f"numbers ({fault})") from None
-    count = int(ends[2]) if re.fullmatch(r"\s*\d{1,9}\s*", ends[2]) else 0
-    if not 1 <= count <= MAX_MEMBERS:
-        raise BadInput(name, key, text, f"FROM:TO:N with N from 1 to {MAX_MEMBERS}")
-    return Spaced(first, last, count)
+def numbers(text: str, key: str, name: str, units: str, dimension: str) -> Sequence[Exact]:
+    """The numbers of ``a,b,c``, where each may be ``FROM:TO:N``: N evenly spaced, ends included.
+
+    ``dimension``: as in ``given_numbers.in_text``.  Raises BadInput.
+    """
+    parts = []
+    for item in text.split(","):
+        try:
+            first, *rest = item.split(":")
+            ends = [in_text(x, units, dimension) for x in (first, *rest[:1])]
+        except ExpressionError as fault:
+            raise BadInput(name, key, item, f"a number ({fault})") from None
+        count = int(rest[1]) if rest[1:] and re.fullmatch(r"\s*\d{1,9}\s*", rest[1]) else 0
+        if rest and not (len(rest) == 2 and 1 <= count <= MAX_MEMBERS):
+            raise BadInput(name, key, item, f"FROM:TO:N with N from 1 to {MAX_MEMBERS}")
+        parts.append(Spaced(ends[0], ends[1], count) if rest else ends)
+    return parts[0] if len(parts) == 1 else [x for part in parts for x in part]
 
 
 def grid(vary: Vary, name: str, units: str = "") -> Grid:
@@ -158,6 +164,9 @@ def grid(vary: Vary, name: str, units: str = "") -> Grid:
                 listed = ", ".join(map(plain, member))
                 raise BadInput(name, f"member {k + 1}", listed, f"the keys {', '.join(keys)}")
         columns = [[_exact(m[key], key, name, units) for m in vary] for key in keys]
+    for key, column in zip(keys, columns, strict=True):
+        if key == THETA:
+            _doubt(column, name)
     if not keys:
         raise BadInput(name, "vary", None, "at least one number of the scene file to vary")
     if count > MAX_MEMBERS:
@@ -165,9 +174,17 @@ def grid(vary: Vary, name: str, units: str = "") -> Grid:
     return Grid(keys, Rows(columns, product))
 
 
+def _doubt(column: Sequence[Exact], name: str) -> None:
+    """Say where a theta is of more than a turn."""
+    ends = (column.first, column.last) if isinstance(column, Spaced) else column
+    largest = max(ends, key=abs, default=ZERO)
+    if abs(largest) > 2 * exact.pi():
+        notices.doubt(name, doubtful_theta(largest))
+
+
 def _column(key: str, given: object, name: str, units: str) -> Sequence[Exact]:
     if isinstance(given, str):
-        return values(given, key, name, units)
+        return numbers(given, key, name, units, unit(key))
     if not isinstance(given, Iterable):
         raise BadInput(name, key, plain(given), "a sequence of numbers, or FROM:TO:N")
     column = given if isinstance(given, Spaced) else [_exact(x, key, name, units) for x in given]

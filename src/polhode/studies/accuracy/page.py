@@ -21,8 +21,7 @@ _CASES = (
     *ABOUT,
     Column(
         *("judged by", "reference", ""),
-        "the closed form of that family of motions, a proven enclosure, or two integrations at "
-        "different precision",
+        "the closed form of that family of motions, or a proven enclosure",
     ),
     *in_numbers(
         digits,

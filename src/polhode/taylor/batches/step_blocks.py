@@ -47,7 +47,7 @@ def until(
     lost = np.zeros(len(ends), dtype=bool)
     while True:
         block = BLOCK if most is None else max(1, min(BLOCK, most - int(steps.max())))
-        before = ta.time.copy()
+        before = [part.copy() for part in ta.dtime]
         ta.propagate_until(ahead.tolist(), max_steps=block)
         results = ta.propagate_res
         taken = np.array([result[3] for result in results], dtype=np.int64)
@@ -58,13 +58,15 @@ def until(
             if lost.all():
                 break
             if not np.isfinite(ta.time).all():  # of a state that is nan from the start on
-                ta.set_time(np.where(np.isfinite(ta.time), ta.time, before).tolist())
+                there = np.isfinite(ta.time)
+                parts = zip(ta.dtime, before, strict=True)
+                ta.set_dtime(*(np.where(there, new, old).tolist() for new, old in parts))
             for values in (ta.state, ta.pars):  # idles where another lane stands
                 values[:, lost] = values[:, [int(np.argmin(lost))]]
             ahead[lost] = ta.time[lost]
             continue
         late = ~lost & (np.abs(ahead - ta.time) > _THERE * np.abs(ahead))
-        still = np.abs(ta.time - before) <= block * _EPS * np.abs(ta.time)
+        still = np.abs(ta.time - before[0]) <= block * _EPS * np.abs(ta.time)
         zero = late & (still | (taken < block))  # heyoka counts the steps that have a length
         stopped = stop is not None and bool(late.any()) and stop()
         if not late.any() or zero.any() or stopped or (most is not None and steps.max() >= most):

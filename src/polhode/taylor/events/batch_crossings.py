@@ -29,8 +29,8 @@ from polhode.taylor.backend.types import HeyokaIntegrator
 from polhode.taylor.batches.compiled_batch import CompiledBatch
 from polhode.taylor.batches.lane_queue import LaneQueue
 from polhode.taylor.corrections.level_projection import ARRAYS, TINY, Level, Put
-from polhode.taylor.events.batch_search import Met, built
-from polhode.taylor.events.vectorized_roots import along
+from polhode.taylor.events.batch_search import Met, built, through_the_first_step
+from polhode.taylor.events.jets import along
 
 DONE, NONE_LEFT, NON_FINITE, STOPPED = "all crossings", "no more crossings", "not finite", "stopped"
 
@@ -202,7 +202,8 @@ class _Orbits:
 
     def _onwards(self, target: Doubles, stop: Stop | None) -> bool:
         """Lanes brought to a time; False where stopped.  Raises Singular."""
-        ended = self.batch.in_blocks(target.tolist(), stop=stop)
+        begin = self.lanes.busy & (self.origin == 0) & (self.batch.heyoka.time == 0)
+        ended = through_the_first_step(self.batch, 0, begin, target.tolist(), stop=stop)
         if Outcome.STEP_UNDERFLOW in ended.outcomes:
             lane = ended.outcomes.index(Outcome.STEP_UNDERFLOW)
             start = tuple(self.job.starts[self.lanes.motion[lane]].tolist())
@@ -264,4 +265,6 @@ def _built(
     constants: dict[str, Scalar] = {name: hy.expression(x) for name, x in coefficients}
     field = principal.field(variables, constants, EXPRESSIONS)
     crossing = zero.value(variables, EXPRESSIONS, hy.expression)
-    return built(list(zip(variables, field, strict=True)), crossing, Met(), direction)
+    return built(
+        list(zip(variables, field, strict=True)), crossing, Met(), direction, crossing + hy.par[0]
+    )

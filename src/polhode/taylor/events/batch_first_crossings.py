@@ -28,11 +28,12 @@ from polhode.taylor.backend.integrator_pool import Kind
 from polhode.taylor.backend.types import CompiledFunction, Expression, HeyokaIntegrator
 from polhode.taylor.batches.compiled_batch import CompiledBatch
 from polhode.taylor.batches.lane_queue import LaneQueue
-from polhode.taylor.events.batch_search import Met, built
-from polhode.taylor.events.functions import TIME, in_columns
+from polhode.taylor.events.batch_search import Met, built, through_the_first_step
+from polhode.taylor.events.functions import TIME, in_columns, typed_constant
 
 STRETCH = 32.0  # of the motions' unit of time, a radian or two
 _AT_START = 1e-9  # of an expression's size: so near to zero a start is taken for one at zero
+_TINY = 3  # the parameter behind those of units and time
 _TURN = tuple(f"turn{i}{j}" for i in range(3) for j in range(3))
 
 
@@ -143,7 +144,7 @@ class _Motions:
         self.batch.state[:, lane] = job.starts[k]
         unit = 2.0**job.time_unit
         turn = [] if job.turns is None else job.turns[k]
-        numbers = [1 / unit, unit, 0.0, *job.coefficients[k], *turn]
+        numbers = [1 / unit, unit, 0.0, 0.0, *job.coefficients[k], *turn]
         pars[:, lane] = numbers[: len(pars)]  # no more of them than the equations need
 
     def _stretch(self, stop: Stop | None) -> list[int] | None:
@@ -158,7 +159,8 @@ class _Motions:
         batch.begin()
         left = job.max_steps - int(self.found.steps[self.lanes.motion[busy]].max())
         ends = np.where(busy, self.length, 0.0).tolist()
-        ended = batch.in_blocks(ends, max(1, left), stop)
+        begin = busy & (self.done == 0)
+        ended = through_the_first_step(batch, _TINY, begin, ends, max(1, left), stop)
         if ended.stopped:
             return None
         after = self._values(self.length)
@@ -190,11 +192,11 @@ def _built(
 ) -> HeyokaIntegrator:
     variables = hy.make_vars(*columns)
     per_unit, unit, since = (hy.par[i] for i in range(3))
-    k = {name: hy.par[3 + i] for i, name in enumerate(names)}
+    k = {name: hy.par[_TINY + 1 + i] for i, name in enumerate(names)}
     vectors = [variables[i : i + 3] for i in range(0, len(columns), 3)]
     if turned:
         turn: Mapping[str, Expression] = {
-            name: hy.par[3 + len(names) + i] for i, name in enumerate(_TURN)
+            name: hy.par[_TINY + 1 + len(names) + i] for i, name in enumerate(_TURN)
         }
         vectors = [
             kinematics.in_scene_axes(vector, turn, heyoka_numbers.EXPRESSIONS.zero)
@@ -202,9 +204,10 @@ def _built(
         ]
     vectors[0] = [per_unit * x for x in vectors[0]]
     values = [x for vector in vectors for x in vector]
-    crossing = in_columns(zero, columns, values, unit * TIME, DOUBLE)
+    fn = heyoka_numbers.EXPRESSIONS
+    crossing = in_columns(zero, columns, values, unit * TIME, typed_constant(DOUBLE), fn)
     field = principal.field(variables, k, heyoka_numbers.EXPRESSIONS)
     value = hy.cfunc([hy.subs(crossing, {TIME: TIME + since})], vars=[*variables, TIME])
-    within = hy.subs(crossing / hy.expression(size), {TIME: hy.time + since})
+    within = hy.subs(crossing / hy.expression(size), {TIME: hy.time + since}) + hy.par[_TINY]
     equations = list(zip(variables, field, strict=True))
     return built(equations, crossing, FirstMet(value), within=within)

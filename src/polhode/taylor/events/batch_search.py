@@ -16,12 +16,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from polhode.common.progress import Stop
 from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.rows import Doubles
+from polhode.numbers.rows import Booleans, Doubles
 from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.heyoka_numbers import compact_beyond
 from polhode.taylor.backend.types import Expression, HeyokaIntegrator
-from polhode.taylor.batches.compiled_batch import width
+from polhode.taylor.batches import step_blocks
+from polhode.taylor.batches.compiled_batch import CompiledBatch, width
 
 _LONG = 80  # operations of an expression whose code is compiled as loops
 _DIRECTIONS = {
@@ -52,6 +54,30 @@ class Met:
 
     def __deepcopy__(self, _: object) -> Met:
         return self  # heyoka copies its callbacks; each integrator has one
+
+
+#: Added to what heyoka watches in a motion's first step: it loses the next zero of a polynomial
+#: without constant term.  Later it would hide zeros at a seam of two steps.
+TINY = 2.0**-150
+
+
+def through_the_first_step(
+    batch: CompiledBatch,
+    place: int,
+    beginning: Booleans,
+    ends: Sequence[float],
+    most: int | None = None,
+    stop: Stop | None = None,
+) -> step_blocks.Ended:
+    """Every lane to an end of its own, TINY in parameter ``place`` of those that begin a motion."""
+    taken = np.zeros(len(ends), dtype=np.int64)
+    if beginning.any():
+        batch.parameters[place] = TINY * beginning
+        taken = batch.in_blocks(ends, 1, stop).steps
+        batch.parameters[place] = 0.0
+        most = None if most is None else max(1, most - 1)
+    ended = batch.in_blocks(ends, most, stop)
+    return ended._replace(steps=taken + ended.steps)
 
 
 def built(

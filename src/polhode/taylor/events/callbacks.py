@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from polhode.common.progress import Stop
 from polhode.numbers.expression import Algebra, evaluate
 from polhode.numbers.number_types import NumberType
 from polhode.scenes.event import Event
@@ -24,7 +23,9 @@ class AfterStep:
     to zero.  Steps of zero count towards no limit: they would go on for ever.
     """
 
-    def __init__(self, stopped: Stop, number: NumberType) -> None:
+    def __init__(
+        self, stopped: Callable[[HeyokaIntegrator], bool], number: NumberType
+    ) -> None:
         self.stopped, self.idle = stopped, 0
         self.eps = heyoka_numbers.scalar(number.eps, number)
 
@@ -32,7 +33,7 @@ class AfterStep:
         """Whether to go on."""
         moved = abs(ta.last_h) > abs(ta.time) * self.eps
         self.idle = 0 if moved else self.idle + 1
-        return not self.stopped() and self.idle < _PATIENCE
+        return not self.stopped(ta) and self.idle < _PATIENCE
 
     def __deepcopy__(self, _: object) -> AfterStep:
         return self
@@ -41,13 +42,13 @@ class AfterStep:
 class Callback:
     """heyoka's call where an event is met; heyoka copies its callbacks, this one stays one."""
 
-    def __init__(self, desk: Desk, k: int) -> None:
-        self.desk, self.k = desk, k
+    def __init__(self, desk: Desk, k: int, order: int) -> None:
+        self.desk, self.k, self.order = desk, k, order
 
     def __call__(self, ta: HeyokaIntegrator, t: HeyokaNumber, _: int) -> None:
         """Tell whoever watches."""
         if self.desk.watch is not None:
-            self.desk.watch.met(self.k, ta, t)
+            self.desk.watch.met(self.k, self.order, ta, t)
 
     def __deepcopy__(self, _: object) -> Callback:
         return self
@@ -59,11 +60,6 @@ def is_entire(scene: Scene, event: Event) -> bool:
     True without division by what varies, negative powers of it, and roots.
     """
     return _sort(event, (*scene.columns, "t"), ()).entire
-
-
-def tells_time(scene: Scene, event: Event) -> bool:
-    """Whether an event's expression depends on t itself."""
-    return _sort(event, ("t",), scene.columns).varies
 
 
 def _sort(event: Event, varying: Sequence[str], constant: Sequence[str]) -> _Sort:

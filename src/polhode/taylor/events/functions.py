@@ -1,16 +1,17 @@
-"""What vanishes at an event, as heyoka's expression in the variables of a form of the equations."""
+"""What vanishes at an event, in the variables of a form of the equations, for any scalar."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 
 from polhode.equations import kinematics
 from polhode.equations.form import equations
 from polhode.numbers import expression
-from polhode.numbers.exact import Number, sign
+from polhode.numbers.exact import Irrational, Number, sign
 from polhode.numbers.expression import Algebra
 from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import Functions, Scalar
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import heyoka_numbers
@@ -26,45 +27,60 @@ def event_expression(
     scene: Scene, event: Event, number: NumberType, variables: Sequence[Expression]
 ) -> Expression:
     """An event's expression in the variables of a run (of its form and more) and :data:`TIME`."""
-
-    def constant(x: Number) -> Expression:
-        return hy.expression(heyoka_numbers.scalar(x, number))
-
-    form, fn = equations(scene), heyoka_numbers.EXPRESSIONS
-    values = variables[: len(form.variables)]
+    form, constant = equations(scene), typed_constant(number)
     k = {name: constant(x) for name, x in form.coefficients.items()}
-    vectors = form.state(values, k, fn)
-    if event.expression is None:
-        return _along_the_middle_axis(scene, vectors[0], constant)
     exactly_turned = kinematics.turn_coefficients(form.axes)
     turn = {name: constant(x) for name, x in exactly_turned.items()}
+    values = variables[: len(form.variables)]
+    return value_of(scene, event, values, TIME, (k, turn), constant, heyoka_numbers.EXPRESSIONS)
+
+
+def typed_constant(number: NumberType) -> Callable[[Number], Expression]:
+    """What makes a number a constant of heyoka's, rounded once to a number type."""
+    return lambda x: hy.expression(heyoka_numbers.scalar(x, number))
+
+
+def value_of(
+    scene: Scene,
+    event: Event,
+    variables: Sequence[Scalar],
+    clock: Scalar,
+    numbers: tuple[Mapping[str, Scalar], Mapping[str, Scalar]],
+    constant: Callable[[Number], Scalar],
+    fn: Functions,
+) -> Scalar:
+    """An event's expression for any scalar, at a form's variables and a time, in the run's unit.
+
+    ``numbers``: the form's coefficients, and the turn from its axes to the scene's.  ``constant``:
+    a number as such a scalar.
+    """
+    form, (k, turn) = equations(scene), numbers
+    vectors = form.state(variables, k, fn)
+    if event.expression is None:
+        return _along_the_middle_axis(scene, vectors[0], constant)
     columns = [
         x for vector in vectors if vector for x in kinematics.in_scene_axes(vector, turn, fn.zero)
     ]
-    clock = TIME
     if scene.time_unit:
         unit = Fraction(2) ** scene.time_unit
         columns[:3] = [constant(1 / unit) * x for x in columns[:3]]
-        clock = constant(unit) * TIME
-    return in_columns(event.expression, scene.columns, columns, clock, number)
+        clock = constant(unit) * clock
+    return in_columns(event.expression, scene.columns, columns, clock, constant, fn)
 
 
 def in_columns(
     text: str,
     columns: Sequence[str],
-    values: Sequence[Expression],
-    clock: Expression,
-    number: NumberType,
-) -> Expression:
+    values: Sequence[Scalar],
+    clock: Scalar,
+    constant: Callable[[Number], Scalar],
+    fn: Functions,
+) -> Scalar:
     """A text in t and the names of columns, with these values."""
-
-    def constant(x: Number) -> Expression:
-        return hy.expression(heyoka_numbers.scalar(x, number))
-
     names = dict(zip(columns, values, strict=True), t=clock)
-    functions = {"sqrt": hy.sqrt, "sin": hy.sin, "cos": hy.cos}
+    functions = {"sqrt": fn.sqrt, "sin": fn.sin, "cos": fn.cos}
     found = expression.evaluate(text, names, Algebra(constant, functions))
-    return found if isinstance(found, hy.expression) else constant(found)
+    return constant(found) if isinstance(found, (Fraction, Irrational)) else found
 
 
 def rate(
@@ -90,8 +106,8 @@ def jet(
 
 
 def _along_the_middle_axis(
-    scene: Scene, omega: Sequence[Expression], constant: Callable[[Number], Expression]
-) -> Expression:
+    scene: Scene, omega: Sequence[Scalar], constant: Callable[[Number], Scalar]
+) -> Scalar:
     """The component of omega along the middle principal axis."""
     axes, middle = scene.body.axes, middle_axis(scene)
     form = equations(scene)

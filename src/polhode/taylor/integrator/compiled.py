@@ -11,7 +11,7 @@ from collections.abc import Hashable
 from typing import TypeVar
 
 from polhode.numbers.rows import Doubles, Extendeds, Numbers
-from polhode.taylor.backend.heyoka_numbers import scalar
+from polhode.taylor.backend.heyoka_numbers import array, scalar, scalars
 from polhode.taylor.backend.integrator_pool import POOL, Kind
 from polhode.taylor.integrator.angle_variables import Cyclic
 from polhode.taylor.integrator.protocols import Desk, Watcher
@@ -37,18 +37,21 @@ class Compiled:
         start, coefficients = plan.state, plan.parameters  # refused before anything is compiled
         self._key: Hashable = plan.key
         if watcher is not None and self._key is not None:  # whose expressions have the numbers
-            flat = plan.number.flat
-            self._key = (self._key, watcher.rules, *plan.constants) if flat else None
+            self._key = (self._key, watcher.key, *map(str, plan.constants))
         idle = POOL.take(RUNS, self._key)
         self._built = idle or built(plan, watcher, cyclic)
         self.heyoka = self._built.heyoka
         self.desk: Desk | None = self._built.desk
         self.again = self._built.again
         self.state, self._parameters = self.heyoka.state, self.heyoka.pars
-        after = CLOCK + self._built.coefficients
+        first = self._built.first
+        after = first + self._built.coefficients
         self.kept = tuple(enumerate(self._built.kept, after))
-        if after > CLOCK:
-            self._parameters[CLOCK:after] = coefficients[: self._built.coefficients]
+        if after > first:
+            self._parameters[first:after] = coefficients[: self._built.coefficients]
+        if watcher is not None:
+            damping = array(scalars(watcher.damping, plan.number), plan.number)
+            self._parameters[CLOCK:first] = damping[: len(self._parameters[CLOCK:first])]
         self._zero = scalar(0, plan.number)
         if idle is not None:
             self.state[:] = start

@@ -9,13 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from polhode.motion.outcomes import Outcome, Projection
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Array, Row, Rows
 from polhode.taylor.backend.types import (
-    CompiledFunction,
     Expression,
     HeyokaEvent,
     HeyokaIntegrator,
@@ -48,13 +47,6 @@ class Mark(NamedTuple):
     taken: int
     due: int
     memory: Memory
-
-
-class Found(NamedTuple):
-    """How much a watcher had noted of each event at some moment, and where it stopped the run."""
-
-    counts: tuple[tuple[int, int], ...]
-    stop: Fraction | None
 
 
 class Piece(Protocol):
@@ -108,20 +100,16 @@ class Desk:
     """What belongs to an integrator with events, whichever run takes it up: ``watch`` is that of
     the run.
 
-    ``evaluate``: each expression and its rate, compiled, and in types that numpy holds the rate of
-    that; ``with_time`` where it depends on t.  ``motion``: the variables' first and second
-    derivatives, or the third as well.
+    ``jets``: of each expression, compiled: see :class:`polhode.taylor.events.polishing.Jet`.
     """
 
     def __init__(self) -> None:
         self.watch: Watcher | None = None
-        self.evaluate: list[CompiledFunction] = []
-        self.with_time: list[bool] = []
-        self.motion: CompiledFunction = None
+        self.jets: list[Any] = []
 
 
 class Watcher(Protocol):
-    """What looks for events while a run is under way (polhode.taylor.events.stepwise.Watch)."""
+    """What looks for events while a run is under way (polhode.taylor.events.watch.Watch)."""
 
     @property
     def stop(self) -> Fraction | None:
@@ -132,8 +120,12 @@ class Watcher(Protocol):
         """heyoka's question after each step, go on? None where no event ends the run."""
 
     @property
-    def rules(self) -> Hashable:
-        """What tells its events from others; an integrator may watch again for the same."""
+    def key(self) -> Hashable:
+        """What tells its events from others along the same equations with the same numbers."""
+
+    @property
+    def damping(self) -> Sequence[Fraction]:
+        """Numbers that an integrator with its events takes as parameters, one for each."""
 
     def attach(
         self,
@@ -150,19 +142,16 @@ class Watcher(Protocol):
     def sit_down(self, desk: Desk) -> None:
         """Take over the desk of an integrator's events: what they meet is told to this watcher."""
 
-    def met(self, k: int, ta: HeyokaIntegrator, t: HeyokaNumber) -> None:
-        """heyoka met a zero of expression k or of its rate, at its time t in the last step."""
+    def met(self, k: int, order: int, ta: HeyokaIntegrator, t: HeyokaNumber) -> None:
+        """heyoka met a zero of expression k (0) or of its rate (1), at t in the last step."""
 
     def counts_from(self, offset: Fraction, heyoka: HeyokaIntegrator) -> None:
         """Take note of heyoka's integrator, and of the exact time at which its own begins."""
 
-    def marks(self) -> Found:
-        """What was found so far, to be given to ``take_back``."""
+    def marks(self) -> object:
+        """What is known so far, to be given to ``take_back``."""
 
-    def settle(self) -> None:
-        """Be done with what was found so far: another integrator goes on, in other variables."""
-
-    def take_back(self, found: Found) -> None:
+    def take_back(self, found: object) -> None:
         """Forget what was found since."""
 
     def still(self) -> list[int]:

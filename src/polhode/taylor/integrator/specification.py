@@ -40,9 +40,11 @@ from polhode.taylor.integrator.singularities import terminal_event
 Field: TypeAlias = Callable[[Sequence[Expression], Mapping[str, Expression]], list[Expression]]
 Distance: TypeAlias = Callable[[Sequence[Expression], Mapping[str, Expression]], Expression | None]
 
-#: heyoka's parameters: so many for the time of events, then the coefficients of the pattern, then
-#: the variables that are kept.
-CLOCK = 2
+#: heyoka's parameters: so many for the time of events and their first step, one for each event,
+#: then the coefficients of the pattern, then the variables that are kept.
+CLOCK = 3
+#: Added to all that heyoka watches, during the first step of a run.
+TINY = 2
 
 LONG = 500  # operations of a run's events whose code is compiled as loops
 
@@ -112,12 +114,14 @@ class Blueprint:
 class Built(NamedTuple):
     """heyoka's integrator, the desk of its events, and what its parameters are.
 
-    ``coefficients``: how many of them.  ``kept``: the columns that the equations keep.  ``again``:
-    whether another run may take it up: a terminal event leaves traces in it.
+    ``first``: the first coefficient among the parameters, ``coefficients``: how many there are.
+    ``kept``: the columns that the equations keep.  ``again``: whether another run may take it up: a
+    terminal event leaves traces in it.
     """
 
     heyoka: HeyokaIntegrator
     desk: Desk | None
+    first: int
     coefficients: int
     kept: tuple[int, ...]
     again: bool
@@ -125,8 +129,10 @@ class Built(NamedTuple):
 
 def built(plan: Blueprint, watcher: Watcher | None, cyclic: Cyclic | None) -> Built:
     """heyoka's integrator of a system at its start."""
-    variables, first = hy.make_vars(*plan.names), CLOCK + len(plan.pattern)
-    k = {name: hy.par[i] for i, name in enumerate(plan.pattern, CLOCK)} or _as_constants(plan)
+    variables = hy.make_vars(*plan.names)
+    start = CLOCK + (0 if watcher is None else len(watcher.damping))
+    first = start + len(plan.pattern)
+    k = {name: hy.par[i] for i, name in enumerate(plan.pattern, start)} or _as_constants(plan)
     rates = plan.field(variables, k)
     kept = kept_columns(rates)
     stepped = plan.field(as_parameters(variables, kept, first), k) if kept else rates
@@ -145,9 +151,9 @@ def built(plan: Blueprint, watcher: Watcher | None, cyclic: Cyclic | None) -> Bu
             options["t_events"] = [terminal_event(away, plan.number)]
         equations = list(zip(variables, stepped, strict=True))
         heyoka = hy.taylor_adaptive(equations, plan.state, **options)
-    used = max(0, len(heyoka.pars) - CLOCK)  # no rate asks for those after
+    used = max(0, len(heyoka.pars) - start)  # no rate asks for those after
     coefficients = min(used, len(plan.pattern))
-    return Built(heyoka, desk, coefficients, kept[: used - coefficients], away is None)
+    return Built(heyoka, desk, start, coefficients, kept[: used - coefficients], away is None)
 
 
 def _as_constants(plan: Blueprint) -> dict[str, Expression]:

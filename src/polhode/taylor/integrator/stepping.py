@@ -12,6 +12,7 @@ import numpy as np
 
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import joined
+from polhode.numbers.exact import ZERO
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Array, Numbers, Row, Rows, flat
 from polhode.taylor.backend.engine import hy
@@ -22,7 +23,7 @@ from polhode.taylor.backend.types import Expression, HeyokaNumber, HeyokaOutput
 from polhode.taylor.integrator.angle_variables import Cyclic
 from polhode.taylor.integrator.compiled import Compiled
 from polhode.taylor.integrator.protocols import Corrector, Mark, Memory, Piece, Watcher
-from polhode.taylor.integrator.specification import Blueprint
+from polhode.taylor.integrator.specification import TINY, Blueprint
 
 #: Output times ahead are looked at to so many times the longest advance.
 _REACH = 1.25
@@ -220,13 +221,32 @@ class Integrator:
 
         ``ahead``: a place for the time at which it begins, then the times.
         """
+        if self.watcher is None or self.heyoka.time or self.offset:
+            return self._steps(ahead, steps)
+        # heyoka loses the next zero of a polynomial without constant term: during the first step
+        # no expression is exactly zero.  Later that would hide zeros at a seam of two steps.
+        self._add(Fraction(1, 2 ** (97 + self.number.bits)))
+        rows, ended = self._steps(ahead, 1)
+        self._add(ZERO)
+        count = len(rows)
+        if ended is not Outcome.STEP_LIMIT or steps == 1 or count == len(ahead) - 1:
+            return rows, ended
+        more, ended = self._steps(ahead[count:].copy(), steps - 1)
+        return np.concatenate([rows, more]), ended
+
+    def _add(self, tiny: Fraction) -> None:
+        """Add a number to all that heyoka watches."""
+        self.heyoka.pars[TINY : TINY + 1] = array([scalar(tiny, self.number)], self.number)
+
+    def _steps(self, ahead: Numbers, steps: int) -> tuple[Array, Outcome]:
+        """The same, as a single advance of heyoka."""
         ta = self.heyoka
         now = ta.time
         if ahead[1] == now:  # a step ended there: heyoka has not given that row
             here = self.state.copy()[None]
             if len(ahead) == 2:
                 return here, Outcome.REACHED_END
-            rows, ended = self._onwards(ahead[1:], steps)
+            rows, ended = self._steps(ahead[1:], steps)
             return np.concatenate([here, rows]), ended
         options: dict[str, Any] = {"max_steps": steps}
         if self.watcher is not None and self.watcher.after_step is not None:

@@ -1,0 +1,73 @@
+"""The public names, once: type checkers read this file, and so does ``__init__.py``.
+
+Each line is ``from polhode.MODULE import NAME as NAME``: to a type checker only a name with "as"
+is exported.
+"""
+
+from polhode import testing as testing
+from polhode.certificates.verdict import Verdict as Verdict
+from polhode.certificates.verdict import verify as verify
+from polhode.closed_forms.families import register_family as register_family
+from polhode.common.errors import BadInput as BadInput
+from polhode.common.html_page import Page as Page
+from polhode.common.provenance import __version__ as __version__
+from polhode.common.result import Result as Result
+from polhode.dynamics.chaos.chaos_map import ChaosMap as ChaosMap
+from polhode.dynamics.chaos.chaos_map import chaos_map as chaos_map
+from polhode.dynamics.frequencies.frequencies import Frequencies as Frequencies
+from polhode.dynamics.frequencies.frequencies import frequencies as frequencies
+from polhode.dynamics.levels.levels import Levels as Levels
+from polhode.dynamics.levels.levels import levels as levels
+from polhode.dynamics.observables.reduce_many import Reductions as Reductions
+from polhode.dynamics.observables.reduce_many import reduce_many as reduce_many
+from polhode.dynamics.periodic_orbits.families import OrbitFamily as OrbitFamily
+from polhode.dynamics.periodic_orbits.families import orbit_family as orbit_family
+from polhode.dynamics.periodic_orbits.orbit import Orbit as Orbit
+from polhode.dynamics.periodic_orbits.orbit import orbit as orbit
+from polhode.dynamics.periodic_orbits.search import OrbitSearch as OrbitSearch
+from polhode.dynamics.periodic_orbits.search import orbit_search as orbit_search
+from polhode.dynamics.sections.section import Section as Section
+from polhode.dynamics.sections.section import section as section
+from polhode.enclosures.certify import certify as certify
+from polhode.enclosures.events import CertifiedEvents as CertifiedEvents
+from polhode.enclosures.events import certify_events as certify_events
+from polhode.enclosures.result import Enclosure as Enclosure
+from polhode.enclosures.variations.flow_derivative import FlowDerivative as FlowDerivative
+from polhode.equations.plain_field import field as field
+from polhode.figures.drawing import plot as plot
+from polhode.figures.drawing import view as view
+from polhode.judging.adaptive_precision import integrate as integrate
+from polhode.judging.conditioning.conditioning import Conditioning as Conditioning
+from polhode.judging.conditioning.conditioning import conditioning as conditioning
+from polhode.judging.conditioning.lyapunov import Lyapunov as Lyapunov
+from polhode.judging.conditioning.lyapunov import lyapunov as lyapunov
+from polhode.judging.references.certified import Certified as Certified
+from polhode.judging.references.reference import Reference as Reference
+from polhode.judging.references.reference import reference as reference
+from polhode.judging.rolling_cones import Rolling as Rolling
+from polhode.judging.rolling_cones import rolling as rolling
+from polhode.judging.score.compare import compare as compare
+from polhode.judging.score.judgement import Judgement as Judgement
+from polhode.motion.outcomes import EventTimes as EventTimes
+from polhode.motion.outcomes import Outcome as Outcome
+from polhode.motion.outcomes import Projection as Projection
+from polhode.output.archive import load_run as load_run
+from polhode.output.results.files import load_result as load_result
+from polhode.proofs.chaos.prove_chaos import prove_chaos as prove_chaos
+from polhode.proofs.prove_orbit import prove_orbit as prove_orbit
+from polhode.proofs.proved_orbit import ProvedOrbit as ProvedOrbit
+from polhode.proofs.refusals import NotProved as NotProved
+from polhode.runs.propagator import Propagator as Propagator
+from polhode.runs.propagator import propagator as propagator
+from polhode.runs.sweep.ensemble import Ensemble as Ensemble
+from polhode.runs.sweep.integrate_many import integrate_many as integrate_many
+from polhode.runs.trajectory import Trajectory as Trajectory
+from polhode.scenes.body import Body as Body
+from polhode.scenes.event import Event as Event
+from polhode.scenes.from_numbers import top as top
+from polhode.scenes.library import load as load
+from polhode.scenes.scene import Published as Published
+from polhode.scenes.scene import Scene as Scene
+from polhode.scenes.scene import SectionPlan as SectionPlan
+from polhode.scenes.scene_text import as_toml as as_toml
+from polhode.scenes.shapes import Part as Part

@@ -1,0 +1,259 @@
+"""What happens at the zeros and extrema of an expression along a computed motion.
+
+Within its noise, the rounding error of its terms there, an expression is neither positive nor
+negative.  A *crossing* changes the side; a *contact* comes that near to zero and leaves on the side
+that it came from.  Zeros and extrema witness the sides, and each kind repairs a loss of the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from polhode.numbers.rows import Flat
+from polhode.taylor.events.polishing import Places
+
+_ULPS = 64  # so near together two zeros of one slope are one, found twice
+
+
+class End(NamedTuple):
+    """The expression at an end of the motion: ``side``, its sign there, and as a polished place.
+
+    At the start the side is that of the exact scene.
+    """
+
+    side: int
+    place: Places
+
+    @property
+    def value(self) -> float:
+        """The expression in the unit of its noise."""
+        return float(self.place.values[0, 0])
+
+    @property
+    def near(self) -> bool:
+        """Whether it is within its noise of zero."""
+        return not abs(self.value) > self.place.noise[0]
+
+
+class Standing(NamedTuple):
+    """How far a decision has come: on which ``side`` the expression was last for certain.
+
+    ``since``: the place that witnessed it, -1 for the start.  ``starting``: it has not left its
+    noise yet.
+    """
+
+    side: int
+    since: int
+    starting: bool
+
+
+class Happening(NamedTuple):
+    """A crossing to the side ``sign``, or a contact (0), at place ``at`` or, found otherwise,
+    before it at a place of its ``own``.
+
+    ``spread``: from the first to the last place of one event, in time.
+    """
+
+    at: int
+    sign: int
+    spread: float = 0.0
+    own: Places | None = None
+
+
+#: Looks for the crossing to a side that was lost from one place to another (-1: the start; as many
+#: as there are places: the end), and gives its place; None where it has none.
+Search: TypeAlias = Callable[[int, int, int], "Places | None"]
+
+
+def at_the_start(start: End) -> Standing:
+    """The standing there."""
+    return Standing(start.side, -1, start.near)
+
+
+def alternating(
+    places: Places, first: int, side: int, end: End, way: int
+) -> list[Happening] | None:
+    """The crossings from place ``first`` on, ``side`` before it, where all of them are plain.
+
+    None unless they fit the sides of the extrema.
+    """
+    root = places.root[first:]
+    near = ~(np.abs(places.values[0, first:]) > places.noise[first:])
+    if end.near or not side or not np.array_equal(near, root):
+        return None
+    if not places.steep[first:][root].all():
+        return None
+    value = places.values[0, first:][~root]
+    crossed = np.flatnonzero(root)
+    if len(crossed) and places.ahead[first + crossed[-1]] > end.place.ahead[0]:
+        return None
+    sides = np.concatenate([[side], np.sign(value), [end.side]])
+    between = np.searchsorted(np.flatnonzero(~root), crossed)
+    changes = np.bincount(between, minlength=len(value) + 1)
+    if not np.array_equal(changes, sides[1:] != sides[:-1]):
+        return None
+    after = sides[1:][between]
+    if not np.array_equal(np.sign(places.values[1, first:][root]) * way, after):
+        return None
+    return [*map(Happening, (first + crossed).tolist(), after.astype(int).tolist())]
+
+
+class Decision:
+    """One pass over places in order of time, from a standing on up to an end.
+
+    ``way``: -1 for a run backward in time.  ``alike``: within so many ulps, of this size, two zeros
+    of one slope are one.  ``found``: what happens; ``complete``: whether nothing is lost.
+    """
+
+    def __init__(
+        self,
+        places: Places,
+        before: Standing,
+        start: End,
+        end: End,
+        way: int,
+        alike: float,
+        search: Search,
+    ) -> None:
+        self.places, self.start, self.end, self.search = places, start, end, search
+        self.way, self.alike = way, alike
+        self.side, self.since, self.starting = before
+        self.found: list[Happening] = []
+        self.inside: list[int] = []  # places within their noise since the last witness
+        self.last: int | None = None  # the last plain zero
+        self.complete = True
+        self._run()
+
+    @property
+    def standing(self) -> Standing:
+        """The standing at the end."""
+        return Standing(self.side, self.since, self.starting)
+
+    def _run(self) -> None:
+        places, count = self.places, len(self.places.ahead)
+        near = ~(np.abs(places.values[0]) > places.noise)
+        known = np.isfinite(places.values[0])
+        signs = np.sign(places.values[:2])
+        quick = True
+        for i in range(self.since + 1, count):
+            if quick and not self.starting:
+                quick = False
+                plain = alternating(places, i, self.side, self.end, self.way)
+                if plain is not None:
+                    self.found += plain
+                    self.side, self.since = self.end.side, count - 1
+                    return
+            if not known[i]:
+                continue
+            if not near[i]:
+                if not places.root[i]:
+                    self._witness(i, int(signs[0, i]))
+            elif not places.steep[i]:
+                self.inside.append(i)
+            elif places.root[i]:
+                self._zero(i, int(signs[1, i]) * self.way)
+        self._end(count)
+
+    def _zero(self, i: int, side: int) -> None:
+        """A plain zero: on the other side before it, on ``side`` after it."""
+        if self._beyond(i, side):
+            return
+        width = self.places.reach[i]
+        ahead = float(self.places.ahead[i])
+        if self.starting and not self.inside and ahead <= 2 * width + self._ulps(i):
+            if self.side == -side:  # the start's own side, by the exact scene
+                self._happens(0, side, own=self.start.place)
+            self._stands(i, side)
+            self.last = i
+            return
+        if self.side == side:
+            if self.last is not None and self._same(self.last, i):
+                return
+            self._lost(-side, i)
+        self._happens(i, side)
+        self._stands(i, side)
+        self.last = i
+
+    def _witness(self, i: int, side: int) -> None:
+        """Somewhere outside of its noise the expression has this side."""
+        if self.side and side != self.side:
+            if self.inside:
+                self._happens_inside(side)
+            else:
+                self._lost(side, i)
+        elif self.side and self.inside and not self.starting:
+            self._happens_inside(0)
+        self._stands(i, side)
+
+    def _end(self, count: int) -> None:
+        if not np.isfinite(self.end.value):
+            return
+        if not self.end.near:
+            self._witness(count, self.end.side)
+            self.since = count - 1
+        elif self.inside and not self.starting:
+            self._happens_inside(0)
+        elif self.side and self.end.place.steep[0] and not self.starting:
+            side = int(np.sign(self.end.place.values[1, 0])) * self.way
+            if side == -self.side and self.end.value * side >= 0:
+                self._happens(count, side, own=self.end.place)
+
+    def _stands(self, i: int, side: int) -> None:
+        self.side, self.since, self.starting = side, i, False
+        self.inside.clear()
+
+    def _happens(
+        self, i: int, sign: int, spread: float = 0.0, own: Places | None = None
+    ) -> None:
+        self.found.append(Happening(i, sign, spread, own))
+
+    def _happens_inside(self, sign: int) -> None:
+        """One event at the places within their noise, at the extremum if there is one."""
+        extrema = [i for i in self.inside if not self.places.root[i]] or self.inside
+        ahead = self.places.ahead[self.inside]
+        self._happens(extrema[len(extrema) // 2], sign, float(ahead[-1] - ahead[0]))
+
+    def _lost(self, side: int, before: int) -> None:
+        """A crossing to a side that was not noted."""
+        if self.starting:
+            self._happens(0, side, own=self.start.place)
+            return
+        found = self.search(side, self.since, before)
+        if found is None:
+            self.complete = False
+        else:
+            self._happens(before, side, own=found)
+
+    def _beyond(self, i: int, side: int) -> bool:
+        """Whether a zero lies behind the end, and the expression does not reach it there."""
+        past = self.places.ahead[i] > self.end.place.ahead[0]
+        return bool(past) and not self.end.value * side >= 0
+
+    def _same(self, i: int, j: int) -> bool:
+        apart = float(self.places.ahead[j] - self.places.ahead[i])
+        return apart <= 2 * float(self.places.reach[i] + self.places.reach[j]) + self._ulps(j)
+
+    def _ulps(self, i: int) -> float:
+        return _ULPS * self.alike * max(1.0, abs(float(self.places.ahead[i])))
+
+
+def depths(found: list[Happening], places: Places, start: End, end: End) -> Flat:
+    """How far beside each event the expression gets from zero, in the unit of its noise.
+
+    At a contact, how far from zero it is there; beside a crossing the least value at extrema
+    outside of the noise, or at the ends of the motion.
+    """
+    value = np.abs(places.values[0])
+    seen = np.flatnonzero(~places.root & (value > places.noise))
+    ends = [abs(e.value) for e in (start, end)]
+    heights = np.concatenate([ends[:1], value[seen], ends[1:]])
+    least = np.fmin(heights[:-1], heights[1:])
+    at = np.array([h.at for h in found], dtype=int)
+    crossing = least[np.searchsorted(seen, at)]
+    contact = np.array([h.sign == 0 for h in found], dtype=bool)
+    inside = value[np.where(contact, at, 0)] if len(value) else crossing
+    depth: Flat = np.where(contact, inside, crossing)
+    return depth

@@ -1,0 +1,182 @@
+"""Zeros of an expression and of its rate, all of a run at once, taken to their last digits.
+
+heyoka finds a zero to about the last digit of the time, a multiple one to a root of that.  From the
+state there Newton's method takes the rest, along the motion's own Taylor polynomial of third order;
+where zeros lie together, and at extrema, in the form that converges at multiple zeros, too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from typing import NamedTuple
+
+import numpy as np
+
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.rows import Array, Booleans, Flat, Indices
+from polhode.numbers.scalars import Scalar
+from polhode.taylor.backend.heyoka_numbers import array, as_fraction, scalar
+from polhode.taylor.events.jets import Jet, Marks
+
+#: How far a zero may be from where heyoka met it, in the run's unit.
+_NEAR = Fraction(1, 1000)
+_ROUNDS = 6  # of a method; one or two are the rule
+
+#: Of a place without a slope, a bend and a third derivative: steps in which its width is sought.
+_WIDTHS = [2.0**-k for k in range(48, 3, -1)]
+_FLAT = 2.0**-7
+
+_SMALL, _SHIFT = 2.0**-300, 300
+
+
+class Places(NamedTuple):
+    """Polished zeros of an expression (``root``) and extrema, in order of time.
+
+    ``ahead``: the time since the start in the direction of the run, numbers of the run's type.
+    ``values`` (4, n): the expression and its derivatives divided by BAND u, plain numbers of numpy;
+    ``noise``: what rounding makes of the first of them.  ``steep``: where a zero would be one for
+    certain.  ``reach``: the half width of the band there, in time; ``width``: how far off the time
+    may be.
+    """
+
+    marks: Marks
+    ahead: Array
+    values: Flat
+    noise: Flat
+    root: Booleans
+    steep: Booleans
+    reach: Flat
+    width: Flat
+
+    def those(self, which: Booleans | Indices | list[int]) -> Places:
+        """Some of them."""
+        marks, ahead, values, *more = self
+        return Places(marks.those(which), ahead[which], values[:, which], *(x[which] for x in more))
+
+
+#: The rounding error of the expression at columns and times, see taylor/events/roundoff.py.
+Noise = Callable[[Flat, Flat], Flat]
+
+
+def polished(jet: Jet, met: Sequence[Marks], band: Fraction, noise: Noise, way: int) -> Places:
+    """The places that heyoka has met: zeros of the expression, and zeros of its rate.
+
+    ``band``: BAND u.  ``way``: -1 for a run backward in time.
+    """
+    roots, extrema = met
+    with np.errstate(all="ignore"):
+        roots = refined(jet, roots, "zeros")
+        first = places(jet, roots, band, noise, way, True)
+        if not first.steep.all():
+            multiple = refined(jet, roots.those(~first.steep), "multiple")
+            second = places(jet, multiple, band, noise, way, True)
+            second.steep[:] = False
+            first = joined([first.those(first.steep), second])
+        extrema = refined(jet, extrema, "extrema")
+    both = joined([first, places(jet, extrema, band, noise, way, False)])
+    return both.those(np.argsort(both.ahead, kind="stable"))
+
+
+def refined(jet: Jet, marks: Marks, kind: str) -> Marks:
+    """The same by some rounds of Newton's method, or Schroeder's, for multiple zeros."""
+    converged = Fraction(1, 1 << (jet.number.bits // 2 + 6))  # the error is its square
+    zero, near, small = (scalar(x, jet.number) for x in (Fraction(0), _NEAR, converged))
+    for _ in range(_ROUNDS if len(marks.time) else 0):
+        value, rate, bend, third = jet.at(marks)
+        if kind == "zeros":
+            step = -value / rate
+        elif kind == "extrema":
+            step = -rate * bend / (bend * bend - rate * third)
+        else:
+            step = -value * rate / (rate * rate - value * bend)
+        step[~(abs(step) < near)] = zero
+        marks = jet.moved(marks, step)
+        if not np.any(abs(step) > small):
+            break
+    return marks
+
+
+def places(
+    jet: Jet, marks: Marks, band: Fraction, noise: Noise, way: int, root: bool
+) -> Places:
+    """What rounding leaves certain at some marks."""
+    count = len(marks.time)
+    ahead = marks.since_start if way > 0 else -marks.since_start
+    unit = scalar(band, jet.number)
+    if count:
+        values = plain(jet.at(marks) / unit, jet.number)
+        error = noise(plain(marks.columns, jet.number), plain(marks.since_start, jet.number))
+    else:
+        values, error = np.empty((4, 0)), np.empty(0)
+    with np.errstate(all="ignore"):
+        value, rate, bend, third = abs(values)
+        across = 2 * (error + value) / rate
+        steep = (2 * bend * across < rate) & (2 * third * across * across < 3 * rate)
+        reach = 2 * _half_width(values, error)
+        width = 4 * _half_width(values, error + value)
+        certain = error / rate / 16
+    flat = np.flatnonzero(~steep & ~(width < 4 * _FLAT))
+    if len(flat):
+        width[flat] = _sought(jet, marks.those(flat), unit, error[flat])
+    return Places(
+        *(marks, ahead, values, error),
+        *(np.full(count, root), steep, reach, np.where(steep, certain, width)),
+    )
+
+
+def _half_width(values: Flat, height: Flat) -> Flat:
+    """How far from an extremum or a zero the expression rises so high, by its derivatives."""
+    _, rate, bend, third = abs(values)
+    near: Flat = np.fmin(height / rate, np.sqrt(2 * height / bend))
+    return np.fmin(near, np.cbrt(6 * height / third))
+
+
+def _sought(jet: Jet, marks: Marks, unit: Scalar, error: Flat) -> Flat:
+    """How far from a place the expression stays within twice its noise, by looking."""
+    found = np.full(len(error), _WIDTHS[-1], dtype=error.dtype)
+    open_still = np.ones(len(error), dtype=bool)
+    for width in _WIDTHS:
+        step = array([scalar(Fraction(width), jet.number)] * len(error), jet.number)
+        for side in (step, -step):
+            value = plain(jet.at(jet.moved(marks, side))[0] / unit, jet.number)
+            out = open_still & (abs(value) > 2 * error)
+            found[out] = width
+            open_still &= ~out
+        if not open_still.any():
+            break
+    return found
+
+
+def plain(values: Array, number: NumberType) -> Flat:
+    """Numbers of a run's type as numpy's own: doubles of doubles, else longdoubles."""
+    if number.flat:
+        found: Flat = np.asarray(values)
+        return found
+    several = np.array([np.longdouble(str(x)) for x in values.ravel().tolist()], np.longdouble)
+    return several.reshape(values.shape)
+
+
+def joined(parts: Sequence[Places]) -> Places:
+    """Several lists as one, in this order."""
+    parts = [part for part in parts if len(part.ahead)] or parts[:1]
+    if len(parts) == 1:
+        return parts[0]
+    marks = Marks(
+        *(np.concatenate(x) for x in zip(*(p.marks[:4] for p in parts), strict=True)),
+        np.concatenate([p.marks.columns for p in parts], axis=1),
+    )
+    ahead = np.concatenate([p.ahead for p in parts])
+    values = np.concatenate([p.values for p in parts], axis=1)
+    more = (np.concatenate(x) for x in zip(*(p[3:] for p in parts), strict=True))
+    return Places(marks, ahead, values, *more)
+
+
+def exact_times(times: Array, time_unit: int, number: NumberType) -> tuple[Fraction, ...]:
+    """Times in a run's unit 2**time_unit as exact numbers in the scene's."""
+    if number.name == "double" and abs(time_unit) < _SHIFT:
+        sizes = np.abs(times)
+        if bool(np.all((sizes > _SMALL) & (sizes < 1 / _SMALL))):  # the products are doubles
+            return tuple(map(Fraction, np.ldexp(times, time_unit).tolist()))
+    unit = Fraction(2) ** time_unit
+    return tuple(as_fraction(t, number) * unit for t in times.tolist())

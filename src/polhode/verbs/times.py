@@ -1,0 +1,80 @@
+"""Options of output times, the same for each verb that has them."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from polhode.common.errors import BadInput
+from polhode.numbers.conversion import to_double
+from polhode.numbers.exact import Exact, sign
+from polhode.numbers.expression import ExpressionError
+from polhode.scenes.given_numbers import TIME, in_text
+from polhode.scenes.output_times import even_times
+from polhode.scenes.scene_file import MAX_SAMPLES
+from polhode.scenes.variation.vary import numbers
+from polhode.verbs.terminal import whole
+
+if TYPE_CHECKING:
+    from polhode.scenes.scene import Scene
+
+
+def time_options(parser: ArgumentParser) -> None:
+    """The options: times listed, or evenly spaced from 0 on."""
+    at = "output times instead of the scene's; one of them may be FROM:TO:N, for N evenly spaced"
+    parser.add_argument("--at", metavar="T,T...", help=at)
+    parser.add_argument("--end", metavar="T", help="last time instead of the scene's")
+    spacing = parser.add_mutually_exclusive_group()
+    spacing.add_argument(
+        "--samples",
+        type=whole,
+        metavar="N",
+        help="so many times from 0 to the end, both included (as many as the scene's)",
+    )
+    spacing.add_argument(
+        "--every", metavar="DT", help="the times 0, DT, 2 DT, ... that are not beyond the end"
+    )
+
+
+def times_of(options: Namespace, scene: Scene) -> Sequence[Exact]:
+    """The times that are asked for, exact: the scene's own unless an option says otherwise."""
+    even = {"--end": options.end, "--samples": options.samples, "--every": options.every}
+    if options.at is not None:
+        for key, value in even.items():
+            if value is not None:
+                raise BadInput(scene.name, key, value, "no value together with --at")
+        return tuple(numbers(options.at, "--at", scene.name, scene.units, TIME))
+    if all(value is None for value in even.values()):
+        return scene.times
+    end = scene.end if options.end is None else _time(scene, "--end", options.end)
+    if sign(end) == 0:
+        raise BadInput(scene.name, "--end", options.end, "a time other than 0")
+    if options.every is not None:
+        return _every(scene, end, options.every)
+    samples = max(2, len(scene.times)) if options.samples is None else options.samples
+    if not 2 <= samples <= MAX_SAMPLES:
+        raise BadInput(scene.name, "--samples", samples, f"a whole number from 2 to {MAX_SAMPLES}")
+    return even_times(end, samples)
+
+
+def _every(scene: Scene, end: Exact, text: str) -> Sequence[Exact]:
+    """The multiples of a step from 0 to the end."""
+    step = _time(scene, "--every", text)
+    if sign(step) <= 0:
+        raise BadInput(scene.name, "--every", text, "a time above 0; --end says the direction")
+    last = abs(end)
+    ratio = to_double(last / step)
+    if not 1 <= ratio < MAX_SAMPLES:
+        expected = f"a time that makes two to {MAX_SAMPLES} times until t = {to_double(end):g}"
+        raise BadInput(scene.name, "--every", text, expected)
+    count = round(ratio)
+    count -= sign(count * step - last) > 0  # the double may be rounded to a whole number
+    return even_times(count * step * sign(end), count + 1)
+
+
+def _time(scene: Scene, key: str, text: str) -> Exact:
+    try:
+        return in_text(text, scene.units, TIME)
+    except ExpressionError as fault:
+        raise BadInput(scene.name, key, text, f"a time ({fault})") from None

@@ -1,0 +1,146 @@
+"""A wrong value at any place of a certificate is one line that names the place, and exit code 2."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import polhode
+from polhode.certificates import verify
+
+STORED = Path(__file__).parents[2] / "cases" / "certificates"
+#: JSON texts that are wrong wherever a certificate has a number, a list or an object.
+WRONG = {
+    "a word": '"x"',
+    "nothing": "null",
+    "a float": "1.5",
+    "not a number": "NaN",
+    "truth": "true",
+    "an empty object": "{}",
+    "an empty list": "[]",
+    "a list in a list": "[[]]",
+    "deep nesting": "[" * 400 + "]" * 400,
+    "a division by zero": '"1/0"',
+    "a large exponent": '"1e99999"',
+    "a long number": "1" * 30_000,
+    "a long text": '"' + "7" * 100_000 + '"',
+}
+#: What is well formed as a number, and longer than Python converts at once.
+LONG = ("1" + "0" * 5500, '"' + "7" * 5000 + '"')
+
+
+@pytest.fixture(autouse=True)
+def _lowest_limit_of_digits():
+    """Python's own limit for the conversion of integers, as low as it may be set."""
+    before = sys.get_int_max_str_digits()
+    sys.set_int_max_str_digits(640)
+    yield
+    sys.set_int_max_str_digits(before)
+
+
+@pytest.fixture(scope="module")
+def certificates(tmp_path_factory):
+    """Of states, with their attitude too; in other axes; of an orbit; of chaos."""
+    path = tmp_path_factory.mktemp("certificates") / "attitude.json"
+    scene = replace(polhode.load("general/asymmetric-regular"), outputs=("attitude",))
+    polhode.certify(scene, at=["1/2", 1], digits=16).save(path)
+    files = {word: STORED / f"{word}.json" for word in ("turned-axes", "elliptic", "chaos")}
+    files["attitude"] = path
+    return {word: json.loads(file.read_text()) for word, file in files.items()}
+
+
+def places(value, at=()):
+    """The path of each part of a JSON value."""
+    if at:
+        yield at
+    if isinstance(value, (dict, list)):
+        for key in value if isinstance(value, dict) else range(len(value)):
+            yield from places(value[key], (*at, key))
+
+
+def samples(given):
+    """The first and the last path of each form: elements of one list are alike."""
+    forms = {}
+    for at in places(given):
+        forms.setdefault(tuple("" if isinstance(key, int) else key for key in at), []).append(at)
+    return [at for paths in forms.values() for at in sorted({paths[0], paths[-1]}, key=repr)]
+
+
+def changed(given, at, text):
+    """The certificate's bytes with another text at a place."""
+    parent = given
+    for key in at[:-1]:
+        parent = parent[key]
+    kept, parent[at[-1]] = parent[at[-1]], "\0"
+    try:
+        return json.dumps(given).replace(json.dumps("\0"), text).encode()
+    finally:
+        parent[at[-1]] = kept
+
+
+def named(at):
+    """A path as the checker writes it: ``statement[0].balls``."""
+    return "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in at)[1:]
+
+
+@pytest.mark.parametrize(
+    "word", ["turned-axes", "elliptic", "attitude", pytest.param("chaos", marks=pytest.mark.slow)]
+)
+def test_a_wrong_value_at_any_place_is_told_with_its_place(word, certificates):
+    given = certificates[word]
+    tried = 0
+    for at in samples(given):
+        if at == ("format",):
+            continue
+        for wrong, text in WRONG.items():
+            if (at[-1], text) == ("least", "true"):  # which is what may stand there
+                continue
+            with pytest.raises(verify.Damaged) as fault:
+                verify.verify(changed(given, at, text))
+            line = str(fault.value)
+            assert "\n" not in line
+            assert len(line) < 150
+            # the place itself, a part of it, or the list or object that it belongs to
+            assert line.startswith((named(at), named(at[:-1]) or at[0])), (at, wrong, line)
+            tried += 1
+    assert tried > 500
+
+
+@pytest.mark.parametrize("word", ["turned-axes", "elliptic", "attitude"])
+def test_a_number_of_thousands_of_digits_is_judged(word, certificates, monkeypatch):
+    """By its value: it reaches the proof, which is no part of this test, or fails before."""
+    given = certificates[word]
+
+    def stages(run, found, tell):
+        raise verify.NotProved("the proof")
+
+    monkeypatch.setattr(verify.Run, "stages", stages)
+    for at in samples(given):
+        for text in LONG:
+            with pytest.raises((verify.NotProved, verify.Damaged)) as fault:
+                verify.verify(changed(given, at, text))
+            assert len(str(fault.value)) < 150
+
+
+@pytest.mark.parametrize("text", [WRONG["a word"], WRONG["a long number"], WRONG["nothing"]])
+def test_the_file_alone_says_so_with_exit_code_2(text, certificates, tmp_path):
+    path = tmp_path / "x.json"
+    path.write_bytes(changed(certificates["turned-axes"], ("grid", 0), text))
+    told = subprocess.run(
+        [sys.executable, "-I", verify.__file__, str(path)], capture_output=True, text=True
+    )
+    assert (told.returncode, told.stdout) == (2, "")
+    expected = f"grid[0]: expected a whole number of at most {verify.FARTHEST} bits"
+    assert told.stderr == f"{path}: no certificate: {expected}\n"
+
+
+def test_a_level_of_thousands_of_digits_is_printed(certificates, monkeypatch):
+    """Python's limit would stop it; the proof itself is no part of this test."""
+    monkeypatch.setattr(verify, "KINDS", {"orbit": lambda given, tell: []})
+    said = verify.verify(changed(certificates["elliptic"], ("scene", "weight"), LONG[0]))
+    assert f"weight {LONG[0]}" in said[0]

@@ -1,0 +1,80 @@
+"""Output times on the command line: the same options, read alike, of every verb that has them."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+
+import pytest
+
+from polhode.cli import main
+
+CASE = "lagrange/nutation"  # 81 times to t = 40
+THIRD = Fraction(1, 3)
+
+TIMES = {
+    "--at 1,2.5": [1, Fraction(5, 2)],
+    "--at 0:1:3,5": [0, Fraction(1, 2), 1, 5],
+    "--at -1/3": [-THIRD],
+    "--at 2:2:1": [2],
+    "--at 0:-1:4,-2:-3:2": [0, -THIRD, -2 * THIRD, -1, -2, -3],
+    "--end 1 --samples 3": [0, Fraction(1, 2), 1],
+    "--end -1 --samples 2": [0, -1],
+    "--samples 3": [0, 20, 40],
+    "--end 8": [Fraction(k, 10) for k in range(81)],
+    "--every 16": [0, 16, 32],
+    "--end 1 --every 1/3": [0, THIRD, 2 * THIRD, 1],
+    "--end 1 --every 0.1": [Fraction(k, 10) for k in range(11)],
+    "--end -1 --every 0.3": [-Fraction(3 * k, 10) for k in range(4)],
+    "--end 1.9999999999999999999 --every 1": [0, 1],
+    "--end 5 --every 5": [0, 5],
+}
+REFUSED = {
+    "--at 0:1": "--at = 0:1: expected FROM:TO:N with N from 1",
+    "--at 0:1:0": "expected FROM:TO:N with N from 1",
+    "--at 0:1:2:3": "expected FROM:TO:N",
+    "--at 0:1:99999999": "FROM:TO:N with N from 1 to 10000000",
+    "--at 0:1:x": "expected FROM:TO:N",
+    "--at 0:x:3": "unknown name 'x'",
+    "--at 1,2 --end 5": "--end = 5: expected no value together with --at",
+    "--at 1,2 --every 5": "--every = 5: expected no value together with --at",
+    "--end 0": "--end = 0: expected a time other than 0",
+    "--end soon": "--end = soon: expected a time (",
+    "--end 1e400": "number = double: expected",
+    "--samples 1": "--samples = 1: expected a whole number from 2 to 1000000",
+    "--samples 1000001": "a whole number from 2 to 1000000",
+    "--every 0": "--every = 0: expected a time above 0",
+    "--every -1": "--every = -1: expected a time above 0; --end says the direction",
+    "--every 41": "--every = 41: expected a time that makes two to 1000000 times until t = 40",
+    "--every 1e-5": "that makes two to 1000000 times",
+    "--every 1 --samples 3": "--samples: not allowed with argument --every",
+}
+
+
+def told(capsys, verb: str, options: str) -> list[Fraction]:
+    """The times of a verb's answer."""
+    more = ["--vary", "start.omega[1]=0"] if verb == "sweep" else []
+    assert main([verb, CASE, *more, *options.split(), "--json"]) == 0
+    return [Fraction(t) for t in json.loads(capsys.readouterr().out)["times"]]
+
+
+@pytest.mark.parametrize(
+    ("verb", "options"),
+    [("run", options) for options in TIMES]
+    + [(verb, options) for verb in ("reference", "sweep") for options in [*TIMES][1::4]],
+)
+def test_times_are_those_asked_for(verb, options, capsys):
+    """In double, but for the last digit printed."""
+    found = told(capsys, verb, options)
+    assert len(found) == len(TIMES[options])
+    for one, right in zip(found, TIMES[options], strict=True):
+        assert abs(one - right) <= abs(right) * Fraction(2) ** -52
+
+
+@pytest.mark.parametrize("options", REFUSED)
+def test_other_times_are_refused_in_one_line(options, capsys):
+    assert main(["run", CASE, *options.split()]) == 2
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert told.err.count("\n") == 1
+    assert REFUSED[options] in told.err
