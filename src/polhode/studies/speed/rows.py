@@ -29,7 +29,6 @@ from polhode.studies.speed.contenders import (
 from polhode.studies.speed.programs import ENGINE, OURS, PROGRAMS, RUN, Program, left_out, missing
 from polhode.studies.speed.published_benchmarks import READ
 from polhode.studies.speed.refined import contests
-from polhode.studies.speed.work_precision import wall
 
 NAME = "speed"
 QUESTION = (
@@ -150,7 +149,6 @@ def motion_row(motion: SpeedMotion, scene: Scene, curves: Mapping[Method, Curve]
         "end": motion.end,
         "kind": motion.kind,
         "methods": [_method_row(method, curve, digits[method]) for method, curve in curves.items()],
-        "wall": wall([(method.number, [*digits[method].items()]) for method in curves]),
     }
     kappa, bound = _limits(scene)
     if kappa is not None and bound is not None:
