@@ -184,7 +184,7 @@ def test_the_figure_that_was_read_of_kynema_is_off_by_what_is_said():
 
 
 def test_a_peers_process_imports_nothing_else_of_polhode():
-    """``import polhode`` itself brings nothing of it."""
+    """Nor does ``import polhode`` by itself, which reads a table of what to load when asked."""
     code = (
         "import sys, polhode; package = {*sys.modules}; "
         "import polhode.peers.bare_heyoka, polhode.peers.cyrk, polhode.peers.scipy_python; "

@@ -153,11 +153,19 @@ class Checkpoint:
 class JobCheckpoint(Checkpoint):
     """The finished jobs of a command in ``folder``: ``job-00000.npz`` and so on, one's arrays each.
 
-    ``what``: the verb.  ``key``: all that decides the results."""
+    ``what``: the verb.  ``key``: all that decides the results; arrays count by their bytes."""
 
-    def __init__(self, folder: Path, what: str, key: str) -> None:
-        digest = hashlib.sha256(key.encode()).hexdigest()
+    def __init__(self, folder: Path, what: str, *key: object) -> None:
+        import numpy as np
+
+        told = [x.tobytes() if isinstance(x, np.ndarray) else x for x in key]
+        digest = hashlib.sha256(repr(told).encode()).hexdigest()
         super().__init__(folder, {"jobs of": f"polhode {what}", "key": digest}, ("jobs", "command"))
+
+    @classmethod
+    def at(cls, folder: Path | None, what: str, *key: object) -> Self | None:
+        """That of a folder, if there is one."""
+        return None if folder is None else cls(folder, what, *key)
 
     def load(self, job: int) -> Arrays | None:
         """A finished job's arrays; None where it is not there, or cannot be read."""

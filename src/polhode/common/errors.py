@@ -52,9 +52,9 @@ class BadInput(ValueError):
     def __init__(self, source: str, key: str, value: object, expected: str) -> None:
         source = source.given if isinstance(source, FileName) else source
         self.source, self.key, self.value, self.expected = source, key, value, expected
-        shown = "" if value is None else f" = {_short(value)}"
-        where = f"{_short(source, 200)}: {_short(key, 80)}"
-        super().__init__(f"{where}{shown}: expected {_short(expected, 600)}")
+        shown = "" if value is None else f" = {short(value)}"
+        where = f"{short(source, 200)}: {short(key, 80)}"
+        super().__init__(f"{where}{shown}: expected {short(expected, 600)}")
 
     def __reduce__(self) -> tuple[type, tuple[str, str, object, str]]:
         return type(self), (self.source, self.key, self.value, self.expected)
@@ -88,7 +88,8 @@ def _meant(word: object, known: list[str]) -> str:
     return f" (did you mean {close[0]!r}?)" if close else ""
 
 
-def _short(value: object, limit: int = 60) -> str:
+def short(value: object, limit: int = 60) -> str:
+    """A value on one line, printable and cut at so many characters."""
     text = value if isinstance(value, str) else plain(value)
     line = " ".join(text.split())
     line = "".join(c if c.isprintable() else "?" for c in line)

@@ -14,6 +14,7 @@ from polhode.common.progress import Message
 from polhode.judging.conditioning.conditioning import conditioning
 from polhode.judging.correct_digits import digits_of, errors, rate_scale
 from polhode.judging.references.reference import reference as reference_of
+from polhode.numbers.decimals import significant
 from polhode.numbers.number_types import DOUBLE, bits_for, named
 from polhode.scenes.scene import Scene
 from polhode.studies.peer_processes import Curve, Method, Task, run_all
@@ -202,7 +203,7 @@ def _limits(scene: Scene) -> tuple[float | None, float | None]:
 
 
 def _short(x: float | None) -> float | None:
-    return None if x is None else float(f"{x:.4g}")
+    return None if x is None else significant(x, 4)
 
 
 def _named(tick: Message | None) -> Message | None:
