@@ -39,6 +39,8 @@ _ORDERS = (((0, 1, 2, 3), ""), ((3, 0, 1, 2), "scalar-last"), ((1, 2, 3, 0), "q1
 
 #: Numbers of a part that are free of each other.
 FREEDOM = {"omega": 3, "gamma": 2, "attitude": 3, "angles": 3}
+#: Conventions in which a start of numbers that are not round is one: the same one in other words.
+ALIKE_AT_START = {"omega": 3, "gamma": 3, "attitude": 6, "angles": 12}
 
 
 class Right(NamedTuple):
