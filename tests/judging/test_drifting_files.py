@@ -64,21 +64,17 @@ def is_wrong(file, reading):
 @pytest.mark.parametrize("name", files.NAMES)
 def test_a_drifting_file_is_told_its_convention(name):
     """The digits of its first row and of later ones, in the convention that is named."""
-    file = files.of_convention(*FAST[name])
+    file = files.plain_file(name)
     found = judged(file)
     assert found.worst < 3
     assert is_named(file, found), found.readings
     for part in file.words:
         (reading,) = [one for one in found.readings if one.part == part]
-        assert reading.digits < 3
-        (_, first), *_, (_, last) = reading.rows
-        assert first > last
-        assert f" digits at t = {float(file.columns['t'][-1]):g}" in str(reading).replace(
-            " at t", " digits at t"
-        ).replace("digits digits", "digits")
-
-
-FAST = {name: (k, name) for k, name in enumerate(files.NAMES)}
+        first, *_, last = reading.rows
+        assert 12 > first[1] > 2 > last[1] or first[1] > 12 > 3 > last[1]
+        assert f"{last[1]:.1f} at t = 4" in str(reading)
+        exact = "turned" not in name  # where the first row tells the rotation
+        assert ("exact at t = 0, " in str(reading)) == exact
 
 
 def counted(names, count, make):

@@ -181,7 +181,7 @@ def drifting(random, top, times, exact, kind):
 
 STEPS = {
     "euler": (euler, 0.004),
-    "semi-implicit": (semi_implicit, 0.02),
+    "semi-implicit": (semi_implicit, 0.03),
     "midpoint": (midpoint, 0.08),
     "rk4": (rk4, 0.4),
 }
@@ -339,7 +339,13 @@ def another_weight(random, top, times):
 
 def another_start(random, top, times):
     omega = top.omega + random.normal(size=3) * 10 ** random.uniform(-2, 0.5)
-    return run(replace(top, omega=omega, turn=random_unit(random)), times, rk4, 0.01)
+    return run(replace(top, omega=omega), times, rk4, 0.01)
+
+
+def another_attitude(random, top, times):
+    """A heavy top from elsewhere, which is no rotation of the scene's motion."""
+    heavy = replace(top, weight=max(top.weight, 1.0), omega=top.omega + random.normal(size=3))
+    return run(replace(heavy, turn=random_unit(random)), times, rk4, 0.01)
 
 
 def noise(random, top, times):
@@ -374,6 +380,7 @@ WRONG = {
     one.__name__.replace("_", " "): one
     for one in (
         *(another, another_plain_one, another_body, another_weight, another_start),
+        another_attitude,
         *(noise, wandering, stuck, right),
     )
 }
@@ -409,15 +416,30 @@ def of_convention(seed, name):
     while own is None:
         top = random_top(random, "full" if name == PRODUCTS else kind)
         own = other_products(top, random) if name == PRODUCTS else top
-    times = random_times(random)
+    return file_of(name, top, own, random_times(random), random.choice(DRIFTS), random)
+
+
+def plain_file(name):
+    """A file in a convention: a program with rough steps, of a body that has a closed form."""
+    random = np.random.default_rng(5)
+    top = random_top(random, "full" if name == PRODUCTS else "symmetric")
+    top = replace(top, weight=1.5, omega=np.array([0.4, -0.7, 1.9]))
+    own = top
+    if name == PRODUCTS:
+        own = replace(top, inertia=top.inertia * (2 * np.eye(3) - 1))
+    return file_of(name, top, own, [0.25 * k for k in range(17)], "semi-implicit", random)
+
+
+def file_of(name, top, own, times, drift, random):
+    """A program of ``own`` that drifts, held against ``top``."""
     exact = run(own, times, rk4, 0.05 / max(1.0, float(np.linalg.norm(own.omega))))
-    motion = drifting(random, own, times, exact, random.choice(DRIFTS))
+    motion = drifting(random, own, times, exact, drift)
     turn = top.turn
     if name == PRODUCTS:
         words = {"omega": "products of inertia of the other sign"}
     elif name == SCENE_QUATERNION:
         turn = np.roll(top.turn, -1)
-        words = {"attitude": "a motion from the scene's quaternion"}
+        words = {"attitude": "the scene's quaternion taken as scalar-last"}
         if not top.weight:  # the same motion, turned
             words = {"gamma": words["attitude"]}
     else:

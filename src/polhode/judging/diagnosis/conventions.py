@@ -195,7 +195,8 @@ def _reading(
     words = ", ".join(filter(None, (world.words, way.words)))
     change = way.change if world.is_applied else None
     told = shown_rows(way, times)
-    return Reading(part, plain.digits, words, way.digits, change, world.times, told)
+    how = "read as" if world.is_applied else "right with"
+    return Reading(part, plain.digits, words, way.digits, change, world.times, told, how)
 
 
 def shown_rows(way: Way, times: Sequence[Fraction]) -> tuple[tuple[Fraction, float], ...]:
@@ -241,7 +242,7 @@ def _other_scenes(scene: Scene) -> Iterator[tuple[str, Scene]]:
         if start is not None and start.attitude is not None:
             a, b, c, d = start.attitude[0]
             turned = _with_attitude(scene, (d, a, b, c))
-            yield "a motion from the scene's quaternion, its last number the scalar", turned
+            yield "the scene's quaternion taken as scalar-last", turned
 
 
 def _with_body(scene: Scene, inertia: Sequence[Sequence[Exact]], weight: Exact) -> Scene:

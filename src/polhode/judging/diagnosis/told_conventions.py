@@ -59,7 +59,7 @@ _PARTS = {
 #: Readings that are reported and not applied.
 _REPORTED = re.compile(
     r"along the axes of space.*|turns about .*|of either sign.*|a weight .*|products .*|"
-    r"a motion from .*|.*a constant rotation of .*|(?:t )?decimals of .*"
+    r"the scene's .*|.*a constant rotation of .*|(?:t )?decimals of .*"
 )
 
 
