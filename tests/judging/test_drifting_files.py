@@ -11,9 +11,8 @@ import pytest
 
 import polhode
 from polhode.common.errors import BadInput
-from polhode.judging.diagnosis import evidence
+from polhode.judging.diagnosis import conventions
 from shared import drifting_files as files
-from shared.mutation import without
 
 STARTS_RIGHT = 3.0  # digits of the first rows of an exact program
 
@@ -118,3 +117,21 @@ def test_wrong_files_are_told_no_convention(count):
         file = files.wrong_file(seed, names[seed % len(names)])
         told += [(seed, names[seed % len(names)], str(one)) for one in judged(file).readings]
     assert told == []
+
+
+def test_a_probe_that_does_not_look_at_the_motion_is_noticed(monkeypatch):
+    monkeypatch.setattr(conventions, "follows", lambda *_: True)
+    assert any(judged(files.wrong_file(seed, "stuck")).readings for seed in range(4))
+
+
+def test_a_probe_that_looks_at_all_rows_alike_is_noticed(monkeypatch):
+    file = files.plain_file("degrees")
+    assert is_named(file, judged(file))
+    monkeypatch.setattr(conventions, "course", lambda rows, _=False: np.full(len(rows), min(rows)))
+    assert not is_named(file, judged(replace(file, columns=late(file.columns))))
+
+
+def late(columns):
+    """Rows that end far from the motion."""
+    wrong = columns["t"] > 3
+    return {n: np.where(wrong & (n != "t"), -x, x) for n, x in columns.items()}

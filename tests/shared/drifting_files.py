@@ -84,7 +84,12 @@ def turning(turn, omega):
     a, b, c, d = turn.tolist()
     p, q, r = omega.tolist()
     return 0.5 * np.array(
-        [-b * p - c * q - d * r, a * p + c * r - d * q, a * q + d * p - b * r, a * r + b * q - c * p]
+        [
+            -b * p - c * q - d * r,
+            a * p + c * r - d * q,
+            a * q + d * p - b * r,
+            a * r + b * q - c * p,
+        ]
     )
 
 

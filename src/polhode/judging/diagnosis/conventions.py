@@ -188,9 +188,7 @@ def _is_better_world(found: Mapping[str, _Part], other: Mapping[str, _Part]) -> 
     )
 
 
-def _reading(
-    part: str, plain: Way, way: Way, world: _World, times: Sequence[Fraction]
-) -> Reading:
+def _reading(part: str, plain: Way, way: Way, world: _World, times: Sequence[Fraction]) -> Reading:
     """A part as it is read in a world."""
     words = ", ".join(filter(None, (world.words, way.words)))
     change = way.change if world.is_applied else None
@@ -206,9 +204,7 @@ def shown_rows(way: Way, times: Sequence[Fraction]) -> tuple[tuple[Fraction, flo
     return tuple((times[k], float(way.rows[k])) for k in sorted({first, middle, last}))
 
 
-def _other_worlds(
-    subject: Subject, scene: Scene, times: Sequence[Fraction]
-) -> Iterator[_World]:
+def _other_worlds(subject: Subject, scene: Scene, times: Sequence[Fraction]) -> Iterator[_World]:
     """The motion at other times, and those of other scenes that may be meant."""
     if len(times) >= LEAST_ROWS:
         for words, change in other_times(subject, scene):
