@@ -256,13 +256,14 @@ def _of_body(
     """The motion of a body with other inertia, or component of the centre; neither: weight."""
     body, by = scene.body, Fraction(x)
     weight = body.weight if centre is not None or elements else body.weight * (1 + by)
-    inertia = [[*row] for row in body.inertia]
+    inertia = [*body.inertia]
     for i, j in elements:
-        inertia[i][j] += by * _unit(body, i, j)
-        inertia[j][i] = inertia[i][j]
+        for row, column in {(i, j), (j, i)}:
+            inertia[row] = _moved(inertia[row], column, by * _unit(body, i, j))
+    a, b, c = inertia
     middle = _moved(body.centre, centre, by * max(map(abs, body.centre)))
     try:
-        other = Body(inertia, middle, weight)
+        other = Body((a, b, c), middle, weight)
     except (BadInput, ValueError):  # moments of no body
         return None
     found = integrated(replace(scene, body=other), times, attitude=False)

@@ -42,7 +42,7 @@ from polhode.judging.tables.reading import WRONG, Reading, TimeChange
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles
-from polhode.scenes.body import Body
+from polhode.scenes.body import Body, Matrix, exact_vector
 from polhode.scenes.scene import Scene
 
 AnyReference: TypeAlias = Reference | Certified | TwoPrecisions | Remembered
@@ -225,14 +225,14 @@ def _other_scenes(scene: Scene) -> Iterator[tuple[str, Scene]]:
     products = [(i, j) for i in range(3) for j in range(i) if body.inertia[i][j] != 0]
     some = [products, *([one] for one in products)] if len(products) > 1 else [products]
     for signs in filter(None, some):
-        inertia = [
-            [-x if (i, j) in signs or (j, i) in signs else x for j, x in enumerate(row)]
+        x, y, z = (
+            exact_vector([-m if {(i, j), (j, i)} & {*signs} else m for j, m in enumerate(row)])
             for i, row in enumerate(body.inertia)
-        ]
+        )
         names = ", ".join("I" + "xyz"[j] + "xyz"[i] for i, j in signs)
         words = f"products of inertia of the other sign ({names})"
         with suppress(BadInput, ValueError):  # moments of no body
-            yield words, _with_body(scene, inertia, body.weight)
+            yield words, _with_body(scene, (x, y, z), body.weight)
     if scene.columns[3:] and "quaternion" in scene.source:
         start = integrated(scene, [Fraction(0)])
         if start is not None and start.attitude is not None:
@@ -241,7 +241,7 @@ def _other_scenes(scene: Scene) -> Iterator[tuple[str, Scene]]:
             yield "the scene's quaternion taken as scalar-last", turned
 
 
-def _with_body(scene: Scene, inertia: Sequence[Sequence[Exact]], weight: Exact) -> Scene:
+def _with_body(scene: Scene, inertia: Matrix, weight: Exact) -> Scene:
     body = Body(inertia, scene.body.centre, weight)
     return replace(scene, body=body)
 
@@ -252,7 +252,7 @@ def _with_attitude(scene: Scene, given: Sequence[float]) -> Scene:
     x, y = turned[0, 2], -turned[1, 2]  # the sine of theta times those of psi
     if math.hypot(x, y) < _POLE:
         x, y = turned[1, 0], turned[0, 0]
-    gamma = tuple(Fraction(float(z)) for z in turned[2])
+    gamma = exact_vector([float(z) for z in turned[2]])
     return replace(scene, gamma=gamma, psi=Fraction(math.atan2(x, y)), normalise=True)
 
 

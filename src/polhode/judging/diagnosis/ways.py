@@ -295,8 +295,9 @@ def _against(values: Any, true: Any) -> Doubles:
 
 def _digits(error: Doubles) -> Doubles:
     with np.errstate(divide="ignore", invalid="ignore"):
-        digits = -np.log10(error)
-    return np.clip(np.nan_to_num(digits, nan=0.0, posinf=_TELLABLE), 0.0, _TELLABLE)
+        digits = np.nan_to_num(-np.log10(error), nan=0.0, posinf=_TELLABLE)
+    found: Doubles = np.clip(digits, 0.0, _TELLABLE)
+    return found
 
 
 def _errors(values: Any, true: Any) -> Doubles:

@@ -90,7 +90,7 @@ class Reading(NamedTuple):
     @property
     def _drift(self) -> str:
         """The digits at each of the rows."""
-        told = []
+        told: list[str] = []
         for t, digits in self.rows:
             unit = " digits" if all(text.startswith("exact") for text in told) else ""
             value = "exact" if digits >= _EXACT else f"{digits:.1f}{unit}"
