@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from typing import NamedTuple
 
 from polhode.common.errors import BadInput, listed
@@ -59,7 +60,7 @@ _PARTS = {
 #: Readings that are reported and not applied.
 _REPORTED = re.compile(
     r"along the axes of space.*|turns about .*|of either sign.*|a weight .*|products .*|"
-    r"a motion from .*|.*a constant rotation of .*|(?:t )?decimals of .*"
+    r"the scene's .*|.*a constant rotation of .*|(?:t )?decimals of .*"
 )
 
 
