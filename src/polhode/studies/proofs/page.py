@@ -80,6 +80,14 @@ def _if_proved(row: JsonObject, form: str) -> str | None:
     return form.format(**row) if row["proved"] else None
 
 
+#: Of the proof that is drawn, where it is proved.
+_PICTURE = """![Manifolds of the proved orbit, and the sets of the proof](manifolds.svg)
+
+Chaos of the top *{what}*: maxima of the height of its centre of mass on the stable (blue) and the
+unstable manifold (orange) of the proved orbit, as computed in double, and the sets of the proof,
+which lie in planes of their own."""
+
+
 def tables(found: JsonObject) -> dict[str, PageTable]:
     """The page's tables from the study's JSON object."""
     return {
@@ -106,7 +114,7 @@ def facts(found: JsonObject) -> dict[str, object]:
         "proved_chaos": share(row["proved"] for row in found["chaos"]),
         "chaos_seconds": between([row["seconds"] for row in chaos], ".2g"),
         "verified_chaos": sum(row["verified"] for row in chaos),
-        "drawn": next((row["what"] for row in found["chaos"] if "drawn" in row), DASH),
+        "picture": "".join(_PICTURE.format(**row) for row in chaos if "drawn" in row),
     }
 
 
