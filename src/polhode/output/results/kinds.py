@@ -82,7 +82,6 @@ HOMES = {
     "Surface": "dynamics.periodic_orbits.level_set",
     "Table": "judging.tables.table",
     "TimeChange": "judging.tables.reading",
-    "TwoPrecisions": "judging.references.two_precisions",
     "Within": "proofs.proved_orbit",
 }
 _OWN_NAMES = {"Solid": "Part"}  # where two classes have one name
@@ -103,7 +102,6 @@ _FIELDS: dict[str, dict[str, Value]] = {
     "Members": {"scene": "Scene", "varied": "Grid"},
     "Rows": {"columns": tuple[Sequence[Exact], ...], "product": bool},
     "Spaced": {"first": Exact, "last": Exact, "_count": int},
-    "TwoPrecisions": {"scene": "Scene"},
 }
 _Array = npt.NDArray[Value]
 #: What annotations name where it is imported for type checkers alone.
