@@ -121,7 +121,7 @@ def readings(
     return [
         _reading(k, plain[k].plain, best[k].way, world, times)
         for k in best
-        if k in wrong and (best[k].is_told or (world.words and plain[k].plain.digits < WRONG))
+        if k in wrong and (best[k].is_told or not is_alike(plain[k].course, best[k].course))
     ]
 
 
