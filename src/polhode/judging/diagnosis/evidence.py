@@ -5,7 +5,7 @@ digits of a convention are counted from the first row on and never rise again: o
 the first rows is wrong, and one that is right there may drift as it likes.
 
 What a wrong table could have by chance is not told.  A convention of which ``tries`` were tried has
-to have so many digits more than the table as it stands that one in ten thousand tables of random
+to have so many digits more than the table as it stands that one in some thousand tables of random
 numbers has one; and it has to follow the motion: where the motion has left its first row, it is
 nearer to it than a table that stays there, or goes elsewhere, would be.
 """
