@@ -147,7 +147,7 @@ PRIVATE = {
     ),
     "refined": (1, "where intervals meet, at which events are to be found"),
     "runs": (
-        19,
+        17,
         "marks and chunks of a run, a try of the refined method, which no result tells of; "
         "limits made small: a million steps take too long",
     ),

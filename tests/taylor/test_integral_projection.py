@@ -17,7 +17,7 @@ from polhode.numbers.number_types import DOUBLE
 from polhode.scenes import library
 from polhode.scenes.event import Event
 from polhode.taylor.corrections import integral_projection
-from polhode.taylor.events import stepwise
+from polhode.taylor.events import watch
 from polhode.taylor.integrator.stepping import Integrator
 from shared.policies import change_policy
 
@@ -305,7 +305,7 @@ def crossed(scene, monkeypatch, honest=True) -> list[int]:
         patch.setattr(Integrator, "_correct", spied)
         polhode.integrate(scene, project=40)
     if not honest:
-        monkeypatch.setattr(stepwise.Watch, "disturbed", lambda *_: False)
+        monkeypatch.setattr(watch.Watch, "disturbed", lambda *_: False)
     assert len(jumps) >= 8
     counts = []
     for time, value in jumps[:12]:

@@ -127,7 +127,7 @@ class EventTimes(Result, ByValue):
         >>> scene = replace(polhode.load("lagrange/nutation"), events=(polhode.Event("nutation"),))
         >>> (found,) = polhode.integrate(scene, at=[10]).events
         >>> len(found.times), round(float(found.times[0]), 12), found.signs[:3]
-        (6, 0.46599315847, (-1, 1, -1))
+        (6, 0.46599315847, (1, -1, 1))
     """
 
     name: str

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -86,7 +86,7 @@ class Search(Watch):
         self._end_note = self._note(time, series)
         for side in self.sides:
             if side.ahead <= abs(time):
-                self._notes[side.event][2].append(side)
+                self._notes[side.event][2].append(self._side(side))
         self.sides[:] = [side for side in self.sides if side.ahead > abs(time)]
         for k in self._ends:
             if self._noted(k) != self._known.records[k].noted or self._known.records[k].open:
@@ -98,19 +98,24 @@ class Search(Watch):
         assert self._end_note is not None
         return self._marks(self._end_note)
 
-    def _polished(self, k: int, notes: Sequence[list[Any]]) -> Places:
+    def _side(self, side: EventSide) -> Note:
+        zero = scalar(ZERO, self.number)
+        return Note(
+            side.ahead * self.way, zero, array([zero] * self.width, self.number), side.value
+        )
+
+    def _polished(self, k: int, notes: Sequence[list[Note]]) -> Places:
         met = super()._polished(k, notes)
         return in_order(joined([met, self._told(notes[2])])) if notes[2] else met
 
-    def _told(self, sides: Sequence[EventSide]) -> Places:
+    def _told(self, sides: list[Note]) -> Places:
         """The sides that the run in double tells, as places."""
-        zero = scalar(ZERO, self.number)
-        row = array([zero] * self.width, self.number)
-        marks = self._gathered([Note(side.ahead * self.way, zero, row) for side in sides])
+        marks = self._gathered(sides)
         none, away = np.zeros(len(sides)), np.zeros(len(sides), dtype=bool)
         values = np.zeros((4, len(sides)))
         values[0] = [side.value / float(self.rules.band) for side in sides]
-        return Places(marks, abs(marks.since_start), values, none, away, away, none, none)
+        ahead = marks.since_start if self.way > 0 else -marks.since_start
+        return Places(marks, ahead, values, none, away, away, none, none)
 
     def _note(self, time: Fraction, series: Series) -> Note:
         high, low = self._clock(time).tolist()

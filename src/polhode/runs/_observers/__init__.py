@@ -1,1 +1,1 @@
-"""Outputs besides the state: attitude, angles, events."""
+"""Outputs besides the state: attitude, angles."""

@@ -1,4 +1,4 @@
-"""What a way is to tell attitude, angles or events beside a run that integrates the state alone."""
+"""What a way is to tell attitude and angles beside a run that integrates the state alone."""
 
 from __future__ import annotations
 

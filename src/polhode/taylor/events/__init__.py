@@ -1,1 +1,1 @@
-"""Zeros of expressions along a motion: found, refined, separated."""
+"""Crossings and contacts of expressions along a motion."""

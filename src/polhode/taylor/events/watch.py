@@ -18,7 +18,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -57,11 +57,15 @@ _MOST_STEPS = 10_000  # of a search
 
 
 class Note(NamedTuple):
-    """A zero as heyoka met it: an exact offset, the time since then, the form's variables there."""
+    """A zero as heyoka met it: an exact offset, the time since then, the form's variables there.
+
+    ``value``: of the expression, where another run tells it and that is enough.
+    """
 
     offset: Fraction
     time: HeyokaNumber
     row: Array
+    value: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -105,7 +109,7 @@ class Watch:
         self.alike = float(number.eps)
         self.after_step = AfterStep(self._stops, number) if rules.asked else None
         # zeros and extrema that were met, and what else tells the sides of an expression
-        self._notes: list[tuple[list[Any], ...]] = [([], [], []) for _ in scene.events]
+        self._notes: list[tuple[list[Note], ...]] = [([], [], []) for _ in scene.events]
         self._known = Found()
         self._ends = [k for k, event in enumerate(scene.events) if event.stop]
         self._starts: list[End] = []
@@ -349,7 +353,7 @@ class Watch:
             open=False,
         )
 
-    def _polished(self, k: int, notes: Sequence[list[Any]]) -> Places:
+    def _polished(self, k: int, notes: Sequence[list[Note]]) -> Places:
         """Zeros and extrema that were met, polished."""
         met = [self._gathered(several) for several in notes[:2]]
         return polished(self.jets[k], met, self.rules.band, self._noise(k), self.way)

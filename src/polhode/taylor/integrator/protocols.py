@@ -9,12 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 from polhode.motion.outcomes import Outcome, Projection
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Array, Row, Rows
 from polhode.taylor.backend.types import (
+    CompiledFunction,
     Expression,
     HeyokaEvent,
     HeyokaIntegrator,
@@ -100,12 +101,12 @@ class Desk:
     """What belongs to an integrator with events, whichever run takes it up: ``watch`` is that of
     the run.
 
-    ``jets``: of each expression, compiled: see :class:`polhode.taylor.events.polishing.Jet`.
+    ``jets``: of each expression, compiled: see :class:`polhode.taylor.events.jets.Jet`.
     """
 
     def __init__(self) -> None:
         self.watch: Watcher | None = None
-        self.jets: list[Any] = []
+        self.jets: list[CompiledFunction] = []
 
 
 class Watcher(Protocol):
