@@ -119,7 +119,7 @@ def test_the_rows_hold_every_part_and_every_case():
 
 
 def test_an_entry_of_the_rows_is_what_it_is_now():
-    """One of a kind that no processor rounds in its own way; the others by hand: golden.py check."""
+    """Of a kind that every processor rounds alike; the others by hand: golden.py check."""
     rows = golden.read(golden.ROWS)
     entries = dict(golden.PARTS["closed forms"]())
     assert golden.answer(entries["euler/sphere"]) == rows["closed forms"]["euler/sphere"]

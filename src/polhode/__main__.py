@@ -1,11 +1,9 @@
 """``polhode``, and ``python -m polhode``."""
 
-from typing import NoReturn
-
-from polhode.common.signals import hear
+from polhode.common.interrupts import hear
 
 
-def command() -> NoReturn:
+def command() -> None:
     """The command line, whose signals are heard before the rest is imported."""
     hear()
     from polhode import cli

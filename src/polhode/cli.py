@@ -16,11 +16,11 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import NoReturn
 
-from polhode.common import notices
-from polhode.common.errors import BadInput, StdoutFault, nearest
+from polhode.common.arguments import called_here
+from polhode.common.errors import BadInput, StdoutFault, in_verb, listed, nearest
 from polhode.common.files import write_stdout
+from polhode.common.interrupts import INTERRUPTED, heard
 from polhode.common.provenance import __version__
-from polhode.common.signals import INTERRUPTED, heard
 from polhode.verbs import terminal
 from polhode.verbs.terminal import BAD_INPUT, DONE
 
@@ -30,6 +30,26 @@ VERBS = (
     *("benchmark", "guide", "about"),
 )
 
+
+#: What other programs call a verb, and what is meant here.
+_MEANT = {
+    "help": "polhode --help, or polhode VERB --help; polhode guide explains everything",
+    "version": "polhode --version, or polhode about",
+    "info": "about for polhode, show SCENE for a scene",
+    **dict.fromkeys(("integrate", "simulate", "solve", "propagate", "compute"), "run SCENE"),
+    **dict.fromkeys(("judge", "validate", "diff", "score"), "compare FILE SCENE"),
+    **dict.fromkeys(("test", "regression"), "check"),
+    **dict.fromkeys(("certify", "enclose"), "reference SCENE --certified, or prove"),
+    **dict.fromkeys(("animate", "movie", "film"), "view SCENE, or plot SCENE --what motion"),
+    **dict.fromkeys(("figure", "draw", "graph"), "plot SCENE"),
+    **dict.fromkeys(("ensemble", "scan", "vary"), "sweep SCENE --vary KEY=FROM:TO:N"),
+    "poincare": "section SCENE",
+    **dict.fromkeys(("lyapunov", "chaos"), "map SCENE, or sweep SCENE --keep lyapunov"),
+    **dict.fromkeys(("docs", "doc", "manual"), "guide"),
+    **dict.fromkeys(("cases", "ls"), "list"),
+    **dict.fromkeys(("create", "init"), "new FILE"),
+    "spectrum": "frequencies SCENE",
+}
 
 #: What follows is a name, even if it looks like an option.
 _BEFORE = "the verb and its options before it: what follows -- is read as a name"
@@ -59,9 +79,10 @@ class _Parser(argparse.ArgumentParser):
         verb = self.prog.removeprefix("polhode").strip()
         command = f"polhode {verb}" if verb else "polhode"
         if found := re.match(r"argument VERB: invalid choice: '(.*?)'", message):
-            raise BadInput(command, "VERB", found[1], nearest(found[1], [*VERBS]))
+            meant = _MEANT.get(found[1].lower())
+            raise BadInput(command, "VERB", found[1], meant or listed(found[1], [*VERBS]))
         if found := re.match(
-            r"argument (--\w+): invalid choice: '(.*?)' \(choose from (.*)\)", message
+            r"argument ([\w-]+): invalid choice: '(.*?)' \(choose from (.*)\)", message
         ):
             words = [word.strip(" '") for word in found[3].split(",")]
             raise BadInput(command, found[1], found[2], nearest(found[2], words))
@@ -78,9 +99,14 @@ class _Parser(argparse.ArgumentParser):
         if "--" in given:
             raise BadInput(self.prog, "argument", "--", _BEFORE)
         first = rest[0].partition("=")[0]
-        known = [name for name in self._option_string_actions if name.startswith("--")]
+        options = self._option_string_actions
+        known = [name for name in options if name.startswith("--")]
         if first.startswith("-"):
-            raise BadInput(self.prog, "option", first, nearest(first, known))
+            name = first.lstrip("-").replace("-", "_")
+            here = called_here(name, [option.lstrip("-") for option in options])
+            dashes = "-" if here == "o" else "--"
+            meant = None if here is None else f"{dashes}{here}, as it is called here"
+            raise BadInput(self.prog, "option", first, meant or nearest(first, known))
         raise BadInput(self.prog, "argument", first, f"nothing more; see {self.prog} --help")
 
 
@@ -112,7 +138,7 @@ def _main(arguments: Sequence[str] | None) -> int:
             options, rest = _parser(given).parse_known_args(_joined(given))
             if rest:
                 options.parser.refuse(rest, given)
-            with notices.of_verb():
+            with in_verb():
                 code: int = options.main(options)
             return code
         except BadInput as fault:
@@ -143,6 +169,8 @@ def _main(arguments: Sequence[str] | None) -> int:
 
 def command() -> NoReturn:
     """The command ``polhode``: main, and out."""
+    if 0 < sys.get_int_max_str_digits() < sys.int_info.default_max_str_digits:
+        sys.set_int_max_str_digits(sys.int_info.default_max_str_digits)  # whatever is printed
     code = main()
     terminal.deaf()  # all is said: nothing is left to interrupt
     gc.freeze()  # what is left goes with the process: nobody need look for circles in it

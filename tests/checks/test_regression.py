@@ -254,3 +254,22 @@ def test_published_digits_need_no_integration_to_the_same_time():
     shown = published_figures.figures(scene, polhode.reference(scene))
     assert all(f.passed for f in shown)
     assert number_types.bits_for(20) > 60
+
+
+def test_bands_are_proposed_that_the_case_then_keeps(tmp_path, capsys):
+    source = polhode.load("euler/separatrix").source
+    bare, whole = tmp_path / "bare.toml", tmp_path / "whole.toml"
+    bare.write_text(source.partition("[expect]")[0])
+    assert cli.main(["check", str(bare)]) == 2
+    assert "which --propose prints" in capsys.readouterr().err
+    assert cli.main(["check", str(bare), "--propose"]) == 0
+    printed = capsys.readouterr().out
+    table = printed[printed.index("[expect]") :].partition("\n\n")[0]
+    whole.write_text(f"{bare.read_text()}\n{table}\n")
+    assert {*polhode.load(whole).expect} == {"double", "extended", "quad"}
+    for name, (low, high) in polhode.load(whole).expect.items():
+        assert high - low == pytest.approx(2)
+        known = polhode.load("euler/separatrix").expect[name]
+        assert low < sum(known) / 2 < high
+    assert cli.main(["check", str(whole)]) == 0
+    assert "1 passed, 0 failed" in capsys.readouterr().out

@@ -254,7 +254,7 @@ def test_looping_is_a_change_of_sign_of_the_precession(seed, regime):
         top = LagrangeTop(moments, torque, omega, GAMMA)
         if top.regime == regime:
             break
-    period = F(float(top.period(17)))
+    period = F(float(top.nutation(17)))
     rows = top.at([period * F(k, 200) for k in range(200)], 15)
     signs = {mpmath.sign(p * g1 + q * g2) for p, q, _, g1, g2, _ in rows}
     assert len(signs) == (2 if regime == "looping" else 1)

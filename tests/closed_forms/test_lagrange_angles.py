@@ -145,7 +145,7 @@ def test_an_axis_that_is_upright_only_where_theta_turns_is_not_counted_either(mo
     """The two terms are of one size there; rounding does not decide."""
     top, gamma = turned_by("cusped", (3, 0, 1, 0))
     assert gamma == UP
-    assert top.period(15) > 2
+    assert top.nutation(15) > 2
     more_psi, more_phi = unwound(top, small(3), F(2), 450)
     monkeypatch.setattr(euler_angles, "growth", never)
     for digits in range(15, 40, 3):
@@ -199,7 +199,7 @@ def test_past_a_pole_psi_turns_by_half_a_turn_to_the_side_of_f_minus_c_r(off):
     through = top_of("upper pole")
     near = LagrangeTop(moments, torque, omega, gamma, PSI)
     with mpmath.workdps(40):
-        period = through.period(30)
+        period = through.nutation(30)
         end = F(exact.binary(int((10 * period).man), int((10 * period).exp)))
         (psi, _, phi), (start, _, phi0) = near.angles([end, F(0)], 30)
         mean = through.frequencies(30)
@@ -239,7 +239,7 @@ def test_always_at_a_pole():
 
 
 def exact_period(top):
-    period = top.period(70)
+    period = top.nutation(70)
     return exact.binary(int(period.man), int(period.exp)), period
 
 
@@ -290,7 +290,7 @@ def test_motions_without_a_period():
         still = regime.startswith(("rest", "sleep", "hang", "steady", "homo")) or regime.endswith(
             ("separatrix", "conical")
         )
-        assert (top_of(name).period(20) is None) is still
+        assert (top_of(name).nutation(20) is None) is still
         assert ("nutation" not in top_of(name).frequencies(20)) is still
 
 
@@ -336,7 +336,7 @@ def test_bruels_cardona_arnold_top():
         )
         for x, y in zip(attitudes[1], printed, strict=True):
             assert abs(x - mpf(y)) < mpf(10) ** -18
-        assert abs(top.period(30) - mpf(".74520694761676905573")) < mpf(10) ** -20
+        assert abs(top.nutation(30) - mpf(".74520694761676905573")) < mpf(10) ** -20
     (psi0, _, phi0), (psi, _, phi) = top.angles([F(1, 10**4), F(1)], 15)
     more_psi, more_phi = unwound(top, F(1, 10**4), F(1), 4000)
     assert abs(psi - psi0 - more_psi) < 1e-10
@@ -354,7 +354,7 @@ def test_simo_wong_top():
         printed = (".0215411049742639709", "-.0500103354833718594", ".998516372996120849")
         for x, y in zip(apex, printed, strict=True):
             assert abs(x - mpf(y)) < mpf(10) ** -18
-        assert abs(top.period(30) - mpf(".6854584972896153183")) < mpf(10) ** -19
+        assert abs(top.nutation(30) - mpf(".6854584972896153183")) < mpf(10) ** -19
 
 
 @pytest.mark.parametrize(

@@ -198,3 +198,28 @@ def test_a_family_that_cannot_be_followed_ends_with_code_3(monkeypatch, capsys):
     monkeypatch.setattr(families, "stepped", lost)
     assert main(["orbit", "grioli/precession", "--continue", "h=0.9"]) == 3
     assert "not followed beyond h = 0.851351" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("given", "meant"),
+    [
+        (lambda found: found.points[0], "the orbit of point k of a family or a search is"),
+        (lambda found: found.bifurcations[0].point, "of a family or a search is family.orbit(k)"),
+        (lambda found: found, "its orbit k is .orbit(k)"),
+    ],
+)
+def test_a_point_given_as_a_start_is_told_which_call_makes_an_orbit_of_it(given, meant):
+    found = polhode.orbit_family("grioli/precession", "h", "0.76")
+    for call in (polhode.orbit, lambda x: polhode.orbit_family(x, "h", 1), polhode.integrate):
+        with pytest.raises(polhode.BadInput) as refusal:
+            call(given(found))
+        assert meant in str(refusal.value)
+        assert "\n" not in str(refusal.value)
+    first = polhode.orbit_family(found.orbit(0), "h", "0.752")
+    assert first.points[0].period == pytest.approx(found.points[0].period, rel=1e-12)
+
+
+def test_a_result_given_as_a_scene_is_told_what_was_meant():
+    run = polhode.integrate("euler/sphere", at=[1])
+    with pytest.raises(polhode.BadInput, match=r"did you mean its \.scene\?"):
+        polhode.integrate(run)

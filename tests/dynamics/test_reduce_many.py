@@ -157,6 +157,45 @@ def test_the_exponents_of_chaotic_motions():
     assert (found["lyapunov growth"] > 6).all()
 
 
+@pytest.mark.slow
+def test_exponents_of_chaotic_members_scatter_as_their_uncertainties_say():
+    """By blocks of one motion's time alone they were two thirds of it, and most of them less."""
+    scene = polhode.load("general/asymmetric-chaotic").at([2000])
+    found = polhode.reduce_many(scene, {"start.omega[1]": "0.2:0.21:200"}, "lyapunov")
+    told = np.sqrt(np.mean(found["lyapunov uncertainty"] ** 2))
+    assert 0.8 < told / np.std(found["lyapunov"], ddof=1) < 1.3
+
+
+@pytest.mark.slow
+def test_chaotic_members_have_the_uncertainty_of_lyapunov():
+    """Not to the digit: each door follows neighbours of its own."""
+    scene = polhode.load("general/asymmetric-chaotic").at([2000])
+    found = polhode.reduce_many(scene, {"start.omega[1]": "0.1:0.4:12"}, "lyapunov")
+    ones = [polhode.lyapunov(member, 2000).uncertainty for member in found.members]
+    assert 0.6 < np.median(found["lyapunov uncertainty"]) / np.median(ones) < 1.6
+
+
+def test_the_uncertainty_of_a_chaotic_member_is_its_neighbours_scatter(monkeypatch):
+    """Where they are the member itself, it is 0."""
+    from polhode.judging.conditioning import lyapunov
+
+    monkeypatch.setattr(lyapunov, "MOVED", (1.0,) * 7)
+    scene = polhode.load("general/asymmetric-chaotic").at([600])
+    found = polhode.reduce_many(scene, {"start.omega[1]": "0.2,0.25,30"}, "lyapunov")
+    told = found["lyapunov uncertainty"]
+    assert (told[:2] == 0).all()
+    assert told[2] > 0  # a fast top, which is regular
+
+
+def test_an_unstable_member_with_a_closed_form_costs_no_neighbours(monkeypatch):
+    from polhode.dynamics.observables import jobs
+
+    monkeypatch.setattr(jobs, "_scatter", None)
+    scene = polhode.load("lagrange/nutation").at([60])
+    found = polhode.reduce_many(scene, {"start.omega[3]": [2, 3]}, "lyapunov")
+    assert np.isfinite(found["lyapunov uncertainty"]).all()
+
+
 def test_a_member_that_fails_has_no_numbers_and_harms_no_neighbour():
     scene = replace(heavy("9"), events=EVENTS)
     keep = ["final", "first half", "lyapunov"]
@@ -184,10 +223,13 @@ def test_no_more_states_are_held_than_a_job_has(monkeypatch):
     assert held < 96 * 2001 * 48 / 3  # bytes of all states: 9 MB
 
 
-def test_what_was_interrupted_goes_on_to_the_same_bits(tmp_path):
-    scene = heavy("9")
-    varied = {"start.omega[3]": "1:3:800"}
-    keep = ["final", "first nutation"]
+@pytest.mark.parametrize(
+    ("keep", "end", "many"), [(["final", "first nutation"], "9", 800), (["lyapunov"], "1", 160)]
+)
+def test_what_was_interrupted_goes_on_to_the_same_bits(keep, end, many, tmp_path):
+    """Also where no step is counted: with an exponent alone, all finished jobs were lost."""
+    scene = heavy(end)
+    varied = {"start.omega[3]": f"1:3:{many}"}
     whole = polhode.reduce_many(scene, varied, keep)
 
     told = []
@@ -201,7 +243,7 @@ def test_what_was_interrupted_goes_on_to_the_same_bits(tmp_path):
         scene, varied, keep, workers=1, parts=tmp_path / "p", progress=disturb
     )
     assert first.interrupted
-    assert 0 < first.tally()[Outcome.REACHED_END] < 800
+    assert 0 < first.tally()[Outcome.REACHED_END] < many
     done = []
     again = polhode.reduce_many(
         scene, varied, keep, parts=tmp_path / "p", progress=lambda _, n: done.append(n)

@@ -290,7 +290,7 @@ def test_the_word_is_known_by_name(capsys):
     for verb in ("run", "reference"):
         assert main([verb, TOP, "--outputs", "sped"]) == 2
         told = capsys.readouterr().err
-        known = "expected angles, attitude, hodographs, speed (did you mean 'speed'?)"
+        known = f"expected {', '.join(COLUMNS)} (did you mean 'speed'?)"
         assert f"run.outputs = sped: {known}" in told
     with pytest.raises(polhode.BadInput, match="did you mean 'speed'"):
         polhode.reference(TOP).column("sped", [1])

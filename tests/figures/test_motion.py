@@ -507,7 +507,7 @@ def test_a_figure_is_drawn_into_axes_that_are_given():
 @pytest.mark.parametrize("width", [400, 1400])
 def test_a_browser_draws_it(tmp_path, width):
     """Body, path and hodographs are there, and nothing is wider than the window."""
-    from measure import frames
+    from measure.timings import frames
 
     browser = frames.browser()
     if browser is None:
@@ -535,7 +535,7 @@ def test_a_browser_draws_it(tmp_path, width):
 @pytest.mark.parametrize("name", [TOP, "euler/largest-axis"])
 def test_a_frame_is_cheap(name):
     """A few calls of WebGL a thing drawn; the time that they take is measured by that script."""
-    from measure import frames
+    from measure.timings import frames
 
     if frames.browser() is None:
         pytest.skip("no browser here")

@@ -12,7 +12,7 @@ import pytest
 from fuzz import interrupts
 from polhode import cli
 from polhode.common.errors import BadInput
-from polhode.common.signals import heard
+from polhode.common.interrupts import heard
 from polhode.verbs import guide
 
 WORKS = [*interrupts.WORKS]

@@ -85,6 +85,30 @@ def test_equal_moments_are_fitted_together(name):
     assert first.digits > 11
 
 
+FULL = [["1.3", "0.1", "-0.2"], ["0.1", "1.1", "0.15"], ["-0.2", "0.15", "0.9"]]
+
+
+@pytest.mark.sample(2)
+@pytest.mark.parametrize(
+    ("i", "j", "value"), [(0, 1, "0.12"), (2, 2, "0.93"), (0, 0, "1.27"), (1, 2, "0.1")]
+)
+def test_another_element_of_a_full_tensor_is_found(i, j, value):
+    def of(inertia):
+        start = {"omega": ["0.5", "1.2", "-0.7"], "gamma": ["0.6", 0, "0.8"]}
+        return polhode.top(inertia=inertia, centre=["0.1", "0.2", "0.3"], weight="1.5", **start)
+
+    other = [[*row] for row in FULL]
+    other[i][j] = other[j][i] = value
+    times = [Fraction(k, 4) for k in range(25)]
+    run = polhode.integrate(of(other), at=times)
+    columns = {"t": run.t, **dict(zip(run.columns, np.array(run.states).T, strict=True))}
+    (first, *_) = polhode.compare(columns, of(FULL)).causes
+    element = f"the element {'xyz'[i]}{'xyz'[j]} of inertia = "
+    assert first.words.startswith(element)
+    assert first.words.endswith(f"(the scene's is {float(FULL[i][j]):g})")
+    assert number(first.words) == pytest.approx(float(value), rel=1e-9)
+
+
 @pytest.mark.sample(2)
 @pytest.mark.parametrize("name", HEAVY)
 def test_another_weight_or_centre_is_found(name):

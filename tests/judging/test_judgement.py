@@ -348,7 +348,7 @@ def test_some_columns_of_an_array_are_judged():
         ([[1, 2, 3]], {"at": [1, 2], "columns": ["p", "q", "r"]}, "a time for each of 1 rows"),
         ([[1, 2, 3]], {"columns": ["p", "q", "r"]}, "a time for each of 1 rows"),
         ([["x", 2, 3]], {"at": [1], "columns": ["p", "q", "r"]}, "rows of finite numbers"),
-        ([[math.nan, 2, 3]], {"at": [1], "columns": ["p", "q", "r"]}, "rows of finite numbers"),
+        ([[math.inf, 2, 3]], {"at": [1], "columns": ["p", "q", "r"]}, "rows of finite numbers"),
         ([[1]], {"at": [1], "columns": ["s"]}, "columns = s"),
         (3, {"at": [1]}, "rows of finite numbers"),
     ],

@@ -150,6 +150,11 @@ def test_a_convention_of_a_part_that_is_not_there_is_refused(columns):
         ("attitude degrees", "degrees", "a convention of attitude; this one is of omega or angles"),
         ("turns about z-x-z in degrees", "turns about", "this one is reported, and not applied"),
         ("along the axes of space", "along the axes", "this one is reported, and not applied"),
+        (
+            "a constant rotation of 30° about (0, 0, 1) in space axes",
+            "a constant rotation of 30° about .0, 0, 1. in space axes",
+            "this one is reported, and not applied",
+        ),
         ("y up", "y up", "a quaternion that nearly has the first row's attitude in it"),
         ("scalar-last, q1 the scalar", ".* the scalar|scalar-last", "no second convention"),
     ],

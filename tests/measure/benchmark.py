@@ -1,176 +1,171 @@
-"""Timings, side by side in one process, minimum of many: python tests/measure/benchmark.py
+"""Timings of polhode beside what others need for the same work, by one protocol.
 
-polhode against a hand-written bare heyoka loop on the same equations, tolerance and output times;
-the closed form's cost a state and set-up; a warm `polhode run` against the bare imports.  Nothing
-here passes or fails.
+    python tests/measure/benchmark.py                     every group
+    python tests/measure/benchmark.py runs sweeps         some of them
+    python tests/measure/benchmark.py runs --seconds 5    longer: narrower intervals
+
+Jobs that are compared run side by side in one process, in turn, for about so many seconds each:
+:func:`side_by_side`.  What counts is processor time, so that other work on the machine disturbs
+little; a run of a millisecond still shares the caches with it.  A ratio is the median of those of
+all rounds, with the interval that holds the true median in 95 of 100 cases.  Nothing here passes or
+fails: "wanted" is what a change should keep to.
 """
 
 from __future__ import annotations
 
-import os
-import subprocess
+import argparse
+import importlib.util
+import math
+import resource
+import statistics
 import sys
-import tempfile
 import time
-from collections.abc import Callable
-from fractions import Fraction
+from collections.abc import Callable, Iterator, Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import Any, NamedTuple
 
-import heyoka as hy
-import numpy as np
+Job = Callable[[], Any]
+Clock = Callable[[], float]
 
-import polhode
-from polhode.closed_forms.families import closed_form
-from polhode.numbers import number_types
-from polhode.scenes import scene_file
-from polhode.taylor.backend import heyoka_numbers
-
-SCENE = (
-    "schema = 1\n[body]\nmoments = [2, 3, 4]\n{heavy}[start]\nomega = [0.3, 0.4, 1.1]\n"
-    'gamma = ["2/7", "3/7", "6/7"]\n[run]\nend = {end}\nsamples = {samples}\n'
-)
+_ROUNDS = 5  # at least, whatever a job takes
+_LOOK = 0.002  # seconds between two looks at the clock
 
 
-def minimum(jobs: list[Callable[[], float]], rounds: int) -> list[float]:
-    """The least of the seconds that each job reports, the jobs taken in turn."""
-    return [
-        min(times) for times in zip(*([job() for job in jobs] for _ in range(rounds)), strict=True)
-    ]
+class Timing(NamedTuple):
+    """Of a job: its least seconds, and its ratio to the first job's, with an interval."""
+
+    seconds: float
+    ratio: float
+    low: float
+    high: float
+
+    def __str__(self) -> str:
+        return f"{self.ratio:.3f} [{self.low:.3f}, {self.high:.3f}]"
 
 
-def bare(scene: polhode.Scene, number: number_types.NumberType) -> Callable[[], float]:
-    """The same equations written by hand, integrated by heyoka alone; seconds of the run."""
-    names = hy.make_vars("p", "q", "r", "g1", "g2", "g3")
-    p, q, r, g1, g2, g3 = names
-    a, b, c = scene.body.moments
-    x, y, z = scene.body.torque
-    k = [
-        hy.expression(heyoka_numbers.scalar(v, number))
-        for v in (
-            (b - c) / a,
-            (c - a) / b,
-            (a - b) / c,
-            z / a,
-            -y / a,
-            x / b,
-            -z / b,
-            y / c,
-            -x / c,
-        )
-    ]
-    rates = [k[0] * q * r, k[1] * r * p, k[2] * p * q]
-    if not scene.body.torque_free:
-        heavy = (k[3] * g2 + k[4] * g3, k[5] * g3 + k[6] * g1, k[7] * g1 + k[8] * g2)
-        rates = [rate + term for rate, term in zip(rates, heavy, strict=True)]
-    rates += [r * g2 - q * g3, p * g3 - r * g1, q * g1 - p * g2]
-    start = [heyoka_numbers.scalar(v, number) for v in scene.start]
-    grid = heyoka_numbers.array([heyoka_numbers.scalar(t, number) for t in scene.times], number)
-    options = heyoka_numbers.type_options(number)
+class Line(NamedTuple):
+    """A row of the table: what was measured, what came out, and what is wanted, if anything."""
 
-    def job() -> float:
-        system = list(zip(names, rates, strict=True))
-        built = hy.taylor_adaptive(system, heyoka_numbers.array(list(start), number), **options)
-        began = time.perf_counter()
-        built.propagate_grid(grid)
-        return time.perf_counter() - began
-
-    return job
+    measure: str
+    value: object
+    wanted: str = ""
 
 
-def ours(scene: polhode.Scene, number: number_types.NumberType) -> Callable[[], float]:
-    """The same by polhode: everything but the build, states read out included."""
-
-    def job() -> float:
-        began = time.perf_counter()
-        run = polhode.integrate(scene, number)
-        return time.perf_counter() - began - run.provenance["seconds"]["build"]
-
-    return job
+def of_children() -> float:
+    """Processor seconds of this process's children that have ended."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
-def integration() -> None:
-    print("run time, ms (without build)               bare   polhode  ratio")
-    heavy = "centre = [0.3, 0.2, 0.5]\nweight = 1\n"
-    for name, body in (("Euler", ""), ("heavy", heavy)):
-        for kind, end, samples, rounds in (
-            ("double", 1000, 2, 40),
-            ("double", 1000, 401, 40),
-            ("double", 100_000, 2, 7),
-            ("extended", 10_000, 2, 5),
-            ("quad", 200, 2, 5),
-            ("mp", 100, 2, 5),
-        ):
-            scene = scene_file.parse(SCENE.format(heavy=body, end=end, samples=samples))
-            number = number_types.named(kind)
-            one, two = minimum([bare(scene, number), ours(scene, number)], rounds)
-            label = f"{name}, {kind}, t = {end}, {samples} times"
-            print(f"{label:40s}{1e3 * one:8.2f} {1e3 * two:8.2f}  {two / one:.3f}")
+def side_by_side(
+    jobs: Sequence[Job],
+    seconds: float,
+    calls: int | None = None,
+    clock: Clock = time.process_time,
+) -> list[Timing]:
+    """Times of jobs in turn, for about ``seconds`` a job; one round before does not count.
+
+    ``calls``: of each job in a row between two looks at the clock, as many as take 2 ms unless
+    given; seconds are those of one call.
+    """
+    many = [calls or 1 for _ in jobs]
+    rounds = [_round(jobs, many, clock)]
+    if calls is None:
+        many = [math.ceil(_LOOK / max(spent, _LOOK / 10_000)) for spent in rounds[0]]
+    end = clock() + seconds * len(jobs)
+    while len(rounds) <= _ROUNDS or clock() < end:
+        rounds.append(_round(jobs, many, clock))
+    columns = [*zip(*rounds[1:], strict=True)]
+    return [Timing(min(one), *_median(one, columns[0])) for one in columns]
 
 
-def closed_forms() -> None:
-    print("\nclosed form of the Euler top            set-up, ms   a state, ms")
-    scene = polhode.load("euler/largest-axis")
-    times = [Fraction(k, 7) for k in range(1, 201)]
-    for digits in (15, 30, 50, 100, 300, 1000):
-        setups, states = [], []
-        for _ in range(5):
-            found = closed_form(scene)
-            assert found is not None
-            began = time.perf_counter()
-            found[1].at(times[:1], digits)
-            middle = time.perf_counter()
-            found[1].at(times, digits)
-            states.append((time.perf_counter() - middle) / len(times))
-            setups.append(middle - began)
-        print(f"{digits:5d} digits {1e3 * min(setups):30.2f} {1e3 * min(states):12.3f}")
+def _round(jobs: Sequence[Job], many: Sequence[int], clock: Clock) -> list[float]:
+    """The seconds of a call of each job, called so many times."""
+    taken = []
+    for job, calls in zip(jobs, many, strict=True):
+        began = clock()
+        for _ in range(calls):
+            job()
+        taken.append((clock() - began) / calls)
+    return taken
 
 
-def kovalevskaya() -> None:
-    print("\nKovalevskaya top to t = 1000, 70 digits, s      closed form  integrator  ratio")
-    for name in ("generic", "type-e-ee", "type-ee-e", "irrational-centre"):
-        scene = polhode.load(f"kovalevskaya/{name}").at((Fraction(1000),))
-        seconds = []
-        for job in (
-            lambda s: polhode.reference(s).at([1000], 70),
-            lambda s: polhode.integrate(s, digits=70),
-        ):
-            began = time.perf_counter()
-            job(scene)
-            seconds.append(time.perf_counter() - began)
-        print(f"{name:45s}{seconds[0]:12.2f}{seconds[1]:12.2f}{seconds[1] / seconds[0]:7.1f}")
+def _median(times: Sequence[float], others: Sequence[float]) -> tuple[float, float, float]:
+    """The median ratio, and the order statistics that enclose it with a chance of 95 %."""
+    ratios = sorted(one / other for one, other in zip(times, others, strict=True))
+    reach = 0.98 * math.sqrt(len(ratios))
+    low, high = math.floor(len(ratios) / 2 - reach), math.ceil(len(ratios) / 2 + reach)
+    return statistics.median(ratios), ratios[max(low, 0)], ratios[min(high, len(ratios) - 1)]
 
 
-def start_up() -> None:
-    print("\nwhole process, warm, s (minimum of 9)")
-    run = [sys.executable, "-m", "polhode", "run", "euler/largest-axis", "--json"]
-    commands = {
-        "bare imports": [sys.executable, "-c", "import heyoka, numpy, mpmath"],
-        "polhode run, double": run,
-        "polhode run, extended": [*run, "--number", "extended"],
-        "polhode run, quad": [*run, "--number", "quad", "--at", "10"],
-        "polhode run, mp": [*run, "--number", "mp", "--at", "10"],
-    }
+class Group(NamedTuple):
+    """``module``: of measure.timings, which has the function; ``needs``: packages, by import."""
 
-    with tempfile.TemporaryDirectory() as cache:
-        # heyoka's cache of compiled code as it stands after a first run, not after thousands
-        environment = {**os.environ, "HEYOKA_CACHE_DIR": cache, "PYTHONPYCACHEPREFIX": cache}
-        environment.pop("PYTHONDONTWRITEBYTECODE", None)  # modules compiled, as when installed
+    module: str
+    about: str
+    needs: tuple[str, ...] = ()
 
-        def job(command: list[str]) -> Callable[[], float]:
-            def timed() -> float:
-                began = time.perf_counter()
-                subprocess.run(command, check=True, capture_output=True, env=environment)
-                return time.perf_counter() - began
 
-            return timed
+GROUPS = {
+    "runs": Group("runs", "runs over heyoka by hand, in every number type"),
+    "propagator": Group("runs", "a prepared propagator over heyoka by hand"),
+    "outputs": Group("runs", "events, attitude, angles, many output times over plain runs"),
+    "digits": Group("runs", "time for so many digits over CyRK's", ("CyRK", "numba")),
+    "sweeps": Group("sweeps", "sweeps over a loop of heyoka's scalar integrator"),
+    "scenes": Group("bodies", "scenes made and run again, bodies of a known pattern"),
+    "bodies": Group("bodies", "the first body of a process, the disk cache"),
+    "coefficients": Group("bodies", "a step with parameters over one with constants"),
+    "closed_forms": Group("references", "set-up and states of closed forms; over runs"),
+    "commands": Group("references", "whole commands over the bare imports"),
+    "frames": Group("frames", "a frame of an animated page, in a browser"),
+}
 
-        least = minimum([job(command) for command in commands.values()], 9)
-    for name, seconds in zip(commands, least, strict=True):
-        print(f"{name:30s}{seconds:8.3f}  {seconds / least[0]:.2f}")
+
+def lines(name: str, seconds: float) -> Iterator[Line]:
+    """What a group measures, as it comes."""
+    found: Iterator[Line] = getattr(import_module(f"measure.timings.{GROUPS[name].module}"), name)(
+        seconds
+    )
+    return found
+
+
+def missing(name: str) -> list[str]:
+    """The packages that a group needs and that are not installed."""
+    return [x for x in GROUPS[name].needs if importlib.util.find_spec(x) is None]
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Print the groups asked for; 2 where one is asked for that there is not, or that lacks."""
+    told = "\n".join(f"  {name:14s}{group.about}" for name, group in GROUPS.items())
+    parser = argparse.ArgumentParser(
+        description=f"Timings.  Groups:\n{told}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("groups", nargs="*", metavar="GROUP")
+    parser.add_argument("--seconds", type=float, default=1.0, help="of each job (1)")
+    given = parser.parse_args(arguments)
+    for name in given.groups:
+        if name not in GROUPS:
+            print(f"benchmark: {name}: expected one of {', '.join(GROUPS)}", file=sys.stderr)
+            return 2
+        if lacks := missing(name):
+            needed = f"benchmark: {name}: needs {', '.join(lacks)}, not installed: polhode[peers]"
+            print(needed, file=sys.stderr)
+            return 2
+    print(f"{'measure':58s} {'found':32s} wanted")
+    for name in given.groups or GROUPS:
+        if lacks := missing(name):
+            print(f"\n{name}: not measured without {', '.join(lacks)}")
+            continue
+        print(f"\n{name}: {GROUPS[name].about}")
+        for line in lines(name, given.seconds):
+            print(f"{line.measure:58s} {line.value!s:32s} {line.wanted}".rstrip(), flush=True)
+    return 0
 
 
 if __name__ == "__main__":
-    print(f"heyoka {hy.__version__}, numpy {np.__version__}")
-    integration()
-    closed_forms()
-    kovalevskaya()
-    start_up()
+    sys.path.insert(0, str(Path(__file__).parents[1]))
+    from measure import benchmark  # by the name that the groups import it by
+
+    raise SystemExit(benchmark.main(sys.argv[1:]))

@@ -10,13 +10,9 @@ import re
 import sys
 from pathlib import Path
 from textwrap import fill
-from typing import Any
 
 from polhode.studies import report
 from polhode.studies.long_run.page import far_table
-from polhode.studies.page.blocks import PageTable, markdown
-from polhode.studies.proofs import page as proofs_page
-from polhode.studies.speed.page import contest
 
 ROOT = Path(__file__).parents[2]
 WIDTH = 118
@@ -31,49 +27,21 @@ PLACES = {
 
 def parts() -> dict[str, str]:
     """The texts by their names."""
-    found = {
-        name: report.results(ROOT / "reports", name) for name in ("speed", "long-run", "proofs")
-    }
+    ahead = _paragraph("speed", "A polhode propagator is ahead")
+    far = far_table(report.results(ROOT / "reports", "long-run"))
     return {
-        "ahead": _ahead(found["speed"]),
-        "speed": _speed(found["speed"]),
-        "far": _far(found["long-run"]),
-        "proofs": _filled(proofs_page.finding(found["proofs"])),
+        "ahead": ahead,
+        "speed": f"{ahead}\n\n{_paragraph('speed', 'In quad a refined run takes')}",
+        "far": far._replace(again="").markdown,
+        "proofs": _paragraph("proofs", "tops are proved"),
     }
 
 
-def _ahead(found: Any) -> str:
-    """How polhode stands beside other programs, in a few sentences."""
-    return _filled(contest.short(found))
-
-
-def _table(made: PageTable) -> str:
-    return markdown("", [made._replace(again="")]).partition("\n\n")[2].strip()
-
-
-def _speed(found: Any) -> str:
-    """Who is ahead where, in sentences."""
-    told = contest.finding(found), _refined(found["refined"])
-    return "\n\n".join(map(_filled, told))
-
-
-def _refined(rows: Any) -> str:
-    """Refined runs in quad at their furthest on each motion."""
-    last = {row["motion"]: row for row in rows if row["bits"] == 113 and "," not in row["motion"]}
-    last |= {row["motion"]: row for row in rows if row["motion"] == "brick, w3 = 3"}
-    told = ", ".join(
-        f"1/{row['gain']:.0f} ({row['motion']}, t = {row['end']})" for row in last.values()
-    )
-    return f"In quad a refined run takes so much of the time of heyoka's own steps: {told}."
-
-
-def _filled(text: str) -> str:
-    return fill(text, WIDTH, break_long_words=False, break_on_hyphens=False)
-
-
-def _far(found: Any) -> str:
-    """The table of long runs."""
-    return _table(far_table(found))
+def _paragraph(study: str, words: str) -> str:
+    """The paragraph of a study's page that has these words."""
+    page = report.page(report.results(ROOT / "reports", study))
+    (found,) = [text for text in page.split("\n\n") if words in " ".join(text.split())]
+    return fill(" ".join(found.split()), WIDTH, break_long_words=False, break_on_hyphens=False)
 
 
 def put_in(text: str, path: Path) -> str:

@@ -1,5 +1,6 @@
 """Numbers larger than a text may say are refused at once, of whatever kind, at every door."""
 
+import sys
 import time
 from decimal import Decimal
 from fractions import Fraction
@@ -60,6 +61,16 @@ DOORS = {
 }
 
 
+@pytest.fixture(params=[0, 4300])
+def _limit_of_python(request):
+    """Python's own limit of digits, which a program may lift."""
+    before = sys.get_int_max_str_digits()
+    sys.set_int_max_str_digits(request.param)
+    yield
+    sys.set_int_max_str_digits(before)
+
+
+@pytest.mark.usefixtures("_limit_of_python")
 @pytest.mark.parametrize("door", DOORS)
 def test_a_number_that_is_too_large_is_refused_at_once(door):
     for kind, giant in GIANTS.items():

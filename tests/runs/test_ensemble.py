@@ -6,6 +6,7 @@ import os
 import signal
 import threading
 import warnings
+from collections.abc import Iterable
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from fractions import Fraction
 from multiprocessing import get_context
@@ -465,3 +466,9 @@ def test_ctrl_c_while_a_finished_member_is_put_away(monkeypatch):
     finished = [k for k, outcome in enumerate(many.outcomes) if outcome.done]
     assert finished
     assert np.isfinite(many.states[finished]).all()
+
+
+def test_iteration_gives_the_members():
+    many = polhode.integrate_many("lagrange/nutation", {"start.omega[3]": "2:4:3"}, at=[0, 1])
+    assert isinstance(many, Iterable)
+    assert list(many) == [many[0], many[1], many[2]]

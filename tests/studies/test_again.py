@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from polhode.studies import report
-from polhode.studies.page.blocks import PageTable, Text, markdown
+from polhode.studies.page.tables import PageTable
 from polhode.studies.row_filter import Only
 
 COMMITTED = Path(__file__).parents[2] / "reports"
@@ -35,12 +35,13 @@ def labels(name: str) -> list[tuple[str, ...]]:
 def commands(name: str) -> Iterator[tuple[str, str]]:
     """The commands of all rows of the committed page, and of its text, each with its place."""
     found = report.results(COMMITTED, name)
-    for block in report.blocks(found):
-        if isinstance(block, PageTable) and "read where" not in block.header:
-            assert block.again, block.header
-            yield from ((block.command(row), str(row[:2])) for row in block.rows)
-        elif isinstance(block, Text) and "PART OF ITS NAME" not in block.text:
-            yield from ((told, told) for told in re.findall(r"`(polhode study [^`]+)`", block.text))
+    module = import_module(f"polhode.studies.{name.replace('-', '_')}.page")
+    for place, table in module.tables(found).items():
+        assert table.again or place in ("elsewhere", "faults"), place
+        if table.again:
+            yield from ((table.command(row), str(row[:2])) for row in table.rows)
+    own = report.page(found).partition("## Provenance")[0]
+    yield from ((told, told) for told in re.findall(r"`(polhode study [^`]+)`", own))
 
 
 def finds(command: str, name: str, rows: list[tuple[str, ...]]) -> bool:
@@ -73,7 +74,6 @@ def test_a_command_that_finds_nothing_is_seen():
 
 def test_the_command_stands_below_the_table():
     table = PageTable(("case", "number"), (("`a/b`", "quad"), ("c/d", "mp")), "ll", "x {0} '{1}'")
-    assert "To make a row again, here the first: `x a/b 'quad'`" in markdown("t", [table])
-    assert "To make a row again: `x" in markdown("t", [table._replace(rows=table.rows[:1])])
-    assert "To make these rows again: `x`" in markdown("t", [table._replace(again="x")])
-    assert "again" not in markdown("t", [table._replace(rows=())])
+    assert "To make rows again, here the first: `x a/b 'quad'`" in table.markdown
+    assert "again" not in table._replace(again="").markdown
+    assert table._replace(rows=()).markdown == ""

@@ -14,15 +14,14 @@ import pytest
 import polhode
 from polhode.judging.conditioning.lyapunov import lyapunov
 from polhode.studies import report
-from polhode.studies.page.blocks import markdown
 from polhode.studies.row_filter import Only
 from polhode.studies.speed import cells, draws, figure, page, programs
 from polhode.studies.speed import rows as speed
 from polhode.studies.speed.draws import DRAWS, Cell
-from polhode.studies.speed.page import contest
 from polhode.studies.speed.programs import ENGINE, OURS, RUN
 
 PEER = "CyRK VERN8"
+PROVENANCE = {"command": "c", "key": "k", "seconds": 1, "versions": {}, "cpu": "x"}
 
 
 # the motions
@@ -183,31 +182,37 @@ def synthetic(factor: float) -> dict:
 
 
 @pytest.mark.parametrize("factor", [2.0, 0.5, 1.0])
-def test_sentences_follow_from_the_rows(factor):
+def test_what_the_page_counts_follows_from_the_rows(factor):
     found = synthetic(factor)
-    for text in (contest.finding(found), contest.short(found)):
-        won = sum(
-            level["verdict"]["stands"] == "ahead"
+    told = page.facts(found)
+    words = {2.0: "ahead", 0.5: "behind", 1.0: "even"}
+    for part, lengths in (("far", range(100, 10**6)), ("near", range(11))):
+        stands = [
+            level["verdict"]["stands"]
             for cell in found["cells"]
+            if cell["end"] in lengths
             for level in cell["levels"]
-        )
-        assert (won > 0) == (factor > 1)
-        assert ("Where it is behind" in text) == (factor < 1)
-        assert "ahead of every other program, heyoka itself apart," in text
-        assert " in 0 of" in text or factor > 1
-        assert "Not run: numbalsoda." in text
-    assert f"{PEER} 0.50" in contest.finding(found) or factor != 0.5
+        ]
+        assert stands
+        assert told[part]["compared"] == len(stands)
+        assert told[part][words[factor]] == len(stands)
+        assert sum(told[part][word] for word in page.WORDS) == len(stands)
+    assert (f"({PEER} 0.50)" in told["losses"]) == (factor == 0.5)
+    assert (told["losses"] == "–") == (factor != 0.5)
+    assert told["engine"].startswith("1.00 (at most 1.00) at t = 1")
 
 
 def test_page_and_figures_are_made_from_the_json_alone():
     found = synthetic(2.0)
-    text = markdown(page.TITLE, page.blocks(found))
+    text = report.page(found | {"provenance": PROVENANCE})
     assert "2 ahead" in text
     assert "no such package" in text
-    assert "x: failed so" in text
+    assert "| x | failed so |" in text
+    assert "who made the study: numbalsoda." in text
     assert figure.svgs(found)["lengths"].startswith("<?xml")
     found["cells"] = found["first"] = []
-    assert not contest.points(found)
+    assert page.facts(found)["far"]["compared"] == 0
+    assert "## Long runs" not in report.page(found | {"provenance": PROVENANCE})
 
 
 # the study
@@ -239,4 +244,4 @@ def test_a_small_contest_from_end_to_end():
                 ENGINE: 8,
             }
             assert level["verdict"]["stands"] == "alone"
-    assert "t=10 outputs=101" in markdown(page.TITLE, page.blocks(found))
+    assert "t=10 outputs=101" in page.tables(found)["short"].markdown

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterator
+from importlib import import_module
+from importlib.resources import files
 from pathlib import Path
+from string import Formatter
 
 import pytest
 
 from polhode.output.json_object import JsonObject
 from polhode.studies import report
 from polhode.studies.page import words
-from polhode.studies.page.blocks import PageTable, markdown
-from polhode.studies.page.columns import Column, at, at_times, table, yes
+from polhode.studies.page.tables import Column, PageTable, at, at_times, table, yes
+from polhode.studies.page.template import filled
 
 COMMITTED = Path(__file__).parents[2] / "reports"
 ROW = {"name": "a", "digits": 12.34, "seconds": {"run": 0.5}, "found": [1, 2], "gap": None}
@@ -90,23 +93,46 @@ def test_a_page_of_no_rows_and_of_one_row_of_each_kind_can_be_made(name, kept):
         for j, (place, key) in enumerate(rows_in(found)):
             if not (name == "stability" and key == "cases"):  # which its kinds name
                 place[key] = place[key][: kept * (j == k)]
-        assert report.page(found).startswith(f"# {report.title(name)}")
+        assert report.page(found).startswith(report.page(whole).partition("\n")[0])
 
 
-def test_columns_are_explained_by_their_headers_and_once_below():
+@pytest.mark.parametrize("name", report.STUDIES)
+def test_every_table_and_every_fact_stands_on_the_page_once(name):
+    """A name for each, and each in the template; a table and a fact of one name would hide it."""
+    found = report.results(COMMITTED, name)
+    module = import_module(f"polhode.studies.{name.replace('-', '_')}.page")
+    tables, facts = module.tables(found), module.facts(found)
+    template = (files(module.__package__) / "page.md").read_text(encoding="utf-8")
+    named = [field for _, field, _, _ in Formatter().parse(template) if field is not None]
+    assert not {*tables} & {*facts}
+    assert sorted(field for field in named if field in tables) == sorted(tables)
+    assert {field.partition("[")[0] for field in named} == {*tables, *facts, "question"}
+
+
+def test_a_part_without_rows_is_left_out_under_its_heading():
+    template = "# A\n\n{n} of it\n\n## B\n\nwords\n\n{b}\n\n{c}\n\n### C\n\nmore {n}\n\n{c}\n"
+    whole = PageTable(("x",), (("1",),), "l")
+    none = whole._replace(rows=())
+    text = filled(template, {"b": whole, "c": none}, {"n": 2})
+    assert text == "# A\n\n2 of it\n\n## B\n\nwords\n\n| x |\n|---|\n| 1 |\n"
+    assert filled(template, {"b": none, "c": none}, {"n": 2}) == "# A\n\n2 of it\n"
+
+
+def test_columns_are_explained_by_their_headers():
     meaning = "as `much` < *that*"
     made = PageTable(("p", "q", "r"), (("1", "2", "3"),), "rrr", meanings=(meaning, meaning, ""))
-    assert markdown("t", [made, made]).count(f"Columns: *p, q*: {meaning}.\n") == 1
-    assert "Columns" not in markdown("t", [made._replace(meanings=())])
+    assert made.markdown.endswith(f"\n\nColumns: *p, q*: {meaning}.")
+    assert "Columns" not in made._replace(meanings=()).markdown
+    assert "| a\\|b |" in PageTable(("p",), (("a|b",),), "l").markdown
 
 
 @pytest.mark.parametrize("name", report.STUDIES)
 def test_what_is_explained_of_a_study_can_stand_in_one_line(name):
     found = report.results(COMMITTED, name)
-    assert found is not None
-    tables = [block for block in report.blocks(found) if isinstance(block, PageTable)]
-    explained = {line for made in tables for line in made.explained}
+    module = import_module(f"polhode.studies.{name.replace('-', '_')}.page")
+    tables = module.tables(found).values()
+    explained = {meaning for made in tables for meaning in made.meanings if meaning}
     assert explained
-    assert not [line for line in explained if ";" in line[1] or line[1].endswith(".")]
+    assert not [line for line in explained if ";" in line or line.endswith(".")]
     for made in tables:  # two columns of one name tell a reader nothing
         assert len({*made.header}) == len(made.header)

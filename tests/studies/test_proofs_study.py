@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from polhode.studies import report
-from polhode.studies.page.blocks import PageTable, markdown
 from polhode.studies.proofs import figure, page, rows
 
 COMMITTED = Path(__file__).parents[2] / "reports"
@@ -38,22 +37,25 @@ def test_what_is_committed_is_what_was_asked(found):
         assert inside.get(row["kind"], row["residue"] > 1)
 
 
-def test_the_sentence_counts_the_rows(found):
+def test_what_the_page_counts_follows_from_the_rows(found):
     orbits = [row for one in found["orbits"] for row in one["orbits"]]
-    told = page.finding(found)
-    assert f"{sum(row['proved'] for row in orbits)} of {len(orbits)} periodic orbits" in told
+    told = page.facts(found)
+    assert told["proved"] == f"{sum(row['proved'] for row in orbits)} of {len(orbits)}"
     orbits[0]["proved"] = False
     orbits[0]["cause"] = "a reason"
-    assert page.finding(found) != told
-    assert report.finding({**found, "orbits": [], "chaos": []}) == rows.QUESTION
+    assert page.facts(found)["proved"] == f"{sum(row['proved'] for row in orbits)} of {len(orbits)}"
+    assert page.facts({**found, "orbits": [], "chaos": []})["seconds"] == "–"
 
 
 def test_page_and_figure_are_made_of_the_rows_alone(found):
-    blocks = [*page.blocks(found)]
-    assert sum(isinstance(block, PageTable) for block in blocks) >= 2
-    text = markdown(page.TITLE, blocks)
+    text = report.page(found)
     for what in (*rows.ORBITS, *rows.CHAOS):
         assert what in text
+    for row in found["chaos"]:
+        row.pop("drawn", None)
+    assert "manifolds.svg" not in report.page(found)
+    assert [*figure.svgs(found)] == ["proofs"]
+    found = report.results(COMMITTED, "proofs")
     drawn = figure.svgs(found)
     assert [*drawn] == ["proofs", "manifolds"]
     assert all(text.startswith("<?xml") for text in drawn.values())

@@ -16,7 +16,6 @@ from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.scenes import library
 from polhode.studies import report
 from polhode.studies.accuracy import rows as accuracy
-from polhode.studies.page.blocks import PageTable
 from polhode.studies.stability import hard_cases, limits, page, rows, symmetries
 
 
@@ -147,9 +146,9 @@ def test_the_list_of_runs_that_stay_behind_is_computed():
         "kinds": [{"kind": "k", "cases": ["a/b"]}],
         "cases": [case | {"runs": runs}],
     }
-    tables = [block for block in page.blocks(found) if isinstance(block, PageTable)]
-    assert [row[:2] for row in tables[0].rows] == [("a/b", "double")]
-    assert tables[0].rows[0][-1] == "method (rounding)"
+    late = page.tables(found)["behind"]
+    assert [row[:2] for row in late.rows] == [("a/b", "double")]
+    assert late.rows[0][-1] == "method (rounding)"
 
 
 def test_the_committed_study_names_the_reason_of_every_run_that_stays_behind():

@@ -44,7 +44,7 @@ def write_benchmark(
         certificate = json.dumps(values.certificate()) + "\n"
         written += _save(folder, {f"{top.name}.csv": values.csv, _proof(top): certificate})
     if len(found) == len(TOPS):
-        texts = {name: (_HERE / name).read_text() for name in CHECKERS}
+        texts = {name: (_HERE / name).read_text(encoding="utf-8") for name in CHECKERS}
         written += _save(folder, texts | {DATA: data(found), PAGE: page()})
     return written
 
@@ -91,7 +91,7 @@ def data(found: dict[str, CertifiedValues]) -> str:
 def _written(case: str) -> dict[str, object]:
     """Body and start as the scene's file has them, numbers as texts."""
     path = library.folder() / f"{case}.toml"
-    told = tomllib.loads(path.read_text(), parse_float=str)
+    told = tomllib.loads(path.read_text(encoding="utf-8"), parse_float=str)
     return {part: told[part] for part in ("body", "start")}
 
 
@@ -117,7 +117,7 @@ def page() -> str:
         f"| [{top.name}]({top.name}.csv) | {top.about} | {top.times[-1]} | [proof]({_proof(top)}) |"
         for top in TOPS
     ]
-    text = (_HERE / "page.md").read_text()
+    text = (_HERE / "page.md").read_text(encoding="utf-8")
     return text.format(
         version=VERSION,
         count=len(TOPS),

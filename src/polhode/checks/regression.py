@@ -24,6 +24,9 @@ from polhode.runs.solve import solve
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 
+SPREAD = 1.0  # digits by which a run of another machine or version may have more or fewer
+#: The number types for which bands are proposed.
+PROPOSED = ("double", "extended", "quad")
 TICK = Callable[[str], None]
 
 
@@ -51,6 +54,13 @@ class Line:
         return "" if self.judgement is None else self.judgement.lost
 
     @property
+    def proposal(self) -> tuple[float, float] | None:
+        """A band about the digits of this run, to be pasted; None where there are none."""
+        if self.judgement is None or self.lost:
+            return None
+        return max(0.0, round(self.digits - SPREAD, 1)), round(self.digits + SPREAD, 1)
+
+    @property
     def limit(self) -> str:
         """What limits the digits; empty where there are none."""
         return "" if self.judgement is None else self.judgement.limit
@@ -76,6 +86,12 @@ class Report:
     reference: str
     lines: tuple[Line, ...]
     figures: tuple[PrintedFigure, ...]
+
+    @property
+    def proposal(self) -> dict[str, tuple[float, float]]:
+        """Bands by number type, of the runs that have digits left."""
+        found = {line.number: line.proposal for line in self.lines}
+        return {number: band for number, band in found.items() if band is not None}
 
     @property
     def passed(self) -> bool | None:

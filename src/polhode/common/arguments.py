@@ -66,17 +66,26 @@ def each(
     return tuple(found)
 
 
-#: What other programs call an argument, and what it is called here.
+#: What other programs call an argument or an option, and what it is called here.
 _ELSEWHERE = {
     "tol": ("rtol", "atol", "tolerance", "eps", "epsabs", "epsrel"),
     "at": ("t_eval", "t_span", "t", "times", "ts", "tspan", "saveat"),
+    "end": ("t_end", "tmax", "t_max", "until", "duration"),
+    "every": ("dt", "step", "interval"),
     "max_steps": ("nsteps", "n_steps", "mxstep", "maxiter", "steps"),
     "digits": ("dps", "precision"),
     "number": ("dtype", "type", "number_type", "prec"),
     "method": ("solver", "integrator"),
-    "workers": ("n_jobs", "processes", "nworkers", "parallel"),
+    "workers": ("n_jobs", "jobs", "processes", "nworkers", "threads", "parallel"),
     "against": ("scene", "reference", "ref"),
+    "o": ("out", "output", "output_file", "file", "save"),
 }
+
+
+def called_here(name: str, known: Iterable[str]) -> str | None:
+    """The one of the known names that says what a name of other programs does; None without."""
+    here = (key for key, names in _ELSEWHERE.items() if name in names)
+    return next((key for key in here if key in known), None)
 
 
 def refuse_unknown(
@@ -93,10 +102,10 @@ def refuse_unknown(
         import inspect
 
         known = [key for key in inspect.signature(function).parameters if key != "unknown"]
-        here = [key for key, names in _ELSEWHERE.items() if name in names and key in known]
+        here = called_here(name, known)
         expected = f"an argument: {listed(name, known)}"
-        if here:
-            expected = f"{here[0]}, as it is called here"
+        if here is not None:
+            expected = f"{here}, as it is called here"
         raise BadInput(source, name, plain(value), meant.get(name, expected))
 
 

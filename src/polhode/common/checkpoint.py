@@ -81,6 +81,7 @@ class Checkpoint:
         except BadInput:
             if not self.pieces():
                 self.remove()
+            self.release()
             raise
 
     def pieces(self) -> list[Path]:
@@ -121,7 +122,7 @@ class Checkpoint:
 
     def _check(self) -> None:
         try:
-            found = json.loads((self.folder / MANIFEST).read_text())
+            found = json.loads((self.folder / MANIFEST).read_text(encoding="utf-8"))
         except (OSError, *UNREADABLE):
             if self.folder.is_dir() and not any(self.folder.iterdir()):
                 return
@@ -144,6 +145,7 @@ class Checkpoint:
         try:
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
+            self.release()
             expected = f"no other {self._words[1]} running in this folder"
             raise BadInput(str(self.folder), "parts", None, expected) from None
 
@@ -151,11 +153,19 @@ class Checkpoint:
 class JobCheckpoint(Checkpoint):
     """The finished jobs of a command in ``folder``: ``job-00000.npz`` and so on, one's arrays each.
 
-    ``what``: the verb.  ``key``: all that decides the results."""
+    ``what``: the verb.  ``key``: all that decides the results; arrays count by their bytes."""
 
-    def __init__(self, folder: Path, what: str, key: str) -> None:
-        digest = hashlib.sha256(key.encode()).hexdigest()
+    def __init__(self, folder: Path, what: str, *key: object) -> None:
+        import numpy as np
+
+        told = [x.tobytes() if isinstance(x, np.ndarray) else x for x in key]
+        digest = hashlib.sha256(repr(told).encode()).hexdigest()
         super().__init__(folder, {"jobs of": f"polhode {what}", "key": digest}, ("jobs", "command"))
+
+    @classmethod
+    def at(cls, folder: Path | None, what: str, *key: object) -> Self | None:
+        """That of a folder, if there is one."""
+        return None if folder is None else cls(folder, what, *key)
 
     def load(self, job: int) -> Arrays | None:
         """A finished job's arrays; None where it is not there, or cannot be read."""

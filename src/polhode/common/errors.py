@@ -1,6 +1,17 @@
-"""What goes wrong by the user's hand, said in one line."""
+"""What goes wrong by the user's hand, said in one line; and what is said of input that is taken."""
 
 from __future__ import annotations
+
+import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from fractions import Fraction
+
+from polhode.common.text_tables import printable
+
+_LONG = "a number of thousands of digits"
+_MOST_BITS = 14_000  # of an integer that is printed, some 4200 digits
 
 #: What reading JSON or TOML raises for text that is none, or nested too deeply.
 UNREADABLE = (ValueError, RecursionError)
@@ -41,9 +52,9 @@ class BadInput(ValueError):
     def __init__(self, source: str, key: str, value: object, expected: str) -> None:
         source = source.given if isinstance(source, FileName) else source
         self.source, self.key, self.value, self.expected = source, key, value, expected
-        shown = "" if value is None else f" = {_short(value)}"
-        where = f"{_short(source, 200)}: {_short(key, 80)}"
-        super().__init__(f"{where}{shown}: expected {_short(expected, 600)}")
+        shown = "" if value is None else f" = {short(value)}"
+        where = f"{short(source, 200)}: {short(key, 80)}"
+        super().__init__(f"{where}{shown}: expected {short(expected, 600)}")
 
     def __reduce__(self) -> tuple[type, tuple[str, str, object, str]]:
         return type(self), (self.source, self.key, self.value, self.expected)
@@ -77,7 +88,8 @@ def _meant(word: object, known: list[str]) -> str:
     return f" (did you mean {close[0]!r}?)" if close else ""
 
 
-def _short(value: object, limit: int = 60) -> str:
+def short(value: object, limit: int = 60) -> str:
+    """A value on one line, printable and cut at so many characters."""
     text = value if isinstance(value, str) else plain(value)
     line = " ".join(text.split())
     line = "".join(c if c.isprintable() else "?" for c in line)
@@ -85,8 +97,66 @@ def _short(value: object, limit: int = 60) -> str:
 
 
 def plain(value: object) -> str:
-    """``str(value)``, also of an integer that Python refuses to print."""
+    """``str(value)``, also of an integer that Python refuses to print, or would for minutes."""
     try:
-        return str(value)
+        return _LONG if _too_long(value) else str(value)
     except ValueError:  # an integer too long for Python to print
-        return "a number of thousands of digits"
+        return _LONG
+
+
+def _too_long(value: object) -> bool:
+    """Whether an integer of thousands of digits is in a value, whatever Python's limit is."""
+    if isinstance(value, (int, Fraction)):
+        return max(value.numerator.bit_length(), value.denominator.bit_length()) > _MOST_BITS
+    return isinstance(value, (list, tuple)) and any(map(_too_long, value[:100]))
+
+
+# -- input that is taken --------------------------------------------------------------------------
+
+_changes_said: set[str] = set()
+_in_verb = [False]
+
+
+class DoubtfulInput(UserWarning):
+    """Input that is possible, and hardly meant."""
+
+
+@contextmanager
+def in_verb() -> Iterator[None]:
+    """While a verb runs: doubts are lines on stderr, and changes are said anew."""
+    before = _in_verb[0]
+    _in_verb[0] = True
+    _changes_said.clear()
+    try:
+        yield
+    finally:
+        _in_verb[0] = before
+
+
+def say_change(source: str, text: str) -> None:
+    """Say on stderr that input was changed which rounding alone kept from being possible.
+
+    Once in a process, and never as a warning, which may be an error to its caller.  ``text`` has
+    its amount in brackets, which makes it no other change.
+    """
+    kind = f"{source}: {text.partition(' (')[0]}"
+    if kind not in _changes_said:
+        _changes_said.add(kind)
+        _print(f"{source}: {text}")
+
+
+def say_doubt(source: str, text: str) -> None:
+    """Say of input that it is possible, and hardly meant: a warning; of a verb a line on stderr."""
+    if _in_verb[0]:
+        _print(f"{source}: {text}")
+    else:
+        warnings.warn(f"{source}: {text}", DoubtfulInput, stacklevel=4)
+
+
+def _print(line: str) -> None:
+    if sys.stderr is None:
+        return
+    try:
+        print(printable(line), file=sys.stderr)
+    except (OSError, ValueError):  # closed: nobody could be told
+        return

@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput, FileName, StdoutFault
-from polhode.common.interrupts import delayed
+from polhode.common.interrupts import Delay
 
 if TYPE_CHECKING:
     import numpy as np
@@ -106,7 +106,7 @@ def write_whole(texts: Mapping[Path, str | bytes]) -> None:
     if any(map(is_stream, texts)):  # whose reader may let us wait for ever
         _write_whole(texts)
         return
-    with delayed():
+    with Delay():
         _write_whole(texts)
 
 
@@ -175,7 +175,7 @@ def read_npz(
         raise ValueError(f"no complete NPZ file: {fault}") from None
 
 
-def _array(packed: zipfile.ZipFile, part: zipfile.ZipInfo, texts: int) -> Any:
+def _array(packed: zipfile.ZipFile, part: zipfile.ZipInfo, texts: int) -> npt.NDArray[np.generic]:
     import numpy as np
 
     with packed.open(part) as file:
@@ -185,10 +185,11 @@ def _array(packed: zipfile.ZipFile, part: zipfile.ZipInfo, texts: int) -> Any:
     if dtype.kind in "US" and count > texts:
         raise ValueError(f"{part.filename}: {count} texts")
     with packed.open(part) as file:
-        return np.lib.format.read_array(file, allow_pickle=False)
+        found: npt.NDArray[np.generic] = np.lib.format.read_array(file, allow_pickle=False)
+    return found
 
 
-def npy_header(file: IO[bytes]) -> tuple[np.dtype[Any], int, int]:
+def npy_header(file: IO[bytes]) -> tuple[np.dtype[np.generic], int, int]:
     """Of an array in NumPy's format: the type, how many elements, and where they begin."""
     import numpy as np
 

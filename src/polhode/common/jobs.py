@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
+from contextlib import nullcontext
+from typing import TYPE_CHECKING, Generic, NamedTuple, Protocol, TypeVar
 
 from polhode.common import executors
 from polhode.common.checkpoint import Arrays, JobCheckpoint
 from polhode.common.progress import Progress, Stop
 
 if TYPE_CHECKING:
+    import numpy as np
     import numpy.typing as npt
 
 J = TypeVar("J")
@@ -27,6 +29,26 @@ class Solver(Protocol[J_contra, T_co]):
         ...
 
 
+class Finished(NamedTuple, Generic[T]):
+    """``results``: of each job, None where Ctrl-C came first; ``sizes``: orbits of each job."""
+
+    results: list[T | None]
+    sizes: Sequence[int]
+    interrupted: bool
+
+    @property
+    def done(self) -> list[T]:
+        """The results there are."""
+        return [result for result in self.results if result is not None]
+
+    @property
+    def rows(self) -> npt.NDArray[np.bool_]:
+        """Which orbits, of those of all jobs one after the other, are done."""
+        import numpy as np
+
+        return np.repeat([result is not None for result in self.results], self.sizes)
+
+
 def carried_out(
     solve: Solver[J, T],
     jobs: Sequence[J],
@@ -38,13 +60,13 @@ def carried_out(
     unpacked: Callable[[Arrays], T] | None = None,
     progress: Progress | None = None,
     processes: bool = False,
-) -> tuple[list[T | None], bool]:
-    """The result of each job, None where Ctrl-C came first; and whether it did.
+) -> Finished[T]:
+    """The results of jobs, as far as they came before Ctrl-C; KeyboardInterrupt where none did.
 
     ``solve``: of a job and a function that says whether to stop.  ``sizes``: orbits of each job.
     ``count``: threads, or processes of our own where ``processes``: for jobs that hold the lock
     that Python's threads share; one of those is this process itself.  ``packed``, ``unpacked``: a
-    result as arrays, and back, for ``kept``.
+    result as arrays, and back, for ``kept``, which other processes may then take.
     """
     found: list[T | None] = [None] * len(jobs)
     done = 0
@@ -55,13 +77,6 @@ def carried_out(
         if progress is not None:
             progress(done / max(1, sum(sizes)), done)
 
-    for k in range(len(jobs)):
-        held = None if kept is None or unpacked is None else kept.load(k)
-        if held is not None and unpacked is not None:
-            found[k] = unpacked(held)
-            told(sizes[k])
-    left = [k for k in range(len(jobs)) if found[k] is None]
-
     def ready(at: int, result: T) -> None:
         k = left[at]
         found[k] = result
@@ -69,21 +84,29 @@ def carried_out(
             kept.save(k, packed(result))
         told(sizes[k])
 
-    waiting = [jobs[k] for k in left]
-    if executor is not None:
-        finished, lost = executors.elsewhere(solve, waiting, ready, executor)
-        for at in lost:
-            ready(at, solve(waiting[at]))
-        return found, not finished
-    if processes:
-        try:
-            for at, result in enumerate(executors.in_order(solve, waiting, count or 1)):
-                ready(at, result)
-        except KeyboardInterrupt:
-            return found, True
-        return found, False
-    whole = executors.here(_Whole(solve), waiting, _only_whole(ready), count)
-    return found, not whole
+    whole = True
+    with kept or nullcontext():
+        for k in range(len(jobs)):
+            if kept is not None and unpacked is not None and (held := kept.load(k)) is not None:
+                found[k] = unpacked(held)
+                told(sizes[k])
+        left = [k for k in range(len(jobs)) if found[k] is None]
+        waiting = [jobs[k] for k in left]
+        if executor is not None:
+            whole, lost = executors.elsewhere(solve, waiting, ready, executor)
+            for at in lost:
+                ready(at, solve(waiting[at]))
+        elif processes:
+            try:
+                for at, result in enumerate(executors.in_order(solve, waiting, count or 1)):
+                    ready(at, result)
+            except KeyboardInterrupt:
+                whole = False
+        else:
+            whole = executors.here(_Whole(solve), waiting, _only_whole(ready), count)
+    if not whole and all(result is None for result in found):
+        raise KeyboardInterrupt
+    return Finished(found, sizes, not whole)
 
 
 class _Whole(Generic[J, T]):

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from polhode.common.errors import BadInput
 from polhode.common.provenance import __version__
 from polhode.common.text_tables import printable
 from polhode.figures.canvas.curve_sampling import Samples
@@ -30,6 +31,8 @@ from polhode.scenes.classification import LAGRANGE, SPHERE, kind_of_body
 _PARTS = Path(__file__).parent / "page"
 TURN_SECONDS = 2.5  # that a turn at the fastest rate takes on the screen
 MOST_SECONDS = 60.0  # that the whole motion takes at most
+#: The page holds rates in single precision, and computes in double with products of the others.
+FASTEST, LARGEST = 1e37, 1e150
 #: The page's scripts, in the order in which they build on each other.
 SCRIPTS = ("webgl", "solids", "motion", "views", "curves", "controls")
 BLUE, ORANGE, GREEN = "#0072b2", "#d55e00", "#009e73"
@@ -115,6 +118,10 @@ def _data(found: Motion, words: str) -> dict[str, Any]:
     inertia = np.array([[to_double(x) for x in row] for row in body.inertia])
     moments = [to_double(x) for x in body.moments]
     weight = [to_double(x) for x in body.torque]
+    held = [1 / x if x else math.inf for x in moments] + [*moments, *map(abs, weight)]
+    if fastest > FASTEST or max(held) > LARGEST:
+        expected = f"rates up to {FASTEST:g}, moments and weight within {LARGEST:g}, for a page"
+        raise BadInput(scene.name, "body", None, expected)
     free = not _heavy(found)
     first = int(np.argmin(np.abs(found.times))) if begin <= 0 <= end else 0
     return {

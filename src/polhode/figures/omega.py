@@ -17,5 +17,6 @@ def draw(plt: Any, found: Samples, axes: Any = None) -> Any:
     names = [name for name in STATE[:3] if name in found.columns]
     shown = {name: found.columns[name] for name in names}
     if len(names) == 3:
-        shown["|ω|"] = np.linalg.norm(found.vectors(STATE[:3]), axis=1)
+        p, q, r = found.vectors(STATE[:3]).T
+        shown["|ω|"] = np.hypot(np.hypot(p, q), r)
     return curves.draw(plt, found, shown, f"ω in the body ({rate_unit(found.scene)})", axes)

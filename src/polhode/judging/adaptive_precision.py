@@ -166,8 +166,8 @@ def integrate(
     """
     refuse_unknown("integrate", integrate, unknown)
     if isinstance(progress, bool):
-        given = locals().items()
-        asked = {key: value for key, value in given if key not in ("progress", "unknown")}
+        asked_for = locals().items()
+        asked = {k: value for k, value in asked_for if k not in ("progress", "unknown")}
         if not progress:
             return integrate(**asked)
         with bar(library.load(scene).name) as tell:

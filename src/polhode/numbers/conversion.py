@@ -130,7 +130,7 @@ def derived_number(value: object) -> Exact:
         if max(value.numerator.bit_length(), value.denominator.bit_length()) > MOST_BITS:
             raise ExpressionError(TOO_LARGE)
         return value
-    if getattr(value, "ndim", None) == 0:
+    if getattr(value, "ndim", None) == 0 and not isinstance(value, (str, bytes)):
         value = value[()]  # type: ignore[index]  # of an array of no dimension
     if isinstance(value, exact.Irrational):
         return value
@@ -145,14 +145,15 @@ def derived_number(value: object) -> Exact:
     return exactly(value)
 
 
-def _too_large(value: Any) -> bool:
+def _too_large(value: object) -> bool:
     """Whether a number has too many bits, found without making it exact."""
-    if hasattr(value, "_mpf_"):
-        _, mantissa, exponent, bits = value._mpf_
+    if (raw := getattr(value, "_mpf_", None)) is not None:
+        _, mantissa, exponent, bits = raw
         return mantissa != 0 and not -MOST_BITS < exponent <= exponent + bits <= MAX_BITS
-    if hasattr(value, "__index__") and getattr(value, "ndim", 0) == 0:
-        return index(value).bit_length() > MAX_BITS
-    return False  # numpy's, none of which is as large
+    try:
+        return index(value).bit_length() > MAX_BITS  # type: ignore[arg-type]  # if it is whole
+    except TypeError:
+        return False  # numpy's, none of which is as large; or no number
 
 
 def _bits(top: int, bottom: int) -> int:

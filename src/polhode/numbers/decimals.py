@@ -85,6 +85,11 @@ def brief(x: Number, digits: int = 6) -> str:
     return decimal_string(near, digits)
 
 
+def significant(x: float, digits: int) -> float:
+    """x to so many significant digits: for rows that are kept in files."""
+    return float(f"{x:.{digits}g}")
+
+
 def decimal_in_full(x: Fraction) -> str:
     """All digits of a binary number (its denominator is a power of two)."""
     places = x.denominator.bit_length() - 1

@@ -220,9 +220,7 @@ def _events(
         if not set(signs) <= {-1, 0, 1} or grazing != [sign == 0 for sign in signs]:
             raise ValueError("signs of events: expected -1, 1, and 0 where they graze")
         complete = _told(told, "complete", bool)
-        found.append(
-            EventTimes(told["name"], times, states, signs, uncertainty, depths, complete)
-        )
+        found.append(EventTimes(told["name"], times, states, signs, uncertainty, depths, complete))
     return tuple(found)
 
 

@@ -304,7 +304,12 @@ def of_judgement(judged: Judgement) -> JsonObject:
     }
     if judged.readings:
         answer["read_as"] = [
-            {"part": r.part, "convention": r.convention, "digits": round(r.digits, 1)}
+            {
+                "part": r.part,
+                "convention": r.convention,
+                "digits": round(r.digits, 1),
+                "rows": [{"t": in_full(t), "digits": round(d, 1)} for t, d in r.rows],
+            }
             for r in judged.readings
         ]
     if judged.causes:

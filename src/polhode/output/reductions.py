@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from polhode.common.files import is_stream, npz, write_whole
-from polhode.common.interrupts import delayed
+from polhode.common.interrupts import Delay
 from polhode.motion.outcomes import OUTCOMES
 from polhode.numbers.decimals import shown, strings
 from polhode.output import csv_tables, json_results
@@ -65,7 +65,7 @@ def write(path: Path, found: Reductions) -> None:
     if is_stream(path):
         _write(path, found)
         return
-    with delayed():  # Ctrl-C waits for it
+    with Delay():  # Ctrl-C waits for it
         _write(path, found)
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from polhode.common.files import check_writable, is_stream, npz, write_whole
-from polhode.common.interrupts import delayed
+from polhode.common.interrupts import Delay
 from polhode.equations.integrals import Drift
 from polhode.motion.outcomes import OUTCOMES
 from polhode.numbers import decimals
@@ -78,7 +78,7 @@ def write(path: Path, found: Ensemble) -> None:
     if is_stream(path):
         _write(path, found)
         return
-    with delayed():
+    with Delay():
         _write(path, found)
 
 

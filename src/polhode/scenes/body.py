@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import InitVar, dataclass, field
 from fractions import Fraction
-from typing import Any
+from typing import cast
 
 from polhode.common.arguments import each, of_kind
 from polhode.common.cached_property import cached_property
@@ -20,8 +20,8 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import derived_number, exact_number
 from polhode.numbers.decimals import brief
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
-from polhode.numbers.scalars import AnyNumber, AnyVector
-from polhode.scenes.rounding import are_rounded, asymmetry, excess, flattened, symmetrised
+from polhode.numbers.rounding import are_rounded, asymmetry, excess, flattened, symmetrised
+from polhode.numbers.scalars import AnyNumber, AnyVector, numbers_given
 from polhode.scenes.shapes import Part, carried, together
 
 Vector = tuple[Exact, Exact, Exact]
@@ -38,9 +38,10 @@ MATRIX = (
 PRODUCTS = "off the diagonal stand minus the products of inertia"
 
 
-def _listed(row: object) -> Any:
+def _listed(row: object) -> list[object]:
     """A row for looking at it twice; what is none is refused where it is read."""
-    return [*row] if isinstance(row, Iterable) and not isinstance(row, str) else row
+    items, several = numbers_given(row)
+    return items if several else cast(list[object], row)
 
 
 def exact_vector(values: object, source: str = "Body", key: str = "vector") -> Vector:

@@ -9,6 +9,7 @@ from polhode.common.errors import BadInput
 from polhode.numbers import exact
 from polhode.numbers.decimals import brief
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
+from polhode.numbers.rounding import is_unit_but_for_rounding
 from polhode.scenes.body import (
     MATRIX,
     Body,
@@ -20,7 +21,6 @@ from polhode.scenes.body import (
 )
 from polhode.scenes.given_numbers import in_units
 from polhode.scenes.level_start import omega_on_level
-from polhode.scenes.rounding import is_unit_but_for_rounding
 from polhode.scenes.shapes import Part, carried
 from polhode.scenes.validation import Reading, as_written, is_expression
 from polhode.scenes.vocabulary import CENTRE, FIXED_POINT, SIGNS

@@ -17,6 +17,10 @@ def folder() -> Path:
     return inside if inside.is_dir() else Path(__file__).parents[3] / "cases"
 
 
+#: Endings of files that are tables.
+_TABLES = (".csv", ".npz", ".npy", ".parquet")
+
+
 def names() -> list[str]:
     """The names of all cases that ship, such as ``euler/separatrix``, sorted."""
     top = folder()
@@ -73,9 +77,21 @@ def load(scene: Scene | str | Path) -> Scene:
     return found
 
 
+def _expected(given: object) -> str:
+    """What is loaded; of a result, what of it may have been meant."""
+    meant = ""
+    if callable(getattr(given, "orbit", None)):  # a family of orbits, or a search for them
+        meant = "; its orbit k is .orbit(k)"
+    elif hasattr(given, "residue") and hasattr(given, "state"):
+        meant = "; the orbit of point k of a family or a search is family.orbit(k)"
+    elif isinstance(getattr(given, "scene", None), Scene):
+        meant = "; did you mean its .scene?"
+    return f"a Scene, a path, or the name of a case{meant}"
+
+
 def place(scene: str | Path) -> tuple[Path, str | None]:
     """The file of a scene, and its name where it is a case that ships; raises BadInput."""
-    of_kind("load", "scene", scene, (str, Path), "a Scene, a path, or the name of a case")
+    of_kind("load", "scene", scene, (str, Path), _expected(scene))
     name = str(scene)
     if ships(name):
         return folder() / f"{name}.toml", name
@@ -84,8 +100,13 @@ def place(scene: str | Path) -> tuple[Path, str | None]:
     except (OSError, ValueError):
         exists = False
     if not exists or not name:
-        known = nearest(name, names())
+        known = nearest(name.removesuffix(".toml"), names())
+        if name and Path(f"{name}.toml").is_file():
+            known = f"did you mean the file {name}.toml?"
         raise BadInput(name or "''", "SCENE", None, f"a path, or the name of a case: {known}")
+    if Path(scene).suffix.lower() in _TABLES:
+        expected = "a scene file (.toml): this is a table, as for polhode compare FILE SCENE"
+        raise BadInput(name, "SCENE", None, expected)
     return Path(scene), None
 
 

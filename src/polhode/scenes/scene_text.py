@@ -196,7 +196,7 @@ class _Value:
 
     def exactly(self, value: object) -> Fraction:
         try:
-            x = exact_number(value.item() if getattr(value, "ndim", None) == 0 else value)
+            x = exact_number(value)
         except ValueError as fault:
             raise BadInput(self.name, self.key, plain(value), f"a number ({fault})") from None
         if isinstance(x, Irrational):

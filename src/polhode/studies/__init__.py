@@ -1,1 +1,1 @@
-"""Studies: one folder a study (rows, page, figure), and the report made of all of them."""
+"""Studies: one folder for each (rows, page, figure), and the report made of all of them."""

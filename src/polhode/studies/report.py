@@ -1,8 +1,9 @@
 """Reports: each study's results as JSON, from which alone its figures and its page are made.
 
 A study is a folder beside this file: ``rows.py`` has NAME, QUESTION and ``rows(quick, tick,
-only)``, the JSON object, or some of its rows; ``page.py`` TITLE and ``blocks(found)``;
-``figure.py`` ``svg(found)``, one figure with the study's name, or ``svgs(found)``, several by name.
+only)``, the JSON object, or some of its rows; ``page.md``, the page as a template, and ``page.py``
+``tables(found)`` and ``facts(found)``, what stands in its fields; ``figure.py`` ``svg(found)``, one
+figure with the study's name, or ``svgs(found)``, several by name.
 Where ``rows.py`` tells its own ``versions()``, they belong to its provenance.
 """
 
@@ -14,6 +15,7 @@ import shlex
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from importlib import import_module
+from importlib.resources import files
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -23,12 +25,12 @@ from polhode.common.files import check_writable, make_folder, write_whole
 from polhode.common.progress import Message
 from polhode.common.provenance import cpu, digest, versions
 from polhode.figures.canvas import canvas
-from polhode.output.json_object import JsonObject
 from polhode.output.json_results import as_json
 from polhode.scenes import library
-from polhode.studies.page.blocks import Block, Figure, Heading, PageTable, Text, markdown
 from polhode.studies.page.html import html
 from polhode.studies.page.html import require as require_markdown
+from polhode.studies.page.tables import PageTable
+from polhode.studies.page.template import filled
 from polhode.studies.row_filter import Only
 
 #: The studies in the order of the report; each is a folder of that name, with _ for -.
@@ -103,10 +105,8 @@ def part(
     if not only.taken:
         likely = nearest(" ".join(texts), [*dict.fromkeys(only.passed)])
         raise BadInput("study", "--only", " ".join(texts), f"part of the name of a row; {likely}")
-    parts = _module(name, "page").blocks(found)
-    shown = [block for block in parts if not isinstance(block, Figure)]
-    tables = [block for block in shown if isinstance(block, PageTable) and block.rows]
-    return found, markdown(title(name), tables or shown)
+    tables: dict[str, PageTable] = _module(name, "page").tables(found)
+    return found, "\n\n".join(made.markdown for made in tables.values() if made.rows)
 
 
 def write_pages(folder: Path, tick: Message | None = None) -> list[Path]:
@@ -124,12 +124,6 @@ def _made(folder: Path, found: dict[str, Any], tick: Message | None) -> dict[Pat
         tick(f"{found['study']}: figures and pages")
     texts = {folder / f"{name}.svg": svg for name, svg in figures(found).items()}
     return {**texts, folder / f"{found['study']}.md": page(found)}
-
-
-def _packages(found: JsonObject) -> str:
-    """The versions with which a study was made."""
-    packages: dict[str, str] = found["provenance"]["versions"]
-    return ", ".join(f"{name} {version}" for name, version in packages.items())
 
 
 def results(folder: Path, name: str) -> dict[str, Any] | None:
@@ -151,32 +145,21 @@ def figures(found: dict[str, Any]) -> dict[str, str]:
     return drawn
 
 
-def title(name: str) -> str:
-    """The title of a study's page."""
-    found: str = _module(name, "page").TITLE
-    return found
-
-
 def page(found: dict[str, Any]) -> str:
     """A study's page as Markdown, from its JSON object."""
-    return markdown(title(found["study"]), blocks(found))
+    name, origin = found["study"], found["provenance"]
+    again = f"polhode study {name}{' --quick' * found['quick']}"
+    packages = ", ".join(f"{package} {version}" for package, version in origin["versions"].items())
+    module, template = _module(name, "page"), _text(_folder(name), "page.md")
+    facts = module.facts(found) | {"question": found["question"]}
+    made = {"again": again, "packages": packages, "note": "", **origin}
+    end = _text("page", "provenance.md").format_map(made)
+    return f"{filled(template, module.tables(found), facts)}{end.rstrip()}\n"
 
 
-def blocks(found: dict[str, Any]) -> Iterator[Block]:
-    """A study's page in blocks, from its JSON object: between question and provenance, its own."""
-    origin, mode = found["provenance"], " --quick" * found["quick"]
-    again = f"polhode study {found['study']}{mode}"
-    yield Text(found["question"])
-    took = f" in {origin['seconds']:.0f} seconds" if "seconds" in origin else ""
-    yield Text(
-        f"Made by `{origin['command']}`{took}. To make it again: `{again} -o DIR`. To make single "
-        f"rows, which are printed and not written: `{again} --only 'PART OF ITS NAME'`. No number "
-        "on this page was edited by hand."
-    )
-    yield from _module(found["study"], "page").blocks(found)
-    yield Heading("Provenance")
-    key = f"; code, cases and versions `{origin['key']}`" if "key" in origin else ""
-    yield Text(f"{_packages(found)}; {origin['cpu']}{key}. {origin.get('note', '')}".rstrip())
+def _text(folder: str, file: str) -> str:
+    """A template, beside the modules that fill it."""
+    return (files("polhode.studies") / folder / file).read_text(encoding="utf-8")
 
 
 def key(name: str, quick: bool) -> str:
@@ -225,7 +208,7 @@ def _check(folder: Path, names: Iterable[str]) -> None:
 def _options(name: str, without: Sequence[str]) -> dict[str, Any]:
     """Options of a study's rows; raises BadInput for a study that is not, or that has none."""
     if name in GONE:
-        there = f"{', '.join(STUDIES)}; {name} is a study no more: there is {GONE[name]}"
+        there = f"{', '.join(STUDIES)}; {name} is a study no more, see {GONE[name]}"
         raise BadInput("study", "NAME", name, there)
     if name not in STUDIES:
         raise BadInput("study", "NAME", name, nearest(name, [*STUDIES]))

@@ -27,8 +27,3 @@ class Only:
     def __bool__(self) -> bool:
         """Whether anything at all is left out."""
         return bool(self.texts)
-
-
-def everything() -> Only:
-    """All rows."""
-    return Only()

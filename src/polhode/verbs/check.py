@@ -26,25 +26,36 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--number", action="append", help="this number type instead of the case's (may be repeated)"
     )
+    parser.add_argument(
+        "--propose",
+        action="store_true",
+        help="run SCENEs in double, extended and quad, and print [expect] bands to paste",
+    )
 
 
 def main(options: Namespace) -> int:
     """The library's regression, and without SCENE the cross-checks between the forms."""
     from polhode.checks.form_cross_checks import cross_checks
+    from polhode.checks.regression import PROPOSED
     from polhode.checks.regression import check as checks
     from polhode.common.executors import cores
     from polhode.scenes import library
 
+    if options.propose and not options.scenes:
+        raise BadInput("check", "--propose", None, "SCENEs to propose bands for")
     reports, crossed = [], []
+    numbers = options.number or (PROPOSED if options.propose else ())
     many = len(library.matching(options.scenes)) >= _MANY
     shared = cores() if many else 1
     with ProgressLine("check") as progress:
         if options.scenes or not options.forms:
-            for report in checks(options.scenes, options.number or (), progress.say, shared):
+            for report in checks(options.scenes, numbers, progress.say, shared):
                 reports.append(report)
                 if not options.json:
                     progress.clear()
                     _print_check(report)
+                    if options.propose:
+                        say(_bands(report))
         if options.forms or not (options.scenes or options.number):
             for found in cross_checks(progress.say, shared):
                 crossed.append(found)
@@ -55,14 +66,20 @@ def main(options: Namespace) -> int:
     judged = [verdict for verdict in verdicts if verdict is not None]
     passed = all(judged) if judged else None
     if options.json:
-        answer = {"passed": passed, "cases": [results.of_check(r) for r in reports]}
+        cases = [
+            results.of_check(r) | ({"proposed": r.proposal} if options.propose else {})
+            for r in reports
+        ]
+        answer = {"passed": passed, "cases": cases}
         print_json(answer | {"forms": [results.of_cross_check(c) for c in crossed]})
     else:
         unjudged = len(verdicts) - len(judged)
         rest = f", {unjudged} without a band" if unjudged else ""
         say(f"{sum(judged)} passed, {len(judged) - sum(judged)} failed{rest}")
+    if options.propose:
+        return DONE if all(report.proposal for report in reports) else FAILED
     if passed is None:
-        expected = "a case with bands of digits ([expect]) or printed figures to hold it against"
+        expected = "a case with bands of digits ([expect]), which --propose prints, or with figures"
         raise BadInput("polhode check", "SCENE", " ".join(options.scenes), expected)
     return DONE if passed else FAILED
 
@@ -71,6 +88,12 @@ def _print_cross_check(found: Any) -> None:
     mark = "ok  " if found.passed else "FAIL"
     digits = "" if found.digits is None else f"{found.digits:.1f} digits, "
     say(f"{mark} {found.scene} in the form {found.form}: {digits}{found.note}")
+
+
+def _bands(report: Any) -> str:
+    """The table of a scene file that holds the bands proposed."""
+    rows = [f"{number:<8} = [{low}, {high}]" for number, (low, high) in report.proposal.items()]
+    return "\n".join(["", "[expect]", *rows, ""]) if rows else "     no digits are left: no band"
 
 
 def _print_check(report: Any) -> None:

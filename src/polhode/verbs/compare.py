@@ -29,6 +29,9 @@ from polhode.verbs.terminal import (
 if TYPE_CHECKING:
     from polhode.judging.score.judgement import Judgement
 
+_SECONDS = 1e-4  # about, for a radian of the motion that is followed
+_FOLLOWED = 3e5  # radians: as far as its steps go
+
 T = TypeVar("T")
 
 HELP = "judge a trajectory that another program computed"
@@ -190,4 +193,9 @@ def _judged(options: Namespace, file: str, answer: Callable[[Judgement], T]) -> 
             as_it_stands=options.as_it_stands or options.at_least is not None,
             read=options.read,
         )
+        angle = 10.0**judged.reference.scene.log10_rate * max(abs(float(t)) for t in judged.times)
+        if (seconds := _SECONDS * min(angle, _FOLLOWED)) > LONG:
+            progress.clear()
+            told = f"the motion is followed through {angle:.2g} radians for the digits to expect"
+            note(f"{path}: {told}, up to some {seconds:.0f} s; Ctrl-C ends it")
         return answer(judged)

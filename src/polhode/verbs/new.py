@@ -38,6 +38,13 @@ def main(options: Namespace) -> int:
 
     path = Path(options.file)
     like = None if options.like is None else library.path_of(options.like)
+    if options.file in new_scene.SHAPES:
+        numbers = ",".join(new_scene.SHAPES[options.file].numbers).upper()
+        meant = f"a file's name: polhode new {options.file}.toml --{options.file} {numbers}"
+        raise BadInput("new", "FILE", options.file, meant)
+    if library.ships(options.file):
+        meant = f"a file's name: polhode new FILE.toml --like {options.file}"
+        raise BadInput("new", "FILE", options.file, meant)
     check_writable(path, [".toml"], [like])
     refuse_two_on_stdout(path, options.json)
     if path.exists() and not is_stdout(path):

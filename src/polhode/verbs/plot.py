@@ -99,6 +99,9 @@ def main(options: Namespace) -> int:
     inputs = [library.path_of(name) for name in (options.what_of, options.scene) if name]
     moving = options.what == "motion"
     suffixes = (".html", *film.SUFFIXES) if moving else canvas.SUFFIXES
+    if not moving and path.suffix.lower() in (".html", *film.SUFFIXES):
+        expected = f"{', '.join(canvas.SUFFIXES)}; --what motion makes a page or a film"
+        raise BadInput(str(path), "-o", None, f"a name that ends in {expected}")
     check_writable(path, suffixes, inputs)
     refuse_two_on_stdout(path, options.json)
     suffix = path.suffix.lower() if path.suffix.lower() in suffixes else suffixes[0]  # a stream

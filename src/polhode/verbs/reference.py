@@ -34,10 +34,11 @@ from polhode.verbs.terminal import (
     refuse_two_on_stdout,
     seconds,
     tell_certificate,
+    time_options,
+    times_of,
     whole,
     word,
 )
-from polhode.verbs.times import time_options, times_of
 
 if TYPE_CHECKING:
     from polhode.enclosures.events import CertifiedEvents

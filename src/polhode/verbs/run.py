@@ -21,10 +21,11 @@ from polhode.verbs.terminal import (
     print_json,
     print_rows,
     refuse_two_on_stdout,
+    time_options,
+    times_of,
     whole,
     word,
 )
-from polhode.verbs.times import time_options, times_of
 
 if TYPE_CHECKING:
     from polhode.motion.outcomes import EventTimes

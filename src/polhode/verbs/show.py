@@ -10,6 +10,7 @@ from polhode.verbs.terminal import DONE, print_json, say, word
 
 HELP = "body, regime, integrals, frequencies, columns to be integrated"
 _BOOK = "Yehia, Rigid Body Dynamics: A Lagrangian Approach"
+_IN_FULL = {"period": "period of omega"}  # in the body
 
 
 def options(parser: ArgumentParser) -> None:
@@ -29,7 +30,8 @@ def main(options: Namespace) -> int:
         if key == "source":
             value = f"{_BOOK}, {value}"
         elif isinstance(value, dict):
-            value = ", ".join(f"{k} = {v}" for k, v in value.items() if v is not None)
+            told = {_IN_FULL.get(k, k): v for k, v in value.items() if v is not None}
+            value = ", ".join(f"{k} = {v}" for k, v in told.items())
         elif isinstance(value, (tuple, list)):
             value = ", ".join(str(x) for x in value)
         if value not in (None, ""):

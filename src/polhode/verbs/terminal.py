@@ -11,18 +11,26 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput
 from polhode.common.files import is_stdout, write_stdout
-from polhode.common.signals import INTERRUPTED as INTERRUPTED
-from polhode.common.signals import hear, heard
+from polhode.common.interrupts import INTERRUPTED as INTERRUPTED
+from polhode.common.interrupts import hear, heard
 from polhode.common.text_tables import aligned, printable
+from polhode.numbers.conversion import to_double
+from polhode.numbers.exact import Exact, sign
+from polhode.numbers.expression import ExpressionError
+from polhode.scenes.given_numbers import TIME, in_text
+from polhode.scenes.output_times import even_times
+from polhode.scenes.scene_file import MAX_SAMPLES
+from polhode.scenes.variation.vary import numbers
 
 if TYPE_CHECKING:
     from polhode.common.checkpoint import Checkpoint
+    from polhode.scenes.scene import Scene
 
 LONG = 10.0  # seconds of a proof that are foretold
 DONE, FAILED, BAD_INPUT, NOT_REACHED = 0, 1, 2, 3
@@ -37,12 +45,19 @@ class _Closed(io.TextIOBase):
         return 0
 
 
+class _Nowhere(io.TextIOBase):
+    """A stderr that takes no more: what goes there is lost."""
+
+    def write(self, text: str) -> int:
+        return len(text)
+
+
 def prepare() -> None:
     """Streams that are there, and that take any character; SIGTERM ends work as Ctrl-C does."""
     if sys.stdout is None:
         sys.stdout = _Closed()
     if sys.stderr is None:
-        sys.stderr = _nowhere()
+        sys.stderr = _Nowhere()
     heard.came, heard.loaded = False, True
     if threading.current_thread() is threading.main_thread():
         hear()
@@ -55,10 +70,6 @@ def deaf() -> None:
     """From now on neither Ctrl-C nor SIGTERM is heard."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)
-
-
-def _nowhere() -> TextIO:
-    return open(os.devnull, "w", encoding="utf-8")
 
 
 def give_up_stdout() -> None:
@@ -124,6 +135,66 @@ def seconds(text: str) -> float:
     return found
 
 
+def time_options(parser: argparse.ArgumentParser) -> None:
+    """The options: times listed, or evenly spaced from 0 on."""
+    at = "output times instead of the scene's; one of them may be FROM:TO:N, for N evenly spaced"
+    parser.add_argument("--at", metavar="T,T...", help=at)
+    parser.add_argument("--end", metavar="T", help="last time instead of the scene's")
+    spacing = parser.add_mutually_exclusive_group()
+    spacing.add_argument(
+        "--samples",
+        type=whole,
+        metavar="N",
+        help="so many times from 0 to the end, both included (as many as the scene's)",
+    )
+    spacing.add_argument(
+        "--every", metavar="DT", help="the times 0, DT, 2 DT, ... that are not beyond the end"
+    )
+
+
+def times_of(options: argparse.Namespace, scene: Scene) -> Sequence[Exact]:
+    """The times that are asked for, exact: the scene's own unless an option says otherwise."""
+    even = {"--end": options.end, "--samples": options.samples, "--every": options.every}
+    if options.at is not None:
+        for key, value in even.items():
+            if value is not None:
+                raise BadInput(scene.name, key, value, "no value together with --at")
+        return tuple(numbers(options.at, "--at", scene.name, scene.units, TIME))
+    if all(value is None for value in even.values()):
+        return scene.times
+    end = scene.end if options.end is None else _time(scene, "--end", options.end)
+    if sign(end) == 0:
+        raise BadInput(scene.name, "--end", options.end, "a time other than 0")
+    if options.every is not None:
+        return _multiples(scene, end, options.every)
+    samples = max(2, len(scene.times)) if options.samples is None else options.samples
+    if not 2 <= samples <= MAX_SAMPLES:
+        raise BadInput(scene.name, "--samples", samples, f"a whole number from 2 to {MAX_SAMPLES}")
+    return even_times(end, samples)
+
+
+def _multiples(scene: Scene, end: Exact, text: str) -> Sequence[Exact]:
+    """The multiples of a step from 0 to the end."""
+    step = _time(scene, "--every", text)
+    if sign(step) <= 0:
+        raise BadInput(scene.name, "--every", text, "a time above 0; --end says the direction")
+    last = abs(end)
+    ratio = to_double(last / step)
+    if not 1 <= ratio < MAX_SAMPLES:
+        expected = f"a time that makes two to {MAX_SAMPLES} times until t = {to_double(end):g}"
+        raise BadInput(scene.name, "--every", text, expected)
+    count = round(ratio)
+    count -= sign(count * step - last) > 0  # the double may be rounded to a whole number
+    return even_times(count * step * sign(end), count + 1)
+
+
+def _time(scene: Scene, key: str, text: str) -> Exact:
+    try:
+        return in_text(text, scene.units, TIME)
+    except ExpressionError as fault:
+        raise BadInput(scene.name, key, text, f"a time ({fault})") from None
+
+
 def refuse_two_on_stdout(path: Path, json: bool) -> None:
     """Refuse a file that is stdout beside results as JSON, which go there too."""
     if json and is_stdout(path):
@@ -164,7 +235,7 @@ def note(text: str) -> None:
     try:
         print(printable(text), file=sys.stderr)
     except OSError:
-        sys.stderr = _nowhere()
+        sys.stderr = _Nowhere()
 
 
 def goes_on(kept: Checkpoint | None) -> int:

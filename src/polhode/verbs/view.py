@@ -5,6 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
+from polhode.common.errors import BadInput
 from polhode.scenes import library
 from polhode.verbs import plot
 from polhode.verbs.terminal import DONE, print_json, refuse_two_on_stdout, say, whole, word
@@ -34,10 +35,16 @@ def options(parser: ArgumentParser) -> None:
 def main(options: Namespace) -> int:
     """Make one page."""
     from polhode.common.files import called, check_writable, is_stdout, write_whole
+    from polhode.figures import film
+    from polhode.figures.canvas import canvas
     from polhode.figures.drawing import page_of
 
     path = Path(options.file)
     inputs = [library.path_of(name) for name in (options.what_of, options.scene) if name]
+    if path.suffix.lower() in (*film.SUFFIXES, *canvas.SUFFIXES):
+        what = "motion" if path.suffix.lower() in film.SUFFIXES else "W"
+        meant = f"polhode plot {options.what_of} --what {what} -o {path}"
+        raise BadInput(str(path), "-o", None, f"a name that ends in .html, or {meant}")
     check_writable(path, [".html"], inputs)
     refuse_two_on_stdout(path, options.json)
     options.what = "motion"

@@ -63,7 +63,7 @@ class ClosedForm(ABC):
 
     @abstractmethod
     def _period(self, bits: int) -> Scalar | None:
-        """The period at the precision in force; None where there is none."""
+        """The period of omega at the precision in force; None where none is known."""
 
     def _rates(self, bits: int) -> Mapping[str, Scalar]:
         """The frequencies of a motion without period, at the precision in force."""
@@ -102,7 +102,7 @@ class ClosedForm(ABC):
         """
 
     def period(self, digits: int) -> mpf | None:
-        """The period of the state in the body, in the scene's unit of time; None without any."""
+        """The least period of omega in the body, in the scene's unit of time; None without any."""
         bits = self._bits((), digits)
         with mpmath.workprec(bits):
             period = self._period(bits)

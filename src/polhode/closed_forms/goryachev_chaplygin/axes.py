@@ -26,6 +26,7 @@ from polhode.closed_forms._engine.principal_scene import (
     squared_momentum_of_weight,
 )
 from polhode.closed_forms.functions.rounding import log2, number
+from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact, sign, sqrt
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import Vector, is_zero
@@ -71,9 +72,9 @@ def _body_failure(moments: Vector, torque: Vector) -> tuple[str, Exact]:
         i, j = (k + 1) % 3, (k + 2) % 3
         return [moments[i] / moments[k] - 4, moments[j] / moments[k] - 4, torque[k] / weight]
 
-    best = min((misses(k) for k in (2, 0, 1)), key=lambda row: max(abs(float(x)) for x in row))
+    best = min((misses(k) for k in (2, 0, 1)), key=lambda row: max(abs(to_double(x)) for x in row))
     names = ("A = 4C (in units of C)", "B = 4C (in units of C)", "Mg r0 at right angles to axis 3")
-    worst = max(range(3), key=lambda n: abs(float(best[n])))
+    worst = max(range(3), key=lambda n: abs(to_double(best[n])))
     return names[worst], best[worst]
 
 

@@ -77,7 +77,30 @@ class LagrangeTop(FromMotion):
             return state, list(self._turning(_COLUMN_BITS).joined(al, bt))
 
     def _period(self, bits: int) -> Scalar | None:
-        """Of theta; None where theta is constant or tends to the upper pole."""
+        """Of omega in the body, where the motion shows one.
+
+        A pendulum in a plane passes the lower pole twice in a libration; in a steady precession
+        omega goes round the axis of symmetry with phi.  Of other motions omega returns only if
+        nutation and proper rotation have commensurable rates, which no digits decide.
+        """
+        if self.regime.startswith("planar"):
+            nutation = self._nutation(bits)
+            return 2 * nutation if nutation and self.regime.endswith("librating") else nutation
+        if not self._steady or self._constants.level:
+            return None
+        motion = self._motion(bits)
+        one, other = motion.means
+        rate = abs(one - other)
+        return 2 * mpmath.pi / rate if rate > motion.fastest * mpf(2) ** (-bits // 2) else None
+
+    def nutation(self, digits: int) -> mpf | None:
+        """The period of theta; None where theta is constant or tends to the upper pole."""
+        bits = self._bits((), digits)
+        with mpmath.workprec(bits):
+            period = self._nutation(bits)
+        return shortened([period], digits)[0]
+
+    def _nutation(self, bits: int) -> Scalar | None:
         motion = self._motion(bits)
         if not isinstance(motion, Nutating) or not mpmath.isfinite(motion.elliptic.K):
             return None
@@ -96,7 +119,7 @@ class LagrangeTop(FromMotion):
         motion = self._motion(bits)
         found: dict[str, mpf] = {}
         with mpmath.workprec(bits):
-            period = self._period(bits)
+            period = self._nutation(bits)
             if period is not None:
                 found["nutation"] = 2 * mpmath.pi / period
             one, other = motion.means

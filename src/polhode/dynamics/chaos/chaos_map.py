@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from concurrent.futures import Executor
-from contextlib import nullcontext
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
@@ -225,45 +224,33 @@ def chaos_map(
         )
         for k in range(0, len(starts), LANES)
     ]
-    key = repr((scene.text, length, looks, tol, starts.tobytes(), coefficients.tobytes()))
-    kept = None if parts is None else JobCheckpoint(parts, "map", key)
-    sizes = [len(job.starts) for job in jobs]
-    with kept or nullcontext():
-        results, interrupted = carried_out(
-            tangent_batches.solve,
-            jobs,
-            sizes,
-            workers,
-            executor,
-            kept,
-            lambda found: found._asdict(),
-            tangent_batches.Followed.of,
-            progress,
-        )
-    rows = np.concatenate(
-        [np.full(n, found is not None) for n, found in zip(sizes, results, strict=True)]
+    kept = JobCheckpoint.at(parts, "map", scene.text, length, looks, tol, starts, coefficients)
+    finished = carried_out(
+        tangent_batches.solve,
+        jobs,
+        [len(job.starts) for job in jobs],
+        workers,
+        executor,
+        kept,
+        lambda found: found._asdict(),
+        tangent_batches.Followed.of,
+        progress,
     )
-    if not rows.any():
-        raise KeyboardInterrupt
-    done = [found for found in results if found is not None]
-    judged = _judged(
-        np.concatenate([found.sizes for found in done]),
-        np.concatenate([found.last for found in done]),
-        length,
-    )
+    sizes, left = (np.concatenate(arrays) for arrays in zip(*finished.done, strict=True))
+    judged = _judged(sizes, left, length)
     judged["exponent"] = judged["exponent"] / unit
     judged["until"] = judged["until"] * unit
     return ChaosMap(
         scene,
         motions.keys,
         motions.shape,
-        motions.at[rows],
-        motions.cell[rows],
+        motions.at[finished.rows],
+        motions.cell[finished.rows],
         **judged,
         end=to_double(last),
         h=motions.h,
         f=motions.f,
-        interrupted=interrupted,
+        interrupted=finished.interrupted,
         kept=kept,
         provenance=scene.provenance(),
     )

@@ -72,9 +72,8 @@ def job_of(
         if what.kind == FIRST
     )
     follow = any(what.kind == LYAPUNOV for what in which)
-    return Job(
-        which, scene.columns, states, firsts, _tangents(plan, lanes, end) if follow else None, n
-    )
+    exponents = Exponents(_tangents(plan, lanes, end), plan.members, group) if follow else None
+    return Job(which, scene.columns, states, firsts, exponents, n)
 
 
 def _of_event(
@@ -164,8 +163,16 @@ class Job(NamedTuple):
     columns: tuple[str, ...]
     states: tuple[BatchJob, Reader] | None
     firsts: tuple[tuple[Reduction, FirstJob, Singles, Reader], ...]
-    tangents: TangentJob | None
+    exponents: Exponents | None
     time_unit: int
+
+
+class Exponents(NamedTuple):
+    """Tangents to be followed, and the members that they belong to."""
+
+    job: TangentJob
+    members: Members
+    group: npt.NDArray[np.int64]
 
 
 class Singles(NamedTuple):
@@ -215,8 +222,8 @@ def _parts(job: Job, stop: Stop | None) -> Iterator[Reduced]:
         yield Reduced(solved.outcomes, solved.steps, numbers)
     for what, first, singles, read in job.firsts:
         yield _first(what, first, singles, read, stop)
-    if job.tangents is not None:
-        yield _exponents(job.tangents, job.time_unit, stop)
+    if job.exponents is not None:
+        yield _exponents(job.exponents, job.time_unit, stop)
 
 
 def _first(
@@ -254,17 +261,49 @@ def _first(
     return Reduced(outcomes, steps, dict(zip(names, (times, *states.T), strict=True)))
 
 
-def _exponents(job: TangentJob, time_unit: int, stop: Stop | None) -> Reduced:
+def _exponents(of: Exponents, time_unit: int, stop: Stop | None) -> Reduced:
+    """As :func:`polhode.lyapunov` tells them: those of chaotic members with their neighbours'."""
     import numpy as np
 
     from polhode.taylor.variations import tangent_batches
 
+    job = of.job
     found = tangent_batches.solve(job, stop)
     told = np.full((3, len(job.starts)), np.nan)
     whole = found.last == job.looks
     for k in np.flatnonzero(whole).tolist():
         told[:, k] = lyapunov.fitted(found.sizes[k].tolist(), abs(job.end))
+    chaotic = [
+        k
+        for k in np.flatnonzero(whole).tolist()
+        if lyapunov.is_chaotic(of.members[int(of.group[k])], told[2, k], told[0, k], told[1, k])
+    ]
+    if chaotic:
+        told[1, chaotic] = _scatter(job, np.array(chaotic), told[0, chaotic], stop)
     told[:2] = np.ldexp(told[:2], -time_unit)
     outcomes = np.where(whole, code(Outcome.REACHED_END), code(Outcome.NON_FINITE))
     names = Reduction(LYAPUNOV).names(())
     return Reduced(outcomes, np.zeros(len(whole), np.int64), dict(zip(names, told, strict=True)))
+
+
+def _scatter(
+    job: TangentJob, which: npt.NDArray[np.int64], exponents: Doubles, stop: Stop | None
+) -> Doubles:
+    """The uncertainty of the exponents of some of a job's motions, from their neighbours."""
+    import numpy as np
+
+    from polhode.taylor.variations import tangent_batches
+
+    starts = np.concatenate([job.starts[which] * by for by in lyapunov.MOVED])
+    again = np.tile(which, len(lyapunov.MOVED))
+    moved = job._replace(
+        coefficients=job.coefficients[again], starts=starts, tangents=job.tangents[again]
+    )
+    found = tangent_batches.solve(moved, stop)
+    ends = [
+        lyapunov.fitted(sizes[: last + 1].tolist(), abs(job.end))[0]
+        for sizes, last in zip(found.sizes, found.last.tolist(), strict=True)
+    ]
+    rows = np.array(ends).reshape(len(lyapunov.MOVED), len(which)).T
+    together = np.column_stack([exponents, rows])
+    return np.array([lyapunov.scatter(row.tolist()) for row in together])

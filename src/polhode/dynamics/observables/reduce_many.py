@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
-from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -178,20 +177,19 @@ def reduce_many(
     held = len(plan.members) * len(plan.times) * len(scene.columns)
     groups = list(plan.groups(LANES, max(_JOBS, -(-held // MOST_AT_ONCE))))
     jobs = [job_of(scene, plan, which, group) for group in groups]
-    key = repr((scene.text, scene.times, which, plan.varied, plan.number, tol, plan.max_steps))
-    kept = None if parts is None else JobCheckpoint(parts, "sweep", key)
-    with kept or nullcontext():
-        results, interrupted = carried_out(
-            solve,
-            jobs,
-            [len(group) for group in groups],
-            workers,
-            executor,
-            kept,
-            lambda found: {"endings": found.endings, "counts": found.counts, **found.numbers},
-            Reduced.of,
-            progress,
-        )
+    key = scene.text, scene.times, which, plan.varied, plan.number, tol, plan.max_steps
+    kept = JobCheckpoint.at(parts, "sweep", *key)
+    finished = carried_out(
+        solve,
+        jobs,
+        [len(group) for group in groups],
+        workers,
+        executor,
+        kept,
+        lambda found: {"endings": found.endings, "counts": found.counts, **found.numbers},
+        Reduced.of,
+        progress,
+    )
     endings = np.full(len(plan.members), code(Outcome.NOT_RUN), dtype=np.uint8)
     counts = np.zeros(len(plan.members), dtype=np.int64)
     names = [name for what in which for name in what.names(scene.columns)]
@@ -200,14 +198,12 @@ def reduce_many(
         numbers: dict[str, Stack] = {name: none.copy() for name in names}
     else:
         numbers = {name: none.astype(np.longdouble) for name in names}
-    for group, found in zip(groups, results, strict=True):
+    for group, found in zip(groups, finished.results, strict=True):
         if found is None:
             continue
         endings[group], counts[group] = found.endings, found.counts
         for name in names:
             numbers[name][group] = found.numbers[name]
-    if interrupted and not counts.any():
-        raise KeyboardInterrupt
     return Reductions(
         scene,
         plan.varied,

@@ -73,11 +73,10 @@ def digits(scene: Scene, starts: Doubles, times: Doubles, workers: int | None = 
             )
         )
     sizes = [len(group) for group in groups]
-    results, interrupted = carried_out(tangent_batches.solve, jobs, sizes, workers)
-    if interrupted:
+    finished = carried_out(tangent_batches.solve, jobs, sizes, workers)
+    if finished.interrupted:
         raise KeyboardInterrupt
-    for group, span, result in zip(groups, spans, results, strict=True):
-        assert result is not None
+    for group, span, result in zip(groups, spans, finished.done, strict=True):
         least = np.minimum.accumulate(np.where(np.isfinite(result.sizes), result.sizes, np.inf), 1)
         grown = np.where(np.isfinite(result.sizes), result.sizes - least, LOST)
         grown = np.maximum.accumulate(grown, axis=1)

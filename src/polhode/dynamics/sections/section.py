@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -182,7 +182,6 @@ def section(
     >>> found.states.shape
     (4, 5, 6)
     """
-    import numpy as np
 
     from polhode.dynamics.sections import coordinates as geometry
     from polhode.taylor.events import batch_crossings as taylor
@@ -215,10 +214,10 @@ def section(
         direction = -1 if asked.extremum == MAXIMA else 1
     _refuse_constant(asked, on, zero, found.states)
     jobs = section_jobs.jobs_of(asked, on, zero, direction, count, found.states)
-    key = repr((scene.text, str(asked[1:]), count, direction, found.states.tobytes()))
-    kept = None if parts is None else JobCheckpoint(parts, "section", key)
-    with kept or nullcontext(), _refused(asked, on, kept):
-        results, interrupted = carried_out(
+    key = scene.text, str(asked[1:]), count, direction, found.states
+    kept = JobCheckpoint.at(parts, "section", *key)
+    with _refused(asked, on, kept):
+        finished = carried_out(
             taylor.solve,
             jobs,
             [len(job.starts) for job in jobs],
@@ -230,16 +229,11 @@ def section(
             progress,
             processes=True,
         )
-    rows = np.concatenate(
-        [np.full(len(job.starts), r is not None) for job, r in zip(jobs, results, strict=True)]
-    )
-    if not rows.any():
-        raise KeyboardInterrupt
-    crossed = taylor.joined([result for result in results if result is not None])
+    crossed = taylor.joined(finished.done)
     if asked.by not in (MOMENTUM, HEIGHT) and not crossed.found.any():
         with _refused(asked, on, kept):
             _refuse_never_zero(asked, on, zero)
-    return _result(asked, on, found.states[rows], crossed, interrupted, kept)
+    return _result(asked, on, found.states[finished.rows], crossed, finished.interrupted, kept)
 
 
 def _refuse_constant(asked: Asked, on: Ground, zero: SectionZero, states: Doubles) -> None:

@@ -67,8 +67,10 @@ def shown_times(scene: Scene, end: Exact | None, samples: int | None = None) -> 
         return even_times(last, samples)
     angle = 10.0 ** min(_FAR, scene.at((last,)).log10_angle)
     if end is None and angle > WINDOW:
-        reach = Fraction(WINDOW) / Fraction(10.0**scene.log10_rate)
-        places = 1 - math.floor(math.log10(reach))
+        power = math.floor(scene.log10_rate)
+        rate = Fraction(10.0 ** (scene.log10_rate - power)) * Fraction(10) ** power
+        reach = WINDOW / rate
+        places = 1 - math.floor(exact.log10(reach))
         last = Fraction(round(reach, places)) * sign(last)  # two significant digits
         angle = WINDOW
     wanted = SAMPLES * math.ceil(angle / WINDOW)

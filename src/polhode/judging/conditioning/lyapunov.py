@@ -11,7 +11,7 @@ is chaotic.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
@@ -46,6 +46,7 @@ DEFAULT_LENGTH = 2000  # in the motion's slowest unit of time
 SHORTEST = 100  # below this no verdict rests on growth
 BLOCKS, LOOKS = 32, 8  # blocks over the whole time, looks at the tangent in each
 NEIGHBOURS, APART = 7, 1e-6  # of a chaotic motion: their number, their relative distance
+MOVED = tuple(1 + APART * k for k in range(1, NEIGHBOURS + 1))  # times the start: neighbours
 TANGENT = 0.6, -0.5, 0.4, 0.3, 0.2, -0.3  # along no axis
 _DOUBLES_TRUE = 12 * math.log(10)  # ln of the growth up to which a double follows the motion
 
@@ -166,9 +167,9 @@ def lyapunov(
     exponent, error, growth = fitted(sizes, reached)
     verdict, reason = _judged(still, closed, growth, exponent, error, reached / slow)
     if verdict == CHAOTIC:
-        moved = (start * (1 + APART * k) for k in range(1, NEIGHBOURS + 1))
+        moved = (start * by for by in MOVED)
         ends = [fitted([*followed(x, math.copysign(reached, last))], reached)[0] for x in moved]
-        error = float(np.std([exponent, *ends], ddof=1))
+        error = scatter([exponent, *ends])
     found = math.copysign(reached * unit, last)
     return Lyapunov(scene, exponent / unit, error / unit, growth, found, verdict, reason)
 
@@ -176,7 +177,7 @@ def lyapunov(
 def _judged(
     still: bool, closed: bool, growth: float, exponent: float, error: float, length: float
 ) -> tuple[str, str]:
-    grows = growth > UNSTABLE_GROWTH and exponent > 4 * error
+    grows = _grows(growth, exponent, error)
     known = "a fixed point; " if still else "a closed form is known; " if closed else ""
     if grows:
         return motion_kinds.of_growing(bool(known)), f"{known}nearby motions separate exponentially"
@@ -185,6 +186,27 @@ def _judged(
     if known:
         return REGULAR, f"{known}nearby motions separate at no clear rate"
     return UNDECIDED, "a later end may decide"
+
+
+def _grows(growth: float, exponent: float, error: float) -> bool:
+    return growth > UNSTABLE_GROWTH and exponent > 4 * error
+
+
+def is_chaotic(scene: Scene, growth: float, exponent: float, error: float) -> bool:
+    """Whether the verdict on a motion whose tangent grows so, which :func:`fitted` tells, is that.
+
+    The scene is looked at only where the growth asks for it.
+    """
+    if not _grows(growth, exponent, error):
+        return False
+    return not at_rest(scene).state and not reference(scene).is_closed_form
+
+
+def scatter(exponents: Sequence[float]) -> float:
+    """The uncertainty of a chaotic motion's exponent: the spread of it and its neighbours'."""
+    import numpy as np
+
+    return float(np.std(exponents, ddof=1))
 
 
 def fitted(sizes: list[float], length: float) -> tuple[float, float, float]:

@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
+from itertools import combinations_with_replacement
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -170,25 +171,32 @@ def _candidates(scene: Scene, columns: Sequence[int]) -> Iterator[_Candidate]:
     """Numbers that may be others, the plainer first."""
     yield from _of_clock(scene, columns)
     body = scene.body
-    if body.axes.trivial and all(body.inertia[i][j] == 0 for i in range(3) for j in range(i)):
+    if all(body.inertia[i][j] == 0 for i in range(3) for j in range(i)):
         for i, letter in enumerate("ABC"):
             own = to_double(body.inertia[i][i])
             words = f"the moment {letter} = {{}} (the scene's is {own:.6g})"
-            yield _Candidate(words, partial(_of_body, scene, (i,), None), own, own)
+            yield _Candidate(words, partial(_of_body, scene, [(i, i)], None), own, own)
         if equal := _equal_moments(body):
             own = to_double(body.inertia[equal[0]][equal[0]])
             letters = " = ".join("ABC"[i] for i in equal)
             words = f"the moments {letters} = {{}} (the scene's are {own:.6g})"
-            yield _Candidate(words, partial(_of_body, scene, equal, None), own, own)
+            yield _Candidate(
+                words, partial(_of_body, scene, [(i, i) for i in equal], None), own, own
+            )
+    else:
+        for i, j in combinations_with_replacement(range(3), 2):
+            own, unit = to_double(body.inertia[i][j]), to_double(_unit(body, i, j))
+            words = f"the element {'xyz'[i]}{'xyz'[j]} of inertia = {{}} (the scene's is {own:.6g})"
+            yield _Candidate(words, partial(_of_body, scene, [(i, j)], None), own, unit)
     if scene.columns[3:] and body.weight:
         own = to_double(body.weight)
         words = f"a weight, or a distance of the centre, of {{}} times the scene's {own:.6g}"
-        yield _Candidate(words, partial(_of_body, scene, (), None), 1.0, 1.0)
+        yield _Candidate(words, partial(_of_body, scene, [], None), 1.0, 1.0)
         size = to_double(max(map(abs, body.centre)))
         for i, axis in enumerate("xyz"):
             own = to_double(body.centre[i])
             words = f"the centre's {axis} = {{}} (the scene's is {own:.6g})"
-            yield _Candidate(words, partial(_of_body, scene, (), i), own, size)
+            yield _Candidate(words, partial(_of_body, scene, [], i), own, size)
     rate = max([to_double(abs(w)) for w in scene.omega]) or 1.0
     for i, name in enumerate(STATE[:3]):
         own = to_double(scene.omega[i])
@@ -200,6 +208,11 @@ def _equal_moments(body: Body) -> tuple[int, ...]:
     """The axes of moments that are equal, empty where all differ."""
     own = [body.inertia[i][i] for i in range(3)]
     return tuple(i for i in range(3) if own.count(own[i]) > 1)
+
+
+def _unit(body: Body, i: int, j: int) -> Exact:
+    """What an element of inertia is changed in: itself, or the largest moment beside others."""
+    return body.inertia[i][i] if i == j else max(body.inertia[k][k] for k in range(3))
 
 
 def _of_clock(scene: Scene, columns: Sequence[int]) -> Iterator[_Candidate]:
@@ -235,17 +248,19 @@ def _faster(scene: Scene, x: float, times: Sequence[Fraction]) -> Doubles | None
 
 def _of_body(
     scene: Scene,
-    moments: Sequence[int],
+    elements: Sequence[tuple[int, int]],
     centre: int | None,
     x: float,
     times: Sequence[Fraction],
 ) -> Doubles | None:
-    """The motion of a body with other moments, or component of the centre; neither: weight."""
+    """The motion of a body with other inertia, or component of the centre; neither: weight."""
     body, by = scene.body, Fraction(x)
-    weight = body.weight if centre is not None or moments else body.weight * (1 + by)
-    a, b, c = (
-        _moved(row, i if i in moments else None, by * row[i]) for i, row in enumerate(body.inertia)
-    )
+    weight = body.weight if centre is not None or elements else body.weight * (1 + by)
+    inertia = [*body.inertia]
+    for i, j in elements:
+        for row, column in {(i, j), (j, i)}:
+            inertia[row] = _moved(inertia[row], column, by * _unit(body, i, j))
+    a, b, c = inertia
     middle = _moved(body.centre, centre, by * max(map(abs, body.centre)))
     try:
         other = Body((a, b, c), middle, weight)

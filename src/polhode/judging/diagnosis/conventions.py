@@ -21,17 +21,19 @@ from polhode.common.errors import BadInput
 from polhode.judging.diagnosis.evidence import (
     BEGINS,
     FAR_GAIN,
+    LEAST_GAIN,
     course,
     follows,
     is_alike,
     is_better,
+    is_sure,
     least_gain,
     probed_rows,
 )
 from polhode.judging.diagnosis.motion_in_double import integrated
 from polhode.judging.diagnosis.rotation_matrices import matrices
 from polhode.judging.diagnosis.time_unit import UNITS
-from polhode.judging.diagnosis.ways import FREEDOM, LEAST_ROWS, Right, Way, ways
+from polhode.judging.diagnosis.ways import ALIKE_AT_START, FREEDOM, LEAST_ROWS, Right, Way, ways
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference, Remembered, rows
 from polhode.judging.tables.candidate import Subject
@@ -39,7 +41,7 @@ from polhode.judging.tables.reading import WRONG, Reading, TimeChange
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles
-from polhode.scenes.body import Body
+from polhode.scenes.body import Body, Matrix, exact_vector
 from polhode.scenes.scene import Scene
 
 AnyReference: TypeAlias = Reference | Certified | Remembered
@@ -78,8 +80,13 @@ class _Part(NamedTuple):
         return self.best if self.is_told else self.plain
 
     @property
+    def way_course(self) -> Doubles:
+        """The digits that count in the way to read it."""
+        return course(self.way.rows, self.way.fitted)
+
+    @property
     def course(self) -> Doubles:
-        """The digits that count at each row."""
+        """The digits that count at each row, of the best way."""
         return course(self.best.rows, self.best.fitted)
 
 
@@ -102,7 +109,7 @@ def readings(
 
     def seen(world: _World) -> dict[str, _Part]:
         found = {k: _part(k, values, world, k in wrong) for k, values in parts.items()}
-        return {k: one for k, one in found.items() if one is not None}
+        return _with_same_axes({k: one for k, one in found.items() if one is not None})
 
     plain = seen(first)
     world, best = first, plain
@@ -114,7 +121,7 @@ def readings(
     return [
         _reading(k, plain[k].plain, best[k].way, world, times)
         for k in best
-        if k in wrong and (best[k].is_told or (world.words and plain[k].plain.digits < WRONG))
+        if k in wrong and (best[k].is_told or not is_alike(plain[k].course, best[k].course))
     ]
 
 
@@ -126,14 +133,40 @@ def _part(part: str, values: Doubles, world: _World, is_wrong: bool) -> _Part | 
         return None
     moved = world.right.moved(part)
     if not is_wrong or plain.digits >= WRONG:
-        return _Part(plain, plain, False, True)
-    found = [plain, *tried]
-    courses = [course(way.rows, way.fitted) for way in found]
-    best = max(courses, key=lambda one: float(np.sum(one)))
-    k = next(k for k, one in enumerate(courses) if is_alike(one, best))
-    gain = least_gain(found[k].tries, FREEDOM[part])
-    goes = follows(courses[k], moved, found[k].fitted, bool(world.words))
-    return _Part(found[k], plain, goes and is_better(courses[k], courses[0], gain), goes)
+        goes = not world.words or follows(course(plain.rows), moved, False, True, False)
+        return _Part(plain, plain, False, goes)
+    all_ways = [plain, *tried]
+    own = course(plain.rows)
+    seen: list[_Part] = []
+    for fitted in (False, True):
+        found = [(way, course(way.rows, fitted)) for way in all_ways if way.fitted == fitted]
+        if not found:
+            continue
+        most = max((one for _, one in found), key=lambda one: float(np.sum(one)))
+        best, mine = next(pair for pair in found if is_alike(pair[1], most))
+        sure = not fitted and sum(is_sure(one) for _, one in found) <= ALIKE_AT_START[part]
+        goes = follows(mine, moved, best.fitted, bool(world.words), sure)
+        told = goes and is_better(mine, own, least_gain(best.tries, FREEDOM[part]))
+        seen.append(_Part(best, plain, told, goes))
+    named = seen[0]
+    if seen[-1].is_told and is_better(seen[-1].course, named.way_course, LEAST_GAIN):
+        named = seen[-1]
+    return named
+
+
+def _with_same_axes(parts: dict[str, _Part]) -> dict[str, _Part]:
+    """Parts of which gamma or omega, in axes that the other one tells, needs to tell less."""
+    for name, other in (("gamma", "omega"), ("omega", "gamma")):
+        mine, its = parts.get(name), parts.get(other)
+        if mine is None or its is None or mine.is_told or not its.is_told or not mine.goes:
+            continue
+        own, known = mine.best.change, its.best.change
+        if own is None or known is None or own.order != known.order:
+            continue
+        same = own.signs in (known.signs, tuple(-s for s in known.signs))  # omega: a pseudovector
+        if same and is_better(mine.course, course(mine.plain.rows), LEAST_GAIN):
+            parts[name] = mine._replace(is_told=True)
+    return parts
 
 
 def _explains(parts: Mapping[str, _Part]) -> bool:
@@ -154,14 +187,13 @@ def _is_better_world(found: Mapping[str, _Part], other: Mapping[str, _Part]) -> 
     )
 
 
-def _reading(
-    part: str, plain: Way, way: Way, world: _World, times: Sequence[Fraction]
-) -> Reading:
+def _reading(part: str, plain: Way, way: Way, world: _World, times: Sequence[Fraction]) -> Reading:
     """A part as it is read in a world."""
     words = ", ".join(filter(None, (world.words, way.words)))
     change = way.change if world.is_applied else None
     told = shown_rows(way, times)
-    return Reading(part, plain.digits, words, way.digits, change, world.times, told)
+    how = "read as" if world.is_applied else "right with"
+    return Reading(part, plain.digits, words, way.digits, change, world.times, told, how)
 
 
 def shown_rows(way: Way, times: Sequence[Fraction]) -> tuple[tuple[Fraction, float], ...]:
@@ -171,9 +203,7 @@ def shown_rows(way: Way, times: Sequence[Fraction]) -> tuple[tuple[Fraction, flo
     return tuple((times[k], float(way.rows[k])) for k in sorted({first, middle, last}))
 
 
-def _other_worlds(
-    subject: Subject, scene: Scene, times: Sequence[Fraction]
-) -> Iterator[_World]:
+def _other_worlds(subject: Subject, scene: Scene, times: Sequence[Fraction]) -> Iterator[_World]:
     """The motion at other times, and those of other scenes that may be meant."""
     if len(times) >= LEAST_ROWS:
         for words, change in other_times(subject, scene):
@@ -194,23 +224,23 @@ def _other_scenes(scene: Scene) -> Iterator[tuple[str, Scene]]:
     products = [(i, j) for i in range(3) for j in range(i) if body.inertia[i][j] != 0]
     some = [products, *([one] for one in products)] if len(products) > 1 else [products]
     for signs in filter(None, some):
-        inertia = [
-            [-x if (i, j) in signs or (j, i) in signs else x for j, x in enumerate(row)]
+        x, y, z = (
+            exact_vector([-m if {(i, j), (j, i)} & {*signs} else m for j, m in enumerate(row)])
             for i, row in enumerate(body.inertia)
-        ]
-        names = " and ".join("I" + "xyz"[j] + "xyz"[i] for i, j in signs)
+        )
+        names = ", ".join("I" + "xyz"[j] + "xyz"[i] for i, j in signs)
         words = f"products of inertia of the other sign ({names})"
         with suppress(BadInput, ValueError):  # moments of no body
-            yield words, _with_body(scene, inertia, body.weight)
+            yield words, _with_body(scene, (x, y, z), body.weight)
     if scene.columns[3:] and "quaternion" in scene.source:
         start = integrated(scene, [Fraction(0)])
         if start is not None and start.attitude is not None:
             a, b, c, d = start.attitude[0]
             turned = _with_attitude(scene, (d, a, b, c))
-            yield "a motion from the scene's quaternion, its last number the scalar", turned
+            yield "the scene's quaternion taken as scalar-last", turned
 
 
-def _with_body(scene: Scene, inertia: Sequence[Sequence[Exact]], weight: Exact) -> Scene:
+def _with_body(scene: Scene, inertia: Matrix, weight: Exact) -> Scene:
     body = Body(inertia, scene.body.centre, weight)
     return replace(scene, body=body)
 
@@ -221,7 +251,7 @@ def _with_attitude(scene: Scene, given: Sequence[float]) -> Scene:
     x, y = turned[0, 2], -turned[1, 2]  # the sine of theta times those of psi
     if math.hypot(x, y) < _POLE:
         x, y = turned[1, 0], turned[0, 0]
-    gamma = tuple(Fraction(float(z)) for z in turned[2])
+    gamma = exact_vector([float(z) for z in turned[2]])
     return replace(scene, gamma=gamma, psi=Fraction(math.atan2(x, y)), normalise=True)
 
 

@@ -26,6 +26,10 @@ LEAST_GAIN = 1.5  # digits that a convention gives at least, at some of the firs
 FAR_GAIN = 2.0  # likewise other times, or another scene
 _RARE = 3.5  # log10 of so many tables of which one is right by chance
 _ALIKE, _ALIKE_IF_EXACT, _EXACT = 0.3, 1.0, 9.0  # digits by which conventions do not differ
+_SURE = 6.0  # digits of a first row that is the start
+_STAYS = 1.0  # digits that are left where the motion stays near it
+_FAR = 0.3  # and by so much the motion is far from it
+_FOLLOWS_SURE = 0.3  # of the way that it has come, digits of what is sure at the first row
 _LEFT = 0.1  # of its size: by so much the motion has left its first row
 _STILL = 0.01  # and by less it stands still
 _FOLLOWS = 0.7  # digits of the way that the motion has come
@@ -75,14 +79,27 @@ def least_gain(tries: int, freedom: int) -> float:
     return max(LEAST_GAIN, (math.log10(tries) + _RARE) / freedom)
 
 
-def follows(mine: Doubles, moved: Doubles, fitted: bool, must_move: bool) -> bool:
+def is_sure(mine: Doubles) -> bool:
+    """Whether the first row is right to many digits."""
+    return bool(mine[0] >= _SURE)
+
+
+def follows(mine: Doubles, moved: Doubles, fitted: bool, must_move: bool, sure: bool) -> bool:
     """Whether a course goes with the motion; ``moved``: how far that is from its first row.
 
-    ``must_move``: whether a motion that stands still tells nothing.
+    ``must_move``: whether a motion that stands still tells nothing.  ``sure``: whether the first
+    row alone tells, being the start to many digits in one convention.
     """
-    left = np.flatnonzero(moved >= _LEFT)
+    sure = sure and is_sure(mine) and not must_move
+    left = np.flatnonzero(moved >= (_FAR if sure else _LEFT))
     row = int(left[0]) if len(left) else int(np.argmax(moved))
-    if moved[row] < _STILL:
-        return not (fitted or must_move)
+    if sure and moved[row] < _LEFT:
+        return float(mine[row]) >= _STAYS
+    if moved[row] < _STILL and not (fitted or must_move):
+        return True
+    if moved[row] == 0:
+        return False
     digits = float(mine[row]) + math.log10(float(moved[row]))
+    if sure:
+        return digits >= _FOLLOWS_SURE
     return digits >= (_FOLLOWS_FITTED if fitted else _FOLLOWS)

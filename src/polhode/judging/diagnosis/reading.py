@@ -28,5 +28,5 @@ def as_read(subject: Subject, readings: Sequence[Reading]) -> Subject:
             subject = replace(subject, states=states)
     moved = next((one.times for one in readings if one.times is not None), None)
     if moved is not None:
-        subject = replace(subject, times=tuple(moved.of(t) for t in subject.times))
+        subject = subject.at_other_times(moved)
     return replace(subject, readings=(*subject.readings, *readings))

@@ -1,12 +1,14 @@
 """The unit of a table's times: how far its first row after the start has come tells.
 
 The scene says how fast omega, gamma and the attitude change at the start.  Where a table changes by
-a thousandth of that in its first row, for each part alike, its t looks like milliseconds.
+a thousandth of that in its first row, for each part alike, its t looks like milliseconds.  Words
+for other times stand here, too.
 """
 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from typing import NamedTuple
@@ -15,7 +17,10 @@ import numpy as np
 
 from polhode.equations.plain_field import field
 from polhode.judging.tables.candidate import Subject
+from polhode.judging.tables.reading import TimeChange
 from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.decimals import in_full
+from polhode.numbers.expression import decimal
 from polhode.numbers.rows import Doubles
 from polhode.scenes.scene import Scene
 
@@ -36,6 +41,37 @@ UNITS = (
     TimeUnit("nanoseconds", Fraction(1, 1_000_000_000)),
     TimeUnit("minutes", Fraction(60)),
 )
+
+
+_TOLD = re.compile(
+    rf"(?:(?:t )?of another clock(?: in ({'|'.join(unit.name for unit in UNITS)}))?:"
+    r" rows belong to )?t ([-+]) ?(\d[\d.]*(?:e[+-]?\d\d?)?)"
+)
+
+
+def clock_words(change: TimeChange) -> str:
+    """What rows of another clock are called.
+
+    >>> clock_words(TimeChange(shift=Fraction(25, 2)))
+    'of another clock: rows belong to t - 12.5'
+    """
+    unit = next((f" in {unit.name}" for unit in UNITS if unit.length == change.unit), "")
+    sign = "-" if change.shift > 0 else "+"
+    return f"of another clock{unit}: rows belong to t {sign} {in_full(abs(change.shift))}"
+
+
+def told_clock(words: str) -> TimeChange | None:
+    """The change of times that words such as ``t - 12.5`` tell; None where they tell none.
+
+    >>> told_clock("of another clock: rows belong to t - 12.5").of(Fraction(15))
+    Fraction(5, 2)
+    """
+    found = _TOLD.fullmatch(words)
+    if found is None:
+        return None
+    unit = next((x.length for x in UNITS if x.name == found[1]), Fraction(1))
+    shift = decimal(found[3])
+    return TimeChange(unit=unit, shift=shift if found[2] == "-" else -shift)
 
 
 def time_unit(subject: Subject, scene: Scene) -> TimeUnit | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from typing import NamedTuple
 
 from polhode.common.errors import BadInput, listed
@@ -16,10 +17,10 @@ from polhode.judging.diagnosis.conventions import (
     whole_parts,
 )
 from polhode.judging.diagnosis.reading import as_read
-from polhode.judging.diagnosis.time_unit import UNITS
+from polhode.judging.diagnosis.time_unit import UNITS, told_clock
 from polhode.judging.diagnosis.ways import Right, as_it_stands, ways
 from polhode.judging.tables.candidate import Subject, of_table
-from polhode.judging.tables.reading import TURNS, Reading, TimeChange
+from polhode.judging.tables.reading import LENGTH, TURNS, Reading, TimeChange
 from polhode.judging.tables.table import Table
 from polhode.numbers.rows import Doubles
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE
@@ -41,8 +42,8 @@ _TIMES = ["t of the other sense", "one step of t late", "one step of t early"]
 _KNOWN = [
     *("degrees", "rpm", "revolutions", "of the other sense", "p q r = q p -r"),
     *("the downward vertical", "gamma1 gamma2 gamma3 = gamma1 -gamma2 -gamma3"),
-    *("scalar-last", "q1 the scalar", "body from space", "body x y z = x -y -z", *_UP[:-2]),
-    *("z down", *_TIMES, *(f"t {unit.name}" for unit in UNITS)),
+    *("scalar-last", "q1 the scalar", "body from space", "body x y z = x -y -z", *_UP[:-2], LENGTH),
+    *("z down", *_TIMES, *(f"t {unit.name}" for unit in UNITS), "t - NUMBER"),
 ]
 _VERTICAL = re.compile(r"space x y z = [-xyz ]+")  # which the rows tell, where its name was told
 _FROM_FIRST = re.compile(r"(?:t )?from its first row on(?: \(.*\))?")
@@ -59,7 +60,7 @@ _PARTS = {
 #: Readings that are reported and not applied.
 _REPORTED = re.compile(
     r"along the axes of space.*|turns about .*|of either sign.*|a weight .*|products .*|"
-    r"a motion from .*|.*a constant rotation of .*|(?:t )?decimals of .*"
+    r"the scene's .*|.*a constant rotation of .*|(?:t )?decimals of .*"
 )
 
 
@@ -83,9 +84,12 @@ def read_as_told(subject: Subject, reference: AnyReference, told: str) -> Subjec
     """
     named = _named(subject, told)
     phrases = dict.fromkeys(one.phrase for one in named)
+    if not phrases and LENGTH in told:
+        return subject
     if not phrases:
         raise BadInput(subject.name, "read", told, f"conventions: {', '.join(_KNOWN)}")
     later = dict(other_times(subject, reference.scene, far=True))
+    later |= {phrase: by for phrase in phrases if (by := told_clock(phrase)) is not None}
     for phrase in phrases:
         if phrase not in later:
             _refuse_unknown(subject, phrase)
@@ -103,7 +107,7 @@ def read_as_told(subject: Subject, reference: AnyReference, told: str) -> Subjec
     if known and not found:
         digits = [as_it_stands(part, values, right) for part, values in parts.items()]
         least = min((d for d in digits if d is not None), default=0.0)
-        found.append(Reading("t", 0.0, known[0], least, None, moved))
+        found.append(Reading("t", 0.0, known[0].removeprefix("t "), least, None, moved))
     if TURNS in phrases and "angles" in parts and all(one.part != "angles" for one in found):
         before = as_it_stands("angles", parts["angles"], right) or 0.0
         found.append(Reading("angles", before, TURNS, before))
@@ -140,6 +144,8 @@ def _named(subject: Subject, told: str) -> list[_Told]:
             first, _, rest = phrase.partition(" ")
             if first in _PARTS and rest:
                 part, phrase = first, _plain(rest)
+            if phrase == LENGTH:  # applied before
+                continue
             if _FROM_FIRST.fullmatch(phrase):
                 phrase = f"t from {float(subject.times[0]):.6g} on"
             found.append(_Told(part, phrase))

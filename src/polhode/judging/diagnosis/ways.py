@@ -37,8 +37,12 @@ _SEQUENCES = [s for s in itertools.product("xyz", repeat=3) if s[0] != s[1] != s
 _ORDERS = (((0, 1, 2, 3), ""), ((3, 0, 1, 2), "scalar-last"), ((1, 2, 3, 0), "q1 the scalar"))
 
 
+_ORDERS_OF_AXES = np.array([order for order, _ in AXES])
+_SIGNS_OF_AXES = np.array([signs for _, signs in AXES])
 #: Numbers of a part that are free of each other.
 FREEDOM = {"omega": 3, "gamma": 2, "attitude": 3, "angles": 3}
+#: Conventions in which a start of numbers that are not round is one: the same one in other words.
+ALIKE_AT_START = {"omega": 3, "gamma": 3, "attitude": 6, "angles": 12}
 
 
 class Right(NamedTuple):
@@ -117,7 +121,10 @@ def _of_vector(
 ) -> Iterator[Way]:
     """Axes in another order or of another sense, left-handed frames among them."""
     held = values * (degrees * _DEGREE or 1.0)
-    for order, signs in AXES:
+    renamed = held[:, _ORDERS_OF_AXES] * _SIGNS_OF_AXES
+    off = np.abs(renamed - true[:, None, :]).max(axis=2) / _size(true, relative)
+    digits = _digits(off)
+    for k, (order, signs) in enumerate(AXES):
         plain = order == SAME and len({*signs}) == 1
         if plain:
             opposite = "of the other sense" if relative else "the downward vertical"
@@ -125,12 +132,11 @@ def _of_vector(
         elif len(values) < LEAST_ROWS:
             continue
         else:
-            axes = [f"{'-' if s < 0 else ''}{names[k]}" for s, k in zip(signs, order, strict=True)]
+            axes = [f"{'-' if s < 0 else ''}{names[i]}" for s, i in zip(signs, order, strict=True)]
             words = f"{' '.join(names)} = {' '.join(axes)}"
         change = Change(order, signs, degrees)
-        digits = _against(held[:, order] * signs, true, relative)
         tries = (2 if plain else len(AXES)) * (len(_UNITS) if relative else 1)
-        yield Way(" ".join(filter(None, (words, unit))), digits, change, tries)
+        yield Way(" ".join(filter(None, (words, unit))), digits[:, k], change, tries)
 
 
 def _of_attitude(values: Doubles, right: Right) -> Iterator[Way]:
@@ -282,12 +288,16 @@ def _of_angles(values: Doubles, right: Right) -> Iterator[Way]:
     yield from _plain_first(found)
 
 
-def _against(values: Any, true: Any, relative: bool = False) -> Doubles:
-    """Digits to which arrays agree at each row; ``relative``: to the largest vector."""
-    error = _errors(values, true) / _size(true, relative)
+def _against(values: Any, true: Any) -> Doubles:
+    """Digits to which matrices agree at each row."""
+    return _digits(_errors(values, true))
+
+
+def _digits(error: Doubles) -> Doubles:
     with np.errstate(divide="ignore", invalid="ignore"):
-        digits = -np.log10(error)
-    return np.clip(np.nan_to_num(digits, nan=0.0, posinf=_TELLABLE), 0.0, _TELLABLE)
+        digits = np.nan_to_num(-np.log10(error), nan=0.0, posinf=_TELLABLE)
+    found: Doubles = np.clip(digits, 0.0, _TELLABLE)
+    return found
 
 
 def _errors(values: Any, true: Any) -> Doubles:

@@ -164,7 +164,18 @@ class Reference(Result):
 
     @property
     def period(self) -> Real | None:
-        """The period of omega in the body, to 50 digits; None where there is none."""
+        """The least period of omega in the body, to 50 digits; None where none is known.
+
+        Of a Lagrange top that nutates, omega does not return when theta does:
+        ``frequencies["nutation"]`` is the rate of theta.
+
+        >>> import polhode
+        >>> polhode.reference("lagrange/nutation").period is None
+        True
+        >>> exact = polhode.reference("lagrange/planar-librating")
+        >>> print(round(exact.period * exact.frequencies["nutation"] / 6.283185307179586, 9))
+        2.0
+        """
         found: Real | None = self._told(lambda: self._motion.period(50))
         return found
 

@@ -13,12 +13,14 @@ from polhode.common.arguments import each, of_kind, refuse_unknown, whole
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.text_tables import few
+from polhode.judging.clock import clock, unknown_clock
 from polhode.judging.conditioning.conditioning import Conditioning
-from polhode.judging.diagnosis.conventions import readings
+from polhode.judging.diagnosis.conventions import readings, right_at, whole_parts
 from polhode.judging.diagnosis.motion_in_double import integrated
 from polhode.judging.diagnosis.reading import as_read
 from polhode.judging.diagnosis.time_unit import begins_at_start, time_unit
 from polhode.judging.diagnosis.told_conventions import read_as_told
+from polhode.judging.diagnosis.ways import as_it_stands as digits_as_they_stand
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference, Remembered, reference
 from polhode.judging.score.judgement import Judgement
@@ -26,10 +28,12 @@ from polhode.judging.score.part_digits import fewest
 from polhode.judging.score.report_text import SHOWN
 from polhode.judging.score.score import AnyReference, does_not_answer
 from polhode.judging.tables.array_file import ENDINGS, read_arrays
+from polhode.judging.tables.attitude_forms import lengths, of_length_one
 from polhode.judging.tables.candidate import Subject, of_run, of_table
+from polhode.judging.tables.column_aliases import Column
 from polhode.judging.tables.csv_file import open_table
 from polhode.judging.tables.csv_layout import Naming, naming
-from polhode.judging.tables.reading import GAIN, WRONG, Reading, TimeChange
+from polhode.judging.tables.reading import GAIN, LENGTH, WRONG, Reading, TimeChange
 from polhode.judging.tables.table import Table, table_of_columns, table_of_rows
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.decimals import brief
@@ -55,6 +59,7 @@ class _Limits(TypedDict, total=False):
     forecast: Callable[[float], None]
 
 
+_TABLES = (".csv", ".tsv", *ENDINGS)
 _FIRST = 5  # rows that tell whether the times have another unit
 MANY = 1000  # rows of a table that has a first answer
 
@@ -105,8 +110,8 @@ def compare(
         The times of rows, in the scene's unit.
     columns : sequence of str, optional
         Of rows, by default those of the scene.  Of a file without a header, or with another, its
-        columns in order; or what single names of its header mean: ``["time_ms=t*1e-3",
-        "Q.W=q0"]``.
+        columns in order; or what single names of its header, or of a mapping or frame, mean:
+        ``["time_ms=t*1e-3", "Q.W=q0"]``.
     known : Conditioning, optional
         The scene's conditioning, to spare its computation.
     first : callable, optional
@@ -166,6 +171,12 @@ def compare(
     limits: _Limits = {"progress": progress, "max_seconds": max_seconds}
     if forecast is not None:
         limits["forecast"] = lambda seconds: forecast(seconds, _unit(subject, scene))
+    if isinstance(against, (str, Path)) and Path(against).suffix.lower() in _TABLES:
+        expected = (
+            "a scene, a case's name or a .toml file: a table is judged by a motion, and not by "
+            f"another table (polhode compare {against} SCENE judges that one)"
+        )
+        raise BadInput("compare", "SCENE", str(against), expected)
     if isinstance(against, (Scene, str, Path)):
         against = reference(against)
         if isinstance(against, Certified):
@@ -190,7 +201,7 @@ def compare(
                     first = None
             what = file.table
         elif hasattr(what, "keys"):
-            what = table_of_columns(what, kind)
+            what = table_of_columns(what, kind, meaning=_meaning(columns))
         elif not isinstance(what, Table):
             named = scene.columns if columns is None else columns
             what = table_of_rows(what, at, named, kind)
@@ -201,9 +212,11 @@ def compare(
         expected = f"columns of {', '.join(against.scene.columns)}, angles or attitude"
         raise BadInput(subject.name, "header", None, expected)
     if read is not None and subject.run is None:
+        subject = _of_length_one(subject, against) if LENGTH in read else subject
         subject, as_it_stands = read_as_told(subject, against, read), True
     elif not as_it_stands and subject.run is None:
         subject = _from_the_start(_in_seconds(subject, against), against)
+        subject = _of_length_one(_by_the_clock(subject, against), against)
         if isinstance(against, Certified):
             subject = _read_before(subject, against)
     found = Judgement(subject, against, known, workers, progress, as_it_stands)
@@ -211,8 +224,10 @@ def compare(
         _ = found.digits  # what cannot be judged is refused here
     except BadInput as refused:
         if not does_not_answer(against, refused):
-            if refused.key == "at" and (unit := _unit(subject, scene)):  # a proof of too many steps
-                expected = f"{refused.expected}; t seems to be in {unit}"
+            if refused.key == "at":  # a proof of too many steps
+                unit = _unit(subject, scene)
+                hints = [f"t seems to be in {unit}"] if unit else unknown_clock(subject, scene)
+                expected = "; ".join([refused.expected, *hints])
                 raise BadInput(refused.source, "t", refused.value, expected) from None
             raise
         found = replace(found, reference=Certified(against.scene, **limits))
@@ -225,6 +240,15 @@ def _naming(columns: Sequence[str] | None) -> Naming | None:
     if columns is None:
         return None
     return naming(",".join(each("compare", "columns", columns, str, "a list of names")))
+
+
+def _meaning(columns: Sequence[str] | None) -> Callable[[Sequence[str]], list[Column]]:
+    """What the names of columns mean, where some were told."""
+    names = _naming(columns) or Naming()
+    if names.header:
+        expected = "NAME=COLUMN of each, for these columns have names"
+        raise BadInput("compare", "columns", ",".join(names.header), expected)
+    return names.columns
 
 
 def _as_read(found: Judgement) -> Judgement:
@@ -274,12 +298,56 @@ def _from_the_start(subject: Subject, against: AnyReference) -> Subject:
     return _at_other_times(subject, against, some, TimeChange(shift=first), words)
 
 
+def _by_the_clock(subject: Subject, against: AnyReference) -> Subject:
+    """A table with the times of the scene, where its first rows belong to others."""
+    some = sorted(range(len(subject.times)), key=subject.times.__getitem__)[:_FIRST]
+    rows = subject.some(some)
+    plain = _as_they_stand(rows, against)
+    if plain >= WRONG or _is_explained(rows, against):
+        return subject
+    found = clock(rows, against.scene)
+    if found is None:
+        remark = unknown_clock(subject, against.scene)
+        return replace(subject, remarks=(*subject.remarks, *remark))
+    moved = subject.at_other_times(found.change, found.off)
+    if not found.entire and not _is_explained(moved.some(some), against):
+        return subject
+    reading = Reading("t", plain, found.words, found.digits)
+    return replace(moved, readings=(*subject.readings, reading))
+
+
+def _is_explained(rows: Subject, against: AnyReference) -> bool:
+    """Whether all parts are right, as they stand or in another convention."""
+    parts, times = whole_parts(rows)
+    right = right_at(against, times)
+    if right is None:
+        return False
+    plain = {name: digits_as_they_stand(name, values, right) for name, values in parts.items()}
+    wrong = {name for name, digits in plain.items() if digits is not None and digits < WRONG}
+    return wrong <= {one.part for one in readings(rows, against, wrong)}
+
+
+def _of_length_one(subject: Subject, against: AnyReference) -> Subject:
+    """A table whose quaternions are of length 1, if they have another one."""
+    attitude = subject.attitude
+    found = None if attitude is None else lengths(attitude)
+    if attitude is None or found is None:
+        return subject
+    unit = [of_length_one(row, subject.number.bits) for row in attitude]
+    parts, times = whole_parts(subject)
+    right = right_at(against, times) if "attitude" in parts else None
+    digits = right and digits_as_they_stand("attitude", parts["attitude"], right)
+    before = max(0.0, -math.log10(max(abs(x - 1) for x in found)))
+    reading = Reading("attitude", before, LENGTH, digits or 0.0)
+    return replace(subject, attitude=unit, readings=(*subject.readings, reading))
+
+
 def _at_other_times(
     subject: Subject, against: AnyReference, some: list[int], change: TimeChange, words: str
 ) -> Subject:
     """A table at changed times, where some of its rows are right so alone."""
     rows = subject.some(some)
-    changed = replace(rows, times=tuple(change.of(t) for t in rows.times))
+    changed = rows.at_other_times(change)
     before = _as_they_stand(rows, against)
     if before >= WRONG:
         return subject
@@ -287,8 +355,8 @@ def _at_other_times(
         now = Judgement(changed, against).worst
         if now >= before + GAIN:
             reading = Reading("t", before, words, now)
-            times = tuple(change.of(t) for t in subject.times)
-            return replace(subject, times=times, readings=(*subject.readings, reading))
+            moved = subject.at_other_times(change)
+            return replace(moved, readings=(*subject.readings, reading))
     return subject
 
 

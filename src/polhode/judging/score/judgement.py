@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
@@ -28,8 +30,10 @@ from polhode.judging.diagnosis.error_budget import (
     is_lost,
     is_thin,
     limit,
+    selected,
 )
 from polhode.judging.diagnosis.omega_only import OmegaAlone, omega_alone
+from polhode.judging.diagnosis.time_rounding import explained, reading
 from polhode.judging.references.reference import by_sign
 from polhode.judging.score.part_digits import PartDigits, RowDigits, fewest
 from polhode.judging.score.report_text import SHOWN, table, together
@@ -37,9 +41,10 @@ from polhode.judging.score.score import AnyReference, HeldAgainst
 from polhode.judging.tables.candidate import Subject, of_table
 from polhode.judging.tables.reading import TURNS, WRONG, Reading
 from polhode.judging.tables.table import Table
-from polhode.numbers.conversion import to_mpf
+from polhode.numbers.conversion import exactly, to_double, to_mpf
 from polhode.numbers.decimals import brief
 from polhode.numbers.exact import Exact
+from polhode.numbers.number_types import DIGITS_HELD
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend import engine
 
@@ -333,7 +338,31 @@ class Judgement(Result, ByValue):
         at, times = self._lowest, len(self.times)
         expected, inputs = self.expected[at], self.inputs[at]
         thin = is_thin(self.reference.scene.body)
-        return limit(worst, held, expected, inputs, agreement, steps, times, thin)
+        found = limit(worst, held, expected, inputs, agreement, steps, times, thin)
+        moved = self._time_rounding if found.startswith("method") else None
+        return found if moved is None else f"rounding (of the times, by up to {moved:.1g})"
+
+    @property
+    def _time_rounding(self) -> float | None:
+        """By how much the times are off at most, if that explains the digits of the state."""
+        about, scene, digits = self.subject, self.reference.scene, self.digits
+        if not about.time_errors:
+            return None
+        count = len(self.times)
+        kept = [k for k in {*few(count, FOLLOWED), self._lowest} if None not in about.states[k]]
+        if kept and len(about.columns) == len(scene.columns):
+            states = [about.states[k] for k in kept]
+        else:
+            kept = [self._lowest]
+            states = self.reference.at([self.times[k] for k in kept], DIGITS_HELD["double"])
+        worst = selected(count)
+        return explained(
+            scene,
+            np.array([[to_double(exactly(x)) for x in row] for row in states]),
+            [about.time_errors[k] for k in kept],
+            [about.held if (d := digits[k]) is None else d for k in kept],
+            [about.held if (e := self.expected[k]) is None else e.least - worst for k in kept],
+        )
 
     @cached_property
     def chance(self) -> float | None:
@@ -401,7 +430,6 @@ class Judgement(Result, ByValue):
     def offers(self) -> tuple[Reading, ...]:
         """Those that are not applied, of a table."""
         from polhode.judging.diagnosis.conventions import readings
-        from polhode.judging.diagnosis.time_rounding import reading
 
         source = self.subject.source
         if self.as_it_stands or not isinstance(source, Table):

@@ -48,12 +48,21 @@ def most_right(candidates: Sequence[RowDigits]) -> RowDigits:
 
 
 def part_digits(
-    name: str, own: Given, true: list[list[Scalar]], held: float, bits: int
+    name: str,
+    own: Given,
+    true: list[list[Scalar]],
+    held: float,
+    bits: int,
+    signless: bool = False,
 ) -> PartDigits:
-    """A part's rows against the reference's; ``held``: the most digits that can be told."""
+    """A part's rows against the reference's; ``held``: the most digits that can be told.
+
+    ``signless``: whether a quaternion's sign may differ from row to row.
+    """
     scale = 1 if COLUMNS[name].how == "integrated" else largest_of(true)
     signs = ALIKE.get(name, (1,))
-    found = most_right([_row_digits(own, true, held, bits, s, scale) for s in signs])
+    sides = [_row_digits(own, true, held, bits, s, scale) for s in signs]
+    found = most_right([tuple(map(_more, *sides))] if signless and len(sides) > 1 else sides)
     turned = _row_digits(own, true, held, bits, 1, 1, TURNING) if name == "angles" else None
     return PartDigits(found, turned)
 
@@ -82,6 +91,10 @@ def _row_digits(
                     digits.append(digits_of(abs(error) / scale, held))
             found.append(min(digits, default=None))
     return tuple(found)
+
+
+def _more(one: float | None, other: float | None) -> float | None:
+    return one if one is None or other is None else max(one, other)
 
 
 def largest_of(rows: list[list[Scalar]]) -> Scalar:

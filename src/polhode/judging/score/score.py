@@ -160,15 +160,15 @@ class HeldAgainst:
 
     def part(self, name: str, own: Given) -> PartDigits:
         """Digits of such a part at all rows; raises ValueError."""
-        held, bits = self.subject.held, self.bits
+        held, bits, signless = self.subject.held, self.bits, self.subject.signless
         many = None if self.many is None else self.many.part(name)
         if many is None or self.many is None:
 
             def right(true: list[list[Scalar]]) -> float:
-                return fewest(part_digits(name, own, true, held, bits).digits, held)
+                return fewest(part_digits(name, own, true, held, bits, signless).digits, held)
 
             ask = partial(column_of, self._ask, self.reference.scene, name)
-            return part_digits(name, own, self._true(ask, right), held, bits)
+            return part_digits(name, own, self._true(ask, right), held, bits, signless)
         there = _there(own)
         told = PartDigits(_where(there, digits(many, held)))
         if name != "angles" or self.many.turned is None:

@@ -26,8 +26,7 @@ from polhode.judging._dense_reference.parallel_evaluation import Ask
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference, rows
 from polhode.judging.score.part_digits import TURNING
-from polhode.judging.tables.candidate import Subject
-from polhode.judging.tables.double_double_columns import columns_in_pairs
+from polhode.judging.tables.candidate import Subject, columns_in_pairs
 from polhode.numbers import exact
 from polhode.numbers.conversion import to_double
 from polhode.numbers.double_double import Pairs, of_exact, of_fractions, of_pairs, pairs
@@ -49,7 +48,8 @@ class ManyRows:
     """Errors of a subject's rows: of the state (0 without one), scaled as digits are, of the
     attitude, of the angles and of derived columns; None where these are to be judged one by one.
 
-    A quaternion may have either sign: that which makes more of its rows right.  ``halves``: the
+    A quaternion may have either sign: that which makes more of its rows right, or in each row the
+    better one where its signs mean nothing.  ``halves``: the
     errors of omega and of gamma.  ``turned``: of angles, psi and phi up to whole turns.
     ``untold``: rows of which theta is judged and psi and phi, which the subject has, are not yet.
     """
@@ -110,6 +110,8 @@ def many_rows(
         right = {w: _derived(w, reference.scene, states, quaternion, count) for w in made}
         by = {w: [_largest(columns)] * len(columns) for w, columns in right.items() if columns}
         derived = {w: _errors(made[w], right[w], scale) for w, scale in by.items()}
+    if subject.signless and sides:
+        sides = [np.minimum(*sides)]
     attitude = max(sides, key=lambda side: sum(digits(side, subject.held)), default=None)
     judged: list[tuple[Ask, Sequence[Pairs], Sequence[float], Doubles | None]] = [
         (reference.at, own and states, scales, errors),

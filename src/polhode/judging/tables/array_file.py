@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from polhode.common.errors import UNREADABLE, BadInput
 from polhode.common.files import npy_header, read_npz, read_whole
-from polhode.judging.tables.column_aliases import column
+from polhode.judging.tables.column_aliases import columns
 from polhode.judging.tables.csv_file import MAX_BYTES
 from polhode.judging.tables.csv_layout import Naming
 from polhode.judging.tables.table import Table, table_of_columns
@@ -37,7 +37,7 @@ def read_arrays(path: Path, number: NumberType | None, names: Naming | None = No
     """A file of arrays as a table; raises BadInput.  ``number``: of its numbers, where given."""
     names = names or Naming()
     held, own = arrays(path, names)
-    return table_of_columns(held, number or own, str(path), names.column)
+    return table_of_columns(held, number or own, str(path), names.columns)
 
 
 def arrays(path: Path, names: Naming) -> tuple[Arrays, NumberType | None]:
@@ -55,10 +55,10 @@ def arrays(path: Path, names: Naming) -> tuple[Arrays, NumberType | None]:
         return _of_one(path, held, names), None
     if {"about", "times", "states"} <= {*held}:
         return _of_polhode(path, held)
-    columns: dict[str, object] = {}
+    flat: dict[str, object] = {}
     for name, array in held.items():
-        columns |= _flat(path, name, array)
-    return columns, None
+        flat |= _flat(path, name, array)
+    return flat, None
 
 
 def _one(data: bytes) -> Any:
@@ -101,17 +101,17 @@ def _of_polhode(path: Path, held: Mapping[str, Any]) -> tuple[dict[str, object],
         number = NumberType(about["number"], about["bits"])
         if number.name not in NAMES or not 0 < number.bits <= bits_for(MAX_DIGITS):
             raise ValueError
-        columns: dict[str, object] = {}
+        own: dict[str, object] = {}
         for key, names in _OWN.items():
             if key in held:
                 rows = held[key].reshape(len(held["times"]), -1)
-                columns |= {
+                own |= {
                     name: [None if x == "" else _exactly(str(x), number, key) for x in rows[:, k]]
                     for k, name in enumerate(names[: rows.shape[1]])
                 }
     except (*_FAULTS, AttributeError, TypeError):
         raise BadInput(str(path), "about", None, "a trajectory that polhode saved") from None
-    return columns, number
+    return own, number
 
 
 def _exactly(text: str, number: NumberType, key: str) -> Fraction:
@@ -121,7 +121,8 @@ def _exactly(text: str, number: NumberType, key: str) -> Fraction:
 
 
 def _flat(path: Path, name: str, array: Any) -> dict[str, object]:
-    """A column, or those of an array of three or four: ``gamma`` as ``gamma_x``, ..."""
+    """A column, or those of an array of three or four: ``gamma`` as ``gamma_x``, ...; of matrices
+    ``R`` as ``R_11``, ..."""
     if array.ndim == 1:
         return {name: array}
     if array.ndim == 0:
@@ -129,7 +130,12 @@ def _flat(path: Path, name: str, array: Any) -> dict[str, object]:
     axes: Sequence[str] = _AXES.get(array.shape[1], "") if array.ndim == 2 else ""
     prefix = "w" if name.lower() == "omega" else name  # omega_x is a column along space axes
     parts = {f"{prefix}_{axis}": array[:, k] for k, axis in enumerate(axes)}
-    if not parts or column(next(iter(parts))).name is None:
-        expected = "columns, or arrays of shape (n, 3) or (n, 4) such as omega, gamma, quaternion"
+    if array.shape[1:] == (3, 3):
+        parts = {f"{prefix}_{i + 1}{j + 1}": array[:, i, j] for i in range(3) for j in range(3)}
+    if all(one.name is None for one in columns(["t", *parts])[1:]):
+        expected = (
+            "columns, or arrays of shape (n, 3), (n, 4) or (n, 3, 3) such as omega, gamma, "
+            "quaternion, R"
+        )
         raise BadInput(str(path), name, array.shape, expected)
     return parts

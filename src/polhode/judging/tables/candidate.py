@@ -13,9 +13,11 @@ from polhode.common.cached_property import cached_property
 from polhode.common.value_semantics import ByValue
 from polhode.equations.column import column, derived_words
 from polhode.equations.integrals import Drift, drift, drift_of_columns
+from polhode.judging.tables.attitude_forms import lengths
 from polhode.judging.tables.column_aliases import not_judged
 from polhode.judging.tables.table import Table
-from polhode.numbers.conversion import to_mpf
+from polhode.numbers.conversion import to_double, to_mpf
+from polhode.numbers.exact import ZERO
 from polhode.numbers.number_types import DOUBLE, NumberType, mp
 from polhode.numbers.rows import Given
 from polhode.runs.trajectory import Trajectory
@@ -23,7 +25,7 @@ from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, COLUMNS, STATE, column_names
 
 if TYPE_CHECKING:
-    from polhode.judging.tables.reading import Reading
+    from polhode.judging.tables.reading import Reading, TimeChange
     from polhode.numbers.double_double import Pairs
 
 MOST_DIGITS = 1000.0  # that are told of a table
@@ -41,7 +43,9 @@ class Subject(ByValue):
     ``attitude`` likewise, None where nothing of them is there; ``derived``: the same of derived
     columns, by output.  ``steps``: what is to blame where the method is.  ``printed``: significant
     digits in a table, None of a run.  ``remarks``: how the table was read.  ``readings``:
-    conventions that were applied to it.
+    conventions that were applied to it.  ``time_errors``: by which the times may be off, rounded;
+    empty where they are exact.  ``signless``: whether the quaternion's sign means nothing at any
+    time.
     """
 
     source: Trajectory | Table
@@ -60,6 +64,8 @@ class Subject(ByValue):
     notes: tuple[str, ...]
     remarks: tuple[str, ...] = ()
     readings: tuple[Reading, ...] = ()
+    time_errors: tuple[float, ...] = ()
+    signless: bool = False
 
     def part(self, word: str) -> Given | None:
         """Rows of an output by its word, None where nothing of it is there."""
@@ -78,7 +84,17 @@ class Subject(ByValue):
             angles=of(self.angles),
             attitude=of(self.attitude),
             derived={word: [rows[k] for k in which] for word, rows in self.derived.items()},
+            time_errors=tuple(self.time_errors[k] for k in which) if self.time_errors else (),
         )
+
+    def at_other_times(self, change: TimeChange, off: float | None = None) -> Subject:
+        """The same rows at changed times; ``off``: by how much their origin may be off, as much as
+        the first time unless given."""
+        times, unit = tuple(change.of(t) for t in self.times), abs(to_double(change.unit))
+        errors = [unit * x for x in self.time_errors or [0.0] * len(times)]
+        off = (errors[0] if change.shift else 0.0) if off is None else off
+        told = tuple(x + off for x in errors) if any(errors) or off else ()
+        return replace(self, times=times, time_errors=told)
 
     @property
     def run(self) -> Trajectory | None:
@@ -91,8 +107,6 @@ class Subject(ByValue):
 
         Raises OverflowError for a number beyond doubles.
         """
-        from polhode.judging.tables.double_double_columns import columns_in_pairs
-
         return columns_in_pairs(self.states)
 
     def drift(self, scene: Scene, bits: int) -> Drift | str:
@@ -110,6 +124,28 @@ class Subject(ByValue):
         if at_once is not None:
             return at_once
         return drift(scene, [[to_mpf(x, bits) for x in row] for row in self.states], bits)
+
+
+def columns_in_pairs(rows: Given) -> list[Pairs]:
+    """The columns of rows; not a number where a cell is not there.
+
+    Raises OverflowError for a number beyond doubles.
+    """
+    import numpy as np
+
+    from polhode.numbers.double_double import Pairs, of_fractions
+
+    if isinstance(rows, np.ndarray):
+        wide = rows.astype(np.float64)
+        rest = (rows - wide).astype(np.float64)
+        return [Pairs(wide[:, i], rest[:, i]) for i in range(rows.shape[1])]
+    found = []
+    for cells in zip(*rows, strict=True):
+        gaps = np.array([x is None for x in cells])
+        some = of_fractions([ZERO if x is None else x for x in cells])
+        some.hi[gaps] = np.nan
+        found.append(some)
+    return found
 
 
 def of_run(run: Trajectory) -> Subject:
@@ -148,6 +184,7 @@ def of_table(table: Table, scene: Scene) -> Subject:
     notes += [f"column {name} is not in the file" for name in scene.columns if name not in there]
     if any(_gaps(there[name]) for name in columns):
         notes.append("empty cells were not judged")
+    attitude = table.rows(ATTITUDE) if scene.columns[3:] else None
     yardstick = number or (DOUBLE if table.printed <= DOUBLE.printed_digits else mp(table.printed))
     held = number.most_digits if number else min(table.printed + 2.0, MOST_DIGITS)
     derived = {word: table.rows(COLUMNS[word].names) for word in judged_words()}
@@ -160,14 +197,26 @@ def of_table(table: Table, scene: Scene) -> Subject:
         columns=columns,
         states=table.rows(scene.columns),
         angles=table.rows(ANGLES) if scene.columns[3:] else None,
-        attitude=table.rows(ATTITUDE) if scene.columns[3:] else None,
+        attitude=attitude,
         derived={word: rows for word, rows in derived.items() if rows and scene.columns[3:]},
         steps="steps of the program",
         printed=table.printed,
         projected=table.projected,
         notes=tuple(notes),
-        remarks=table.remarks,
+        remarks=(*table.remarks, *_length(attitude)),
+        time_errors=table.time_errors,
+        signless=table.signless,
     )
+
+
+def _length(attitude: list[list[Fraction | None]] | None) -> list[str]:
+    """That quaternions have another length than 1."""
+    found = None if attitude is None else lengths(attitude)
+    if found is None:
+        return []
+    least, most = (f"{x:.6g}" for x in found)
+    told = f"is {least}" if least == most else f"is between {least} and {most}"
+    return [f"the quaternion's length {told}, not 1"]
 
 
 def _quoted(name: str) -> str:

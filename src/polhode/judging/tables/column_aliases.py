@@ -1,9 +1,14 @@
-"""Names that other programs give to the columns of a trajectory."""
+"""Names that other programs give to the columns of a trajectory.
+
+A name is a stem and an axis, ``gyro`` and ``x``, after a path and before a unit: ``imu/gyro_x
+[deg/s]``.  What it means may depend on the others: whether axes are counted from 0 or from 1, and
+whether ``gx`` is a component of gamma or a rate.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -11,44 +16,85 @@ from polhode.equations.column import column as derived_column
 from polhode.equations.column import derived_words
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, COLUMNS, STATE, column_names
 
-_OTHERS = {
-    "time": "t",
-    "seconds": "t",
-    "timestamp": "t",
-    **{f"w{axis}": name for axis, name in zip("xyz", STATE, strict=False)},
-    **{f"w_{axis}": name for axis, name in zip("xyz", STATE, strict=False)},
-    **{f"g{axis}": name for axis, name in zip("xyz", STATE[3:], strict=False)},
-    **{f"gamma_{axis}": name for axis, name in zip("xyz", STATE[3:], strict=False)},
-    **{f"g{n}": name for n, name in zip("123", STATE[3:], strict=False)},
-    **{f"q{axis}": name for axis, name in zip("wxyz", ATTITUDE, strict=False)},
-    **{f"q_{axis}": name for axis, name in zip("wxyz", ATTITUDE, strict=False)},
-    "q4": "q0",  # of q1 q2 q3 q4, whose last one mostly is the scalar
+#: Other forms of the attitude, which become a quaternion: see
+#: :mod:`polhode.judging.tables.attitude_forms`.
+MATRIX = tuple(f"R{i}{j}" for i in "123" for j in "123")
+RODRIGUES = ("sigma1", "sigma2", "sigma3")
+ROTATION_VECTOR = ("rotvec1", "rotvec2", "rotvec3")
+FORMS = (MATRIX, RODRIGUES, ROTATION_VECTOR)
+
+_WORDS = {
+    **dict.fromkeys(("time", "seconds", "timestamp", "elapsed", "seconds_elapsed"), "t"),
+    **dict.fromkeys(("elapsed_time", "sim_time", "simulation_time"), "t"),
     "precession": "psi",
     "nutation": "theta",
     "spin": "phi",
     # Of another sequence: wrong as they stand, and the judgement says how they would be right.
     **dict(zip(("yaw", "pitch", "roll"), ANGLES, strict=True)),
+    **{name: name for name in (*STATE, *ANGLES, *ATTITUDE)},
 }
-#: Of ROS, Unity and Blender: ``orientation.w``, ``Rotation_X``, ``rotation_quaternion[0]``; of
-#: MuJoCo's ball joint ``qpos0``, ``qvel[2]``, whose rates are along body axes.
-_QUATERNION = re.compile(
-    r"(?:.*[./])?(?:orientation|rotation|quaternion|quat|attitude|rotation_quaternion)"
-    r"[._ ]?(?:\[?(?:quat_)?([wxyz0-3])\]?)$"
-)
-_RATE = re.compile(r"(?:.*[./])?(?:angular_?velocity|ang_?vel|gyro)[._ ]?\[?([xyz0-2])\]?$")
-_BALL = re.compile(r"(qpos|qvel)[_.]?\[?([0-3])\]?$")
+_GREEK = str.maketrans({"ω": "w", "γ": "gamma", "ψ": "psi", "θ": "theta", "φ": "phi", "ϕ": "phi"})
+_GREEK |= str.maketrans({"Ω": "w", "σ": "sigma", "°": "deg", "µ": "u", "μ": "u", "·": " "})
+
+_S = r"[._/ -]?"
+_BEFORE = r"(?:.*[./:])?(?:(?:imu|body|sensor|motion|device|vehicle)[_ -])*"
+_TURNING = rf"(?:ang(?:ular)?|rot(?:ation(?:al)?)?|body){_S}(?:vel(?:ocity)?|rates?|speed)"
+#: Stems by what they are stems of.  ``w_a`` is Modelica's, ``qvel`` MuJoCo's (of a ball joint),
+#: ``sigma_BN`` and ``omega_BN_B`` Basilisk's; ``orientation``, ``rotation`` are those of ROS, Unity
+#: and Blender.  All rates are along body axes.
+_STEMS = {
+    "omega": rf"(?:w|omega|gyro(?:scope)?|gyr|rates?|gyro{_S}rotation|{_TURNING}|qvel)"
+    rf"(?:{_S}(?:a|b|body|bn{_S}b|rad|xyz))?",
+    "gamma": "gamma|g",
+    "acceleration": rf"(?:lin(?:ear)?{_S})?a(?:cc(?:el(?:eration|erometer)?)?)?",
+    "quaternion": r"q|quat|(?:orientation|rotation|quaternion|quat|attitude|rotation_quaternion)"
+    rf"(?:{_S}(?:quat|q))?|qpos",
+    "rodrigues": rf"(?:sigma|mrp)s?(?:{_S}(?:bn|bi|b))?",
+    "vector": rf"rot(?:ation)?{_S}vec(?:tor)?|rv",
+    "matrix": rf"(?:[rmtc]|dcm|rot(?:m|mat)?|rotation|(?:rot(?:ation)?{_S})?matrix)"
+    rf"(?:{_S}(?:t|bn|nb|bi|ib))?",
+}
+_AXES = {"matrix": r"([xyz]{2}|\d{2}|\d\D{1,2}\d)", "quaternion": r"([wxyzrsijk0-4])"}
+#: What may follow: of an acceleration, which is not read, a unit of any kind.
+_AFTER = {"acceleration": r"(?:[\s_,(\[].*)?"}
+_NAMES = {
+    kind: re.compile(
+        rf"{_BEFORE}({stems}){_S}[\[(]?{_AXES.get(kind, '([xyz0-3])')}[\])]?{_AFTER.get(kind, '')}$"
+    )
+    for kind, stems in _STEMS.items()
+}
+_COMPONENTS = {
+    "omega": STATE[:3],
+    "gamma": STATE[3:],
+    "quaternion": ATTITUDE,
+    "rodrigues": RODRIGUES,
+    "vector": ROTATION_VECTOR,
+    "matrix": MATRIX,
+}
+_ROLL = re.compile(rf"{_BEFORE}(roll|pitch|yaw){_S}(?:rate|speed|vel(?:ocity)?)$")
+
 #: A unit at the end of a name: ``psi_deg``, ``wx [deg/s]``, ``p (rad/s)``, ``time [s]``.
+_PER = r"(?:(?:/| ?per |_| )s(?:ec(?:ond)?)?|ps| ?s(?:\^?-1|⁻¹))"
 _UNIT = re.compile(
-    r"[\s_]*[\[(]?(deg|degrees|rad|radians|rpm|ms|us|ns|s|sec)(?:[/_ ]s)?[\])]?$", re.I
+    rf"[\s_,]*[\[(]?(?:(m?deg(?:rees?)?|m?rad(?:ians?)?)({_PER})?|(m?dps|rpm|rps|rev{_PER}|hz)"
+    r"|(ms|us|ns|s|sec|seconds?|min|minutes?)|(-))[\])]?$",
+    re.I,
 )
+_TIMES = {"ms": Fraction(1, 1000), "us": Fraction(1, 10**6), "ns": Fraction(1, 10**9)}
+_TIMES |= {"min": Fraction(60), "minute": Fraction(60), "minutes": Fraction(60)}
+_TURNS = {"rpm": Fraction(6), "dps": Fraction(1), "mdps": Fraction(1, 1000)}  # in degrees
 #: The whole seconds and the nanoseconds of one time, as ROS writes it.
 _STAMP = re.compile(r"(?:.*[./])?stamp[._](?:(secs?)|nano?secs?|nsecs?)$")
-_TIMES = {"ms": Fraction(1, 1000), "us": Fraction(1, 10**6), "ns": Fraction(1, 10**9)}
 
 
 def known() -> list[str]:
     """The names of all columns of a trajectory."""
     return ["t", *STATE, *column_names()]
+
+
+def readable() -> list[str]:
+    """The names of all columns that a table may have: those, and other forms of the attitude."""
+    return [*known(), *(name for form in FORMS for name in form)]
 
 
 def not_judged() -> dict[str, str]:
@@ -74,51 +120,159 @@ class Column(NamedTuple):
     part: bool = False
 
 
+UNKNOWN = Column(None)
+
+
+class _Unit(NamedTuple):
+    """A unit: of an ``angle``, a ``rate`` or a ``time``, empty for none of these."""
+
+    kind: str
+    degrees: bool = False
+    factor: Fraction = Fraction(1)
+
+
+class _Part(NamedTuple):
+    """A header as a component: of what, by which stem, along which axis or axes."""
+
+    kind: str
+    stem: str
+    axis: str
+    unit: _Unit
+
+
+def columns(headers: Sequence[str]) -> list[Column]:
+    """What the headers of a table mean, all together.
+
+    >>> [found.name for found in columns(["t", "gx", "gy", "gz"])]
+    ['t', 'gamma1', 'gamma2', 'gamma3']
+    >>> [found.name for found in columns(["t", "ax", "ay", "az", "gx", "gy", "gz"])]
+    ['t', None, None, None, 'p', 'q', 'r']
+    >>> [found.name for found in columns(["body.w_a[1]", "body.w_a[2]", "Gyroscope z (rad/s)"])]
+    ['p', 'q', 'r']
+    >>> columns(["time_ms", "psi_deg"])
+    [Column(name='t', degrees=False, factor=Fraction(1, 1000), part=False), \
+Column(name='psi', degrees=True, factor=Fraction(1, 1), part=False)]
+    """
+    alone = [_alone(header) for header in headers]
+    parts = [one if isinstance(one, _Part) else None for one in alone]
+    there = [part for part in parts if part is not None]
+    first = {
+        (part.kind, part.stem): "0"
+        if any("0" in x.axis for x in there if x[:2] == part[:2])
+        else "1"
+        for part in there
+    }
+    found = [
+        one if isinstance(one, Column) else _component(one, first[one.kind, one.stem])
+        for one in alone
+    ]
+    names = {one.name for one in found}
+    gyro = _g_is_a_rate(parts, found)
+    for k, part in enumerate(parts):
+        if part is None:
+            continue
+        if part.stem == "g" and (gyro or part.unit.kind == "rate"):
+            found[k] = _component(part._replace(kind="omega"), first[part.kind, part.stem])
+        elif part.kind in ("matrix", "rodrigues", "vector"):
+            whole = {*_COMPONENTS[part.kind]} <= names
+            found[k] = found[k] if whole and not {*ATTITUDE} <= names else UNKNOWN
+    return found
+
+
+def _g_is_a_rate(parts: Sequence[_Part | None], found: Sequence[Column]) -> bool:
+    """Whether ``gx gy gz`` are rates, where no others are there: beside accelerations or gamma."""
+    others = {
+        one.name for part, one in zip(parts, found, strict=True) if not part or part.stem != "g"
+    }
+    accelerated = any(part is not None and part.kind == "acceleration" for part in parts)
+    return (accelerated or bool({*STATE[3:]} & others)) and not {*STATE[:3]} & others
+
+
 def column(header: str) -> Column:
-    """What a header of a table means.
+    """What the header of a single column means.
 
     >>> column("qw").name, column("wx [deg/s]")[:2], column("psi_deg")[:2], column("note").name
     ('q0', ('p', True), ('psi', True), None)
-    >>> column("time_ms").name, column("time_ms").factor, column("pose.orientation.w").name
-    ('t', Fraction(1, 1000), 'q0')
+    >>> column("time_ms").factor, column("pose.orientation.w").name, column("p_dps")[:2]
+    (Fraction(1, 1000), 'q0', ('p', True))
     """
-    names = known()
-    if header in names:
-        return Column(header)
-    if header == "%time":
-        return Column("t", False, _TIMES["ns"])
-    if stamp := _STAMP.match(header.lower()):
-        return Column("t", False, Fraction(1) if stamp[1] else _TIMES["ns"], True)
-    unit = _UNIT.search(header)
-    bare = header[: unit.start()] if unit and unit.start() else header
-    name = bare if bare in names else _OTHERS.get(bare.lower()) or _exported(bare.lower())
-    if name is None:
-        return Column(None)
-    word = unit.group(1).lower() if unit is not None and bare != header else ""
-    if word in _TIMES:
-        return Column(name, False, _TIMES[word]) if name == "t" else Column(None)
-    if word == "rpm":
-        return Column(name, True, Fraction(6)) if name in STATE[:3] else Column(None)
-    return Column(name, word.startswith("deg"))
+    return columns([header])[0]
 
 
 def twice(named: Iterable[Column]) -> str | None:
     """A name that two columns have which are no parts of one; None where there is none."""
     held = [*named]
-    for name in known():
+    for name in readable():
         same = [found for found in held if found.name == name]
         if len(same) > 1 and not (all(x.part for x in same) and len({*same}) == len(same)):
             return name
     return None
 
 
-def _exported(name: str) -> str | None:
-    """The column of a name as engines export it; None of another."""
-    if found := _QUATERNION.match(name):
-        return ATTITUDE["wxyz0123".index(found[1]) % 4]
-    if found := _RATE.match(name):
-        return STATE["xyz012".index(found[1]) % 3]
-    if found := _BALL.match(name):
-        place = int(found[2])
-        return ATTITUDE[place] if found[1] == "qpos" else None if place > 2 else STATE[place]
-    return None
+def _alone(header: str) -> Column | _Part:
+    """What a header means by itself, or the component that it is."""
+    if header in known():
+        return Column(header)
+    if header == "%time":
+        return Column("t", False, _TIMES["ns"])
+    if stamp := _STAMP.match(header.lower()):
+        return Column("t", False, Fraction(1) if stamp[1] else _TIMES["ns"], True)
+    plain = header.translate(_GREEK).strip()
+    split = _UNIT.search(plain)
+    for name, unit in ((plain, None), (plain[: split.start()] if split else "", split)):
+        word = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name.strip()).lower()
+        units = _unit(unit)
+        found = "t" if name.strip() == "t" else _WORDS.get(word) or _WORDS.get(name.lower())
+        found = found or _rate_of_turn(word)
+        if found is not None:
+            return _in_unit(found, units)
+        for kind, pattern in _NAMES.items():
+            for text in dict.fromkeys((word, name.lower())):
+                if part := pattern.match(text):
+                    return _Part(kind, part[1], part[2], units)
+    return UNKNOWN
+
+
+def _rate_of_turn(word: str) -> str | None:
+    found = _ROLL.match(word)
+    return STATE[("roll", "pitch", "yaw").index(found[1])] if found else None
+
+
+def _unit(found: re.Match[str] | None) -> _Unit:
+    """The unit at the end of a header."""
+    if found is None or found[5]:
+        return _Unit("")
+    angle, per, rate, time = (x.lower() if x else "" for x in found.groups()[:4])
+    if time:
+        return _Unit("time", factor=_TIMES.get(time, Fraction(1)))
+    if rate:
+        return _Unit("rate", True, _TURNS.get(rate, Fraction(360)))
+    factor = Fraction(1, 1000) if angle.startswith("m") else Fraction(1)
+    return _Unit("rate" if per else "angle", "deg" in angle, factor)
+
+
+def _in_unit(name: str, unit: _Unit) -> Column:
+    """A column in a unit; unknown where it has no such unit."""
+    kinds = ("time",) if name == "t" else ("angle", "rate") if name in STATE[:3] else ()
+    kinds = ("angle",) if name in (*ANGLES, *ROTATION_VECTOR) else kinds
+    if unit.kind and unit.kind not in kinds:
+        return UNKNOWN
+    return Column(name, unit.degrees, unit.factor)
+
+
+def _component(part: _Part, first: str) -> Column:
+    """The column of a component whose axes are counted from ``first``."""
+    names, axis = _COMPONENTS.get(part.kind, ()), part.axis
+    if part.kind == "matrix":
+        row, column = (_place(x, first) for x in (axis[0], axis[-1]))
+        return _in_unit(names[3 * row + column], part.unit) if max(row, column) < 3 else UNKNOWN
+    if part.kind == "quaternion":  # of 1 2 3 4 the last one mostly is the scalar
+        place = "wxyz0123rijk4s".index(axis) % 4 if axis not in "4s" else 0
+        return _in_unit(names[place], part.unit)
+    place = _place(axis, "0" if part.stem == "qvel" else first)
+    return _in_unit(names[place], part.unit) if place < len(names) else UNKNOWN
+
+
+def _place(axis: str, first: str) -> int:
+    """The place of an axis among three; 3 or more of another."""
+    return "xyz".index(axis) if axis in "xyz" else (int(axis) - int(first)) % 10

@@ -50,6 +50,17 @@ def most_printed(cells: Sequence[str], least: int) -> int:
     return found
 
 
+def last_place(cells: Sequence[str]) -> Fraction:
+    """The least unit of a cell's last place."""
+    return Fraction(10) ** min(map(_place, cells))
+
+
+def _place(cell: str) -> int:
+    """The power of ten of a decimal's last place."""
+    mantissa, _, power = cell.lower().partition("e")
+    return int(power or 0) - len(mantissa.partition(".")[2])
+
+
 def _significant(cell: str) -> int:
     mantissa = cell.lower().partition("e")[0].lstrip("+-0.")
     return len(mantissa) - ("." in mantissa)

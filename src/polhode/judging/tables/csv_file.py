@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import string
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
@@ -14,21 +14,25 @@ from typing import TextIO
 from polhode.common.errors import BadInput
 from polhode.common.files import STDIN, called, read_stdin, read_whole
 from polhode.common.text_tables import few
-from polhode.judging.tables.column_aliases import Column, known, twice
-from polhode.judging.tables.csv_columns import most_printed, values
-from polhode.judging.tables.csv_layout import SEPARATORS, Naming, layout
+from polhode.judging.tables.attitude_forms import with_quaternions
+from polhode.judging.tables.column_aliases import Column
+from polhode.judging.tables.csv_columns import last_place, most_printed, values
+from polhode.judging.tables.csv_layout import SEPARATORS, Naming, is_empty, layout
 from polhode.judging.tables.sidecar import Sidecar, beside
-from polhode.judging.tables.table import Table, added, radians
+from polhode.judging.tables.table import Table, added, radians, refuse_names
+from polhode.judging.tables.time_errors import of_decimals, of_type
+from polhode.judging.tables.type_inference import printed_type
 from polhode.numbers import expression
 from polhode.numbers.expression import ExpressionError
-from polhode.numbers.number_types import NumberType
+from polhode.numbers.number_types import DIGITS_HELD, DOUBLE, NumberType, bits_for
 
 MAX_BYTES = 1 << 30
 MAX_LINE = 1_000_000  # characters
 _BLANK = SEPARATORS + string.whitespace
 _ACCEPTED = (
     "a header with a column t (or time, timestamp) and other columns, separated by commas, "
-    "semicolons, tabs or blanks, also after #; or --columns t,p,q,... that names them"
+    "semicolons, tabs or blanks, also after #; or --columns t,p,q,... that names them, or "
+    "--columns NAME=t"
 )
 
 
@@ -83,14 +87,10 @@ class TableFile:
         if not rows:
             raise BadInput(str(path), "file", None, "a header line that names the columns")
         header = rows[0][1]
-        named = [self.names.column(name) for name in header]
-        if (name := twice(named)) is not None:
-            raise BadInput(str(path), "header", name, "each column once")
+        named = self.names.columns(header)
         if all(found.name != "t" for found in named):
             raise BadInput(str(path), "header", ",".join(header), _ACCEPTED)
-        if all(found.name in (None, "t") for found in named):
-            expected = f"columns besides t that can be judged, of {', '.join(known()[1:])}"
-            raise BadInput(str(path), "header", ",".join(header), expected)
+        refuse_names(str(path), "header", header, named)
         if len(rows) == 1:
             raise BadInput(str(path), "file", None, "at least one line of numbers")
         found = _table(path, header, named, rows[1:], self.number, self.beside)
@@ -148,14 +148,23 @@ def _table(
     for line, cells in rows:
         if len(cells) != len(header):
             raise BadInput(f"{path}:{line}", "line", ",".join(cells), f"{len(header)} values")
-    columns = dict(zip(named, zip(*(cells for _, cells in rows), strict=True), strict=True))
+    columns = {
+        meant: texts if meant.name == "t" else [x if not is_empty(x) else "" for x in texts]
+        for meant, texts in zip(named, zip(*(cells for _, cells in rows), strict=True), strict=True)
+    }
+    judged = [texts for meant, texts in columns.items() if meant.name not in (None, "t")]
+    clocks = {meant: texts for meant, texts in columns.items() if meant.name == "t"}
     printed = 1
-    for (name, *_), texts in columns.items():
-        if name not in (None, "t"):
-            printed = most_printed(texts, printed)
-    by_name = {found.name: texts for found, texts in columns.items()}
-    beside = beside.of(printed, by_name["t"])
-    held, own = beside.number, beside.number if number is None else None
+    for texts in judged:
+        printed = most_printed(texts, printed)
+    beside = beside.of(printed, next(iter(clocks.values())))
+    held, own, remarks = beside.number, beside.number if number is None else None, beside.remarks
+    clock = held or number
+    if clock is None:
+        own, clock = (_inferred(texts) for texts in (judged, [*clocks.values()]))
+        if own is not None:
+            remarks = (*remarks, f"read as: numbers of {own.name}, printed to {printed} digits")
+            printed = own.printed_digits
     found: dict[str, tuple[Fraction | None, ...]] = {}
     for (name, degrees, factor, part), texts in columns.items():
         if name is None:
@@ -163,13 +172,13 @@ def _table(
         by = None if factor == 1 else factor
         try:
             if name == "t":
-                exact = values(texts, held or number)
+                exact = values(texts, clock)
                 exact = [x and number.rounded(x) for x in exact] if held and number else exact
                 exact = [x and x * by for x in exact] if by else exact
             elif degrees or by:
                 exact = [x and x * factor for x in values(texts, number)]
                 exact = [x and radians(x) for x in exact] if degrees else exact
-                exact = [x and own.rounded(x) for x in exact] if own else exact
+                exact = [x and own.rounded(x) for x in exact] if held and own else exact
             else:
                 exact = values(texts, number or own)
         except ExpressionError:
@@ -179,6 +188,7 @@ def _table(
     if len(times) < len(rows):
         raise _first_bad(path, named, rows)
     ignored = tuple(text for text, known in zip(header, named, strict=True) if known.name is None)
+    found, signless = with_quaternions(found, bits_for(printed))
     return Table(
         called(path),
         times,
@@ -187,15 +197,40 @@ def _table(
         printed,
         number or own,
         beside.projected,
-        beside.remarks,
+        remarks,
+        () if held else _time_errors(times, clocks, clock),
+        signless,
     )
+
+
+def _inferred(columns: Sequence[Sequence[str]]) -> NumberType | None:
+    """The type of which columns are, printed longer than it has digits."""
+    most = 1
+    for texts in columns:
+        most = most_printed(texts, most)
+    return printed_type(columns, most)
+
+
+def _time_errors(
+    times: Sequence[Fraction], clocks: Mapping[Column, Sequence[str]], number: NumberType | None
+) -> tuple[float, ...]:
+    """By how much times may be off, as they are printed; ``number``: whose values they are."""
+    if number is not None:
+        return of_type(times, number)
+    units = {abs(meant.factor) * last_place(texts) for meant, texts in clocks.items()}
+    rounded = of_decimals(times, min(units))
+    digits = max(most_printed(texts, 1) for texts in clocks.values())
+    if len(clocks) > 1 or not DIGITS_HELD["double"] <= digits <= DOUBLE.printed_digits:
+        return rounded
+    doubles = of_type(times, DOUBLE)
+    return tuple(map(max, doubles, rounded)) if rounded else doubles
 
 
 def _first_bad(path: Path, named: list[Column], rows: list[tuple[int, list[str]]]) -> BadInput:
     """The complaint about the first cell that is no number."""
     for line, cells in rows:
         for (name, *_), cell in zip(named, cells, strict=True):
-            if name is None or (cell == "" and name != "t"):
+            if name is None or (is_empty(cell) and name != "t"):
                 continue
             try:
                 expression.decimal(cell)

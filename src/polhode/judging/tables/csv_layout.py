@@ -14,12 +14,13 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 from polhode.common.errors import BadInput, nearest
-from polhode.judging.tables.column_aliases import Column, column, known
+from polhode.judging.tables.column_aliases import UNKNOWN, Column, columns, readable
 from polhode.numbers import expression
 from polhode.numbers.expression import ExpressionError
 
 SEPARATORS = ",;\t"
 _BLANK = SEPARATORS + string.whitespace
+_EMPTY = ("", "nan", "na", "n/a", "nat", "null", "none")
 _WITH_COMMA = re.compile(r"[+-]?(?:\d+,\d*|,\d+)(?:[eE][+-]?\d+)?")
 
 
@@ -34,9 +35,11 @@ class Naming:
     header: tuple[str, ...] = ()
     meant: Mapping[str, Column] = field(default_factory=dict)
 
-    def column(self, name: str) -> Column:
-        """What a header means."""
-        return self.meant.get(name) or column(name)
+    def columns(self, header: Sequence[str]) -> list[Column]:
+        """What the names of a header mean; a column that was told is no other one of the header."""
+        told = {one.name for one in self.meant.values()}
+        others = [UNKNOWN if one.name in told else one for one in columns(header)]
+        return [self.meant.get(name, one) for name, one in zip(header, others, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -53,6 +56,15 @@ class Layout:
     commas: bool = False
 
 
+def is_empty(cell: str) -> bool:
+    """Whether a cell has no number, as programs write it: nothing, or ``nan`` and its like.
+
+    >>> is_empty("NaN"), is_empty("-nan"), is_empty("inf")
+    (True, True, False)
+    """
+    return len(cell) < 5 and cell.lstrip("+-").lower() in _EMPTY
+
+
 def naming(text: str) -> Naming:
     """The columns of ``--columns``: ``t,qw,qx``, or ``time_ms=t*1e-3, Q.W=q0``; raises BadInput."""
     items = [item.strip() for item in text.split(",")]
@@ -63,10 +75,9 @@ def naming(text: str) -> Naming:
         name, _, told = (part.strip() for part in item.partition("="))
         ours, _, by = (part.strip() for part in told.partition("*"))
         sign, ours = (-1, ours[1:].strip()) if ours.startswith("-") else (1, ours)
-        if not name or ours not in known():
-            raise BadInput(
-                "compare", "--columns", item, f"NAME=COLUMN, of {nearest(ours, known())}"
-            )
+        if not name or ours not in readable():
+            expected = f"NAME=COLUMN, of {nearest(ours, readable())}"
+            raise BadInput("compare", "--columns", item, expected)
         try:
             factor = sign * (expression.decimal(by) if by else Fraction(1))
         except ExpressionError as fault:
@@ -119,7 +130,7 @@ def _commented(lines: Sequence[str], first: int, count: int, names: Naming) -> i
     for k in range(first - 1, -1, -1):
         text = lines[k].lstrip().lstrip("#")
         cells = _cells(text, _separator(text))
-        if len(cells) == count and any(names.column(cell).name == "t" for cell in cells):
+        if len(cells) == count and any(one.name == "t" for one in names.columns(cells)):
             return k
     return None
 
@@ -142,7 +153,7 @@ def _joined(cells: Sequence[str], separator: str) -> str:
 
 def _is_row(line: str, separator: str) -> bool:
     """Whether a line holds numbers alone, so that it is no header."""
-    cells = [cell for cell in _cells(line, separator) if cell]
+    cells = [cell for cell in _cells(line, separator) if not is_empty(cell)]
     try:
         for cell in cells:
             expression.decimal(cell)

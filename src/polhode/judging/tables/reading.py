@@ -18,6 +18,7 @@ TURNS = "psi and phi up to whole turns"  # the convention of angles that need it
 
 TURN = "a constant rotation of "  # how a rotation of an attitude begins
 _EXACT = 12.0  # digits of a row that is right but for rounding
+LENGTH = "of length 1"  # that of quaternions which have another
 
 _ROOT_PLACES = 10**1100  # of the square root of two, as of a degree
 
@@ -68,7 +69,7 @@ class Reading(NamedTuple):
     """A part of a table read another way: its digits as it stands, and as it is read here.
 
     ``rows``: times with the digits there as it is read, the first row's first; empty where only
-    the fewest digits are known.
+    the fewest digits are known.  ``how``: the words before those of the convention.
     """
 
     part: str
@@ -78,18 +79,19 @@ class Reading(NamedTuple):
     change: Change | None = None  # None where it is told, and not applied
     times: TimeChange | None = None
     rows: tuple[tuple[Fraction, float], ...] = ()
+    how: str = "read as"
 
     def __str__(self) -> str:
-        after = "right after" if self.convention.startswith(TURN) else "read as"
-        told = f"{self.part} as it stands: {self.as_it_stands:.2f} digits; {after} "
-        if self.digits >= WRONG or not self.rows:
-            return f"{told}{self.convention}: {self.digits:.1f} digits"
-        return f"{told}{self.convention}: {self._drift}"
+        drifts = self.digits < WRONG and self.rows
+        digits = self._drift if drifts else f"{self.digits:.1f} digits"
+        how = "right after" if self.convention.startswith(TURN) else self.how
+        told = f"{self.part} as it stands: {self.as_it_stands:.2f} digits"
+        return f"{told}; {how} {self.convention}: {digits}"
 
     @property
     def _drift(self) -> str:
         """The digits at each of the rows."""
-        told = []
+        told: list[str] = []
         for t, digits in self.rows:
             unit = " digits" if all(text.startswith("exact") for text in told) else ""
             value = "exact" if digits >= _EXACT else f"{digits:.1f}{unit}"

@@ -14,7 +14,7 @@ from fractions import Fraction
 from json import JSONDecoder
 from pathlib import Path
 
-from polhode.common.errors import UNREADABLE, plain
+from polhode.common.errors import UNREADABLE, short
 from polhode.common.files import called
 from polhode.common.text_tables import few
 from polhode.numbers import expression
@@ -86,7 +86,7 @@ def _checked(name: str, found: dict[str, object]) -> Sidecar:
     word, bits, held = (found.get(key) for key in ("number", "bits", "t_bits"))
     number = _type(word, bits)
     if number is None or type(held) is not int or held != number.bits:
-        told = f"number = {_short(word)}, bits = {_short(bits)}, t_bits = {_short(held)}"
+        told = f"number = {short(word, 40)}, bits = {short(bits, 40)}, t_bits = {short(held, 40)}"
         return Sidecar(remarks=(f"{name} was ignored: {told}, no number type of a run",))
     projection = found.get("projection")
     if projection is None:
@@ -147,8 +147,3 @@ def _pairs(text: str) -> dict[str, object]:
             at = after(",", at)
     except (IndexError, *UNREADABLE):
         return found
-
-
-def _short(value: object) -> str:
-    text = plain(value)
-    return text if len(text) <= 40 else text[:37] + "..."

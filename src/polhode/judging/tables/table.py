@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence, Set
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache
@@ -11,13 +11,17 @@ from typing import Any
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput, nearest
 from polhode.common.text_tables import counted, one_line
-from polhode.judging.tables.column_aliases import Column, column, known, not_judged, twice
+from polhode.judging.tables.attitude_forms import with_quaternions
+from polhode.judging.tables.column_aliases import Column, known, not_judged, twice
+from polhode.judging.tables.column_aliases import columns as columns_of
+from polhode.judging.tables.time_errors import of_decimals, of_type
 from polhode.judging.tables.type_inference import type_of
 from polhode.numbers import exact
 from polhode.numbers.conversion import exact_number, exactly
-from polhode.numbers.number_types import NumberType
+from polhode.numbers.number_types import NumberType, bits_for
 from polhode.numbers.scalars import AnyNumber, AnyVector
 
+NAMING = "--columns 'NAME=COLUMN, ...' (in Python columns=[...])"
 MOST_PRINTED = 60  # digits that rows of exact numbers are counted as
 
 
@@ -33,6 +37,8 @@ class Table:
     number: NumberType | None = None  # whose values the numbers are; None: exact decimals
     projected: bool = False  # whether the integrals were, as the file beside it says
     remarks: tuple[str, ...] = ()  # what its JSON file says, and what of that was ignored
+    time_errors: tuple[float, ...] = ()  # by which the times may be off, rounded; empty: exact
+    signless: bool = False  # whether its attitude had a form that tells no quaternion's sign
 
     def __post_init__(self) -> None:
         if (name := one_line(self.name)) != self.name:
@@ -46,7 +52,9 @@ class Table:
     def some(self, which: Sequence[int]) -> Table:
         """Some of the rows."""
         columns = {name: tuple(x[k] for k in which) for name, x in self.columns.items()}
-        return replace(self, times=tuple(self.times[k] for k in which), columns=columns)
+        times = tuple(self.times[k] for k in which)
+        errors = tuple(self.time_errors[k] for k in which) if self.time_errors else ()
+        return replace(self, times=times, columns=columns, time_errors=errors)
 
     def rows(self, names: Sequence[str]) -> list[list[Fraction | None]] | None:
         """Rows of these columns, None where a cell or a column is not there; None without any."""
@@ -67,10 +75,11 @@ def table_of_rows(
 
     Floats, of Python or of an array, say so themselves; other numbers without ``number`` are exact.
     """
+    at = at if at is None or hasattr(at, "dtype") or not isinstance(at, Iterable) else list(at)
     times = each("compare", "at", () if at is None else at, _exactly, "a list of times")
     try:
         given = [row if hasattr(row, "dtype") else list(row) for row in states]
-        rows = [[_exactly(x) for x in row] for row in given]
+        rows = [[_cell(x) for x in row] for row in given]
     except (TypeError, ValueError) as fault:
         expected = f"a run, a file, columns by name or rows of finite numbers ({fault})"
         raise BadInput("compare", "states", None, expected) from None
@@ -86,18 +95,19 @@ def table_of_rows(
     number = number or type_of(given)
     named = dict(zip(columns, zip(*rows, strict=True), strict=True))
     printed = number.printed_digits if number else MOST_PRINTED
-    return Table("states", times, named, (), printed, number)
+    errors = _errors(times, [at], {Fraction(1)})
+    return Table("states", times, named, (), printed, number, time_errors=errors)
 
 
 def table_of_columns(
     given: Any,
     number: NumberType | None = None,
     source: str = "compare",
-    meaning: Callable[[str], Column] = column,
+    meaning: Callable[[Sequence[str]], list[Column]] = columns_of,
 ) -> Table:
     """Columns by name as a table: a mapping, a pandas DataFrame, an xarray Dataset.
 
-    ``source``: what complaints name.  ``meaning``: what each name stands for.
+    ``source``: what complaints name.  ``meaning``: what the names stand for.
 
     Names are those of a file's header; the time may be a DataFrame's index.  Columns of floats
     are known as such; nan, NaT and None are empty cells.  Raises BadInput.
@@ -106,21 +116,19 @@ def table_of_columns(
         if not hasattr(given, "columns"):
             expected = "columns by name, t among them: a DataFrame, not one Series"
             raise BadInput(source, "columns", type(given).__name__, expected)
-        if meaning(str(given.index.name)).name == "t":
+        if meaning([str(given.index.name)])[0].name == "t":
             given = given.reset_index()
         held = {str(name): given[name].to_numpy() for name in given.columns}
     else:
         names = [*getattr(given, "coords", ()), *given.keys()]
         held = {str(name): getattr(given[name], "values", given[name]) for name in names}
-    named = {name: meaning(name) for name in held}
+    named = dict(zip(held, meaning([*held]), strict=True))
     header = ",".join(held)
-    if (name := twice(named.values())) is not None:
-        raise BadInput(source, "columns", name, "each column once")
     if all(found.name != "t" for found in named.values()):
-        raise BadInput(source, "columns", header, "a column t among them")
-    if all(found.name in (None, "t") for found in named.values()):
-        expected = f"columns besides t that can be judged, of {', '.join(known()[1:])}"
-        raise BadInput(source, "columns", header, expected)
+        raise BadInput(
+            source, "columns", header, f"a column t among them, or {NAMING} that names it"
+        )
+    refuse_names(source, "columns", [*held], [*named.values()])
     if number is None:
         number = type_of(held[name] for name, k in named.items() if k.name not in (None, "t"))
     found: dict[str, tuple[Fraction | None, ...]] = {}
@@ -137,7 +145,36 @@ def table_of_columns(
     ignored = tuple(name for name, meant in named.items() if meant.name is None)
     called = "columns" if source == "compare" else source
     exact_times = tuple(t for t in times if t is not None)
-    return Table(called, exact_times, found, ignored, printed, number)
+    clocks = {name: meant for name, meant in named.items() if meant.name == "t"}
+    factors = {meant.factor for meant in clocks.values()}
+    errors = _errors(exact_times, [held[name] for name in clocks], factors)
+    found, signless = with_quaternions(found, bits_for(printed))
+    return Table(
+        called, exact_times, found, ignored, printed, number, time_errors=errors, signless=signless
+    )
+
+
+def refuse_names(source: str, key: str, header: Sequence[str], named: Sequence[Column]) -> None:
+    """Raise BadInput for a column that is there twice, or a header with no column to judge."""
+    if (name := twice(named)) is not None:
+        both = [f"{of!r}" for of, meant in zip(header, named, strict=True) if meant.name == name]
+        expected = f"each column once ({', '.join(both)}), or {NAMING} that chooses one"
+        raise BadInput(source, key, name, expected)
+    if all(meant.name in (None, "t") for meant in named):
+        expected = f"columns besides t that can be judged, of {', '.join(known()[1:])}"
+        raise BadInput(
+            source, key, ",".join(header), f"{expected}; or {NAMING} that translates names"
+        )
+
+
+def _errors(
+    times: Sequence[Fraction], given: Sequence[Any], factors: Set[Fraction]
+) -> tuple[float, ...]:
+    """By how much times may be off that were given so: in floats, or in units of a clock."""
+    number = type_of(given)
+    if len(factors) > 1 or number is None:  # of whole seconds and nanoseconds: exact
+        return of_decimals(times, min(map(abs, factors))) if min(factors) < 1 else ()
+    return of_type(times, number)
 
 
 def added(

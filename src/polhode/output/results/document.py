@@ -13,10 +13,9 @@ import json
 import math
 from collections.abc import Callable, Sequence
 from fractions import Fraction
-from typing import Any, TypeAlias
 
-import mpmath
 import numpy as np
+from mpmath import libmp
 
 from polhode.common.errors import BadInput, FileName
 from polhode.common.result import Result
@@ -27,11 +26,9 @@ from polhode.numbers.exact import Irrational
 from polhode.numbers.lossless_mpf import real
 from polhode.output import archive
 from polhode.output.results import kinds
+from polhode.output.results.kinds import Value
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
-
-#: Whatever a result holds, and what JSON makes of it.
-Value: TypeAlias = Any
 
 FORMAT = "polhode document 2"
 MOST_BITS = 1 << 18  # of an integer, and of the exponent of a number
@@ -105,7 +102,7 @@ class _Writer:
             return {"d": [[self.written(k), self.written(v)] for k, v in x.items()]}
         if type(x) is Fraction:
             return {"q": [hex(x.numerator), hex(x.denominator)]}
-        if isinstance(x, mpmath.mpf):
+        if hasattr(x, "_mpf_"):
             sign, mantissa, exponent, _ = x._mpf_
             if not mantissa and exponent:
                 return {"m": str(float(x))}
@@ -254,11 +251,11 @@ def _infinite(text: Value) -> float:
 
 def _mpf(told: Value) -> Value:
     if isinstance(told, str):
-        return real(mpmath.mpf(_infinite(told))._mpf_)
+        return real(libmp.from_float(_infinite(told)))
     mantissa, exponent = told
     if type(exponent) is not int or abs(exponent) > MOST_BITS:
         raise ValueError("an exponent that is too large")
-    return real(mpmath.libmp.from_man_exp(_integer(mantissa), exponent))
+    return real(libmp.from_man_exp(_integer(mantissa), exponent))
 
 
 def _reference(scene: Value) -> Value:

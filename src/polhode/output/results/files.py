@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from polhode.output import archive, csv_tables, frames
 from polhode.output.json_object import JsonObject
 from polhode.output.json_results import as_json
 from polhode.output.results import document, summaries
+from polhode.output.results.kinds import Value
 from polhode.output.results.tables import table
 from polhode.runs.sweep.ensemble import Ensemble
 from polhode.runs.trajectory import Trajectory
@@ -119,7 +120,7 @@ def _parquet(found: Result, path: Path) -> dict[Path, str | bytes]:
     return {path: out.getvalue()}
 
 
-def _parquet_cell(x: Any) -> Any:
+def _parquet_cell(x: Value) -> Value:
     """A wider number than Parquet has as text."""
     from polhode.output.results.texts import text_of
 
@@ -134,7 +135,7 @@ def _with_document(found: Result, summary: JsonObject) -> str:
     return as_json(summary | {KEY: json.dumps(document.document(found))})
 
 
-def _told(path: Path) -> Any:
+def _told(path: Path) -> Value:
     """The document in a file; a run of its archive; None where there is neither."""
     suffix = path.suffix.lower()
     place = csv_tables.sidecar(path) if suffix == ".csv" else path

@@ -12,7 +12,6 @@ from functools import cache
 from importlib import import_module
 from typing import Any, TypeAlias
 
-import mpmath
 import numpy as np
 import numpy.typing as npt
 
@@ -25,7 +24,7 @@ from polhode.output.archive import MOST_BITS
 from polhode.scenes.scene_file import MAX_SAMPLES
 from polhode.scenes.variation.vary import MAX_MEMBERS
 
-#: Whatever a result holds.
+#: Whatever a result holds, and what JSON makes of it.
 Value: TypeAlias = Any
 
 #: Where each class is: a document names nothing else.
@@ -83,7 +82,6 @@ HOMES = {
     "Surface": "dynamics.periodic_orbits.level_set",
     "Table": "judging.tables.table",
     "TimeChange": "judging.tables.reading",
-    "TwoPrecisions": "judging.references.two_precisions",
     "Within": "proofs.proved_orbit",
 }
 _OWN_NAMES = {"Solid": "Part"}  # where two classes have one name
@@ -104,9 +102,8 @@ _FIELDS: dict[str, dict[str, Value]] = {
     "Members": {"scene": "Scene", "varied": "Grid"},
     "Rows": {"columns": tuple[Sequence[Exact], ...], "product": bool},
     "Spaced": {"first": Exact, "last": Exact, "_count": int},
-    "TwoPrecisions": {"scene": "Scene"},
 }
-_Array = npt.NDArray[Any]
+_Array = npt.NDArray[Value]
 #: What annotations name where it is imported for type checkers alone.
 _NAMES: dict[str, Value] = {
     "np": np,
@@ -231,7 +228,8 @@ def _check_shapes(word: str, found: Value) -> None:
 
 def _fits(value: Value, hint: Value) -> bool:
     """Whether a value has the type that an annotation says."""
-    origin, arguments = typing.get_origin(hint), typing.get_args(hint)
+    origin: Value = typing.get_origin(hint)
+    arguments = typing.get_args(hint)
     if origin in (typing.Union, types.UnionType):
         return any(_fits(value, x) for x in arguments)
     if origin is tuple:
@@ -252,16 +250,18 @@ def _fits(value: Value, hint: Value) -> bool:
     if origin is np.ndarray:
         (element,) = typing.get_args(arguments[1])
         own = isinstance(value, np.ndarray)
-        return own and (element is Any or np.issubdtype(value.dtype, element))
+        return own and (element is Value or np.issubdtype(value.dtype, element))
     if hint in (float, int, complex):
         kinds = {float: (float, int, np.floating), int: (int, np.integer)}
         return isinstance(value, kinds.get(hint, (complex, float))) and not isinstance(value, bool)
     if getattr(hint, "__name__", "") in ("Real", "mpf"):
-        numbers = (mpmath.mpf, int, float, np.number, Fraction, Irrational)
-        return isinstance(value, numbers) and not isinstance(value, bool)
+        numbers = (int, float, np.number, Fraction, Irrational)
+        return hasattr(value, "_mpf_") or (
+            isinstance(value, numbers) and not isinstance(value, bool)
+        )
     if hint is object:
         return _is_plain(value)
-    return hint is Any or isinstance(value, hint)
+    return hint is Value or isinstance(value, hint)
 
 
 def _is_plain(value: Value) -> bool:

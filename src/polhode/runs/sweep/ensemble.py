@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -43,8 +43,8 @@ class Ensemble(Ended):
     objects (mpf) in wider types; nan at times that a member did not reach.  ``outcomes``,
     ``steps``, ``reached``, ``errors``: one for each member, made of the arrays ``endings``,
     ``counts``, ``arrived`` and of ``told`` when asked for.  ``ensemble[k]`` is member k as a
-    Trajectory.  ``projected``: False, the states are not projected onto the first integrals.
-    ``parts``: the folder in which finished members were kept.
+    Trajectory, and iteration gives all of them.  ``projected``: False, the states are not projected
+    onto the first integrals.  ``parts``: the folder in which finished members were kept.
     """
 
     scene: Scene
@@ -72,6 +72,9 @@ class Ensemble(Ended):
             f"<Ensemble of {self.scene.name}: {members} in {self.number.name}, "
             f"{counted(len(self.times), 'time')} to t = {shown(self.times[-1])}, {self._reached()}>"
         )
+
+    def __iter__(self) -> Iterator[Trajectory]:
+        return (self[k] for k in range(len(self)))
 
     def __getitem__(self, index: int) -> Trajectory:
         """One member by itself, as far as it came."""

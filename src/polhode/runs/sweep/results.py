@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from polhode.common.interrupts import delayed
+from polhode.common.interrupts import Delay
 from polhode.equations.readout import Readout
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.conversion import number_value
@@ -60,7 +60,7 @@ class Results:
         members = group[done]
         if not len(members):
             return 0
-        with delayed():  # a moment: no finished member is lost over it
+        with Delay():  # a moment: no finished member is lost over it
             states = reader(self.plan, members).states(solved.states[done])
             errors = {}
             for k, told in zip(group.tolist(), solved.errors or (), strict=False):
@@ -75,12 +75,12 @@ class Results:
 
     def end(self) -> None:
         """Nothing more comes: what is in no part yet goes into one, where others are or will be."""
-        with delayed() as waiting:
+        with Delay() as delay:
             if self.parts is not None and (self._kept or self.left.any()):
                 self._keep()
             if self.parts is not None:
                 self.parts.release()
-            waiting.forget()
+            delay.forget()
 
     def _fill(self, part: Part) -> None:
         at = part.members

@@ -9,9 +9,8 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any, overload
 
-from polhode.common import notices
 from polhode.common.cached_property import cached_property
-from polhode.common.errors import BadInput, FileName, nearest
+from polhode.common.errors import BadInput, FileName, nearest, say_change
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.scenes import keys, scene_file
@@ -100,7 +99,7 @@ class Members(Sequence[Scene]):
     def provenance(self) -> dict[str, object]:
         """Where a result comes from, see :meth:`Scene.provenance`; members' notes are said, too."""
         for text in self.notes[len(self.scene.notes) :]:
-            notices.change(self.scene.name, text)
+            say_change(self.scene.name, text)
         found = self.scene.provenance()
         return found | {"notes": list(self.notes)} if self.notes else found
 
@@ -120,8 +119,8 @@ class _Reading:
         self.data = tables_of(scene)
         self.places = _places(self.data, varied.keys, scene.name)
         self.same_body = not any(key.startswith("body.") for key in varied.keys)
-        bare = {"times": (), "published": (), "expect": {}, "source": "", "outputs": ()}
-        self.bare = replace(scene, **bare, change="", doubt="")
+        bare = replace(scene, times=(), published=(), expect={}, source="", outputs=())
+        self.bare = replace(bare, change="", doubt="")
         self.bodies: dict[tuple[Any, ...], Body] = {}
 
     def member(self, index: int) -> Scene:

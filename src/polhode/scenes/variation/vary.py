@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple, overload
 
-from polhode.common import notices
 from polhode.common.arguments import each, of_kind
-from polhode.common.errors import BadInput, plain
+from polhode.common.errors import BadInput, plain, say_doubt
 from polhode.numbers import exact
 from polhode.numbers.exact import ZERO, Exact
 from polhode.numbers.expression import ExpressionError
+from polhode.numbers.scalars import numbers_given
 from polhode.scenes.body_and_start import THETA, doubtful_theta
 from polhode.scenes.given_numbers import in_text, reader
 from polhode.scenes.keys import unit
@@ -138,7 +138,7 @@ def numbers(text: str, key: str, name: str, units: str, dimension: str) -> Seque
             first, *rest = item.split(":")
             ends = [in_text(x, units, dimension) for x in (first, *rest[:1])]
         except ExpressionError as fault:
-            raise BadInput(name, key, item, f"a number ({fault})") from None
+            raise BadInput(name, key, item, f"numbers ({fault})") from None
         count = int(rest[1]) if rest[1:] and re.fullmatch(r"\s*\d{1,9}\s*", rest[1]) else 0
         if rest and not (len(rest) == 2 and 1 <= count <= MAX_MEMBERS):
             raise BadInput(name, key, item, f"FROM:TO:N with N from 1 to {MAX_MEMBERS}")
@@ -179,15 +179,18 @@ def _doubt(column: Sequence[Exact], name: str) -> None:
     ends = (column.first, column.last) if isinstance(column, Spaced) else column
     largest = max(ends, key=abs, default=ZERO)
     if abs(largest) > 2 * exact.pi():
-        notices.doubt(name, doubtful_theta(largest))
+        say_doubt(name, doubtful_theta(largest))
 
 
 def _column(key: str, given: object, name: str, units: str) -> Sequence[Exact]:
     if isinstance(given, str):
         return numbers(given, key, name, units, unit(key))
-    if not isinstance(given, Iterable):
+    if isinstance(given, Spaced):
+        return given
+    listed, several = numbers_given(given)
+    if not several:
         raise BadInput(name, key, plain(given), "a sequence of numbers, or FROM:TO:N")
-    column = given if isinstance(given, Spaced) else [_exact(x, key, name, units) for x in given]
+    column = [_exact(x, key, name, units) for x in listed]
     if not column:
         raise BadInput(name, key, "nothing", "at least one value")
     return column

@@ -204,7 +204,7 @@ def _cusps(name: str) -> dict[str, Any]:
     (event,) = run.events
     return {
         "number": name,
-        "cusps": math.floor(end / exactly(reference.period)),
+        "cusps": math.floor(end * float(reference.frequencies["nutation"]) / (2 * math.pi)),
         "found": len(event.times),
         "grazing": sum(event.grazing),
     }

@@ -12,6 +12,7 @@ from polhode.judging.references.reference import Reference
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_mpf
+from polhode.numbers.mpmath_context import mpmath, own
 from polhode.scenes import column_expressions as columns_
 from polhode.scenes.scene import Scene
 
@@ -22,6 +23,7 @@ BITS = 240
 class Zeros:
     """The zeros of an expression along a periodic closed form, to 60 digits, any number of periods.
 
+    The expression has the period of omega, or of the nutation where omega has none.
     They are found in one period alone, by signs at many times and then by the secant rule.
     """
 
@@ -29,7 +31,11 @@ class Zeros:
         reference = reference_of(replace(scene, events=()))
         assert isinstance(reference, Reference)
         self._reference, self._zero, self._columns = reference, zero, scene.columns
-        self.period = exactly(reference.period)
+        period = reference.period
+        if period is None:  # of a top that nutates, whose zeros these are
+            with mpmath.workprec(BITS):
+                period = 2 * mpmath.pi / own(reference.frequencies["nutation"])
+        self.period = exactly(period)
         times = [self.period * k / samples for k in range(samples + 1)]
         values = [exact.sign(v) for v in self._values(times, 20)]
         self.first: list[Fraction] = []

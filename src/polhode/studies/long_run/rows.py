@@ -26,6 +26,7 @@ from polhode.judging.conditioning.conditioning import conditioning
 from polhode.judging.correct_digits import errors, rate_scale
 from polhode.judging.references.reference import Reference
 from polhode.judging.references.reference import reference as reference_of
+from polhode.numbers.decimals import significant
 from polhode.numbers.number_types import DOUBLE, bits_for
 from polhode.scenes.scene import Scene
 from polhode.studies.ensembles import TOPS, random_scene
@@ -176,8 +177,10 @@ def _top_row(top: str, times: Sequence[Fraction], members: Sequence[Member]) -> 
         ):
             if series:
                 found[name] = {
-                    "median": [_short(x) for x in growth.medians(series)],
-                    "largest": [_short(max(column)) for column in zip(*series, strict=True)],
+                    "median": [significant(x, 3) for x in growth.medians(series)],
+                    "largest": [
+                        significant(max(column), 3) for column in zip(*series, strict=True)
+                    ],
                     **_exponents(growth.exponent(shown, series, since)),
                     "law": LINEAR if method == PROJECTED else BROUWER[name],
                 }
@@ -187,8 +190,8 @@ def _top_row(top: str, times: Sequence[Fraction], members: Sequence[Member]) -> 
         if method == PROJECTED and taken:
             found["projection"] = {
                 "onto": sorted({name for onto, _, _ in taken for name in onto}),
-                "largest": _short(max(largest for _, largest, _ in taken)),
-                "sum": _short(max(total for _, _, total in taken)),
+                "largest": significant(max(largest for _, largest, _ in taken), 3),
+                "sum": significant(max(total for _, _, total in taken), 3),
             }
             found["inputs"] = _beside_inputs(members)
         made.append(found)
@@ -223,8 +226,8 @@ def _integrals(
         found.append(
             {
                 "integral": name,
-                "mean": [_short(x) for x in growth.means(series)],
-                "deviation": [_short(x) for x in growth.deviations(series)],
+                "mean": [significant(x, 3) for x in growth.means(series)],
+                "deviation": [significant(x, 3) for x in growth.deviations(series)],
                 **_exponents(fitted),
                 "law": BROUWER["drift"],
             }
@@ -242,8 +245,8 @@ def _beside_inputs(members: Sequence[Member]) -> dict[str, Any]:
         for m in members
     ]
     return {
-        "median": [_short(x) for x in growth.medians([m.inputs for m in members])],
-        "error_over_it": [_short(x) for x in growth.medians(over)],
+        "median": [significant(x, 3) for x in growth.medians([m.inputs for m in members])],
+        "error_over_it": [significant(x, 3) for x in growth.medians(over)],
     }
 
 
@@ -252,8 +255,4 @@ def _reference_error(scene: Scene) -> float | None:
     reference = reference_of(scene)
     if not isinstance(reference, Reference):
         return None
-    return _short(float(reference.error(scene.times[-1:], DIGITS)))
-
-
-def _short(x: float) -> float:
-    return float(f"{x:.3g}")
+    return significant(float(reference.error(scene.times[-1:], DIGITS)), 3)

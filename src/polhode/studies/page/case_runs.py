@@ -6,28 +6,10 @@ from collections.abc import Callable
 from functools import partial
 
 from polhode.output.json_object import JsonObject
-from polhode.studies.page.columns import CASE, REGIME, Column
+from polhode.studies.page.tables import CASE, REGIME, Column
 from polhode.studies.page.words import DASH, listed
 
 NUMBERS = ("double", "extended", "quad", "mp")
-
-#: What a case is judged against, by the word of its reference.
-REFERENCES = {
-    "euler": "the closed form of the Euler top",
-    "lagrange": "the closed form of the Lagrange top",
-    "kovalevskaya": "the closed form of the Kovalevskaya top",
-    "pendulum": "the closed form of the physical pendulum",
-    "staude": "the closed form of permanent rotations",
-    "bobylev-steklov": "the closed form of Bobylev and Steklov's motions",
-    "grioli": "the closed form of Grioli's regular precession",
-    "steklov": "the closed form of Steklov's motions",
-    "goryachev": "the closed form of Goryachev's motions",
-    "n-kowalewski": "the closed form of N. Kowalewski's motions",
-    "chaplygin": "the closed form of Chaplygin's motions",
-    "goryachev-chaplygin": "the closed form of Goryachev and Chaplygin's case",
-    "hess": "the closed form of Hess and Appelrot's case",
-    "certified": "a proven enclosure",
-}
 
 
 def by_number(case: JsonObject) -> JsonObject:

@@ -47,8 +47,3 @@ def counted(counts: Mapping[str, int]) -> str:
 def listed(words: Iterable[str]) -> str:
     """Each of the words once, in order; a dash where there is none."""
     return ", ".join(sorted(set(words))) or DASH
-
-
-def sentence(text: str) -> str:
-    """It with a capital letter."""
-    return text[:1].upper() + text[1:]

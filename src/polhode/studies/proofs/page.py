@@ -1,17 +1,12 @@
-"""Page of the study of proofs."""
+"""Tables and facts of the proofs study's page."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
 
 from polhode.output.json_object import JsonObject
-from polhode.studies.page.blocks import Block, Figure, Heading, Text
-from polhode.studies.page.columns import Column, table, yes
+from polhode.studies.page.tables import Column, PageTable, table, yes
 from polhode.studies.page.words import DASH, between, counted, median, share
-
-TITLE = "Proofs: periodic orbits and chaos that exist"
-
 
 _AGAIN = "polhode study proofs --only '{0}'"
 _ORBITS = (
@@ -85,77 +80,42 @@ def _if_proved(row: JsonObject, form: str) -> str | None:
     return form.format(**row) if row["proved"] else None
 
 
-def blocks(found: JsonObject) -> Iterator[Block]:
-    """The study's page from its JSON object."""
-    n, m = found["grid"]
-    yield Text(
-        "A proof is a theorem about the exact numbers of a scene, on its own exact level of "
-        "energy and vertical momentum. `polhode guide theorems` says what it claims and what it "
-        "does not. Each proof is written as a certificate. A checker that imports nothing of "
-        "polhode proves it again from the certificate (`polhode guide proofs`)."
-    )
-    if found["orbits"]:
-        yield Heading("Periodic orbits")
-        yield Text(
-            f"All orbits that a search from {n} x {m} cells of the level's section finds with at "
-            f"most {found['crossings']} crossings in a period, each to {found['digits']} digits. "
-            "The period is proved to be the least one. An orbit on a resonant torus is not "
-            "isolated, and none is proved."
-        )
-        yield Figure(
-            "proofs",
-            "The residue of every orbit found, over its period: hyperbolic ones below 0, elliptic "
-            "ones between 0 and 1, inverse hyperbolic ones above 1. Crosses: not proved.",
-        )
-        yield table(map(_proved, found["orbits"]), _ORBITS, _AGAIN)
-        if refused := _refused(found["orbits"]):
-            yield Text("What was not proved, and why:")
-            yield table(refused, _REFUSED, _AGAIN)
-    if found["chaos"]:
-        yield Heading("Chaos")
-        yield Text(
-            "What is proved is a transversal homoclinic orbit of an unstable periodic orbit, by "
-            "covering relations with cone conditions."
-        )
-        for row in found["chaos"]:
-            if "drawn" in row:
-                yield Figure(
-                    "manifolds",
-                    f"Chaos of the top *{row['what']}*: maxima of the height of its centre of mass "
-                    "on the stable (blue) and the unstable manifold (orange) of the proved orbit, "
-                    "as computed in double, and the sets of the proof, which lie in planes of "
-                    "their own.",
-                )
-        yield table(found["chaos"], _CHAOS, _AGAIN)
+#: Of the proof that is drawn, where it is proved.
+_PICTURE = """![Manifolds of the proved orbit, and the sets of the proof](manifolds.svg)
+
+Chaos of the top *{what}*: maxima of the height of its centre of mass on the stable (blue) and the
+unstable manifold (orange) of the proved orbit, as computed in double, and the sets of the proof,
+which lie in planes of their own."""
 
 
-def finding(found: JsonObject) -> str:
-    """The study in a few sentences."""
+def tables(found: JsonObject) -> dict[str, PageTable]:
+    """The page's tables from the study's JSON object."""
+    return {
+        "orbits": table(map(_proved, found["orbits"]), _ORBITS, _AGAIN),
+        "refused": table(_refused(found["orbits"]), _REFUSED, _AGAIN),
+        "chaos": table(found["chaos"], _CHAOS, _AGAIN),
+    }
+
+
+def facts(found: JsonObject) -> dict[str, object]:
+    """Counts and ranges of the rows."""
     orbits = [row for one in found["orbits"] for row in one["orbits"]]
-    told = []
-    if orbits:
-        proved = [row for row in orbits if row["proved"]]
-        text = (
-            f"{share(row['proved'] for row in orbits)} periodic orbits of {len(found['orbits'])} "
-            f"tops are proved ({_kinds(proved)})"
-        )
-        if proved:
-            text += (
-                f", in {median([row['seconds'] for row in proved], '.2g')} s of processor time "
-                f"each (median), and {sum(row['verified'] for row in proved)} of them are proved "
-                "again by the checker, which shares no code"
-            )
-        told.append(f"{text}.")
-    if found["chaos"]:
-        proved = [row for row in found["chaos"] if row["proved"]]
-        text = f"Chaos is proved for {share(row['proved'] for row in found['chaos'])} tops"
-        if proved:
-            text += f", in {between([row['seconds'] for row in proved], '.2g')} s"
-            text += (
-                f", {sum(row['verified'] for row in proved)} of them proved again by the checker"
-            )
-        told.append(f"{text}.")
-    return " ".join(told)
+    proved = [row for row in orbits if row["proved"]]
+    chaos = [row for row in found["chaos"] if row["proved"]]
+    return {
+        "grid": " x ".join(map(str, found["grid"])),
+        "crossings": found["crossings"],
+        "digits": found["digits"],
+        "proved": share(row["proved"] for row in orbits),
+        "tops": len(found["orbits"]),
+        "kinds": _kinds(proved) or DASH,
+        "seconds": median([row["seconds"] for row in proved], ".2g"),
+        "verified": sum(row["verified"] for row in proved),
+        "proved_chaos": share(row["proved"] for row in found["chaos"]),
+        "chaos_seconds": between([row["seconds"] for row in chaos], ".2g"),
+        "verified_chaos": sum(row["verified"] for row in chaos),
+        "picture": "".join(_PICTURE.format(**row) for row in chaos if "drawn" in row),
+    }
 
 
 def _kinds(proved: list[JsonObject]) -> str:

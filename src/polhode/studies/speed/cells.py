@@ -20,6 +20,7 @@ from typing import Any
 
 from polhode.common.executors import cores, in_order
 from polhode.common.progress import Message
+from polhode.numbers.decimals import significant
 from polhode.studies.peer_processes import ask
 from polhode.studies.row_filter import Only
 from polhode.studies.speed import draws
@@ -123,7 +124,7 @@ def row(cell: Cell, points: Mapping[str, Points], faults: Mapping[str, str]) -> 
             {
                 "program": name,
                 "reached": len(found),
-                "seconds": _short(statistics.median(found.values())) if found else None,
+                "seconds": significant(statistics.median(found.values()), 3) if found else None,
                 "ratio": None
                 if name == OURS
                 else ratio(found, own, f"{cell.label} {level} {name}"),
@@ -157,7 +158,7 @@ def ratio(theirs: Mapping[int, float], own: Mapping[int, float], seed: str) -> l
     medians = sorted(statistics.median(dice.choices(both, k=len(both))) for _ in range(_RESAMPLED))
     least = medians[math.floor((1 - _SURE) / 2 * _RESAMPLED)]
     most = medians[math.ceil((1 + _SURE) / 2 * _RESAMPLED) - 1]
-    return [_short(x) for x in (statistics.median(both), least, most)]
+    return [significant(x, 3) for x in (statistics.median(both), least, most)]
 
 
 def verdict(programs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
@@ -240,7 +241,3 @@ def held_again(points: Mapping[str, Points]) -> dict[str, list[float]]:
         met = [times[name] <= _FAR * min(times.values()) for times in middles if name in times]
         found[name] = _next_to_levels(there) if any(met) or not met else []
     return found
-
-
-def _short(x: float) -> float:
-    return float(f"{x:.3g}")

@@ -8,15 +8,16 @@ from collections.abc import Iterator, Sequence
 from polhode.figures.canvas import panel
 from polhode.figures.canvas.direct_labels import LOOKS
 from polhode.figures.canvas.panel import Axis, Guide, Panel, Point, Series
+from polhode.output.json_object import JsonObject
 from polhode.studies.speed.contenders import TYPES_SHOWN
-from polhode.studies.speed.page.contest import SHOWN_OUTPUTS, Told
 from polhode.studies.speed.programs import OURS
 
+SHOWN_OUTPUTS = 101
 _AXES = Axis(scale="log"), Axis("error", "log")
 PROJECTED, PLAIN = "polhode double projected", "polhode double"
 
 
-def svgs(found: Told) -> dict[str, str]:
+def svgs(found: JsonObject) -> dict[str, str]:
     """The study's figures by name, from its JSON object."""
     drawn = {"speed": work_precision(found["motions"])} if found["motions"] else {}
     if found["cells"]:
@@ -24,14 +25,14 @@ def svgs(found: Told) -> dict[str, str]:
     return drawn
 
 
-def work_precision(motions: Sequence[Told]) -> str:
+def work_precision(motions: Sequence[JsonObject]) -> str:
     """Error against seconds, a panel a motion, and the wider types on one of them."""
     shown = next((m for m in motions if m["motion"] == TYPES_SHOWN), motions[0])
     panels = [*(_motion(motion) for motion in motions), _types(shown)]
     return panel.svg(panels, 2.1 * len(panels))
 
 
-def lengths(cells: Sequence[Told]) -> str:
+def lengths(cells: Sequence[JsonObject]) -> str:
     """The time of each program over polhode's over the length of a run, a panel a level."""
     levels = [level["digits"] for level in cells[0]["levels"]]
     panels = [
@@ -47,7 +48,7 @@ def lengths(cells: Sequence[Told]) -> str:
     return panel.svg(panels, 2.8 * len(levels), share="x")
 
 
-def _programs(cells: Sequence[Told], digits: float) -> Iterator[Series]:
+def _programs(cells: Sequence[JsonObject], digits: float) -> Iterator[Series]:
     names = [program["program"] for program in cells[0]["levels"][0]["programs"]]
     for name in dict.fromkeys(names):
         points = []
@@ -58,7 +59,7 @@ def _programs(cells: Sequence[Told], digits: float) -> Iterator[Series]:
             yield Series(points, LOOKS[name], end=name)
 
 
-def _ratios(cells: Sequence[Told], end: int, digits: float, name: str) -> list[float]:
+def _ratios(cells: Sequence[JsonObject], end: int, digits: float, name: str) -> list[float]:
     """A program's ratios over the kinds: with the outputs shown, with two where it has no other."""
     for outputs in (SHOWN_OUTPUTS, 2):
         found = [
@@ -75,7 +76,7 @@ def _ratios(cells: Sequence[Told], end: int, digits: float, name: str) -> list[f
     return []
 
 
-def _motion(motion: Told) -> Panel:
+def _motion(motion: JsonObject) -> Panel:
     """Doubles as they come, projected at eps, and extended, on one motion."""
     methods = {method["method"]: method for method in motion["methods"]}
     curves = {"polhode": _composite(methods)}
@@ -87,7 +88,7 @@ def _motion(motion: Told) -> Panel:
     return Panel([*_curves(curves)], *_AXES, _title(motion), guides=guides)
 
 
-def _composite(methods: Told) -> list[Told]:
+def _composite(methods: JsonObject) -> list[JsonObject]:
     """polhode's double curve as it comes: projected at its tightest tolerance and only there."""
     plain = methods.get(PLAIN, {"points": []})["points"]
     projected = methods.get(PROJECTED, {"points": []})["points"]
@@ -97,7 +98,7 @@ def _composite(methods: Told) -> list[Told]:
     return [*(p for p in plain if p["tol"] > eps), *(p for p in projected if p["tol"] <= eps)]
 
 
-def _types(motion: Told) -> Panel:
+def _types(motion: JsonObject) -> Panel:
     """polhode in all number types on one motion."""
     curves = {
         method["method"]: method["points"]
@@ -108,11 +109,11 @@ def _types(motion: Told) -> Panel:
     return Panel([*_curves(curves)], x, _AXES[1], f"{_title(motion)}, wider types")
 
 
-def _title(motion: Told) -> str:
+def _title(motion: JsonObject) -> str:
     return f"{motion['motion'][0].upper()}{motion['motion'][1:]}, t = {motion['end']}"
 
 
-def _curves(curves: Told) -> Iterator[Series]:
+def _curves(curves: JsonObject) -> Iterator[Series]:
     """Curves with their names."""
     for name, points in curves.items():
         marks = [Point(p["seconds_min"], 10.0 ** -p["digits"]) for p in points if p.get("digits")]

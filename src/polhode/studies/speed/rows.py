@@ -14,6 +14,7 @@ from polhode.common.progress import Message
 from polhode.judging.conditioning.conditioning import conditioning
 from polhode.judging.correct_digits import digits_of, errors, rate_scale
 from polhode.judging.references.reference import reference as reference_of
+from polhode.numbers.decimals import significant
 from polhode.numbers.number_types import DOUBLE, bits_for, named
 from polhode.scenes.scene import Scene
 from polhode.studies.peer_processes import Curve, Method, Task, run_all
@@ -29,7 +30,6 @@ from polhode.studies.speed.contenders import (
 from polhode.studies.speed.programs import ENGINE, OURS, PROGRAMS, RUN, Program, left_out, missing
 from polhode.studies.speed.published_benchmarks import READ
 from polhode.studies.speed.refined import contests
-from polhode.studies.speed.work_precision import wall
 
 NAME = "speed"
 QUESTION = (
@@ -150,7 +150,6 @@ def motion_row(motion: SpeedMotion, scene: Scene, curves: Mapping[Method, Curve]
         "end": motion.end,
         "kind": motion.kind,
         "methods": [_method_row(method, curve, digits[method]) for method, curve in curves.items()],
-        "wall": wall([(method.number, [*digits[method].items()]) for method in curves]),
     }
     kappa, bound = _limits(scene)
     if kappa is not None and bound is not None:
@@ -204,7 +203,7 @@ def _limits(scene: Scene) -> tuple[float | None, float | None]:
 
 
 def _short(x: float | None) -> float | None:
-    return None if x is None else float(f"{x:.4g}")
+    return None if x is None else significant(x, 4)
 
 
 def _named(tick: Message | None) -> Message | None:

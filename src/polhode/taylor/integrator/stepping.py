@@ -241,7 +241,7 @@ class Integrator:
     def _steps(self, ahead: Numbers, steps: int) -> tuple[Array, Outcome]:
         """The same, as a single advance of heyoka."""
         ta = self.heyoka
-        now = ta.time
+        begun, now = ta.dtime, ta.time
         if ahead[1] == now:  # a step ended there: heyoka has not given that row
             here = self.state.copy()[None]
             if len(ahead) == 2:
@@ -254,12 +254,10 @@ class Integrator:
         if len(ahead) == 2:
             # As a grid begins: the step that leaves no low part of the time.  So output times
             # change no bit of the motion.
-            ta.propagate_until(now)
-            if self._pieces is None:
-                result = ta.propagate_until(ahead[1], **options)
-            else:
-                result = ta.propagate_until(ahead[1], c_output=True, **options)
-                if result[4] is not None:
+            result = ta.propagate_until(now)
+            if ending(result[0]) is not Outcome.NON_FINITE:
+                result = ta.propagate_until(ahead[1], c_output=self._pieces is not None, **options)
+                if self._pieces is not None and result[4] is not None:
                     self._pieces.append(Polynomials(now, result[4]))
             ended = ending(result[0])
             rows = self.state[None]
@@ -270,6 +268,8 @@ class Integrator:
             result = ta.propagate_grid(grid, **options)
             rows, ended = result[-1][1:], ending(result[0])
         self.steps += int(result[3])
+        if ended is Outcome.NON_FINITE and not math.isfinite(float(ta.time)):
+            ta.dtime = begun  # a step of no length: nothing is known after it began
         return rows, ended
 
     @property

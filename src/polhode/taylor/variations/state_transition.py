@@ -35,6 +35,7 @@ from polhode.taylor.variations.reference_trajectory import Leader, pendulum, six
 
 STRIDES = (1.0, 8.0)  # units of the scene's own time a stretch: at least, at most
 MOST_STRETCHES = 4000  # of the shortest
+_TRIED = 20_000  # steps after which it is seen that no output is within reach
 _DOUBLES_TRUE = 8.0  # log10 of |Phi| up to which the motion in double is the scene's to 7 digits
 
 
@@ -93,8 +94,9 @@ def passage(scene: Scene, max_steps: int = 400_000, until: float = math.inf) -> 
     """The stretches of a scene's motion to its output times.
 
     Once the motion in double is no longer the scene's, it is led along one in a wider type.
-    ``max_steps``: of about 35 µs.  ``until``: log10 of |Phi| of the whole way beyond
-    which nothing is wanted; the passage ends there without a note.
+    ``max_steps``: of about 35 µs; where not even the first output is within them, some are taken.
+    ``until``: log10 of |Phi| of the whole way beyond which nothing is wanted; the passage ends
+    there without a note.
     """
     unit = 2.0**scene.time_unit
     outputs = tuple(to_double(t / Fraction(2) ** scene.time_unit) for t in scene.times)
@@ -110,8 +112,12 @@ def passage(scene: Scene, max_steps: int = 400_000, until: float = math.inf) -> 
     still = at_rest(scene).state
     found: list[Stretch] = []
     whole, height, before, note = np.eye(6), 0.0, 0, ""
+    nearest = min((abs(t) for t in outputs if t), default=0.0)
     for t in _moments(outputs):
         flow.restart(tangents)
+        if flow.steps > _TRIED and 2 * abs(flow.time) * max_steps < nearest * flow.steps:
+            note = f"not followed beyond t = {flow.time * unit:.3g}: more than {max_steps} steps"
+            break
         if not (t == 0 or flow.to(t, max_steps - flow.steps)) or not flow.finite:
             more = flow.steps >= max_steps
             why = f"more than {max_steps} steps" if more else "not finite in double"

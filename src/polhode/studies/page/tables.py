@@ -1,4 +1,4 @@
-"""Columns: what stands in a table of a study's rows, and the columns that several studies share."""
+"""Tables of a study's rows: what stands in each column, and columns that several studies share."""
 
 from __future__ import annotations
 
@@ -6,11 +6,48 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple, TypeAlias
 
 from polhode.output.json_object import JsonObject
-from polhode.studies.page.blocks import PageTable
 from polhode.studies.page.words import formatted
 
 #: A key of a row, a path of keys and places with dots between them, or a function of the row.
 Value: TypeAlias = str | Callable[[JsonObject], object]
+
+
+class PageTable(NamedTuple):
+    """Rows of cells under a header; ``align``: one character a column, l or r.
+
+    ``again``: the command that makes a row again; {0}, {1} stand for its cells.  ``meanings``: what
+    each column holds, "" where its header tells it.
+    """
+
+    header: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    align: str = ""
+    again: str = ""
+    meanings: tuple[str, ...] = ()
+
+    def command(self, row: tuple[str, ...]) -> str:
+        """The command that makes one of the rows again."""
+        return self.again.format(*(cell.strip("`").replace("'", r"'\''") for cell in row))
+
+    @property
+    def markdown(self) -> str:
+        """The table, what its columns hold, and how to make a row again; empty without rows."""
+        if not self.rows:
+            return ""
+        sides = ("--:" if side == "r" else "---" for side in self.align)
+        lines = [_line(self.header), f"|{'|'.join(sides)}|", *map(_line, self.rows)]
+        headers: dict[str, list[str]] = {}  # of one meaning, such as number types, together
+        for header, meaning in zip(self.header, self.meanings, strict=False):
+            headers.setdefault(meaning, []).append(header)
+        told = [f"*{', '.join(names)}*: {meaning}" for meaning, names in headers.items() if meaning]
+        lines += ["", f"Columns: {'; '.join(told)}."] if told else [""]
+        if self.again:
+            lines.append(f"To make rows again, here the first: `{self.command(self.rows[0])}`.")
+        return "\n".join(lines).rstrip()
+
+
+def _line(cells: Iterable[str]) -> str:
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 
 class Column(NamedTuple):
@@ -50,7 +87,7 @@ def at(row: JsonObject, path: str) -> Any:
 
 
 def table(rows: Iterable[JsonObject], columns: Sequence[Column], again: str = "") -> PageTable:
-    """A table of rows; ``again``: see :class:`~polhode.studies.page.blocks.PageTable`."""
+    """A table of rows; ``again``: see :class:`PageTable`."""
     return PageTable(
         tuple(column.header for column in columns),
         tuple(tuple(column.cell(row) for column in columns) for row in rows),
@@ -83,10 +120,7 @@ def yes(key: str, no: str = "no") -> Value:
 CASE = Column("case", "case", "", "a scene of the library, which `polhode show CASE` prints")
 NUMBER = Column("number", "number", "", "the number type of the run")
 REGIME = Column("regime", "regime", "", "the kind of motion")
-OUTCOME = Column("outcome", "outcome")
 T = Column("t", "t", "g")
 END = Column("to t", "end", "g", "the last time of the run")
 STEPS = Column("steps", "steps", "d")
 DIGITS = Column("digits", "digits", ".1f", "-log10 of the largest relative error")
-F = Column("f", "f", ".4g", "the area integral, the vertical component of the angular momentum")
-H = Column("h", "h", ".4g", "the energy")

@@ -1,4 +1,4 @@
-"""What a frame of ``polhode view`` costs its script: ``python tests/measure/frames.py [SCENE...]``.
+"""What a frame of ``polhode view`` costs its script.
 
 A browser without a window (Chromium) draws 2000 frames with all calls of WebGL but the drawing
 itself, which is the graphics card's part; and some whole ones, each waited for, that the processor
@@ -11,13 +11,14 @@ import json
 import re
 import shutil
 import subprocess
-import sys
 import tempfile
+from collections.abc import Iterator
 from html import unescape
 from pathlib import Path
 from typing import Any
 
 import polhode
+from measure.benchmark import Line
 
 SWITCHES = [
     *("--headless", "--no-sandbox", "--no-first-run", "--disable-sync", "--disable-quic"),
@@ -93,15 +94,15 @@ def cost(page: polhode.Page, width: int) -> dict[str, Any]:
     return found
 
 
-if __name__ == "__main__":
-    for name in sys.argv[1:] or [
-        "lagrange/looping",
-        "euler/largest-axis",
-        "general/asymmetric-regular",
-    ]:
+def frames(seconds: float) -> Iterator[Line]:
+    """Milliseconds of script a frame, least and median, and what a frame is made of."""
+    del seconds  # the page itself says how many frames it draws
+    if browser() is None:
+        yield Line("not measured without a browser, chromium or google-chrome", "")
+        return
+    for name in ("lagrange/looping", "euler/largest-axis", "general/asymmetric-regular"):
         for width in (400, 1400):
             x = cost(polhode.view(name), width)
-            told = f"{x['least']:.2f} ms of script a frame ({x['median']:.2f} in the median)"
-            drawn = f"{x['calls']} calls, {x['triangles']:.0f} triangles"
-            slow = f"{x['drawn']:.0f} ms where the processor draws"
-            sys.stdout.write(f"{name} at {width} px: {told}, {drawn}; {slow}\n")
+            yield Line(f"{name}, {width} px: ms", f"{x['least']:.2f}, median {x['median']:.2f}")
+            told = f"{x['calls']} calls, {x['triangles']:.0f} triangles"
+            yield Line("  drawn by the processor, ms", f"{x['drawn']:.0f}; {told}")

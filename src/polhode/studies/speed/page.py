@@ -1,0 +1,229 @@
+"""Tables and facts of the speed study's page: polhode beside other programs, and alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import TypeAlias
+
+from polhode.output.json_object import JsonObject
+from polhode.studies.page.tables import DIGITS, Column, PageTable, table
+from polhode.studies.page.words import DASH, between, counted, median, spread
+from polhode.studies.speed.programs import ENGINE, OURS, RUN
+
+#: Levels of digits, each with its cell.
+Levels: TypeAlias = Sequence[tuple[JsonObject, JsonObject]]
+
+LONG = 1000  # from this end on a run is told as a long one
+WORDS = ("ahead", "even", "behind", "alone", "not reached")
+
+_MOTION = Column("motion", "motion")
+_BEST = (
+    _MOTION,
+    Column("method", "method", "", "the number type, and whether the run is projected"),
+    Column("to", lambda row: f"{row['motion']}, t = {row['end']}"),
+    Column("tol", "tol", ".1e", "the tolerance of the steps, the tightest of several"),
+    DIGITS,
+    Column("least s", "seconds_min", ".3g", "seconds of a run, the least of all"),
+)
+_ELSEWHERE = (
+    Column("program", "program"),
+    Column("written in", "language"),
+    Column("problem", "problem"),
+    Column("figure (read)", "figure"),
+    Column("read where", "source"),
+)
+_REFINED = (
+    _MOTION,
+    Column("t", "end", "d"),
+    Column("bits", "bits", "d", "bits of the number type"),
+    Column("steps, s", "taylor.cpu", ".3g", "CPU seconds of heyoka's steps in that type"),
+    Column("steps, digits", "taylor.digits", ".1f", "their correct digits at the end"),
+    Column("refined, s", "refined.cpu", ".3g", "CPU seconds of the refined run"),
+    Column("refined, digits", "refined.digits", ".1f", "its correct digits at the end"),
+    Column("agreement", "agreement", ".1f", "digits to which the two agree"),
+    Column("estimate", "estimate", ".3g", "the refined run's own estimate of its error"),
+    Column("gain", "gain", ".1f", "seconds of the steps over those of the refined run"),
+)
+_FAULTS = (
+    Column("program", "program"),
+    Column("fault", "fault", "", "counted as not reached, or missing"),
+)
+
+
+def _first_column(header: str, way: str, clock: str) -> Column:
+    """Seconds of one way by one clock; why there are none, where a program failed."""
+
+    def value(row: JsonObject) -> object:
+        return row[way][clock] if way in row else row["fault"] or None
+
+    return Column(header, value, ".2f")
+
+
+_FIRST = (
+    Column("program", "program"),
+    _first_column("cold, s", "cold", "wall"),
+    _first_column("cold, processor s", "cold", "processor"),
+    _first_column("warm, s", "warm", "wall"),
+    _first_column("warm, processor s", "warm", "processor"),
+)
+_RATIO = "the time of that program over the propagator's, likewise"
+_CELLS = (
+    Column("cells", "cells", "", "the last time, and the number of output times"),
+    Column("digits", "digits", "g", "correct digits that are asked for"),
+    Column("propagator, ms", "own", ">", "a polhode propagator, the median over the kinds"),
+    Column("stands", "stands", "", "how the propagator stands against the best of the others"),
+    Column("best other", "best", "", "the other programs that are fastest in most kinds"),
+    Column(
+        *("its ratio", "ratio", ">"),
+        "the time of the best other over the propagator's: median over the kinds (least, most)",
+    ),
+    Column(ENGINE, ENGINE, ">", _RATIO),
+    Column(RUN, RUN, ">", _RATIO),
+)
+
+
+def tables(found: JsonObject) -> dict[str, PageTable]:
+    """The page's tables from the study's JSON object."""
+    first = sorted(found["first"], key=lambda row: row.get("cold", {}).get("wall", 1e9))
+    short = [cell for cell in found["cells"] if cell["end"] < LONG]
+    long = [cell for cell in found["cells"] if cell["end"] >= LONG]
+    cells = "polhode study speed --only '{0}'"
+    types = "polhode study speed --only '{0}' --only '{1}'"
+    refined = "polhode study speed --only 'refined: {0} t={1}'"
+    return {
+        "first": table(first, _FIRST, "polhode study speed --only 'first result'"),
+        "short": table(_by_length(short), _CELLS, cells),
+        "long": table(_by_length(long), _CELLS, cells),
+        "faults": table(_faults(found), _FAULTS),
+        "types": table(_best(found["motions"]), _BEST, types),
+        "refined": table(found.get("refined", ()), _REFINED, refined),
+        "elsewhere": table(found.get("elsewhere", ()), _ELSEWHERE),
+    }
+
+
+def facts(found: JsonObject) -> dict[str, object]:
+    """Counts and ranges of the rows."""
+    cells, refined = found["cells"], found.get("refined", ())
+    better = [row["refined"]["digits"] - row["taylor"]["digits"] for row in refined]
+    return {
+        "draws": cells[0]["draws"] if cells else DASH,
+        "kinds": ", ".join(dict.fromkeys(cell["kind"] for cell in cells)) or DASH,
+        "far": _stands(cells, lambda end: end >= 100),
+        "near": _stands(cells, lambda end: end <= 10),
+        "losses": _losses(cells) or DASH,
+        "engine": _engine(cells) or DASH,
+        "without": ", ".join(found["without"]) or "none",
+        "once_above": f"{found['once_above']:g}",
+        "refined_time": between([1 / row["gain"] for row in refined], ".3f"),
+        "refined_digits": between(better, "+.1f"),
+        "quad": _in_quad(refined) or DASH,
+    }
+
+
+def levels(cells: Iterable[JsonObject]) -> Levels:
+    """The cells and their levels."""
+    return [(cell, level) for cell in cells for level in cell["levels"]]
+
+
+def stands(found: Levels) -> dict[str, int]:
+    """How often polhode is ahead, even, behind, alone, or does not reach the digits itself."""
+    words = [level["verdict"]["stands"] for _, level in found]
+    return {word: words.count(word) for word in WORDS}
+
+
+def _stands(cells: Sequence[JsonObject], wanted: Callable[[float], bool]) -> dict[str, int]:
+    """The same for runs of some lengths, and how often it and another program reach the digits."""
+    count = stands(levels(cell for cell in cells if wanted(cell["end"])))
+    return count | {"compared": count["ahead"] + count["even"] + count["behind"]}
+
+
+def _by_end(cells: Sequence[JsonObject]) -> dict[float, Levels]:
+    """All cells and their levels by the length of the runs, from the shortest on."""
+    ends = sorted({cell["end"] for cell in cells})
+    return {end: levels([cell for cell in cells if cell["end"] == end]) for end in ends}
+
+
+def _losses(cells: Sequence[JsonObject]) -> str:
+    """Where it is behind: by whom, and by how much, in the median and at the least."""
+    told = []
+    for end, here in _by_end(cells).items():
+        verdicts = [level["verdict"] for _, level in here]
+        lost = [verdict for verdict in verdicts if verdict["stands"] == "behind"]
+        if lost:
+            worst = min(lost, key=lambda verdict: float(verdict["ratio"][0]))
+            middle = median([verdict["ratio"][0] for verdict in lost], ".2f")
+            told.append(f"{middle} at t = {end} ({worst['best']} {worst['ratio'][0]:.2f})")
+    return ", ".join(told)
+
+
+def _engine(cells: Sequence[JsonObject]) -> str:
+    """Time of a propagator over that of heyoka written by hand, in the median and at most."""
+    told = []
+    for end, here in _by_end(cells).items():
+        ratios = [1 / ratio for ratio in ratios_of(here, ENGINE)]
+        if ratios:
+            told.append(f"{median(ratios, '.2f')} (at most {max(ratios):.2f}) at t = {end}")
+    return ", ".join(told)
+
+
+def _in_quad(rows: Sequence[JsonObject]) -> str:
+    """Time of refined runs in quad over that of steps, at their furthest on each motion."""
+    last = {row["motion"]: row for row in rows if row["bits"] == 113}
+    return ", ".join(
+        f"1/{row['gain']:.0f} ({row['motion']}, t = {row['end']})" for row in last.values()
+    )
+
+
+def ratios_of(found: Levels, name: str) -> list[float]:
+    """The ratios of a program, where it has one."""
+    programs = [program for _, level in found for program in level["programs"]]
+    named = [program["ratio"] for program in programs if program["program"] == name]
+    return [ratio[0] for ratio in named if ratio is not None]
+
+
+def _by_length(cells: Sequence[JsonObject]) -> Iterator[JsonObject]:
+    """A row a length, number of outputs and level, over the kinds."""
+    places = {(cell["end"], cell["outputs"]) for cell in cells}
+    for end, outputs in sorted(places):
+        here = [cell for cell in cells if (cell["end"], cell["outputs"]) == (end, outputs)]
+        for digits in [level["digits"] for level in here[0]["levels"]]:
+            there = [(c, x) for c in here for x in c["levels"] if x["digits"] == digits]
+            yield {"cells": f"t={end} outputs={outputs}", "digits": digits, **_over_kinds(there)}
+
+
+def _over_kinds(found: Levels) -> JsonObject:
+    """What a row says of one length and level."""
+    own = [p["seconds"] for _, x in found for p in x["programs"] if p["program"] == OURS]
+    met = [x["verdict"] for _, x in found if "best" in x["verdict"]]
+    names = [verdict["best"] for verdict in met]
+    first = sorted(set(names), key=lambda name: (-names.count(name), name))[:2]
+    return {
+        "own": median([1000 * seconds for seconds in own if seconds], ".3g"),
+        "stands": counted(stands(found)),
+        "best": ", ".join(first) or DASH,
+        "ratio": spread([verdict["ratio"][0] for verdict in met], ".2f"),
+        **{name: spread(ratios_of(found, name), ".2f") for name in (ENGINE, RUN)},
+    }
+
+
+def _best(motions: Sequence[JsonObject]) -> Iterator[JsonObject]:
+    """Each number type at its tightest tolerance on each motion."""
+    for motion in motions:
+        for method in motion["methods"]:
+            points = [p for p in method["points"] if "digits" in p]
+            if points:
+                yield {**motion, **method, **min(points, key=lambda p: p["tol"])}
+
+
+def _faults(found: JsonObject) -> list[JsonObject]:
+    """What failed, was missing or stale, each once."""
+    told = {
+        (name, fault): None for cell in found["cells"] for name, fault in cell["faults"].items()
+    }
+    told |= {
+        (method["method"], f"{method['status']}: {method['reason']}"): None
+        for motion in found["motions"]
+        for method in motion["methods"]
+        if method["status"] != "ok"
+    }
+    return [{"program": program, "fault": fault} for program, fault in told]

@@ -1,0 +1,137 @@
+"""A program that drifts is told its convention by its first rows; a wrong file is told none."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode.common.errors import BadInput
+from polhode.judging.diagnosis import conventions
+from shared import drifting_files as files
+
+STARTS_RIGHT = 3.0  # digits of the first rows of an exact program
+
+
+def scene_of(file):
+    top = file.top
+    return polhode.top(
+        inertia=[[str(x) for x in row] for row in top.inertia],
+        centre=[str(x) for x in top.centre],
+        weight=str(top.weight),
+        omega=[str(x) for x in top.omega],
+        quaternion=[float(x) for x in file.turn],
+        normalise=True,
+        outputs=["attitude"],
+    )
+
+
+def judged(file):
+    return polhode.compare(file.columns, scene_of(file))
+
+
+def is_named(file, found):
+    told = {one.part: one.convention for one in found.readings}
+    return all(words in told.get(part, "") for part, words in file.words.items())
+
+
+def plainly(convention):
+    """A convention without the numbers of a rotation."""
+    return re.sub(r"rotation of .* in", "rotation in", convention)
+
+
+def is_wrong(file, reading):
+    """Whether a program that does not drift is not right in a reading."""
+    scene = scene_of(file)
+    if reading.change is None:
+        exact = polhode.compare(file.exact, scene).readings
+        told = {(one.part, plainly(one.convention)) for one in exact}
+        return (reading.part, plainly(reading.convention)) not in told
+    try:
+        exact = polhode.compare(
+            file.exact, scene, read=f"{reading.part} {reading.convention}"
+        ).part_digits
+    except BadInput:
+        return True
+    return min(exact[reading.part]) < STARTS_RIGHT
+
+
+@pytest.mark.parametrize("name", files.NAMES)
+def test_a_drifting_file_is_told_its_convention(name):
+    """The digits of its first row and of later ones, in the convention that is named."""
+    file = files.plain_file(name)
+    found = judged(file)
+    assert found.worst < 3
+    assert is_named(file, found), found.readings
+    for part in file.words:
+        (reading,) = [one for one in found.readings if one.part == part]
+        first, *_, last = reading.rows
+        assert 12 > first[1] > 2 > last[1] or first[1] > 12 > 3 > last[1]
+        assert f"{last[1]:.1f} at t = 4" in str(reading)
+        exact = "turned" not in name  # where the first row tells the rotation
+        assert ("exact at t = 0, " in str(reading)) == exact
+
+
+def counted(names, count, make):
+    """How many files are named, and those that are named wrongly."""
+    named, missed, wrong = 0, Counter(), []
+    for seed in range(count):
+        name = names[seed % len(names)]
+        file = make(seed, name)
+        found = judged(file)
+        named += is_named(file, found)
+        missed[name] += not is_named(file, found)
+        wrong += [(seed, name, str(one)) for one in found.readings if is_wrong(file, one)]
+    print(f"{named} of {count} named; missed {+missed}; wrongly {wrong}")
+    return named, wrong
+
+
+@pytest.mark.parametrize(
+    "count",
+    [pytest.param(60, marks=pytest.mark.slow), pytest.param(300, marks=pytest.mark.campaign)],
+)
+def test_drifting_files_are_named_right(count):
+    named, wrong = counted(files.NAMES, count, files.of_convention)
+    assert wrong == []
+    assert named >= 0.95 * count
+
+
+@pytest.mark.parametrize("name", files.WRONG)
+def test_a_wrong_file_is_told_no_convention(name):
+    for seed in range(2):
+        assert judged(files.wrong_file(seed, name)).readings == ()
+
+
+@pytest.mark.parametrize(
+    "count",
+    [pytest.param(60, marks=pytest.mark.slow), pytest.param(600, marks=pytest.mark.campaign)],
+)
+def test_wrong_files_are_told_no_convention(count):
+    names = [*files.WRONG]
+    told = []
+    for seed in range(count):
+        file = files.wrong_file(seed, names[seed % len(names)])
+        told += [(seed, names[seed % len(names)], str(one)) for one in judged(file).readings]
+    assert told == []
+
+
+def test_a_probe_that_does_not_look_at_the_motion_is_noticed(monkeypatch):
+    monkeypatch.setattr(conventions, "follows", lambda *_: True)
+    assert any(judged(files.wrong_file(seed, "stuck")).readings for seed in range(4))
+
+
+def test_a_probe_that_looks_at_all_rows_alike_is_noticed(monkeypatch):
+    file = files.plain_file("degrees")
+    assert is_named(file, judged(file))
+    monkeypatch.setattr(conventions, "course", lambda rows, _=False: np.full(len(rows), min(rows)))
+    assert not is_named(file, judged(replace(file, columns=late(file.columns))))
+
+
+def late(columns):
+    """Rows that end far from the motion."""
+    wrong = columns["t"] > 3
+    return {n: np.where(wrong & (n != "t"), -x, x) for n, x in columns.items()}
