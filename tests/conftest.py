@@ -92,10 +92,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """``sample(n, first=k)``: n cases of the test, evenly spread from the k-th, are fast.
 
     The others are slow, or with ``slow=m`` m of them, evenly spread too, and what is left runs by
-    hand.  Of a slow test with ``rest="campaign"`` n cases are slow, the others run by hand.  What
-    takes longest comes first, so that nobody waits for it at the end.
+    hand.  Of a slow test with ``rest="campaign"`` n cases are slow, the others run by hand.
     """
-    items.sort(key=lambda item: item.get_closest_marker("longest") is None)
     cases: dict[str, list[pytest.Item]] = {}
     for item in items:
         mark = item.get_closest_marker("sample")

@@ -2,9 +2,9 @@
 
 Makes a wheel of this checkout and an environment of its own, in a folder that is removed at the
 end; installs the wheel with what the first command of the README installs, and runs the commands
-below from an empty folder, as a user who never ran polhode; then installs matplotlib, and runs
-those that draw.  A command fails by another exit code than the one beside it, by a traceback or a
-warning.  Exit code 0 if all passed.
+below from an empty folder, as a user who never ran polhode; then installs what figures and the
+report need, and runs those that draw.  A command fails by another exit code than the one beside
+it, by a traceback or a warning.  Exit code 0 if all passed.
 
     python3 tests/installed/every_verb.py
 """
@@ -90,7 +90,7 @@ def main() -> int:
         run([*pip, "install", str(wheel)])
         faults = unnamed(python, user, environment)
         faults += [f for row in BARE for f in told(python, *row, user, environment)]
-        run([*pip, "install", f"{wheel}[figures]"])
+        run([*pip, "install", f"{wheel}[report]"])
         faults += [f for row in WITH_FIGURES for f in told(python, *row, user, environment)]
     count = len(BARE) + len(WITH_FIGURES)
     print("\n".join(faults) or f"installed: {count} commands passed")
