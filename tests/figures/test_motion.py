@@ -325,7 +325,7 @@ def test_a_file_is_shown_in_the_conventions_that_are_told(tmp_path, capsys):
     [
         (["view", TOP, "-o", "x.png"], "a name that ends in .html"),
         (["plot", TOP, "--what", "motion", "-o", "x.svg"], ".html or .gif or .mp4"),
-        (["plot", TOP, "--what", "omega", "-o", "x.gif"], ".svg or .png or .pdf"),
+        (["plot", TOP, "--what", "omega", "-o", "x.gif"], ".svg, .png, .pdf"),
         (["view", "nope/nope", "-o", "x.html"], "the name of a case"),
         (["plot", TOP, "--what", "motion", "-o", "x.gif", "--fps", "0"], "--fps"),
         (["plot", TOP, "--what", "motion", "-o", "x.gif", "--fps", "30"], "hundredths of a second"),

@@ -45,16 +45,15 @@ def refused(capsys, *arguments: str) -> str:
 @pytest.mark.parametrize(
     "arguments",
     [
-        ["run", "scene.csv", "-o", "scene.csv"],
         ["run", "scene.json", "-o", "scene.csv"],
-        ["run", "scene.csv", "-o", "link.csv"],
+        ["run", "scene.toml", "-o", "link.csv"],
         ["sweep", "scene.json", "--vary", "start.omega[1]=1,2", "-o", "scene.csv"],
     ],
 )
 def test_no_input_is_ever_replaced(capsys, arguments):
-    Path("scene.csv").write_text(TOP)
+    Path("scene.toml").write_text(TOP)
     Path("scene.json").write_text(TOP)
-    Path("link.csv").symlink_to("scene.csv")
+    Path("link.csv").symlink_to("scene.toml")
     assert "another file than the one that is read" in refused(capsys, *arguments)
 
 

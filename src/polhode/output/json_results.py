@@ -29,7 +29,6 @@ if TYPE_CHECKING:  # a run needs none of these
     from polhode.equations.integrals import Drift
     from polhode.judging.conditioning.lyapunov import Lyapunov
     from polhode.judging.convergence_order import OrderBetweenTables
-    from polhode.judging.diagnosis.omega_only import OmegaAlone
     from polhode.judging.references.reference import Reference
     from polhode.judging.score.judgement import Judgement
 
@@ -298,7 +297,6 @@ def of_judgement(judged: Judgement) -> JsonObject:
             for name, where in judged.departures.items()
         },
         "drift": None if judged.drift is None else of_drift(judged.drift),
-        "omega_alone": of_omega_alone(judged.omega_alone),
         "not_judged": list(judged.notes),
         "remarks": list(subject.remarks),
     }
@@ -333,17 +331,6 @@ def of_order(found: OrderBetweenTables) -> JsonObject:
         "order": round(found.order, 3),
         "least": round(found.least, 3),
         "most": round(found.most, 3),
-    }
-
-
-def of_omega_alone(found: OmegaAlone | None) -> JsonObject | None:
-    """What omega alone says of gamma as a JSON object."""
-    if found is None:
-        return None
-    return {
-        "gamma_digits": round(found.digits, 2),
-        "derivative_digits": round(found.derivative, 2),
-        "drift": of_drift(found.drift),
     }
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
+from collections.abc import Mapping
 from typing import Any
 
 from polhode.checks import results
@@ -55,7 +56,7 @@ def main(options: Namespace) -> int:
                     progress.clear()
                     _print_check(report)
                     if options.propose:
-                        say(_bands(report))
+                        say(_bands(report.proposal))
         if options.forms or not (options.scenes or options.number):
             for found in cross_checks(progress.say, shared):
                 crossed.append(found)
@@ -90,9 +91,9 @@ def _print_cross_check(found: Any) -> None:
     say(f"{mark} {found.scene} in the form {found.form}: {digits}{found.note}")
 
 
-def _bands(report: Any) -> str:
+def _bands(proposal: Mapping[str, tuple[float, float]]) -> str:
     """The table of a scene file that holds the bands proposed."""
-    rows = [f"{number:<8} = [{low}, {high}]" for number, (low, high) in report.proposal.items()]
+    rows = [f"{number:<8} = [{low}, {high}]" for number, (low, high) in proposal.items()]
     return "\n".join(["", "[expect]", *rows, ""]) if rows else "     no digits are left: no band"
 
 

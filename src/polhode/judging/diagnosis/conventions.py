@@ -33,7 +33,15 @@ from polhode.judging.diagnosis.evidence import (
 from polhode.judging.diagnosis.motion_in_double import integrated
 from polhode.judging.diagnosis.rotation_matrices import matrices
 from polhode.judging.diagnosis.time_unit import UNITS
-from polhode.judging.diagnosis.ways import ALIKE_AT_START, FREEDOM, LEAST_ROWS, Right, Way, ways
+from polhode.judging.diagnosis.ways import (
+    ALIKE_AT_START,
+    FREEDOM,
+    LEAST_ROWS,
+    SCALAR_FIRST,
+    Right,
+    Way,
+    ways,
+)
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference, Remembered, rows
 from polhode.judging.tables.candidate import Subject
@@ -144,7 +152,8 @@ def _part(part: str, values: Doubles, world: _World, is_wrong: bool) -> _Part | 
             continue
         most = max((one for _, one in found), key=lambda one: float(np.sum(one)))
         best, mine = next(pair for pair in found if is_alike(pair[1], most))
-        sure = not fitted and sum(is_sure(one) for _, one in found) <= ALIKE_AT_START[part]
+        alike = sum(is_sure(one) for _, one in found)
+        sure = alike <= ALIKE_AT_START[part] and not (fitted or best.words.startswith(SCALAR_FIRST))
         goes = follows(mine, moved, best.fitted, bool(world.words), sure)
         told = goes and is_better(mine, own, least_gain(best.tries, FREEDOM[part]))
         seen.append(_Part(best, plain, told, goes))

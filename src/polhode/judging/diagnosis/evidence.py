@@ -5,7 +5,7 @@ digits of a convention are counted from the first row on and never rise again: o
 the first rows is wrong, and one that is right there may drift as it likes.
 
 What a wrong table could have by chance is not told.  A convention of which ``tries`` were tried has
-to have so many digits more than the table as it stands that one in ten thousand tables of random
+to have so many digits more than the table as it stands that one in some thousand tables of random
 numbers has one; and it has to follow the motion: where the motion has left its first row, it is
 nearer to it than a table that stays there, or goes elsewhere, would be.
 """
@@ -27,9 +27,7 @@ FAR_GAIN = 2.0  # likewise other times, or another scene
 _RARE = 3.5  # log10 of so many tables of which one is right by chance
 _ALIKE, _ALIKE_IF_EXACT, _EXACT = 0.3, 1.0, 9.0  # digits by which conventions do not differ
 _SURE = 6.0  # digits of a first row that is the start
-_STAYS = 1.0  # digits that are left where the motion stays near it
-_FAR = 0.3  # and by so much the motion is far from it
-_FOLLOWS_SURE = 0.3  # of the way that it has come, digits of what is sure at the first row
+_STAYS = 0.5  # digits that are left where the motion has left it
 _LEFT = 0.1  # of its size: by so much the motion has left its first row
 _STILL = 0.01  # and by less it stands still
 _FOLLOWS = 0.7  # digits of the way that the motion has come
@@ -91,15 +89,13 @@ def follows(mine: Doubles, moved: Doubles, fitted: bool, must_move: bool, sure: 
     row alone tells, being the start to many digits in one convention.
     """
     sure = sure and is_sure(mine) and not must_move
-    left = np.flatnonzero(moved >= (_FAR if sure else _LEFT))
+    left = np.flatnonzero(moved >= _LEFT)
     row = int(left[0]) if len(left) else int(np.argmax(moved))
-    if sure and moved[row] < _LEFT:
+    if sure:
         return float(mine[row]) >= _STAYS
     if moved[row] < _STILL and not (fitted or must_move):
         return True
     if moved[row] == 0:
         return False
     digits = float(mine[row]) + math.log10(float(moved[row]))
-    if sure:
-        return digits >= _FOLLOWS_SURE
     return digits >= (_FOLLOWS_FITTED if fitted else _FOLLOWS)

@@ -34,7 +34,8 @@ _DEGREE = math.pi / 180
 #: Units of angles by the degrees in them; 0 for radians.
 _UNITS = ((0, ""), (1, "degrees"), (6, "rpm"), (360, "revolutions"))
 _SEQUENCES = [s for s in itertools.product("xyz", repeat=3) if s[0] != s[1] != s[2]]
-_ORDERS = (((0, 1, 2, 3), ""), ((3, 0, 1, 2), "scalar-last"), ((1, 2, 3, 0), "q1 the scalar"))
+SCALAR_FIRST = "q1 the scalar"  # which a scene's start that was typed scalar-last looks like, too
+_ORDERS = (((0, 1, 2, 3), ""), ((3, 0, 1, 2), "scalar-last"), ((1, 2, 3, 0), SCALAR_FIRST))
 
 
 _ORDERS_OF_AXES = np.array([order for order, _ in AXES])

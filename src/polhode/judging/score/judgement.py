@@ -32,7 +32,6 @@ from polhode.judging.diagnosis.error_budget import (
     limit,
     selected,
 )
-from polhode.judging.diagnosis.omega_only import OmegaAlone, omega_alone
 from polhode.judging.diagnosis.time_rounding import explained, reading
 from polhode.judging.references.reference import by_sign
 from polhode.judging.score.part_digits import PartDigits, RowDigits, fewest
@@ -41,11 +40,10 @@ from polhode.judging.score.score import AnyReference, HeldAgainst
 from polhode.judging.tables.candidate import Subject, of_table
 from polhode.judging.tables.reading import TURNS, WRONG, Reading
 from polhode.judging.tables.table import Table
-from polhode.numbers.conversion import exactly, to_double, to_mpf
+from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.decimals import brief
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DIGITS_HELD
-from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend import engine
 
 RARE = 1e-4  # a share of runs of which nobody judges so many
@@ -406,18 +404,6 @@ class Judgement(Result, ByValue):
             if isinstance(found, str)
         ]
 
-    @cached_property
-    def omega_alone(self) -> OmegaAlone | None:
-        """What omega says of gamma, where gamma is not there."""
-        scene, omega = self.reference.scene, self.subject.states
-        if self.subject.columns != STATE[:3] or len(scene.columns) == 3:
-            return None
-        if any(None in row[:3] for row in omega):
-            return None
-        held = self._held
-        given = [[to_mpf(x, held.bits) for x in row[:3]] for row in omega]
-        return omega_alone(scene, self.times, given, held.rows, held.bits)
-
     @property
     def readings(self) -> tuple[Reading, ...]:
         """Conventions in which parts of a table that is wrong as it stands are right: those that
@@ -478,8 +464,6 @@ class Judgement(Result, ByValue):
         lines += [f"{name}: {'; '.join(texts)}" for name, texts in told.items()]
         lines += [str(reading) for reading in self.readings]
         lines += [str(cause) for cause in self.causes]
-        if self.omega_alone is not None and self.omega_alone.concludes:
-            lines.append(str(self.omega_alone))
         if self.drift is not None:
             lines.append(f"drift {self.drift}")
         if self.subject.projected and self.subject.run is not None:
