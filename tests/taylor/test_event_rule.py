@@ -230,3 +230,44 @@ def test_a_lost_zero_is_found_again(number, monkeypatch):
     assert len(event.signs) == 3
     for s, t in zip(event.times, whole.times, strict=True):
         assert abs(s - t) <= 40 * number.eps
+
+
+@pytest.mark.parametrize("number", [DOUBLE, QUAD], ids=lambda n: n.name)
+def test_a_start_at_zero_needs_no_search(number, monkeypatch):
+    """heyoka is given no polynomial without constant term, so that it loses no zero behind it."""
+    from polhode.taylor.events.watch import Watch
+
+    def refused(*_: object) -> None:
+        raise AssertionError("a search")
+
+    monkeypatch.setattr(Watch, "_search", refused)
+    _, event = found("q*(p-0.28)", number)
+    assert [float(t) for t in event.times] == pytest.approx(AT_ZERO["q*(p-0.28)"], abs=1e-15)
+
+
+def test_lanes_are_sure_behind_a_start_at_zero_and_leave_contacts_to_runs(monkeypatch):
+    from polhode.dynamics.observables import jobs
+
+    alone, solve = [], jobs.solve_one
+    monkeypatch.setattr(jobs, "solve_one", lambda *a: (alone.append(1), solve(*a))[1])
+    three = {"start.omega[1]": ["0.3"] * 3}
+    polhode.reduce_many(top(Event("e", "q*(p-0.28)")), three, "first e")
+    assert not alone
+    for zero, first in (("(t-1/2)**2*(t-1)", 1), ("(t-1/2)**3", 0.5), ("(t-1/2)**2", math.nan)):
+        found = polhode.reduce_many(top(Event("e", zero)), three, "first e")
+        assert found["t of first e"] == pytest.approx([first] * 3, abs=1e-4, nan_ok=True)
+    assert alone
+
+
+def test_contacts_are_no_crossings_of_a_section():
+    """A factor that touches zero adds none; a level below a contact adds two."""
+    asked = {"grid": (3, 3), "crossings": 8, "h": 3, "f": "1/2"}
+    plain, touched, pairs = (
+        polhode.section("general/asymmetric-chaotic", by=by, **asked)
+        for by in ("q - 1/10", "(r - 1/2)**2*(q - 1/10)", "(q - 1/10)**2 - 1e-12")
+    )
+    assert np.array_equal(touched.counts, plain.counts)
+    assert np.abs(touched.times - plain.times).max() < 1e-5
+    assert np.abs(pairs.times[:, ::2] - plain.times[:, :4]).max() < 1e-4
+    with pytest.raises(polhode.BadInput, match="an expression that becomes zero"):
+        polhode.section("general/asymmetric-chaotic", by="(q - 1/10)**2", **asked)

@@ -32,7 +32,7 @@ from polhode.taylor.batches.compiled_batch import CompiledBatch
 from polhode.taylor.batches.lane_queue import LaneQueue
 from polhode.taylor.corrections.level_projection import ARRAYS, TINY, Level, Put
 from polhode.taylor.events.batch_search import Crossing, Met, built, through_the_first_step
-from polhode.taylor.events.jets import Jet, jet_of, marks_at
+from polhode.taylor.events.jets import Jet, Marks, jet_of, marks_at
 from polhode.taylor.events.polishing import places, refined
 from polhode.taylor.events.roundoff import BAND, FUNCTIONS, Roundoff, rounding_error, sized
 from polhode.taylor.integrator.specification import DESK
@@ -221,8 +221,7 @@ class _Orbits:
         met = [row for row in self.met.crossings if self.origin[row.lane] > 0 or row.time > begin]
         met.sort(key=lambda row: (row.lane, row.time))
         last, width = Crossing(-1, 0.0, np.empty(0)), 0.0
-        for row, certain in zip(met, self._certain(met), strict=True):
-            wide = 0.0 if certain else self._width(row)
+        for row, wide in zip(met, self._widths(met), strict=True):
             apart = max(wide, width) + _TWICE * max(1.0, row.time)
             if wide == np.inf or (row.lane == last.lane and row.time - last.time <= apart):
                 continue
@@ -233,31 +232,36 @@ class _Orbits:
         self.found += counts
         self.quiet = np.where(counts > 0, 0, self.quiet + 1)
 
-    def _certain(self, met: list[Crossing]) -> list[bool]:
-        """Where the slope is so large that no rounding can make it a contact."""
+    def _widths(self, met: list[Crossing]) -> list[float]:
+        """How wide crossings are, 0 with a certain slope; infinite for a contact."""
         if not met:
             return []
-        columns, times = (np.array([row[i] for row in met]) for i in (2, 1))
-        _, slopes, bends, _ = self.jet.at(marks_at(times, columns.T))
-        steep: list[bool] = (slopes * slopes > _CERTAIN * np.abs(bends)).tolist()
-        return steep
+        times, columns = np.array([row.time for row in met]), np.array([row.state for row in met])
+        marks, widths = marks_at(times, columns.T), np.zeros(len(met))
+        _, slopes, bends, _ = self.jet.at(marks)
+        small = np.flatnonzero(~(slopes * slopes > _CERTAIN * np.abs(bends)))
+        if len(small):
+            widths[small] = self._looked_at(marks.those(small))
+        found: list[float] = widths.tolist()
+        return found
 
-    def _width(self, row: Crossing) -> float:
-        """How wide a crossing is, 0 with a certain slope; infinite for a contact."""
-        jet = self.jet
-        marks = marks_at(np.array([row.time]), row.state[:, None])
+    def _looked_at(self, marks: Marks) -> Doubles:
+        """The same where the slope is small."""
+        jet, widths = self.jet, np.zeros(len(marks.time))
         with np.errstate(all="ignore"):
             marks = refined(jet, marks, "zeros")
             place = places(jet, marks, _BAND, self._error, 1, True)
-            if place.steep[0] and abs(place.values[0, 0]) <= place.noise[0]:
-                return 0.0
-            marks = refined(jet, marks, "multiple")
+            flat = np.flatnonzero(~(place.steep & (np.abs(place.values[0]) <= place.noise)))
+            if len(flat) == 0:
+                return widths
+            marks = refined(jet, marks.those(flat), "multiple")
             place = places(jet, marks, _BAND, self._error, 1, True)
-        sides = [jet.at(jet.moved(marks, way * 2 * place.width))[0, 0] for way in (-1, 1)]
-        before, after = (side / float(_BAND) for side in sides)
-        there = min(abs(before), abs(after)) > place.noise[0] and before * after < 0
-        right = after * self.job.direction >= 0
-        return 4 * float(place.width[0]) if there and right else np.inf
+        steps = [way * 2 * place.width for way in (-1, 1)]
+        before, after = (jet.at(jet.moved(marks, step))[0] / float(_BAND) for step in steps)
+        there = np.minimum(np.abs(before), np.abs(after)) > place.noise
+        crosses = there & (before * after < 0) & (after * self.job.direction >= 0)
+        widths[flat] = np.where(crosses, 4 * place.width, np.inf)
+        return widths
 
     def _error(self, columns: Flat, clock: Flat) -> Flat:
         """The rounding error of the section's function at columns of states."""

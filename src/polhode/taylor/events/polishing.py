@@ -95,6 +95,7 @@ def refined(jet: Jet, marks: Marks, kind: str) -> Marks:
     """The same by some rounds of Newton's method, or Schroeder's, for multiple zeros."""
     converged = Fraction(1, 1 << (jet.number.bits // 2 + 6))  # the error is its square
     zero, near, small = (scalar(x, jet.number) for x in (Fraction(0), _NEAR, converged))
+    going = np.ones(len(marks.time), dtype=bool)  # no last bit depends on neighbours
     for _ in range(_ROUNDS if len(marks.time) else 0):
         value, rate, bend, third = jet.at(marks)
         if kind == "zeros":
@@ -103,9 +104,10 @@ def refined(jet: Jet, marks: Marks, kind: str) -> Marks:
             step = -rate * bend / (bend * bend - rate * third)
         else:
             step = -value * rate / (rate * rate - value * bend)
-        step[~(abs(step) < near)] = zero
+        step[~(going & (abs(step) < near))] = zero
         marks = jet.moved(marks, step)
-        if not np.any(abs(step) > small):
+        going = abs(step) > small
+        if not going.any():
             break
     return marks
 
