@@ -340,6 +340,7 @@ def imported_by(*commands: list[str]) -> set[str]:
     return set(done.stderr.splitlines()[-1].split())
 
 
+@pytest.mark.slow
 def test_a_verb_imports_nothing_heavy_that_it_does_not_need():
     run = imported_by(["run", "euler/sphere", "--json"])
     assert "heyoka" in run
@@ -348,6 +349,7 @@ def test_a_verb_imports_nothing_heavy_that_it_does_not_need():
     assert "heyoka" not in imported_by(*light)
 
 
+@pytest.mark.slow
 def test_a_run_imports_no_room_that_it_does_not_need():
     """A warm run is to cost little more than importing heyoka: see tests/measure/choices.py."""
     found = imported_by(["run", "kovalevskaya/generic", "--at", "1"])

@@ -101,6 +101,7 @@ def test_each_command_prints_what_stands_there(folder: Path) -> None:
             assert without_seconds(polhode(command, folder)) == without_seconds(expected), command
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("block", "expected"), PYTHON)
 def test_each_block_of_python_prints_what_stands_there(
     folder: Path, block: Block, expected: Block

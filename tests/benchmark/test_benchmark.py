@@ -54,7 +54,8 @@ def test_values_are_made_again_to_the_bit(name):
     assert (HELD / f"{name}.csv").read_text() == certified_values(NAMED[name]).csv
 
 
-@pytest.mark.sample(1, first=7, slow=2)
+@pytest.mark.slow
+@pytest.mark.sample(3, first=7, rest="campaign")
 @pytest.mark.parametrize("name", NAMED)
 def test_certificates_are_made_again_to_the_bit_and_proved(name, tmp_path):
     assert main(["benchmark", "--only", name, "-o", str(tmp_path)]) == 0

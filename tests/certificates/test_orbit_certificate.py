@@ -328,6 +328,7 @@ def test_the_derivative_holds_those_of_the_corners(term, small, monkeypatch):
     assert bool(outside) == tells, outside
 
 
+@pytest.mark.slow
 def test_a_transition_that_is_bent_is_contained(small, monkeypatch):
     """D by another V: the same but for a wider ball; without rho another."""
     exact = made_of(small, 100, monkeypatch)
@@ -360,6 +361,7 @@ def test_dependent_gradients_are_refused(small, monkeypatch):
     assert "may be dependent" in told(small)
 
 
+@pytest.mark.slow
 def test_the_command_line(tmp_path, capsys):
     path = tmp_path / "orbit.json"
     assert main(["prove", "orbit", "grioli/precession", "-o", str(path)]) == 0

@@ -111,6 +111,7 @@ def test_another_scene_is_not_proved(small, key):
     assert not holds(given)
 
 
+@pytest.mark.slow
 def test_guesses_prove_nothing_false(small):
     """Whatever they are: the same true statement, or nothing."""
     chance = random.Random(5)

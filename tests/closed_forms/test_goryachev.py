@@ -75,7 +75,7 @@ def test_equations_hold(name):
     checks.check_equations(Goryachev, MOTIONS[name])
 
 
-@pytest.mark.sample(1, first=1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["sheet", "other signs"])
 def test_independent_integration(name):
     checks.check_taylor(Goryachev, MOTIONS[name])

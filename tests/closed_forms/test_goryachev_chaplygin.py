@@ -149,7 +149,8 @@ def test_attitude_near_and_far_is_one(name, monkeypatch):
 NEAR_REST = ["1e-2", "1e-9", "1e-30"]
 
 
-@pytest.mark.sample(1, first=1, slow=2)
+@pytest.mark.slow
+@pytest.mark.sample(3, first=1, rest="campaign")
 @pytest.mark.parametrize("size", NEAR_REST)
 def test_near_rest(size):
     """u and v both nearly vanish: their phases run on there while time nearly stands."""
@@ -431,7 +432,8 @@ def test_near_degenerate_motions(name, power):
     assert LEAST < off(near, (F(8),), 25) < mpf("1e-25")
 
 
-@pytest.mark.sample(1, slow=1)
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize("name", ["D- from above", "D- from below"])
 def test_far_away_where_doubles_do_not_part_two_roots(name):
     near = place(NEAR[name](F(1, 10**20)))

@@ -222,7 +222,7 @@ def test_doubles_leave_no_piece_unsettled(monkeypatch):
         assert abs(ThetaSum(TAU, COEFFICIENTS).growth(z, way) - plain) < 1e-9
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("axes", [SKEW, CYCLIC])
 @pytest.mark.parametrize("name", GENERIC)
 def test_turns_about_another_axis_are_the_counted_ones(name, axes):
@@ -263,6 +263,7 @@ def test_turns_about_another_axis_at_any_time():
         assert abs(first[i] / far[0].numerator * far[0].denominator - short[i] / 10**7) < 1e-5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fault", ["missed", "sign", "turned round"])
 def test_a_zero_missed_or_of_the_wrong_sign_is_noticed(fault, monkeypatch):
     attitude = attitudes_of(turned(GENERIC["e-ee+"], CYCLIC)).at(128)

@@ -237,6 +237,7 @@ def drawn(found):
     return made
 
 
+@pytest.mark.slow
 def test_the_figure_shows_the_regions_of_close_rotations():
     found = found_of(NEAR)
     assert all(column.regions for column in found.columns(*F, 41))
@@ -245,6 +246,7 @@ def test_the_figure_shows_the_regions_of_close_rotations():
         assert shades_at(axes, place) == ({name} if name else set()), place
 
 
+@pytest.mark.slow
 def test_an_undecided_column_is_hatched(monkeypatch):
     """It is not filled with a neighbour's colour."""
     decided = effective_potential.regions_between

@@ -232,6 +232,7 @@ def test_energies_at_the_edge_of_doubles_are_cut_or_refused():
         polhode.section(REGULAR, h=10**31, f=0, starts=[[1.5, 0.5]], crossings=2)
 
 
+@pytest.mark.slow
 def test_a_level_far_slower_than_the_scene_is_looked_at_as_often():
     """Looks at its tangent by the level's own rate; a ten-thousandth took minutes."""
     kept = {"f": 0, "starts": [[1, 0.2]], "crossings": 3}

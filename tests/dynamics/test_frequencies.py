@@ -92,6 +92,7 @@ def test_a_chaotic_motion_has_no_sharp_lines():
     assert all(line.error > 1e-5 for line in lines)
 
 
+@pytest.mark.slow
 def test_a_file_and_a_run_give_what_the_scene_gives(tmp_path):
     times = [k / 10 for k in range(1, 2001)]
     run = polhode.integrate("lagrange/nutation", at=times)

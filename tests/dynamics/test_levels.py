@@ -261,6 +261,7 @@ def test_levels_as_json(capsys):
     assert all(len(arc["f"]) == len(arc["h"]) > 200 for arc in found["arcs"])
 
 
+@pytest.mark.slow
 def test_levels_as_figure_and_arrays(tmp_path, capsys):
     pytest.importorskip("matplotlib")
     figure, held = tmp_path / "levels.svg", tmp_path / "levels.npz"

@@ -62,6 +62,7 @@ def test_two_orbits_on_this_side_of_a_fold_and_none_on_the_other(family):
         polhode.orbit(near.scene, h=FOLD - 0.001, period=near.period)
 
 
+@pytest.mark.slow
 def test_rotations_of_a_free_body_are_a_family_with_one_residue():
     """T = 2 pi/w with h = A w^2/2 at every point; R = sin^2(pi sqrt((A-B)(A-C)/(BC)))."""
     spun = polhode.top(moments=[2, 1.5, 1], omega=[1, 0, 0], gamma=["4/5", "3/5", 0])
@@ -144,6 +145,7 @@ def test_a_search_finds_orbits_that_close(monkeypatch):
     assert kinds == {"elliptic", "hyperbolic"}  # islands have both (Poincare, Birkhoff)
 
 
+@pytest.mark.slow
 def test_the_verb(tmp_path, capsys):
     figure, arrays = tmp_path / "family.svg", tmp_path / "family.npz"
     asked = ["orbit", "grioli/precession", "--continue", "h=0.84"]

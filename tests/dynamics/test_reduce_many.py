@@ -100,7 +100,7 @@ def test_a_zero_at_the_start_is_no_event():
     assert abs(float(event.times[0]) - found["t of first back"][14]) < 16 * EPS * 9
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("lost", [1, 2])
 def test_a_crossing_that_lanes_lose_is_found_by_a_run_of_its_own(lost, monkeypatch):
     """heyoka's first and second crossing of each lane dropped: the signs at the ends tell."""
@@ -196,6 +196,7 @@ def test_an_unstable_member_with_a_closed_form_costs_no_neighbours(monkeypatch):
     assert np.isfinite(found["lyapunov uncertainty"]).all()
 
 
+@pytest.mark.slow
 def test_a_member_that_fails_has_no_numbers_and_harms_no_neighbour():
     scene = replace(heavy("9"), events=EVENTS)
     keep = ["final", "first half", "lyapunov"]

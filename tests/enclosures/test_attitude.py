@@ -623,6 +623,7 @@ def test_digits_asked_for_are_those_of_angles_and_attitude_too() -> None:
     assert 20 <= min(*found.angles.digits, *found.attitude.digits) == found.fewest < found.proven
 
 
+@pytest.mark.slow
 def test_a_run_is_judged_by_a_certified_attitude() -> None:
     scene = replace(
         polhode.load("general/asymmetric-regular"), outputs=OUTPUTS, reference="certified"

@@ -39,7 +39,7 @@ def wheel(zero: str, end: Any = 20) -> Scene:
     return Scene(body, (1, 0, 0), (0, 0, 1), times=(end,), events=(event,))
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("third", "counts"), [("3", (67, 0)), ("1.1", (34, 29))])
 def test_the_events_are_those_that_heyoka_finds(third: str, counts: tuple[int, int]) -> None:
     # counts: those of the sheet's prototype and of heyoka, which agree

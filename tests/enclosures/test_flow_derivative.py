@@ -23,6 +23,7 @@ def body_of(scene):
     return list(scene.body.moments), list(scene.body.axes.components(scene.body.torque))
 
 
+@pytest.mark.slow
 def test_it_holds_what_an_integration_in_plain_mpmath_gives():
     time = Fraction(7, 2)
     found = polhode.certify(CHAOTIC, at=[time], digits=20, derivatives=True)
@@ -121,11 +122,13 @@ def derivative_off(untrusted, time):
     return float(np.max(np.abs(exact - watch.found[0].centre) / watch.found[0].radius))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first", [False, True])
 def test_faulty_matrices_widen_the_balls(first):
     assert 1e-4 < derivative_off(altered(1e-6, first), Fraction(3)) <= 1
 
 
+@pytest.mark.slow
 def test_without_matrices_the_balls_are_wide_and_right():
     assert 0 < derivative_off(zeroed(), Fraction(2)) <= 1
 

@@ -131,6 +131,7 @@ def test_events_of_the_time_still_happen(number):
     assert list(run.events[1].states[0]) == list(run.states[0])
 
 
+@pytest.mark.slow
 def test_an_event_that_is_always_zero_is_refused():
     scene = replace(RESTS["upright"], events=(Event("still", "p"),))
     with pytest.raises(polhode.BadInput, match="not zero at all times"):

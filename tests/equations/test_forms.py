@@ -260,6 +260,7 @@ def test_forms_on_the_command_line(capsys, tmp_path):
 # -- the regression's cross-checks ------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_wrong_equation_in_one_form_fails_the_cross_checks(monkeypatch):
     from polhode.checks import form_cross_checks
     from polhode.equations.forms import matrices

@@ -344,7 +344,7 @@ def in_double(form, scene):
         return max(abs(a - b) for a, b in zip(rows[0], exact, strict=True)), run.steps
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["lagrangian", "hamiltonian"])
 def test_double_loses_the_digits_of_the_miss_in_passing_a_pole(name):
     """The error grows as eps over the miss; measured 0.1 to 20 times that."""
@@ -429,7 +429,7 @@ def test_a_turned_body_gives_the_states_of_the_principal_form(name):
     assert (found[0] != found[1]).any()
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FORMS)
 def test_a_run_that_meets_the_pole_says_so(name):
     scene = replace(passing(F(1, 10**8)), times=(F(1, 8), F(1)), form=name)
@@ -439,7 +439,7 @@ def test_a_run_that_meets_the_pole_says_so(name):
     assert len(run.states) == 1
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FORMS)
 def test_angles_and_attitude_come_out_as_in_the_principal_form(name):
     scene = replace(REGULAR_START, times=(F(1), F(5)), outputs=("angles", "attitude"))

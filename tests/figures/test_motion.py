@@ -127,6 +127,7 @@ def test_a_preview_of_the_scenes_own_start_is_polhodes_motion_to_a_line_and_not_
     assert 1e-8 < off < 1e-4
 
 
+@pytest.mark.slow
 def test_a_preview_that_is_not_accurate_is_not_shown():
     """Faster than its start says: a thin body whose weight turns it about its thin axis."""
     thin = {"moments": ["1e-6", 1, 1], "centre": [0, 1, "1/10"], "weight": 1}
@@ -250,6 +251,7 @@ def test_a_motion_backwards_in_time_is_shown_forwards():
     assert rows[-1, 4:] == pytest.approx(start, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_a_trajectory_file_of_another_program_is_shown(tmp_path, capsys):
     table, page = tmp_path / "x.csv", tmp_path / "x.html"
     times = ",".join(str(k / 20) for k in range(101))

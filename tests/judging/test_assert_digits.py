@@ -15,6 +15,7 @@ def run():
     return polhode.integrate(SCENE)
 
 
+@pytest.mark.slow
 def test_what_has_the_digits_passes_whatever_it_is(run, tmp_path):
     path = tmp_path / "x.csv"
     assert cli.main(["run", SCENE, "-o", str(path)]) == 0

@@ -109,7 +109,7 @@ def test_another_element_of_a_full_tensor_is_found(i, j, value):
     assert number(first.words) == pytest.approx(float(value), rel=1e-9)
 
 
-@pytest.mark.sample(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", HEAVY)
 def test_another_weight_or_centre_is_found(name):
     told = found(table(with_body(name, weight=Fraction(981, 1000))), name).causes
@@ -135,7 +135,7 @@ def test_another_start_is_found(name, place):
     assert number(one.words) == pytest.approx(float(omega[place]), abs=1e-9)
 
 
-@pytest.mark.sample(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_another_clock_is_found(name):
     own = scene(name)
@@ -211,6 +211,7 @@ def test_a_rough_method_is_explained_by_nothing(name, method):
     assert judged.causes == ()
 
 
+@pytest.mark.slow
 def test_a_small_difference_that_a_method_may_have_is_not_told(monkeypatch):
     name = "lagrange/nutation"
     own = scene(name)
@@ -221,6 +222,7 @@ def test_a_small_difference_that_a_method_may_have_is_not_told(monkeypatch):
     assert polhode.compare(columns, own).causes != ()
 
 
+@pytest.mark.slow
 def test_noise_and_nonsense_are_explained_by_nothing():
     rng = np.random.default_rng(3)
     for name in NAMES[:2]:
@@ -231,6 +233,7 @@ def test_noise_and_nonsense_are_explained_by_nothing():
         assert polhode.compare(wild | {"t": columns["t"]}, scene(name)).causes == ()
 
 
+@pytest.mark.slow
 def test_two_wrong_numbers_are_not_explained_by_one():
     own = with_body("kovalevskaya/generic", moment=2)
     own = replace(own, omega=(own.omega[0] + Fraction(1, 100), *own.omega[1:]))
@@ -247,6 +250,7 @@ def test_a_right_table_another_convention_and_a_run_have_no_causes():
     assert polhode.compare(loose).causes == ()
 
 
+@pytest.mark.slow
 def test_a_cause_is_printed_and_in_json(tmp_path, capsys):
     name = "lagrange/nutation"
     columns = table(with_body(name, moment=2))

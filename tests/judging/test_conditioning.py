@@ -412,6 +412,7 @@ def test_compare_prints_the_limit_and_no_number_where_none_is_left(tmp_path, cap
 # -- regular or chaotic -----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_chaotic_motion_is_told_from_a_regular_one():
     """Spin 1.1: 3e9 at t = 200 and 1e50 at 1000 are exponents of 0.109 and 0.115."""
     chaotic = polhode.lyapunov(asymmetric("1.1", [1]), 10_000)

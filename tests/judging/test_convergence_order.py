@@ -61,6 +61,7 @@ def test_a_wrong_weight_has_no_order():
     assert abs(found.order) < 0.5
 
 
+@pytest.mark.slow
 def test_steps_at_which_rounding_rules_do_not_count():
     found = order_of(with_step(rk4), SCENE, [2 / 2**k for k in range(5, 14)], at=[2])
     assert not found.counted[-1]
@@ -140,6 +141,7 @@ def test_orders_that_cannot_be_told_are_refused(more, said, tmp_path, capsys):
     assert said in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_files_at_rounding_have_no_order(tmp_path, capsys):
     files = [written(tmp_path / f"{h}.csv", rk4, h, 100) for h in (0.0005, 0.00025)]
     assert main(["compare", *files, SCENE, "--orders"]) == 2

@@ -79,6 +79,7 @@ def test_bytes_that_are_no_text_are_refused(tmp_path):
         polhode.compare(path, "euler/attitude")
 
 
+@pytest.mark.slow
 def test_a_first_answer_of_a_few_rows(tmp_path):
     scene, told = written(tmp_path / "x.csv", 1200), []
     found = polhode.compare(
@@ -117,6 +118,7 @@ def test_the_first_answer_where_lines_are_no_rows(tmp_path, count):
     assert found.worst > 12
 
 
+@pytest.mark.slow
 def test_a_table_from_the_standard_input():
     command = [sys.executable, "-m", "polhode", "compare", "-", "lagrange/nutation", "--json"]
     text = "t,p,q,r\n0,0.16,0.3,4.1\n"

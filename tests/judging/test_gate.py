@@ -155,6 +155,7 @@ def test_where_nothing_can_be_judged_nothing_passes(tmp_path, capsys):
     assert cli.main(["compare", str(tmp_path / "x.csv"), case]) == 0
 
 
+@pytest.mark.slow
 def test_the_command_judges_as_it_stands_unless_conventions_are_named(columns, tmp_path, capsys):
     mine = some(columns, STATE)
     for name in STATE[:3]:

@@ -74,6 +74,7 @@ def test_right_angles_are_judged_to_the_last(asked, homoclinic):
     assert 7.9 < judged(scene, table).parts["angles"] < 8.1
 
 
+@pytest.mark.slow
 def test_angles_of_no_digits_are_not_asked_for_again(asked, homoclinic):
     scene, table = homoclinic
     table[:, 0] = np.where(np.arange(COUNT) < 600, table[:, 0], -25)

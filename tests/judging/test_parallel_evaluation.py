@@ -17,7 +17,7 @@ def exactly(rows):
     return [[None if x is None else x._mpf_ for x in row] for row in rows]
 
 
-@pytest.mark.sample(1, first=2)
+@pytest.mark.slow
 @pytest.mark.parametrize("question", ["at", "attitude", "angles"])
 def test_the_same_rows_to_the_bit(question, monkeypatch):
     """A motion through a pole, where two angles are no numbers; 40 digits, beyond any double."""

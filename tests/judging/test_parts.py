@@ -64,6 +64,7 @@ def test_a_file_of_the_attitude_alone_is_judged_by_an_enclosure(tmp_path, capsys
     assert " correct digits at t = " in text.splitlines()[4]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("every", [1, 2])  # judged in columns, and row by row
 def test_a_part_that_goes_wrong_is_the_headline_and_told_from_when(
     tmp_path, capsys, nutation, every
@@ -102,6 +103,7 @@ def test_the_headline_of_the_state_alone_is_that_of_the_state():
     assert found.part_digits.keys() == {"omega", "gamma"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("every", [1, 2])  # judged in columns, and row by row
 def test_wrapped_angles_are_read_up_to_whole_turns(tmp_path, capsys, every):
     rows = polhode.reference("lagrange/nutation").angles(TIMES[1:], 20)
@@ -120,6 +122,7 @@ def test_wrapped_angles_are_read_up_to_whole_turns(tmp_path, capsys, every):
     assert "read as" not in text
 
 
+@pytest.mark.slow
 def test_wrapped_angles_of_a_rough_method_are_read_so_too(tmp_path, capsys):
     rows = polhode.reference("lagrange/nutation").angles(TIMES[1:], 20)
     psi, theta, phi = ([float(x) + 0.01 for x in column] for column in zip(*rows, strict=True))
@@ -147,6 +150,7 @@ def test_a_run_through_poles_has_its_angles_up_to_whole_turns():
     assert polhode.compare(polhode.integrate(scene), as_it_stands=True).worst == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "change",
     [
@@ -165,6 +169,7 @@ def test_what_is_wrong_in_the_first_digit_has_no_limit(tmp_path, capsys, nutatio
     assert "wrong in the first digit, so no limit is named" in text
 
 
+@pytest.mark.slow
 def test_a_rough_method_is_the_limit_still(tmp_path, capsys, nutation):
     p = [x + 1e-4 for x in nutation["p"]]
     path = written(tmp_path / "x.csv", {name: nutation[name] for name in ("t", *STATE)} | {"p": p})
@@ -189,6 +194,7 @@ def test_no_more_digits_are_told_than_the_type_has(tmp_path, capsys, nutation):
         assert float(digits) <= 15.95
 
 
+@pytest.mark.slow
 def test_amplification_stands_beside_the_digits(capsys, tmp_path):
     path = tmp_path / "x.csv"
     assert cli.main(["run", "euler/separatrix", "--at", "1,20,200", "-o", str(path)]) == 0
@@ -264,6 +270,7 @@ def test_a_limit_that_is_not_reached_changes_nothing(tmp_path, capsys):
     assert plain["worst"] > 14
 
 
+@pytest.mark.slow
 def test_steps_of_a_needle_are_not_blamed_for_what_they_lose_beyond_the_band():
     found = polhode.compare(polhode.integrate("euler/needle"))
     expected = found.expected[found.digits.index(found.worst)]
@@ -274,6 +281,7 @@ def test_steps_of_a_needle_are_not_blamed_for_what_they_lose_beyond_the_band():
     assert loose.limit.startswith("method")
 
 
+@pytest.mark.slow
 def test_chance_explains_some_of_many_runs(tmp_path, capsys, nutation):
     """A run just below what nineteen in twenty have, and one far below."""
     columns = {name: nutation[name] for name in ("t", *STATE)}

@@ -37,6 +37,7 @@ def session(folder, *options, tests=_TESTS):
     return ran.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("options", [(), ("-W", "error"), ("-n", "2")])
 def test_digits_stand_at_the_end_and_in_the_xml(tmp_path, options):
     printed = session(tmp_path, "--junitxml=x.xml", *options)
@@ -88,6 +89,7 @@ def test_own_function(assert_digits):
 """
 
 
+@pytest.mark.slow
 def test_what_fails_shows_the_users_line_and_no_source_of_polhode(tmp_path):
     printed = session(tmp_path, "-p", "no:xdist", tests=_WRONG)
     assert "3 failed" in printed

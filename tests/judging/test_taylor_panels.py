@@ -70,7 +70,7 @@ def worst(reference, times, found, digits: int) -> float:
     return max(errors)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PERIODIC)
 def test_panels_of_one_period_tell_all_the_others(name):
     end = 40 * Fraction(float(polhode.reference(name).period))
@@ -97,6 +97,7 @@ def test_more_digits_take_shorter_panels():
     assert many[3] > few[3]
 
 
+@pytest.mark.slow
 def test_one_question_alone():
     for name in BOTH:
         reference, times, found, _ = between("steklov/lower", 0, Fraction(60), 2000, asked=(name,))

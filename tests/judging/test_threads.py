@@ -95,6 +95,7 @@ def test_one_reference_may_be_asked_by_many_threads():
     assert together == [[x._mpf_ for x in fresh.at([t], digits)[0]] for t, digits in asked]
 
 
+@pytest.mark.slow
 def test_the_caller_changes_precision_meanwhile():
     asked = questions()[:12]
     alone = [answer(*q) for q in asked]

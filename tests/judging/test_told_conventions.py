@@ -104,6 +104,7 @@ def test_what_compare_prints_can_be_told(columns, changed):
     assert told.part_digits == found.part_digits
 
 
+@pytest.mark.slow
 def test_a_convention_is_told_of_one_part(columns):
     both = columns | angles_of(columns)
     found = polhode.compare(both, CASE, read="angles in degrees")

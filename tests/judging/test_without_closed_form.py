@@ -58,6 +58,7 @@ def check(name: str) -> None:
         assert Fraction(1, 10**37) < off(run.states, true) < Fraction(10) ** -int(least)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", QUICK)
 def test_motions_without_a_closed_form_are_those_of_the_plain_series(name):
     assert name in CASES

@@ -190,6 +190,7 @@ def test_long_chains_and_towers_end_soon(text: str) -> None:
     outcome(text)
 
 
+@pytest.mark.slow
 @settings(max_examples=3 * settings.default.max_examples)
 @given(st.text(max_size=60))
 def test_random_text_is_a_value_or_refused(text: str) -> None:

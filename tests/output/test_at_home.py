@@ -191,6 +191,7 @@ def test_a_package_that_is_missing_is_named_with_its_extra(monkeypatch, package)
         getattr(run, f"to_{package}")()
 
 
+@pytest.mark.slow
 def test_what_a_notebook_shows_is_short_and_escaped():
     run = replace(polhode.integrate(TOP), scene=replace(polhode.load(TOP), title="a < b"))
     many = polhode.integrate_many(TOP, {"start.omega[3]": "2:4:3"}, at=[0, 1])

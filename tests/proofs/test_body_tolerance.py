@@ -73,7 +73,7 @@ def ratio(value, middle, radius):
     return float(off / radius) if radius else math.inf if off else 0.0
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("corner", CORNERS)
 def test_state_derivative_and_energy_of_a_corner_lie_in_their_balls(corner):
     for seconds in (None, SHORT):
@@ -142,6 +142,7 @@ def test_periods_and_residues_of_corners_lie_in_the_balls(found, k):
     assert 0.001 < max(offs) <= 1
 
 
+@pytest.mark.slow
 def test_a_tolerance_that_is_too_wide_names_one_that_works(found):
     with pytest.raises(
         NotProved, match=r"within 1e-06 \(.*\): the largest power of 10 .* is 1e-09"

@@ -61,7 +61,7 @@ CORNERS = [(1, -1, 1, 1, -1, 1, 1), (-1, -1, -1, -1, -1, -1, -1), (1, 1, 1, 1, 1
 BOTH, STARTS, PERIODS = (FAT, FAT), (FAT, THIN), (THIN, FAT)
 
 
-@pytest.mark.sample(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("boxes", [BOTH, STARTS, PERIODS])
 @pytest.mark.parametrize("corner", CORNERS)
 def test_the_matrix_holds_the_derivative_at_corners(corner, boxes):

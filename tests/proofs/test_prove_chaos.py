@@ -65,6 +65,7 @@ def crossed(chart, x, ticks):
     return np.linalg.solve(frame, end[:, 0] - c), time
 
 
+@pytest.mark.slow
 def test_directions_keep_their_sign_whatever_linear_algebra_chooses(monkeypatch):
     made, orbit = np.linalg.eig, chains.example().orbit
     point = np.array([float(x.mid()) for x in orbit.start])
@@ -413,6 +414,7 @@ def test_a_transit_must_take_time():
         )
 
 
+@pytest.mark.slow
 def test_an_elliptic_orbit_and_integrable_tops_are_refused(capsys):
     orbit = polhode.orbit("general/asymmetric-regular")
     with pytest.raises(polhode.NotProved, match="elliptic"):

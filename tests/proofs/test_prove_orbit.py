@@ -54,7 +54,7 @@ EXAMPLES = {
 }
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", EXAMPLES)
 def test_the_orbit_lies_in_its_balls(kind):
     point, period, residue = EXAMPLES[kind]
@@ -95,6 +95,7 @@ def test_griolis_period_is_two_pi():
     assert off <= found.period.radius < 1e-50
 
 
+@pytest.mark.slow
 def test_a_scene_in_turned_axes_and_irrational_data_has_the_same_orbit():
     plain = polhode.prove_orbit("grioli/precession")
     turned = polhode.prove_orbit("grioli/turned-axes")

@@ -69,6 +69,7 @@ def test_any_kind_of_number_is_a_time():
     assert np.array_equal(run(0), run.states[0])
 
 
+@pytest.mark.slow
 def test_a_time_is_not_rounded():
     """Near t = 1e5 a double's last bit is 1.5e-11; the state still tells an eighth of it apart."""
     run = polhode.integrate(heavy("100000", "3"))

@@ -343,6 +343,7 @@ def spawned() -> ProcessPoolExecutor:
     return ProcessPoolExecutor(2, mp_context=get_context("spawn"))
 
 
+@pytest.mark.slow
 def test_a_process_pool_gives_the_same_bits():
     here = polhode.integrate_many(heavy(), GIVEN)
     with warnings.catch_warnings(), spawned() as pool:

@@ -9,6 +9,8 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from fractions import Fraction
 
+import pytest
+
 import polhode
 from polhode.common.recent import Recent
 from polhode.numbers.number_types import DOUBLE, EXTENDED
@@ -72,6 +74,7 @@ def test_of_each_owner_the_last_are_kept():
     assert value(one, "a") == 5
 
 
+@pytest.mark.slow
 def test_a_problem_goes_with_its_scene():
     asked = scene(end=1000, samples=100_001, gamma=[0, 0, 1], events=[polhode.Event("q", "q-1/9")])
     for number in (DOUBLE, EXTENDED):

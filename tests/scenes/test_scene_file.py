@@ -319,6 +319,7 @@ _PAIRS = st.tuples(st.sampled_from(_KEYS), _VALUES).map(" = ".join)
 _HEADS = ["[body]", "[start]", "[run]", "[[events]]", "[[published]]", "[expect]", "[reference]"]
 
 
+@pytest.mark.slow
 @settings(max_examples=3 * settings.default.max_examples)
 @given(st.lists(st.one_of(_PAIRS, st.sampled_from(_HEADS)), max_size=12).map("\n".join))
 def test_random_documents_are_a_scene_or_refused_in_one_line(text: str) -> None:

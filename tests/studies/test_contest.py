@@ -202,6 +202,7 @@ def test_what_the_page_counts_follows_from_the_rows(factor):
     assert told["engine"].startswith("1.00 (at most 1.00) at t = 1")
 
 
+@pytest.mark.slow
 def test_page_and_figures_are_made_from_the_json_alone():
     found = synthetic(2.0)
     text = report.page(found | {"provenance": PROVENANCE})
@@ -231,6 +232,7 @@ def test_a_program_that_is_not_there_ends_the_study_unless_it_is_left_out(monkey
         report.part("accuracy", ["euler"], without=["CyRK"])
 
 
+@pytest.mark.slow
 def test_a_small_contest_from_end_to_end():
     """Two cells in processes of their own, without compilers; the page is of the rows."""
     found = speed.rows(quick=True, only=Only(("kovalevskaya t=10",)))

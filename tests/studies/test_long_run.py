@@ -193,6 +193,7 @@ def small():
     }
 
 
+@pytest.mark.slow
 def test_a_small_study(small):
     assert json.loads(json.dumps(small)) == small
     (top,) = small["tops"]
@@ -216,6 +217,7 @@ def test_a_small_study(small):
     assert 1e-17 < engine["median"] <= engine["largest"] < 1e-12
 
 
+@pytest.mark.slow
 def test_page_and_figure_are_made_from_the_json_alone(small):
     origin = {"command": "c", "key": "k", "seconds": 1, "versions": {}, "cpu": "x"}
     text = report.page(small | {"provenance": origin})

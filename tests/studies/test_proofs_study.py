@@ -47,6 +47,7 @@ def test_what_the_page_counts_follows_from_the_rows(found):
     assert page.facts({**found, "orbits": [], "chaos": []})["seconds"] == "–"
 
 
+@pytest.mark.slow
 def test_page_and_figure_are_made_of_the_rows_alone(found):
     text = report.page(found)
     for what in (*rows.ORBITS, *rows.CHAOS):

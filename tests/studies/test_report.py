@@ -233,6 +233,7 @@ def test_a_key_changes_with_every_module_and_nothing_beside_them(tmp_path, monke
     assert len(keys) == 2 + 4
 
 
+@pytest.mark.slow
 def test_a_folder_that_is_missing_is_made(tmp_path, monkeypatch):
     Studies(monkeypatch)
     report.write_study("events", tmp_path / "new" / "deep")

@@ -111,6 +111,7 @@ def test_a_bad_cache_changes_nothing(home, tmp_path, how):
     assert ("fault" in told) == (how != "empty")
 
 
+@pytest.mark.slow
 def test_about_says_what_is_wrong_with_the_cache(home):
     folder, _ = home
 
@@ -152,6 +153,7 @@ def told(cache, folder) -> int:
     return json.loads(polhode(["about", "--json"], folder, cache).stdout)["cache"]["bytes"]
 
 
+@pytest.mark.slow
 def test_the_environment_bounds_the_cache(home, tmp_path):
     folder, _ = home
     for told, limit in (("7", 7_000_000), ("0", 0)):

@@ -123,6 +123,7 @@ def test_nutation_of_a_heavy_top_against_bisection_on_a_quad_run():
     assert len(quad) == len(times)
 
 
+@pytest.mark.slow
 def test_ready_made_names_need_no_zero():
     scene = watched(
         "euler/turned-axes",
@@ -213,6 +214,7 @@ def test_events_are_found_once_where_angles_are_led_over_a_pole():
     assert len(run.times) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", NUMBERS[:2], ids=lambda n: n.name)
 def test_events_are_the_same_where_angles_begin_at_a_pole(number):
     """Those met on the bridge off the pole, among other variables, and those met after it."""
@@ -434,7 +436,7 @@ def test_a_step_limit_keeps_the_events_up_to_it():
     assert run.events[0].times[-1] <= run.reached
 
 
-@pytest.mark.sample(1, first=1)
+@pytest.mark.slow
 @pytest.mark.parametrize("number", ["double", "extended"])
 @pytest.mark.parametrize("way", [1, -1])
 def test_crossings_polished_together_are_those_polished_where_they_are_met(

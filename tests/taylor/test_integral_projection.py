@@ -234,6 +234,7 @@ def test_what_the_integrals_do_not_determine_is_left_alone(motion, exponent):
     assert 15 < min(polhode.compare(run).digits) <= DOUBLE.most_digits
 
 
+@pytest.mark.slow
 def test_quad_and_mp_are_projected_where_asked():
     scene = polhode.load("kovalevskaya/generic")
     for number, largest in (("quad", 1e-32), ("mp", 1e-48)):

@@ -155,6 +155,7 @@ def test_a_file_without_end_is_refused(capsys):
 # -- streams -------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_closed_stdout_is_a_place_that_cannot_be_written_to():
     shell = f"{sys.executable} -m polhode run top.toml >&-"
     done = subprocess.run(["bash", "-c", shell], capture_output=True, text=True)
@@ -266,6 +267,7 @@ def test_what_doubles_and_file_names_have_no_room_for_is_refused_in_one_line(cap
     assert refused(capsys, *arguments).startswith("polhode: g")  # of the scene, or the guide
 
 
+@pytest.mark.slow
 def test_a_sweep_over_numbers_beyond_doubles_is_written(capsys):
     sweep = ["sweep", "lagrange/nutation", "--at", "1", "--vary", "body.weight=1e400,2e400"]
     code, _, err = ran(capsys, *sweep, "-o", "out.csv")

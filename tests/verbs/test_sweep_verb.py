@@ -160,6 +160,7 @@ sys.exit(main())
 TOLD = r"\d+\.\d %, \d+ members(, \d+ s left)?"
 
 
+@pytest.mark.slow
 def test_ctrl_c_writes_what_is_finished(scene, tmp_path):
     """A sweep of half a minute, interrupted: a whole file, its unfinished members marked."""
     command = [sys.executable, "-c", TELLING, "sweep", scene, "--at", "20000", "-o", "x.npz"]

@@ -40,6 +40,7 @@ def test_a_scene_can_be_made(tmp_path):
     assert said("new", str(tmp_path / "top.toml"))[0] == 0
 
 
+@pytest.mark.slow
 def test_tables_are_judged_against_closed_forms_drawn_and_animated(tmp_path):
     table = str(tmp_path / "mine.csv")
     code, out, _ = said("reference", "lagrange/nutation", "--at", "0,1,2", "--digits", "20")
@@ -59,6 +60,7 @@ def test_tables_are_judged_against_closed_forms_drawn_and_animated(tmp_path):
         assert path.stat().st_size > 1000
 
 
+@pytest.mark.slow
 def test_every_public_name_is_there_and_what_integrates_says_how_to_get_it_in_python():
     script = (
         "import sys; sys.modules['heyoka'] = None; import polhode\n"
