@@ -226,7 +226,8 @@ def compare(
         if not does_not_answer(against, refused):
             if refused.key == "at":  # a proof of too many steps
                 unit = _unit(subject, scene)
-                hints = [f"t seems to be in {unit}"] if unit else unknown_clock(subject, scene)
+                clocks = unknown_clock(subject, scene, not as_it_stands)
+                hints = [f"t seems to be in {unit}"] if unit else clocks
                 expected = "; ".join([refused.expected, *hints])
                 raise BadInput(refused.source, "t", refused.value, expected) from None
             raise
