@@ -45,6 +45,13 @@ def test_inertia_from_numpy_is_made_symmetric_by_the_mean_of_each_pair(part):
     assert made > 40
 
 
+@pytest.mark.filterwarnings("ignore::PendingDeprecationWarning")
+def test_inertia_may_be_a_matrix_of_numpy():
+    """Its rows are matrices again, without end."""
+    given = np.matrix([[2, 0.5, 0], [0.5, 3, 0], [0, 0, 4]])
+    assert polhode.top(inertia=given, **FREE).body.inertia[0] == (2, Fraction(1, 2), 0)
+
+
 @pytest.mark.parametrize("places", [(0, 1, 2), (2, 0, 1), (1, 2, 0)])
 def test_thin_plates_are_flat_exactly(places):
     rng, made = np.random.default_rng(44), 0

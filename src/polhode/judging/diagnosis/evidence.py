@@ -90,7 +90,7 @@ def follows(mine: Doubles, moved: Doubles, fitted: bool, must_move: bool, sure: 
     row alone tells, being the start to many digits in one convention.
     """
     sure = sure and is_sure(mine) and not must_move
-    left = np.flatnonzero(moved >= (_FAR_LEFT if sure else _LEFT))
+    left = np.flatnonzero(moved >= (_FAR_LEFT if sure or fitted else _LEFT))
     row = int(left[0]) if len(left) else int(np.argmax(moved))
     if sure:
         return float(mine[row]) >= _STAYS
