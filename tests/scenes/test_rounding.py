@@ -226,6 +226,12 @@ def test_six_numbers_of_urdf_are_told_how_to_be_written(given):
         )
 
 
+def test_three_numbers_as_inertia_are_told_that_they_are_moments():
+    with pytest.raises(polhode.BadInput) as fault:
+        polhode.top(inertia=[2, 3, 4], **FREE)
+    assert "body.inertia = [2, 3, 4]: expected moments = [A, B, C], or a 3 x 3" in str(fault.value)
+
+
 def test_the_sign_off_the_diagonal_is_minus_that_of_the_product():
     """Two masses at (1, 1, 0) and (-1, -1, 0), and a sphere: the sum of m x y is 2."""
     points = [polhode.Part("point", 1, at=[x, x, 0]) for x in (1, -1)]

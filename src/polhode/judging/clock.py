@@ -106,7 +106,8 @@ def unknown_clock(subject: Subject, scene: Scene, is_sought: bool = True) -> tup
         return ()
     began = f"t looks like a clock's ({brief(min(subject.times), 12)} to {last - first:.3g} later)"
     if not is_sought:
-        return (f"{began}; no other origin of t is tried here, unless --read 't - OFFSET' names it",)
+        named = "--read 't - OFFSET' names one"
+        return (f"{began}; no other origin of t is tried here ({named})",)
     return (f"{began}, and no offset was found at which its first rows belong to the motion",)
 
 

@@ -176,6 +176,8 @@ def compare(
             "a scene, a case's name or a .toml file: a table is judged by a motion, and not by "
             f"another table (polhode compare {against} SCENE judges that one)"
         )
+        if isinstance(what, (str, Path)) and Path(what).suffix.lower() == ".toml":
+            expected = f"the scene after the table: polhode compare {against} {what}"
         raise BadInput("compare", "SCENE", str(against), expected)
     if isinstance(against, (Scene, str, Path)):
         against = reference(against)
