@@ -167,6 +167,9 @@ def test_wrong_types_are_refused_in_one_line(call):
     [
         (lambda run: polhode.integrate(run.scene, rtol=1e-9), "rtol = 1e-09: expected tol, as it"),
         (lambda run: polhode.integrate(run.scene, t_eval=[1]), "t_eval = [1]: expected at, as it"),
+        (lambda run: polhode.integrate(run.scene, outputs=["angles"]), "a key of the scene"),
+        (lambda run: polhode.compare("a.toml", "b.csv"), "polhode compare b.csv a.toml"),
+        (lambda run: polhode.integrate(run.scene, end=2), "expected times as at=[...]"),
         (lambda run: polhode.integrate(run.scene, digit=30), "(did you mean 'digits'?)"),
         (lambda run: polhode.integrate(run.scene, dps=9, progress=True), "expected digits, as it"),
         (

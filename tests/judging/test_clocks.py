@@ -171,6 +171,41 @@ def test_rows_of_another_clock_are_read_at_their_own_times(scene, offset, begin,
     assert polhode.compare(columns(stamps, states), scene, read=words).worst == found.worst
 
 
+OFFSETS_BELOW = [
+    ("general/asymmetric-regular", "-3", "0.7"),
+    ("lagrange/nutation", "-100000", "5"),
+    ("kovalevskaya/generic", "-7.25", "6.5"),
+]
+
+
+@pytest.mark.parametrize(("scene", "offset", "begin"), OFFSETS_BELOW)
+def test_stamps_below_zero_are_read_from_their_first_row(scene, offset, begin):
+    """Stamps on both sides of 0, or all below it, of which the last one is the nearest to 0."""
+    times = [Fraction(begin) + Fraction(k, 4) for k in range(14)]
+    stamps = [t + Fraction(offset) for t in times]
+    found = polhode.compare(columns(stamps, rows_at(times, scene)), scene)
+    assert found.reading == f"t of another clock: rows belong to t + {offset.lstrip('-')}"
+    assert found.worst > 9
+    assert found.causes == ()
+
+
+def test_rows_that_belong_a_fraction_of_a_step_earlier_are_explained_so():
+    times = [Fraction(k, 4) for k in range(1, 30)]
+    table = columns([t + Fraction(1, 64) for t in times], rows_at(times, "kovalevskaya/generic"))
+    (cause,) = polhode.compare(table, "kovalevskaya/generic").causes
+    assert cause.words == "rows that belong to t - 0.015625"
+
+
+def test_a_gate_says_that_no_origin_of_t_was_sought():
+    times = [Fraction(k, 7) for k in range(9)]
+    table = columns([t + 10**9 for t in times], rows_at(times, "general/asymmetric-chaotic"))
+    with pytest.raises(polhode.BadInput) as refused:
+        polhode.compare(table, "general/asymmetric-chaotic", as_it_stands=True)
+    assert "t looks like a clock's (1000000000 to 1.14 later)" in str(refused.value)
+    assert "no other origin of t is tried here" in str(refused.value)
+    assert "no offset was found" not in str(refused.value)
+
+
 def test_a_clock_is_found_by_one_part_and_the_others_are_read_in_their_convention():
     times = [Fraction(5) + Fraction(k, 8) for k in range(9)]
     table = columns([t + 10**5 for t in times], rows_at(times))

@@ -78,6 +78,25 @@ def test_a_drifting_file_is_told_its_convention(name):
         assert ("exact at t = 0, " in str(reading)) == exact
 
 
+@pytest.mark.parametrize(("unit", "word"), [(180 / np.pi, "degrees"), (30 / np.pi, "rpm")])
+@pytest.mark.parametrize(("moments", "spin"), [([4, 4, "1.5"], 94), ([1, "1.1", "0.4"], -60)])
+def test_a_fast_top_is_told_the_unit_of_omega(moments, spin, unit, word):
+    """Its spin is hardly moved, so that what comes after the first row says little of the axes."""
+    top = polhode.top(moments=moments, centre=[0, 0, 1], weight=20, angles=[0, "25°", 0],
+                      rates=[0, 0, spin])  # fmt: skip
+    f, h = polhode.field(top), 2e-4
+    states = [np.array(f.start)]
+    for _ in range(2500):
+        states.append(states[-1] + h * np.array(f(0, states[-1])))
+    rows = np.array(states[::50])
+    table = {"t": np.arange(51) / 100, **dict(zip("pqr", unit * rows[:, :3].T, strict=True))}
+    (reading,) = polhode.compare(table, top).readings
+    assert reading.convention == word
+    assert reading.rows[0][1] > 12 > 4 > reading.rows[-1][1]
+    table["r"] = table["r"] * 1.3  # a factor that is no unit
+    assert polhode.compare(table, top).readings == ()
+
+
 def counted(names, count, make):
     """How many files are named, and those that are named wrongly."""
     named, missed, wrong = 0, Counter(), []

@@ -45,6 +45,13 @@ def test_inertia_from_numpy_is_made_symmetric_by_the_mean_of_each_pair(part):
     assert made > 40
 
 
+@pytest.mark.filterwarnings("ignore::PendingDeprecationWarning")
+def test_inertia_may_be_a_matrix_of_numpy():
+    """Its rows are matrices again, without end."""
+    given = np.matrix([[2, 0.5, 0], [0.5, 3, 0], [0, 0, 4]])
+    assert polhode.top(inertia=given, **FREE).body.inertia[0] == (2, Fraction(1, 2), 0)
+
+
 @pytest.mark.parametrize("places", [(0, 1, 2), (2, 0, 1), (1, 2, 0)])
 def test_thin_plates_are_flat_exactly(places):
     rng, made = np.random.default_rng(44), 0
@@ -217,6 +224,12 @@ def test_six_numbers_of_urdf_are_told_how_to_be_written(given):
         assert "[[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]], signs unchanged" in str(
             fault.value
         )
+
+
+def test_three_numbers_as_inertia_are_told_that_they_are_moments():
+    with pytest.raises(polhode.BadInput) as fault:
+        polhode.top(inertia=[2, 3, 4], **FREE)
+    assert "body.inertia = [2, 3, 4]: expected moments = [A, B, C], or a 3 x 3" in str(fault.value)
 
 
 def test_the_sign_off_the_diagonal_is_minus_that_of_the_product():

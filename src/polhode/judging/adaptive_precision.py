@@ -164,7 +164,9 @@ def integrate(
     >>> run.checked_by, 30 <= run.correct_digits < 35
     ('closed form', True)
     """
-    refuse_unknown("integrate", integrate, unknown)
+    outputs = "a key of the scene (a run's angles_at and attitude_at need none)"
+    end = "times as at=[...], or a key of the scene"
+    refuse_unknown("integrate", integrate, unknown, outputs=outputs, end=end)
     if isinstance(progress, bool):
         asked_for = locals().items()
         asked = {k: value for k, value in asked_for if k not in ("progress", "unknown")}

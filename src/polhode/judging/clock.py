@@ -90,18 +90,24 @@ def clock(rows: Subject, scene: Scene) -> Clock | None:
                 fit = _Fit(scene, signal, values, since, rate)
                 best = fit.best(grid[starts])
                 if best is not None and best[1] >= WRONG:
-                    found = _clock(*best, unit, rows)
+                    found = _clock(*best, unit, rows, times[0])
                     return found and found._replace(entire=number == 0)
     return None
 
 
-def unknown_clock(subject: Subject, scene: Scene) -> tuple[str, ...]:
-    """That times that are far and close together look like a clock's, in words."""
+def unknown_clock(subject: Subject, scene: Scene, is_sought: bool = True) -> tuple[str, ...]:
+    """That times that are far and close together look like a clock's, in words.
+
+    ``is_sought``: whether the offset was looked for.
+    """
     first, last = (to_double(end(subject.times)) for end in (min, max))
     nearest = min(abs(first), abs(last))
     if nearest * 10.0**scene.log10_rate < _FAR or last - first > nearest / 10:
         return ()
     began = f"t looks like a clock's ({brief(min(subject.times), 12)} to {last - first:.3g} later)"
+    if not is_sought:
+        named = "--read 't - OFFSET' names one"
+        return (f"{began}; no other origin of t is tried here ({named})",)
     return (f"{began}, and no offset was found at which its first rows belong to the motion",)
 
 
@@ -120,14 +126,17 @@ def _units(
             yield unit.length
 
 
-def _clock(time: float, digits: float, off: float, unit: Fraction, rows: Subject) -> Clock | None:
-    """The clock of rows whose first one belongs to a time that is off by so much at most."""
+def _clock(
+    time: float, digits: float, off: float, unit: Fraction, rows: Subject, nearest: Fraction
+) -> Clock | None:
+    """The clock of rows of which the one ``nearest`` to t = 0 belongs to a time that is off by so
+    much at most."""
     off += rows.time_errors[0] * to_double(unit) if rows.time_errors else 0.0
-    offset = unit * rows.times[0] - Fraction(time)
-    step = unit * (rows.times[1] - rows.times[0]) if len(rows.times) > 1 else Fraction(0)
+    offset = unit * nearest - Fraction(time)
+    step = unit * abs(rows.times[1] - rows.times[0]) if len(rows.times) > 1 else Fraction(0)
     if abs(offset) <= step + Fraction(off):  # told as a step late or early, or as a cause
         return None
-    if abs(time) <= off:
+    if abs(unit * rows.times[0] - offset) <= off:
         return Clock(TimeChange(unit=unit, shift=unit * rows.times[0]), digits, None)
     shift, short = _shortest(offset, Fraction(off))
     return Clock(TimeChange(unit=unit, shift=shift), digits, 0.0 if short else off)

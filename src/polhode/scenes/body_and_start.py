@@ -55,6 +55,8 @@ def body_of(reading: Reading, table: Mapping[str, Any]) -> Body:
         rows = table["inertia"]
         if not isinstance(rows, list) or len(rows) != 3:
             raise reading.bad("body.inertia", rows, MATRIX)
+        if not any(isinstance(row, list) for row in rows):
+            raise reading.bad("body.inertia", rows, "moments = [A, B, C], or " + MATRIX)
         a, b, c = (reading.vector(f"body.inertia[{i + 1}]", row) for i, row in enumerate(rows))
         inertia = (a, b, c)
     centre = reading.vector("body.centre", table["centre"]) if "centre" in table else _NOWHERE

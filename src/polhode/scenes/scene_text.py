@@ -104,6 +104,8 @@ def owned(value: Any) -> Any:
         return value
     if isinstance(value, Mapping):
         return {key: owned(x) for key, x in value.items()}
+    if hasattr(value, "getA1"):  # numpy's matrix, whose rows are matrices again
+        return value.tolist()
     if _several(value):
         return [owned(x) for x in value]
     return value[()] if getattr(value, "ndim", None) == 0 else value

@@ -136,7 +136,8 @@ class Fit:
         value = one.origin + one.unit * x
         sure = 10.0**-digits / slope * abs(one.unit) / max(abs(value), 1e-300)
         places = max(1, min(15, math.floor(-math.log10(sure)) if sure > 0 else 15))
-        return Cause(one.words.format(f"{value:.{places}g}"), min(digits, 15.0))
+        words = one.words.format(f"{value:.{places}g}").replace("+ -", "- ")
+        return Cause(words, min(digits, 15.0))
 
     def fitted(self, model: Model, x: float, count: int) -> tuple[float, float, Doubles] | None:
         """The number for the first rows, the largest change by it, and what is left."""

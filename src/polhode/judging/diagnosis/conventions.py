@@ -153,7 +153,8 @@ def _part(part: str, values: Doubles, world: _World, is_wrong: bool) -> _Part | 
         most = max((one for _, one in found), key=lambda one: float(np.sum(one)))
         best, mine = next(pair for pair in found if is_alike(pair[1], most))
         alike = sum(is_sure(one) for _, one in found)
-        sure = alike <= ALIKE_AT_START[part] and not (fitted or best.words.startswith(SCALAR_FIRST))
+        told = best.is_unit_alone or alike <= ALIKE_AT_START[part]
+        sure = told and not (fitted or best.words.startswith(SCALAR_FIRST))
         goes = follows(mine, moved, best.fitted, bool(world.words), sure)
         told = goes and is_better(mine, own, least_gain(best.tries, FREEDOM[part]))
         seen.append(_Part(best, plain, told, goes))

@@ -29,6 +29,7 @@ _ALIKE, _ALIKE_IF_EXACT, _EXACT = 0.3, 1.0, 9.0  # digits by which conventions d
 _SURE = 6.0  # digits of a first row that is the start
 _STAYS = 0.5  # digits that are left where the motion has left it
 _LEFT = 0.1  # of its size: by so much the motion has left its first row
+_FAR_LEFT = 0.5  # likewise, so that what goes elsewhere is plainly not there
 _STILL = 0.01  # and by less it stands still
 _FOLLOWS = 0.7  # digits of the way that the motion has come
 _FOLLOWS_FITTED = 1.3  # likewise, of what is fitted to the first row
@@ -89,7 +90,7 @@ def follows(mine: Doubles, moved: Doubles, fitted: bool, must_move: bool, sure: 
     row alone tells, being the start to many digits in one convention.
     """
     sure = sure and is_sure(mine) and not must_move
-    left = np.flatnonzero(moved >= _LEFT)
+    left = np.flatnonzero(moved >= (_FAR_LEFT if sure or fitted else _LEFT))
     row = int(left[0]) if len(left) else int(np.argmax(moved))
     if sure:
         return float(mine[row]) >= _STAYS

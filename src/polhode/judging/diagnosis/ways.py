@@ -81,6 +81,12 @@ class Way(NamedTuple):
         """The fewest digits of a row."""
         return float(np.min(self.rows))
 
+    @property
+    def is_unit_alone(self) -> bool:
+        """Whether it changes the unit and no axes: a factor that no start has by chance."""
+        change = self.change
+        return change is not None and change == Change(SAME, (1, 1, 1), change.degrees)
+
 
 def ways(part: str, values: Doubles, right: Right) -> Iterator[Way]:
     """Conventions of a part and the digits that each gives; as it stands first."""

@@ -176,6 +176,8 @@ def compare(
             "a scene, a case's name or a .toml file: a table is judged by a motion, and not by "
             f"another table (polhode compare {against} SCENE judges that one)"
         )
+        if isinstance(what, (str, Path)) and Path(what).suffix.lower() == ".toml":
+            expected = f"the scene after the table: polhode compare {against} {what}"
         raise BadInput("compare", "SCENE", str(against), expected)
     if isinstance(against, (Scene, str, Path)):
         against = reference(against)
@@ -226,7 +228,8 @@ def compare(
         if not does_not_answer(against, refused):
             if refused.key == "at":  # a proof of too many steps
                 unit = _unit(subject, scene)
-                hints = [f"t seems to be in {unit}"] if unit else unknown_clock(subject, scene)
+                clocks = unknown_clock(subject, scene, not as_it_stands)
+                hints = [f"t seems to be in {unit}"] if unit else clocks
                 expected = "; ".join([refused.expected, *hints])
                 raise BadInput(refused.source, "t", refused.value, expected) from None
             raise
