@@ -153,6 +153,8 @@ def test_what_terms_cancel_is_uncertain_and_what_is_small_is_not():
 #: Zeros up to t = 2 of expressions that vanish at the start, q = 0 there, along the usual motion.
 AT_ZERO = {
     "q*(p-0.28)": [0.36744942741237435],
+    "q**3*(p-0.28)": [0.36744942741237435],
+    "t**4*(t-1/7)": [1 / 7],
     "t*(t-1/10)": [0.1],
     "q*cos(6*t)": [(2 * k + 1) * math.pi / 12 for k in range(4)],
     "gamma2*(t-1.5)": [1.5],
