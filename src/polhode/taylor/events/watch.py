@@ -5,7 +5,8 @@ callback notes the state there; when the run is over all of them are polished to
 (polhode.taylor.events.polishing), and what they mean is decided in one pass
 (polhode.taylor.events.decision).  What heyoka is given is scaled down by sqrt(eps), so that an
 event takes no part in choosing the steps: a run with events takes the steps of a run without them,
-unless an expression varies far faster than the motion.  Last bits may differ, where an event shares
+unless an expression varies far faster than the motion, or a step would be longer than the run's
+unit of time (polhode.taylor.integrator.stepping.LONGEST).  Last bits may differ, where an event shares
 terms with the equations.
 
 A zero at t = 0, by the exact scene, is not an event of the run.
