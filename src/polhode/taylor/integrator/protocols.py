@@ -121,6 +121,10 @@ class Watcher(Protocol):
         """heyoka's question after each step, go on? None where no event ends the run."""
 
     @property
+    def still_state(self) -> bool:
+        """Whether the state never changes, and the events choose the steps."""
+
+    @property
     def key(self) -> Hashable:
         """What tells its events from others along the same equations."""
 

@@ -25,10 +25,11 @@ from polhode.taylor.integrator.compiled import Compiled
 from polhode.taylor.integrator.protocols import Corrector, Mark, Memory, Piece, Watcher
 from polhode.taylor.integrator.specification import TINY, Blueprint
 
+#: The longest step, in the run's unit, of a run with events.  Where all that moves is small beside
+#: what rests, steps are long by that, and products of small things have no polynomial over them.
+_LONGEST = Fraction(1)
+
 #: Output times ahead are looked at to so many times the longest advance.
-#: The longest step, in the run's unit, of a run with events.  Where all that moves is small beside what
-#: rests, steps are chosen by that, and over longer ones a product of small things has no polynomial.
-LONGEST = Fraction(1)
 _REACH = 1.25
 
 #: With more output times than these, so many steps are tried to tell the reach of the first.
@@ -253,7 +254,8 @@ class Integrator:
             return np.concatenate([here, rows]), ended
         options: dict[str, Any] = {"max_steps": steps}
         if self.watcher is not None:
-            options["max_delta_t"] = scalar(LONGEST, self.number)
+            if not self.watcher.still_state:
+                options["max_delta_t"] = scalar(_LONGEST, self.number)
             if self.watcher.after_step is not None:
                 options["callback"] = self.watcher.after_step
         if len(ahead) == 2:
