@@ -103,7 +103,8 @@ class Watch:
 
     def __init__(self, scene: Scene, number: NumberType, rules: Rules) -> None:
         self.scene, self.number, self.rules = scene, number, rules
-        self.muted, self.still_state = False, rules.still
+        self.muted = False
+        self.any_step = rules.still or "angles" in scene.outputs
         self.way = 1 if sign(scene.end) >= 0 else -1
         self.width = len(equations(scene).variables)
         self.alike = float(number.eps)

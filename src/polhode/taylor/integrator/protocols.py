@@ -121,8 +121,8 @@ class Watcher(Protocol):
         """heyoka's question after each step, go on? None where no event ends the run."""
 
     @property
-    def still_state(self) -> bool:
-        """Whether the state never changes, and the events choose the steps."""
+    def any_step(self) -> bool:
+        """Whether steps may be long: of a state that rests, or of angles, which keep them short."""
 
     @property
     def key(self) -> Hashable:

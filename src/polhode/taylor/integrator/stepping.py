@@ -254,7 +254,7 @@ class Integrator:
             return np.concatenate([here, rows]), ended
         options: dict[str, Any] = {"max_steps": steps}
         if self.watcher is not None:
-            if not self.watcher.still_state:
+            if not self.watcher.any_step:
                 options["max_delta_t"] = scalar(_LONGEST, self.number)
             if self.watcher.after_step is not None:
                 options["callback"] = self.watcher.after_step
