@@ -38,6 +38,9 @@ MAKERS = {
     "Reductions": lambda: polhode.reduce_many(
         "lagrange/nutation", {"start.omega[3]": "2:4:3"}, keep=["final"], number="extended"
     ),
+    "Reductions of events": lambda: polhode.reduce_many(
+        _events_scene(), {"start.omega[1]": "0.5:1:2"}, keep=["first nutation"], at=[2]
+    ),
     "Section": lambda: polhode.section("lagrange/nutation", starts=[[1, 0.2]], crossings=6),
     "ChaosMap": lambda: polhode.chaos_map("lagrange/nutation", grid=(3, 3), end=20),
     "Levels": lambda: polhode.levels("general/asymmetric-chaotic"),

@@ -52,11 +52,23 @@ def test_a_small_motion_has_the_zeros_of_a_large_one(kind, size, number):
     for k, t in enumerate(event.times, 1):
         assert abs(float(t) - k * math.pi) < 1e-4  # heyoka's steps are chosen by the largest
     assert all(0.9 < depth / float(size) < 1.1 for depth in event.depths[:-1])
+    assert found(f"{zero}**3", number, **given, omega=omega, at=[20])[1].signs == event.signs
     for way, sign in (("rising", 1), ("falling", -1)):
         run, event = found(Event("s", zero, way, True), number, **given, omega=omega, at=[20])
         assert run.outcome is Outcome.STOPPED_AT_EVENT
         assert event.signs == (sign,)
         assert abs(float(run.reached) - (2 if sign != first else 1) * math.pi) < 1e-4
+
+
+@pytest.mark.parametrize("number", NUMBERS[:2], ids=lambda n: n.name)
+def test_the_cube_of_a_small_motion_has_its_zeros_in_the_first_step(number):
+    """Of a pendulum of amplitude 7e-14: what is added to hide a zero at t = 0 hides no other."""
+    given = {"moments": [1, 1, 1], "centre": [0, 0, -1], "weight": "0.6", "gamma": [0, 0, 1]}
+    omega = ["-1e-13", 0, 0]
+    _, event = found("p**3", number, **given, omega=omega, at=[-9])
+    half = math.pi / math.sqrt(0.6)
+    assert event.signs == (-1, 1)
+    assert [float(t) for t in event.times] == pytest.approx([-half / 2, -3 * half / 2], abs=1e-3)
 
 
 @pytest.mark.sample(4)
@@ -154,6 +166,8 @@ def test_what_terms_cancel_is_uncertain_and_what_is_small_is_not():
 #: Zeros up to t = 2 of expressions that vanish at the start, q = 0 there, along the usual motion.
 AT_ZERO = {
     "q*(p-0.28)": [0.36744942741237435],
+    "q**3*(p-0.28)": [0.36744942741237435],
+    "t**4*(t-1/7)": [1 / 7],
     "t*(t-1/10)": [0.1],
     "q*cos(6*t)": [(2 * k + 1) * math.pi / 12 for k in range(4)],
     "gamma2*(t-1.5)": [1.5],

@@ -227,7 +227,7 @@ def guaranteed(centre: Fraction, radius: float) -> str:
 
 def decimal_ball(centre: Fraction, radius: float) -> tuple[str, str]:
     """A decimal midpoint and a decimal radius of a ball that holds this one."""
-    places = max(0, 3 - math.floor(math.log10(radius)))
+    places = max(0, 3 - math.floor(math.log10(radius))) if radius else 60
     near = round(centre * 10**places)
     wider = Fraction(radius) + abs(centre - Fraction(near, 10**places))
     return _positional(near, places), rounded_up([float(wider) * (1.0 + 1e-9)])[0]

@@ -62,7 +62,7 @@ class SectionZero(NamedTuple):
         def number(x: Exact) -> Scalar:
             return lift(to_double(x))
 
-        return expression.evaluate(self.by, names, Algebra(number, functions))
+        return expression.evaluate(self.by, names, Algebra(number, functions, power=fn.power))
 
     def _triple(
         self,

@@ -58,12 +58,13 @@ class Algebra(NamedTuple):
     """How numbers enter the arithmetic that the names belong to, and its functions by name.
 
     ``units``: a name that follows a value without a sign multiplies it, as a unit does; those
-    that a refusal lists.  None: names are no units.
+    that a refusal lists.  None: names are no units.  ``power``: whole powers.
     """
 
     lift: Callable[[Exact], Scalar]
     functions: Mapping[str, Callable[[Scalar], Scalar]]
     units: Sequence[str] | None = None
+    power: Callable[[Scalar, int], Scalar] = pow
 
 
 def number(text: str) -> Exact:
@@ -224,7 +225,8 @@ class _Reader:
             raise ExpressionError("an exponent must be a rational number")
         if not _is_exact(base):
             if exponent.denominator == 1 and abs(exponent) <= MAX_EXPONENT:
-                return base ** int(exponent)
+                power = pow if self.algebra is None else self.algebra.power
+                return power(base, int(exponent))
             raise ExpressionError(f"a power of a name has an integer exponent up to {MAX_EXPONENT}")
         return exact_power(base, exponent)
 

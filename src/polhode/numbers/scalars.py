@@ -50,12 +50,13 @@ def numbers_given(t: object) -> tuple[list[object], bool]:
 
 
 class Functions(NamedTuple):
-    """What a scalar brings along: its zero, and its elementary functions."""
+    """What a scalar brings along: its zero, its elementary functions, and whole powers."""
 
     zero: Scalar
     sin: Callable[[Scalar], Scalar]
     cos: Callable[[Scalar], Scalar]
     sqrt: Callable[[Scalar], Scalar]
+    power: Callable[[Scalar, int], Scalar] = pow
 
 
 #: Of exact numbers.

@@ -213,6 +213,8 @@ class _Reader:
             flat = np.empty(len(elements), dtype=object)
             for k, item in enumerate(elements):
                 flat[k] = self.read(item)
+                if isinstance(flat[k], (str, list, tuple, dict)):
+                    raise ValueError("an array of other things than numbers")
         else:
             raise ValueError("no elements")
         if len(flat) != count:

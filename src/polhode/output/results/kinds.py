@@ -6,7 +6,7 @@ import math
 import types
 import typing
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from fractions import Fraction
 from functools import cache
 from importlib import import_module
@@ -209,7 +209,8 @@ def _check_shapes(word: str, found: Value) -> None:
     sizes: dict[str, int] = {}
     if word in ("Ensemble", "Reductions"):
         members = found.members
-        if members.scene != found.scene or members.varied != found.varied:
+        scene = replace(found.scene, events=())  # no member has events of its own
+        if members.scene != scene or members.varied != found.varied:
             raise ValueError(f"{word}.members: of another scene")
         sizes["m"] = len(members)
         for k in (0, -1):  # which refuse keys that the scene does not have

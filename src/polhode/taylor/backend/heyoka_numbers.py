@@ -27,8 +27,21 @@ from polhode.taylor.backend.engine import constant, hy
 from polhode.taylor.backend.process_settings import uncached
 from polhode.taylor.backend.types import Expression, HeyokaNumber
 
+
+def _power(base: Expression, exponent: int) -> Expression:
+    """A whole power by squares and products.
+
+    heyoka divides by the base in the series of all powers but squares: where that is zero at the
+    beginning of a step, or near it, nothing of them is right.
+    """
+    if exponent < 3:
+        return base**exponent
+    square = _power(base, exponent // 2) ** 2
+    return square * base if exponent % 2 else square
+
+
 #: The scalar functions of heyoka's expressions.
-EXPRESSIONS = constant(lambda: Functions(hy.expression(0.0), hy.sin, hy.cos, hy.sqrt))
+EXPRESSIONS = constant(lambda: Functions(hy.expression(0.0), hy.sin, hy.cos, hy.sqrt, _power))
 
 _SMALLEST_DOUBLE = 2.0**-1022
 

@@ -58,7 +58,7 @@ class Met:
 
 #: Added to what heyoka watches in a motion's first step: it loses the next zero of a polynomial
 #: without constant term.  Later it would hide zeros at a seam of two steps.
-TINY = 2.0**-150
+TINY = 2.0**-700
 
 
 def through_the_first_step(

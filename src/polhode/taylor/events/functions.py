@@ -79,7 +79,7 @@ def in_columns(
     """A text in t and the names of columns, with these values."""
     names = dict(zip(columns, values, strict=True), t=clock)
     functions = {"sqrt": fn.sqrt, "sin": fn.sin, "cos": fn.cos}
-    found = expression.evaluate(text, names, Algebra(constant, functions))
+    found = expression.evaluate(text, names, Algebra(constant, functions, power=fn.power))
     return constant(found) if isinstance(found, (Fraction, Irrational)) else found
 
 

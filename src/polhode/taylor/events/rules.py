@@ -26,6 +26,7 @@ class Rules:
     def __init__(
         self, scene: Scene, number: NumberType, tolerance: Fraction | None, still: bool
     ) -> None:
+        self.still = still
         self.start = [sign_at_start(scene, k) for k in range(len(scene.events))]
         self.asked = any(e.stop or not is_entire(scene, e) for e in scene.events)
         eps = max(number.eps, tolerance or ZERO)

@@ -5,8 +5,8 @@ callback notes the state there; when the run is over all of them are polished to
 (polhode.taylor.events.polishing), and what they mean is decided in one pass
 (polhode.taylor.events.decision).  What heyoka is given is scaled down by sqrt(eps), so that an
 event takes no part in choosing the steps: a run with events takes the steps of a run without them,
-unless an expression varies far faster than the motion.  Last bits may differ, where an event shares
-terms with the equations.
+unless an expression varies far faster than the motion, or a step would be longer than the run's
+unit of time.  Last bits may differ, where an event shares terms with the equations.
 
 A zero at t = 0, by the exact scene, is not an event of the run.
 """
@@ -104,6 +104,7 @@ class Watch:
     def __init__(self, scene: Scene, number: NumberType, rules: Rules) -> None:
         self.scene, self.number, self.rules = scene, number, rules
         self.muted = False
+        self.any_step = rules.still or "angles" in scene.outputs
         self.way = 1 if sign(scene.end) >= 0 else -1
         self.width = len(equations(scene).variables)
         self.alike = float(number.eps)

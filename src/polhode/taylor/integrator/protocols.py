@@ -121,6 +121,10 @@ class Watcher(Protocol):
         """heyoka's question after each step, go on? None where no event ends the run."""
 
     @property
+    def any_step(self) -> bool:
+        """Whether steps may be long: of a state that rests, or of angles, which keep them short."""
+
+    @property
     def key(self) -> Hashable:
         """What tells its events from others along the same equations."""
 

@@ -25,6 +25,10 @@ from polhode.taylor.integrator.compiled import Compiled
 from polhode.taylor.integrator.protocols import Corrector, Mark, Memory, Piece, Watcher
 from polhode.taylor.integrator.specification import TINY, Blueprint
 
+#: The longest step, in the run's unit, of a run with events.  Where all that moves is small beside
+#: what rests, steps are long by that, and products of small things have no polynomial over them.
+_LONGEST = Fraction(1)
+
 #: Output times ahead are looked at to so many times the longest advance.
 _REACH = 1.25
 
@@ -225,7 +229,7 @@ class Integrator:
             return self._steps(ahead, steps)
         # heyoka loses the next zero of a polynomial without constant term: during the first step
         # no expression is exactly zero.  Later that would hide zeros at a seam of two steps.
-        self._add(Fraction(1, 2 ** (97 + self.number.bits)))
+        self._add(Fraction(1, 2 ** (647 + self.number.bits)))
         rows, ended = self._steps(ahead, 1)
         self._add(ZERO)
         count = len(rows)
@@ -249,8 +253,11 @@ class Integrator:
             rows, ended = self._steps(ahead[1:], steps)
             return np.concatenate([here, rows]), ended
         options: dict[str, Any] = {"max_steps": steps}
-        if self.watcher is not None and self.watcher.after_step is not None:
-            options["callback"] = self.watcher.after_step
+        if self.watcher is not None:
+            if not self.watcher.any_step:
+                options["max_delta_t"] = scalar(_LONGEST, self.number)
+            if self.watcher.after_step is not None:
+                options["callback"] = self.watcher.after_step
         if len(ahead) == 2:
             # As a grid begins: the step that leaves no low part of the time.  So output times
             # change no bit of the motion.
