@@ -14,6 +14,7 @@ from polhode.judging.score import score
 
 NAMES = ("psi", "theta", "phi")
 COUNT = 1500
+FIRST_LOOK = 5  # rows at which conventions are looked for
 
 
 @pytest.fixture
@@ -67,7 +68,7 @@ def test_right_angles_are_judged_to_the_last(asked, homoclinic):
     found = judged(scene, table)
     assert 13.5 < found.parts["angles"] < 17
     untold = found._held.many.untold
-    assert sum(asked) == len(untold), "each once"
+    assert sum(asked) == FIRST_LOOK + len(untold), "each once"
     table[untold[77], 2] += 1e-9  # of phi
     assert 8.9 < judged(scene, table).parts["angles"] < 9.1
     table[untold[78], 1] += 1e-8  # of theta
@@ -94,7 +95,7 @@ def test_cells_that_are_empty_are_not_asked_for(asked):
     assert found.parts["angles"] > 15
     columns["theta"][700] = 1e-7
     assert 6.9 < polhode.compare(columns, scene).parts["angles"] < 7.1
-    assert asked == []
+    assert {*asked} == {FIRST_LOOK}
 
 
 @pytest.mark.slow

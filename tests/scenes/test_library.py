@@ -33,6 +33,7 @@ def test_every_name_ships():
         "euler/\0",
         "euler\nsphere",
         "euler/" + 300 * "x",
+        300 * "x",
     ],
 )
 def test_what_is_no_name_is_refused(name):

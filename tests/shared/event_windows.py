@@ -135,7 +135,7 @@ class Truth:
         self.heyoka = hy.taylor_adaptive(equations, state, pars=pars, nt_events=[event], **options)
 
     def extrema(
-        self, k: Sequence[float], start: Sequence[float], end: float
+        self, k: Sequence[float], start: Sequence[float | str], end: float
     ) -> list[tuple[float, Any, np.ndarray]]:
         """Time, value and state at the start, at each extremum, and at the end."""
         ta = self.heyoka

@@ -10,6 +10,7 @@ from collections import Counter
 from fractions import Fraction
 from functools import cache
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -52,6 +53,13 @@ def motion(draw: np.random.Generator) -> tuple[str, list[float], list[float]]:
     return kind, [*moments.tolist(), *arm.tolist()], [*omega.tolist(), *gamma.tolist()]
 
 
+def unit(gamma: list[float]) -> list[str]:
+    """As polhode takes it: doubles of length 1 but for rounding are of length 1."""
+    with mpmath.workdps(50):
+        length = mpmath.sqrt(sum(mpmath.mpf(x) ** 2 for x in gamma))
+        return [str(x / length) for x in gamma]
+
+
 class Case:
     """A motion, an expression, and the windows in which it crosses zero or does not."""
 
@@ -64,7 +72,7 @@ class Case:
         self.scale = float(10.0 ** -draw.integers(0, 15)) if draw.random() < 0.5 else 1.0
         self.shift = float(draw.choice([0, 0, 0, 1e3, 1e6]))
         truth = truth_of(self.text)
-        places = truth.extrema(k, start, end)
+        places = truth.extrema(k, [*start[:3], *unit(start[3:])], end)
         inner = places[1:-1]
         self.level = self.shift
         if inner and draw.random() < 0.75:

@@ -307,6 +307,7 @@ def crossed(scene, monkeypatch, honest=True) -> list[int]:
         polhode.integrate(scene, project=40)
     if not honest:
         monkeypatch.setattr(watch.Watch, "disturbed", lambda *_: False)
+        monkeypatch.setattr(watch.Watch, "_search", lambda *_: None)  # which finds what was lost
     assert len(jumps) >= 8
     counts = []
     for time, value in jumps[:12]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import TypeAlias
@@ -46,7 +47,7 @@ def refuse_another(path: str | Path) -> None:
     """Raise BadInput where a file is there that is no certificate; an empty one is nothing."""
     of_kind("save", "path", path, (str, Path), "the path of a .json file")
     place = Path(path)
-    if not place.is_file() or not place.stat().st_size:
+    if not os.path.isfile(place) or not place.stat().st_size:
         return
     try:
         there = json.loads(place.read_text(encoding="utf-8"))

@@ -95,13 +95,9 @@ def place(scene: str | Path) -> tuple[Path, str | None]:
     name = str(scene)
     if ships(name):
         return folder() / f"{name}.toml", name
-    try:
-        exists = Path(scene).exists()
-    except (OSError, ValueError):
-        exists = False
-    if not exists or not name:
+    if not name or not os.path.exists(scene):  # False for what can be no path, too
         known = nearest(name.removesuffix(".toml"), names())
-        if name and Path(f"{name}.toml").is_file():
+        if name and os.path.isfile(f"{name}.toml"):
             known = f"did you mean the file {name}.toml?"
         raise BadInput(name or "''", "SCENE", None, f"a path, or the name of a case: {known}")
     if Path(scene).suffix.lower() in _TABLES:
@@ -123,7 +119,7 @@ def matching(patterns: list[str]) -> list[str]:
     found: list[str] = []
     for pattern in patterns:
         hits = [name for name in names() if fnmatchcase(name, pattern)]
-        if not hits and not Path(pattern).is_file():
+        if not hits and not os.path.isfile(pattern):
             hits = [name for name in names() if fnmatchcase(name, f"{pattern}/*")]
         found += [name for name in hits or [pattern] if name not in found]
     return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from argparse import ArgumentParser, Namespace
 from importlib import import_module
 from pathlib import Path
@@ -192,7 +193,7 @@ def is_file(name: str) -> bool:
 
     suffix = Path(name).suffix.lower()
     return suffix in (".csv", *ENDINGS) or (
-        suffix != ".toml" and not library.ships(name) and Path(name).is_file()
+        suffix != ".toml" and not library.ships(name) and os.path.isfile(name)
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -170,7 +171,7 @@ def _parquet_attrs(data: bytes) -> dict[str, str]:
 
 def _refuse_another(place: Path, kind: str) -> None:
     """Refuse to overwrite what is no result of this kind; an empty file is nothing."""
-    if not place.is_file() or not place.stat().st_size:
+    if not os.path.isfile(place) or not place.stat().st_size:
         return
     try:
         there = _kind_there(place)
