@@ -42,6 +42,13 @@ class _Options(TypedDict, total=False):
     progress: Progress | bool | None
 
 
+#: Keys of the scene that are looked for here, and what to say of them.
+_OF_THE_SCENE = {
+    "outputs": "a key of the scene (a run's angles_at and attitude_at need none)",
+    "end": "times as at=[...], or a key of the scene",
+}
+
+
 @overload
 def integrate(
     scene: Scene | str | Path,
@@ -164,9 +171,7 @@ def integrate(
     >>> run.checked_by, 30 <= run.correct_digits < 35
     ('closed form', True)
     """
-    outputs = "a key of the scene (a run's angles_at and attitude_at need none)"
-    end = "times as at=[...], or a key of the scene"
-    refuse_unknown("integrate", integrate, unknown, outputs=outputs, end=end)
+    refuse_unknown("integrate", integrate, unknown, **_OF_THE_SCENE)
     if isinstance(progress, bool):
         asked_for = locals().items()
         asked = {k: value for k, value in asked_for if k not in ("progress", "unknown")}
