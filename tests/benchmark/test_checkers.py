@@ -11,10 +11,10 @@ import sys
 from fractions import Fraction
 
 import pytest
+from test_benchmark import HELD
 
 import polhode
 from polhode.cli import main
-from test_benchmark import HELD
 
 TOP = "lagrange-nutation"
 CASE = "lagrange/nutation"
