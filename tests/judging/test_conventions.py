@@ -1,4 +1,4 @@
-"""Right tables in other conventions: each is named, applied, and can be told; a wrong one is none."""
+"""Right tables in other conventions: each is named, applied, and can be told; wrong ones are none."""
 
 from __future__ import annotations
 
