@@ -38,7 +38,7 @@ def session(folder, *options, tests=_TESTS):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("options", [(), ("-W", "error"), ("-n", "2")])
+@pytest.mark.parametrize("options", [("-W", "error"), ("-n", "2")])
 def test_digits_stand_at_the_end_and_in_the_xml(tmp_path, options):
     printed = session(tmp_path, "--junitxml=x.xml", *options)
     assert "1 failed, 3 passed" in printed
@@ -55,20 +55,13 @@ def test_digits_stand_at_the_end_and_in_the_xml(tmp_path, options):
         ]
         for case in ET.parse(tmp_path / "x.xml").iter("testcase")
     }
-    assert written["test_wrong"] == ["6.0"]
-    assert {name: len(digits) for name, digits in written.items()} == {
-        "test_right": 1,
-        "test_wrong": 1,
-        "test_two": 2,
-        "test_that_asks_for_nothing": 0,
-    }
+    assert written.pop("test_wrong") == ["6.0"]
+    assert [*map(len, written.values())] == [1, 2, 0]
 
 
 def test_a_session_that_does_not_ask_imports_nothing_more():
-    program = (
-        "import sys, polhode.pytest_plugin; print(sorted({'numpy', 'heyoka'} & {*sys.modules}))"
-    )
-    ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    code = "import sys, polhode.pytest_plugin; print(sorted({'numpy', 'heyoka'} & {*sys.modules}))"
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert ran.stdout == "[]\n"
 
 
