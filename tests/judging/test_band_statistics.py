@@ -8,6 +8,7 @@ from __future__ import annotations
 import random
 from collections import Counter, defaultdict
 from collections.abc import Iterator
+from dataclasses import replace
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -58,10 +59,7 @@ def top(kind: str, k: int, body: int | None = None) -> Scene:
     """A random top; ``body``: whose body it has, its own by default."""
     if kind != "any":
         return random_scene(kind, k, body_of=body)
-    scene = heavy(k)
-    if body is None:
-        return scene
-    return Scene(heavy(body).body, scene.omega, scene.gamma)
+    return heavy(k) if body is None else replace(heavy(k), body=heavy(body).body)
 
 
 def places(kind: str, scene: Scene, ends: tuple[int, ...]) -> Iterator[Place]:
@@ -103,10 +101,10 @@ def share(count: Counter) -> float:
 @pytest.mark.slow
 def test_of_a_few_tops_nine_in_ten_runs_end_in_the_band():
     """Starts of one body a kind, which is compiled once; what one start does leans together."""
-    scenes = [(kind, top(kind, k, 0)) for kind in KINDS for k in range(8)]
+    scenes = [(kind, top(kind, k, 0)) for kind in KINDS for k in range(5)]
     found = [place for kind, scene in scenes for place in places(kind, scene, (20, 60))]
     (all_in_all,) = counted(found).values()
-    assert all_in_all.total() == len(KINDS) * 8 * 12
+    assert all_in_all.total() == len(KINDS) * 5 * 12
     assert 0.84 <= share(all_in_all) <= 0.97
     for of, count in counted(found, "number", "projected").items():
         assert max(count[-1], count[1]) <= 0.2 * count.total(), of
@@ -117,8 +115,7 @@ def test_of_two_hundred_tops_85_to_95_percent_end_in_the_band():
     found = [p for k in range(50) for kind in KINDS for p in places(kind, top(kind, k), ENDS)]
     for by in (("kind",), ("number", "projected"), ("end",), ("kind", "number", "projected")):
         for of, count in counted(found, *by).items():
-            told = f"{share(count):.3f} inside, {count[-1]} with fewer, {count[1]} with more"
-            print(*of, f"{count.total()} runs: {told}")
+            print(*of, f"{count.total()} runs: {share(count):.3f} inside, {count}")
     (all_in_all,) = counted(found).values()
     assert 0.85 <= share(all_in_all) <= 0.95
     for by in (("number", "projected"), ("kind",)):

@@ -25,7 +25,7 @@ F = Fraction
 
 
 def test_spacings_are_those_of_doubles():
-    x = np.array([1.0, -1.0, 1.5, np.nextafter(2, 0), 2.0, -3.9, 0.1, 1e-9, 1e300])
+    x = np.array([1.0, -1.0, np.nextafter(2, 0), 2.0, -3.9, 0.1, 1e-9, 1e300])
     assert np.array_equal(spacing(x) * 2.0**-52, np.spacing(np.abs(x)))
     assert spacing(0.0) == 0
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-
 import pytest
 
 import polhode
@@ -41,18 +39,6 @@ def test_what_is_no_name_is_refused(name):
     assert not library.ships(name)
     with pytest.raises(polhode.BadInput):
         polhode.load(name)
-
-
-def test_a_case_is_read_without_a_look_at_the_others(monkeypatch):
-    looked = []
-
-    def listed(place, real=os.listdir):
-        looked.append(place)
-        return real(place)
-
-    monkeypatch.setattr(os, "listdir", listed)
-    polhode.load("euler/sphere")
-    assert looked == [library.folder(), library.folder() / "euler"]
 
 
 def test_without_cases_a_path_is_read_all_the_same(tmp_path, monkeypatch):

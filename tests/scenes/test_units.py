@@ -126,17 +126,14 @@ def test_where_a_scene_has_no_units_a_number_beside_it_has_none_but_an_angles():
             call()
 
 
-@pytest.mark.parametrize("verb", ["run", "reference", "plot", "view", "map", "frequencies"])
+@pytest.mark.parametrize("verb", ["run", "reference", "frequencies"])
 def test_times_in_options_have_units(verb, tmp_path, capsys):
     path = tmp_path / "si.toml"
     path.write_text(polhode.as_toml(_in_si()))
-    option = "--at" if verb in ("run", "reference") else "--end"
-    files = {"plot": ["--what", "omega", "-o", str(tmp_path / "x.png")]}
-    files["view"] = ["-o", str(tmp_path / "x.html")]
-    more = files.get(verb, ["--grid", "1x1"] if verb == "map" else [])
-    assert main([verb, str(path), option, "1000 ms", *more]) == 0
+    option = "--end" if verb == "frequencies" else "--at"
+    assert main([verb, str(path), option, "1000 ms"]) == 0
     capsys.readouterr()
-    assert main([verb, str(path), option, "1 kg", *more]) == 2
+    assert main([verb, str(path), option, "1 kg"]) == 2
     assert "in kg, not in s" in capsys.readouterr().err
 
 
@@ -147,27 +144,6 @@ def test_a_part_with_units_makes_a_scene_in_si():
     assert scene.units == "SI"
     plain = polhode.Part("cone", mass=1, radius=1, height=1)
     assert polhode.top(parts=[plain], g=1, omega=[0, 0, 1], gamma=[0, 0, 1]).units == ""
-    with pytest.raises(BadInput, match=r"mass.*in m, not in kg"):
-        polhode.Part("point", mass="50 cm")
-
-
-@pytest.mark.parametrize(
-    ("given", "key"),
-    [
-        ({"omega": ["5 cm", 0, 0]}, "start.omega.*in m, not in rad/s"),
-        ({"moments": ["2 kg", 2, 1]}, "body.moments.*in kg, not in kg"),
-        ({"centre": [0, 0, "1 s"]}, "body.centre.*in s, not in m"),
-        ({"weight": "1 kg"}, r"body.weight.*in kg, not in N"),
-        ({"gamma": ["90 deg", 0, 0]}, "start.gamma.*no unit belongs"),
-        ({"end": "10 m"}, "run.end.*in m, not in s"),
-        ({"units": "cgs"}, "units = cgs: expected SI"),
-    ],
-)
-def test_a_wrong_dimension_is_one_line(given, key):
-    right = {"moments": [2, 2, 1], "centre": [0, 0, 1], "weight": 1, "omega": [0, 0, 1]}
-    right |= {"gamma": [0, 0, 1], "end": 1}
-    with pytest.raises(BadInput, match=key):
-        polhode.top(**(right | given))
 
 
 def test_every_unit_in_the_table_of_keys_is_one():
@@ -182,27 +158,10 @@ def test_every_unit_in_the_table_of_keys_is_one():
     assert keys.unit("nowhere") == ""
 
 
-@pytest.mark.parametrize("gamma", [[0.6, 0, 0.8], np.array([0.6, 0.0, 0.8]), (1 / 3, 2 / 3, 2 / 3)])
-def test_floats_of_length_one_but_for_rounding_are_normalised(gamma):
-    top = polhode.top(moments=[2, 2, 1], centre=[0, 0, 1], weight=1, omega=[1, 0, 0], gamma=gamma)
-    assert sum(x * x for x in top.gamma) == 1
-    assert "normalise = true" in polhode.as_toml(top)
-
-
 @pytest.mark.parametrize(
-    "gamma", [[0.6, 0, 0.8 + 1e-14], ["0.6", 0, "0.80000000000000001"], np.float32([0.6, 0, 0.8])]
+    ("gamma", "changed"), [((1 / 3, 2 / 3, 2 / 3), True), (np.array([0.0, 1.0, 0]), False)]
 )
-def test_what_is_not_of_length_one_is_refused(gamma):
-    given = {"moments": [2, 2, 1], "omega": [1, 0, 0], "gamma": gamma}
-    with pytest.raises(BadInput, match="normalise"):
-        polhode.top(**given)
-
-
-def test_exact_floats_are_left_as_they_are():
-    top = polhode.top(moments=[2, 2, 1], omega=[1, 0, 0], gamma=[0.0, 1.0, 0])
-    assert "normalise" not in polhode.as_toml(top)
-
-
-def test_an_unknown_argument_is_one_line_with_the_nearest():
-    with pytest.raises(BadInput, match=r"moment = \[2, 2, 1\].*did you mean 'moments'"):
-        polhode.top(moment=[2, 2, 1], omega=[1, 0, 0])
+def test_floats_are_normalised_where_they_are_of_length_one_but_for_rounding(gamma, changed):
+    top = polhode.top(moments=[2, 2, 1], omega=[1, 0, 0], gamma=gamma)
+    assert sum(x * x for x in top.gamma) == 1
+    assert ("normalise = true" in polhode.as_toml(top)) == changed
