@@ -93,7 +93,7 @@ def changes():
 CHANGED = {which: rest for which, *rest in changes()}
 
 
-@pytest.mark.sample(4, first=1, slow=10)
+@pytest.mark.sample(3, first=1, slow=8)
 @pytest.mark.parametrize("which", CHANGED)
 def test_what_is_another_is_found_to_its_digits(which):
     name, changed, words = CHANGED[which]
@@ -158,7 +158,7 @@ def stepped(name, method):
     return {"t": np.array(TIMES, dtype=float), **dict(columns)}
 
 
-@pytest.mark.sample(2, slow=4)
+@pytest.mark.sample(2, slow=2)
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("method", METHODS)
 def test_a_rough_method_is_explained_by_nothing(name, method):

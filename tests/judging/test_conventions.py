@@ -1,4 +1,4 @@
-"""Right tables in other conventions: each is named, applied, and can be told; wrong ones are none."""
+"""Right tables in other conventions: each is named, applied, can be told; wrong ones have none."""
 
 from __future__ import annotations
 

@@ -38,9 +38,8 @@ def session(folder, *options, tests=_TESTS):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("options", [("-W", "error"), ("-n", "2")])
-def test_digits_stand_at_the_end_and_in_the_xml(tmp_path, options):
-    printed = session(tmp_path, "--junitxml=x.xml", *options)
+def test_digits_stand_at_the_end_and_in_the_xml(tmp_path):
+    printed = session(tmp_path, "--junitxml=x.xml", "-W", "error", "-n", "2")
     assert "1 failed, 3 passed" in printed
     assert "6.00 correct digits at t = 1, where at least 9 are wanted" in printed
     end = printed.partition("= correct digits =")[2].splitlines()

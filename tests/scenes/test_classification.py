@@ -46,10 +46,6 @@ def test_a_top_without_an_axis(moments, torque, kind):
     assert classical_top(*rows) == ClassicalTop(kind, None)
 
 
-def test_the_axes_end_with_the_one_asked_and_stay_right_handed():
-    assert [classification.with_last(k) for k in range(3)] == [(1, 2, 0), (2, 0, 1), (0, 1, 2)]
-
-
 def test_integrals_and_closed_forms_agree_with_the_finder():
     """Over the library: a closed form that depends on the body alone, its integral, its name."""
     by_kind = {

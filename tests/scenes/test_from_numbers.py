@@ -63,25 +63,14 @@ def test_the_text_of_a_scene_from_numbers_gives_it_back_to_the_bit(start):
     assert written == scene  # before its text is made
 
 
-def test_a_run_in_double_of_doubles_loses_nothing_by_rounding_its_inputs():
-    scene = polhode.top(moments=[1, 2, 2.3], omega=[0.1, 1.7, 0.3], gamma=[0, 0, 1], end=3)
-    judged = polhode.compare(polhode.integrate(scene))
-    # the body's scaled coefficients round, its start does not: within a digit of the type's
-    assert judged.worst > 14.5
-
-
 @pytest.mark.parametrize("name", library.names())
 @pytest.mark.sample(10, slow=30)
 def test_every_case_written_and_read_again_is_itself(name):
+    assert polhode.as_toml(polhode.load(name)) == polhode.load(name).source
     scene = replace(polhode.load(name), title="another")
     assert scene.source not in polhode.as_toml(scene)
     again = scene_file.parse(polhode.as_toml(scene), name)
     assert replace(again, source="") == replace(scene, source="")
-
-
-def test_a_file_that_says_what_the_scene_is_stays_as_it_was_written():
-    scene = polhode.load("kovalevskaya/generic")
-    assert polhode.as_toml(scene) == scene.source
 
 
 def test_what_no_file_can_hold_is_refused():
@@ -153,26 +142,6 @@ def test_omega_and_momentum_go_with_angles_and_quaternion(where):
         assert polhode.top(moments=[2, 3, 4], **where, **how).omega == (2, 1, 3)
 
 
-def test_a_start_on_a_level_is_there_in_python_too():
-    level = {"h": 2, "f": 1, "gamma": [0, "3/5", "4/5"]}
-    scene = polhode.top(moments=[2, 2, 1], centre=[1, 0, 0], weight=1, **level)
-    assert (scene.integrals.energy, scene.integrals.area) == (2, 1)
-    other = polhode.top(moments=[2, 2, 1], centre=[1, 0, 0], weight=1, sign="-", **level)
-    assert other.integrals.energy == 2
-    assert other.omega != scene.omega
-
-
-def test_normalise_is_there_in_python_too():
-    given = {"omega": [0, 0, 1], "gamma": [0.6, 0, 0.8]}
-    scene = polhode.Scene(polhode.Body.of_moments([1, 1, 1]), **given, normalise=True)
-    assert scene.gamma == polhode.top(moments=[1, 1, 1], **given, normalise=True).gamma
-    assert sum(x * x for x in scene.gamma) == 1
-    with pytest.raises(polhode.BadInput, match="normalise = true"):
-        polhode.Scene(scene.body, **given)
-    with pytest.raises(polhode.BadInput, match="length"):
-        polhode.Scene(scene.body, [0, 0, 1], [0, 0, 0], normalise=True)
-
-
 # -- bodies -------------------------------------------------------------------------------------
 
 SI = """
@@ -204,7 +173,7 @@ def test_a_top_in_si_units_is_the_same_by_shape_by_mass_and_by_weight():
 def test_numbers_of_parts_can_be_varied():
     scene = scene_file.parse(SI, "si")
     varied = {"body.parts[1].radius": ["0.03", "0.06"], "body.g": [0, "9.80665"]}
-    many = polhode.integrate_many(scene, varied, at=[0, "0.01"])
+    many = polhode.integrate_many(scene, varied, at=[0])
     third = [member.body.moments[2] for member in many.members]
     assert third == [Fraction(27, 10**6)] * 2 + [Fraction(108, 10**6)] * 2
     assert many.members[1].body.torque == scene.body.torque

@@ -8,7 +8,6 @@ from fractions import Fraction
 import pytest
 
 import polhode
-from polhode.common.errors import BadInput
 from polhode.scenes.scene import Scene
 
 CASES = ["published/nasa-brick", "lagrange/nutation", "kovalevskaya/generic", "euler/long"]
@@ -33,12 +32,6 @@ def test_it_is_the_scene_made_with_those_times(case: str, used: bool) -> None:
     assert found.log10_angle == made.log10_angle
     assert found.identity is scene.identity is not made.identity
     assert polhode.integrate(found).states.tolist() == polhode.integrate(made).states.tolist()
-
-
-@pytest.mark.parametrize("times", [[2, 1], [1, -1], [1, 1], ["x"]])
-def test_times_that_cannot_be_are_refused_by_name(times: list[object]) -> None:
-    with pytest.raises(BadInput, match=r"run\.at|\bat\b"):
-        polhode.load("lagrange/nutation").at(times)  # type: ignore[arg-type]
 
 
 def test_what_a_scene_found_is_not_found_again_at_other_times(
