@@ -18,7 +18,6 @@ from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.taylor.variations.state_transition import passage
-from shared import plain_taylor
 from shared.motions import asymmetric
 
 F = Fraction
@@ -97,64 +96,6 @@ def test_a_state_that_stands_still_is_rounded_once():
         found = conditioning(name)
         assert all(d > 15.5 for d in found.inputs())
         assert [b.least for b in found.expected()] == pytest.approx(list(found.inputs()))
-
-
-MOMENTS, TORQUE = (4, 4, 2), (F(32), F(0), F(16))  # the equations' coefficients are doubles
-
-
-def integrals(x: list[F]) -> list[F]:
-    """h, f and |gamma|² of that body, exactly."""
-    momentum = [m * w for m, w in zip(MOMENTS, x, strict=False)]
-    energy = sum(m * w for m, w in zip(momentum, x, strict=False)) / 2
-    energy += sum(t * g for t, g in zip(TORQUE, x[3:], strict=True))
-    area = sum(m * g for m, g in zip(momentum, x[3:], strict=True))
-    return [energy, area, sum(g * g for g in x[3:])]
-
-
-def put_back(x: list[F], wanted: list[F], unit: float) -> list[F]:
-    """The least change of (unit w, gamma) that mends the integrals to first order, as fractions."""
-    turned = [[*([0] * i), F(1), *([0] * (5 - i))] for i in range(6)]
-    there = integrals(x)
-    step = F(1, 2**80)
-    columns = []
-    for i, one in enumerate(turned):
-        by = step / F(unit) if i < 3 else step
-        moved = [a + by * b for a, b in zip(x, one, strict=True)]
-        columns.append(
-            [float((p - q) / step) for p, q in zip(integrals(moved), there, strict=True)]
-        )
-    missing = [float((p - q) * 2**60) for p, q in zip(wanted, there, strict=True)]
-    change = np.linalg.lstsq(np.array(columns).T, np.array(missing), rcond=None)[0]
-    scaled = [float(c) / unit if i < 3 else float(c) for i, c in enumerate(change)]
-    return [a + F(c) / 2**60 for a, c in zip(x, scaled, strict=True)]
-
-
-@pytest.mark.slow
-def test_a_projection_takes_its_part_of_the_inputs_error():
-    """A rounded start, put back onto the exact scene's level once on the way, against the scene.
-
-    Both by the integrator in plain mpmath.
-    """
-    start = [F(3, 10), F(-7, 10), F(11, 10), F(6, 7), F(2, 7), F(3, 7)]
-    scene = Scene(Body.of_moments(MOMENTS, TORQUE, 1), tuple(start[:3]), tuple(start[3:]))
-    times = (F(5), F(9))
-    known = conditioning(scene.at(times))
-    unit = 2.0**scene.time_unit
-    assert unit != 1
-    once = next(s.time for s in known.along.stretches if s.time > 5)  # a stretch ends there
-    steps = [s.steps for s in known.along.stretches if s.time <= once]
-    put = F(once) * F(unit)
-    assert put < times[0]
-    rounded = [F(float(x)) for x in start]
-    (there,) = plain_taylor.integrate(MOMENTS, TORQUE, rounded[:3], rounded[3:], [put], 30)
-    moved = put_back(there, integrals(start), unit)
-    later = [t - put for t in times]
-    states = plain_taylor.integrate(MOMENTS, TORQUE, moved[:3], moved[3:], later, 30)
-    truth = plain_taylor.integrate(MOMENTS, TORQUE, start[:3], start[3:], times, 30)
-    expected = size(states, truth, scene)
-    found = [10**-x for x in known.inputs(DOUBLE, every=math.floor(sum(steps)))]
-    assert found == pytest.approx(expected, rel=1e-6, abs=0)
-    assert [10**-x for x in known.inputs(DOUBLE)] != pytest.approx(expected, rel=0.02, abs=0)
 
 
 def test_a_spin_that_stands_still_is_put_back_on_average_alone():

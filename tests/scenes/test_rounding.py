@@ -153,15 +153,6 @@ def test_a_file_with_a_matrix_as_numpy_prints_it_is_read_and_told_once(tmp_path,
     assert "[1][2] and [2][1] differ by" in capsys.readouterr().err
 
 
-def test_the_sign_off_the_diagonal_is_minus_that_of_the_product():
-    """Two masses at (1, 1, 0) and (-1, -1, 0), and a sphere: the sum of m x y is 2."""
-    points = [polhode.Part("point", 1, at=[x, x, 0]) for x in (1, -1)]
-    body = polhode.Body.of_parts([*points, polhode.Part("sphere", 1, radius=1)], g=0)
-    assert body.inertia[0][1] == -2
-    for text in (polhode.top.__doc__, polhode.Body.__doc__):
-        assert "minus the products of inertia" in " ".join(text.split())
-
-
 # -- angles in degrees, given as radians --------------------------------------------------------
 
 SPUN = {"moments": [1, 1, 0.5], "centre": [0, 0, 1], "weight": 1, "rates": [0, 0, 8]}

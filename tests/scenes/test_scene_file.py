@@ -107,21 +107,14 @@ def test_angles_and_rates_give_the_kinematic_equations() -> None:
 @pytest.mark.parametrize(("theta", "way"), [("0", 1), ("'pi'", -1), ("'-2*pi'", 1)])
 def test_at_a_pole_phi_counts_as_psi(theta: str, way: int) -> None:
     scene = in_angles(f"['1/3', {theta}, 0.2]")
-    assert scene.gamma is not None
     assert all(x == y for x, y in zip(scene.gamma, (0, 0, way), strict=True))
     assert scene.psi == Fraction(1, 3) + way * Fraction(1, 5)
-    assert sign(scene.omega[0] - Fraction(-3, 10)) == 0
-    assert sign(scene.omega[1]) == 0
+    assert sign(scene.omega[0] - Fraction(-3, 10)) == sign(scene.omega[1]) == 0
 
 
 @pytest.mark.parametrize("at", ["[0]", "[0, 1]", "[-1, -2]", "[0, -1, '-pi']", "[1e-4000, 1]"])
 def test_times_away_from_zero_are_accepted(at: str) -> None:
     assert scene_file.parse(base(end=f"at = {at}")).times[-1:]
-
-
-def test_even_times_are_exact() -> None:
-    times = scene_file.parse(base(end="end = '-pi'\nsamples = 4")).times
-    assert all(t == -exact.pi() * k / 3 for k, t in enumerate(times))
 
 
 @pytest.mark.parametrize("unit", ["1e-3000", "1e-30", "1", "1e30", "1e3000"])
