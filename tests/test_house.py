@@ -125,8 +125,8 @@ PRIVATE = {
     "equations": (1, "that a column was judged by the quick way, or was not"),
     "figures": (1, "the outline of a globe, of which a figure has the pixels"),
     "judging": (
-        24,
-        "that an answer came by the quick way, which is to be the same as the slow one",
+        2,
+        "the rows that a reference keeps, of which none is asked for again",
     ),
     "refined": (1, "where intervals meet, at which events are to be found"),
     "runs": (
