@@ -229,6 +229,8 @@ def test_whole_vectors_pass_and_parts_of_them_do_not():
     beside = some(STATE) | some(ATTITUDE, range(1, 10))
     with pytest.raises(BadInput, match="q0 in row 1"):
         polhode.testing.assert_digits(beside, CASE, 12)
+    with pytest.raises(BadInput, match=r"q, r: expected it beside p$"):
+        polhode.testing.assert_digits(some(["p"]), CASE, 7)
     rows = np.transpose([*some(["p", "q"]).values()][1:])
     with pytest.raises(BadInput, match=r"states: r: expected it beside p, q$"):
         polhode.testing.assert_digits(rows, CASE, 7, at=TIMES, columns=["p", "q"])

@@ -12,11 +12,13 @@ import pytest
 import polhode
 from polhode.judging.conditioning import rounding_errors
 from polhode.judging.conditioning.conditioning import conditioning
+from polhode.judging.conditioning.step_rounding import StepRounding
 from polhode.judging.correct_digits import digits_of, errors, rate_scale
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
+from polhode.taylor.variations.reference_trajectory import six
 from polhode.taylor.variations.state_transition import passage
 from shared.motions import asymmetric
 
@@ -96,6 +98,30 @@ def test_a_state_that_stands_still_is_rounded_once():
         found = conditioning(name)
         assert all(d > 15.5 for d in found.inputs())
         assert [b.least for b in found.expected()] == pytest.approx(list(found.inputs()))
+
+
+def test_a_projection_rounds_the_state_once_more():
+    """The state put back after each of n steps has been rounded n times more, at last for good."""
+    along = passage(polhode.load("euler/largest-axis").at((F(1),)))
+    (stretch,) = along.stretches
+    n = round(stretch.steps)
+    assert n == stretch.steps > 2
+    once, step = StepRounding(along), stretch.time / n
+    first, last = (np.diag(once(x, step)) for x in (six(along.plain.start), stretch.state))
+    more = np.diag(once(stretch.state, 0.0))
+
+    def spread(every: int) -> np.ndarray:
+        (one,) = rounding_errors.scatter(along, every)
+        return np.ldexp(one.values, one.exponent)
+
+    steps = n / 2 * (stretch.carried @ first @ stretch.carried.T + last)
+    for every in (0, n + 1):  # of no projection, or not yet
+        assert np.allclose(spread(every), steps, rtol=1e-12, atol=0)
+    keep = rounding_errors._Clearing(along, 1).removed(stretch.state)
+    for every in (n, 1):
+        whole = keep @ (steps + (n // every - 1) * more) @ keep.T + more
+        assert np.allclose(spread(every), whole, rtol=1e-9, atol=1e-12)
+    assert np.trace(spread(n)) < np.trace(steps)
 
 
 def test_a_spin_that_stands_still_is_put_back_on_average_alone():
