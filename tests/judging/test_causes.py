@@ -93,7 +93,7 @@ def changes():
 CHANGED = {which: rest for which, *rest in changes()}
 
 
-@pytest.mark.sample(3, first=1, slow=8)
+@pytest.mark.sample(3, first=1, slow=6)
 @pytest.mark.parametrize("which", CHANGED)
 def test_what_is_another_is_found_to_its_digits(which):
     name, changed, words = CHANGED[which]
