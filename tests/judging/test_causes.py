@@ -93,7 +93,7 @@ def changes():
 CHANGED = {which: rest for which, *rest in changes()}
 
 
-@pytest.mark.sample(3, first=1, slow=6)
+@pytest.mark.sample(1, first=8, slow=7)
 @pytest.mark.parametrize("which", CHANGED)
 def test_what_is_another_is_found_to_its_digits(which):
     name, changed, words = CHANGED[which]
@@ -192,6 +192,7 @@ def test_it_is_explained_by_no_number(what):
     assert polhode.compare(UNEXPLAINED[what](own, table(own)), own).causes == ()
 
 
+@pytest.mark.slow
 def test_a_cause_is_printed_and_in_json(tmp_path, capsys):
     name = "lagrange/nutation"
     columns, _ = with_body([(2, 2)], "1.02")(scene(name))

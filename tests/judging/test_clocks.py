@@ -86,6 +86,7 @@ def test_rows_of_another_clock_are_read_at_their_own_times(scene, offset, begin,
     assert polhode.compare(columns, scene, read=words).worst == found.worst
 
 
+@pytest.mark.slow
 def test_a_clock_is_found_by_one_part_and_the_others_are_read_in_their_convention():
     columns = table([Fraction(5) + Fraction(k, 8) for k in range(5)], later=10**5)
     columns |= {name: np.degrees(columns[name]) for name in "pqr"}

@@ -400,7 +400,7 @@ def long_file(path, spoiled=None, count=1200):
     return path
 
 
-@pytest.mark.parametrize("spoiled", [None, 5, 0, 1199])
+@pytest.mark.parametrize("spoiled", [pytest.param(None, marks=pytest.mark.slow), 5, 0, 1199])
 def test_a_long_file_has_a_first_answer_before_its_faults_are_told(tmp_path, spoiled):
     path, told = long_file(tmp_path / "x.csv", spoiled), []
 

@@ -52,7 +52,7 @@ def rows_of(case, first, last):
     return scene, times, np.array([[np.nan if x is None else float(x) for x in r] for r in rows])
 
 
-@pytest.mark.sample(3, first=1, slow=4)
+@pytest.mark.sample(2, first=5, slow=5)
 @pytest.mark.parametrize("case", CASES)
 def test_the_same_digits_as_one_by_one(case):
     scene, times, rows = rows_of(case, *CASES[case])
@@ -92,10 +92,10 @@ def test_an_error_in_one_row_of_many_is_found_in_its_part():
 
 def test_angles_that_the_motion_does_not_have_are_not_asked_for():
     """A sleeping top has no psi and phi at all; it divides nothing by nothing."""
-    count = 300
+    count = 120
     table = {"t": np.arange(count) / 8, "psi": np.full(count, 0.25), "theta": np.zeros(count)}
     assert polhode.compare(table, "lagrange/sleeping-stable").parts["angles"] > 15
-    table["theta"][200] = 1e-7
+    table["theta"][70] = 1e-7
     assert 6.9 < polhode.compare(table, "lagrange/sleeping-stable").parts["angles"] < 7.1
 
 
