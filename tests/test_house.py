@@ -122,7 +122,6 @@ PRIVATE = {
         "a search's first guess, a verdict's bound: what comes out is their refinement",
     ),
     "enclosures": (29, "a proof's parts alone, each of whose terms a test drops or makes dominant"),
-    "equations": (1, "that a column was judged by the quick way, or was not"),
     "figures": (1, "the outline of a globe, of which a figure has the pixels"),
     "judging": (
         24,
