@@ -171,7 +171,8 @@ VARY = {"start.omega[3]": "1:4:100", "body.weight": ["1", "sqrt(2)"]}
 
 
 def swept(folder: Path | None, number: str = "double", **other: Any) -> polhode.Ensemble:
-    asked = {"at": ["0", "0.3", 1], "number": number, "workers": 1, "parts": folder, **other}
+    end = 20 if number == "quad" else 1  # quad members are refined, and have errors
+    asked = {"at": ["0", "0.3", end], "number": number, "workers": 1, "parts": folder, **other}
     vary = VARY if number == "double" else VARY | {"start.omega[3]": "1:4:9"}
     return polhode.integrate_many("lagrange/nutation", vary, **asked)
 
