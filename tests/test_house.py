@@ -128,14 +128,10 @@ PRIVATE = {
         "that an answer came by the quick way, which is to be the same as the slow one",
     ),
     "refined": (1, "where intervals meet, at which events are to be found"),
-    "runs": (
-        17,
-        "marks and chunks of a run, a try of the refined method, which no result tells of; "
-        "limits made small: a million steps take too long",
-    ),
+    "runs": (7, "processes that are to be gone; limits made small: a million steps take too long"),
     "shared": (1, "the orbit behind a closed form, for checks of all families"),
     "studies": (13, "one row of a study, of which a report makes all"),
-    "taylor": (5, "heyoka's calls counted or changed: what a run gives is to be the same"),
+    "taylor": (1, "where a correction would jump over a zero"),
     "test_guide.py": (3, "argparse has no public list of a parser's options"),
     "verbs": (1, "argparse has no public list of a parser's options"),
 }

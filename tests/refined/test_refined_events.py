@@ -128,12 +128,22 @@ def test_an_event_that_stops_the_run():
 
 @pytest.mark.slow
 def test_events_at_the_seams_of_runs_in_double(monkeypatch):
-    """In many short runs in double each is found once, as in one long run."""
+    """In many short runs in double each is found once, as in one long run; also at their seams.
+
+    There, and as far to both sides as the run in double is off.
+    """
     scene = with_events(SCENE, NUTATION, "gamma3", "q*r")
     whole = refined(scene, [30]).events
     monkeypatch.setattr(refinement, "STEPS", 40)
-    short = refined(replace(scene), [30]).events
-    for one, other in zip(short, whole, strict=True):
+    edges = [
+        t for t, _ in refinement.refine(polhode.load(SCENE), [Fraction(30)], refinement.QUAD)._marks
+    ]
+    assert len(edges) >= 3
+    offsets = (0, Fraction(1, 10**14), -Fraction(1, 10**14), Fraction(1, 10**17))
+    zeros = [f"t - ({edge + by})" for edge in edges[1:3] for by in offsets]
+    found = refined(with_events(SCENE, NUTATION, "gamma3", "q*r", *zeros), [30]).events
+    assert [len(event.times) for event in found[3:]] == [1] * len(zeros)
+    for one, other in zip(found[:3], whole, strict=True):
         assert one.signs == other.signs
         assert max(abs(s - t) for s, t in zip(one.times, other.times, strict=True)) < 1e-32
 

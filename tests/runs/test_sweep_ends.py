@@ -9,7 +9,7 @@ import sys
 import time
 import warnings
 from collections.abc import Callable
-from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -177,6 +177,20 @@ def swept(folder: Path | None, number: str = "double", **other: Any) -> polhode.
     return polhode.integrate_many("lagrange/nutation", vary, **asked)
 
 
+class First(Executor):
+    """An executor that does the first jobs at once, and the others never."""
+
+    def __init__(self, jobs: int) -> None:
+        self.left = jobs
+
+    def submit(self, fn, /, *args, **kwargs):
+        future: Future[object] = Future()
+        if self.left:
+            self.left -= 1
+            future.set_result(fn(*args, **kwargs))
+        return future
+
+
 def interrupted(folder: Path, number: str = "double", jobs: int = 2) -> polhode.Ensemble:
     """A sweep that Ctrl-C ends once so many jobs are done."""
     seen: list[int] = []
@@ -186,7 +200,7 @@ def interrupted(folder: Path, number: str = "double", jobs: int = 2) -> polhode.
         if len(seen) == jobs:
             raise KeyboardInterrupt
 
-    return swept(folder, number, progress=progress)
+    return swept(folder, number, progress=progress, executor=First(jobs), workers=None)
 
 
 def alike(one: polhode.Ensemble, other: polhode.Ensemble) -> bool:
