@@ -93,6 +93,7 @@ CLOSE = {
 }
 
 
+@pytest.mark.slow
 def test_contacts_close_zeros_and_zeros_at_the_ends():
     run, _ = both(with_events(SCENE, *CLOSE), [6])
     for event in run.events:

@@ -132,6 +132,8 @@ def test_a_flat_zero_is_a_crossing_with_its_direction_and_a_wide_time():
         way = "rising" if sign > 0 else "falling"
         run, _ = found(Event("s", zero, way, True))
         assert run.outcome is Outcome.STOPPED_AT_EVENT
+    for zero, signs in (("(t-0.5)**2*(t-1)", (0, 1)), ("(0.5-t)**3*(t-1)*(t-1.5)", (-1, 1, -1))):
+        assert found(zero)[1].signs == signs  # plain zeros behind others
     for zero in ("(t-1.2)**2", "(t-1.2)**4"):
         _, event = found(Event("touch", zero, "falling"))
         assert event.signs == (0,)

@@ -266,7 +266,7 @@ def test_a_zero_at_the_start_is_no_event_and_does_not_stop_the_run():
 # -- refusals ---------------------------------------------------------------------------------
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(2, first=1, slow=3)
 @pytest.mark.parametrize(
     ("name", "zero", "words"),
     [
