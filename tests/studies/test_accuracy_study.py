@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
+from math import log10
 
 import pytest
 
@@ -35,6 +36,8 @@ def test_a_part_of_the_study_is_its_rows_alone_each_with_the_digits_that_are_rig
     for row in found["printed"]:
         off = abs(Fraction(row["printed"]) - Fraction(row["ours"]))
         assert abs(float(row["difference"])) == pytest.approx(float(off), rel=0.05)
+        right = -log10(off / abs(Fraction(row["ours"]))) if off else row["digits_shown"] + 1
+        assert row["digits_right"] == pytest.approx(min(right, row["digits_shown"] + 1), abs=0.051)
         if row["stands"]:
             assert off < Fraction(1, 10 ** len(row["printed"].partition(".")[2]))
 

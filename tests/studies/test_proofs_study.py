@@ -40,7 +40,7 @@ def test_page_and_figures_follow_from_the_rows():
     assert [*figure.svgs(found)] == ["proofs"]
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_small_study_from_end_to_end():
     found = rows.rows(quick=True)
     (one,) = found["orbits"]

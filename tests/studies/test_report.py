@@ -85,7 +85,7 @@ def test_rows_made_today_agree_with_the_committed_ones(name, part):
     today, before = report.part(name, part)[0], committed(name)
     assert differences(today, before) == []
     changed = json.dumps(before).replace('"reached end"', '"step limit"')
-    changed = json.loads(changed.replace('"found": ', '"found": 7'))
+    changed = json.loads(re.sub(r'"found": (\d)', r'"found": 7\1', changed))
     assert differences(today, changed)
 
 
