@@ -18,7 +18,6 @@ import pytest
 from polhode.cli import main
 from polhode.output.json_object import JsonObject
 from polhode.studies import report
-from polhode.studies.page import words
 from polhode.studies.page.html import html
 from polhode.studies.page.tables import Column, PageTable, table, yes
 from polhode.studies.page.template import filled
@@ -70,15 +69,6 @@ def test_a_table_is_rows_of_columns_with_what_they_hold_and_how_to_make_them_aga
         f"Columns: *p, q*: {meaning}.\nTo make rows again, here the first: `x a '12.3'`."
     )
     assert table([], columns).markdown == ""
-
-
-def test_counts_and_ranges_in_words():
-    assert words.share([True, False, True]) == "2 of 3"
-    assert words.between([3.0, 1.0], ".1f") == "1.0 to 3.0"
-    assert words.between([], ".1f") == "–" == words.median([], ".1f") == words.listed([])
-    assert words.spread([1.0, 2.0, 9.0], "g") == "2 (1–9)"
-    assert words.counted({"a": 2, "b": 0, "c": 1}) == "2 a, 1 c"
-    assert words.listed(["b", "a", "b"]) == "a, b"
 
 
 def test_a_part_without_rows_is_left_out_under_its_heading():

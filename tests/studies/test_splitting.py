@@ -57,39 +57,6 @@ def test_the_error_falls_with_the_order(order, kind, tolerances):
 
 
 @pytest.mark.slow
-def test_a_symmetric_free_body_is_followed_without_any_error_of_the_method():
-    """Its parts commute: with three steps as with many, an error of rounding alone."""
-    pytest.importorskip("numba")
-    body = (2.0, 2.0, 1.0, 0.0, 0.0, 0.0)
-    start = (0.3, 0.2, 1.1, 0.6, 0.0, 0.8)
-    rows = [
-        splitting.build(Problem((0.0,) * 9, start, (0.0, 3.0), "4", body))(tol).rows[-1]
-        for tol in (0.9, 1e-8)
-    ]
-    assert max(abs(x - y) for x, y in zip(*rows, strict=True)) < 2**-46
-
-
-@pytest.mark.slow
-def test_casimirs_are_kept_and_energy_swings_without_a_drift():
-    scene, found = solution("kovalevskaya", "8", 1e-6, end=1000)
-    moments = [float(x) for x in scene.body.moments]
-    torque = [float(x) for x in scene.body.torque]
-
-    def integrals(row):
-        w, g = row[:3], row[3:]
-        momentum = [a * x for a, x in zip(moments, w, strict=True)]
-        energy = sum(x * y for x, y in zip(momentum, w, strict=True)) / 2
-        energy += sum(x * y for x, y in zip(torque, g, strict=True))
-        area = sum(x * y for x, y in zip(momentum, g, strict=True))
-        return energy, area, sum(x * x for x in g)
-
-    first, last = integrals(found.rows[0]), integrals(found.rows[-1])
-    assert abs(last[0] - first[0]) < 1e-7
-    for before, after in zip(first[1:], last[1:], strict=True):
-        assert abs(after - before) < 1e-12
-
-
-@pytest.mark.slow
 def test_carrying_the_rounding_gains_a_digit_over_many_steps():
     """With steps so short that the method's own error is below rounding in both."""
     plain, carried = (
