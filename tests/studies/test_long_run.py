@@ -184,23 +184,18 @@ def test_a_small_study(monkeypatch):
     assert 1e-17 < engine["median"] <= engine["largest"] < 1e-12
 
 
-def test_unprojected_runs_obey_brouwers_law():
-    """In the committed study: 16 starts a top, to t = 10^6."""
-    for top in committed("long-run")["tops"]:
+@pytest.mark.parametrize(
+    "tops",
+    [
+        lambda: committed("long-run")["tops"],
+        pytest.param(lambda: long_run.ensembles((2, 4), 8), marks=pytest.mark.campaign),
+    ],
+    ids=["committed", "made today"],
+)
+def test_unprojected_runs_obey_brouwers_law(tops):
+    for top in tops():
         plain = top["methods"][0]
         for name, law in long_run.BROUWER.items():
             fitted = plain[name]
             assert abs(fitted["exponent"] - law) < 4 * fitted["uncertainty"], (top["top"], name)
             assert fitted["uncertainty"] < 0.2
-
-
-def test_what_compiles_long_is_one_process_and_dear_programs_get_half_of_the_starts():
-    asked = [(top, method) for method in late_time.METHODS for top in ("euler", "lagrange")]
-    jobs = late_time._jobs(asked)
-    assert sorted(one for job in jobs for one in job) == sorted(asked)
-    assert {method.name for _, method in jobs[0]} == {"CyRK DOP853", "CyRK VERN8"}
-    assert {top for top, _ in jobs[0]} == {"euler", "lagrange"}
-    assert [len(job) for job in jobs[1:]] == [1, 1, 1, 1]
-    starts = {method.name: late_time._starts(method, 16) for method in late_time.METHODS}
-    assert starts.pop("heyoka alone") == 16
-    assert set(starts.values()) == {8}

@@ -126,9 +126,10 @@ def test_the_committed_study_names_the_reason_of_every_run_that_stays_behind():
     assert all(row["as_expected"] for row in found["limits"])
 
 
-def test_a_run_is_behind_by_what_it_lacks_of_the_least_expected():
-    run = {"correct_digits": 10.0, "expected": [11.25, 12.0, 13.0], "lost": None}
-    assert rows._judged(run)["behind"] == 1.25
-    assert rows._judged(run | {"correct_digits": 12.0})["behind"] == -0.75
-    assert rows._judged(run | {"expected": None})["behind"] is None
-    assert rows._judged({"outcome": "step limit"}) == {"outcome": "step limit"}
+@pytest.mark.parametrize(
+    ("digits", "least", "behind"), [(10.0, 11.25, 1.25), (12.0, 11.25, -0.75), (10.0, None, None)]
+)
+def test_a_run_is_behind_by_what_it_lacks_of_the_least_expected(digits, least, behind):
+    expected = None if least is None else [least, 12.0, 13.0]
+    run = {"correct_digits": digits, "expected": expected, "lost": None}
+    assert rows._judged(run)["behind"] == behind
