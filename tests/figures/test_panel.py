@@ -11,16 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import polhode
-from polhode.figures.canvas import panel
 from polhode.figures.canvas.canvas import COLOURS
-from polhode.figures.canvas.direct_labels import LOOKS, Look
+from polhode.figures.canvas.direct_labels import LOOKS
 from polhode.figures.canvas.log_ticks import names, ticks
-from polhode.figures.canvas.panel import Axis, Panel, Point, Series
 from polhode.studies.long_run import rows as long_run
 from polhode.studies.speed import contenders
 from polhode.studies.speed.programs import OURS, PROGRAMS
-
-LOOK = Look("#0072b2", "o")
 
 
 @given(st.floats(-300, 300), st.floats(0.05, 200))
@@ -35,15 +31,6 @@ def test_a_logarithmic_axis_has_two_labels_or_more_each_of_its_value(low, decade
         factor, _, power = plain.rpartition("·")
         value = f"{factor or 1}e{power[2:]}" if power.startswith("10") and name != plain else plain
         assert float(value) == pytest.approx(x, rel=1e-5)
-
-
-def test_what_a_logarithmic_axis_does_not_hold_has_no_mark():
-    points = [Point(1, 1), Point(10, 0), Point(-1, 1), Point(1000, 2)]
-    held = [points[0], points[-1]]
-    axes = Axis("x", "log"), Axis("y", "log")
-    drawn = [panel.svg([Panel([Series(row, LOOK)], *axes)], 3) for row in (points, held, held[:1])]
-    marks = [text.count("<use ") for text in drawn]
-    assert marks[0] == marks[1] != marks[2]
 
 
 def test_methods_of_a_figure_look_different_and_no_other_program_like_a_number_type():

@@ -7,11 +7,11 @@ import re
 import shlex
 import sys
 from collections.abc import Iterator
-from html.parser import HTMLParser
 from importlib import import_module
 from importlib.resources import files
 from string import Formatter
 from typing import Any
+from xml.etree import ElementTree
 
 import pytest
 
@@ -119,7 +119,7 @@ def finds(command: str, name: str, rows: list[tuple[str, ...]]) -> bool:
     )
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(2, first=3)
 @pytest.mark.parametrize("name", report.STUDIES)
 def test_every_row_has_a_command_that_finds_it(name):
     listed, found = Listed(("nothing",)), committed(name)
@@ -170,6 +170,7 @@ def one_run_less(case: str) -> Any:
     return change
 
 
+@pytest.mark.sample(1, first=1)
 @pytest.mark.parametrize(
     ("study", "change"),
     [
@@ -198,7 +199,6 @@ def test_a_study_of_which_a_part_has_no_rows_has_its_figures():
 
 # -- one page of all ------------------------------------------------------------------------------
 
-VOID = ("meta", "br", "hr", "img")
 SVG = '<?xml version="1.0"?>\n<svg viewBox="0 0 1 1"><path d="M 0 0"/></svg>\n'
 TEXTS = {
     "first.svg": SVG,
@@ -218,47 +218,27 @@ A < B & *C*: `a<b` at [the source](https://example.org/x?a=1&b=2), <script>alert
 }
 
 
-class Page(HTMLParser):
-    """A page that is well formed, names each thing once and asks the network for nothing."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.open: list[str] = []
-        self.tags: list[str] = []
-        self.ids: list[str] = []
-        self.references: list[tuple[str, str]] = []
-        self.feed(text)
-        self.close()
-        assert self.open == []
-        assert len(self.ids) == len(set(self.ids))
-        assert not {"script", "link", "iframe", "object", "embed", "base", "svg"} & set(self.tags)
-        for tag, value in self.references:
-            if tag == "img":  # a figure, inside
-                assert value.startswith("data:image/svg+xml;base64,")
-            else:
-                inside = value.startswith("#") and value[1:] in self.ids
-                assert tag == "a"
-                assert inside or value.startswith(("https://", "http://")), value
-        assert "@import" not in text
-        assert "url(" not in text
-
-    def handle_starttag(self, tag, attrs):
-        self.tags.append(tag)
-        if tag not in VOID:
-            self.open.append(tag)
-        for name, value in attrs:
-            if name == "id":
-                self.ids.append(value)
-            if name.split(":")[-1] in ("href", "src", "srcset", "data", "action", "poster"):
-                self.references.append((tag, value))
-
-    def handle_endtag(self, tag):
-        assert tag in VOID or self.open.pop() == tag
+def tags_of(text: str) -> list[str]:
+    """A page's elements; it is well formed, names each thing once, asks the network for nothing."""
+    root = ElementTree.fromstring(re.sub(r"<(!DOCTYPE|meta)[^>]*>", "", text))
+    ids = [x.get("id") for x in root.iter() if x.get("id") is not None]
+    assert len(ids) == len(set(ids))
+    for x in root.iter():
+        assert not {"srcset", "data", "action", "poster"} & set(x.attrib)
+        assert x.get("src", "data:image/svg+xml;base64,").startswith("data:image/svg+xml;base64,")
+        target = x.get("href", "https://")
+        assert target[1:] in ids or target.startswith(("https://", "http://")), target
+        assert x.tag == "a" or "href" not in x.attrib
+    tags = [x.tag for x in root.iter()]
+    assert not {"script", "link", "iframe", "object", "embed", "base", "svg"} & set(tags)
+    assert "@import" not in text
+    assert "url(" not in text
+    return tags
 
 
 def test_the_page_is_whole_escaped_and_needs_nothing_else():
     text = html(TEXTS)
-    tags = Page(text).tags
+    tags = tags_of(text)
     counts = [tags.count(tag) for tag in ("table", "img", "section", "h1", "h2", "h3")]
     assert counts == [1, 1, 2, 1, 2, 1]
     for part in (
@@ -278,7 +258,7 @@ def test_the_committed_page_is_that_of_the_committed_pages():
     texts = {path.name: path.read_text() for path in paths}
     text = (COMMITTED / report.PAGE).read_text()
     assert text == html(texts)
-    tags = Page(text).tags
+    tags = tags_of(text)
     assert tags.count("section") == len(report.STUDIES) <= tags.count("img")
     assert tags.count("table") == sum(text.count("\n|--") for text in texts.values())
 
