@@ -5,13 +5,19 @@ from __future__ import annotations
 import copy
 import json
 from collections.abc import Callable
+from dataclasses import replace
+from types import ModuleType
 from typing import Any
 
+import numpy as np
 import pytest
 from flint import arb, arb_mat, ctx
 
 from polhode.certificates import verify
 from polhode.cli import main
+from polhode.enclosures.fixed_point_problem import Refused
+from polhode.proofs.chaos import covering, transit
+from polhode.proofs.chaos.h_set import Chart, HSet
 from polhode.scenes import library
 
 Held = dict[str, Any]
@@ -156,50 +162,94 @@ def test_more_steps_than_can_be_checked_are_refused_at_once(held):
 # -- one covering ---------------------------------------------------------------------------------
 
 
-def image(stretch=2.0, height=0.5, depth=0.1, shift=0.0, bend=0.0, turn=0.0) -> verify.Image:
-    """Of a set of sizes 1: an affine image with these margins."""
+PROVERS = (verify, covering)  # the checker, and the proof that the certificate is of
+CHART = Chart(92, (0,) * 6, np.zeros((6, 2)), np.zeros((6, 4)), np.zeros(6), 1.0)
+
+
+def covers(
+    prover: ModuleType, size=(1.0, 1.0), middle=0.0, chart=CHART, slope=None, **given: float
+) -> Any:
+    """An affine image of a set of sizes 1, made up, over a set with these."""
+    x = {"stretch": 2.0, "height": 0.5, "depth": 0.1, "shift": 0.0, "up": 0.0}
+    x |= {"bend": 0.0, "turn": 0.0} | given
     columns = [
-        [arb(stretch), arb(turn), *[arb(0)] * 4],
-        [arb(bend), arb(height), *[arb(0)] * 4],
-        [arb(0), arb(0), *[arb(depth)] * 4],
+        [arb(x["stretch"]), arb(x["turn"]), *[arb(0)] * 4],
+        [arb(x["bend"]), arb(x["height"]), *[arb(0)] * 4],
+        [arb(0), arb(0), *[arb(x["depth"])] * 4],
     ]
-    slope = arb_mat([[arb(stretch), arb(bend)], [arb(turn), arb(height)]])
-    return verify.Image([arb(shift), *[arb(0)] * 5], columns, slope, arb(1))
-
-
-def covers(what: verify.Image, width=1.0, height=1.0) -> None:
-    source = verify.Rectangle(0, arb(0), arb(1), arb(1))
-    target = verify.Rectangle(0, arb(0), arb(width), arb(height))
+    off = [arb(x["shift"]), arb(x["up"]), *[arb(0)] * 4]
+    slope = slope or [[x["stretch"], x["bend"]], [x["turn"], x["height"]]]
+    derivative = arb_mat([[arb(y) for y in row] for row in slope])
     with ctx.workprec(64):
-        verify.covers(what, source, target, arb(1), "one over another")
+        if prover is verify:
+            one = verify.Rectangle(0, arb(0), arb(1), arb(1))
+            other = verify.Rectangle(0, arb(middle), arb(size[0]), arb(size[1]))
+            what = verify.Image(off, columns, derivative, arb(1))
+            return verify.covers(what, one, other, arb(1), "one over another")
+        turn = arb_mat([list(row) for row in zip(*columns, strict=True)])
+        source = HSet(CHART, 0.0, 1.0, 1.0)
+        shift = arb_mat([[y] for y in off])
+        what = transit.Image(source, CHART, shift, turn, derivative, arb(1), arb(2))
+        return covering.covers(what, HSet(chart, middle, *size))
 
 
-def test_an_affine_covering_is_one_either_way_round():
-    covers(image())
-    covers(image(stretch=-2.0))
-    covers(image(turn=0.2, bend=0.3))
+@pytest.mark.parametrize("prover", PROVERS)
+def test_an_affine_covering_is_one_either_way_round(prover):
+    for given in (
+        {},
+        {"stretch": -2.0},  # which exchanges the edges
+        {"turn": 0.2, "bend": 0.3},
+        {"slope": [[2.0, 0.5], [0.0, 0.9]]},
+        {"size": (1.4, 0.6), "middle": 0.5},
+    ):
+        covers(prover, **given)
 
 
+def test_the_margins_of_a_covering():
+    found = covers(covering, size=(1.4, 0.6), middle=0.5, stretch=-2.0, depth=0.0)
+    assert found.stretch == pytest.approx(1.5 / 1.4)
+    assert found.height == pytest.approx(0.5 / 0.6)
+    assert found.depth == 0.0
+    assert covers(covering).cone == (4.0 - 1.0) * (1.0 - 0.25)
+    with pytest.raises(Refused, match="charts"):
+        covers(covering, chart=replace(CHART))
+
+
+NAN = float("nan")
+HIGH, SHORT, SHEET = "too high|is higher", "ends in the set|does not reach", "another sheet"
+
+
+@pytest.mark.parametrize("prover", PROVERS)
 @pytest.mark.parametrize(
-    ("what", "said"),
+    ("given", "said"),
     [
-        ({"height": 1.0}, "too high"),
-        ({"turn": 0.6}, "too high"),
-        ({"depth": 1.0}, "another sheet"),
-        ({"stretch": 1.0}, "ends in the set"),
-        ({"stretch": -1.0}, "ends in the set"),
-        ({"shift": 1.0}, "ends in the set"),  # one edge is not beyond
-        ({"shift": 4.0}, "ends in the set"),  # both edges lie on one side
-        ({"bend": 1.0}, "ends in the set"),
+        *(({"height": x}, HIGH) for x in (1.0, NAN)),
+        ({"up": 0.5}, HIGH),
+        ({"turn": 0.6}, HIGH),
+        *(({"depth": x}, SHEET) for x in (1.0, NAN)),
+        *(({"stretch": x}, SHORT) for x in (1.0, -1.0, NAN)),
+        # one edge is not beyond; both edges lie on one side
+        *(({"shift": x}, SHORT) for x in (1.0, 1.5, 4.0, NAN)),
+        ({"bend": 1.0}, SHORT),
+        ({"size": (1.6, 0.6), "middle": 0.5}, SHORT),
         ({"stretch": 1.2, "turn": 0.8, "height": 0.1, "bend": 0.1}, "cone"),
-        ({"depth": float("nan")}, "another sheet"),
-        ({"stretch": float("nan")}, "ends in the set"),
-        ({"shift": float("nan")}, "ends in the set"),
+        *(
+            ({"slope": slope}, "cone")
+            for slope in (
+                [[1.0, 0.0], [0.0, 0.5]],
+                [[2.0, 0.0], [0.0, 1.0]],
+                [[2.0, 0.0], [2.0, 0.5]],
+                [[0.5, 2.0], [0.0, 0.5]],
+                [[2.0, 0.0], [1.2, 0.9]],
+                [[0.5, 0.0], [0.0, 2.0]],
+                [[NAN, 0.0], [0.0, 0.5]],
+            )
+        ),
     ],
 )
-def test_what_is_no_covering_is_refused(what, said):
-    with pytest.raises(verify.NotProved, match=said):
-        covers(image(**what))
+def test_what_is_no_covering_is_refused(prover, given, said):
+    with pytest.raises((verify.NotProved, Refused), match=said):
+        covers(prover, **given)
 
 
 # -- doors ----------------------------------------------------------------------------------------
