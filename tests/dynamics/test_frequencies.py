@@ -13,20 +13,6 @@ from polhode.dynamics.frequencies import naff
 from polhode.runs.methods import taylor
 
 
-def test_lines_of_a_made_up_signal():
-    """Three lines at distances of ten and more 2 pi/T: frequencies, amplitudes and phases."""
-    t = 0.1 * np.arange(4001)
-    made = [(1.2345678901234567, 1.0), (-0.76543210987654321, 0.3j), (2.7182818284590452, -1e-3)]
-    signal = sum(a * np.exp(1j * om * t) for om, a in made)
-    found = naff.lines(signal, 0.1, 3)
-    for line, (om, a) in zip(found, made, strict=True):
-        off = abs(line.frequency - om)
-        assert off < 3e-14
-        assert off <= line.error
-        assert abs(line.amplitude - a) < 1e-11 * abs(a) + 1e-13
-    assert len(naff.lines(signal, 0.1, 50)) < 50  # it ends where the signal does
-
-
 def test_the_error_is_never_too_small():
     """On 80 signals of three lines, some next to each other."""
     rng = np.random.default_rng(18)
@@ -90,24 +76,6 @@ def test_a_chaotic_motion_has_no_sharp_lines():
     ).lines.values()
     assert not any(line.combination for line in lines)
     assert all(line.error > 1e-5 for line in lines)
-
-
-@pytest.mark.slow
-def test_a_file_and_a_run_give_what_the_scene_gives(tmp_path):
-    times = [k / 10 for k in range(1, 2001)]
-    run = polhode.integrate("lagrange/nutation", at=times)
-    by_run = polhode.frequencies(run)
-    path = tmp_path / "run.csv"
-    rows = ["t,p,q,gamma3"]
-    for t, row in zip(times, run.states, strict=True):
-        rows.append(",".join(repr(float(x)) for x in (t, row[0], row[1], row[5])))
-    path.write_text("\n".join(rows) + "\n")
-    by_file = polhode.frequencies(path)
-    for signal in ("p+iq", "gamma3"):
-        one, other = by_run.lines[signal][0], by_file.lines[signal][0]
-        assert abs(one.frequency - other.frequency) < 1e-14
-    assert by_run.lines["gamma3"][0].combination == {"nutation": 1}
-    assert by_file.lines["gamma3"][0].combination
 
 
 def test_frequencies_verb(tmp_path, capsys):

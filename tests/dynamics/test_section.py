@@ -13,17 +13,15 @@ import polhode
 from polhode.cli import main
 from polhode.common.checkpoint import JobCheckpoint
 from polhode.dynamics.sections import coordinates as geometry
+from polhode.dynamics.sections import jobs as section_jobs
+from polhode.dynamics.sections import starts as section_starts
 from polhode.output import sections as output
 from polhode.scenes import scene_file
+from polhode.taylor.events import batch_crossings
 
 EPS = 2.0**-52
 GENERIC = polhode.load("general/asymmetric-chaotic")
 LEVEL = {"h": 3, "f": Fraction(1, 2)}
-
-
-def momentum(found):
-    moments = np.array([float(a) for a in found.scene.body.moments])
-    return found.states[..., :3] * moments
 
 
 # -- states ----------------------------------------------------------------------------------------
@@ -152,8 +150,6 @@ def spread(values):
         ("lagrange/nutation", {}, 0, 1),
         ("euler/attitude", {"h": 3, "f": Fraction(6, 5)}, 0.05, 2),
         ("kovalevskaya/generic", {}, 1, 45),
-        ("kovalevskaya/generic", {"h": 3, "f": Fraction(6, 5)}, 4, 120),
-        ("goryachev-chaplygin/two-frequencies", {}, 0.2, 10),
         ("goryachev-chaplygin/two-frequencies", {"h": 10}, 2, 100),
     ],
 )
@@ -188,14 +184,6 @@ def test_crossings_lie_on_level_and_section():
     assert np.abs((g * np.cross(on.frame[2], G)).sum(1)).max() < 4 * EPS
 
 
-def test_crossings_of_the_lagrange_top_are_evenly_spaced():
-    found = polhode.section("lagrange/nutation", starts=[[1, 0.2], [4, -0.3]], crossings=200)
-    gaps = np.diff(found.times, axis=1)
-    assert np.abs(gaps - gaps.mean(axis=1)[:, None]).max() < 4 * EPS * found.times.max()
-    turn = np.mod(np.diff(found.l, axis=1), 2 * np.pi)
-    assert 0 < spread(turn) < 1e-12
-
-
 @pytest.mark.sample(2)
 @pytest.mark.parametrize("by", ["momentum", "height"])
 @pytest.mark.parametrize("extremum", ["max", "min"])
@@ -210,10 +198,6 @@ def test_crossings_are_extrema_of_the_kind_asked_for(by, extremum):
 
 def test_a_crossing_at_the_seam_of_two_chunks_counts_once():
     """Chunks that end on the first crossing, to the last bit, and 1e-14 to either side of it."""
-    from polhode.dynamics.sections import jobs as section_jobs
-    from polhode.dynamics.sections import starts as section_starts
-    from polhode.taylor.events import batch_crossings
-
     asked = section_starts.asked_of(GENERIC, "momentum", "max", 3, Fraction(1, 2))
     on = geometry.ground(GENERIC, asked.h, asked.f)
     states = geometry.momentum_states(on, *geometry.cells(4, 3), True).states
@@ -258,7 +242,7 @@ def test_a_lane_does_not_depend_on_its_neighbours(case):
     assert (backward.states[::-1] == whole.states).all()
 
 
-def test_an_executor_and_parts_give_the_same(tmp_path):
+def test_an_executor_and_parts_give_the_same(tmp_path, monkeypatch):
     asked = {"grid": (10, 8), "crossings": 3, **LEVEL}
     plain = polhode.section(GENERIC, **asked)
     with ThreadPoolExecutor(1) as pool:
@@ -271,17 +255,11 @@ def test_an_executor_and_parts_give_the_same(tmp_path):
     jobs[1].write_bytes(b"torn")
     again = polhode.section(GENERIC, parts=folder, **asked)
     assert (again.states == plain.states).all()
+    with monkeypatch.context() as patch:
+        patch.setattr(batch_crossings, "solve", None)  # nothing is left to be done
+        assert (polhode.section(GENERIC, parts=folder, **asked).states == plain.states).all()
     with pytest.raises(polhode.BadInput, match="the jobs of the same command"):
         polhode.section(GENERIC, parts=folder, grid=(9, 8), crossings=3, **LEVEL)
-
-
-def test_kept_jobs_are_read(tmp_path, monkeypatch):
-    from polhode.taylor.events import batch_crossings
-
-    asked = {"grid": (6, 6), "crossings": 3, "parts": tmp_path / "p", **LEVEL}
-    plain = polhode.section(GENERIC, **asked)
-    monkeypatch.setattr(batch_crossings, "solve", None)  # nothing is left to be done
-    assert (polhode.section(GENERIC, **asked).states == plain.states).all()
 
 
 @pytest.mark.slow
