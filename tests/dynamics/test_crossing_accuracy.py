@@ -114,14 +114,7 @@ def test_digits_are_those_of_the_amplification():
     assert (all_of_it - told < 2.2).all()
 
 
-def test_an_orbit_has_the_same_digits_in_any_company_and_unit_of_time():
-    starts = [[k / 2, 0.1 * k - 0.55] for k in range(11)]
-    level = {"h": 3, "f": Fraction(1, 2)}
-    whole = polhode.section(GENERIC, starts=starts, crossings=20, **level)
-    for k in (0, 10):
-        alone = polhode.section(GENERIC, starts=[starts[k]], crossings=20, **level)
-        assert (alone.digits[0] == whole.digits[k]).all()
-        assert (alone.start_states[0] == whole.start_states[k]).all()
+def test_digits_are_the_same_in_any_unit_of_time():
     quick = scene_file.parse(
         "schema = 1\n[body]\nmoments = [2, 1.5, 1]\ncentre = [0.3, 0.2, 0.5]\nweight = 1048576\n"
         "[start]\nomega = [307.2, 204.8, 1126.4]\ngamma = [0.6, 0, 0.8]\n"

@@ -37,19 +37,6 @@ def test_a_family_passes_its_fold(family):
     assert abs(first.period - last.period) > 0.1  # another orbit of the same level
 
 
-@pytest.mark.slow
-def test_residues_grow_like_a_square_root_beyond_a_fold(family):
-    """Four times as far in h, twice the residue, in the mean of the branches: R = 0 at the turn."""
-    after = family.bifurcations[-1].after
-    apart = []
-    for d in (4e-6, 1e-6):
-        both = [family.orbit(after + side).scene for side in (-1, 0)]
-        found = [polhode.orbit(near, h=FOLD + d, period=near.end) for near in both]
-        assert found[0].residue * found[1].residue < 0
-        apart.append(abs(float(found[0].residue - found[1].residue)))
-    assert 1.999 < apart[0] / apart[1] < 2.001
-
-
 def test_two_orbits_on_this_side_of_a_fold_and_none_on_the_other(family):
     fold = family.bifurcations[-1]
     above = family.points[fold.after - 1], family.points[fold.after]

@@ -161,18 +161,9 @@ def test_the_exponents_of_chaotic_motions():
 def test_exponents_of_chaotic_members_scatter_as_their_uncertainties_say():
     """By blocks of one motion's time alone they were two thirds of it, and most of them less."""
     scene = polhode.load("general/asymmetric-chaotic").at([2000])
-    found = polhode.reduce_many(scene, {"start.omega[1]": "0.2:0.21:200"}, "lyapunov")
+    found = polhode.reduce_many(scene, {"start.omega[1]": "0.2:0.21:80"}, "lyapunov")
     told = np.sqrt(np.mean(found["lyapunov uncertainty"] ** 2))
-    assert 0.8 < told / np.std(found["lyapunov"], ddof=1) < 1.3
-
-
-@pytest.mark.slow
-def test_chaotic_members_have_the_uncertainty_of_lyapunov():
-    """Not to the digit: each door follows neighbours of its own."""
-    scene = polhode.load("general/asymmetric-chaotic").at([2000])
-    found = polhode.reduce_many(scene, {"start.omega[1]": "0.1:0.4:12"}, "lyapunov")
-    ones = [polhode.lyapunov(member, 2000).uncertainty for member in found.members]
-    assert 0.6 < np.median(found["lyapunov uncertainty"]) / np.median(ones) < 1.6
+    assert 0.7 < told / np.std(found["lyapunov"], ddof=1) < 1.4
 
 
 def test_the_uncertainty_of_a_chaotic_member_is_its_neighbours_scatter(monkeypatch):
@@ -185,15 +176,6 @@ def test_the_uncertainty_of_a_chaotic_member_is_its_neighbours_scatter(monkeypat
     told = found["lyapunov uncertainty"]
     assert (told[:2] == 0).all()
     assert told[2] > 0  # a fast top, which is regular
-
-
-def test_an_unstable_member_with_a_closed_form_costs_no_neighbours(monkeypatch):
-    from polhode.dynamics.observables import jobs
-
-    monkeypatch.setattr(jobs, "_scatter", None)
-    scene = polhode.load("lagrange/nutation").at([60])
-    found = polhode.reduce_many(scene, {"start.omega[3]": [2, 3]}, "lyapunov")
-    assert np.isfinite(found["lyapunov uncertainty"]).all()
 
 
 @pytest.mark.slow

@@ -103,40 +103,7 @@ def test_heights_are_extremal():
             assert np.abs((w * w * on.moments).sum(1) / 2 + g @ on.torque - 3).max() < 64 * EPS
 
 
-def test_the_frame_keeps_principal_axes():
-    frames = [geometry._frame(np.array(e3)) for e3 in np.concatenate([np.eye(3), -np.eye(3)])]
-    for frame in frames:
-        assert np.linalg.det(frame) == 1
-        assert set(np.abs(frame).ravel()) == {0.0, 1.0}
-    assert np.allclose(frames[3], [[0, 1, 0], [0, 0, -1], [-1, 0, 0]])
-
-
 # -- crossings against closed forms ----------------------------------------------------------------
-
-
-@pytest.mark.sample(1)
-@pytest.mark.parametrize("case", ["lagrange/nutation", "kovalevskaya/generic"])
-def test_crossings_lie_where_closed_forms_do(case):
-    """D of the exact motion at the crossing's time, over its slope: the time's error in eps t."""
-    scene = polhode.load(case)
-    on = geometry.ground(scene, scene.integrals.energy, scene.integrals.area)
-    found = polhode.section(scene, starts="scene", crossings=100)
-    exact = polhode.reference(scene)
-    for m in (9, 99):
-        t = Fraction(found.times[0, m]) + Fraction(found.rests[0, m])
-        (state,) = exact.at([t], digits=30)
-        moments = [2, 2, 1] if case.startswith("k") else scene.body.moments
-        G = [float(a) * x for a, x in zip(moments, state[:3], strict=True)]
-        a, g = [float(x) for x in on.frame[2]], state[3:]
-        value = sum(
-            g[i] * (a[(i + 1) % 3] * G[(i + 2) % 3] - a[(i + 2) % 3] * G[(i + 1) % 3])
-            for i in range(3)
-        )
-        slope = geometry.momentum_slope(on, np.array([[float(x) for x in state]]))[0] / on.weight
-        late = abs(float(value) / slope) / (EPS * float(t))
-        assert late < (3 if case.startswith("l") else 60)
-        error = max(abs(float(x) - y) for x, y in zip(state, found.states[0, m], strict=True))
-        assert 0 < error < 1e-12
 
 
 def spread(values):
@@ -238,6 +205,7 @@ def test_a_lane_does_not_depend_on_its_neighbours(case):
         alone = polhode.section(case, starts=[starts[k]], crossings=40, **LEVEL)
         assert (alone.states[0] == whole.states[k]).all()
         assert (alone.times[0] == whole.times[k]).all()
+        assert (alone.digits[0] == whole.digits[k]).all()
     backward = polhode.section(case, starts=starts[::-1], crossings=40, **LEVEL)
     assert (backward.states[::-1] == whole.states).all()
 
