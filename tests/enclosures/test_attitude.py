@@ -322,30 +322,26 @@ def _lost(size: float, rng: random.Random) -> float:
         return x / np.linalg.norm(x)
 
     vertical, turn, before, first = table(3), table(4), unit(), unit()
-    a, b, c, d = first  # some axes at right angles
-    axes = np.array(
-        [
-            [a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)],
-            [2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)],
-            [2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d],
-        ]
+    a, cross = (
+        first[0],
+        np.array([[0, -first[3], first[2]], [first[3], 0, -first[1]], [-first[2], first[1], 0]]),
     )
+    axes = np.eye(3) + 2 * a * cross + 2 * cross @ cross  # some at right angles
     found = attitude.two_numbers(nodes, vertical, turn, before, first, axes)
     claimed = attitude.rounding(vertical, turn)
+
+    def turned(v: Any) -> list[Fraction]:
+        return [sum(x * Fraction(y) for x, y in zip(v, row, strict=True)) for row in axes.T]
+
     worst = 0.0
-    for n, node in enumerate(nodes):
-        tau = Fraction(node)
-
-        def at(rows: Any, tau: Fraction = tau) -> list[Fraction]:
-            return [sum(Fraction(x) * tau**k for k, x in enumerate(row)) for row in rows.T]
-
-        def turned(v: Any) -> list[Fraction]:
-            return [sum(x * Fraction(y) for x, y in zip(v, row, strict=True)) for row in axes.T]
-
-        earlier = [Fraction(x) for x in before]
-        one = quaternion.product(earlier, at(turn))
+    for n, tau in enumerate(map(Fraction, nodes)):
+        at = [
+            [sum(Fraction(x) * tau**k for k, x in enumerate(row)) for row in rows.T]
+            for rows in (turn, vertical)
+        ]
+        one = quaternion.product([Fraction(x) for x in before], at[0])
         q = quaternion.product([Fraction(x) for x in first], [one[0], *turned(one[1:])])
-        axis, gammas = attitude.third_axis(q), turned(at(vertical))
+        axis, gammas = attitude.third_axis(q), turned(at[1])
         true = (-axis[1], axis[0]), (gammas[1], gammas[0])
         for mine, (real, imaginary) in zip(found[:, n], true, strict=True):
             off = abs(Fraction(mine.real) - real), abs(Fraction(mine.imag) - imaginary)
@@ -425,12 +421,6 @@ def test_a_chord_says_nothing_where_the_motion_may_pass_0_on_its_other_side(beyo
         assert grown()[0] == pytest.approx(turned - 2 * np.pi, abs=1e-9)  # above it
 
 
-def test_the_distance_of_a_chord_is_that_of_its_nearest_point() -> None:
-    ends = np.array([[1 + 1j, -1 + 1j, -3 + 1j, -3 + 1j], [2 + 0j, 1 + 0j, 0 + 1j, 0 - 1j]])
-    found = winding_number._chords(ends)
-    assert np.max(np.abs(found - [[1, 2**0.5, 10**0.5], [1, 0.5**0.5, 0]])) < 1e-15
-
-
 @pytest.mark.parametrize("order", [1, 2])
 def test_a_departure_is_followed_until_its_direction_may_be_30_degrees_off(order: int) -> None:
     """By sup t/((order + 1) size), the sine of the angle, sup of the next derivative."""
@@ -462,21 +452,6 @@ def test_the_bound_of_the_third_derivative_is_that_of_the_derivation() -> None:
     assert pace.bend == pytest.approx(1.3**2 * 1.4 + 0.7, rel=1e-15)  # |w|^2 + |w'|
 
 
-@pytest.mark.parametrize("length", [0.25, 4.0])
-def test_turns_are_counted_in_steps_of_any_length(length: float) -> None:
-    """The same path walked faster or slower, with bounds as tight as they may be."""
-    turns, size = 3, 0.01
-    rate = 2 * np.pi * turns / length
-    for pace in (
-        winding_number.Pace(rate * size, 0.0, 1e9),
-        winding_number.Pace(1e3, -1.0, rate**2 * size),
-    ):
-        followed = winding_number.Followed(0.0, 0.0, True)
-        (found,) = followed.step(_around(turns, size), length, pace, 1e-6, np.array([1.0]))
-        assert found == pytest.approx([2 * np.pi * turns, -2 * np.pi * turns], abs=1e-12)
-        assert 0 < followed.slack < 0.1
-
-
 def test_a_passage_through_a_pole_loses_psi_and_phi_for_good() -> None:
     followed, end = winding_number.Followed(0.0, 0.0, True), np.array([1.0])
 
@@ -504,7 +479,7 @@ RELEASED = {
     "with w across, back": (HEAVY, (Fraction(-1, 2), Fraction(1, 3), 2), -1, -1),
     "spinning, back": (HEAVY, (0, 0, 2), 1, -1),
     "from the lower pole": (((2, Fraction(3, 2), 1), (1, -1, Fraction(1, 2))), (0, 0, -1), -1, 1),
-    "fast": (HEAVY, (0, 0, 60), 1, 1),
+    "fast": (HEAVY, (0, 0, 20), 1, 1),
     "axes not principal": (((2, 3, 2), (0, 0, 1), Fraction(1, 2)), (0, 0, 2), 1, 1),
 }
 
@@ -529,24 +504,6 @@ def test_a_release_at_a_pole_is_left_as_a_run_leaves_it(name: str) -> None:
     run = integrate(scene.at(times), NumberType("mp", 320))
     apart = replace(found, angles=later[0], attitude=later[1])
     assert max(_ratios(apart, run.attitude, run.angles)) <= 1.0
-
-
-@pytest.mark.parametrize("across", [0, Fraction(1, 3)])
-def test_a_departure_is_told_in_the_units_of_the_proof(across: Any) -> None:
-    """The same motion with the second 1024 times as long."""
-    found = []
-    for unit in (1, 2**10):
-        body = polhode.Body.of_moments((2, Fraction(3, 2), 1), (0, 1, 1), unit * unit)
-        scene = Scene(body, (across * unit, 0, 2 * unit), (0, 0, 1), outputs=OUTPUTS)
-        motion = fixed_point_problem.motion(scene)
-        problem = fixed_point_problem.problem(motion, 90)
-        watch = attitude.Watch(motion, problem, [], attitude_series.approximate, True)
-        assert watch._followed.leaving is not None
-        found.append(watch._followed.leaving)
-    one, other = found
-    assert one.order == other.order == (1 if across else 2)
-    assert one.size == other.size > 0
-    assert one.rate == other.rate >= one.size
 
 
 def test_a_body_that_stays_at_a_pole_has_theta_alone() -> None:
@@ -582,14 +539,3 @@ def test_digits_asked_for_are_those_of_angles_and_attitude_too() -> None:
     assert found.angles is not None
     assert found.attitude is not None
     assert 20 <= min(*found.angles.digits, *found.attitude.digits) == found.fewest < found.proven
-
-
-@pytest.mark.slow
-def test_a_run_is_judged_by_a_certified_attitude() -> None:
-    scene = replace(
-        polhode.load("general/asymmetric-regular"), outputs=OUTPUTS, reference="certified"
-    )
-    judged = polhode.compare(polhode.integrate(scene, at=[5, 10]), scene)
-    assert set(judged.parts) == {"angles", "attitude"}
-    assert all(13 < digits < 16.5 for digits in judged.parts.values())
-    assert judged.notes == ()
