@@ -143,20 +143,17 @@ GAMMA = np.array(
 
 def parts(mask):
     """Connected parts of a set of cells; all cells round a pole touch each other."""
-    label = np.zeros(mask.shape, dtype=int)
-    count = 0
+    label, count = np.zeros(mask.shape, dtype=int), 0
     for seed in zip(*np.nonzero(mask), strict=True):
         if label[seed]:
             continue
         count += 1
-        label[seed] = count
-        queue = deque([seed])
+        label[seed], queue = count, deque([seed])
         while queue:
             i, j = queue.popleft()
             near = [(i, (j + 1) % TURNS), (i, (j - 1) % TURNS)]
             near += [(k, j) for k in (i - 1, i + 1) if 0 <= k < ROWS]
-            if i in (0, ROWS - 1):
-                near += [(i, k) for k in range(TURNS)]
+            near += [(i, k) for k in range(TURNS) if i in (0, ROWS - 1)]
             for cell in near:
                 if mask[cell] and not label[cell]:
                     label[cell] = count
@@ -172,18 +169,18 @@ def region_on_a_grid(known, h, f):
     return tuple(sorted(parts(label != k)[1] for k in range(1, count + 1)))
 
 
+FS = {
+    "generic": ("1", "19/10", "5/2"),
+    "one plane": ("3/2", "9/4"),
+    "one axis": ("1", "3"),
+    "kovalevskaya": ("1", "5/2"),
+    "lagrange": ("1/2", "3"),
+    "euler": ("2",),
+}
+
+
 @pytest.mark.sample(4)
-@pytest.mark.parametrize(
-    ("name", "f"),
-    [
-        *(("generic", f) for f in ("1", "19/10", "5/2")),
-        *(("one plane", f) for f in ("3/2", "9/4")),
-        *(("one axis", f) for f in ("1", "3")),
-        *(("kovalevskaya", f) for f in ("1", "5/2")),
-        *(("lagrange", f) for f in ("1/2", "3")),
-        *(("euler", f) for f in ("2",)),
-    ],
-)
+@pytest.mark.parametrize(("name", "f"), [(name, f) for name, fs in FS.items() for f in fs])
 def test_regions_by_counting_on_a_grid(name, f):
     known, f = body(name), Fraction(f)
     found = permanent_rotations.arcs(known)

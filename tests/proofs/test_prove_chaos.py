@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import replace
 from fractions import Fraction
@@ -315,14 +314,3 @@ def test_what_does_not_belong_together_is_refused(capsys):
     assert main(["prove", "orbit", "grioli/precession", "--tries", "3"]) == 2
     assert main(["prove", "chaos", "grioli/precession", "--search"]) == 2
     assert "with orbit only" in capsys.readouterr().err
-
-
-@pytest.mark.slow
-def test_a_scene_leads_to_a_theorem(capsys):
-    assert main(["prove", "chaos", "general/section", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert found["proved"]
-    assert found["coverings"] == found["sets"] + 1
-    assert 0.03 < float(found["entropy_at_least"]) < 0.05
-    assert found["orbit"]["kind"] == "hyperbolic"
-    assert "transversal homoclinic orbit" in found["theorem"]
