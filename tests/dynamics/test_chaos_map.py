@@ -138,25 +138,6 @@ def test_map_verb(tmp_path, capsys):
     assert not list(tmp_path.glob("*.parts"))
 
 
-@pytest.mark.parametrize(
-    ("asked", "message"),
-    [
-        ({"end": 0}, "a time above 0"),
-        ({"h": -1}, "the least energy at f"),
-        ({"by": "p"}, "momentum or height, for a map"),
-        ({"tol": 1e-20}, "a tolerance from"),
-        ({"varied": {"start.omega[1]": [1]}}, "two numbers of the scene"),
-        (
-            {"varied": {"start.omega[1]": [1], "start.omega[2]": [1]}, "h": 3},
-            "no grid or level",
-        ),
-    ],
-)
-def test_what_is_no_map_is_refused(asked, message):
-    with pytest.raises(polhode.BadInput, match=message):
-        polhode.chaos_map(GENERIC, **asked)
-
-
 #: Starts, grid, until when their verdicts are known; motions, undecided or calm ones at most.
 KNOWN = [
     ("height", "max", (8, 6), 4000, 40, 6),
@@ -176,13 +157,6 @@ def test_verdicts_of_known_motions(by, extremum, grid, until, motions, most):
     assert len(found) > motions
     assert not ((found == 2) & (known == 0)).any()
     assert ((found == 0) & (known == 2)).sum() + ((found == 1) & (known != 1)).sum() <= most
-
-
-@pytest.mark.parametrize("ask", [polhode.chaos_map, polhode.section, polhode.orbit_search])
-@pytest.mark.parametrize("grid", [(3, 3, 3), (3,), 3, (3, 0), (3.0, 3), "no"])
-def test_a_grid_that_is_none_is_named(ask, grid):
-    with pytest.raises(polhode.BadInput, match="grid = "):
-        ask("lagrange/nutation", grid=grid)
 
 
 def test_an_end_that_is_too_short_to_decide_is_named(capsys):

@@ -74,18 +74,6 @@ def _q(scene, start, t) -> float:
     return float(polhode.integrate(plain, at=[t]).states[-1][1])
 
 
-@pytest.mark.parametrize("by", ["sqrt(p-5)", "sqrt(q)", "1/(q-q)"])
-def test_an_expression_without_a_value_at_a_start_is_not_called_constant(capsys, by):
-    err = refused(capsys, "section", REGULAR, "--by", by, "--grid", "2x2", "--crossings", "3")
-    assert "real and finite on all orbits; on the one from l = 1.5708" in err
-    assert "constant" not in err
-
-
-def test_parts_of_a_section_that_is_refused_at_its_end_go(capsys):
-    words = ("section", REGULAR, "--by", "p+9", "--grid", "2x2", "--crossings", "3", "-o", "x.npz")
-    assert "an expression that becomes zero" in refused(capsys, *words)
-
-
 @pytest.mark.slow  # without the loops: minutes
 @pytest.mark.parametrize("what", ["section", "run"])
 def test_a_long_expression_is_compiled_in_time(what):
@@ -151,33 +139,6 @@ def test_a_first_crossing_beyond_a_pole_is_left_to_a_run(section_job):
 
 
 # -- sizes ----------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ("section R --grid 99999x99999", "grid = 99999x99999: expected at most 1000000 cells"),
-        ("orbit R --search 99999x99999", "grid = 99999x99999: expected at most 1000000 cells"),
-        ("map R --grid 9999x9999", "grid = 9999x9999: expected at most 1000000 cells"),
-        (
-            "section R --h 1e300 --f 0 --grid 2x2 --crossings 2",
-            "h = 1.0000000000000000e+300: expected of a size that doubles have room for",
-        ),
-        ("section R --h 1e60 --f 0", "h = 1.0000000000000000e+60: expected of a size that doubles"),
-        ("map R --h 1e60 --f 0", "h = 1.0000000000000000e+60: expected of a size that doubles"),
-        ("orbit R --search 2x2 --h 1e60 --f 0", "h = 1.0000000000000000e+60: expected of a size"),
-        ("levels R --h=-1e308:1e308 -o l.svg", "--h = -1e308:1e308: expected A:B, two numbers"),
-        ("section R --h 1e400 --f 0", "h = 1.0000000000000000e+400: expected of a size"),
-        ("section euler/prolate --h 1e-130 --f 0", "h = 1.0000000000000000e-130: expected of a"),
-        ("orbit R --period 1e-300", "period = 1e-300: expected one near 0.89 or longer"),
-        ("levels R --f 1e300:1e301 --h 1e300:1e301 -o l.svg", "f = 1.0000000000000001e+300: exp"),
-        ("section R --f 1e300 --h 1e300", "f = 1.0000000000000000e+300: expected of a size with"),
-        ("map R --f 1e-300 --h 3", "f = 1.0000000000000000e-300: expected of a size within"),
-        ("section R --grid 5x5 --crossings 999999", "expected at most 10000000 crossings in all"),
-    ],
-)
-def test_what_is_too_large_or_too_small_is_one_line(capsys, words, said):
-    assert said in refused(capsys, *words.replace("R", REGULAR, 1).split())
 
 
 @pytest.mark.parametrize(

@@ -91,21 +91,6 @@ def test_frequencies_verb(tmp_path, capsys):
     assert "spectrum p+iq" in figure.read_text()
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["euler/attitude", "--of", "x"], "of = x: expected p+iq"),
-        (["euler/attitude", "--of", "r,"], "--of = r,: expected names of signals"),
-        (["euler/no-gamma", "--of", "gamma3"], "a scene with start.gamma"),
-        (["euler/attitude", "--end", "0"], "end = 0: expected a time other than 0"),
-        (["euler/attitude", "--end", "1e9"], "more samples take too long"),
-    ],
-)
-def test_frequencies_refuses(arguments, message, capsys):
-    assert main(["frequencies", *arguments]) == 2
-    assert message in capsys.readouterr().err
-
-
 def test_a_file_with_other_steps_is_refused(tmp_path):
     path = tmp_path / "x.csv"
     path.write_text("t,r\n" + "".join(f"{k * k},{k}\n" for k in range(80)))

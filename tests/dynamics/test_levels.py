@@ -247,20 +247,6 @@ def test_levels_as_figure_and_arrays(tmp_path, capsys):
     assert "fourth integral  L = 2.05" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["euler/no-gamma"], "start.gamma: expected a unit vector"),
-        (["euler/attitude", "--f", "3:1", "-o", "x.svg"], "--f = 3:1: expected A:B with A below B"),
-        (["euler/attitude", "--h", "3", "-o", "x.svg"], "--h = 3: expected A:B, two numbers"),
-        (["euler/attitude", "-o", "x.txt"], "x.txt"),
-    ],
-)
-def test_levels_refuses(arguments, message, capsys):
-    assert main(["levels", *arguments]) == 2
-    assert message in capsys.readouterr().err
-
-
 @pytest.mark.parametrize("f", ["1e3", "1e16", "1e18", "1e19", "1e30", "1e40"])
 def test_a_symmetric_body_has_three_critical_energies_at_any_f(f):
     """f^2 - 1 and f^2 + 1 at the poles, and W(u) = f^2/(2 - u^2) + u where its slope is zero."""

@@ -96,25 +96,6 @@ def test_ctrl_c_keeps_what_is_done():
     assert found.orbit(3).kind == "elliptic"
 
 
-def test_a_family_of_tori_is_refused():
-    with pytest.raises(polhode.BadInput, match="an orbit of one family"):
-        polhode.orbit_family("euler/largest-axis", "h", 10)
-
-
-@pytest.mark.parametrize(
-    ("by", "to", "told"),
-    [
-        ("x", 3, "by = x: expected h, f"),
-        ("h", "63/74", "to = 63/74: expected another h"),
-        ("h", "a", "to[1] = a: expected a number"),
-    ],
-)
-def test_what_is_no_range_is_refused(by, to, told):
-    with pytest.raises(polhode.BadInput) as caught:
-        polhode.orbit_family("grioli/precession", by, to)
-    assert told in str(caught.value)
-
-
 def test_a_search_finds_orbits_that_close(monkeypatch):
     found = polhode.orbit_search("general/asymmetric-regular", (10, 10), crossings=2)
     assert len(found.orbits) >= 5
@@ -156,26 +137,6 @@ def test_the_verb(tmp_path, capsys):
     assert len(one["period"].replace(".", "")) == 22
     assert main([*search, "--pick", "9"]) == 2
     assert "expected a number to 3" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("options", "told"),
-    [
-        (["--continue", "x=3"], "--continue = x=3: expected h=TO"),
-        (["--continue", "h=1:2:1"], "with N from 2"),
-        (["--continue", "h=0.8:0.9", "--h", "1"], "--h = 1: expected it in --continue alone"),
-        (["--continue", "h=1", "--digits", "20"], "a family is one of doubles"),
-        (["--pick", "3"], "--pick = 3: expected --search"),
-        (["--search", "--period", "3"], "neither --continue nor --period"),
-        (["--search", "0x3"], "--grid = 0x3"),
-        (["-o", "x.csv"], "ends in .toml"),
-    ],
-)
-def test_options_that_do_not_go_together_are_refused(options, told, capsys):
-    assert main(["orbit", "grioli/precession", *options]) == 2
-    err = capsys.readouterr().err
-    assert told in err
-    assert err.count("\n") == 1
 
 
 def test_a_family_that_cannot_be_followed_ends_with_code_3(monkeypatch, capsys):

@@ -258,30 +258,6 @@ def test_the_scene_that_is_written_is_the_orbit(tmp_path, capsys):
     assert main(["orbit", str(path), "--json"]) == 0
 
 
-@pytest.mark.parametrize(
-    ("case", "options", "told"),
-    [
-        ("staude/stable", {}, "start: expected a motion: this is a permanent rotation"),
-        ("hess/general", {}, "multiplies errors by"),  # too unstable for double
-        (GRIOLI, {"h": -5}, "h = -5: expected above -0.8"),
-        (GRIOLI, {"digits": 0}, "digits = 0: expected a whole number, 1 to 4000"),
-        (GRIOLI, {"period": -1}, "period = -1: expected a time above 0"),
-        (GRIOLI, {"period": 3}, "start: expected a start nearer to a periodic orbit"),
-        (GRIOLI, {"returns": 0}, "returns = 0: expected a whole number, 1 to 1000"),
-        (
-            polhode.top(moments=[2, 1.5, 1], omega=[1, 0, 1]),
-            {},
-            "start.gamma: expected a unit vector",
-        ),
-    ],
-)
-def test_what_is_no_start_is_refused(case, options, told):
-    with pytest.raises(polhode.BadInput) as caught:
-        polhode.orbit(case, **options)
-    assert told in str(caught.value)
-    assert "\n" not in str(caught.value)
-
-
 def test_an_orbit_far_from_the_start_is_not_the_one_asked_for():
     """A return that missed by 1e-9 has its orbit there, not a thousandth away."""
     near = perturbed(1e-3, 0)

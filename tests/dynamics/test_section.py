@@ -280,40 +280,6 @@ def test_the_scene_file_says_what_is_cut(capsys):
             scene_file.parse(GENERIC.source + "[section]\n" + fault + "\n")
 
 
-@pytest.mark.parametrize(
-    ("asked", "message"),
-    [
-        ({"h": -1}, r"h = -1: expected above -0.1037\d*, the least energy at f = 31/25"),
-        ({"h": 1, "f": 3}, "the least energy at f = 3"),
-        ({"by": "1"}, "an expression that changes along the motion"),
-        ({"by": "gamma1**2 + gamma2**2 + gamma3**2"}, "this one is constant"),
-        ({"by": "p + 10", "grid": (2, 2)}, "an expression that becomes zero; at the extrema"),
-        ({"by": "x"}, "by = x: expected momentum, height, or an expression"),
-        ({"extremum": "most"}, "extremum = most: expected max or min"),
-        ({"starts": [[1, 1]]}, "L/G between -1 and 1"),
-        ({"starts": [[1, 0.2, 1]]}, "a point with maxima of .G.: k below 1"),
-        ({"starts": [[0.471, 0.925]]}, "at this l they lie from L/G"),
-        ({"starts": [[1]]}, r"\[l, L/G\] or \[l, L/G, k\]"),
-        ({"starts": []}, "at least one start"),
-        ({"by": "height", "starts": [[1, 0, 0]]}, "gamma of length 1"),
-        (
-            {"by": "height", "starts": [[1, 0, 0, 1]], "extremum": "min", "h": 2, "f": 2},
-            "other kind",
-        ),
-        ({"crossings": 0.5}, "crossings = 0.5: expected a whole number"),
-        ({"grid": (0, 3)}, "grid = 0"),
-    ],
-)
-def test_what_is_no_section_is_refused(asked, message):
-    with pytest.raises(polhode.BadInput, match=message):
-        polhode.section(GENERIC, **asked)
-
-
-def test_a_permanent_rotation_is_no_start():
-    with pytest.raises(polhode.BadInput, match="a permanent rotation, which crosses no section"):
-        polhode.section("staude/unstable", starts="scene")
-
-
 def test_no_two_commands_share_a_folder(tmp_path):
     """The second one is refused while the first is at work, and not after it."""
     one = JobCheckpoint(tmp_path / "jobs", "section", "key")
