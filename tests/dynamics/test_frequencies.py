@@ -4,50 +4,11 @@ from __future__ import annotations
 
 import json
 
-import numpy as np
 import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.dynamics.frequencies import naff
 from polhode.runs.methods import taylor
-
-
-def test_the_error_is_never_too_small():
-    """On 80 signals of three lines, some next to each other."""
-    rng = np.random.default_rng(18)
-    t = 0.2 * np.arange(1001)
-    ratios = []
-    for _ in range(80):
-        om = rng.uniform(-3, 3, 3)
-        if np.min(np.abs(np.diff(np.sort(om)))) < 12 * 2 * np.pi / 200:
-            continue
-        a = np.array([1, 0.5, 0.25]) * np.exp(2j * np.pi * rng.random(3))
-        found = naff.lines(np.exp(1j * np.outer(t, om)) @ a, 0.2, 3)
-        ratios += [abs(line.frequency - x) / line.error for line, x in zip(found, om, strict=True)]
-    assert len(ratios) > 20
-    assert max(ratios) <= 1
-
-
-@pytest.mark.sample(1)
-@pytest.mark.parametrize(
-    ("case", "signals"),
-    [
-        ("lagrange/nutation", ["p+iq", "gamma3", "axis"]),
-        ("euler/attitude", ["p+iq", "axis"]),
-        ("pendulum/librating", ["p+iq", "gamma3"]),
-    ],
-)
-def test_the_strongest_line_of_a_top_has_twelve_digits(case, signals):
-    found = polhode.frequencies(case, of=signals, end=200)
-    exact = polhode.reference(case).frequencies
-    for signal in signals:
-        line = found.lines[signal][0]
-        assert line.combination
-        right = sum(k * exact[name] for name, k in line.combination.items())
-        off = abs(float((line.frequency - right) / right))
-        assert off < 1e-12
-        assert abs(line.frequency - float(right)) <= line.error
 
 
 def test_which_lines_a_top_has():

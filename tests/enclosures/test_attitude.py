@@ -33,17 +33,11 @@ from polhode.enclosures.result import Part
 from polhode.judging.adaptive_precision import integrate
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
-from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from shared import enclosure_trials as trials
 from shared.mutation import without
 
 OUTPUTS = ("angles", "attitude")
-SOME = (
-    *("euler/turned-axes", "euler/separatrix-backward", "euler/fast-spin", "lagrange/nutation"),
-    *("hard/heavy-huge-units", "pendulum/about-second-axis"),
-    *("kovalevskaya/irrational-centre", "hard/near-appelrot"),  # whose turns are counted
-)
 
 
 def _ratios(found: Any, attitudes: Any, angles: Any) -> list[float]:
@@ -55,38 +49,6 @@ def _ratios(found: Any, attitudes: Any, angles: Any) -> list[float]:
                 if x is not None:
                     ratios.append(float(abs(x - exactly(y)) / Fraction(r)))
     return ratios
-
-
-def _against_the_closed_form(name: str, digits: int) -> list[float]:
-    scene = replace(library.load(name), outputs=OUTPUTS)
-    steps = fixed_point_problem.motion(scene)
-    away = -1 if scene.times[-1] < 0 else 1
-    times = [away * Fraction(t) * Fraction(2) ** steps.unit for t in ("1/3", "7", "19")]
-    found = polhode.certify(scene, at=times, digits=digits)
-    assert found.reached
-    exact = polhode.reference(scene)
-    wanted = 2 * digits + 20
-    return _ratios(found, exact.attitude(times, wanted), exact.angles(times, wanted))
-
-
-@pytest.mark.sample(6)
-@pytest.mark.parametrize("name", SOME)
-def test_closed_forms_have_their_attitude_and_angles_inside(name: str) -> None:
-    assert max(_against_the_closed_form(name, 16)) <= 1.0
-
-
-@pytest.mark.campaign
-def test_every_closed_form_has_its_attitude_and_angles_inside() -> None:
-    ratios: list[float] = []
-    for name in library.names():
-        scene = library.load(name)
-        if scene.gamma is None or not scene.times:
-            continue
-        reference = polhode.reference(scene)
-        if reference.is_closed_form and reference.regime != "rest":
-            ratios += _against_the_closed_form(name, 16)
-    assert max(ratios) <= 1.0
-    assert statistics.median(ratios) > 1e-6
 
 
 def _random(rng: random.Random, kind: str, digits: int, longest: int) -> list[float]:

@@ -308,9 +308,3 @@ def test_an_elliptic_orbit_and_integrable_tops_are_refused(capsys):
     told = capsys.readouterr()
     assert told.out == ""
     assert "not proved: lagrange/backward" in told.err
-
-
-def test_what_does_not_belong_together_is_refused(capsys):
-    assert main(["prove", "orbit", "grioli/precession", "--tries", "3"]) == 2
-    assert main(["prove", "chaos", "grioli/precession", "--search"]) == 2
-    assert "with orbit only" in capsys.readouterr().err
