@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import random
 import statistics
 from dataclasses import replace
@@ -75,6 +76,14 @@ def test_every_low_noise_level_contains_or_refuses() -> None:
         assert max(found, default=0.0) <= 1.0
 
 
+def _boxed(problem: Any, units: int, signs: list[int]) -> Any:
+    """The same with a box of starts whose corner is the truth."""
+    ticks = units << (problem.fine - problem.noise)
+    start = tuple(x + sign * ticks for x, sign in zip(problem.start, signs, strict=True))
+    spread = tuple(units * (1 + 1e-9) + r for r in problem.spread)
+    return replace(problem, start=start, spread=spread)
+
+
 def _faulty_runs(seed: int, count: int) -> tuple[int, int, float]:
     """Contained and refused of proofs with a random fault each; the largest ratio."""
     rng = random.Random(seed)
@@ -86,12 +95,9 @@ def _faulty_runs(seed: int, count: int) -> tuple[int, int, float]:
         for _ in range(8):
             noise = rng.choice((42, 50, 60, 79, 96, 126))
             problem = fixed_point_problem.problem(what.motion, noise)
-            if rng.random() < 0.4:  # a box whose corner is the truth
-                units = rng.choice((1, 2**10, 2**20))
-                ticks = units << (problem.fine - noise)
-                start = tuple(x + rng.choice((-1, 1)) * ticks for x in problem.start)
-                spread = tuple(units * (1 + 1e-9) + r for r in problem.spread)
-                problem = replace(problem, start=start, spread=spread)
+            if rng.random() < 0.4:
+                signs = [rng.choice((-1, 1)) for _ in problem.start]
+                problem = _boxed(problem, rng.choice((1, 2**10, 2**20)), signs)
             known = integral_contraction.prepared(what.motion, 400) if rng.random() < 0.4 else []
             _, untrusted = faults.random_fault(rng)
             try:
@@ -137,7 +143,6 @@ def _parts_that_keep_and_change_what_they_return(kept: list[Any]) -> proof_loop.
 
     def correction(*given: Any) -> Any:
         found = proof_loop.HONEST.correction(*given)
-        given[1][:] = 0.0
         kept.append(found)
         return found
 
@@ -165,11 +170,30 @@ class Spoiler:
 def test_what_was_given_or_returned_may_be_changed() -> None:
     what = trials.trial(trials.random_scene(random.Random(8), "generic"), [Fraction(20)], 260)
     problem = fixed_point_problem.problem(what.motion, 79)
-    times, kept = trials.asked(what, problem), list[Any]()
+    problem, times, kept = _boxed(problem, 2**45, [1] * 6), trials.asked(what, problem), list[Any]()
     spoiler, untrusted = Spoiler(kept), _parts_that_keep_and_change_what_they_return(kept)
     proof = proof_loop.run(problem, times, (), untrusted, watchers=[spoiler])
     assert max(trials.ratios(proof.rows, what.states)) <= 1.0
     assert spoiler.worst == 0.0
+
+
+def test_a_correction_that_hides_the_defect_that_it_was_given_is_noticed() -> None:
+    def bent(*given: Any) -> Any:
+        found = proof_loop.HONEST.window(*given)
+        found.series[:, 1] *= 1.0 + 1e-9
+        found.series[:, 2] -= 1e-9 * found.series[:, 1]  # so that the steps end where they did
+        return found
+
+    def hiding(*given: Any) -> Any:
+        given[1][:] = 0.0
+        return 0.0 * proof_loop.HONEST.correction(*given)  # which is right where there is none
+
+    what = trials.trial(trials.random_scene(random.Random(8), "generic"), [Fraction(61, 7)], 260)
+    problem = fixed_point_problem.problem(what.motion, 79)
+    untrusted = replace(proof_loop.HONEST, window=bent, correction=hiding)
+    with contextlib.suppress(Refused):
+        proof = proof_loop.run(problem, trials.asked(what, problem), (), untrusted)
+        assert max(trials.ratios(proof.rows, what.states)) <= 1.0
 
 
 @pytest.mark.parametrize("part", ["moment", "torque", "start", "constant"])

@@ -15,7 +15,6 @@ from mpmath import MPContext
 import polhode
 from polhode import BadInput, NotProved
 from polhode.cli import main
-from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.enclosures.fixed_point_problem import Refused
 from polhode.enclosures.proof_loop import SHORT_STEPS
 from polhode.proofs import krawczyk, least_period, orbit_candidate, periodic_orbit, prove_orbit
@@ -177,12 +176,11 @@ TORI = {
 @pytest.mark.parametrize("case", TORI)
 def test_an_orbit_of_a_resonant_torus_is_refused(case):
     scene = polhode.load(case)
-    own = scene.integrals
-    on = Surface(scene, own.energy, own.area)
-    *state, period = (Fraction(x) for x in TORI[case])
-    guess = (*(w / on.unit for w in state[:3]), *state[3:])
+    p, q, r, *gamma, period = TORI[case]
+    omega = [w / 2.0**scene.time_unit for w in (p, q, r)]
+    near = polhode.Scene(scene.body, omega, gamma, times=(period,), normalise=True)
     with pytest.raises(NotProved, match="not isolated"):
-        prove_orbit.proved(on, (guess, period), 30)
+        polhode.prove_orbit(scene, near)
 
 
 def corrupted(made):
