@@ -118,10 +118,10 @@ PRIVATE = {
         "a motion's parts at a precision of the test's choice: a top answers at its own",
     ),
     "dynamics": (
-        6,
+        5,
         "a search's first guess, a verdict's bound: what comes out is their refinement",
     ),
-    "enclosures": (29, "a proof's parts alone, each of whose terms a test drops or makes dominant"),
+    "enclosures": (22, "a proof's parts alone, each of whose terms a test drops or makes dominant"),
     "equations": (1, "that a column was judged by the quick way, or was not"),
     "figures": (1, "the outline of a globe, of which a figure has the pixels"),
     "judging": (
