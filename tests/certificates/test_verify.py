@@ -158,6 +158,15 @@ def test_a_ball_that_is_moved_off_is_not_proved(turned, row, key, count):
         assert not holds(moved_off(turned, row, key, column, 2 if key == "balls" else 3))
 
 
+def test_a_ball_at_the_start_holds_the_start_or_is_refused(small):
+    start = [*small["scene"]["omega"], *small["scene"]["gamma"]]
+    first = {"t": "0", "balls": [[x, "1e-30"] for x in start]}
+    given = small | {"statement": [first, *small["statement"]]}
+    assert holds(given)
+    for k in range(6):
+        assert not holds(moved_off(given, 0, "balls", k))
+
+
 def minus(x):
     middle, *radius = x if isinstance(x, list) else [x]
     return [str(-Fraction(middle)), *radius] if radius else str(-Fraction(middle))
