@@ -116,6 +116,29 @@ def test_the_front_door_names_level_kind_and_what_is_alone():
 OFF = Fraction(1, 10**20)
 
 
+def test_another_unit_of_time_scales_the_orbit_and_how_far_it_is_alone():
+    p, q, r, *gamma, period = map(Fraction, proofs.ELLIPTIC)
+    found = []
+    for rate in (1, 2):
+        scene = polhode.top(
+            moments=proofs.MOMENTS,
+            centre=proofs.TORQUE,
+            weight=rate**2,
+            omega=[rate * x for x in (p, q, r)],
+            gamma=gamma,
+            normalise=True,
+            end=period / rate,
+        )
+        found.append(polhode.prove_orbit(scene, scene, h=rate**2 * proofs.H, f=rate * proofs.F))
+    one, two = found
+    assert two.kind == one.kind
+    assert two.period.centre == pytest.approx(one.period.centre / 2)
+    within = one.unique_within
+    assert [*two.unique_within] == pytest.approx(
+        [2 * within.omega, within.gamma, within.period / 2]
+    )
+
+
 @pytest.mark.parametrize("what", [*range(7), "h", "f", "moment", "centre"])
 def test_a_candidate_a_level_or_a_body_off_by_1e_20_is_refused(what):
     h, f, moments, torque = proofs.H, proofs.F, list(proofs.MOMENTS), list(proofs.TORQUE)
