@@ -179,7 +179,7 @@ FS = {
 }
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(2, slow=6)
 @pytest.mark.parametrize(("name", "f"), [(name, f) for name, fs in FS.items() for f in fs])
 def test_regions_by_counting_on_a_grid(name, f):
     known, f = body(name), Fraction(f)

@@ -133,10 +133,9 @@ def test_another_unit_of_time_scales_the_orbit_and_how_far_it_is_alone():
     one, two = found
     assert two.kind == one.kind
     assert two.period.centre == pytest.approx(one.period.centre / 2)
-    within = one.unique_within
-    assert [*two.unique_within] == pytest.approx(
-        [2 * within.omega, within.gamma, within.period / 2]
-    )
+    omega, gamma, period = one.unique_within
+    expected = [2 * omega, gamma, period / 2]
+    assert [*two.unique_within] == pytest.approx(expected, rel=1e-6, abs=0.0)
 
 
 @pytest.mark.parametrize("what", [*range(7), "h", "f", "moment", "centre"])
