@@ -76,12 +76,13 @@ def test_a_false_certificate_is_not_proved(held, changes, said):
         verify.verify(json.dumps(held).encode())
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "value", "said"),
     [
-        ("entropy", "0.03", "the entropy is not shown to be as large"),
-        ("long", "80.1", "the long loop may take longer"),
+        pytest.param(
+            "entropy", "0.03", "the entropy is not shown to be as large", marks=pytest.mark.slow
+        ),
+        pytest.param("long", "80.1", "the long loop may take longer", marks=pytest.mark.campaign),
     ],
 )
 def test_a_statement_of_more_is_not_proved(held, name, value, said):
