@@ -186,7 +186,7 @@ CALLS = [
     (lambda: polhode.compare("a.toml", "b.csv"), "polhode compare b.csv a.toml"),
     (
         lambda: polhode.compare("x.csv", FREE, at_least=9),
-        "polhode.testing.assert_digits(run, scene,",
+        "polhode.testing.assert_digits(run",
     ),
     (lambda: polhode.compare([ROW], FREE, dtype="quad"), "dtype = quad: expected number, as it"),
     (lambda: polhode.top(moments=[1, 1, 1], omga=[1, 1, 1]), "(did you mean 'omega'?)"),
