@@ -25,16 +25,16 @@ FEW = ("Trajectory in quad", "Ensemble", "Judgement", "Enclosure", "Reductions",
 
 #: Strategies, and how many cases of each a slow test and the campaign try.
 CLASSES = {
-    "scene": (cases.scene(), 150, 6000),
-    "call": (cases.call(), 250, 6000),
-    "toml": (cases.toml(), 40, 2000),
-    "table": (cases.table(), 25, 1000),
-    "command": (cases.command(), 50, 2000),
-    "result": (changed_files.result(FEW), 120, 0),
+    "scene": (cases.scene(), 80, 6000),
+    "call": (cases.call(), 150, 6000),
+    "toml": (cases.toml(), 30, 2000),
+    "table": (cases.table(), 15, 1000),
+    "command": (cases.command(), 30, 2000),
+    "result": (changed_files.result(FEW), 60, 0),
     "any result": (changed_files.result([*MAKERS]), 0, 6000),
-    "kept": (changed_files.kept(), 10, 500),
-    "body": (motions.body(), 40, 2000),
-    "event": (motions.event(), 8, 500),
+    "kept": (changed_files.kept(), 6, 500),
+    "body": (motions.body(), 25, 2000),
+    "event": (motions.event(), 5, 500),
     "proof": (motions.proof(), 3, 50),
 }
 HOW = {"database": None, "suppress_health_check": [*HealthCheck]}
@@ -88,7 +88,7 @@ def test_the_promise_is_kept_in_many_cases(kind):
     many(kind, CLASSES[kind][2])
 
 
-@pytest.mark.sample(9)
+@pytest.mark.sample(7, slow=7)
 @pytest.mark.filterwarnings("ignore")  # those of matplotlib's own, of numbers like these
 @pytest.mark.parametrize(
     "words",
@@ -197,7 +197,7 @@ def judged(kind: str, count: int) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", motions.KINDS)
 def test_an_extreme_scene_is_as_right_as_it_is_said_to_be(kind):
-    judged(kind, 6)
+    judged(kind, 4)
 
 
 @pytest.mark.campaign

@@ -118,6 +118,16 @@ def test_angles_past_a_pole_where_they_end_are_refused():
     )
 
 
+def test_an_interrupt_of_a_run_made_again_goes_on(monkeypatch):
+    def interrupted(integrator, times, rows, *_):
+        return rows, polhode.Outcome.INTERRUPTED
+
+    run = a_run()
+    monkeypatch.setattr("polhode.runs.methods.taylor.march", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        run.angles_at([1])
+
+
 def test_times_as_doubles():
     run = polhode.integrate(TOP, "quad", at=["1/3"])
     assert run.t.dtype == np.float64

@@ -58,7 +58,6 @@ def test_what_gets_lost_on_a_full_disk_is_no_success(words):
 @pytest.mark.parametrize(
     "words",
     [
-        "run top.toml -o x.csv",
         "section general/asymmetric-regular --grid 2x2 --crossings 2 -o x.npz",
         "plot lagrange/nutation --what error -o x.png",
     ],
