@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import ast
-import importlib
 import inspect
 import os
 import re
 import subprocess
 import sys
-import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -20,46 +17,11 @@ import polhode
 TOP = Path(__file__).parents[1]
 
 
-def test_contributing_prints_the_enforced_layers():
-    """Every room of the layer contract stands in CONTRIBUTING's table, on the same floor."""
-    with (TOP / "pyproject.toml").open("rb") as file:
-        contracts = tomllib.load(file)["tool"]["importlinter"]["contracts"]
-    enforced = [set(re.split(r"[ :|]+", layer)) for layer in contracts[0]["layers"]]
-    rows = re.findall(r"^\| (\d+) \| (.*?) \|", (TOP / "CONTRIBUTING.md").read_text(), re.M)
-    assert len(rows) == len(enforced)
-    for (_, rooms), layer in zip(rows, enforced, strict=True):
-        assert set(re.findall(r"`(\w+)/?`", rooms)) == layer
-
-
-def test_contributing_prints_the_rooms_within_rooms():
-    """Each inner package with the first line of its docstring; families and studies say theirs."""
-    told = dict(
-        re.findall(r"^\| `(\w+/\w+)/` \| (.*?) \|$", (TOP / "CONTRIBUTING.md").read_text(), re.M)
-    )
-    source = TOP / "src/polhode"
-    families = {*importlib.import_module("polhode.scenes.vocabulary").REFERENCES}
-    found = {}
-    for init in source.glob("*/*/__init__.py"):
-        room = init.parent.relative_to(source)
-        if room.parts[0] != "studies" and room.name.replace("_", "-") not in families:
-            found[room.as_posix()] = (
-                ast.get_docstring(ast.parse(init.read_text())).splitlines()[0].rstrip(".")
-            )
-    assert told == found
-
-
 def test_a_room_with_an_underscore_is_its_package_s_own():
-    """Nobody else imports it; and of the other inner rooms somebody else does."""
     source = TOP / "src/polhode"
-    users: dict[str, set[str]] = {}
     for path in [source / "__init__.pyi", *source.rglob("*.py")]:
-        floor = path.relative_to(source).parts[0]
-        for package, room in set(re.findall(r"polhode\.(\w+)\.(\w+)\.\w", path.read_text())):
-            users.setdefault(f"{package}/{room}", set()).add(floor)
-    told = re.findall(r"^\| `(\w+)/(\w+)/` \|", (TOP / "CONTRIBUTING.md").read_text(), re.M)
-    own = {f"{p}/{room}" for p, room in told if users.get(f"{p}/{room}", {p}) == {p}}
-    by_word = {"equations/columns"}  # whose files are found by the words of a scene
-    assert own - by_word == {f"{p}/{room}" for p, room in told if room[0] == "_"}
+        packages = set(re.findall(r"polhode\.(\w+)\._\w+\.\w", path.read_text()))
+        assert packages <= {path.relative_to(source).parts[0]}, path
 
 
 #: Files in a folder, at most: where a room is fuller, it has rooms of its own.
