@@ -26,7 +26,10 @@ MODULES = ["", *sorted({getattr(polhode, name).__module__[len("polhode.") :] for
 
 
 #: Modules whose examples take long.
-LONG = ("dynamics.periodic_orbits.families",)
+LONG = (
+    *("dynamics.periodic_orbits.families", "dynamics.periodic_orbits.search"),
+    "proofs.chaos.prove_chaos",
+)
 
 
 @pytest.mark.parametrize(

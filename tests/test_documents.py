@@ -57,7 +57,9 @@ EXAMPLES = [
 
 def long(block: Block) -> bool:
     """Whether an example takes long, or prints the last digits of doubles."""
-    return bool(re.match(r"\$ polhode (run|sweep|reference|section|map|check)", block.text))
+    return bool(
+        re.match(r"\$ polhode (run|sweep|reference|section|map|check|compare|orbit)", block.text)
+    )
 
 
 def without_seconds(text: str) -> str:

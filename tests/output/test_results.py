@@ -69,7 +69,7 @@ def test_results_become_tables(name):
         ("number", "double", 17),
         ("number", "extended", 21),
         ("number", "quad", 36),
-        ("digits", 50, 58),
+        pytest.param("digits", 50, 58, marks=pytest.mark.slow),
     ],
 )
 def test_times_of_events_have_the_digits_of_their_type_wherever_they_are_printed(
