@@ -145,7 +145,7 @@ def test_the_next_answer_after_an_interrupt_is_the_same():
 
 @pytest.mark.slow
 def test_the_next_answer_after_any_of_many_interrupts_is_the_same():
-    after_interrupts([*VERBS], 24)
+    after_interrupts([*VERBS], 16)
 
 
 def after_interrupts(names: Sequence[str], wanted: int) -> None:

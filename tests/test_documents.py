@@ -57,9 +57,8 @@ EXAMPLES = [
 
 def long(block: Block) -> bool:
     """Whether an example takes long, or prints the last digits of doubles."""
-    return bool(
-        re.match(r"\$ polhode (run|sweep|reference|section|map|check|compare|orbit)", block.text)
-    )
+    verbs = "run|sweep|reference|section|map|check|compare|orbit"
+    return bool(re.match(rf"\$ polhode ({verbs})\b", block.text))
 
 
 def without_seconds(text: str) -> str:

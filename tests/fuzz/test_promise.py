@@ -28,7 +28,7 @@ CLASSES = {
     "scene": (cases.scene(), 80, 6000),
     "call": (cases.call(), 150, 6000),
     "toml": (cases.toml(), 30, 2000),
-    "table": (cases.table(), 15, 1000),
+    "table": (cases.table(), 10, 1000),
     "command": (cases.command(), 30, 2000),
     "result": (changed_files.result(FEW), 60, 0),
     "any result": (changed_files.result([*MAKERS]), 0, 6000),
@@ -88,7 +88,7 @@ def test_the_promise_is_kept_in_many_cases(kind):
     many(kind, CLASSES[kind][2])
 
 
-@pytest.mark.sample(7, slow=7)
+@pytest.mark.sample(7, slow=4)
 @pytest.mark.filterwarnings("ignore")  # those of matplotlib's own, of numbers like these
 @pytest.mark.parametrize(
     "words",
