@@ -32,7 +32,7 @@ CLASSES = {
     "command": (cases.command(), 30, 2000),
     "result": (changed_files.result(FEW), 60, 0),
     "any result": (changed_files.result([*MAKERS]), 0, 6000),
-    "kept": (changed_files.kept(), 6, 500),
+    "kept": (changed_files.kept(), 30, 500),
     "body": (motions.body(), 25, 2000),
     "event": (motions.event(), 5, 500),
     "proof": (motions.proof(), 3, 50),
