@@ -236,7 +236,7 @@ def test_a_verb_imports_nothing_heavy_that_it_does_not_need():
 
 @pytest.mark.slow
 def test_a_run_imports_no_room_that_it_does_not_need():
-    """A warm run is to cost little more than importing heyoka: see tests/measure/choices.py."""
+    """A warm run is to cost little more than importing heyoka: see tests/measure/benchmark.py."""
     found = imported_by(["run", "kovalevskaya/generic", "--at", "1"])
     own = {name.removeprefix("polhode.") for name in found if name.startswith("polhode.")}
     needless = {"studies", "figures", "dynamics", "checks", "enclosures", "refined", "peers"}
