@@ -22,6 +22,7 @@ from polhode.closed_forms.lagrange.axes import top_axes
 from polhode.closed_forms.lagrange.motion import LagrangeMotion, Nutating, Seen, Steady, own_start
 from polhode.closed_forms.lagrange.regimes import constants, regime
 from polhode.numbers.exact import sign
+from polhode.numbers.mpmath_context import mpf
 from polhode.scenes.body import Vector
 
 
@@ -39,7 +40,7 @@ class LagrangeTop(BallMotion):
         self._constants = constants(*self._axes.moments, self._axes.torque, *self._top)
         self.regime = regime(self._constants)
         self._own_side = self._axes.own_side
-        self._knows_turns = self._own_side != 0
+        self.knows_turns = self._own_side != 0
 
     def _solved(self) -> LagrangeMotion:
         c = self._constants
@@ -67,8 +68,11 @@ class LagrangeTop(BallMotion):
             return None
         return 2 * arb.pi() / abs(ball(c.proper_rotation))
 
-    def _nutation(self) -> arb | None:
+    def nutation(self, digits: int) -> mpf | None:
         """The period of theta; None where theta is constant or tends to the upper pole."""
+        return self._one(self._nutation, digits)
+
+    def _nutation(self) -> arb | None:
         motion = self._solution()
         if not isinstance(motion, Nutating) or motion.elliptic.limit:
             return None

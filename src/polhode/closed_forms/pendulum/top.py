@@ -49,7 +49,7 @@ from polhode.scenes.body import Vector
 class Pendulum(BallMotion):
     """The plane motion of one heavy body from one start."""
 
-    _knows_turns = True
+    knows_turns = True
 
     def _set_up(self, moments: Vector, torque: Vector, omega: Vector, axes: Rows | None) -> None:
         frame = Frame(within=axes)
