@@ -133,9 +133,19 @@ class BallMotion(ClosedForm):
         """The motion's frequencies by name."""
         return self._relative(self._rate_balls, digits)
 
+    def row_at(self, t: arb, *, attitude: bool) -> Row:
+        """A row and the sizes of its numbers, at the precision in force."""
+        solution = self._solution()
+        if t.is_zero():
+            still = arb(1), arb(0), arb(0), arb(0)
+            row = self._start().row([ball(x) for x in self._omega], still)
+        else:
+            row = solution.row(t, attitude)
+        return row, self._sizes()[: len(row)]
+
     def quaternion_at(self, t: arb) -> Turn:
         """The attitude at a time, at the precision in force."""
-        q0, q1, q2, q3 = self._row(t, attitude=True)[0][6:]
+        q0, q1, q2, q3 = self.row_at(t, attitude=True)[0][6:]
         return q0, q1, q2, q3
 
     def arguments_at(self, t: arb) -> Arguments:
@@ -154,19 +164,9 @@ class BallMotion(ClosedForm):
         wide = not attitude or all(len(row) > 6 for row in rows)
         if not (wanted == digits and wide and known == list(times)):
             with self._noting():
-                rows = sure_rows(lambda t: self._row(t, attitude=attitude), times, digits)
+                rows = sure_rows(lambda t: self.row_at(t, attitude=attitude), times, digits)
             self._last = list(times), digits, rows
         return rows
-
-    def _row(self, t: arb, *, attitude: bool) -> Row:
-        """A row and the sizes of its numbers."""
-        solution = self._solution()
-        if t.is_zero():
-            still = arb(1), arb(0), arb(0), arb(0)
-            row = self._start().row([ball(x) for x in self._omega], still)
-        else:
-            row = solution.row(t, attitude)
-        return row, self._sizes()[: len(row)]
 
     def _sizes(self) -> list[arb]:
         """Those of a row's numbers."""

@@ -20,7 +20,6 @@ Grown = tuple[arb, arb]
 
 _MOST_STEPS = 20_000
 _TRIED = 3  # a step at first, in units of the distance from 0 over the bound of |w|
-_SHORTEST = 2.0**-60  # part of a step that is tried; no more is ever needed of good balls
 
 
 def counted(at: Callable[[arb], Turn], speed: arb, begin: arb, times: Sequence[arb]) -> list[Grown]:
@@ -49,10 +48,10 @@ def counted(at: Callable[[arb], Turn], speed: arb, begin: arb, times: Sequence[a
                 new = last if abs(last - now) <= reach else _moved(now, last, reach)
                 there = _parameters(at(new))
                 way = speed * abs(new - now) / 2
+                if not way > 0:  # the step is below the last bit of the time
+                    raise TooFewBits
                 if all(abs(a) + abs(b) > way for a, b in zip(here, there, strict=True)):
                     break
-                if reach < _SHORTEST * least.mid() / speed.mid():
-                    raise TooFewBits
                 reach = reach / 2
             grown = [(b / a).arg() for a, b in zip(here, there, strict=True)]
             total = total[0] + grown[0], total[1] + grown[1]
