@@ -219,7 +219,7 @@ def test_a_bound_that_is_none_counts_wrongly():
 
 def test_far_times_and_poles_are_not_counted():
     with pytest.raises(Refused, match="ask for the attitude"):
-        winding.counted(lambda _: (arb(1), arb(1), arb(0), arb(0)), arb(1), arb(0), [arb(10**9)])
+        winding.counted(spinning, arb(2 * SPINNING), arb(0), [arb(3000)])
 
     def through(t):
         return t.cos(), t.sin(), arb(0), arb(0)
