@@ -97,11 +97,14 @@ def test_rows_that_are_sure_are_not_made_again():
     assert len(asked) <= len(times) + 6
 
 
-def test_numbers_come_out_rounded_and_0_where_the_ball_holds_0():
+def test_numbers_come_out_rounded_and_of_noise_only_its_size():
     with mpmath.workdps(40), ctx.workprec(200):
         third = core.number(arb(1) / 3, 20)
         assert mpf(10) ** -25 < abs(third - mpf(1) / 3) < mpf(10) ** -20
-        assert core.number(arb("1e-30", "1e-29"), 20) == 0
+        noise = arb("1e-30", "1e-29")
+        assert core.number(noise, 20)._mpf_[3] <= 8
+        assert mpf("1.1e-29") > core.error_of(noise, 20) > mpf("1e-29")
+        assert core.number(arb(0), 20) == 0 == core.error_of(arb(0), 20)
         large = core.number(arb(10) ** 20 / 3, 20, absolute=True)
         assert abs(large - mpf(10) ** 20 / 3) < mpf(10) ** -20
 

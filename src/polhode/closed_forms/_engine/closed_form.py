@@ -39,8 +39,9 @@ class ClosedForm(ABC):
     """
 
     regime: str
-    #: Whether a theorem and balls hold every digit; False: they are only reproduced.
-    proven = False
+    #: Whether theorems and balls prove every digit, or a text that says what else they rest on;
+    #: False: the digits are only reproduced, with more bits.
+    proven: bool | str = False
     _body = "body"  # the name of the frequency of a motion that has a period
 
     def __init__(

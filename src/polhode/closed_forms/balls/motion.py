@@ -11,7 +11,16 @@ from flint import arb
 
 from polhode.closed_forms._engine.closed_form import ClosedForm, Rows
 from polhode.closed_forms.balls.angles import Arguments, angle_rows
-from polhode.closed_forms.balls.core import Kept, Refused, Row, ball, number, sure_rows, until_sure
+from polhode.closed_forms.balls.core import (
+    Kept,
+    Refused,
+    Row,
+    ball,
+    error_of,
+    number,
+    sure_rows,
+    until_sure,
+)
 from polhode.closed_forms.balls.frames import Start, Turn, start_attitude
 from polhode.numbers.exact import ZERO, Exact, Irrational, noted
 from polhode.numbers.mpmath_context import mpf
@@ -49,7 +58,7 @@ class BallMotion(ClosedForm):
     was made and asked: the digits are proven if those numbers are 0.
     """
 
-    proven = True
+    proven: bool | str = True
     #: Whether :meth:`_arguments` tells the turns of psi and phi at any time; set in ``_set_up``.
     knows_turns = False
 
@@ -112,9 +121,9 @@ class BallMotion(ClosedForm):
             return angle_rows(self, gamma, self._psi, self._sign, times, digits)
 
     def radii(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
-        """Bounds of the errors of the middles that :meth:`at` rounds, number by number."""
+        """Bounds of the errors of the numbers that :meth:`at` gives, rounded up."""
         rows = self._rows(times, digits, attitude=False)
-        return [[number(x.rad(), 3) for x in row[: self._width]] for row in rows]
+        return [[error_of(x, digits) for x in row[: self._width]] for row in rows]
 
     def error(self, digits: int, times: Sequence[Exact]) -> mpf | None:
         """The largest radius of :meth:`at`, of w over a bound of |w|."""

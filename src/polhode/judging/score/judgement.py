@@ -449,7 +449,10 @@ class Judgement(Result, ByValue):
     def __str__(self) -> str:
         against, others = self.reference, self._others
         how = f", proven to {self.agreement:.1f} digits"
-        how = "" if against.is_closed_form or math.isnan(self.agreement) else how
+        if against.is_closed_form:
+            how = {True: ", proven", False: ""}.get(against.proven, f", {against.proven}")
+        elif math.isnan(self.agreement):
+            how = ""
         scene = f"{against.scene.name} ({against.regime})"
         lines = [f"{self.subject.name} against {against.kind} of {scene}{how}"]
         if self.digits or others:
