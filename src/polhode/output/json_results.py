@@ -31,6 +31,7 @@ if TYPE_CHECKING:  # a run needs none of these
     from polhode.judging.conditioning.lyapunov import Lyapunov
     from polhode.judging.convergence_order import OrderBetweenTables
     from polhode.judging.references.reference import Reference
+    from polhode.judging.references.textbook import Textbook
     from polhode.judging.score.judgement import Judgement
 
 
@@ -125,7 +126,9 @@ def of_drift(drift: Drift) -> dict[str, str | None]:
     }
 
 
-def of_reference(reference: Reference, times: Sequence[Exact], digits: int) -> JsonObject:
+def of_reference(
+    reference: Reference | Textbook, times: Sequence[Exact], digits: int
+) -> JsonObject:
     """The object that ``reference --json`` prints: the closed form to so many digits."""
     scene = reference.scene
     number = NumberType("mp", number_types.bits_for(digits + 1))

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from typing import TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Literal, TypeAlias, TypeVar, overload
 
 from polhode.closed_forms.families import ClosedForm, closed_form, misfit
 from polhode.common.arguments import each, whole
@@ -29,6 +29,10 @@ from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 
+if TYPE_CHECKING:
+    from polhode.judging.references.textbook import Textbook
+
+BACKENDS = ("flint", "mpmath")
 MAX_LOG10_ANGLE = 100
 _MOST_SHOWN = 3  # numbers that are called 0 by the rule
 ROUGH = 53  # bits in which a closed form plans; it computes with more
@@ -250,7 +254,19 @@ class Remembered:
         return self._asked.angles(times, digits)
 
 
-def reference(scene: Scene | str | Path) -> Reference | Certified:
+@overload
+def reference(
+    scene: Scene | str | Path, backend: Literal["flint"] = "flint"
+) -> Reference | Certified: ...
+
+
+@overload
+def reference(scene: Scene | str | Path, backend: str) -> Reference | Certified | Textbook: ...
+
+
+def reference(
+    scene: Scene | str | Path, backend: str = "flint"
+) -> Reference | Certified | Textbook:
     """Give the reference of a scene: the closed form that fits, else a proven enclosure.
 
     If the scene's ``reference`` names one, it is that one.
@@ -259,10 +275,13 @@ def reference(scene: Scene | str | Path) -> Reference | Certified:
     ----------
     scene : Scene, str or Path
         A scene, a path, or the name of a case.
+    backend : {"flint", "mpmath"}
+        ``"mpmath"``: of the three classical tops, by mpmath's own functions in a textbook's
+        formulas, which share nothing with the closed forms in balls; states alone.
 
     Returns
     -------
-    Reference or Certified
+    Reference, Certified or Textbook
         It gives the state p q r [gamma1 gamma2 gamma3] in the scene's body axes, to the digits
         wanted, at any time.
 
@@ -270,6 +289,7 @@ def reference(scene: Scene | str | Path) -> Reference | Certified:
     ------
     BadInput
         A scene that asks for a closed form that does not fit: the condition, and by how much.
+        Another backend, or a family that it does not have.
 
     Examples
     --------
@@ -281,6 +301,12 @@ def reference(scene: Scene | str | Path) -> Reference | Certified:
     <Certified of scene: heavy asymmetric body>
     """
     scene = library.load(scene)
+    if backend not in BACKENDS:
+        raise BadInput(scene.name, "backend", backend, " or ".join(BACKENDS))
+    if backend == "mpmath":
+        from polhode.judging.references.textbook import Textbook
+
+        return Textbook(scene)
     if scene.reference == "certified":
         return Certified(scene)
     with mpmath.workprec(ROUGH):
