@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Protocol
+from typing import Generic, Protocol, TypeVar
 
 from flint import arb
 
@@ -46,13 +46,16 @@ class Solution(Protocol):
         ...
 
 
-class BallMotion(ClosedForm):
+S = TypeVar("S", bound=Solution)
+
+
+class BallMotion(ClosedForm, Generic[S]):
     """A closed form in balls: its digits are proven.
 
-    A family gives ``_set_up`` (exact, with ``regime``) and :meth:`_solved`, and what it knows of
-    :meth:`_period_ball`, :meth:`_rate_balls` and :meth:`_arguments`.  ``_solution()`` is what
-    ``_solved`` made at the precision in force, ``_start()`` gamma and the quaternion
-    at t = 0.
+    ``S`` is the family's own :class:`Solution`.  It gives ``_set_up`` (exact, with ``regime``) and
+    :meth:`_solved`, and what it knows of :meth:`_period_ball`, :meth:`_rate_balls` and
+    :meth:`_arguments`.  ``_solution()`` is what ``_solved`` made at the precision in force,
+    ``_start()`` gamma and the quaternion at t = 0.
 
     ``assumed`` holds what was called 0 by the rule for irrational numbers alone, while the motion
     was made and asked: the digits are proven if those numbers are 0.
@@ -73,14 +76,14 @@ class BallMotion(ClosedForm):
     ) -> None:
         self._called_zero: dict[int, Irrational] = {}
         self._omega = omega
-        self._solution = Kept(self._solved)
+        self._solution: Kept[S] = Kept(self._solved)
         self._start: Kept[Start] = Kept(self._first)
         self._last: tuple[list[Exact], int, list[Sequence[arb]]] = [], 0, []
         with self._noting():
             super().__init__(moments, torque, omega, gamma, psi, axes)
 
     @abstractmethod
-    def _solved(self) -> Solution:
+    def _solved(self) -> S:
         """The motion at the precision in force."""
 
     def _period_ball(self) -> arb | None:

@@ -450,7 +450,8 @@ class Judgement(Result, ByValue):
         against, others = self.reference, self._others
         how = f", proven to {self.agreement:.1f} digits"
         if against.is_closed_form:
-            how = {True: ", proven", False: ""}.get(against.proven, f", {against.proven}")
+            proven = "proven" if against.proven is True else against.proven
+            how = f", {proven}" if proven else ""
         elif math.isnan(self.agreement):
             how = ""
         scene = f"{against.scene.name} ({against.regime})"
