@@ -166,7 +166,8 @@ class Judgement(Result, ByValue):
             return ()
         if any(one.convention == TURNS for one in self.subject.readings):
             return ()
-        before, now = (fewest(d or (), self.subject.held) for d in angles)
+        both = angles.digits, angles.turned
+        before, now = (fewest(d or (), self.subject.held) for d in both)
         return (Reading("angles", before, TURNS, now),)
 
     @property

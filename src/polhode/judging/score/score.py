@@ -204,7 +204,8 @@ class HeldAgainst:
 
     def _with_untold(self, told: PartDigits, own: Given, untold: Sequence[int]) -> PartDigits:
         """Angles with the rows that are asked for one by one, None where no digit is left."""
-        held, both = self.subject.held, [[*rows] for rows in told[:2] if rows is not None]
+        held, known = self.subject.held, (told.digits, told.turned)
+        both = [[*one] for one in known if one is not None]
         left = [fewest(tuple(one), held) for one in both]  # theta of untold rows among them
         for one in both:
             for k in untold:
@@ -215,12 +216,13 @@ class HeldAgainst:
             times = [self.subject.times[k] for k in some]
             true = rows(self._ask("angles"), times, self._wanted)
             found = part_digits("angles", [own[k] for k in some], true, held, self.bits)
-            for n, (one, more) in enumerate(zip(both, found, strict=True)):
+            for n, (one, more) in enumerate(zip(both, (found.digits, found.turned), strict=True)):
                 assert more is not None
                 for k, d in zip(some, more, strict=True):
                     one[k] = d
                 left[n] = min(left[n], fewest(more, held))
-        return PartDigits(*(tuple(one) for one in both))
+        first, turned = (tuple(one) for one in both)
+        return PartDigits(first, turned)
 
 
 def does_not_answer(reference: AnyReference, fault: ValueError) -> bool:
