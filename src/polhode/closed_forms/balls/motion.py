@@ -23,7 +23,7 @@ from polhode.closed_forms.balls.core import (
 )
 from polhode.closed_forms.balls.frames import Start, Turn, start_attitude
 from polhode.numbers.exact import ZERO, Exact, Irrational, noted
-from polhode.numbers.mpmath_context import mpf
+from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.scenes.body import Vector
 
 _SPARE = 5  # digits of frequencies, of which one may be much smaller than another
@@ -129,13 +129,18 @@ class BallMotion(ClosedForm, Generic[S]):
         return [[error_of(x, digits) for x in row[: self._width]] for row in rows]
 
     def error(self, digits: int, times: Sequence[Exact]) -> mpf | None:
-        """The largest radius of :meth:`at`, of w over a bound of |w|."""
-        rows, worst = self._rows(times, digits, attitude=False), arb(0)
-        sizes = self._sizes()
-        for row in rows:
-            for x, size in zip(row[: self._width], sizes, strict=False):
-                worst = worst.max(x.rad() / size)
-        return number(worst.mid(), 3)
+        """A bound of the errors of :meth:`at`, of w over the largest |w| at the times."""
+        rows = self.at(times, digits)
+        with mpmath.workprec(64):
+            largest = max((mpmath.norm(row[:3]) for row in rows), default=mpmath.zero)
+            return max(
+                (
+                    radius / largest if n < 3 and largest else radius
+                    for row in self.radii(times, digits)
+                    for n, radius in enumerate(row)
+                ),
+                default=mpmath.zero,
+            )
 
     def period(self, digits: int) -> mpf | None:
         """The least period of omega in the body; None without any."""
