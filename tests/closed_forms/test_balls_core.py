@@ -172,6 +172,36 @@ def test_quotients_keep_to_the_right_half_plane(k2, half):
                 assert functions.at(v).quotient(ball(part) * other, half).real > 0
 
 
+@pytest.mark.parametrize("k2", ["1e-20", "0.3", "0.8", "0.99999"])
+@pytest.mark.parametrize("v", ["0.7", "5.1", "-2.2"])
+def test_functions_and_quotients_are_those_of_mpmath(k2, v):
+    """Theta(v + i a) exp(i L v), L = (pi/2K) dlog theta_{1 or 2}(i w)/dw, DLMF 20.2."""
+    m, x, part = F(k2), F(v), F(3, 10)
+    with ctx.workprec(200), mpmath.workdps(80):
+        functions = Jacobi(ball(m), ball(1 - m))
+        here, begin = functions.at(ball(x)), functions.at(arb(0))
+        parameter, u = (mpf(y.numerator) / y.denominator for y in (m, x))
+        K, other = mpmath.ellipk(parameter), mpmath.ellipk(1 - parameter)
+        for name, y in (("sn", here.side * here.sn), ("cn", here.side * here.cn), ("dn", here.dn)):
+            wanted = mpmath.ellipfun(name, u, m=parameter)
+            assert abs(core.number(y, 45) - wanted) < mpf("1e-40")
+        q, a = mpmath.exp(-mpmath.pi * other / K), other * 3 / 10
+        shift = ball(part) * Jacobi(ball(1 - m), ball(m)).K
+        for half, kind, odd in ((False, 4, 1), (True, 3, 2)):
+            w = mpmath.pi * a / 2 / K
+            slope = 1j * mpmath.jtheta(odd, 1j * w, q, 1) / mpmath.jtheta(odd, 1j * w, q)
+            rate = mpmath.pi / 2 / K * slope.real
+            assert abs(core.number(functions.rate(shift, half), 45) - rate) < mpf("1e-38")
+            one, two = (
+                mpmath.jtheta(kind, mpmath.pi * (y + 1j * a) / (2 * K), q)
+                / mpmath.jtheta(4, mpmath.pi * y / (2 * K), q)
+                for y in (u, mpf(0))
+            )
+            ratio = here.quotient(shift, half) / begin.quotient(shift, half)
+            mine = mpmath.mpc(core.number(ratio.real, 45), core.number(ratio.imag, 45))
+            assert abs(mine - one / two) < mpf("1e-38") * abs(one / two)
+
+
 def test_a_rate_that_is_off_is_seen(monkeypatch):
     """The quotient with its phase solves the equation only with the right L."""
     with ctx.workprec(300):

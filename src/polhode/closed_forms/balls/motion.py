@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Protocol
+from typing import Generic, Protocol, TypeVar
 
 from flint import arb
 
@@ -23,7 +23,7 @@ from polhode.closed_forms.balls.core import (
 )
 from polhode.closed_forms.balls.frames import Start, Turn, start_attitude
 from polhode.numbers.exact import ZERO, Exact, Irrational, noted
-from polhode.numbers.mpmath_context import mpf
+from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.scenes.body import Vector
 
 _SPARE = 5  # digits of frequencies, of which one may be much smaller than another
@@ -46,13 +46,16 @@ class Solution(Protocol):
         ...
 
 
-class BallMotion(ClosedForm):
+S = TypeVar("S", bound=Solution)
+
+
+class BallMotion(ClosedForm, Generic[S]):
     """A closed form in balls: its digits are proven.
 
-    A family gives ``_set_up`` (exact, with ``regime``) and :meth:`_solved`, and what it knows of
-    :meth:`_period_ball`, :meth:`_rate_balls` and :meth:`_arguments`.  ``_solution()`` is what
-    ``_solved`` made at the precision in force, ``_start()`` gamma and the quaternion
-    at t = 0.
+    ``S`` is the family's own :class:`Solution`.  It gives ``_set_up`` (exact, with ``regime``) and
+    :meth:`_solved`, and what it knows of :meth:`_period_ball`, :meth:`_rate_balls` and
+    :meth:`_arguments`.  ``_solution()`` is what ``_solved`` made at the precision in force,
+    ``_start()`` gamma and the quaternion at t = 0.
 
     ``assumed`` holds what was called 0 by the rule for irrational numbers alone, while the motion
     was made and asked: the digits are proven if those numbers are 0.
@@ -73,14 +76,14 @@ class BallMotion(ClosedForm):
     ) -> None:
         self._called_zero: dict[int, Irrational] = {}
         self._omega = omega
-        self._solution = Kept(self._solved)
+        self._solution: Kept[S] = Kept(self._solved)
         self._start: Kept[Start] = Kept(self._first)
         self._last: tuple[list[Exact], int, list[Sequence[arb]]] = [], 0, []
         with self._noting():
             super().__init__(moments, torque, omega, gamma, psi, axes)
 
     @abstractmethod
-    def _solved(self) -> Solution:
+    def _solved(self) -> S:
         """The motion at the precision in force."""
 
     def _period_ball(self) -> arb | None:
@@ -126,13 +129,18 @@ class BallMotion(ClosedForm):
         return [[error_of(x, digits) for x in row[: self._width]] for row in rows]
 
     def error(self, digits: int, times: Sequence[Exact]) -> mpf | None:
-        """The largest radius of :meth:`at`, of w over a bound of |w|."""
-        rows, worst = self._rows(times, digits, attitude=False), arb(0)
-        sizes = self._sizes()
-        for row in rows:
-            for x, size in zip(row[: self._width], sizes, strict=False):
-                worst = worst.max(x.rad() / size)
-        return number(worst.mid(), 3)
+        """A bound of the errors of :meth:`at`, of w over the largest |w| at the times."""
+        rows = self.at(times, digits)
+        with mpmath.workprec(64):
+            largest = max((mpmath.norm(row[:3]) for row in rows), default=mpmath.zero)
+            return max(
+                (
+                    radius / largest if n < 3 and largest else radius
+                    for row in self.radii(times, digits)
+                    for n, radius in enumerate(row)
+                ),
+                default=mpmath.zero,
+            )
 
     def period(self, digits: int) -> mpf | None:
         """The least period of omega in the body; None without any."""

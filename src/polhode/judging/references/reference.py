@@ -21,7 +21,6 @@ from polhode.judging.correct_digits import errors, rate_scale
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.derived import column_of
 from polhode.numbers import exact, number_types
-from polhode.numbers.double_double import Pairs
 from polhode.numbers.exact import Exact, Irrational
 from polhode.numbers.mpmath_context import mpmath, ordinary
 from polhode.numbers.scalars import AnyNumber, Real
@@ -89,17 +88,6 @@ class Reference(Result):
     def angles(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real | None]]:
         """Rows psi theta phi in radians, continuous; None where a pole leaves them undefined."""
         return self._asked(self._motion.angles, times, digits)
-
-    def columns(self, times: Pairs) -> tuple[list[Pairs], list[Pairs] | None] | None:
-        """States and quaternions at many times at once, where the closed form gives them so.
-
-        ``times`` and answers: :class:`polhode.numbers.double_double.Pairs`, of about 30 digits less
-        those that the phases take.  None where it does not.
-        """
-        import numpy as np
-
-        with mpmath.workprec(ROUGH), np.errstate(all="ignore"):
-            return self._motion.columns(times)
 
     def column(
         self, word: str, times: Iterable[AnyNumber], digits: int = 50
