@@ -35,6 +35,7 @@ def of_check(report: Report) -> dict[str, Any]:
             for line in report.lines
         ],
         "published": [of_figure(figure) for figure in report.figures],
+        "textbook": None if report.textbook is None else round(report.textbook, 2),
     }
 
 

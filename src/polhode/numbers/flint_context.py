@@ -44,6 +44,11 @@ class _Context:
         """``with ctx.workprec(bits)``: balls of so many bits, and no other thread's."""
         return Held(_holding(bits))
 
+    @property
+    def prec(self) -> int:
+        """The bits in force."""
+        return int(flint.ctx.prec)
+
 
 #: To be imported in place of flint's own ``ctx``.
 ctx = _Context()

@@ -73,6 +73,11 @@ def options(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--outputs", metavar="O,O", help=", ".join(COLUMNS))
     parser.add_argument(
+        "--backend",
+        default="flint",
+        help="flint (balls), or mpmath: the classical tops by mpmath's own functions, states alone",
+    )
+    parser.add_argument(
         "--certified",
         action="store_true",
         help="a proven enclosure, of any motion: only proven digits are printed",
@@ -91,6 +96,7 @@ def main(options: Namespace) -> int:
     """The closed form alone, or the enclosure."""
     from polhode.judging.references.reference import Reference
     from polhode.judging.references.reference import reference as reference_of
+    from polhode.judging.references.textbook import Textbook
 
     box = start_box.read(options.scene) if options.certified else None
     scene = library.load(options.scene) if box is None else box.scene
@@ -102,6 +108,8 @@ def main(options: Namespace) -> int:
     if not 1 <= options.digits <= number_types.MAX_DIGITS:
         expected = f"1 to {number_types.MAX_DIGITS}"
         raise BadInput(scene.name, "digits", options.digits, expected)
+    if options.certified and options.backend != "flint":
+        raise BadInput(scene.name, "--backend", options.backend, "no --certified with it")
     if not options.certified:
         for name in ("events", "max_seconds", "max_steps", "statement"):
             if getattr(options, name):
@@ -115,8 +123,13 @@ def main(options: Namespace) -> int:
         refuse_two_on_stdout(path, options.json)
     if box is not None:
         return _certified(StartBox(scene, box.radii), times, options)
-    reference = reference_of(scene)
-    if not isinstance(reference, Reference):
+    if options.backend == "mpmath" and scene.outputs:
+        if options.outputs is not None:
+            raise BadInput(scene.name, "outputs", options.outputs, "none: mpmath has states alone")
+        note(f"{scene.name}: without {', '.join(scene.outputs)}: mpmath has states alone")
+        scene = replace(scene, outputs=())
+    reference = reference_of(scene, backend=options.backend)
+    if not isinstance(reference, Reference | Textbook):
         expected = "a scene with a closed form, or --certified"
         raise BadInput(scene.name, "reference", reference.regime, expected)
     answer = json_results.of_reference(reference, times, options.digits)

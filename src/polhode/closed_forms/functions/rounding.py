@@ -11,7 +11,7 @@ from polhode.numbers.exact import Exact, rounded
 from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.numbers.scalars import Scalar
 
-_SPARE = 8  # bits kept beyond the digits asked for
+SPARE = 8  # bits kept beyond the digits asked for
 
 
 def number(x: Exact, bits: int) -> mpf:
@@ -46,7 +46,7 @@ def shortened(row: Sequence[Scalar], digits: int, *, absolute: bool = False) -> 
 
     None stays None.
     """
-    bits = math.ceil(digits * math.log2(10)) + _SPARE
+    bits = math.ceil(digits * math.log2(10)) + SPARE
     if absolute:
         bits += max([0, *(mpmath.mag(x) for x in row if x)])
     with mpmath.workprec(bits):

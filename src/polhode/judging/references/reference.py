@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from typing import TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Literal, TypeAlias, TypeVar, overload
 
 from polhode.closed_forms.families import ClosedForm, closed_form, misfit
 from polhode.common.arguments import each, whole
@@ -21,15 +21,19 @@ from polhode.judging.correct_digits import errors, rate_scale
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.derived import column_of
 from polhode.numbers import exact, number_types
-from polhode.numbers.double_double import Pairs
-from polhode.numbers.exact import Exact
+from polhode.numbers.exact import Exact, Irrational
 from polhode.numbers.mpmath_context import mpmath, ordinary
 from polhode.numbers.scalars import AnyNumber, Real
 from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 
+if TYPE_CHECKING:
+    from polhode.judging.references.textbook import Textbook
+
+BACKENDS = ("flint", "mpmath")
 MAX_LOG10_ANGLE = 100
+_MOST_SHOWN = 3  # numbers that are called 0 by the rule
 ROUGH = 53  # bits in which a closed form plans; it computes with more
 
 
@@ -85,17 +89,6 @@ class Reference(Result):
         """Rows psi theta phi in radians, continuous; None where a pole leaves them undefined."""
         return self._asked(self._motion.angles, times, digits)
 
-    def columns(self, times: Pairs) -> tuple[list[Pairs], list[Pairs] | None] | None:
-        """States and quaternions at many times at once, where the closed form gives them so.
-
-        ``times`` and answers: :class:`polhode.numbers.double_double.Pairs`, of about 30 digits less
-        those that the phases take.  None where it does not.
-        """
-        import numpy as np
-
-        with mpmath.workprec(ROUGH), np.errstate(all="ignore"):
-            return self._motion.columns(times)
-
     def column(
         self, word: str, times: Iterable[AnyNumber], digits: int = 50
     ) -> list[list[Real | None]]:
@@ -129,6 +122,34 @@ class Reference(Result):
         scale = rate_scale(finer, self.scene, bits)
         largest: Real = ordinary(max(errors(rows, finer, scale, bits)))
         return largest
+
+    def radii(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]] | None:
+        """Proven bounds of the errors of :meth:`at`, number by number.
+
+        None where the closed form is only reproduced.
+
+        >>> import polhode
+        >>> (row,) = polhode.reference("euler/largest-axis").radii([1], digits=20)
+        >>> max(row) < 1e-20
+        True
+        """
+        return self._asked(self._motion.radii, times, digits)
+
+    @property
+    def proven(self) -> bool | str:
+        """Whether every digit given so far is proven: by a theorem, exact decisions and balls.
+
+        False where the digits are only reproduced, with more bits; a text where the proof rests on
+        something more, such as the numbers that are called 0 by the rule for irrational ones.
+        """
+        how, zero = self._motion.proven, self._motion.assumed
+        if not how or not zero:
+            return how
+        numbers = ", ".join(_shown(x) for x in zero[:_MOST_SHOWN])
+        if (more := len(zero) - _MOST_SHOWN) > 0:
+            numbers += f" and {more} more"
+        told = f"if these numbers are 0: {numbers}"
+        return f"{how}; {told}" if isinstance(how, str) else told
 
     @property
     def conditions(self) -> tuple[str, ...]:
@@ -198,6 +219,11 @@ class Remembered:
         self.scene, self.kind, self.regime = reference.scene, reference.kind, reference.regime
         self.is_closed_form, self.agreement = reference.is_closed_form, reference.agreement
 
+    @property
+    def proven(self) -> bool | str:
+        """Whether every digit is proven, see :attr:`Reference.proven`."""
+        return self._asked.proven
+
     def at(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
         """Rows right to at least so many digits."""
         key = tuple(times)
@@ -216,7 +242,19 @@ class Remembered:
         return self._asked.angles(times, digits)
 
 
-def reference(scene: Scene | str | Path) -> Reference | Certified:
+@overload
+def reference(
+    scene: Scene | str | Path, backend: Literal["flint"] = "flint"
+) -> Reference | Certified: ...
+
+
+@overload
+def reference(scene: Scene | str | Path, backend: str) -> Reference | Certified | Textbook: ...
+
+
+def reference(
+    scene: Scene | str | Path, backend: str = "flint"
+) -> Reference | Certified | Textbook:
     """Give the reference of a scene: the closed form that fits, else a proven enclosure.
 
     If the scene's ``reference`` names one, it is that one.
@@ -225,10 +263,13 @@ def reference(scene: Scene | str | Path) -> Reference | Certified:
     ----------
     scene : Scene, str or Path
         A scene, a path, or the name of a case.
+    backend : {"flint", "mpmath"}
+        ``"mpmath"``: of the three classical tops, by mpmath's own functions in a textbook's
+        formulas, which share nothing with the closed forms in balls; states alone.
 
     Returns
     -------
-    Reference or Certified
+    Reference, Certified or Textbook
         It gives the state p q r [gamma1 gamma2 gamma3] in the scene's body axes, to the digits
         wanted, at any time.
 
@@ -236,6 +277,7 @@ def reference(scene: Scene | str | Path) -> Reference | Certified:
     ------
     BadInput
         A scene that asks for a closed form that does not fit: the condition, and by how much.
+        Another backend, or a family that it does not have.
 
     Examples
     --------
@@ -247,6 +289,12 @@ def reference(scene: Scene | str | Path) -> Reference | Certified:
     <Certified of scene: heavy asymmetric body>
     """
     scene = library.load(scene)
+    if backend not in BACKENDS:
+        raise BadInput(scene.name, "backend", backend, " or ".join(BACKENDS))
+    if backend == "mpmath":
+        from polhode.judging.references.textbook import Textbook
+
+        return Textbook(scene)
     if scene.reference == "certified":
         return Certified(scene)
     with mpmath.workprec(ROUGH):
@@ -260,6 +308,12 @@ def reference(scene: Scene | str | Path) -> Reference | Certified:
             fits += f"; {scene.reference} needs {why}"
         raise BadInput(scene.name, "reference.kind", scene.reference, fits)
     return Certified(scene)
+
+
+def _shown(x: Irrational) -> str:
+    """A number that is called 0 by the rule, by the bound of it that is known."""
+    top = x.enclosure(exact.EQUAL_BITS).abs_upper()
+    return f"|x| < 1e{math.ceil(float(top.log()) / math.log(10))}" if top > 0 else "0"
 
 
 def rows(ask: Ask[T], times: Sequence[Fraction], digits: int) -> list[T]:

@@ -166,7 +166,8 @@ class Judgement(Result, ByValue):
             return ()
         if any(one.convention == TURNS for one in self.subject.readings):
             return ()
-        before, now = (fewest(d or (), self.subject.held) for d in angles)
+        both = angles.digits, angles.turned
+        before, now = (fewest(d or (), self.subject.held) for d in both)
         return (Reading("angles", before, TURNS, now),)
 
     @property
@@ -398,11 +399,16 @@ class Judgement(Result, ByValue):
     @property
     def _unjudged(self) -> list[str]:
         """Parts beside the state that were not judged, and why."""
-        return [
+        parts = self._held.parts
+        unjudged = [
             f"{name} {'were' if name == 'angles' else 'was'} not judged: {found}"
-            for name, found in self._held.parts.items()
+            for name, found in parts.items()
             if isinstance(found, str)
         ]
+        angles = parts.get("angles")
+        if isinstance(angles, PartDigits) and angles.uncounted:
+            unjudged.append("whole turns of psi and phi: the closed form did not count them so far")
+        return unjudged
 
     @property
     def readings(self) -> tuple[Reading, ...]:
@@ -449,7 +455,11 @@ class Judgement(Result, ByValue):
     def __str__(self) -> str:
         against, others = self.reference, self._others
         how = f", proven to {self.agreement:.1f} digits"
-        how = "" if against.is_closed_form or math.isnan(self.agreement) else how
+        if against.is_closed_form:
+            proven = "proven" if against.proven is True else against.proven
+            how = f", {proven}" if proven else ""
+        elif math.isnan(self.agreement):
+            how = ""
         scene = f"{against.scene.name} ({against.regime})"
         lines = [f"{self.subject.name} against {against.kind} of {scene}{how}"]
         if self.digits or others:

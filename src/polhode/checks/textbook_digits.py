@@ -1,0 +1,41 @@
+"""Closed forms beside mpmath's: a second witness of the classical tops."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+from polhode.common.errors import BadInput
+from polhode.judging.correct_digits import worst_digits
+from polhode.judging.references.reference import Reference, reference
+from polhode.judging.references.textbook import FAMILIES, Textbook
+from polhode.numbers.exact import Exact
+from polhode.scenes.scene import Scene
+
+WANTED = 30  # digits
+_MOST_LOG10_ANGLE = 2  # radians turned up to the time of the comparison
+
+
+def textbook_digits(scene: Scene) -> float | None:
+    """The digits to which a scene's closed form and mpmath's agree at one time, at most WANTED.
+
+    At the end of a short run, at a time on the way of a long one.  None of another family, and of
+    motions that the textbook's formulas do not have.
+    """
+    ours = reference(scene)
+    if not isinstance(ours, Reference) or ours.kind not in FAMILIES:
+        return None
+    t = time_of(scene)
+    try:
+        rows = Textbook(scene).at([t], digits=WANTED)
+    except BadInput:
+        return None
+    return min(
+        float(WANTED), worst_digits(rows, ours.at([t], digits=WANTED + 5), scene, WANTED + 5)
+    )
+
+
+def time_of(scene: Scene) -> Exact:
+    """The end of a run that turns by at most 100 radians; of a longer one, a time on its way."""
+    excess = scene.log10_angle - _MOST_LOG10_ANGLE
+    return scene.end if excess <= 0 else scene.end / Fraction(2) ** math.ceil(4 * excess)

@@ -1,0 +1,1 @@
+"""Closed forms in FLINT's balls: every number comes with a proven bound of its error."""

@@ -1,0 +1,169 @@
+"""Exact numbers as balls, more bits until the balls are small, and balls as numbers of mpmath.
+
+A ball is FLINT's ``arb`` (or ``acb``): a middle and a radius that bounds every error so far.  The
+contract that all closed forms in balls keep:
+
+* What decides (a sign, which root, whether two numbers are equal) is decided on exact numbers, or
+  on balls that prove it; a ball that does not prove it raises :class:`TooFewBits`.
+* :func:`sure_rows` and :func:`until_sure` set the precision, in bits, and raise it until every
+  number is finite and its radius is below 10^-digits times its size.  Whoever computes inside reads
+  no precision and sets none; constants are kept by :class:`Kept`, which makes them anew for each
+  precision.
+* A question that no precision answers raises :class:`Refused`, and so does the cap on bits.  Any
+  other exception is a fault of the code and is left alone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from typing import Generic, TypeAlias, TypeVar
+
+from flint import arb, fmpq
+from mpmath import libmp
+
+from polhode.closed_forms.functions.rounding import SPARE
+from polhode.numbers.exact import ZERO, Exact, sign
+from polhode.numbers.flint_context import ctx
+from polhode.numbers.mpmath_context import mpf, mpmath
+
+T = TypeVar("T")
+
+#: Numbers, and the size of each, to which its radius is compared; all sizes are positive.
+Row: TypeAlias = tuple[Sequence[arb], Sequence[arb]]
+
+GUARD = 40  # bits beyond the digits at first
+_SLACK = 16  # bits beyond what the last precision is known to have lacked
+_MOST_BITS = 20_000
+_HALF = arb(0.5)
+
+
+class TooFewBits(ArithmeticError):
+    """The balls are too wide to decide: the same is to be done with more bits."""
+
+
+class Refused(ValueError):
+    """No precision answers this question; the message says why."""
+
+
+def ball(x: Exact | int) -> arb:
+    """An exact number at the precision in force; the exact 0 where it is 0, by the rule."""
+    if isinstance(x, (int, Fraction)):
+        return arb(fmpq(x.numerator, x.denominator))
+    return x.enclosure(ctx.prec) if sign(x) else arb(0)
+
+
+def enclosed(x: Exact | int) -> arb:
+    """The same without the question whether it is 0: for factors of sums, which need no answer."""
+    if isinstance(x, (int, Fraction)):
+        return arb(fmpq(x.numerator, x.denominator))
+    return x.enclosure(ctx.prec)
+
+
+def root(x: Exact | int) -> arb:
+    """The square root of an exact number that is not negative."""
+    return ball(x).sqrt()
+
+
+def nearest_integer(x: arb) -> int:
+    """The integer nearest to the middle: for where any integer near by will do."""
+    n = (x.mid() + _HALF).floor().unique_fmpz()
+    if n is None:
+        raise TooFewBits
+    return int(n)
+
+
+class Kept(Generic[T]):
+    """Constants that ``make`` makes, once for each precision."""
+
+    def __init__(self, make: Callable[[], T]) -> None:
+        self._make = make
+        self._made: dict[int, T] = {}
+
+    def __call__(self) -> T:
+        """Those of the precision in force."""
+        bits = ctx.prec
+        if bits not in self._made:
+            self._made[bits] = self._make()
+        return self._made[bits]
+
+
+def until_sure(make: Callable[[], Row], digits: int, most: int | None = None) -> Sequence[arb]:
+    """The numbers of ``make`` with every radius below 10^-digits times its size.
+
+    ``most``: a cap on the bits in place of the usual one.  Raises Refused at the cap.
+    """
+    return sure_rows(lambda _: make(), [ZERO], digits, most)[0]
+
+
+def sure_rows(
+    row: Callable[[arb], Row], times: Sequence[Exact], digits: int, most: int | None = None
+) -> list[Sequence[arb]]:
+    """Rows of numbers, one for each time, with every radius below 10^-digits times its size.
+
+    ``row`` gives the numbers at a time and their sizes, at the precision in force.  The precision
+    only rises from one time to the next: times in order cost least.
+    """
+    cap = most or _MOST_BITS + 4 * digits
+    bits, known = min(int(3.33 * digits) + GUARD, cap), 0
+    rows: list[Sequence[arb]] = []
+    while True:
+        lost = math.inf
+        with ctx.workprec(bits):
+            goal = arb(10) ** -digits / 4  # the rest is for rounding the middle
+            try:
+                for t in times[len(rows) :]:
+                    numbers, sizes = row(ball(t))
+                    lost = _lost_bits(numbers, sizes, goal)
+                    if lost:
+                        break
+                    rows.append(numbers)
+                else:
+                    return rows
+            except TooFewBits:
+                lost = math.inf
+        if lost < math.inf:
+            known = max(known, math.floor(digits - lost * math.log10(2)))
+        if bits >= cap:
+            raise Refused(f"{bits} bits give {known} of {digits} digits")
+        bits = min(cap, 2 * bits if lost == math.inf else bits + int(min(lost, 3 * bits)) + _SLACK)
+
+
+def _lost_bits(numbers: Sequence[arb], sizes: Sequence[arb], goal: arb) -> float:
+    """By how many bits the radii miss the goal; 0 where none does, infinite where one is unknown.
+
+    Each number is asked: the largest of several balls would pass over one that is not a number.
+    """
+    worst = 0.0
+    for x, size in zip(numbers, sizes, strict=True):
+        if not (x.is_finite() and size > 0):
+            return math.inf
+        if not x.rad() < goal * size:
+            excess = float((x.rad() / (goal * size)).log().mid())
+            worst = max(worst, 1.0, excess / math.log(2))
+    return worst
+
+
+def number(x: arb, digits: int, *, absolute: bool = False) -> mpf:
+    """The middle of a ball rounded to so many digits and a few bits.
+
+    ``absolute``: digits are counted from the units' place.  Of a ball that holds 0 the middle tells
+    no digit: it comes with those few bits alone.  The error is below :func:`error_of`.
+    """
+    mantissa, exponent = x.mid().man_exp()
+    bits = _bits_of(x, digits)
+    if absolute:
+        bits += max(0, int(mantissa).bit_length() + int(exponent))
+    raw = libmp.from_man_exp(int(mantissa), int(exponent), bits, "n")
+    return mpmath.make_mpf(raw)
+
+
+def error_of(x: arb, digits: int) -> mpf:
+    """A bound of the error of :func:`number`, rounded up."""
+    bound = x.rad() + abs(x.mid()) * arb(2) ** -_bits_of(x, digits)
+    return number(bound.upper() * (1 + arb(2) ** -10), 1)
+
+
+def _bits_of(x: arb, digits: int) -> int:
+    return SPARE if x.contains(0) else math.ceil(digits * math.log2(10)) + SPARE

@@ -1,0 +1,165 @@
+"""Axes in which a motion is solved, turns as quaternions of balls, and the attitude at the start.
+
+R = Rz(psi) Rx(theta) Rz(phi), body -> space, is the quaternion of the Cayley-Klein parameters
+
+    al = q0 + i q3 = cos(theta/2) exp i(psi + phi)/2,
+    bt = q1 + i q2 = sin(theta/2) exp i(psi - phi)/2,    g1 + i g2 = 2i conj(al) bt.
+
+A family gives a quaternion q of its own axes with any start that has the right gamma; what polhode
+answers is ``product(start_attitude(...), frame.turn(product(conjugate(q(0)), q(t))))``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from flint import acb, arb
+
+from polhode.closed_forms.balls.core import Kept, ball, enclosed
+from polhode.closed_forms.functions.quaternion import conjugate, product, turned_back
+from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt, total
+from polhode.scenes.body import IDENTITY, Vector
+
+__all__ = [
+    "Frame",
+    "Start",
+    "Turn",
+    "conjugate",
+    "halves",
+    "product",
+    "quaternion",
+    "start_attitude",
+    "turned_back",
+]
+
+#: Rows of components in the scene's axes.
+Rows: TypeAlias = Sequence[Sequence[Exact]]
+#: q0 q1 q2 q3, scalar first.
+Turn: TypeAlias = tuple[arb, arb, arb, arb]
+
+_I = acb(0, 1)
+
+
+class Frame:
+    """Right-handed axes of a motion: row n is ``directions[n]``/sqrt(``squares[n]``).
+
+    The directions are at right angles, given in the principal axes, and those by their rows
+    ``within`` the scene's (None: the same axes).  Only exact numbers come in; a vector put into
+    these axes stays exact, and comes back in balls.
+    """
+
+    def __init__(
+        self,
+        directions: Rows = IDENTITY,
+        squares: Sequence[Exact] = (ONE, ONE, ONE),
+        within: Rows | None = None,
+    ) -> None:
+        self._directions, self._lengths = directions, [sqrt(x) for x in squares]
+        self._within = within
+        self._places = self._permutation()
+        self._matrix = Kept(self._made)
+
+    @classmethod
+    def signed(
+        cls, order: Sequence[int], signs: Sequence[int] = (1, 1, 1), within: Rows | None = None
+    ) -> Frame:
+        """Axis n is ``signs[n]`` times principal axis ``order[n]``; it must be right-handed."""
+        pairs = zip(order, signs, strict=True)
+        rows = [[s * ONE if i == j else ZERO for j in range(3)] for i, s in pairs]
+        return cls(rows, within=within)
+
+    def into(self, vector: Sequence[Exact]) -> Vector:
+        """A vector of the scene's axes in these, exactly."""
+        if self._within is not None:
+            vector = [_dot(row, vector) for row in self._within]
+        a, b, c = (
+            _dot(row, vector) / length
+            for row, length in zip(self._directions, self._lengths, strict=True)
+        )
+        return a, b, c
+
+    def out(self, vector: Sequence[Exact]) -> Vector:
+        """A vector of these axes in the scene's, exactly."""
+        vector = [x / length for x, length in zip(vector, self._lengths, strict=True)]
+        for matrix in (self._directions, self._within):
+            if matrix is not None:
+                vector = [_dot(column, vector) for column in zip(*matrix, strict=True)]
+        a, b, c = vector
+        return a, b, c
+
+    def back(self, vector: Sequence[arb]) -> list[arb]:
+        """A vector of these axes in the scene's."""
+        if self._places is not None:
+            return [vector[i] if s > 0 else -vector[i] for i, s in self._places]
+        x, y, z = vector
+        return [a * x + b * y + c * z for a, b, c in self._matrix()]
+
+    def turn(self, q: Turn) -> Turn:
+        """A turn of these axes in the scene's."""
+        x, y, z = self.back(q[1:])
+        return q[0], x, y, z
+
+    def _permutation(self) -> list[tuple[int, int]] | None:
+        """For each axis of the scene, which of these it is and its sign; None: it is another."""
+        if self._within is not None or any(x != 1 for x in self._lengths):
+            return None
+        columns = list(zip(*self._directions, strict=True))
+        found = [[(i, int(x)) for i, x in enumerate(c) if x in (1, -1)] for c in columns]
+        return [one for (one,) in found] if all(len(one) == 1 for one in found) else None
+
+    def _made(self) -> list[list[arb]]:
+        """The matrix that takes components back, at the precision in force."""
+        within = IDENTITY if self._within is None else self._within
+        columns = list(zip(*within, strict=True))
+        rows = [[_dot(row, column) for column in columns] for row in self._directions]
+        lengths = [enclosed(x) for x in self._lengths]
+        return [
+            [enclosed(row[j]) / length for row, length in zip(rows, lengths, strict=True)]
+            for j in range(3)
+        ]
+
+
+def _dot(row: Sequence[Exact], vector: Sequence[Exact]) -> Exact:
+    return total(x * y for x, y in zip(row, vector, strict=True))
+
+
+def quaternion(al: acb, bt: acb) -> Turn:
+    """The quaternion of two Cayley-Klein parameters."""
+    return al.real, bt.real, bt.imag, al.imag
+
+
+@dataclass(frozen=True)
+class Start:
+    """gamma and the attitude at t = 0 in the scene's axes; both None where gamma is not known."""
+
+    gamma: Sequence[arb] | None
+    attitude: Turn | None
+
+    def row(self, omega: Sequence[arb], turn: Turn) -> Sequence[arb]:
+        """p q r [gamma1 gamma2 gamma3 q0 q1 q2 q3] after a turn from the start."""
+        if self.gamma is None or self.attitude is None:
+            return omega
+        g1, g2, g3 = self.gamma
+        return (*omega, *turned_back(turn, (g1, g2, g3)), *product(self.attitude, turn))
+
+
+def halves(gamma: Sequence[Exact], psi: Exact) -> tuple[acb, acb]:
+    """al and bt of gamma and psi; phi = atan2(g1, g2), 0 at a pole; the sign is not yet chosen.
+
+    Of cos and sin of theta/2 the smaller one comes from sin theta: nothing is lost near a pole.
+    """
+    g1, g2, g3 = (ball(x) for x in gamma)
+    near = ((1 + abs(g3)) / 2).sqrt()
+    far = ball(gamma[0] * gamma[0] + gamma[1] * gamma[1]).sqrt() / (2 * near)
+    phi = arb(0) if g1.is_zero() and g2.is_zero() else arb.atan2(g1, g2)
+    cos, sin = (near, far) if sign(gamma[2]) >= 0 else (far, near)
+    turn = ball(psi)
+    return cos * (_I * (turn + phi) / 2).exp(), sin * (_I * (turn - phi) / 2).exp()
+
+
+def start_attitude(gamma: Sequence[Exact], psi: Exact, side: int) -> Turn:
+    """The quaternion at t = 0, ``side`` from :func:`..initial_attitude.start_sign`."""
+    q0, q1, q2, q3 = quaternion(*halves(gamma, psi))
+    return side * q0, side * q1, side * q2, side * q3

@@ -1,0 +1,135 @@
+"""Euler's top by Jacobi's functions of mpmath, its precession by Legendre's third integral.
+
+With A < B < C or reversed, so that the polhode circles axis 3 (Whittaker, Analytical Dynamics, art.
+69; Landau and Lifshitz, Mechanics, section 37), in angles about the angular momentum G:
+
+    w = (a cn, b sn, c dn),    cos th = C r/G,    tan ph = A p/(B q),
+    psi' = G (A p^2 + B q^2)/(A^2 p^2 + B^2 q^2) = G/C + G (2TC - G^2)/(C (G^2 - C^2 r^2)).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+from polhode.closed_forms.textbook.legendre import third_integral
+from polhode.numbers.mpmath_context import mpf, mpmath
+
+Row = list[Any]
+_ONE = 2**20  # rounding errors by which the parameter m of a separatrix may differ from 1
+
+
+def motion(
+    moments: Sequence[mpf], omega: Sequence[mpf], gamma: Sequence[mpf] | None
+) -> Callable[[mpf], Row]:
+    """The state p q r [gamma1 gamma2 gamma3] in principal axes, as a function of time.
+
+    ``moments``, ``omega``, ``gamma``: at t = 0, at the working precision of :data:`mpmath`.
+    """
+    momentum = [a * x for a, x in zip(moments, omega, strict=True)]
+    torque = _cross(momentum, omega)
+    negligible = mpmath.eps * 64 * max(map(abs, momentum)) * max(map(abs, omega))
+    if max(map(abs, torque)) <= negligible:
+        return lambda t: [*omega, *([] if gamma is None else _turned(gamma, omega, t))]
+    order = sorted(range(3), key=lambda i: moments[i])
+    twice = sum(x * y for x, y in zip(momentum, omega, strict=True))
+    squared = sum(x * x for x in momentum)
+    if squared < twice * moments[order[1]]:
+        order.reverse()
+    # a cyclic order keeps the hand of the axes; of another one the second axis is turned round
+    side = 1 if order in ([0, 1, 2], [1, 2, 0], [2, 0, 1]) else -1
+    ways = (1, side, 1)
+    (A, B, C) = (moments[i] for i in order)
+    start = [k * omega[i] for k, i in zip(ways, order, strict=True)]
+    own = _polhode((A, B, C), start, twice, squared)
+    if gamma is None:
+        return lambda t: _back(own.omega(own.phase + own.rate * t), order, ways)
+
+    size = mpmath.sqrt(squared)
+    a, b, _ = own.amplitudes
+    # G^2 - C^2 r^2 = A^2 p^2 + B^2 q^2 = (A a)^2 (1 - number sn^2)
+    number = 1 - (B * b / (A * a)) ** 2
+    factor = size * (twice * C - squared) / (C * (A * a) ** 2 * own.rate)
+    begin = third_integral(number, own.phase, own.parameter)
+    turned = [k * gamma[i] for k, i in zip(ways, order, strict=True)]
+    first = _frame([A * start[0], B * start[1], C * start[2]])
+    fixed = [sum(x * y for x, y in zip(axis, turned, strict=True)) for axis in first]
+
+    def state(t: mpf) -> Row:
+        v = own.phase + own.rate * t
+        now = own.omega(v)
+        psi = size / C * t + factor * (third_integral(number, v, own.parameter) - begin)
+        c, s = mpmath.cos(psi), mpmath.sin(psi)
+        # fixed in space, so turned back by psi about G against the body's node
+        along = (c * fixed[0] + s * fixed[1], c * fixed[1] - s * fixed[0], fixed[2])
+        axes = _frame([A * now[0], B * now[1], C * now[2]])
+        seen = [sum(along[k] * axes[k][i] for k in range(3)) for i in range(3)]
+        return _back(now, order, ways) + _back(seen, order, ways)
+
+    return state
+
+
+class _Polhode(NamedTuple):
+    """w = (a cn, b sn, c dn) along sorted axes: a, b, c, the phase, its rate, the parameter m."""
+
+    amplitudes: tuple[mpf, mpf, mpf]
+    phase: mpf
+    rate: mpf
+    parameter: mpf
+
+    def omega(self, v: mpf) -> Row:
+        """w at a phase."""
+        sn, cn, dn = (mpmath.ellipfun(kind, v, m=self.parameter) for kind in ("sn", "cn", "dn"))
+        a, b, c = self.amplitudes
+        return [a * cn, b * sn, c * dn]
+
+
+def _polhode(moments: tuple[mpf, mpf, mpf], start: Row, twice: mpf, squared: mpf) -> _Polhode:
+    A, B, C = moments
+    below, above = twice * C - squared, squared - twice * A
+    parameter = (B - A) * below / ((C - B) * above)
+    if 1 - parameter < _ONE * mpmath.eps:  # a separatrix
+        parameter = mpmath.mpf(1)
+    first, third = (1 if x >= 0 else -1 for x in (start[0], start[2]))
+    second = (1 if C > B else -1) * first * third
+    a = first * mpmath.sqrt(below / (A * (C - A)))
+    b = second * mpmath.sqrt(below / (B * (C - B)))
+    c = third * mpmath.sqrt(above / (C * (C - A)))
+    rest = [(start[0] / a) ** 2, (start[2] / c) ** 2]
+    phase = start[1] / b * mpmath.elliprf(*rest, 1)
+    rate = mpmath.sqrt((C - B) * above / (A * B * C))
+    return _Polhode((a, b, c), phase, rate, parameter)
+
+
+def _frame(momentum: Row) -> list[Row]:
+    """Rows: the node of axis 3 about G, what makes it right-handed, and G, in body axes."""
+    x, y, z = momentum
+    across = mpmath.hypot(x, y)
+    size = mpmath.hypot(across, z)
+    node = [y / across, -x / across, mpmath.mpf(0)]
+    along = [x / size, y / size, z / size]
+    return [node, _cross(along, node), along]
+
+
+def _back(row: Row, order: Sequence[int], ways: Sequence[int]) -> Row:
+    """Components along the sorted axes, in the order that the body has."""
+    found = [mpmath.mpf(0)] * 3
+    for i, way, x in zip(order, ways, row, strict=True):
+        found[i] = way * x
+    return found
+
+
+def _turned(gamma: Sequence[mpf], omega: Sequence[mpf], t: mpf) -> Row:
+    """gamma of a body that turns about a fixed axis: gamma' = gamma x w."""
+    size = mpmath.sqrt(sum(x * x for x in omega))
+    if size == 0:
+        return list(gamma)
+    axis = [x / size for x in omega]
+    along = sum(x * y for x, y in zip(axis, gamma, strict=True))
+    c, s = mpmath.cos(size * t), mpmath.sin(size * t)
+    side = _cross(gamma, axis)
+    return [c * x + s * y + (1 - c) * along * n for x, y, n in zip(gamma, side, axis, strict=True)]
+
+
+def _cross(a: Sequence[mpf], b: Sequence[mpf]) -> Row:
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]

@@ -1,0 +1,20 @@
+"""Legendre's elliptic integral of the third kind along Jacobi's functions, by mpmath."""
+
+from __future__ import annotations
+
+from polhode.numbers.mpmath_context import mpf, mpmath
+
+
+def third_integral(number: mpf, v: mpf, parameter: mpf) -> mpf:
+    """The integral from 0 to v of dv/(1 - number sn^2 v), sn of the parameter m.
+
+    Half periods of sn are counted, and the rest is Legendre's integral at the amplitude.
+    """
+    if parameter == 1:
+        return mpmath.ellippi(number, mpmath.asin(mpmath.tanh(v)), 1)
+    half = 2 * mpmath.ellipk(parameter)
+    turns = mpmath.nint(v / half)
+    rest = v - turns * half
+    sn, cn = (mpmath.ellipfun(kind, rest, m=parameter) for kind in ("sn", "cn"))
+    total = mpmath.ellippi(number, mpmath.atan2(sn, cn), parameter)
+    return total + 2 * turns * mpmath.ellippi(number, parameter) if turns else total

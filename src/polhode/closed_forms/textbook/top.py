@@ -1,0 +1,119 @@
+"""A scene's motion by a textbook's formulas, in the scene's axes: its digits repeat."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from polhode.closed_forms._engine.principal_scene import PrincipalScene, in_principal_axes
+from polhode.closed_forms.functions.rounding import number, shortened
+from polhode.closed_forms.textbook import euler, kovalevskaya, lagrange
+from polhode.numbers.exact import Exact
+from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.scenes.scene import Scene
+
+Row = list[Any]
+_GUARD = 15  # digits beyond those asked for
+_TRIES = 5
+_PIECES, _CUTS = 6, 4  # of a period for quadratures, and how many more at each try
+
+
+def states(scene: Scene, family: str, times: Sequence[Exact], digits: int) -> list[Row]:
+    """Rows p q r [gamma1 gamma2 gamma3] in the scene's axes, one a time.
+
+    ``family``: euler, lagrange or kovalevskaya, to which the scene belongs.  The rows are those of
+    two working precisions, with other cuts of the quadratures, that agree to 10^-digits, of w
+    relative to its largest modulus.
+
+    Raises ValueError for a motion that the formulas do not have, ArithmeticError where no two
+    precisions agree.
+    """
+    principal = in_principal_axes(scene)
+    # equal roots, and turning points at t = 0, cost half of the digits; quadratures are dear
+    working = digits + _GUARD if family == "kovalevskaya" else 2 * (digits + _GUARD)
+    before = None
+    for more in range(_TRIES):
+        with mpmath.workdps(working + _GUARD * (2**more - 1)):
+            rows = _rows(scene, principal, family, times, _PIECES + _CUTS * more)
+            if before is not None and _distance(before, rows) < mpmath.mpf(10) ** -(digits + 1):
+                return [shortened(row, digits, absolute=True) for row in rows]
+            before = rows
+    raise ArithmeticError(f"{_TRIES} working precisions, no two of which agree")
+
+
+def _rows(
+    scene: Scene, principal: PrincipalScene, family: str, times: Sequence[Exact], pieces: int
+) -> list[Row]:
+    """The rows at the precision in force."""
+
+    def vector(v: Sequence[Exact]) -> Row:
+        return [number(x, mpmath.prec) for x in v]
+
+    moments, torque, omega = map(vector, principal[:3])
+    gamma = None if principal.gamma is None else vector(principal.gamma)
+    axes = [vector(row) for row in scene.body.axes.rows]
+    state: Callable[[mpf], Row]
+    if family == "euler" or gamma is None:
+        own = [[mpmath.mpf(i == k) for i in range(3)] for k in range(3)]
+        state = euler.motion(moments, omega, gamma)
+    else:
+        own = (_lagrange_axes if family == "lagrange" else _kovalevskaya_axes)(moments, torque)
+        start = _along(own, omega), _along(own, gamma)
+        first, _, third = (_form(moments, axis) for axis in own)
+        weight = mpmath.norm(torque)
+        if family == "lagrange":
+            state = lagrange.motion(first, third, weight, *start)
+        else:
+            state = kovalevskaya.motion(weight / third, *start, pieces)
+    found = []
+    for t in vector(times):
+        row = state(t)
+        vectors = [_back(axes, _back(own, row[k : k + 3])) for k in range(0, len(row), 3)]
+        found.append([x for v in vectors for x in v])
+    return found
+
+
+def _lagrange_axes(moments: Row, torque: Row) -> list[Row]:
+    """The third axis through the centre of mass, the others anyhow."""
+    del moments
+    third = [x / mpmath.norm(torque) for x in torque]
+    smallest = min(range(3), key=lambda i: abs(third[i]))
+    across = _cross([mpmath.mpf(i == smallest) for i in range(3)], third)
+    first = [x / mpmath.norm(across) for x in across]
+    return [first, _cross(third, first), third]
+
+
+def _kovalevskaya_axes(moments: Row, torque: Row) -> list[Row]:
+    """The first axis through the centre of mass, the third that of the smallest moment."""
+    first = [x / mpmath.norm(torque) for x in torque]
+    smallest = min(range(3), key=lambda i: moments[i])
+    third = [mpmath.mpf(i == smallest) for i in range(3)]
+    return [first, _cross(third, first), third]
+
+
+def _along(rows: list[Row], v: Row) -> Row:
+    return [sum(x * y for x, y in zip(row, v, strict=True)) for row in rows]
+
+
+def _back(rows: list[Row], v: Row) -> Row:
+    return [sum(v[k] * rows[k][i] for k in range(3)) for i in range(3)]
+
+
+def _form(moments: Row, axis: Row) -> mpf:
+    """The moment about an axis."""
+    return sum(x * x * m for x, m in zip(axis, moments, strict=True))
+
+
+def _cross(a: Row, b: Row) -> Row:
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def _distance(rows: list[Row], others: list[Row]) -> mpf:
+    """The largest difference, of w over its largest modulus in these rows, or of gamma."""
+    rate = max(mpmath.norm(row[:3]) for row in others)
+    pairs = [
+        (abs(x - y) / (rate if k < 3 and rate else 1))
+        for row, other in zip(rows, others, strict=True)
+        for k, (x, y) in enumerate(zip(row, other, strict=True))
+    ]
+    return max(pairs)
