@@ -11,7 +11,7 @@ from polhode.closed_forms.functions.quaternion import Quaternion
 from polhode.closed_forms.functions.rounding import shortened
 from polhode.common.cached_property import cached_property
 from polhode.numbers.double_double import Pairs
-from polhode.numbers.exact import ZERO, Exact
+from polhode.numbers.exact import ZERO, Exact, Irrational
 from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import Vector
@@ -39,6 +39,8 @@ class ClosedForm(ABC):
     """
 
     regime: str
+    #: Whether a theorem and balls hold every digit; False: they are only reproduced.
+    proven = False
     _body = "body"  # the name of the frequency of a motion that has a period
 
     def __init__(
@@ -57,13 +59,13 @@ class ClosedForm(ABC):
     def _set_up(self, moments: Vector, torque: Vector, omega: Vector, axes: Rows | None) -> None:
         """Put the start into the motion's axes and name its regime; ValueError where it misses."""
 
-    @abstractmethod
     def _bits(self, times: Sequence[Exact], digits: int) -> int:
         """The working precision: the digits, what phases cost, a guard; a multiple of 64."""
+        raise NotImplementedError
 
-    @abstractmethod
     def _period(self, bits: int) -> Scalar | None:
         """The period of omega at the precision in force; None where none is known."""
+        raise NotImplementedError
 
     def _rates(self, bits: int) -> Mapping[str, Scalar]:
         """The frequencies of a motion without period, at the precision in force."""
@@ -131,6 +133,16 @@ class ClosedForm(ABC):
         """Its own estimate of the error of :meth:`at`; None where it makes none."""
         del digits, times
         return None
+
+    def radii(self, times: Sequence[Exact], digits: int) -> list[list[mpf]] | None:
+        """Proven bounds of the errors of :meth:`at`, number by number; None where it has none."""
+        del times, digits
+        return None
+
+    @property
+    def assumed(self) -> tuple[Irrational, ...]:
+        """The numbers that were called 0 by the rule for irrational numbers alone."""
+        return ()
 
     def curve(self, digits: int) -> dict[str, object] | None:
         """The algebraic curve on which the motion is linear, where the family tells it."""

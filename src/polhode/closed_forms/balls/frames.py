@@ -12,16 +12,27 @@ answers is ``product(start_attitude(...), frame.turn(product(conjugate(q(0)), q(
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TypeAlias
 
 from flint import acb, arb
 
 from polhode.closed_forms.balls.core import Kept, ball, enclosed
-from polhode.closed_forms.functions.quaternion import conjugate, product
+from polhode.closed_forms.functions.quaternion import conjugate, product, turned_back
 from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt, total
 from polhode.scenes.body import IDENTITY, Vector
 
-__all__ = ["Frame", "carried", "conjugate", "halves", "product", "quaternion", "start_attitude"]
+__all__ = [
+    "Frame",
+    "Start",
+    "Turn",
+    "conjugate",
+    "halves",
+    "product",
+    "quaternion",
+    "start_attitude",
+    "turned_back",
+]
 
 #: Rows of components in the scene's axes.
 Rows: TypeAlias = Sequence[Sequence[Exact]]
@@ -110,14 +121,23 @@ def quaternion(al: acb, bt: acb) -> Turn:
     return al.real, bt.real, bt.imag, al.imag
 
 
-def carried(turn: Turn, vector: Sequence[arb]) -> list[arb]:
-    """A vector fixed in space, in body axes before the turn, in body axes after it."""
-    _, x, y, z = product(product(conjugate(turn), (arb(0), *vector)), turn)
-    return [x, y, z]
+@dataclass(frozen=True)
+class Start:
+    """gamma and the attitude at t = 0 in the scene's axes; both None where gamma is not known."""
+
+    gamma: Sequence[arb] | None
+    attitude: Turn | None
+
+    def row(self, omega: Sequence[arb], turn: Turn) -> Sequence[arb]:
+        """p q r [gamma1 gamma2 gamma3 q0 q1 q2 q3] after a turn from the start."""
+        if self.gamma is None or self.attitude is None:
+            return omega
+        g1, g2, g3 = self.gamma
+        return (*omega, *turned_back(turn, (g1, g2, g3)), *product(self.attitude, turn))
 
 
 def halves(gamma: Sequence[Exact], psi: Exact) -> tuple[acb, acb]:
-    """al and bt of gamma and psi, phi = atan2(g1, g2), 0 at a pole; the sign is not yet chosen.
+    """al and bt of gamma and psi; phi = atan2(g1, g2), 0 at a pole; the sign is not yet chosen.
 
     Of cos and sin of theta/2 the smaller one comes from sin theta: nothing is lost near a pole.
     """

@@ -1,215 +1,117 @@
-"""The torque-free rotation at one precision: angular velocity and turn, in the moments' own axes.
+"""The torque-free rotation in balls: angular velocity and turn, in the moments' own axes.
 
-``I w' + w x I w = 0`` in principal axes numbered for the motion (by
-:mod:`polhode.closed_forms.euler.top`): the polhode circles axis 3, which belongs to the
-largest or the smallest moment, and axis 2 to the middle one.  The turn from time 0 to t is a
-quaternion, scalar first, in the axes of the body at time 0, or at t: a turn's own axis is the same
-in both.
-
-With 2h = w.Iw and G = |Iw| (Whittaker, Analytical Dynamics, art. 69; van Zon and Schofield,
-J. Comput. Phys. 225 (2007) 145, section 3)
+I w' + w x I w = 0 in principal axes numbered for the motion (:func:`..regimes.numbered`): the
+polhode circles axis 3, which belongs to the largest or the smallest moment, and axis 2 to the
+middle one.  With 2h = w.Iw and G = |Iw| (Whittaker, Analytical Dynamics, art. 69; van Zon and
+Schofield, J. Comput. Phys. 225 (2007) 145, section 3)
 
     P = 2h I3 - G^2,  R = G^2 - 2h I1,  k^2 = (I2-I1)P/((I3-I2)R),  rate^2 = (I3-I2)R/(I1 I2 I3),
     w = (s1 p_m cn v, s2 q_m sn v, s3 r_m dn v),  v = v0 + rate t.
 
-Every constant that a difference could spoil comes here as the square of an exact number.
+In space axes of which the third is along G, Iw/G = (s1 sin th cos chi, -s1 sin th sin chi, cos th)
+has the angles z-y-z of the attitude.  Half of each is linear in time, but for the root of a number
+in the right half plane, whose principal value is continuous.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Any, TypeAlias
+from collections.abc import Sequence
+from dataclasses import dataclass
 
-from polhode.closed_forms.functions.jacobi import (
-    MP,
-    Jacobi,
-    Quotient,
-    SeriesFunctions,
-    jacobi,
-    quotient,
+from flint import acb, arb
+
+from polhode.closed_forms.balls.core import ball, root
+from polhode.closed_forms.balls.frames import (
+    Frame,
+    Start,
+    Turn,
+    conjugate,
+    product,
+    quaternion,
 )
-from polhode.closed_forms.functions.quaternion import AnyVector, Quaternion, product
-from polhode.numbers.mpmath_context import mpf, mpmath
-from polhode.numbers.scalars import Scalar
+from polhode.closed_forms.balls.jacobi import Jacobi
+from polhode.closed_forms.euler.regimes import Numbers
+
+_I = acb(0, 1)
+_QUARTERS = (acb(1), _I, acb(-1), -_I)
 
 
 @dataclass(frozen=True)
 class PermanentRotation:
     """w constant: the body turns uniformly about it (Rodrigues' formula)."""
 
-    omega: AnyVector
-    half: Scalar  # |w|/2
-    axis: AnyVector  # w/|w|, or zero at rest
+    omega: Sequence[arb]  # in the scene's axes, as what follows
+    half: arb  # |w|/2, the exact 0 at rest
+    start: Start
 
-    def state(self, t: Scalar, fn: SeriesFunctions) -> tuple[AnyVector, Quaternion]:
-        """w at t, and the turn from time 0 to t as a quaternion continuous in t."""
-        c, s = fn.cos_sin(self.half * t)
+    @property
+    def speed(self) -> arb:
+        """|w|, or 1 at rest."""
+        return arb(1) if self.half.is_zero() else 2 * self.half
+
+    @property
+    def axis(self) -> tuple[arb, arb, arb]:
+        """w/|w|, or w = 0."""
+        x, y, z = (w / self.speed for w in self.omega)
+        return x, y, z
+
+    def row(self, t: arb, attitude: bool) -> Sequence[arb]:
+        """The row at a time."""
+        del attitude
+        sin, cos = (self.half * t).sin_cos()
         x, y, z = self.axis
-        return self.omega, (c, s * x, s * y, s * z)
-
-    def floats(self, speed: Any) -> PermanentRotation:
-        """The same with Python floats, time in units of 1/speed."""
-        omega = tuple(x / speed for x in self.omega)
-        return PermanentRotation(_floats(omega), float(self.half / speed), _floats(self.axis))
+        return self.start.row(self.omega, (cos, sin * x, sin * y, sin * z))
 
 
-@dataclass(frozen=True)
 class Polhode:
     """The general motion; k = 0 (two equal moments) and k' = 0 (the separatrix) included."""
 
-    elliptic: Jacobi
-    shift: Quotient
-    rate: Scalar
-    v0: Scalar
-    omega: AnyVector  # the amplitudes, with their signs
-    momentum: AnyVector  # the same times I/G
-    ellipse: tuple[Scalar, Scalar]  # |momentum| 1 and 2 over the larger: no double of it underflows
-    precession: Scalar  # of axis 3 about G, but for what ``jump`` and ``shift`` add
-    jump: Scalar  # of psi with every half period 2K
-    backward: bool  # the smallest moment is the third: the quotient enters conjugated
-    sense: int  # s1 s2
-    start: Quaternion = (1, 0, 0, 0)  # inverse of the place at t = 0
-
-    def state(self, t: Scalar, fn: SeriesFunctions) -> tuple[AnyVector, Quaternion]:
-        """w at t, and the turn from time 0 to t as a quaternion continuous in t."""
-        omega, place = self.place(t, fn)
-        return omega, product(self.start, place)
-
-    def place(self, t: Scalar, fn: SeriesFunctions) -> tuple[AnyVector, Quaternion]:
-        """w, and the quaternion body -> space in the space axes whose third is along G.
-
-        Euler angles z-y-z: Iw/G = (s1 sin th cos phi, -s1 sin th sin phi, cos th).
-        With psi and phi continuous, cos th/2 exp i(psi+phi)/2 and sin th/2 exp i(psi-phi)/2 are
-        continuous, hence the quaternion.  Each angle is a linear part, half turns counted by n, and
-        the argument of a point of the right half plane, whose half has no branch to choose.
-        """
-        waves = self.elliptic.waves(self.v0 + self.rate * t, fn)
-        sn, cn, dn = self.elliptic.functions(waves)
-        n = waves.turns
-        odd = n % 2
-        sign = 1 - 2 * odd
-        a, b, c = self.omega
-        omega = (sign * a * cn, sign * b * sn, c * dn)
-
-        one, two, three = self.momentum
-        z1, z2, z3 = one * cn, two * sn, three * dn
-        across2 = z1 * z1 + z2 * z2  # sin^2 th, never 0
-        larger = (1 + abs(z3)) / 2
-        near, far = fn.sqrt(larger), fn.sqrt(across2 / (4 * larger))
-        cos_th, sin_th = (near, far) if three > 0 else (far, near)
-
-        x, y = self.shift.at(waves)
-        c1, s1 = _half(x, -y if self.backward else y, fn)
-        c2, s2 = fn.cos_sin((self.precession * t + self.jump * n) / 2)
-        psi = c1 * c2 - s1 * s2, s1 * c2 + c1 * s2
-        # chi = n pi + atan2(|z2|, |z1|), phi = -sense chi; exp(i n pi/2) by n modulo 4.
-        wide, high = self.ellipse
-        c3, s3 = _half(wide * cn, high * sn, fn)
-        turn = 1 - (n % 4 - odd)
-        still, quarter = turn * (1 - odd), turn * odd
-        c4, s4 = still * c3 - quarter * s3, still * s3 + quarter * c3
-        phi = c4, -self.sense * s4
-        sin_th = -sin_th if one > 0 else sin_th
-        return omega, (
-            cos_th * (psi[0] * phi[0] - psi[1] * phi[1]),
-            -sin_th * (psi[1] * phi[0] - psi[0] * phi[1]),
-            sin_th * (psi[0] * phi[0] + psi[1] * phi[1]),
-            cos_th * (psi[1] * phi[0] + psi[0] * phi[1]),
+    def __init__(self, numbers: Numbers, frame: Frame, start: Start) -> None:
+        n = numbers
+        self._frame, self._start = frame, start
+        self.elliptic = Jacobi(ball(n.k2), ball(n.kc2))
+        self.rate, momentum = root(n.rate2), root(n.G2)
+        self._sense, (self._s1, s2, self._s3) = n.sense, n.signs
+        self._amplitudes = [s * root(x) for s, x in zip(n.signs, n.squares, strict=True)]
+        self.speed = root(n.squares[0] + n.squares[1] + n.squares[2])
+        g1, g2, g3 = (
+            ball(m) * x / momentum for m, x in zip(n.moments, self._amplitudes, strict=True)
         )
+        self._g = abs(g1), abs(g2), abs(g3)
+        self._forward = self._s1 * s2 < 0  # the sense of chi
+        sn2, cn2, dn2 = (ball(x) for x in n.phase)
+        self._v0 = self.elliptic.phase(n.side * sn2.sqrt(), cn2, dn2)
+        self._shift = self.elliptic.shift(*(ball(x) for x in n.shift))
+        turning = self._sense * self.elliptic.rate(self._shift, half=False) * self.rate
+        #: The mean rate of the third axis about G.
+        self.precession = momentum / ball(n.moments[2]) + turning
+        self._begin = conjugate(self._place(arb(0))[1])
 
-    def angles(self, t: Scalar) -> tuple[Scalar, Scalar]:
-        """The continuous psi and phi of :meth:`place`, to a constant each."""
-        waves = self.elliptic.waves(self.v0 + self.rate * t, MP)
-        sn, cn, _ = self.elliptic.functions(waves)
-        x, y = self.shift.at(waves)
-        psi = mpmath.atan2(-y if self.backward else y, x)
-        chi = mpmath.atan2(self.ellipse[1] * sn, self.ellipse[0] * cn)
-        n = waves.turns
-        return self.precession * t + self.jump * n + psi, -self.sense * (chi + mpmath.pi * n)
+    def row(self, t: arb, attitude: bool) -> Sequence[arb]:
+        """The row at a time."""
+        del attitude
+        omega, place = self._place(t)
+        turn = self._frame.turn(product(self._begin, place))
+        return self._start.row(self._frame.back(omega), turn)
 
-    def floats(self, speed: Scalar) -> Polhode:
-        """The same with Python floats, time in units of 1/speed."""
-        return replace(
-            self,
-            elliptic=self.elliptic.floats(),
-            shift=self.shift.floats(),
-            rate=float(self.rate / speed),
-            v0=float(self.v0),
-            omega=_floats(tuple(x / speed for x in self.omega)),
-            momentum=_floats(self.momentum),
-            ellipse=_floats(self.ellipse),
-            precession=float(self.precession / speed),
-            jump=float(self.jump),
-            start=_floats(self.start),
-        )
-
-
-EulerMotion: TypeAlias = PermanentRotation | Polhode
-
-
-def permanent_rotation(omega: AnyVector) -> PermanentRotation:
-    """The rotation about a constant w."""
-    speed = mpmath.sqrt(sum(x * x for x in omega))
-    return PermanentRotation(omega, speed / 2, tuple(x / speed if speed else x for x in omega))
+    def _place(self, t: arb) -> tuple[list[arb], Turn]:
+        """w, and the quaternion body -> space in axes of space of which the third is along G."""
+        at = self.elliptic.at(self._v0 + self.rate * t)
+        (a, b, c), (g1, g2, g3) = self._amplitudes, self._g
+        omega = [at.side * a * at.cn, at.side * b * at.sn, c * at.dn]
+        x, y = g1 * at.cn, g2 * at.sn
+        near = ((1 + g3 * at.dn) / 2).sqrt()
+        far = (x * x + y * y).sqrt() / (2 * near)
+        cos, sin = (near, far) if self._s3 > 0 else (far, near)
+        theta = at.quotient(self._shift, half=False)
+        psi = _half_argument(theta if self._sense > 0 else theta.conjugate())
+        psi *= (_I * (self.precession * t / 2)).exp()
+        chi = _half_argument(acb(x, y)) * _QUARTERS[at.n % 4]
+        if not self._forward:
+            chi = chi.conjugate()
+        return omega, quaternion(psi * chi * cos, psi * chi.conjugate() * (-self._s1 * sin) * _I)
 
 
-def polhode(numbers: Mapping[str, Any], signs: tuple[int, int, int]) -> Polhode:
-    """The constants of the general motion, at the precision in force.
-
-    ``numbers`` are the exact ones of :class:`polhode.closed_forms.euler.top.EulerTop`, rounded;
-    ``signs`` those of w at v = 0, K, 0.
-    """
-    n, sqrt = numbers, mpmath.sqrt
-    s1, s2, s3 = signs
-    elliptic = jacobi(n["k2"], n["kc2"])
-    rate = sqrt(n["rate2"])
-    # R_F takes sn, cn, dn as three exact numbers: near a turning point nothing is lost.
-    v0 = n["sn0"] * mpmath.elliprf(n["cn0_2"], n["dn0_2"], 1)
-    shift = _shift(n, elliptic)
-    backward = bool(n["I3"] < n["I1"])
-    sense = -1 if backward else 1
-    G = sqrt(n["G2"])
-    omega = (s1 * sqrt(n["p2"]), s2 * sqrt(n["q2"]), s3 * sqrt(n["r2"]))
-    momentum = tuple(n[name] * x / G for name, x in zip(("I1", "I2", "I3"), omega, strict=True))
-    wide, high = abs(momentum[0]), abs(momentum[1])
-    made = Polhode(
-        elliptic,
-        shift,
-        rate,
-        v0,
-        omega,
-        momentum,
-        (wide / max(wide, high), high / max(wide, high)),
-        G / n["I3"] + sense * shift.rate * rate,
-        sense * shift.jump,
-        backward,
-        s1 * s2,
-    )
-    q0, q1, q2, q3 = made.place(mpf(0), MP)[1]
-    return replace(made, start=(q0, -q1, -q2, -q3))
-
-
-def _shift(n: Mapping[str, Any], elliptic: Jacobi) -> Quotient:
-    """The quotient for axis 3 in space; its argument a from whichever end of [0, K'] is nearer.
-
-    sn, cn, dn of a have modulus k'; those of K' - a are cn/dn, k sn/dn, k/dn.
-    """
-    sn2, cn2, dn2 = n["sn_a2"], n["cn_a2"], n["dn_a2"]
-    a = mpmath.sqrt(sn2) * mpmath.elliprf(cn2, dn2, 1)
-    if 2 * a <= elliptic.Kc:
-        return quotient(elliptic, a)
-    k2 = n["k2"]
-    b = mpmath.sqrt(cn2 / dn2) * mpmath.elliprf(k2 * sn2 / dn2, k2 / dn2, 1)
-    return quotient(elliptic, b, from_end=True)
-
-
-def _half(x: Scalar, y: Scalar, fn: SeriesFunctions) -> tuple[Scalar, Scalar]:
-    """(cos, sin) of half the argument of x + i y, x >= 0."""
-    modulus = fn.hypot(x, y)
-    cos = fn.sqrt((1 + x / modulus) / 2)
-    return cos, y / (2 * modulus * cos)
-
-
-def _floats(row: tuple[Scalar, ...]) -> tuple[Scalar, ...]:
-    return tuple(float(x) for x in row)
+def _half_argument(z: acb) -> acb:
+    """exp of i/2 times the argument of z, whose real part is positive."""
+    return (z / abs(z)).sqrt()

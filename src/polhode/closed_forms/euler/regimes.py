@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from polhode.numbers.exact import Exact, sign, total
+from polhode.scenes.body import Vector
 
 
 def is_permanent(I: Sequence[Exact], w: Sequence[Exact]) -> bool:
@@ -41,11 +44,42 @@ def regime(I: Sequence[Exact], w: Sequence[Exact], side: int) -> str:
     return f"polhode about the {'largest' if side > 0 else 'smallest'}-moment axis"
 
 
-def exact_numbers(I: Sequence[Exact], w: Sequence[Exact]) -> dict[str, Exact]:
-    """The numbers that :func:`polhode.closed_forms.euler.motion.polhode` takes, none negative.
+def numbered(I: Sequence[Exact], w: Sequence[Exact]) -> tuple[tuple[int, ...], int]:
+    """The principal axes in the order of the motion, and the sign of G^2 - 2hB (B the middle one).
 
-    Moments and w in the axes numbered for the motion, which is not a permanent rotation.
+    The third is the axis that the polhode circles, of the largest moment where G^2 >= 2hB and of
+    the smallest where G^2 < 2hB; the second is that of B.
     """
+    ranking = sorted(range(3), key=functools.cmp_to_key(lambda i, j: sign(I[i] - I[j])))
+    side = excess(I, w, I[ranking[1]])
+    if side < 0:
+        ranking.reverse()
+    return tuple(ranking), side
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """The exact numbers of a motion that is no permanent rotation; no square is negative.
+
+    Triples of squares are those of sn, cn, dn: of the phase at t = 0 to the modulus k, and of the
+    imaginary shift to k'.
+    """
+
+    moments: Vector
+    G2: Exact
+    k2: Exact
+    kc2: Exact
+    rate2: Exact
+    squares: Vector  # of the amplitudes of w
+    phase: Vector
+    shift: Vector
+    signs: tuple[int, int, int]  # of the amplitudes
+    side: int  # of the phase at t = 0
+    sense: int  # 1 where the third moment is the largest, -1 where it is the smallest
+
+
+def numbers(I: Vector, w: Vector) -> Numbers:
+    """The numbers of moments and w in the axes numbered for the motion."""
     I1, I2, I3 = I
     m1, m2, m3 = (a * x for a, x in zip(I, w, strict=True))
     d21, d31, d32 = I2 - I1, I3 - I1, I3 - I2
@@ -55,21 +89,18 @@ def exact_numbers(I: Sequence[Exact], w: Sequence[Exact]) -> dict[str, Exact]:
     R = m2 * w[1] * d21 + m3 * w[2] * d31
     D = m3 * w[2] * d32 - m1 * w[0] * d21
     p2, q2, r2 = P / (I1 * d31), P / (I2 * d32), R / (I3 * d31)
-    return {
-        "I1": I1,
-        "I2": I2,
-        "I3": I3,
-        "G2": G2,
-        "k2": d21 * P / (d32 * R),
-        "kc2": d31 * D / (d32 * R),
-        "rate2": d32 * R / (I1 * I2 * I3),
-        "p2": p2,
-        "q2": q2,
-        "r2": r2,
-        "sn0_2": w[1] * w[1] / q2,
-        "cn0_2": w[0] * w[0] / p2,
-        "dn0_2": w[2] * w[2] / r2,
-        "sn_a2": I3 * R / (G2 * d31),
-        "cn_a2": I1 * P / (G2 * d31),
-        "dn_a2": I2 * P / (G2 * d32),
-    }
+    s1, s3 = (1 if sign(x) >= 0 else -1 for x in (w[0], w[2]))
+    s2 = sign(d32) * s1 * s3
+    return Numbers(
+        moments=I,
+        G2=G2,
+        k2=d21 * P / (d32 * R),
+        kc2=d31 * D / (d32 * R),
+        rate2=d32 * R / (I1 * I2 * I3),
+        squares=(p2, q2, r2),
+        phase=(w[1] * w[1] / q2, w[0] * w[0] / p2, w[2] * w[2] / r2),
+        shift=(I3 * R / (G2 * d31), I1 * P / (G2 * d31), I2 * P / (G2 * d32)),
+        signs=(s1, s2, s3),
+        side=s2 * (sign(w[1]) or 1),
+        sense=sign(d31),
+    )

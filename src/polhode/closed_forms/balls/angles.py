@@ -1,0 +1,190 @@
+"""psi, theta and phi of a motion in balls, psi and phi continuous in time.
+
+With al = q0 + i q3 and bt = q1 + i q2, psi and phi are the sum and the difference of arg al and
+arg bt, and theta = 2 atan2(|bt|, |al|).  The arguments are known modulo 2 pi from the numbers at
+the time; how often they went round is known from a growth that is right to less than half a turn.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol, TypeAlias
+
+from flint import acb, arb
+
+from polhode.closed_forms._engine.initial_attitude import start_angles
+from polhode.closed_forms.balls.core import Refused, Row, TooFewBits, ball, number, until_sure
+from polhode.closed_forms.balls.frames import Turn
+from polhode.closed_forms.balls.winding import Grown, counted
+from polhode.closed_forms.functions.rounding import shortened
+from polhode.numbers.exact import EQUAL_BITS, Exact, sign
+from polhode.numbers.flint_context import ctx
+from polhode.numbers.mpmath_context import mpf
+
+#: The growth of the two arguments; None of one whose number is always 0.
+Arguments: TypeAlias = tuple[arb | None, arb | None]
+
+_COUNTING_BITS = (192, 512)
+#: For the direction in which a pole is left: an error of 2^-64 is none to it.
+_POLE_BITS = 256
+_TURN = acb(0, 1)
+
+
+class Turning(Protocol):
+    """What the angles need of a motion."""
+
+    def quaternion_at(self, t: arb) -> Turn:
+        """The attitude at a time, at the precision in force."""
+        ...
+
+    def arguments_at(self, t: arb) -> Arguments | None:
+        """The growth of the two arguments from 0; None: it is to be counted."""
+        ...
+
+    def speed_bound(self) -> arb:
+        """A bound of |w|, at the precision in force."""
+        ...
+
+
+def angle_rows(
+    motion: Turning,
+    gamma: Sequence[Exact],
+    psi: Exact,
+    side: int,
+    times: Sequence[Exact],
+    digits: int,
+) -> list[list[mpf | None]]:
+    """Rows psi, theta, phi; psi and phi are None at a pole.
+
+    ``side``: the sign by which the attitude differs from the one that has psi and phi at t = 0.
+    """
+    start = _Start(motion, gamma, psi, side)
+    growths = _counts(motion, start, times)
+    rows = []
+    for t, growth in zip(times, growths, strict=True):
+        if sign(t) == 0:
+            bits = int(3.33 * digits) + 40
+            rows.append(shortened(start_angles(gamma, psi, bits), digits, absolute=True))
+        else:
+            rows.append(_row(start, t, growth, digits))
+    return rows
+
+
+class _Start:
+    """The attitude and its arguments at t = 0."""
+
+    def __init__(self, motion: Turning, gamma: Sequence[Exact], psi: Exact, side: int) -> None:
+        self.motion, self.side = motion, side
+        self._gamma, self._psi = gamma, psi
+        self.pole = sign(gamma[2]) if sign(gamma[0]) == 0 == sign(gamma[1]) else 0
+        self._left: dict[int, arb] = {}
+
+    def parameters(self, t: arb) -> tuple[acb, acb]:
+        """al and bt, of the sign that has psi and phi at t = 0."""
+        q0, q1, q2, q3 = (self.side * x for x in self.motion.quaternion_at(t))
+        return acb(q0, q3), acb(q1, q2)
+
+    def arguments(self, sense: int) -> tuple[arb, arb]:
+        """Those of al and bt at t = 0; at a pole one is its limit on the side of ``sense``."""
+        psi = ball(self._psi)
+        if not self.pole:
+            phi = arb.atan2(ball(self._gamma[0]), ball(self._gamma[1]))
+            return (psi + phi) / 2, (psi - phi) / 2
+        if sense not in self._left:
+            self._left[sense] = self._direction(sense)
+        left = psi / 2 + self._left[sense]
+        return (psi / 2, left) if self.pole > 0 else (left, psi / 2)
+
+    def soon(self, sense: int) -> arb:
+        """A time shortly after t = 0, where it is a pole; else 0."""
+        if not self.pole:
+            return arb(0)
+        return (sense * arb(2) ** -(_POLE_BITS // 4) / self.motion.speed_bound()).mid()
+
+    def _direction(self, sense: int) -> arb:
+        """The limit of arg bt - arg al, or of arg al - arg bt, the negative axis counted as +pi."""
+        with ctx.workprec(_POLE_BITS):
+            al, bt = self.parameters(self.soon(sense))
+            z = bt * al.conjugate() if self.pole > 0 else al * bt.conjugate()
+            if z.contains(0):
+                return arb(0)  # it never leaves the pole
+            z = z / abs(z)
+            turned = -z.real > 1 - arb(2) ** -50
+            return arb.pi() if turned else z.arg().mid()
+
+
+def _counts(motion: Turning, start: _Start, times: Sequence[Exact]) -> list[Grown | None]:
+    """The growth of both arguments at each time, where the motion does not tell it."""
+    with ctx.workprec(_COUNTING_BITS[0]):
+        if motion.arguments_at(arb(1)) is not None:
+            return [None] * len(times)
+    found: dict[int, Grown] = {}
+    for sense in (1, -1):
+        order = [n for n, t in enumerate(times) if sign(t) == sense]
+        order.sort(key=lambda n: abs(times[n]))
+        if order:
+            counts = _counted(motion, start, [times[n] for n in order], sense)
+            found |= dict(zip(order, counts, strict=True))
+    return [found.get(n) for n in range(len(times))]
+
+
+def _counted(motion: Turning, start: _Start, times: Sequence[Exact], sense: int) -> list[Grown]:
+    for bits in _COUNTING_BITS:
+        with ctx.workprec(bits):
+            try:
+                moments = [ball(t) for t in times]
+                return counted(
+                    motion.quaternion_at, motion.speed_bound(), start.soon(sense), moments
+                )
+            except TooFewBits:
+                continue
+    raise Refused("the turns were not counted: balls of the attitude are too wide at this time")
+
+
+def _row(start: _Start, t: Exact, growth: Grown | None, digits: int) -> list[mpf | None]:
+    """psi, theta and phi; only theta where al or bt is 0, or is not told from it."""
+
+    def grown(moment: arb) -> Arguments:
+        told = growth or start.motion.arguments_at(moment)
+        assert told is not None
+        return told
+
+    def whole() -> Row:
+        moment = ball(t)
+        z = start.parameters(moment)
+        args = [
+            _branch(one, begin + more)
+            for one, begin, more in zip(z, start.arguments(sign(t)), grown(moment), strict=True)
+        ]
+        return [args[0] + args[1], _theta(z), args[0] - args[1]], [arb(1)] * 3
+
+    def tilt() -> Row:
+        return [_theta(start.parameters(ball(t)))], [arb(1)]
+
+    with ctx.workprec(_COUNTING_BITS[0]):
+        always = growth is None and None in (start.motion.arguments_at(ball(t)) or ())
+    if not always:
+        try:
+            found = until_sure(whole, digits, EQUAL_BITS + 4 * digits)
+            psi, theta, phi = (number(x, digits, absolute=True) for x in found)
+        except Refused:
+            pass
+        else:
+            return [psi, theta, phi]
+    (theta,) = until_sure(tilt, digits)
+    return [None, number(theta, digits), None]
+
+
+def _theta(z: tuple[acb, acb]) -> arb:
+    return 2 * arb.atan2(abs(z[1]), abs(z[0]))
+
+
+def _branch(z: acb, near: arb) -> arb:
+    """The argument of z that is less than half a turn from a number."""
+    if z.contains(0) or not near.is_finite():
+        raise TooFewBits
+    middle = near.mid()
+    rest = (z * (-_TURN * middle).exp()).arg()
+    if not abs(rest) + (near - middle).abs_upper() < arb.pi():
+        raise TooFewBits
+    return middle + rest

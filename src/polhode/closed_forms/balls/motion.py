@@ -1,0 +1,216 @@
+"""A closed form whose rows are balls: what each family in balls inherits."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Protocol
+
+from flint import arb
+
+from polhode.closed_forms._engine.closed_form import ClosedForm, Rows
+from polhode.closed_forms.balls.angles import Arguments, angle_rows
+from polhode.closed_forms.balls.core import Kept, Refused, Row, ball, number, sure_rows, until_sure
+from polhode.closed_forms.balls.frames import Start, Turn, start_attitude
+from polhode.numbers.exact import ZERO, Exact, Irrational, noted
+from polhode.numbers.mpmath_context import mpf
+from polhode.scenes.body import Vector
+
+_SPARE = 5  # digits of frequencies, of which one may be much smaller than another
+
+
+class Solution(Protocol):
+    """A motion from its start, at one precision."""
+
+    @property
+    def speed(self) -> arb:
+        """A bound of |w| over all time, and about its size; positive, 1 at rest."""
+        ...
+
+    def row(self, t: arb, attitude: bool) -> Sequence[arb]:
+        """p q r [gamma1 gamma2 gamma3 [q0 q1 q2 q3]] in the scene's axes.
+
+        gamma is in it wherever the scene has one.  The quaternion, continuous from the start's on,
+        may be left out where it costs much and ``attitude`` does not ask for it.
+        """
+        ...
+
+
+class BallMotion(ClosedForm):
+    """A closed form in balls: its digits are proven.
+
+    A family gives ``_set_up`` (exact, with ``regime``) and :meth:`_solved`, and what it knows of
+    :meth:`_period_ball`, :meth:`_rate_balls` and :meth:`_arguments`.  ``_solution()`` is what
+    ``_solved`` made at the precision in force, ``_start()`` gamma and the quaternion
+    at t = 0.
+
+    ``assumed`` holds what was called 0 by the rule for irrational numbers alone, while the motion
+    was made and asked: the digits are proven if those numbers are 0.
+    """
+
+    proven = True
+    #: Whether :meth:`_arguments` tells the turns of psi and phi; set in ``_set_up``.
+    _knows_turns = False
+
+    def __init__(
+        self,
+        moments: Vector,
+        torque: Vector,
+        omega: Vector,
+        gamma: Vector | None,
+        psi: Exact = ZERO,
+        axes: Rows | None = None,
+    ) -> None:
+        self._called_zero: dict[int, Irrational] = {}
+        self._omega = omega
+        self._solution = Kept(self._solved)
+        self._start: Kept[Start] = Kept(self._first)
+        self._last: tuple[list[Exact], int, list[Sequence[arb]]] = [], 0, []
+        with self._noting():
+            super().__init__(moments, torque, omega, gamma, psi, axes)
+
+    @abstractmethod
+    def _solved(self) -> Solution:
+        """The motion at the precision in force."""
+
+    def _period_ball(self) -> arb | None:
+        """The period of omega at the precision in force; None where none is known."""
+        return None
+
+    def _rate_balls(self) -> Mapping[str, arb]:
+        """The frequencies by name, at the precision in force."""
+        period = self._period_ball()
+        return {} if period is None else {self._body: 2 * arb.pi() / period}
+
+    def _arguments(self, t: arb) -> Arguments:
+        """The growth of arg(q0 + i q3) and arg(q1 + i q2) from 0 to t; None of one always 0.
+
+        Asked only where the family knows them at any time.
+        """
+        raise NotImplementedError
+
+    @property
+    def assumed(self) -> tuple[Irrational, ...]:
+        """The numbers that were called 0 by the rule for irrational numbers."""
+        return tuple(self._called_zero.values())
+
+    def at(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
+        """Rows p q r [gamma1 gamma2 gamma3], one a time."""
+        rows = self._rows(times, digits, attitude=False)
+        return [[number(x, digits) for x in row[: self._width]] for row in rows]
+
+    def attitude(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
+        """Rows q0 q1 q2 q3, one a time."""
+        rows = self._rows(times, digits, attitude=True)
+        return [[number(x, digits) for x in row[6:]] for row in rows]
+
+    def angles(self, times: Sequence[Exact], digits: int) -> list[list[mpf | None]]:
+        """Rows psi, theta, phi; psi and phi continuous, None where gamma is along axis 3."""
+        gamma = self._gamma
+        with self._noting():
+            return angle_rows(self, gamma, self._psi, self._sign, times, digits)
+
+    def radii(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
+        """Bounds of the errors of the middles that :meth:`at` rounds, number by number."""
+        rows = self._rows(times, digits, attitude=False)
+        return [[number(x.rad(), 3) for x in row[: self._width]] for row in rows]
+
+    def error(self, digits: int, times: Sequence[Exact]) -> mpf | None:
+        """The largest radius of :meth:`at`, of w over a bound of |w|."""
+        rows, worst = self._rows(times, digits, attitude=False), arb(0)
+        sizes = self._sizes()
+        for row in rows:
+            for x, size in zip(row[: self._width], sizes, strict=False):
+                worst = worst.max(x.rad() / size)
+        return number(worst.mid(), 3)
+
+    def period(self, digits: int) -> mpf | None:
+        """The least period of omega in the body; None without any."""
+        return self._relative(self._periods, digits).get("period")
+
+    def frequencies(self, digits: int) -> dict[str, mpf]:
+        """The motion's frequencies by name."""
+        return self._relative(self._rate_balls, digits)
+
+    def quaternion_at(self, t: arb) -> Turn:
+        """The attitude at a time, at the precision in force."""
+        q0, q1, q2, q3 = self._row(t, attitude=True)[0][6:]
+        return q0, q1, q2, q3
+
+    def arguments_at(self, t: arb) -> Arguments | None:
+        """The growth of the arguments of the attitude's two parameters; None: to be counted."""
+        return self._arguments(t) if self._knows_turns else None
+
+    def speed_bound(self) -> arb:
+        """A bound of |w|, at the precision in force."""
+        return self._solution().speed
+
+    def _rows(self, times: Sequence[Exact], digits: int, *, attitude: bool) -> list[Sequence[arb]]:
+        """The rows asked for; those of the last question are kept."""
+        if attitude:
+            _ = self._gamma  # refuses where it is not known
+        known, wanted, rows = self._last
+        wide = not attitude or all(len(row) > 6 for row in rows)
+        if not (wanted == digits and wide and known == list(times)):
+            with self._noting():
+                rows = sure_rows(lambda t: self._row(t, attitude=attitude), times, digits)
+            self._last = list(times), digits, rows
+        return rows
+
+    def _row(self, t: arb, *, attitude: bool) -> Row:
+        """A row and the sizes of its numbers."""
+        solution = self._solution()
+        if t.is_zero():
+            still = arb(1), arb(0), arb(0), arb(0)
+            row = self._start().row([ball(x) for x in self._omega], still)
+        else:
+            row = solution.row(t, attitude)
+        return row, self._sizes()[: len(row)]
+
+    def _sizes(self) -> list[arb]:
+        """Those of a row's numbers."""
+        return [self._solution().speed] * 3 + [arb(1)] * 7
+
+    @property
+    def _width(self) -> int:
+        """Of a row of :meth:`at`."""
+        return 3 if self._known_gamma is None else 6
+
+    def _first(self) -> Start:
+        """gamma and the attitude at t = 0, in the scene's axes."""
+        if self._known_gamma is None:
+            return Start(None, None)
+        attitude = start_attitude(self._known_gamma, self._psi, self._sign)
+        return Start([ball(x) for x in self._known_gamma], attitude)
+
+    def _periods(self) -> dict[str, arb]:
+        period = self._period_ball()
+        return {} if period is None else {"period": period}
+
+    def _relative(self, numbers: Callable[[], Mapping[str, arb]], digits: int) -> dict[str, mpf]:
+        """Numbers by name, to so many digits of the largest and some more."""
+        names: list[str] = []
+
+        def row() -> Row:
+            named = numbers()
+            names[:] = named
+            largest = arb(0)
+            for x in named.values():
+                largest = largest.max(abs(x))
+            return [*named.values()], [largest if largest > 0 else arb(1)] * len(named)
+
+        with self._noting():
+            found = until_sure(row, digits + _SPARE)
+        return {name: number(x, digits) for name, x in zip(names, found, strict=True)}
+
+    @contextmanager
+    def _noting(self) -> Iterator[None]:
+        """Keep what is called 0 by the rule meanwhile, and say of what a question is refused."""
+        with noted() as met:
+            try:
+                yield
+            except Refused as fault:
+                raise Refused(f"{self.regime}: {fault}") from None
+            finally:
+                self._called_zero |= {id(x): x for x in met}

@@ -1,0 +1,80 @@
+"""Turns about an axis that is fixed in the body and in space: psi and phi at any angle.
+
+After a turn by 2x about the unit vector n the attitude is q cos x + q (0, n) sin x, so that each of
+al = q0 + i q3 and bt = q1 + i q2 runs on an ellipse z0 cos x + z1 sin x, anticlockwise, clockwise
+or to and fro through 0 as Im(conj(z0) z1) is positive, negative or 0.  With the vertical g,
+
+    2 Im(conj(al0) al1) = n.g + n3,    2 Im(conj(bt0) bt1) = n.g - n3,
+
+and al1, bt1 are those of the half turn about n, which takes g to 2(n.g) n - g.
+"""
+
+from __future__ import annotations
+
+from flint import acb, arb
+
+from polhode.closed_forms.balls.angles import Arguments
+from polhode.closed_forms.balls.core import TooFewBits, nearest_integer
+from polhode.closed_forms.balls.frames import Turn, product
+from polhode.numbers.exact import sign
+from polhode.scenes.body import Vector, dot, minus, scaled
+
+
+class OneAxis:
+    """What is decided exactly of the turns about ``n``, of any length, from the vertical ``g``."""
+
+    def __init__(self, n: Vector, g: Vector) -> None:
+        along = dot(n, g)
+        self._senses = sign(along + n[2]), sign(along - n[2])
+        self._begins = _present(g)
+        self._crosses = _present(minus(scaled(2 * along, n), scaled(dot(n, n), g)))
+
+    def arguments(self, start: Turn, n: tuple[arb, arb, arb], x: arb) -> Arguments:
+        """The growth of arg al and arg bt over a turn by 2x from ``start``, ``n`` a unit vector.
+
+        Through 0 an argument grows by pi wherever the turn leads away from the start, and falls by
+        it where the turn comes back.
+        """
+        across = product(start, (arb(0), *n))
+        al, bt = (
+            _grown(
+                acb(start[i], start[j]) if begins else None,
+                acb(across[i], across[j]) if crosses else None,
+                sense,
+                x,
+            )
+            for (i, j), begins, crosses, sense in zip(
+                ((0, 3), (1, 2)), self._begins, self._crosses, self._senses, strict=True
+            )
+        )
+        return al, bt
+
+
+def _present(g: Vector) -> tuple[bool, bool]:
+    """Whether al, and bt, of a vertical is not 0; a vertical without length has neither."""
+    tilted = sign(g[0]) != 0 or sign(g[1]) != 0
+    side: int = sign(g[2])
+    return tilted or side > 0, tilted or side < 0
+
+
+def _grown(one: acb | None, other: acb | None, sense: int, x: arb) -> arb | None:
+    """The growth of the argument of one cos x + other sin x from 0; None where it is always 0."""
+    if one is None and other is None:
+        return None
+    if sense and one is not None:
+        n = nearest_integer(x / arb.pi())
+        rest = x - n * arb.pi()
+        z = one if other is None else one * rest.cos() + other * rest.sin()
+        return sense * n * arb.pi() + (z / one).arg()
+    if one is None:
+        return _whole(abs(x) / arb.pi()) * arb.pi()
+    beta = arb(0) if other is None else (other / one).real.atan()
+    return abs(_whole((x - beta) / arb.pi() + arb(1) / 2)) * arb.pi()
+
+
+def _whole(x: arb) -> int:
+    """The integer part, rounded down."""
+    n = x.floor().unique_fmpz()
+    if n is None:
+        raise TooFewBits
+    return int(n)
