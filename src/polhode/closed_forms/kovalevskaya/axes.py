@@ -20,10 +20,11 @@ from fractions import Fraction
 from typing import Any
 
 from polhode.closed_forms._engine.axes import RowMatrix, in_scene, principal
+from polhode.closed_forms.balls.frames import Frame
 from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.closed_forms.functions.rounding import log2, number
 from polhode.common.cached_property import cached_property
-from polhode.numbers.exact import ZERO, Exact, binary, exact, rounded, sign, sqrt
+from polhode.numbers.exact import ONE, ZERO, Exact, binary, exact, rounded, sign, sqrt
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import Vector
@@ -159,6 +160,15 @@ class KovalevskayaAxes:
             weight=n2 * over2,
             exponent=exponent,
         )
+
+    @cached_property
+    def frame(self) -> Frame:
+        """The top's axes in the scene's."""
+        (i, j, k), (X, Y) = self.order, self.centre
+        rows = [[ZERO] * 3 for _ in range(3)]
+        rows[0][i], rows[0][j], rows[1][i], rows[1][j], rows[2][k] = X, Y, -Y, X, ONE
+        square = X * X + Y * Y
+        return Frame(rows, (square, square, ONE), self.rows)
 
     @cached_property
     def third(self) -> int:

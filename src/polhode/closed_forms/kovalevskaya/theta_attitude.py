@@ -20,13 +20,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import product
 from typing import TypeAlias
 
 from flint import acb, acb_mat, arb
 
 from polhode.closed_forms.balls.core import TooFewBits, ball
-from polhode.closed_forms.balls.frames import Turn
+from polhode.closed_forms.balls.frames import Turn, conjugate, product
 from polhode.closed_forms.balls.quadrature import Pair
 from polhode.closed_forms.balls.theta2 import Theta2, added
 from polhode.closed_forms.kovalevskaya.theta_state import ThetaState, Values, dot, either_root
@@ -49,7 +48,6 @@ class Moment:
     The functions are over the exponentials of their logarithms.
     """
 
-    t: arb
     state: Sequence[arb]
     below: Values
     above: Values
@@ -74,15 +72,16 @@ class Choice:
 
 
 class ThetaAttitude:
-    """The quaternion in the top's axes as a function of time, at the precision in force.
+    """The turn of the top's axes since t = 0, at the precision in force.
 
-    ``first``: that at t = 0.  Raises TooFewBits where more than one motion fits the start.
+    ``first``: a quaternion at t = 0 that has the right gamma, in the top's axes.  Raises TooFewBits
+    where more than one motion fits the start.
     """
 
     def __init__(self, motion: ThetaState, first: Turn) -> None:
         if len(motion.choices) > 1:
             raise TooFewBits
-        self._motion = motion
+        self._motion, self._first = motion, first
         self._z0 = motion.choices[0].z0
         self._e, self._rate = self._third_kind()
         tau = motion.jacobian.lattice.tau
@@ -93,17 +92,17 @@ class ThetaAttitude:
         self._h = (l[0] + along[0]) / 2, (l[1] + along[1]) / 2
         self._choices = self._fitting(k, l, first)
 
-    def at(self, t: arb) -> Turn:
-        """q0 q1 q2 q3; ArithmeticError where it has not the gamma of the state."""
-        moment = self._moment(t)
+    def turn(self, t: arb, state: Sequence[arb]) -> Turn:
+        """The turn until t; ArithmeticError where it has not the gamma of the state then."""
+        moment = self._moment(t, state)
         turns = [_turn(choice.at(moment)) for choice in self._choices]
         q = turns[0]
         for other in turns[1:]:
             q = tuple(x.union(y) for x, y in zip(q, other, strict=True))
         if not all(x.is_finite() for x in q):
             raise TooFewBits
-        self._check(q, moment.state)
-        return q
+        self._check(q, state)
+        return product(conjugate(self._first), q)
 
     def _check(self, q: Turn, state: Sequence[arb]) -> None:
         """|q| = 1 and gamma against the state, which knows nothing of the attitude."""
@@ -136,30 +135,27 @@ class ThetaAttitude:
         k1, k2, l1, l2 = added(plus, minus)
         return (k1, k2), (l1, l2)
 
-    def _moment(self, t: arb) -> Moment:
+    def _moment(self, t: arb, state: Sequence[arb]) -> Moment:
+        """The functions at z0 + t V, which is z + 2(l + tau k)."""
         z, k = self._motion.place(self._z0, t)
-        return self._moment_at(t, z, k, self._motion.at(t))
-
-    def _moment_at(self, t: arb, z: Pair, k: tuple[int, int], state: Sequence[arb]) -> Moment:
-        """The functions at z, which is z0 + t V but for 2(l + tau k)."""
         h, e, V = self._h, self._e, self._motion.velocity
         low = z[0] + h[0], z[1] + h[1]
         below = self._functions.at(low)
         above = self._functions.at((low[0] + e[0], low[1] + e[1]))
         moved = 2 * _I * arb.pi() * (k[0] * e[0] + k[1] * e[1])
         log = self._rate * t - moved + above.log - below.log
-        return Moment(t, state, below.along(V), above.along(V), log)
+        return Moment(state, below.along(V), above.along(V), log)
 
     def _fitting(self, k: tuple[int, int], l: tuple[int, int], first: Turn) -> list[Choice]:
         """The choices that are not proven wrong."""
         motion = self._motion
-        root = _I if (k[0] * l[0] + k[1] * l[1]) % 2 else acb(1)
-        spaces = {n: _eigenspace(k, l, n * root) for n in (1, -1)}
-        speed = (2 * (motion.H + 2 * motion.largest_G)).sqrt()  # a bound of |w|
-        moments = [self._moment(ball(x) / speed) for x in _TIMES]
+        unit = _I if (k[0] * l[0] + k[1] * l[1]) % 2 else acb(1)
+        spaces = {n: _eigenspace(k, l, n * unit) for n in (1, -1)}
+        times = [ball(x) / motion.speed for x in _TIMES]
+        moments = [self._moment(t, motion.at(t)) for t in times]
         begin = acb(first[1], first[2]), acb(first[3], -first[0])
         choices = []
-        for n, m in product((1, -1), repeat=2):
+        for n, m in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
             bottoms = [_denominator(spaces[side * n], moments[1:], side) for side in (1, -1)]
             tops = self._numerators((spaces[m], spaces[-m]), bottoms, moments, begin)
             choice = Choice(tops, bottoms)

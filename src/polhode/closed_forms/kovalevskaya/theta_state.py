@@ -31,6 +31,7 @@ from polhode.closed_forms.balls.theta2 import Theta2, added
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.branch_points import branch_points
 from polhode.closed_forms.kovalevskaya.jacobian import Jacobian
+from polhode.closed_forms.kovalevskaya.motion import speed_bound
 from polhode.closed_forms.kovalevskaya.separation import places
 from polhode.numbers.exact import Exact
 
@@ -107,6 +108,11 @@ class ThetaState:
     def largest_G(self) -> arb:
         """|G|."""
         return ball(self.start.a2).sqrt()
+
+    @cached_property
+    def speed(self) -> arb:
+        """A bound of |w|."""
+        return speed_bound(self.start)
 
     def at(self, t: arb) -> list[arb]:
         """p, q, r, G1, G2, G3."""

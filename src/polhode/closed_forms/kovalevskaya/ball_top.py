@@ -1,0 +1,94 @@
+"""The Kovalevskaya top in closed form: states, attitude, period, frequencies.
+
+    I w' + w x I w = Mg gamma x r0,    gamma' = gamma x w,    I = diag(2C, 2C, C), r0 = (x0, y0, 0)
+
+(Yehia 3.13-3.17).  w = (p, q, r) and the upward vertical gamma in body axes.  Any start, any time,
+any number of digits: generic motion by genus-2 theta functions (Kowalevski, Acta Math. 12 (1889)
+177), one-frequency motions by Weierstrass' functions, others on a degenerate curve as the mean of
+four neighbours.  Units: any consistent set, angles in radians.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property, partial
+
+from flint import arb
+
+from polhode.closed_forms._engine.closed_form import Rows
+from polhode.closed_forms.balls.angles import Arguments
+from polhode.closed_forms.balls.core import Kept
+from polhode.closed_forms.balls.frames import Frame, Turn, halves, quaternion
+from polhode.closed_forms.balls.motion import BallMotion
+from polhode.closed_forms.balls.one_axis import OneAxis
+from polhode.closed_forms.functions.rounding import number
+from polhode.closed_forms.kovalevskaya import regimes
+from polhode.closed_forms.kovalevskaya.axes import top_axes
+from polhode.closed_forms.kovalevskaya.branch_points import discriminant
+from polhode.closed_forms.kovalevskaya.cycles import rates
+from polhode.closed_forms.kovalevskaya.motion import Steady, TopMotion
+from polhode.closed_forms.kovalevskaya.neighbours import Neighbours, NeighboursAttitude
+from polhode.closed_forms.kovalevskaya.theta_attitude import ThetaAttitude
+from polhode.closed_forms.kovalevskaya.theta_state import ThetaState
+from polhode.numbers.exact import ZERO
+from polhode.scenes.body import Vector
+
+
+class KovalevskayaTop(BallMotion):
+    """The motion of one Kovalevskaya top from one start.
+
+    ``regime`` is, of a generic motion, the type of its curve
+    (:func:`polhode.closed_forms.kovalevskaya.regimes.regime`).
+    """
+
+    def _set_up(self, moments: Vector, torque: Vector, omega: Vector, axes: Rows | None) -> None:
+        self._axes = top_axes(moments, torque, axes)
+        self._begin = self._axes.start(omega, self._gamma)
+        self.regime = regimes.regime(self._begin)
+        self._disc = discriminant(self._begin)
+        self._first_turn = Kept(self._made_first_turn)
+        self.proven = self.regime not in regimes.DEGENERATE
+        self._knows_turns = self.regime in regimes.STEADY
+        if self._knows_turns:
+            self._axis = OneAxis(omega, self._gamma)
+
+    def _most_bits(self, digits: int) -> int:
+        """Ever more bits would take minutes: near some motions no number of them is enough."""
+        return 20 * digits + 3_000
+
+    def _solved(self) -> TopMotion:
+        start, regime = self._begin, self.regime
+        made = partial(TopMotion, start, self._axes.frame, self._start())
+        if regime in regimes.STEADY:
+            steady = Steady(start)
+            return made(steady, lambda: steady)
+        if regime in regimes.DEGENERATE:
+            near = Neighbours(start)
+            return made(near, lambda: NeighboursAttitude(near, self._first_turn()))
+        state = ThetaState(start, self._disc)
+        return made(state, lambda: ThetaAttitude(state, self._first_turn()))
+
+    def _made_first_turn(self) -> Turn:
+        """A quaternion of the start's gamma in the top's axes."""
+        a, b, c = (x / self._begin.weight for x in self._begin.G)
+        return quaternion(*halves((a, b, c), ZERO))
+
+    def _arguments(self, t: arb) -> Arguments:
+        motion, start = self._solution(), self._start().attitude
+        assert start is not None
+        w = motion.row(t, attitude=False)[:3]
+        x, y, z = (v / motion.speed for v in w)
+        return self._axis.arguments(start, (x, y, z), motion.speed * t / 2)
+
+    def _rate_balls(self) -> Mapping[str, arb]:
+        """The motion's frequencies, radians a unit of time.
+
+        Generic motion: "s1" and "s2", the mean rates at which the two separation variables go
+        through their cycles; w and gamma repeat when both have made an even number of turns.
+        One-frequency motion: "body".  Others: none.
+        """
+        motion = self._solution()
+        if not isinstance(motion.state, ThetaState):
+            return super()._rate_balls()
+        one, two = rates(motion.state.jacobian.points)
+        return {"s1": one * motion.unit, "s2": two * motion.unit}
