@@ -106,7 +106,7 @@ def rotation(q):
 
 def unwound(top, start, end, count):
     """The growth of psi and phi, by ``count`` principal differences of close samples."""
-    rows = top.attitude([start + (end - start) * Fraction(k, count) for k in range(count + 1)], 15)
+    rows = top.attitude([start + (end - start) * Fraction(k, count) for k in range(count + 1)], 40)
     args = []
     for i, j in ((0, 3), (1, 2)):
         points = [mpmath.mpc(row[i], row[j]) for row in rows]

@@ -8,6 +8,7 @@ the time; how often they went round is known from a growth that is right to less
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Protocol, TypeAlias
 
 from flint import acb, arb
@@ -24,10 +25,14 @@ from polhode.numbers.mpmath_context import mpf
 #: The growth of the two arguments; None of one whose number is always 0.
 Arguments: TypeAlias = tuple[arb | None, arb | None]
 
-_COUNTING_BITS = (192, 512)
+_COUNTING_BITS = (192, 512, 1536)
 #: For the direction in which a pole is left: an error of 2^-64 is none to it.
 _POLE_BITS = 256
 _TURN = acb(0, 1)
+
+
+class _AlwaysAPole(Exception):
+    """gamma stays along the third axis."""
 
 
 class Turning(Protocol):
@@ -37,8 +42,13 @@ class Turning(Protocol):
         """The attitude at a time, at the precision in force."""
         ...
 
-    def arguments_at(self, t: arb) -> Arguments | None:
-        """The growth of the two arguments from 0; None: it is to be counted."""
+    @property
+    def knows_turns(self) -> bool:
+        """Whether the growth of the two arguments is known at any time; else it is counted."""
+        ...
+
+    def arguments_at(self, t: arb) -> Arguments:
+        """That growth from 0 to a time, at the precision in force."""
         ...
 
     def speed_bound(self) -> arb:
@@ -64,7 +74,8 @@ def angle_rows(
     for t, growth in zip(times, growths, strict=True):
         if sign(t) == 0:
             bits = int(3.33 * digits) + 40
-            rows.append(shortened(start_angles(gamma, psi, bits), digits, absolute=True))
+            begin = start_angles(gamma, psi, bits)
+            rows.append([shortened([x], digits, absolute=True)[0] for x in begin])
         else:
             rows.append(_row(start, t, growth, digits))
     return rows
@@ -115,9 +126,8 @@ class _Start:
 
 def _counts(motion: Turning, start: _Start, times: Sequence[Exact]) -> list[Grown | None]:
     """The growth of both arguments at each time, where the motion does not tell it."""
-    with ctx.workprec(_COUNTING_BITS[0]):
-        if motion.arguments_at(arb(1)) is not None:
-            return [None] * len(times)
+    if motion.knows_turns:
+        return [None] * len(times)
     found: dict[int, Grown] = {}
     for sense in (1, -1):
         order = [n for n, t in enumerate(times) if sign(t) == sense]
@@ -138,41 +148,34 @@ def _counted(motion: Turning, start: _Start, times: Sequence[Exact], sense: int)
                 )
             except TooFewBits:
                 continue
-    raise Refused("the turns were not counted: balls of the attitude are too wide at this time")
+    raise Refused(
+        "the turns were not counted past a pole; psi mod 2 pi is known: ask for the attitude"
+    )
 
 
 def _row(start: _Start, t: Exact, growth: Grown | None, digits: int) -> list[mpf | None]:
     """psi, theta and phi; only theta where al or bt is 0, or is not told from it."""
 
-    def grown(moment: arb) -> Arguments:
-        told = growth or start.motion.arguments_at(moment)
-        assert told is not None
-        return told
-
     def whole() -> Row:
         moment = ball(t)
         z = start.parameters(moment)
+        told = start.motion.arguments_at(moment) if growth is None else growth
+        if None in told:
+            raise _AlwaysAPole
         args = [
             _branch(one, begin + more)
-            for one, begin, more in zip(z, start.arguments(sign(t)), grown(moment), strict=True)
+            for one, begin, more in zip(z, start.arguments(sign(t)), told, strict=True)
         ]
         return [args[0] + args[1], _theta(z), args[0] - args[1]], [arb(1)] * 3
 
     def tilt() -> Row:
         return [_theta(start.parameters(ball(t)))], [arb(1)]
 
-    with ctx.workprec(_COUNTING_BITS[0]):
-        always = growth is None and None in (start.motion.arguments_at(ball(t)) or ())
-    if not always:
-        try:
-            found = until_sure(whole, digits, EQUAL_BITS + 4 * digits)
-            psi, theta, phi = (number(x, digits, absolute=True) for x in found)
-        except Refused:
-            pass
-        else:
-            return [psi, theta, phi]
+    with suppress(_AlwaysAPole, Refused):
+        psi, theta, phi = until_sure(whole, digits, EQUAL_BITS + 4 * digits)
+        return [number(x, digits, absolute=True) for x in (psi, theta, phi)]
     (theta,) = until_sure(tilt, digits)
-    return [None, number(theta, digits), None]
+    return [None, number(theta, digits, absolute=True), None]
 
 
 def _theta(z: tuple[acb, acb]) -> arb:

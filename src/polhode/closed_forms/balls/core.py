@@ -36,6 +36,7 @@ Row: TypeAlias = tuple[Sequence[arb], Sequence[arb]]
 GUARD = 40  # bits beyond the digits at first
 _SLACK = 16  # bits beyond what the last precision is known to have lacked
 _MOST_BITS = 20_000
+_HALF = arb(0.5)
 
 
 class TooFewBits(ArithmeticError):
@@ -67,15 +68,10 @@ def root(x: Exact | int) -> arb:
 
 def nearest_integer(x: arb) -> int:
     """The integer nearest to the middle: for where any integer near by will do."""
-    return math.floor(middle(x) + Fraction(1, 2))
-
-
-def middle(x: arb) -> Fraction:
-    """The middle of a ball, exactly; TooFewBits where it is not finite."""
-    if not x.is_finite():
+    n = (x.mid() + _HALF).floor().unique_fmpz()
+    if n is None:
         raise TooFewBits
-    mantissa, exponent = x.mid().man_exp()
-    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+    return int(n)
 
 
 class Kept(Generic[T]):

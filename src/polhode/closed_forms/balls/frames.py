@@ -80,6 +80,15 @@ class Frame:
         )
         return a, b, c
 
+    def out(self, vector: Sequence[Exact]) -> Vector:
+        """A vector of these axes in the scene's, exactly."""
+        vector = [x / length for x, length in zip(vector, self._lengths, strict=True)]
+        for matrix in (self._directions, self._within):
+            if matrix is not None:
+                vector = [_dot(column, vector) for column in zip(*matrix, strict=True)]
+        a, b, c = vector
+        return a, b, c
+
     def back(self, vector: Sequence[arb]) -> list[arb]:
         """A vector of these axes in the scene's."""
         if self._places is not None:

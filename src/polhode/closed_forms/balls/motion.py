@@ -50,8 +50,8 @@ class BallMotion(ClosedForm):
     """
 
     proven = True
-    #: Whether :meth:`_arguments` tells the turns of psi and phi; set in ``_set_up``.
-    _knows_turns = False
+    #: Whether :meth:`_arguments` tells the turns of psi and phi at any time; set in ``_set_up``.
+    knows_turns = False
 
     def __init__(
         self,
@@ -127,7 +127,7 @@ class BallMotion(ClosedForm):
 
     def period(self, digits: int) -> mpf | None:
         """The least period of omega in the body; None without any."""
-        return self._relative(self._periods, digits).get("period")
+        return self._one(self._period_ball, digits)
 
     def frequencies(self, digits: int) -> dict[str, mpf]:
         """The motion's frequencies by name."""
@@ -138,9 +138,9 @@ class BallMotion(ClosedForm):
         q0, q1, q2, q3 = self._row(t, attitude=True)[0][6:]
         return q0, q1, q2, q3
 
-    def arguments_at(self, t: arb) -> Arguments | None:
-        """The growth of the arguments of the attitude's two parameters; None: to be counted."""
-        return self._arguments(t) if self._knows_turns else None
+    def arguments_at(self, t: arb) -> Arguments:
+        """The growth of the arguments of the attitude's two parameters, where it is known."""
+        return self._arguments(t)
 
     def speed_bound(self) -> arb:
         """A bound of |w|, at the precision in force."""
@@ -184,9 +184,14 @@ class BallMotion(ClosedForm):
         attitude = start_attitude(self._known_gamma, self._psi, self._sign)
         return Start([ball(x) for x in self._known_gamma], attitude)
 
-    def _periods(self) -> dict[str, arb]:
-        period = self._period_ball()
-        return {} if period is None else {"period": period}
+    def _one(self, number_at: Callable[[], arb | None], digits: int) -> mpf | None:
+        """A number that there may be, to so many digits."""
+
+        def named() -> dict[str, arb]:
+            x = number_at()
+            return {} if x is None else {"": x}
+
+        return self._relative(named, digits).get("")
 
     def _relative(self, numbers: Callable[[], Mapping[str, arb]], digits: int) -> dict[str, mpf]:
         """Numbers by name, to so many digits of the largest and some more."""

@@ -20,14 +20,14 @@ Grown = tuple[arb, arb]
 
 _MOST_STEPS = 20_000
 _TRIED = 3  # a step at first, in units of the distance from 0 over the bound of |w|
-_NEAREST = 2.0**-100  # to 0: a passage nearer than this is not told from one through it
+_SHORTEST = 2.0**-60  # part of a step that is tried; no more is ever needed of good balls
 
 
 def counted(at: Callable[[arb], Turn], speed: arb, begin: arb, times: Sequence[arb]) -> list[Grown]:
     """The growth from ``begin`` to each of the times, which move away from it to one side.
 
-    ``speed`` is a proven bound of |w|.  Raises Refused where the way is too long or leads through a
-    pole.
+    ``speed`` is a proven bound of |w|.  Raises Refused where the way is too long, TooFewBits where
+    the balls do not tell it from one through a pole.
     """
     now, here = begin, _parameters(at(begin))
     total = (arb(0), arb(0))
@@ -36,8 +36,8 @@ def counted(at: Callable[[arb], Turn], speed: arb, begin: arb, times: Sequence[a
     for last in times:
         while now is not last:
             least = min(abs(z).lower() for z in here)
-            if not least > _NEAREST:
-                raise Refused("psi and phi are not counted through a pole or close to one")
+            if not least > 0:
+                raise TooFewBits
             reach = (_TRIED * least / speed).mid()
             while True:
                 steps += 1
@@ -51,7 +51,7 @@ def counted(at: Callable[[arb], Turn], speed: arb, begin: arb, times: Sequence[a
                 way = speed * abs(new - now) / 2
                 if all(abs(a) + abs(b) > way for a, b in zip(here, there, strict=True)):
                     break
-                if reach < least.mid() * _NEAREST / speed.mid():
+                if reach < _SHORTEST * least.mid() / speed.mid():
                     raise TooFewBits
                 reach = reach / 2
             grown = [(b / a).arg() for a, b in zip(here, there, strict=True)]

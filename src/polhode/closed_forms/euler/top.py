@@ -42,7 +42,7 @@ class EulerTop(BallMotion):
         principal = Frame(within=axes).into(omega)
         order, side = numbered(moments, principal)
         self.regime = regime(moments, principal, side)
-        self._knows_turns = self._permanent = is_permanent(moments, principal)
+        self.knows_turns = self._permanent = is_permanent(moments, principal)
         if self._permanent:
             if self._known_gamma is not None:
                 self._turning = OneAxis(omega, self._known_gamma)

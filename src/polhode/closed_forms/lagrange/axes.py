@@ -9,9 +9,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from polhode.closed_forms._engine.axes import RowMatrix, in_scene, principal
 from polhode.closed_forms._engine.principal_scene import PrincipalScene
-from polhode.closed_forms.functions.rounding import number
+from polhode.closed_forms.balls.frames import Frame, Rows
 from polhode.numbers.exact import Exact, sign, sqrt
 from polhode.scenes import body
 from polhode.scenes.body import Vector, cross, dot
@@ -29,54 +28,33 @@ def fits(scene: PrincipalScene) -> bool:
 
 @dataclass(frozen=True)
 class LagrangeAxes:
-    """The top's axes in principal ones, and the principal axes in the scene's (None: the same).
+    """The top's axes in the scene's, and its numbers in them."""
 
-    Axis n of the top is ``signs[n]`` times principal axis ``order[n]``, or row n of ``turned``.
-    """
-
-    rows: tuple[tuple[Exact, ...], ...] | None
-    order: tuple[int, int, int]
-    signs: tuple[int, int, int]
-    turned: body.PrincipalAxes | None
+    frame: Frame
     moments: tuple[Exact, Exact]  # A, across the axis of symmetry, and C, about it
     torque: Exact  # Mg z0 > 0
+    side: int  # of the axis along its principal axis
 
-    def top(self, vector: Vector) -> Vector:
-        """From the scene's axes to the top's, exactly."""
-        v = principal(self.rows, vector)
-        if self.turned is not None:
-            return self.turned.components(v)
-        x, y, z = (s * v[i] for s, i in zip(self.signs, self.order, strict=True))
-        return x, y, z
-
-    def matrix(self, bits: int) -> RowMatrix:
-        """The top's axes as rows of components in the scene's axes, rounded."""
-        if self.turned is not None:
-            turn = [[number(x, bits) for x in row] for row in self.turned.rows]
-        else:
-            turn = [
-                [s if i == j else 0 for j in range(3)]
-                for s, i in zip(self.signs, self.order, strict=True)
-            ]
-        return in_scene(turn, self.rows, bits)
+    @property
+    def own_side(self) -> int:
+        """1 where the third axis of the top is the scene's third, -1 where it is its opposite."""
+        x, y, z = self.frame.into(body.IDENTITY[2])
+        return sign(z) if sign(x) == 0 == sign(y) else 0
 
 
-def top_axes(
-    moments: Vector, torque: Vector, rows: tuple[tuple[Exact, ...], ...] | None
-) -> LagrangeAxes:
+def top_axes(moments: Vector, torque: Vector, rows: Rows | None) -> LagrangeAxes:
     """The axes of the top; raises ValueError for a body that is none (:func:`fits`)."""
-    found = classical_top(moments, torque)
-    if found.kind not in (LAGRANGE, SPHERE):
+    top = classical_top(moments, torque)
+    if top.kind not in (LAGRANGE, SPHERE):
         raise ValueError("not a Lagrange top")
-    if found.axis is not None:
-        i, j, k = with_last(found.axis)
+    if top.axis is not None:
+        i, j, k = with_last(top.axis)
         up = sign(torque[k])
-        return LagrangeAxes(
-            rows, (i, j, k), (1, up, up), None, (moments[i], moments[k]), abs(torque[k])
-        )
-    units = body.IDENTITY
-    across = max((cross(unit, torque) for unit in units), key=lambda v: dot(v, v))
+        frame = Frame.signed((i, j, k), (1, up, up), rows)
+        return LagrangeAxes(frame, (moments[i], moments[k]), abs(torque[k]), up)
+    # Directions and squared lengths: beside them only |Mg r0| is irrational.
+    across = max((cross(unit, torque) for unit in body.IDENTITY), key=lambda v: dot(v, v))
     directions = across, cross(torque, across), torque
-    a, b, c = (dot(v, v) for v in directions)
-    turned = body.PrincipalAxes(directions, (a, b, c))
-    return LagrangeAxes(rows, (0, 1, 2), (1, 1, 1), turned, (moments[0], moments[0]), sqrt(c))
+    squares = [dot(v, v) for v in directions]
+    frame = Frame(directions, squares, rows)
+    return LagrangeAxes(frame, (moments[0], moments[0]), sqrt(squares[2]), 1)

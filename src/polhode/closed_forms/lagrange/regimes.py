@@ -45,6 +45,11 @@ class Constants:
     discriminant: Exact  # s2^3 - d^2 >= 0
 
     @property
+    def proper_rotation(self) -> Exact:
+        """phi' of a steady motion that is not level."""
+        return self.r - self.turning / self.across * self.u0
+
+    @property
     def steady(self) -> bool:
         """Whether u is constant: u0 is a double root."""
         if sign(self.rate) == 0 and sign(self.slope) == 0:

@@ -1,21 +1,21 @@
-"""The swing of a pendulum: its regime, exact numbers, and constants at one precision.
+"""The swing of a pendulum: its regime, its exact numbers, and the motion in balls.
 
 Formulas and names are those of :mod:`polhode.closed_forms.pendulum.top`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from fractions import Fraction
-from typing import Any
 
-from polhode.closed_forms.functions.jacobi import MP, Jacobi, jacobi
+from flint import arb
+
+from polhode.closed_forms.balls.core import ball, root
+from polhode.closed_forms.balls.frames import Start
+from polhode.closed_forms.balls.jacobi import Jacobi
 from polhode.closed_forms.pendulum.conditions import axis_of, momentum
 from polhode.numbers import exact
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
-from polhode.numbers.mpmath_context import mpf, mpmath
-from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import Vector, cross, dot, is_zero
 
 HANGING, UPRIGHT = "rest, hanging", "rest, upright"
@@ -45,10 +45,21 @@ def _excess(moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> tu
     return numerator, 2 * weight * (weight + energy)
 
 
-def exact_numbers(
-    moments: Vector, torque: Vector, omega: Vector, gamma: Vector
-) -> dict[str, Exact]:
-    """The numbers that :func:`swing_of` takes: no difference in them is left to rounding."""
+@dataclass(frozen=True)
+class Numbers:
+    """The exact numbers of a swing: no difference in them is left to rounding."""
+
+    librates: bool
+    side: int  # the sign of sin(del/2) at t = 0
+    half: tuple[Exact, Exact]  # cos^2 and sin^2 of del/2 at t = 0
+    k2: Exact
+    kc2: Exact
+    rate2: Exact
+    phase: Vector  # sn^2, cn^2, dn^2 at t = 0
+
+
+def numbers(moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> Numbers:
+    """Those of a start in principal axes, which is not at rest."""
     n = axis_of(torque, omega, gamma)
     inertia = dot(n, momentum(moments, n)) / dot(n, n)
     weight, height = exact.sqrt(dot(torque, torque)), dot(torque, gamma)
@@ -59,97 +70,84 @@ def exact_numbers(
     kinetic = dot(omega, momentum(moments, omega)) / (4 * weight)
     numerator, denominator = _excess(moments, torque, omega, gamma)
     k2, kc2, rate2 = sin2 + kinetic, numerator / denominator, weight / inertia
-    found = {"sin2": sin2, "cos2": cos2, "side": Fraction(sign(dot(n, moment)) or 1)}
+    side = sign(dot(n, moment)) or 1
+    half = cos2, sin2
     if sign(kc2) > 0:
-        return found | {
-            "m": k2,
-            "mc": kc2,
-            "rate2": rate2,
-            "sn0_2": sin2 / k2,
-            "cn0_2": kinetic / k2,
-            "dn0_2": cos2,
-        }
+        phase = sin2 / k2, kinetic / k2, cos2
+        return Numbers(True, side, half, k2, kc2, rate2, phase)
     if sign(kc2) == 0:
         k2, kc2 = ONE, ZERO
-    return found | {
-        "m": 1 / k2,
-        "mc": -kc2 / k2,
-        "rate2": rate2 * k2,
-        "sn0_2": sin2,
-        "cn0_2": cos2,
-        "dn0_2": kinetic / k2,
-    }
+    phase = sin2, cos2, kinetic / k2
+    return Numbers(False, side, half, 1 / k2, -kc2 / k2, rate2 * k2, phase)
 
 
 @dataclass(frozen=True)
+class Rest:
+    """A body that hangs or stands."""
+
+    omega: Sequence[arb]
+    start: Start
+
+    @property
+    def axis(self) -> tuple[arb, arb, arb]:
+        """None: the vector 0."""
+        return arb(0), arb(0), arb(0)
+
+    @property
+    def speed(self) -> arb:
+        """1, since |w| is 0."""
+        return arb(1)
+
+    def row(self, t: arb, attitude: bool) -> Sequence[arb]:
+        """The row of the start."""
+        del t, attitude
+        return self.start.row(self.omega, (arb(1), arb(0), arb(0), arb(0)))
+
+    def swung(self, t: arb) -> arb:
+        """Nothing."""
+        return 0 * t
+
+
 class Swing:
-    """The swing at one precision, chi as in :meth:`polhode.closed_forms.pendulum.angles.Angles`."""
+    """A swing; formulas and names are those of :mod:`polhode.closed_forms.pendulum.top`."""
 
-    elliptic: Jacobi
-    rate: Scalar  # of v
-    v0: Scalar
-    k: Scalar  # 1 where rotating
-    rotating: bool  # or on the separatrix
-    start: tuple[Scalar, Scalar]  # cos and sin of del/2 at t = 0, the former not negative
-    angle: Scalar  # del at t = 0
-    nearest: tuple[Scalar, Scalar]  # cos and sin of chi at t = 0
-    n: Sequence[Scalar]  # in the scene's axes, as the next two
-    down: Sequence[Scalar]  # T/P
-    sideways: Sequence[Scalar]  # n x T/P
+    def __init__(self, numbers: Numbers, n: Vector, start: Start) -> None:
+        self._start = start
+        size = root(dot(n, n))
+        x, y, z = (ball(component) / size for component in n)
+        #: The axis of the swing in the scene's axes.
+        self.axis = x, y, z
+        self.librates = numbers.librates
+        self.elliptic = Jacobi(ball(numbers.k2), ball(numbers.kc2))
+        self.rate = root(numbers.rate2)
+        self._k = root(numbers.k2) if self.librates else arb(1)
+        self.speed = 2 * self.rate * self._k
+        sn2, cn2, dn2 = (ball(x) for x in numbers.phase)
+        self._v0 = self.elliptic.phase(numbers.side * sn2.sqrt(), cn2, dn2)
+        cos2, sin2 = numbers.half
+        self._begin = root(cos2), numbers.side * root(sin2)
 
-    def at(self, t: Scalar) -> tuple[Scalar, Scalar, Scalar, int]:
-        """del', cos and sin of del/2, continuous in t, and whole turns of del."""
-        waves = self.elliptic.waves(self.v0 + self.rate * t, MP)
-        sn, cn, dn = self.elliptic.functions(waves)
-        if waves.turns % 2:
-            sn, cn = -sn, -cn
-        if self.rotating:
-            return 2 * self.rate * dn, cn, sn, waves.turns
-        return 2 * self.rate * self.k * cn, dn, self.k * sn, 0
+    def row(self, t: arb, attitude: bool) -> Sequence[arb]:
+        """The row at a time."""
+        del attitude
+        speed, (c, s), n = self._at(t)
+        if n % 2:
+            c, s = -c, -s
+        cos, sin = self._begin
+        turned = s * cos - c * sin
+        x, y, z = self.axis
+        turn = c * cos + s * sin, turned * x, turned * y, turned * z
+        return self._start.row((speed * x, speed * y, speed * z), turn)
 
-    def swung(self, t: Any) -> tuple[Any, Any, Any]:
-        """The growth of del since t = 0, and cos and sin of chi."""
-        _, c, s, turns = self.at(t)
-        half = mpmath.atan2(-s, -c) if turns % 2 else mpmath.atan2(s, c)
-        cos, sin = angle_between((c, s), self.start)
-        cos, sin = (cos - sin) * (cos + sin), -2 * cos * sin
-        return 2 * (mpmath.pi * turns + half) - self.angle, *angle_between(self.nearest, (cos, sin))
+    def swung(self, t: arb) -> arb:
+        """Half the growth of del since t = 0."""
+        _, (c, s), n = self._at(t)
+        cos, sin = self._begin
+        return arb.pi() * n + arb.atan2(s, c) - arb.atan2(sin, cos)
 
-
-def swing_of(
-    numbers: Mapping[str, Any],
-    rotating: bool,
-    n: Sequence[Scalar],
-    down: Sequence[Scalar],
-    sideways: Sequence[Scalar],
-    gamma: Sequence[Scalar],
-) -> Swing:
-    """The constants at the precision in force, from the exact numbers rounded."""
-    # R_F takes sn, cn, dn as three exact numbers: next to a turning point nothing is lost.
-    sn0 = numbers["side"] * mpmath.sqrt(numbers["sn0_2"])
-    v0 = sn0 * mpmath.elliprf(numbers["cn0_2"], numbers["dn0_2"], 1)
-    c, s = mpmath.sqrt(numbers["cos2"]), numbers["side"] * mpmath.sqrt(numbers["sin2"])
-    nearest = mpf(1), mpf(0)  # where gamma never comes nearer, chi counts from t = 0
-    if across := mpmath.hypot(n[0], n[1]):
-        nearest = gamma[2] / across, (gamma[1] * n[0] - gamma[0] * n[1]) / across
-    return Swing(
-        elliptic=jacobi(numbers["m"], numbers["mc"]),
-        rate=mpmath.sqrt(numbers["rate2"]),
-        v0=v0,
-        k=mpf(1) if rotating else mpmath.sqrt(numbers["m"]),
-        rotating=rotating,
-        start=(c, s),
-        angle=2 * mpmath.atan2(s, c),
-        nearest=nearest,
-        n=n,
-        down=down,
-        sideways=sideways,
-    )
-
-
-def angle_between(
-    one: tuple[Scalar, Scalar], other: tuple[Scalar, Scalar]
-) -> tuple[Scalar, Scalar]:
-    """cos and sin of the difference of two angles."""
-    (c, s), (cos, sin) = one, other
-    return c * cos + s * sin, s * cos - c * sin
+    def _at(self, t: arb) -> tuple[arb, tuple[arb, arb], int]:
+        """del', and cos and sin of del/2 - n pi, the former not negative."""
+        at = self.elliptic.at(self._v0 + self.rate * t)
+        if self.librates:
+            return self.speed * at.side * at.cn, (at.dn, at.side * self._k * at.sn), 0
+        return self.speed * at.dn, (at.cn, at.sn), at.n

@@ -17,158 +17,65 @@ Dynamics, art. 44; DLMF 22.19(i))
                            v = v0 + om k t,  modulus 1/k; the separatrix k = 1 included.
 
 n points so that del' >= 0 at t = 0 (at rest there: so that sin del > 0); hence -K <= v0 <= K.
-Any start, any time, any number of digits.  Units: any consistent set, angles in radians.
+Any start, any time, any number of digits, each of them proven.  psi and phi are functions of the
+swing's angle: in a libration they return with the body.  Units: any consistent set, angles in
+radians.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from flint import arb
 
-from polhode.closed_forms._engine.axes import MotionAxes
-from polhode.closed_forms._engine.closed_form import ClosedForm, Rows
-from polhode.closed_forms._engine.initial_attitude import start_angles
-from polhode.closed_forms._engine.precision import GUARD, AtPrecision, phase_bits
+from polhode.closed_forms._engine.closed_form import Rows
 from polhode.closed_forms._engine.principal_scene import PrincipalScene
-from polhode.closed_forms.functions.quaternion import product
-from polhode.closed_forms.functions.rounding import log2, number, rounded_up, shortened
-from polhode.closed_forms.pendulum.angles import Angles
+from polhode.closed_forms.balls.angles import Arguments
+from polhode.closed_forms.balls.core import ball
+from polhode.closed_forms.balls.frames import Frame
+from polhode.closed_forms.balls.motion import BallMotion
+from polhode.closed_forms.balls.one_axis import OneAxis
 from polhode.closed_forms.pendulum.conditions import axis_of, fits
 from polhode.closed_forms.pendulum.motion import (
     HANGING,
-    LIBRATING,
     ROTATING,
-    SEPARATRIX,
     UPRIGHT,
+    Rest,
     Swing,
-    angle_between,
-    exact_numbers,
+    numbers,
     regime,
-    swing_of,
 )
-from polhode.numbers import exact
-from polhode.numbers.exact import EQUAL_BITS, Exact, sign
-from polhode.numbers.mpmath_context import mpf, mpmath
-from polhode.numbers.scalars import Scalar
-from polhode.scenes.body import Vector, cross, dot, scaled
-
-_SPARE = 8  # bits kept beyond the digits asked for
+from polhode.scenes.body import Vector
 
 
-class Pendulum(ClosedForm):
+class Pendulum(BallMotion):
     """The plane motion of one heavy body from one start."""
 
+    knows_turns = True
+
     def _set_up(self, moments: Vector, torque: Vector, omega: Vector, axes: Rows | None) -> None:
-        gamma = self._gamma
-        turn = MotionAxes(axes)
-        principal, vertical = _triple(turn.principal(omega)), _triple(turn.principal(gamma))
+        frame = Frame(within=axes)
+        principal, vertical = frame.into(omega), frame.into(self._gamma)
         if not fits(PrincipalScene(moments, torque, principal, vertical)):
             raise ValueError("a body that does not swing about a horizontal principal axis")
-        self._omega = omega
         self.regime = regime(moments, torque, principal, vertical)
         self._body = "rotation" if self.regime == ROTATING else "libration"
-        self._numbers: Mapping[str, Exact] = {}
-        self._swing = AtPrecision(self._swung)
+        self._at_rest = self.regime in (HANGING, UPRIGHT)
+        self._n = frame.out(axis_of(torque, principal, vertical))
+        self._turning = OneAxis(self._n, self._gamma)
+        if not self._at_rest:
+            self._numbers = numbers(moments, torque, principal, vertical)
+
+    def _solved(self) -> Swing | Rest:
         if self._at_rest:
-            return
-        n = axis_of(torque, principal, vertical)
-        self._numbers = exact_numbers(moments, torque, principal, vertical)
-        weight = exact.sqrt(dot(torque, torque))
-        self._n = scaled(1 / exact.sqrt(dot(n, n)), _triple(turn.scene(n)))
-        self._down = _triple(turn.scene(scaled(1 / weight, torque)))
-        self._sideways = cross(self._n, self._down)
-        self._angles = Angles(self._n, gamma, self._psi, self._swing, self._bits)
+            return Rest([ball(x) for x in self._omega], self._start())
+        return Swing(self._numbers, self._n, self._start())
 
-    def at(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
-        """Rows p, q, r, gamma1, gamma2, gamma3, one a time.
+    def _arguments(self, t: arb) -> Arguments:
+        motion, start = self._solution(), self._start().attitude
+        assert start is not None
+        return self._turning.arguments(start, motion.axis, motion.swung(t))
 
-        The error of w is below 10^-digits |w|, of gamma below 10^-digits.
-        """
-        rows = []
-        for t in times:
-            if self._at_rest or sign(t) == 0:
-                bits = self._bits((), digits)
-                rows.append([number(x, bits) for x in (*self._omega, *self._gamma)])
-            else:
-                rows.append(self._state_at(t, digits))
-        return [shortened(row, digits) for row in rows]
-
-    def attitude(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
-        """Unit quaternions q0, q1, q2, q3 of R, one a time: q0 >= 0 at t = 0, then continuous.
-
-        At t = 0, R = Rz(psi) Rx(theta) Rz(phi) with the psi given and phi = atan2(gamma1, gamma2).
-        Where q0 = 0 at t = 0, the first component that is not 0 is positive.
-        """
-        bits = self._bits(times, digits)
-        start = self._first_quaternion(bits)
-        rows = []
-        with mpmath.workprec(bits):
-            for t in times:
-                if self._at_rest or sign(t) == 0:
-                    rows.append(list(start))
-                    continue
-                swing = self._swing(bits)
-                _, c, s, _ = swing.at(number(t, bits))
-                c, s = angle_between((c, s), swing.start)
-                turn = (c, *(s * x for x in swing.n))
-                rows.append(list(product(start, turn)))
-        return [shortened(row, digits) for row in rows]
-
-    def angles(self, times: Sequence[Exact], digits: int) -> list[list[mpf | None]]:
-        """Rows psi, theta, phi; psi and phi continuous in t, None where gamma is along axis 3.
-
-        They start from the psi given and phi = atan2(gamma1, gamma2), and are functions of the
-        swing's angle: of a libration they return with the body.  Passing through a pole, psi and
-        phi jump by pi, one of psi + phi, psi - phi stays continuous, and psi jumps upwards where
-        the swing leads away from its start.  The error is below 10^-digits.
-        """
-        rows = []
-        for t in times:
-            if self._at_rest or sign(t) == 0:
-                row = start_angles(self._gamma, self._psi, self._bits((), digits))
-            else:
-                row = self._angles.at(t, digits)
-            rows.append(shortened(row, digits, absolute=True))
-        return rows
-
-    def _period(self, bits: int) -> Scalar | None:
-        if self._at_rest or self.regime == SEPARATRIX:
+    def _period_ball(self) -> arb | None:
+        motion = self._solution()
+        if isinstance(motion, Rest) or motion.elliptic.limit:
             return None
-        swing = self._swing(bits)
-        return (2 if swing.rotating else 4) * swing.elliptic.K / swing.rate
-
-    @property
-    def _at_rest(self) -> bool:
-        return self.regime in (HANGING, UPRIGHT)
-
-    def _state_at(self, t: Exact, digits: int) -> list[mpf]:
-        """w and gamma, at a precision that keeps the digits of w next to a turning point."""
-        first = bits = self._bits((t,), digits)
-        while True:
-            with mpmath.workprec(bits):
-                swing = self._swing(bits)
-                speed, c, s, _ = swing.at(number(t, bits))
-                lost = 0  # only cn, where it is nearly 0, is less exact than its argument
-                if not swing.rotating:
-                    largest = mpmath.mag(2 * swing.rate * swing.k)
-                    lost = largest - mpmath.mag(speed) if speed else bits
-                if first + lost <= bits + _SPARE or bits > first + EQUAL_BITS:
-                    cos, sin = (c - s) * (c + s), 2 * c * s
-                    pairs = zip(swing.down, swing.sideways, strict=True)
-                    return [*(speed * x for x in swing.n), *(sin * y - cos * x for x, y in pairs)]
-            bits = rounded_up(first + lost)
-
-    def _swung(self, bits: int) -> Swing:
-        numbers = {name: number(x, bits) for name, x in self._numbers.items()}
-        vectors = (self._n, self._down, self._sideways, self._gamma)
-        rows = [[number(x, bits) for x in vector] for vector in vectors]
-        return swing_of(numbers, self.regime != LIBRATING, *rows)
-
-    def _bits(self, times: Sequence[Exact], digits: int) -> int:
-        rate = -math.inf if self._at_rest else log2(self._numbers["rate2"]) / 2
-        return rounded_up(digits * math.log2(10) + phase_bits(times, rate) + GUARD)
-
-
-def _triple(row: Sequence[Scalar]) -> Vector:
-    a, b, c = row
-    return a, b, c
+        return (4 if motion.librates else 2) * motion.elliptic.K / motion.rate
