@@ -90,6 +90,11 @@ class BallMotion(ClosedForm):
         """
         raise NotImplementedError
 
+    def _most_bits(self, digits: int) -> int | None:
+        """A cap on the bits of so many digits, in place of the usual one."""
+        del digits
+        return None
+
     @property
     def assumed(self) -> tuple[Irrational, ...]:
         """The numbers that were called 0 by the rule for irrational numbers."""
@@ -154,7 +159,8 @@ class BallMotion(ClosedForm):
         wide = not attitude or all(len(row) > 6 for row in rows)
         if not (wanted == digits and wide and known == list(times)):
             with self._noting():
-                rows = sure_rows(lambda t: self._row(t, attitude=attitude), times, digits)
+                most = self._most_bits(digits)
+                rows = sure_rows(lambda t: self._row(t, attitude=attitude), times, digits, most)
             self._last = list(times), digits, rows
         return rows
 
@@ -206,7 +212,7 @@ class BallMotion(ClosedForm):
             return [*named.values()], [largest if largest > 0 else arb(1)] * len(named)
 
         with self._noting():
-            found = until_sure(row, digits + _SPARE)
+            found = until_sure(row, digits + _SPARE, self._most_bits(digits))
         return {name: number(x, digits) for name, x in zip(names, found, strict=True)}
 
     @contextmanager
