@@ -69,9 +69,12 @@ def root(x: Exact | int) -> arb:
 def nearest_integer(x: arb) -> int:
     """The integer nearest to the middle: for where any integer near by will do."""
     n = (x.mid() + _HALF).floor().unique_fmpz()
-    if n is None:
+    if n is not None:
+        return int(n)
+    if not x.is_finite():
         raise TooFewBits
-    return int(n)
+    mantissa, exponent = x.mid().man_exp()  # the sum was rounded to both sides of an integer
+    return math.floor(Fraction(int(mantissa)) * Fraction(2) ** int(exponent) + Fraction(1, 2))
 
 
 class Kept(Generic[T]):

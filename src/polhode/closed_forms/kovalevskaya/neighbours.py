@@ -7,7 +7,7 @@ start moved by eps and -eps along a generic direction,
 
 x = eps times the growth of a deviation to the time t (at most linear in t on a quasi-periodic
 motion, exponential on an asymptotic one).  The square of their difference, four times, is the
-error's estimate, and stands as the radius of what is answered.  eps is the eighth part of the bits
+error's estimate, and stands as the radius of what is answered.  -log2 eps is the sixth part of the bits
 in force: what the neighbours' curves lose by being nearly degenerate is less.
 
 A neighbour starts with the quaternion q(0) T, T the least turn in the body that takes its gamma to
@@ -32,7 +32,7 @@ from polhode.numbers.flint_context import ctx
 
 _SHARES = (1, -1, 2, -2)
 _MOST_SPREAD = 0.1
-_CLOSENESS = 8  # eps = 2^-(bits/8)
+_CLOSENESS = 6  # eps = 2^-(bits/6)
 
 
 class Neighbours:
