@@ -28,6 +28,7 @@ from polhode.closed_forms.kovalevskaya.branch_points import discriminant
 from polhode.closed_forms.kovalevskaya.cycles import rates
 from polhode.closed_forms.kovalevskaya.motion import Steady, TopMotion
 from polhode.closed_forms.kovalevskaya.neighbours import Neighbours, NeighboursAttitude
+from polhode.closed_forms.kovalevskaya.periodic import Periodic
 from polhode.closed_forms.kovalevskaya.theta_attitude import ThetaAttitude
 from polhode.closed_forms.kovalevskaya.theta_state import ThetaState
 from polhode.numbers.exact import ZERO
@@ -65,6 +66,9 @@ class KovalevskayaTop(BallMotion):
         if regime in regimes.DEGENERATE:
             near = Neighbours(start)
             return made(near, lambda: NeighboursAttitude(near, self._first_turn()))
+        if regime in regimes.ONE_FREQUENCY:
+            periodic = Periodic(start, regime)
+            return made(periodic, lambda: NeighboursAttitude(Neighbours(start), self._first_turn()))
         state = ThetaState(start, self._disc)
         return made(state, lambda: ThetaAttitude(state, self._first_turn()))
 
@@ -79,6 +83,13 @@ class KovalevskayaTop(BallMotion):
         w = motion.row(t, attitude=False)[:3]
         x, y, z = (v / motion.speed for v in w)
         return self._axis.arguments(start, (x, y, z), motion.speed * t / 2)
+
+    def _period_ball(self) -> arb | None:
+        """The period of w and gamma; None for a motion of two frequencies, or without any."""
+        motion = self._solution()
+        if not isinstance(motion.state, Periodic) or motion.state.period is None:
+            return None
+        return motion.state.period / motion.unit
 
     def _rate_balls(self) -> Mapping[str, arb]:
         """The motion's frequencies, radians a unit of time.
