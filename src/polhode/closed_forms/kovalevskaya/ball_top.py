@@ -17,18 +17,18 @@ from flint import arb
 
 from polhode.closed_forms._engine.closed_form import Rows
 from polhode.closed_forms.balls.angles import Arguments
-from polhode.closed_forms.balls.core import Kept
+from polhode.closed_forms.balls.core import Kept, ball
 from polhode.closed_forms.balls.frames import Frame, Turn, halves, quaternion
 from polhode.closed_forms.balls.motion import BallMotion
 from polhode.closed_forms.balls.one_axis import OneAxis
-from polhode.closed_forms.functions.rounding import number
+from polhode.closed_forms.balls.periodic_attitude import PeriodicAttitude
 from polhode.closed_forms.kovalevskaya import regimes
 from polhode.closed_forms.kovalevskaya.axes import top_axes
 from polhode.closed_forms.kovalevskaya.branch_points import discriminant
 from polhode.closed_forms.kovalevskaya.cycles import rates
-from polhode.closed_forms.kovalevskaya.motion import Steady, TopMotion
+from polhode.closed_forms.kovalevskaya.motion import Steady, TopMotion, TurningMotion
 from polhode.closed_forms.kovalevskaya.neighbours import Neighbours, NeighboursAttitude
-from polhode.closed_forms.kovalevskaya.periodic import Periodic
+from polhode.closed_forms.kovalevskaya.periodic import Periodic, growth
 from polhode.closed_forms.kovalevskaya.theta_attitude import ThetaAttitude
 from polhode.closed_forms.kovalevskaya.theta_state import ThetaState
 from polhode.numbers.exact import ZERO
@@ -68,9 +68,16 @@ class KovalevskayaTop(BallMotion):
             return made(near, lambda: NeighboursAttitude(near, self._first_turn()))
         if regime in regimes.ONE_FREQUENCY:
             periodic = Periodic(start, regime)
-            return made(periodic, lambda: NeighboursAttitude(Neighbours(start), self._first_turn()))
+            return made(periodic, partial(self._periodic_turning, periodic))
         state = ThetaState(start, self._disc)
         return made(state, lambda: ThetaAttitude(state, self._first_turn()))
+
+    def _periodic_turning(self, motion: Periodic) -> TurningMotion:
+        """The attitude of a motion that has a period, or that tends to a steady one."""
+        if motion.period is None:
+            return NeighboursAttitude(Neighbours(self._begin), self._first_turn())
+        size = ball(self._begin.a2).sqrt()
+        return PeriodicAttitude(motion.complex_state, growth, motion.period, size, motion.speed)
 
     def _made_first_turn(self) -> Turn:
         """A quaternion of the start's gamma in the top's axes."""
