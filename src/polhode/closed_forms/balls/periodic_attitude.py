@@ -171,12 +171,14 @@ class PeriodicAttitude:
     def _azimuth(self, t: arb) -> arb:
         """The integral of F from 0 to t, 0 <= t <= T."""
         wave = acb(0, 2 * arb.pi() * t / self._period).exp()
-        total, power = self._sums[0].real * t, acb(1)
-        unit = self._period / arb.pi()
+        total = arb(0)
+        # As products of halves: a chain of single factors would widen the balls by sqrt 2 each.
+        powers = [acb(1), wave]
         for k, x in enumerate(self._sums[1:], 1):
-            power *= wave
-            total += unit * (x * (power - 1)).imag / k
-        return total + self._error
+            if k > 1:
+                powers.append(powers[k // 2] * powers[k - k // 2])
+            total += (x * (powers[k] - 1)).imag / k
+        return self._sums[0].real * t + total * self._period / arb.pi() + self._error
 
     def _plain(self, t: arb) -> Turn:
         """The attitude at 0 <= t <= T up to its sign; u begins with the azimuth 0."""

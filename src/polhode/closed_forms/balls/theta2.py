@@ -238,11 +238,15 @@ def _top(halves: tuple[list[int], list[int]]) -> int:
 
 
 def _powers(base: acb, most: int) -> dict[int, acb]:
-    """base^n for |n| <= most."""
-    powers, up, down, over = {0: acb(1)}, acb(1), acb(1), 1 / base
-    for n in range(1, most + 1):
-        up, down = up * base, down * over
-        powers[n], powers[-n] = up, down
+    """base^n for |n| <= most.
+
+    As products of halves: a chain of single factors would widen a complex ball by up to sqrt 2 each.
+    """
+    powers = {0: acb(1), 1: base, -1: 1 / base}
+    for n in range(2, most + 1):
+        half = n // 2
+        powers[n] = powers[half] * powers[n - half]
+        powers[-n] = powers[-half] * powers[half - n]
     return powers
 
 
