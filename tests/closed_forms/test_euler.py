@@ -15,7 +15,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from polhode.closed_forms._winding import euler_angles as euler_angles
 from polhode.numbers import exact
 from polhode.numbers.mpmath_context import mpf, mpmath
 from shared import series

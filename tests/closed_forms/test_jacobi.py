@@ -1,11 +1,11 @@
-"""Jacobi's functions and theta quotients against mpmath's own, which use other algorithms."""
+"""Jacobi's functions against mpmath's own, which use other algorithms."""
 
 from dataclasses import replace
 from fractions import Fraction
 
 import pytest
 
-from polhode.closed_forms.functions.jacobi import MP, jacobi, numpy_functions, quotient
+from polhode.closed_forms.functions.jacobi import MP, jacobi, numpy_functions
 from polhode.closed_forms.kovalevskaya.theta.weierstrass import Quartic, weierstrass
 from polhode.numbers.exact import ONE, ZERO
 from polhode.numbers.mpmath_context import mpf, mpmath
@@ -53,38 +53,6 @@ def test_numpy_takes_the_same_lines(k2):
         exact = j.functions(j.waves(mpf(x), MP))
         for row, value in zip(rows, exact, strict=True):
             assert abs(row[i] - value) < 1000 * 16 * 2.0**-53
-
-
-@pytest.mark.parametrize("k2", ["1e-20", "0.3", "0.8", "0.99999"])
-@pytest.mark.parametrize("part", ["0.05", "0.5", "0.97"])
-@pytest.mark.parametrize("shifted", [False, True])
-def test_quotient_from_either_end_of_its_range(k2, part, shifted):
-    """Theta(v + i a) exp(i L v), L = (pi/2K) dlog theta_{1 or 2}(i w)/dw, DLMF 20.2."""
-    k2 = mpf(k2)
-    j = jacobi(k2, 1 - k2)
-    q, a = mpmath.exp(-mpmath.pi * j.Kc / j.K), mpf(part) * j.Kc
-    w = mpmath.pi * a / 2 / j.K
-    kind, odd = (3, 2) if shifted else (4, 1)
-    slope = 1j * mpmath.jtheta(odd, 1j * w, q, 1) / mpmath.jtheta(odd, 1j * w, q)
-    rate = mpmath.pi / 2 / j.K * slope.real
-
-    def direct(v):
-        z = mpmath.pi * (v + 1j * a) / (2 * j.K)
-        return mpmath.jtheta(kind, z, q) * mpmath.expj(rate * v)
-
-    for from_end in (False, True):
-        h = quotient(j, j.Kc - a if from_end else a, from_end=from_end, shifted=shifted)
-
-        def found(v, h=h):
-            waves = j.waves(v, MP)
-            x, y = h.at(waves)
-            assert x > 0
-            return mpmath.mpc(x, y) * mpmath.expj(h.rate * v + h.jump * waves.turns)
-
-        for v in map(mpf, ("0.7", "5.1", "-2.2")):
-            ratio = direct(v) / direct(0) / (found(v) / found(mpf(0)))
-            # Arguments only: the two differ by a positive factor.
-            assert abs(ratio / abs(ratio) - 1) < 2000 * mpmath.eps
 
 
 def test_weierstrass_function_at_its_half_period_and_at_its_pole():

@@ -13,7 +13,7 @@ from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.diagnosis.error_budget import between
 from polhode.judging.score import judgement, vectorized_score
 from polhode.judging.tables.table import table_of_rows
-from polhode.numbers.double_double import Pairs, of_fractions
+from polhode.numbers.double_double import Pairs
 
 CASES = ["euler/attitude", "euler/separatrix", "lagrange/nutation", "lagrange/turned-axes"]
 
@@ -21,10 +21,11 @@ CASES = ["euler/attitude", "euler/separatrix", "lagrange/nutation", "lagrange/tu
 def rows_of(name: str, count: int, error: float):
     """A scene, and rows of its state and attitude: doubles, each off by about ``error``."""
     scene = polhode.load(name).at([Fraction(k, 4) for k in range(count)])
-    states, turns = polhode.reference(scene).columns(of_fractions(scene.times))
-    table = [np.broadcast_to(vectorized_score.pairs(x).hi, count) for x in (*states, *turns)]
-    noise = np.random.default_rng(7).uniform(-error, error, (len(table), count))
-    return scene, (np.array(table) + noise).T
+    reference = polhode.reference(scene)
+    states, turns = reference.at(scene.times, 17), reference.attitude(scene.times, 17)
+    table = np.hstack([np.array(rows, dtype=float) for rows in (states, turns)])
+    noise = np.random.default_rng(7).uniform(-error, error, (table.shape[1], count))
+    return scene, table + noise.T
 
 
 COLUMNS = ("p", "q", "r", "gamma1", "gamma2", "gamma3", "q0", "q1", "q2", "q3")
@@ -52,10 +53,9 @@ def test_the_same_digits_as_one_by_one(name, error, monkeypatch):
 
 def test_the_state_and_the_attitude_are_evaluated_once(monkeypatch):
     scene, rows = rows_of("euler/attitude", 150, 1e-12)
-    asked, ask = [], polhode.reference(scene).columns
-    against = polhode.reference(scene)
-    monkeypatch.setattr(against, "columns", lambda t: asked.append(1) or ask(t))
-    found = polhode.compare(rows, against, at=scene.times, columns=COLUMNS)
+    asked, ask = [], vectorized_score.in_panels
+    monkeypatch.setattr(vectorized_score, "in_panels", lambda *a: asked.append(1) or ask(*a))
+    found = polhode.compare(rows, scene, at=scene.times, columns=COLUMNS)
     _ = str(found)
     assert len(asked) == 1
 
@@ -84,31 +84,29 @@ def test_empty_cells_and_a_quaternion_of_the_other_sign():
 def test_pairs_that_are_wrong_are_not_believed(monkeypatch):
     """Where the pairs do not have the digits, rows are judged one by one."""
     scene, rows = rows_of("euler/attitude", 120, 1e-13)
-    against = polhode.reference(scene)
-    ask = against.columns
+    ask = vectorized_score.in_panels
 
-    def off(times):
-        states, turns = ask(times)
-        return [Pairs(x.hi * (1 + 1e-15), x.lo) for x in states], turns
+    def off(*asked):
+        found = ask(*asked)
+        return found._replace(states=[Pairs(x.hi * (1 + 1e-15), x.lo) for x in found.states])
 
-    monkeypatch.setattr(against, "columns", off)
-    found = polhode.compare(rows, against, at=scene.times, columns=COLUMNS)
+    monkeypatch.setattr(vectorized_score, "in_panels", off)
+    found = polhode.compare(rows, scene, at=scene.times, columns=COLUMNS)
     assert found._held.many is None
     assert 12.5 < found.worst < 14
 
 
 def test_what_is_no_number_is_not_taken_for_right(monkeypatch):
     scene, rows = rows_of("euler/attitude", 120, 1e-13)
-    against = polhode.reference(scene)
-    ask = against.columns
+    ask = vectorized_score.in_panels
 
-    def broken(times):
-        states, turns = ask(times)
-        states[1].hi[33] = np.nan
-        return states, turns
+    def broken(*asked):
+        found = ask(*asked)
+        found.states[1].hi[33] = np.nan
+        return found
 
-    monkeypatch.setattr(against, "columns", broken)
-    found = polhode.compare(rows, against, at=scene.times, columns=COLUMNS)
+    monkeypatch.setattr(vectorized_score, "in_panels", broken)
+    found = polhode.compare(rows, scene, at=scene.times, columns=COLUMNS)
     assert found._held.many is None
     assert 12.5 < found.worst < 14
 

@@ -25,7 +25,6 @@ from polhode.numbers.scalars import Functions, Scalar
 
 BITS = 100  # that a short formula keeps of the 106
 _SPLITTER = 134217729.0  # 2**27 + 1
-_SATURATED = 80.0  # beyond it exp(-2x) is nothing to such numbers
 
 
 class Pairs:
@@ -154,11 +153,6 @@ def hypot(x: Pairs, y: Pairs) -> Pairs:
     return sqrt(x * x + y * y)
 
 
-def nint(x: Pairs) -> Pairs:
-    """The nearest whole number; of a tie, or nearly one, either neighbour."""
-    return Pairs(np.rint(x.hi), np.zeros_like(x.hi))
-
-
 def cos_sin(x: Pairs) -> tuple[Pairs, Pairs]:
     """Cosine and sine, to about 2**-105 of x itself."""
     quarters = np.rint(x.hi * (2 / math.pi))
@@ -174,20 +168,6 @@ def cos_sin(x: Pairs) -> tuple[Pairs, Pairs]:
     minus_c = np.where((back == 1) | (back == 2), -1.0, 1.0)
     minus_s = np.where(back >= 2, -1.0, 1.0)
     return Pairs(c.hi * minus_c, c.lo * minus_c), Pairs(s.hi * minus_s, s.lo * minus_s)
-
-
-def cosh_sinh(x: Pairs) -> tuple[Pairs, Pairs]:
-    """Hyperbolic cosine and sine; beyond 80 those of 80, whose quotient is 1 to all digits."""
-    size = np.clip(x.hi, -_SATURATED, _SATURATED)
-    x = Pairs(size, np.where(size == x.hi, x.lo, 0.0))
-    halvings = 8  # |x| below 80/256, and back by sinh 2y = 2 sinh y cosh y, cosh 2y = 1 + 2 sinh² y
-    small = Pairs(np.ldexp(x.hi, -halvings), np.ldexp(x.lo, -halvings))
-    square = -(small * small)
-    cosine, sine = (_series(square, row) for row in _tables())
-    cosh, sinh = cosine, sine * small
-    for _ in range(halvings):
-        cosh, sinh = 1 + 2 * (sinh * sinh), 2 * (sinh * cosh)
-    return cosh, sinh
 
 
 def arctan2(y: Pairs, x: Pairs) -> Pairs:

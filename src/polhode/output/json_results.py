@@ -14,6 +14,7 @@ from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import decimal_in_full, in_full, is_decimal, strings
 from polhode.numbers.exact import Exact
+from polhode.numbers.mpmath_context import mpmath, own
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Real
 from polhode.output.guaranteed_digits import right_rows
@@ -130,6 +131,7 @@ def of_reference(reference: Reference, times: Sequence[Exact], digits: int) -> J
     number = NumberType("mp", number_types.bits_for(digits + 1))
     printed = number.printed_digits
     held = held_times(scene, times, digits)
+    states = right_rows(reference.at, held, printed)
     answer: JsonObject = {
         "scene": scene.name,
         "number": "mp",
@@ -140,14 +142,25 @@ def of_reference(reference: Reference, times: Sequence[Exact], digits: int) -> J
         "reference": reference.kind,
         "columns": list(scene.columns),
         "times": [in_full(exactly(t)) for t in held],
-        "states": strings(right_rows(reference.at, held, printed), number),
+        "states": strings(states, number),
     }
+    if (radii := reference.radii(held, printed)) is not None:
+        pairs = zip(states, radii, strict=True)
+        answer["radii"] = [[*map(partial(_radius, printed), *pair)] for pair in pairs]
     for word in COLUMNS:
         if word in scene.outputs:
             rows = right_rows(partial(reference.column, word), held, printed)
             answer[word] = of_column(word, answer["states"], strings(rows, number))
     answer |= {"outcome": "reached end", "steps": 0, "provenance": scene.provenance()}
-    return answer
+    return answer | {"proven": reference.proven}
+
+
+def _radius(printed: int, x: Real, radius: Real) -> str:
+    """A bound of the error of x as it is printed, to three digits, rounded up."""
+    with mpmath.workprec(64):
+        rounding = abs(own(x)) * 5 * mpmath.mpf(10) ** -printed
+        bound = (own(radius) + rounding) * (1 + mpmath.mpf(2) ** -7)
+        return str(mpmath.nstr(bound, 3, strip_zeros=False))
 
 
 def of_enclosure(found: Enclosure) -> JsonObject:
@@ -314,7 +327,7 @@ def of_judgement(judged: Judgement) -> JsonObject:
         answer["causes"] = [
             {"cause": cause.words, "digits": round(cause.digits, 1)} for cause in judged.causes
         ]
-    answer["proven"] = True  # a closed form, or balls
+    answer["proven"] = reference.proven
     if not reference.is_closed_form:
         answer["reference_digits"] = None if math.isnan(known) else round(known, 1)
     return answer

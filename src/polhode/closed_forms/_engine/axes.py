@@ -18,8 +18,6 @@ Rows = tuple[tuple[Exact, ...], ...]
 #: Axes as rows of components, of any scalars.
 RowMatrix = Sequence[Sequence[Scalar]]
 
-_ODD = ((0, 2, 1), (1, 0, 2), (2, 1, 0))
-
 
 def principal(rows: Rows | None, vector: Sequence[Exact]) -> Vector:
     """From the scene's axes to the principal ones, exactly; ``rows`` None: the same axes."""
@@ -56,35 +54,19 @@ def placed(matrix: RowMatrix, vector: Sequence[Scalar]) -> list[Scalar]:
 
 @dataclass(frozen=True)
 class MotionAxes:
-    """``rows[i]`` is principal axis i in the scene's axes (None: the same axes).
-
-    Axis n of the motion is principal axis ``order[n]``; where that is an odd permutation, axis 2 is
-    reversed, so that the frame stays right-handed.
-    """
+    """``rows[i]`` is principal axis i in the scene's axes (None: the same axes)."""
 
     rows: tuple[tuple[Scalar, ...], ...] | None
-    order: tuple[int, ...] = (0, 1, 2)
 
     def principal(self, vector: Sequence[Exact]) -> tuple[Exact, ...]:
         """From the scene's axes to the principal ones."""
         return principal(self.rows, vector)
 
-    def numbered(self, vector: Sequence[Exact]) -> tuple[Exact, ...]:
-        """From the scene's axes to those numbered for the motion."""
-        found = self.principal(vector)
-        a, b, c = (found[i] for i in self.order)
-        return a, (-b if self.order in _ODD else b), c
-
     def scene(self, vector: Sequence[Scalar]) -> list[Scalar]:
-        """From the axes numbered for the motion to the scene's; any scalars."""
-        found: list[Any] = [None] * 3
-        for i, x in zip(self.order, vector, strict=True):
-            found[i] = x
-        if self.order in _ODD:
-            found[self.order[1]] = -found[self.order[1]]
+        """From the principal axes to the scene's; any scalars."""
         if self.rows is None:
-            return found
-        a, b, c = found
+            return list(vector)
+        a, b, c = vector
         return [a * x + b * y + c * z for x, y, z in zip(*self.rows, strict=True)]
 
     def mapped(self, convert: Any) -> MotionAxes:

@@ -10,7 +10,6 @@ from polhode.closed_forms._engine.initial_attitude import start_quaternion, star
 from polhode.closed_forms.functions.quaternion import Quaternion
 from polhode.closed_forms.functions.rounding import shortened
 from polhode.common.cached_property import cached_property
-from polhode.numbers.double_double import Pairs
 from polhode.numbers.exact import ZERO, Exact, Irrational
 from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.numbers.scalars import Scalar
@@ -39,8 +38,9 @@ class ClosedForm(ABC):
     """
 
     regime: str
-    #: Whether a theorem and balls hold every digit; False: they are only reproduced.
-    proven = False
+    #: Whether theorems and balls prove every digit, or a text that says what else they rest on;
+    #: False: the digits are only reproduced, with more bits.
+    proven: bool | str = False
     _body = "body"  # the name of the frequency of a motion that has a period
 
     def __init__(
@@ -120,14 +120,6 @@ class ClosedForm(ABC):
         with mpmath.workprec(bits):
             found = self._rates(bits) if period is None else {self._body: 2 * mpmath.pi / period}
         return dict(zip(found, shortened(list(found.values()), digits), strict=True))
-
-    def columns(self, times: Pairs) -> tuple[list[Pairs], list[Pairs] | None] | None:
-        """State and quaternion at many times at once, of about 30 digits less those of the phases.
-
-        None where the closed form does not give them so.
-        """
-        del times
-        return None
 
     def error(self, digits: int, times: Sequence[Exact]) -> mpf | None:
         """Its own estimate of the error of :meth:`at`; None where it makes none."""

@@ -2,22 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Callable, Sequence
-from typing import Protocol, runtime_checkable
+from typing import Protocol
 
-from polhode.closed_forms._winding.winding_number import (
-    coarse_parameters,
-    fine_parameters,
-    growth,
-    longest,
-    too_far,
-)
-from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions, numpy_functions
+from polhode.closed_forms.functions.jacobi import MP, SeriesFunctions
 from polhode.closed_forms.functions.quaternion import Quaternion, direction
 from polhode.numbers.exact import EQUAL_BITS
 from polhode.numbers.mpmath_context import mpf, mpmath
-from polhode.numbers.rows import Complexes, Doubles
 from polhode.numbers.scalars import Scalar
 
 
@@ -33,8 +24,8 @@ class Attitude(Protocol):
         """The attitude at t, continuous in t."""
         ...
 
-    def arguments(self, t: Scalar) -> tuple[Scalar, Scalar] | None:
-        """Growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0; None: it is to be counted."""
+    def arguments(self, t: Scalar) -> tuple[Scalar, Scalar]:
+        """Growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0; None of one always 0."""
         ...
 
     @property
@@ -43,34 +34,9 @@ class Attitude(Protocol):
         ...
 
 
-class TooFewBits(ArithmeticError):
-    """Turns are known at any time, but not at so few bits."""
-
-
-@runtime_checkable
-class Countable(Attitude, Protocol):
-    """An attitude whose turns can be counted in doubles, where they are not closed."""
-
-    @property
-    def fastest(self) -> Scalar:
-        """An upper bound of the rates that the motion is made of."""
-        ...
-
-    @property
-    def bend(self) -> Scalar | None:
-        """A bound of the quaternion's second derivative over speed^2, where there is one."""
-        ...
-
-    def floats(self, speed: Scalar) -> Countable:
-        """The same in doubles, time in units of 1/speed."""
-        ...
-
-
 #: Attitude at a number of bits.
 Source = Callable[[int], Attitude]
 
-_COUNTING_BITS = 384  # where the march passes near 0
-_COARSE_BITS = 64
 #: For the direction in which a pole is left: an error of 2^-64 is none to :func:`direction`, so
 #: that the branch of psi and phi depends neither on the digits asked for nor on the time.
 _POLE_BITS = 256
@@ -89,12 +55,12 @@ def angles(
     ``sign`` says by which sign the attitude differs from the one that has those angles.
     """
     moved = [_parameters(source, time, bits) for time in times]
-    grown = _growths(source, times, [used for *_, used in moved])
     rows: list[list[mpf | None]] = []
-    for (al, bt, used), time, growths in zip(moved, times, grown, strict=True):
+    for (al, bt, used), time in zip(moved, times, strict=True):
         with mpmath.workprec(used):
+            growths = source(used).arguments(time(used))
             theta = 2 * mpmath.atan2(abs(bt), abs(al))
-            if not al or not bt or growths is None:
+            if not al or not bt or None in growths:
                 rows.append([None, theta, None])
                 continue
             begin = _start(source, time(used), start)
@@ -147,54 +113,3 @@ def _start(source: Source, t: mpf, start: tuple[Scalar, Scalar]) -> tuple[Scalar
         if not bt:
             return one, one + direction(mpmath.mpc(q1, q2) * al.conjugate())
         return other + direction(mpmath.mpc(q0, q3) * bt.conjugate()), other
-
-
-def _closed(source: Source, time: Callable[[int], mpf], bits: int) -> tuple[Scalar, Scalar] | None:
-    """The growth of both arguments where it is closed, with as many bits as it asks for."""
-    while True:
-        with mpmath.workprec(bits), contextlib.suppress(TooFewBits):
-            return source(bits).arguments(time(bits))
-        bits *= 2
-
-
-def _growths(
-    source: Source, times: Sequence[Callable[[int], mpf]], bits: Sequence[int]
-) -> list[tuple[Scalar, Scalar] | None]:
-    """Growth of arg al and arg bt from t = 0: closed where it can be, else counted."""
-    found: list[tuple[Scalar, Scalar] | None] = []
-    open_ = []
-    for i, (time, used) in enumerate(zip(times, bits, strict=True)):
-        found.append(_closed(source, time, used))
-        if found[-1] is None:
-            open_.append(i)
-        elif None in found[-1]:
-            found[-1] = None
-    if not open_:
-        return found
-    used = max(_COUNTING_BITS, *(bits[i] for i in open_))
-    with mpmath.workprec(used):
-        attitude, rough, fn = source(used), source(_COARSE_BITS), numpy_functions()
-        assert isinstance(attitude, Countable)
-        assert isinstance(rough, Countable)
-        speed = attitude.speed
-        coarse = rough.floats(speed)
-
-        def fine(t: mpf) -> tuple[Scalar, Scalar]:
-            return fine_parameters(attitude.at(t / speed, MP))
-
-        def many(t: Doubles) -> tuple[Complexes, Complexes]:
-            return coarse_parameters(coarse.at(t, fn))
-
-        scaled = {i: times[i](used) * speed for i in open_}
-        # No phase may outgrow the digits of a double; of a physical body none outruns |w|.
-        limit = longest() * speed / attitude.fastest
-        if max(abs(t) for t in scaled.values()) > limit:
-            raise too_far(limit / speed)
-        for side in (1, -1):
-            chosen = sorted(
-                (i for i in open_ if side * scaled[i] >= 0), key=lambda i: side * scaled[i]
-            )
-            counts = growth(fine, many, [scaled[i] for i in chosen], attitude.bend)
-            for i, count in zip(chosen, counts, strict=True):
-                found[i] = count
-    return found

@@ -54,7 +54,6 @@ def growth(
     fine: Fine,
     coarse: Coarse,
     times: Sequence[mpf],
-    bend: Any | None = None,
     since: Any | None = None,
 ) -> list[tuple[float, float]]:
     """Growth of (arg al, arg bt) from time 0 to each of ``times``, which go away from 0.
@@ -63,17 +62,9 @@ def growth(
 
     Times are in units in which al and bt move at most by half a unit of time.  ``fine`` gives the
     two parameters at one time, at the precision in force, ``coarse`` at an array of times in
-    doubles.  From an exact 0 at time 0 the argument grows from its limit there.  ``bend``, a bound
-    of their second derivatives, shortens the work where they pass near 0 slowly.
+    doubles.  From an exact 0 at time 0 the argument grows from its limit there.
     """
     import numpy as np
-
-    def distance(p: Any, q: Any) -> Any:
-        """Of 0 from the segments from p to q."""
-        way = q - p
-        length = np.abs(way) ** 2
-        along = np.clip(-(p * way.conj()).real / np.where(length > 0, length, 1), 0, 1)
-        return np.abs(p + along * way)
 
     def marched(start: float, end: float) -> Doubles:
         """Growth between two doubles."""
@@ -91,10 +82,7 @@ def growth(
         reach = np.abs(right - left) / 2 + _DOUBT
         good = np.ones(len(left), dtype=bool)
         for a, b in zip(*ends, strict=True):
-            certain = np.maximum(np.abs(a), np.abs(b)) > reach
-            if bend is not None:
-                certain |= distance(a, b) > float(bend) * reach * reach / 2 + _DOUBT
-            good &= certain
+            good &= np.maximum(np.abs(a), np.abs(b)) > reach
         total = np.array(
             [np.angle(b[good] * np.conj(a[good])).sum() for a, b in zip(*ends, strict=True)]
         )
@@ -103,7 +91,7 @@ def growth(
             return total
         if reach.max() < _FINEST:
             return total + sum(
-                np.array(bisected(fine, mpf(float(a)), mpf(float(b)), bend))
+                np.array(bisected(fine, mpf(float(a)), mpf(float(b))))
                 for a, b in zip(left, right, strict=True)
             )
         cuts = left + (right - left) * (np.arange(_PIECES + 1)[:, None] / _PIECES)
@@ -113,12 +101,12 @@ def growth(
     found, total, now = [], np.zeros(2), 0.0
     if since:
         now = float(since)
-        total = np.array(bisected(fine, since, mpf(now), bend))
+        total = np.array(bisected(fine, since, mpf(now)))
     for time in times:
         # The first and last steps go from the exact start and to the exact time.
         near = float(time)
         total = total + marched(now, near)
-        extra = bisected(fine, mpf(near), time, bend)
+        extra = bisected(fine, mpf(near), time)
         found.append((float(total[0] + extra[0]), float(total[1] + extra[1])))
         now = near
     return found

@@ -159,12 +159,12 @@ def _row(start: _Start, t: Exact, growth: Grown | None, digits: int) -> list[mpf
     def whole() -> Row:
         moment = ball(t)
         z = start.parameters(moment)
-        told = start.motion.arguments_at(moment) if growth is None else growth
-        if None in told:
+        one, two = start.motion.arguments_at(moment) if growth is None else growth
+        if one is None or two is None:
             raise _AlwaysAPole
         args = [
-            _branch(one, begin + more)
-            for one, begin, more in zip(z, start.arguments(sign(t)), told, strict=True)
+            _branch(x, begin + more)
+            for x, begin, more in zip(z, start.arguments(sign(t)), (one, two), strict=True)
         ]
         return [args[0] + args[1], _theta(z), args[0] - args[1]], [arb(1)] * 3
 

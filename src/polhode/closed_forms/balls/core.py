@@ -149,16 +149,24 @@ def _lost_bits(numbers: Sequence[arb], sizes: Sequence[arb], goal: arb) -> float
 
 
 def number(x: arb, digits: int, *, absolute: bool = False) -> mpf:
-    """The middle of a ball rounded to so many digits and a few bits; 0 where the ball holds 0.
+    """The middle of a ball rounded to so many digits and a few bits.
 
-    ``absolute``: digits are counted from the units' place.  The error is below twice the radius,
-    and a unit of the last of those bits.
+    ``absolute``: digits are counted from the units' place.  Of a ball that holds 0 the middle tells
+    no digit: it comes with those few bits alone.  The error is below :func:`error_of`.
     """
-    if x.contains(0):
-        return mpmath.zero
     mantissa, exponent = x.mid().man_exp()
-    bits = math.ceil(digits * math.log2(10)) + SPARE
+    bits = _bits_of(x, digits)
     if absolute:
         bits += max(0, int(mantissa).bit_length() + int(exponent))
     raw = libmp.from_man_exp(int(mantissa), int(exponent), bits, "n")
     return mpmath.make_mpf(raw)
+
+
+def error_of(x: arb, digits: int) -> mpf:
+    """A bound of the error of :func:`number`, rounded up."""
+    bound = x.rad() + abs(x.mid()) * arb(2) ** -_bits_of(x, digits)
+    return number(bound.upper() * (1 + arb(2) ** -10), 1)
+
+
+def _bits_of(x: arb, digits: int) -> int:
+    return SPARE if x.contains(0) else math.ceil(digits * math.log2(10)) + SPARE

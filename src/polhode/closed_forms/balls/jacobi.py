@@ -48,7 +48,7 @@ class Jacobi:
         self.K = arb.pi() / (2 * mean)
         if not self.circle:
             self.tau = acb(0, mean / k2.sqrt().agm(1))
-            _, th2, th3, th4 = acb(0).modular_theta(self.tau)
+            _, th2, th3, th4 = acb.modular_theta(acb(0), self.tau)
             self.factors = th3 / th2, th4 / th2, th4 / th3  # of sn, cn, dn
 
     def phase(self, sn0: arb, cn2: arb, dn2: arb) -> arb:
@@ -74,7 +74,7 @@ class Jacobi:
         if self.limit:
             return arb(0) if half else a.cot()
         y, which = acb(0, a / (2 * self.K)), 1 if half else 0
-        slope, value = (y.modular_theta(self.tau, n)[which] for n in (1, 0))
+        slope, value = (acb.modular_theta(y, self.tau, n)[which] for n in (1, 0))
         return (_I * slope / value).real / (2 * self.K)
 
 
@@ -96,7 +96,7 @@ class Place:
             self.dn = self.cn
         else:
             self._z = acb(v / (2 * jacobi.K))
-            th1, th2, th3, self._th4 = self._z.modular_theta(jacobi.tau)
+            th1, th2, th3, self._th4 = acb.modular_theta(self._z, jacobi.tau)
             a, b, c = jacobi.factors
             self.sn = (a * th1 / self._th4).real
             self.cn = (b * th2 / self._th4).real
@@ -110,7 +110,7 @@ class Place:
         if jacobi.limit:
             return (acb(1) if half else acb(self.v, a).cosh()) / self.v.cosh()
         z = self._z + acb(0, a / (2 * jacobi.K))
-        return z.modular_theta(jacobi.tau)[2 if half else 3] / self._th4
+        return acb.modular_theta(z, jacobi.tau)[2 if half else 3] / self._th4
 
     def slope(self, a: arb, half: bool) -> acb:
         """The quotient with its numerator differentiated: its derivative where it is 0."""
@@ -121,7 +121,7 @@ class Place:
             return acb(self.v, a).sinh() / self.v.cosh()
         z = self._z + acb(0, a / (2 * jacobi.K))
         below = self._th4 * 2 * jacobi.K
-        return z.modular_theta(jacobi.tau, 1)[2 if half else 3] / below
+        return acb.modular_theta(z, jacobi.tau, 1)[2 if half else 3] / below
 
 
 def carlson_rf(x: arb, y: arb, z: arb | int = 1) -> arb:

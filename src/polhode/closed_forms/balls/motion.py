@@ -5,13 +5,22 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Protocol
+from typing import Generic, Protocol, TypeVar
 
 from flint import arb
 
 from polhode.closed_forms._engine.closed_form import ClosedForm, Rows
 from polhode.closed_forms.balls.angles import Arguments, angle_rows
-from polhode.closed_forms.balls.core import Kept, Refused, Row, ball, number, sure_rows, until_sure
+from polhode.closed_forms.balls.core import (
+    Kept,
+    Refused,
+    Row,
+    ball,
+    error_of,
+    number,
+    sure_rows,
+    until_sure,
+)
 from polhode.closed_forms.balls.frames import Start, Turn, start_attitude
 from polhode.numbers.exact import ZERO, Exact, Irrational, noted
 from polhode.numbers.mpmath_context import mpf
@@ -37,19 +46,22 @@ class Solution(Protocol):
         ...
 
 
-class BallMotion(ClosedForm):
+S = TypeVar("S", bound=Solution)
+
+
+class BallMotion(ClosedForm, Generic[S]):
     """A closed form in balls: its digits are proven.
 
-    A family gives ``_set_up`` (exact, with ``regime``) and :meth:`_solved`, and what it knows of
-    :meth:`_period_ball`, :meth:`_rate_balls` and :meth:`_arguments`.  ``_solution()`` is what
-    ``_solved`` made at the precision in force, ``_start()`` gamma and the quaternion
-    at t = 0.
+    ``S`` is the family's own :class:`Solution`.  It gives ``_set_up`` (exact, with ``regime``) and
+    :meth:`_solved`, and what it knows of :meth:`_period_ball`, :meth:`_rate_balls` and
+    :meth:`_arguments`.  ``_solution()`` is what ``_solved`` made at the precision in force,
+    ``_start()`` gamma and the quaternion at t = 0.
 
     ``assumed`` holds what was called 0 by the rule for irrational numbers alone, while the motion
     was made and asked: the digits are proven if those numbers are 0.
     """
 
-    proven = True
+    proven: bool | str = True
     #: Whether :meth:`_arguments` tells the turns of psi and phi at any time; set in ``_set_up``.
     knows_turns = False
 
@@ -64,14 +76,14 @@ class BallMotion(ClosedForm):
     ) -> None:
         self._called_zero: dict[int, Irrational] = {}
         self._omega = omega
-        self._solution = Kept(self._solved)
+        self._solution: Kept[S] = Kept(self._solved)
         self._start: Kept[Start] = Kept(self._first)
         self._last: tuple[list[Exact], int, list[Sequence[arb]]] = [], 0, []
         with self._noting():
             super().__init__(moments, torque, omega, gamma, psi, axes)
 
     @abstractmethod
-    def _solved(self) -> Solution:
+    def _solved(self) -> S:
         """The motion at the precision in force."""
 
     def _period_ball(self) -> arb | None:
@@ -117,9 +129,9 @@ class BallMotion(ClosedForm):
             return angle_rows(self, gamma, self._psi, self._sign, times, digits)
 
     def radii(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
-        """Bounds of the errors of the middles that :meth:`at` rounds, number by number."""
+        """Bounds of the errors of the numbers that :meth:`at` gives, rounded up."""
         rows = self._rows(times, digits, attitude=False)
-        return [[number(x.rad(), 3) for x in row[: self._width]] for row in rows]
+        return [[error_of(x, digits) for x in row[: self._width]] for row in rows]
 
     def error(self, digits: int, times: Sequence[Exact]) -> mpf | None:
         """The largest radius of :meth:`at`, of w over a bound of |w|."""
@@ -138,9 +150,19 @@ class BallMotion(ClosedForm):
         """The motion's frequencies by name."""
         return self._relative(self._rate_balls, digits)
 
+    def row_at(self, t: arb, *, attitude: bool) -> Row:
+        """A row and the sizes of its numbers, at the precision in force."""
+        solution = self._solution()
+        if t.is_zero():
+            still = arb(1), arb(0), arb(0), arb(0)
+            row = self._start().row([ball(x) for x in self._omega], still)
+        else:
+            row = solution.row(t, attitude)
+        return row, self._sizes()[: len(row)]
+
     def quaternion_at(self, t: arb) -> Turn:
         """The attitude at a time, at the precision in force."""
-        q0, q1, q2, q3 = self._row(t, attitude=True)[0][6:]
+        q0, q1, q2, q3 = self.row_at(t, attitude=True)[0][6:]
         return q0, q1, q2, q3
 
     def arguments_at(self, t: arb) -> Arguments:
@@ -160,19 +182,9 @@ class BallMotion(ClosedForm):
         if not (wanted == digits and wide and known == list(times)):
             with self._noting():
                 most = self._most_bits(digits)
-                rows = sure_rows(lambda t: self._row(t, attitude=attitude), times, digits, most)
+                rows = sure_rows(lambda t: self.row_at(t, attitude=attitude), times, digits, most)
             self._last = list(times), digits, rows
         return rows
-
-    def _row(self, t: arb, *, attitude: bool) -> Row:
-        """A row and the sizes of its numbers."""
-        solution = self._solution()
-        if t.is_zero():
-            still = arb(1), arb(0), arb(0), arb(0)
-            row = self._start().row([ball(x) for x in self._omega], still)
-        else:
-            row = solution.row(t, attitude)
-        return row, self._sizes()[: len(row)]
 
     def _sizes(self) -> list[arb]:
         """Those of a row's numbers."""

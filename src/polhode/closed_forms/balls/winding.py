@@ -18,9 +18,9 @@ from polhode.closed_forms.balls.frames import Turn
 #: The two arguments' growth.
 Grown = tuple[arb, arb]
 
+_TOO_FAR = "the turns were not counted so far; psi mod 2 pi is known: ask for the attitude"
 _MOST_STEPS = 20_000
 _TRIED = 3  # a step at first, in units of the distance from 0 over the bound of |w|
-_SHORTEST = 2.0**-60  # part of a step that is tried; no more is ever needed of good balls
 
 
 def counted(at: Callable[[arb], Turn], speed: arb, begin: arb, times: Sequence[arb]) -> list[Grown]:
@@ -29,6 +29,9 @@ def counted(at: Callable[[arb], Turn], speed: arb, begin: arb, times: Sequence[a
     ``speed`` is a proven bound of |w|.  Raises Refused where the way is too long, TooFewBits where
     the balls do not tell it from one through a pole.
     """
+    # One of the two numbers is at most 1/sqrt 2, and no step is longer than three times that.
+    if any(abs(t - begin) * speed > _MOST_STEPS * _TRIED * 0.71 for t in times):
+        raise Refused(_TOO_FAR)
     now, here = begin, _parameters(at(begin))
     total = (arb(0), arb(0))
     found: list[Grown] = []
@@ -42,17 +45,14 @@ def counted(at: Callable[[arb], Turn], speed: arb, begin: arb, times: Sequence[a
             while True:
                 steps += 1
                 if steps > _MOST_STEPS:
-                    raise Refused(
-                        "the turns were not counted so far; psi mod 2 pi is known: ask for the "
-                        "attitude"
-                    )
+                    raise Refused(_TOO_FAR)
                 new = last if abs(last - now) <= reach else _moved(now, last, reach)
                 there = _parameters(at(new))
                 way = speed * abs(new - now) / 2
+                if not way > 0:  # the step is below the last bit of the time
+                    raise TooFewBits
                 if all(abs(a) + abs(b) > way for a, b in zip(here, there, strict=True)):
                     break
-                if reach < _SHORTEST * least.mid() / speed.mid():
-                    raise TooFewBits
                 reach = reach / 2
             grown = [(b / a).arg() for a, b in zip(here, there, strict=True)]
             total = total[0] + grown[0], total[1] + grown[1]

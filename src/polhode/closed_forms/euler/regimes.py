@@ -50,7 +50,11 @@ def numbered(I: Sequence[Exact], w: Sequence[Exact]) -> tuple[tuple[int, ...], i
     The third is the axis that the polhode circles, of the largest moment where G^2 >= 2hB and of
     the smallest where G^2 < 2hB; the second is that of B.
     """
-    ranking = sorted(range(3), key=functools.cmp_to_key(lambda i, j: sign(I[i] - I[j])))
+
+    def compared(i: int, j: int) -> int:
+        return sign(I[i] - I[j])
+
+    ranking = sorted(range(3), key=functools.cmp_to_key(compared))
     side = excess(I, w, I[ranking[1]])
     if side < 0:
         ranking.reverse()

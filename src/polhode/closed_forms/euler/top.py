@@ -30,7 +30,7 @@ _ODD = ((0, 2, 1), (1, 0, 2), (2, 1, 0))
 EulerMotion: TypeAlias = PermanentRotation | Polhode
 
 
-class EulerTop(BallMotion):
+class EulerTop(BallMotion[EulerMotion]):
     """The motion of one torque-free body from one start; without gamma only w is known.
 
     psi and phi of a permanent rotation are known at any time, of any other they are counted.

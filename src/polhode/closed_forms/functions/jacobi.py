@@ -1,4 +1,4 @@
-"""Jacobi's elliptic functions and quotients of theta functions, always in the smaller nome.
+"""Jacobi's elliptic functions, always in the smaller nome.
 
 The parameter k^2 and its complement k'^2 come separately, so neither end of 0 <= k <= 1 costs a
 digit: k = 0 is the circle (nome 0), k' = 0 the separatrix (complementary nome 0).  Either the nome
@@ -57,20 +57,6 @@ def numpy_functions() -> SeriesFunctions:
     return SeriesFunctions(lambda x: (np.cos(x), np.sin(x)), cosh_sinh, np.sqrt, np.hypot, np.rint)
 
 
-def pair_functions() -> SeriesFunctions:
-    """Functions of arrays of pairs of doubles, about 100 bits
-    (:mod:`polhode.numbers.double_double`)."""
-    from polhode.numbers import double_double
-
-    return SeriesFunctions(
-        double_double.cos_sin,
-        double_double.cosh_sinh,
-        double_double.sqrt,
-        double_double.hypot,
-        double_double.nint,
-    )
-
-
 #: Past this X only a nome below exp(-2X) leads (|X| <= log(1/q')/2): a double is at its limit.
 _SATURATED = 80.0
 
@@ -126,21 +112,6 @@ class Jacobi:
         """Theta(v_r), to a constant factor."""
         return dot(self.theta, waves.odd_c if self.complementary else waves.even_c)
 
-    def slopes(self, waves: Waves) -> Waves:
-        """The derivatives in v of the multiples; with them every sum gives its derivative."""
-        back = self.scale if self.complementary else -self.scale
-
-        def times(factor: Scalar, row: Sequence[Scalar], first: int) -> list[Scalar]:
-            return [factor * (2 * j + first) * x for j, x in enumerate(row)]
-
-        return Waves(
-            waves.turns,
-            times(back, waves.even_s, 0),
-            times(self.scale, waves.even_c, 0),
-            times(back, waves.odd_s, 1),
-            times(self.scale, waves.odd_c, 1),
-        )
-
     def functions(self, waves: Waves) -> tuple[Scalar, Scalar, Scalar]:
         """(sn, cn, dn) at v_r, where cn >= 0; at v, sn and cn carry the sign (-1)^n."""
         up = waves.even_c if self.complementary else waves.odd_c
@@ -160,37 +131,6 @@ class Jacobi:
             float(self.nome),
             float(self.scale),
             *([float(x) for x in row] for row in (self.theta, self.sn, self.cn, self.dn)),
-        )
-
-
-@dataclass(frozen=True)
-class Quotient:
-    """H(v) = Theta(v + i a) exp(i rate v) to a constant factor, 0 <= a <= K' (:func:`quotient`).
-
-    The value at v = 2 K n + v_r is (x + i y) exp(i (rate v + jump n)) with (x, y) = ``at(waves)``
-    and x >= 0: the argument of H, continued along real v, is atan2(y, x) + rate v + jump n.
-    For Theta(v - i a) exp(-i rate v) take the conjugate.
-    """
-
-    rate: Scalar
-    jump: Scalar
-    odd: bool
-    real: Sequence[Scalar]
-    imaginary: Sequence[Scalar]
-
-    def at(self, waves: Waves) -> tuple[Scalar, Scalar]:
-        """(x, y), to a common positive factor."""
-        c, s = (waves.odd_c, waves.odd_s) if self.odd else (waves.even_c, waves.even_s)
-        return dot(self.real, c), dot(self.imaginary, s)
-
-    def floats(self) -> Quotient:
-        """The same with Python floats in place of mpmath's numbers."""
-        return Quotient(
-            float(self.rate),
-            float(self.jump),
-            self.odd,
-            [float(x) for x in self.real],
-            [float(x) for x in self.imaginary],
         )
 
 
@@ -229,57 +169,6 @@ def jacobi(k2: Scalar, kc2: Scalar) -> Jacobi:
         cn=_times(four / two, theta2),
         dn=_times(four / three, theta3),
     )
-
-
-def quotient(j: Jacobi, a: Scalar, *, from_end: bool = False, shifted: bool = False) -> Quotient:
-    """H for the shift a, or with ``from_end`` for the shift K' - a (for an a known to its digits).
-
-    The rate is the one that makes H/Theta a solution of Lame's equation, which the components of a
-    vector fixed in space satisfy (Whittaker, Analytical Dynamics, art. 69).  ``shifted`` takes
-    Theta(v + K + i a) in place of Theta(v + i a).
-    """
-    count = len(j.theta)
-    y = j.scale * a
-    signs = [1 - 2 * (i % 2) for i in range(count)]
-    square = [(2 if i else 1) * j.nome ** (i * i) for i in range(count)]
-    oblong = [2 * j.nome ** (i * (i + 1)) for i in range(count)]
-    pair = mpmath.cos_sin if j.complementary else MP.cosh_sinh
-    even = [pair(2 * i * y) for i in range(count)]
-    odd = [pair((2 * i + 1) * y) for i in range(count)]
-    even_c, even_s = ([s * p[part] for s, p in zip(square, even, strict=True)] for part in (0, 1))
-    odd_c, odd_s = ([s * p[part] for s, p in zip(oblong, odd, strict=True)] for part in (0, 1))
-    alternate = [1] * count if shifted else signs
-
-    def slope(over: list[Scalar], under: list[Scalar], first: int) -> Scalar:
-        """(over of 1, 3, ... or 2, 4, ...)/under, each side with its signs."""
-        top = mpmath.fsum((2 * i + first) * x for i, x in enumerate(over))
-        return j.scale * top / mpmath.fsum(under)
-
-    def signed(row: list[Scalar], by: list[int]) -> list[Scalar]:
-        return [s * x for s, x in zip(by, row, strict=True)]
-
-    if not j.complementary:
-        if from_end:
-            rate = -slope(signed(even_s, alternate), signed(even_c, alternate), 0)
-            c, s = (odd_c, odd_s) if shifted else (odd_s, odd_c)
-            return Quotient(rate, +mpmath.pi, True, signed(c, alternate), signed(s, alternate))
-        over, under = (odd_s, odd_c) if shifted else (odd_c, odd_s)
-        rate = slope(signed(over, alternate), signed(under, alternate), 1)
-        minus = [-x for x in signed(even_s, alternate)]
-        return Quotient(rate, mpf(0), False, signed(even_c, alternate), minus)
-    jump = mpmath.pi - 2 * y if from_end else 2 * y
-    if shifted:
-        if from_end:
-            rate = slope(even_s, even_c, 0)
-            minus = [-x for x in signed(even_s, signs)]
-            return Quotient(rate, jump, False, signed(even_c, signs), minus)
-        rate = -slope(signed(even_s, signs), signed(even_c, signs), 0)
-        return Quotient(rate, jump, False, even_c, even_s)
-    if from_end:
-        rate = -slope(odd_s, odd_c, 1) * -1
-        return Quotient(rate, jump, True, signed(odd_s, signs), signed(odd_c, signs))
-    rate = slope(signed(odd_c, signs), signed(odd_s, signs), 1)
-    return Quotient(rate, jump, True, odd_c, odd_s)
 
 
 def dot(row: Sequence[Scalar], waves: Sequence[Scalar]) -> Scalar:

@@ -25,7 +25,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TypeAlias
 
 from flint import acb, arb
@@ -43,6 +42,7 @@ from polhode.closed_forms.balls.frames import (
 from polhode.closed_forms.balls.jacobi import Jacobi, Place
 from polhode.closed_forms.lagrange.regimes import Constants
 from polhode.closed_forms.lagrange.roots import Distances, gaps
+from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import ZERO, sign
 from polhode.scenes.body import Vector
 

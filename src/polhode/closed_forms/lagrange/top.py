@@ -26,7 +26,7 @@ from polhode.numbers.mpmath_context import mpf
 from polhode.scenes.body import Vector
 
 
-class LagrangeTop(BallMotion):
+class LagrangeTop(BallMotion[LagrangeMotion]):
     """The motion of one Lagrange top from one start.
 
     The regimes are those of :func:`polhode.closed_forms.lagrange.regimes.regime`.  psi and phi are

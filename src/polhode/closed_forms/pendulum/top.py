@@ -46,7 +46,7 @@ from polhode.closed_forms.pendulum.motion import (
 from polhode.scenes.body import Vector
 
 
-class Pendulum(BallMotion):
+class Pendulum(BallMotion[Swing | Rest]):
     """The plane motion of one heavy body from one start."""
 
     knows_turns = True

@@ -40,6 +40,7 @@ class Certified(Result):
     """
 
     is_closed_form = False
+    proven = True
     kind = "certified"
     period = None
     __hash__ = None  # type: ignore[assignment]

@@ -21,8 +21,7 @@ from polhode.judging.correct_digits import errors, rate_scale
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.derived import column_of
 from polhode.numbers import exact, number_types
-from polhode.numbers.double_double import Pairs
-from polhode.numbers.exact import Exact
+from polhode.numbers.exact import Exact, Irrational
 from polhode.numbers.mpmath_context import mpmath, ordinary
 from polhode.numbers.scalars import AnyNumber, Real
 from polhode.scenes import library
@@ -30,6 +29,7 @@ from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 
 MAX_LOG10_ANGLE = 100
+_MOST_SHOWN = 3  # numbers that are called 0 by the rule
 ROUGH = 53  # bits in which a closed form plans; it computes with more
 
 
@@ -85,17 +85,6 @@ class Reference(Result):
         """Rows psi theta phi in radians, continuous; None where a pole leaves them undefined."""
         return self._asked(self._motion.angles, times, digits)
 
-    def columns(self, times: Pairs) -> tuple[list[Pairs], list[Pairs] | None] | None:
-        """States and quaternions at many times at once, where the closed form gives them so.
-
-        ``times`` and answers: :class:`polhode.numbers.double_double.Pairs`, of about 30 digits less
-        those that the phases take.  None where it does not.
-        """
-        import numpy as np
-
-        with mpmath.workprec(ROUGH), np.errstate(all="ignore"):
-            return self._motion.columns(times)
-
     def column(
         self, word: str, times: Iterable[AnyNumber], digits: int = 50
     ) -> list[list[Real | None]]:
@@ -129,6 +118,34 @@ class Reference(Result):
         scale = rate_scale(finer, self.scene, bits)
         largest: Real = ordinary(max(errors(rows, finer, scale, bits)))
         return largest
+
+    def radii(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]] | None:
+        """Proven bounds of the errors of :meth:`at`, number by number.
+
+        None where the closed form is only reproduced.
+
+        >>> import polhode
+        >>> (row,) = polhode.reference("euler/largest-axis").radii([1], digits=20)
+        >>> max(row) < 1e-20
+        True
+        """
+        return self._asked(self._motion.radii, times, digits)
+
+    @property
+    def proven(self) -> bool | str:
+        """Whether every digit given so far is proven: by a theorem, exact decisions and balls.
+
+        False where the digits are only reproduced, with more bits; a text where the proof rests on
+        something more, such as the numbers that are called 0 by the rule for irrational ones.
+        """
+        how, zero = self._motion.proven, self._motion.assumed
+        if not how or not zero:
+            return how
+        numbers = ", ".join(_shown(x) for x in zero[:_MOST_SHOWN])
+        if (more := len(zero) - _MOST_SHOWN) > 0:
+            numbers += f" and {more} more"
+        told = f"if these numbers are 0: {numbers}"
+        return f"{how}; {told}" if isinstance(how, str) else told
 
     @property
     def conditions(self) -> tuple[str, ...]:
@@ -198,6 +215,11 @@ class Remembered:
         self.scene, self.kind, self.regime = reference.scene, reference.kind, reference.regime
         self.is_closed_form, self.agreement = reference.is_closed_form, reference.agreement
 
+    @property
+    def proven(self) -> bool | str:
+        """Whether every digit is proven, see :attr:`Reference.proven`."""
+        return self._asked.proven
+
     def at(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
         """Rows right to at least so many digits."""
         key = tuple(times)
@@ -260,6 +282,12 @@ def reference(scene: Scene | str | Path) -> Reference | Certified:
             fits += f"; {scene.reference} needs {why}"
         raise BadInput(scene.name, "reference.kind", scene.reference, fits)
     return Certified(scene)
+
+
+def _shown(x: Irrational) -> str:
+    """A number that is called 0 by the rule, by the bound of it that is known."""
+    top = x.enclosure(exact.EQUAL_BITS).abs_upper()
+    return f"|x| < 1e{math.ceil(float(top.log()) / math.log(10))}" if top > 0 else "0"
 
 
 def rows(ask: Ask[T], times: Sequence[Fraction], digits: int) -> list[T]:

@@ -449,7 +449,11 @@ class Judgement(Result, ByValue):
     def __str__(self) -> str:
         against, others = self.reference, self._others
         how = f", proven to {self.agreement:.1f} digits"
-        how = "" if against.is_closed_form or math.isnan(self.agreement) else how
+        if against.is_closed_form:
+            proven = "proven" if against.proven is True else against.proven
+            how = f", {proven}" if proven else ""
+        elif math.isnan(self.agreement):
+            how = ""
         scene = f"{against.scene.name} ({against.regime})"
         lines = [f"{self.subject.name} against {against.kind} of {scene}{how}"]
         if self.digits or others:

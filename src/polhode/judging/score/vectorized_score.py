@@ -187,26 +187,14 @@ def _derived(
 def _columns(
     subject: Subject, reference: Reference, workers: int, tell: Progress | None
 ) -> Columns | None:
-    """The reference at a subject's times, all that its columns ask for; None where it does not pay.
-
-    Closed forms that tell states and quaternions at many times at once do; panels tell the rest.
-    """
+    """The reference at a subject's times, for all its columns; None where it does not pay."""
     given = (("at", subject.states), ("attitude", subject.attitude), ("angles", subject.angles))
     needed = {need for word in subject.derived for need in COLUMNS[word].needs}
     needed |= {"at"} if "state" in needed else set()
     asked = [name for name, own in given if own is not None or name in needed]
-    at_once = reference.columns(of_fractions(subject.times))
-    if at_once is not None:
-        asked = [name for name in asked if name == "angles"]
-    panels = None
-    if asked:
-        with suppress(BadInput):  # an answer that this closed form does not have
-            panels = in_panels(reference, subject.times, _needed(subject), asked, workers, tell)
-    if at_once is None:
-        return panels
-    if panels is None:
-        return Columns(*at_once)
-    return Columns(*at_once, panels.angles, panels.untold)
+    with suppress(BadInput):  # an answer that this closed form does not have
+        return in_panels(reference, subject.times, _needed(subject), asked, workers, tell)
+    return None
 
 
 def _needed(subject: Subject) -> int:

@@ -1,0 +1,287 @@
+"""The loop over precisions, frames, Jacobi's functions and the count of turns, in balls."""
+
+from fractions import Fraction
+
+import pytest
+from flint import acb, arb
+
+from polhode.closed_forms.balls import core, winding
+from polhode.closed_forms.balls.core import Refused, TooFewBits, ball, sure_rows, until_sure
+from polhode.closed_forms.balls.frames import Frame, quaternion, start_attitude, turned_back
+from polhode.closed_forms.balls.jacobi import Jacobi
+from polhode.closed_forms.balls.one_axis import OneAxis
+from polhode.numbers import exact
+from polhode.numbers.flint_context import ctx
+from polhode.numbers.mpmath_context import mpf, mpmath
+
+F = Fraction
+ONE = [arb(1)]
+
+
+def test_digits_that_a_difference_loses_are_made_up_for():
+    """sqrt(1 + x) - 1 of x = 1e-60, to 30 digits of itself."""
+    x = F(1, 10**60)
+    asked = []
+
+    def row():
+        asked.append(ctx.prec)
+        found = ball(1 + x).sqrt() - 1
+        return [found], [ball(x)]
+
+    (found,) = until_sure(row, 30)
+    with ctx.workprec(600):
+        assert abs(found - (ball(x) / 2 - ball(x * x) / 8)) < arb(10) ** -89
+    assert asked[0] < 200 < asked[-1] < 800
+
+
+def test_a_number_that_is_none_is_not_passed_over():
+    """The largest of [1, not a number] is 1: each number is asked, and each size."""
+    for numbers, sizes in (
+        ([arb(1), arb.nan()], ONE * 2),
+        ([arb(1)], [arb(0, 1)]),
+        ([arb(1)], [arb(0)]),
+        ([arb.pos_inf()], ONE),
+    ):
+        with pytest.raises(Refused, match="bits give 0 of 20 digits"):
+            until_sure(lambda numbers=numbers, sizes=sizes: (numbers, sizes), 20)
+
+
+def test_a_reason_given_inside_is_kept_and_at_once():
+    asked = []
+
+    def row():
+        asked.append(ctx.prec)
+        raise Refused("the place has no such number")
+
+    with pytest.raises(Refused, match="the place has no such number"):
+        until_sure(row, 20)
+    assert len(asked) == 1
+
+
+@pytest.mark.parametrize("fault", [ValueError, ZeroDivisionError, OverflowError, TypeError])
+def test_a_fault_of_the_code_is_not_taken_for_too_few_bits(fault):
+    def row():
+        raise fault
+
+    with pytest.raises(fault):
+        until_sure(row, 20)
+
+
+def test_too_few_bits_are_doubled_up_to_the_cap():
+    asked = []
+
+    def row():
+        asked.append(ctx.prec)
+        raise TooFewBits
+
+    with pytest.raises(Refused, match="1000 bits give 0 of 20 digits"):
+        until_sure(row, 20, 1000)
+    assert asked == [106, 212, 424, 848, 1000]
+
+
+def test_the_digits_that_are_known_are_told():
+    with pytest.raises(Refused, match="3 of 20 digits"):
+        until_sure(lambda: ([arb(1, "1e-4")], ONE), 20)
+
+
+def test_rows_that_are_sure_are_not_made_again():
+    asked = []
+
+    def row(t):
+        asked.append(int(t.unique_fmpz()))
+        return [(t * arb.pi()).sin()], ONE
+
+    times = [F(10) ** k for k in range(0, 60, 10)]
+    rows = sure_rows(row, times, 20)
+    assert len(rows) == len(times)
+    assert len(asked) <= len(times) + 6
+
+
+def test_numbers_come_out_rounded_and_of_noise_only_its_size():
+    with mpmath.workdps(40), ctx.workprec(200):
+        third = core.number(arb(1) / 3, 20)
+        assert mpf(10) ** -25 < abs(third - mpf(1) / 3) < mpf(10) ** -20
+        noise = arb("1e-30", "1e-29")
+        assert core.number(noise, 20)._mpf_[3] <= 8
+        assert mpf("1.1e-29") > core.error_of(noise, 20) > mpf("1e-29")
+        assert core.number(arb(0), 20) == 0 == core.error_of(arb(0), 20)
+        large = core.number(arb(10) ** 20 / 3, 20, absolute=True)
+        assert abs(large - mpf(10) ** 20 / 3) < mpf(10) ** -20
+
+
+def test_an_irrational_number_that_is_0_by_the_rule_is_the_exact_0():
+    x = exact.sqrt(F(2)) * exact.sqrt(F(3)) - exact.sqrt(F(6))
+    assert ball(x).is_zero()
+    assert not core.enclosed(x).is_zero()
+    assert core.enclosed(x).contains(0)
+
+
+def test_frames_go_there_and_back():
+    turned = tuple(tuple(F(x, 5) for x in row) for row in ((3, 4, 0), (-4, 3, 0), (0, 0, 5)))
+    skew = ((F(1), F(1), F(0)), (F(-1), F(1), F(0)), (F(0), F(0), F(1)))
+    frames = (
+        Frame(),
+        Frame.signed((2, 0, 1)),
+        Frame.signed((1, 0, 2), (1, -1, 1)),
+        Frame.signed((0, 2, 1), (1, -1, 1), turned),
+        Frame(skew, (F(2), F(2), F(1)), turned),
+    )
+    v = F(1), F(-2), F(1, 3)
+    for frame in frames:
+        there = frame.into(v)
+        assert all(x == y for x, y in zip(frame.out(there), v, strict=True))
+        back = frame.back([ball(x) for x in there])
+        assert all(abs(x - ball(y)) < arb("1e-12") for x, y in zip(back, v, strict=True))
+        x, y, z = (frame.into(tuple(F(i == j) for j in range(3))) for i in range(3))
+        cross = [x[i - 2] * y[i - 1] - x[i - 1] * y[i - 2] for i in range(3)]
+        assert all(a == b for a, b in zip(cross, z, strict=True))
+
+
+@pytest.mark.parametrize("gamma", [(0, 0, 1), (0, 0, -1), ("3/5", 0, "-4/5"), (0, "-3/5", "4/5")])
+def test_the_start_has_its_vertical(gamma):
+    gamma = tuple(F(x) for x in gamma)
+    q = start_attitude(gamma, F(2, 7), 1)
+    up = turned_back(q, (arb(0), arb(0), arb(1)))
+    assert all(x.overlaps(ball(y)) and x.rad() < 1e-12 for x, y in zip(up, gamma, strict=True))
+    assert quaternion(acb(1, 4), acb(2, 3)) == (1, 2, 3, 4)
+
+
+@pytest.mark.parametrize("k2", [F(0), F(1, 10**40), F(1, 3), 1 - F(1, 10**40), F(1)])
+def test_jacobis_functions_on_both_sides_of_the_separatrix(k2):
+    """sn^2 + cn^2 = 1 = dn^2 + k^2 sn^2, and dn d(am) = dv, at many periods."""
+    with ctx.workprec(400):
+        functions = Jacobi(ball(k2), ball(1 - k2))
+        for t in (F(1, 3), F(-7), F(10**6)):
+            here, there = (functions.at(ball(t + x)) for x in (F(0), F(1, 10**30)))
+            assert (here.sn * here.sn + here.cn * here.cn).overlaps(arb(1))
+            assert (here.dn * here.dn + ball(k2) * here.sn * here.sn).overlaps(arb(1))
+            slope = (there.side * there.sn - here.side * here.sn) * arb(10) ** 30
+            assert abs(slope - here.side * here.cn * here.dn) < arb("1e-29")
+
+
+@pytest.mark.parametrize("half", [False, True])
+@pytest.mark.parametrize("k2", [F(1, 10**20), F(2, 5), F(999, 1000)])
+def test_quotients_keep_to_the_right_half_plane(k2, half):
+    """For |a| < K', where their principal argument is continuous."""
+    with ctx.workprec(200):
+        functions = Jacobi(ball(k2), ball(1 - k2))
+        other = Jacobi(ball(1 - k2), ball(k2)).K
+        for part in (F(-999, 1000), F(1, 5), F(1, 2), F(99, 100)):
+            for n in range(-20, 21):
+                v = functions.K * n / 20
+                assert functions.at(v).quotient(ball(part) * other, half).real > 0
+
+
+@pytest.mark.parametrize("k2", ["1e-20", "0.3", "0.8", "0.99999"])
+@pytest.mark.parametrize("v", ["0.7", "5.1", "-2.2"])
+def test_functions_and_quotients_are_those_of_mpmath(k2, v):
+    """Theta(v + i a) exp(i L v), L = (pi/2K) dlog theta_{1 or 2}(i w)/dw, DLMF 20.2."""
+    m, x, part = F(k2), F(v), F(3, 10)
+    with ctx.workprec(200), mpmath.workdps(80):
+        functions = Jacobi(ball(m), ball(1 - m))
+        here, begin = functions.at(ball(x)), functions.at(arb(0))
+        parameter, u = (mpf(y.numerator) / y.denominator for y in (m, x))
+        K, other = mpmath.ellipk(parameter), mpmath.ellipk(1 - parameter)
+        for name, y in (("sn", here.side * here.sn), ("cn", here.side * here.cn), ("dn", here.dn)):
+            wanted = mpmath.ellipfun(name, u, m=parameter)
+            assert abs(core.number(y, 45) - wanted) < mpf("1e-40")
+        q, a = mpmath.exp(-mpmath.pi * other / K), other * 3 / 10
+        shift = ball(part) * Jacobi(ball(1 - m), ball(m)).K
+        for half, kind, odd in ((False, 4, 1), (True, 3, 2)):
+            w = mpmath.pi * a / 2 / K
+            slope = 1j * mpmath.jtheta(odd, 1j * w, q, 1) / mpmath.jtheta(odd, 1j * w, q)
+            rate = mpmath.pi / 2 / K * slope.real
+            assert abs(core.number(functions.rate(shift, half), 45) - rate) < mpf("1e-38")
+            one, two = (
+                mpmath.jtheta(kind, mpmath.pi * (y + 1j * a) / (2 * K), q)
+                / mpmath.jtheta(4, mpmath.pi * y / (2 * K), q)
+                for y in (u, mpf(0))
+            )
+            ratio = here.quotient(shift, half) / begin.quotient(shift, half)
+            mine = mpmath.mpc(core.number(ratio.real, 45), core.number(ratio.imag, 45))
+            assert abs(mine - one / two) < mpf("1e-38") * abs(one / two)
+
+
+def test_a_rate_that_is_off_is_seen(monkeypatch):
+    """The quotient with its phase solves the equation only with the right L."""
+    with ctx.workprec(300):
+        functions, a, h = Jacobi(ball(F(2, 5)), ball(F(3, 5))), ball(F(1, 2)), arb(10) ** -40
+        rate = functions.rate(a, half=False)
+        period = 2 * functions.K
+
+        def grown(rate):
+            v = arb("0.3")
+            one, two = (
+                functions.at(x).quotient(a, half=False) * (acb(0, 1) * rate * x).exp()
+                for x in (v, v + period)
+            )
+            turn = two / one * (acb(0, -1) * rate * period).exp()
+            return abs(turn - 1)
+
+        assert grown(rate).contains(0)
+        assert functions.at(arb("0.3")).slope(a, half=False) != 0
+        assert h > 0
+
+
+SPINNING = 10
+
+
+def spinning(t):
+    """A turn about an axis near the vertical, |w| = 20."""
+    return quaternion(
+        (acb(0, 1) * SPINNING * t).exp() * arb("0.8"), (acb(0, -1) * t).exp() * arb("0.6")
+    )
+
+
+def test_turns_are_counted_by_a_bound_of_the_speed():
+    times = [arb(3), arb(100)]
+    for (one, other), t in zip(
+        winding.counted(spinning, arb(2 * SPINNING), arb(0), times), times, strict=True
+    ):
+        assert one.overlaps(SPINNING * t)
+        assert other.overlaps(-t)
+    back = winding.counted(spinning, arb(2 * SPINNING), arb(0), [arb(-5)])
+    assert back[0][0].overlaps(arb(-5 * SPINNING))
+
+
+def test_a_bound_that_is_none_counts_wrongly():
+    """By force: the proof rests on the bound of |w|."""
+    ((one, _),) = winding.counted(spinning, arb(1), arb(0), [arb(100)])
+    assert not one.overlaps(arb(100 * SPINNING))
+
+
+def test_far_times_and_poles_are_not_counted():
+    with pytest.raises(Refused, match="ask for the attitude"):
+        winding.counted(spinning, arb(2 * SPINNING), arb(0), [arb(3000)])
+
+    def through(t):
+        return t.cos(), t.sin(), arb(0), arb(0)
+
+    with ctx.workprec(150), pytest.raises(TooFewBits):
+        winding.counted(through, arb(2), arb("0.3"), [arb(3)])
+
+
+@pytest.mark.parametrize(
+    ("n", "g", "grown"),
+    [
+        ((0, 0, 1), (0, 0, 1), (5, None)),
+        ((0, 0, 1), (0, 0, -1), (None, -5)),
+        ((0, 0, -2), ("3/5", 0, "4/5"), (-5, 5)),
+        ((1, 0, 0), ("3/5", 0, "4/5"), (5, 5)),
+        ((0, 0, 0), ("3/5", 0, "4/5"), (0, 0)),
+    ],
+)
+def test_turns_about_an_axis_that_stays(n, g, grown):
+    """To a whole turn: about the body's axis, against it, across it."""
+    n, g = (tuple(F(x) for x in v) for v in (n, g))
+    size = exact.sqrt(sum((x * x for x in n), F(0)))
+    axis = tuple(ball(x / size) if size else arb(0) for x in n)
+    x = 5 * arb.pi() if size else arb(0)
+    for one, other in zip(
+        OneAxis(n, g).arguments(start_attitude(g, F(1, 3), 1), axis, x), grown, strict=True
+    ):
+        if other is None:
+            assert one is None
+        else:
+            assert one is not None
+            assert abs(one - other * arb.pi()) < arb("1e-10")
