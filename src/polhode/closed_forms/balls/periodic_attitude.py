@@ -5,7 +5,8 @@ u is an axis of the body that is never vertical.  Its azimuth about the vertical
     F = (w.g - (w.u)(u.g))/(1 - (u.g)^2),    of period T.
 
 F is analytic where |Im t| <= eta T, and |F| <= M there: both proven on discs that cover a period of
-the strip, on each from the state in its middle and a bound of how far the equations let it move.  With its 2n samples and their Fourier sums below n, the integral of F is off by at most
+the strip, on each from the state in its middle and a bound of how far the equations let it move.
+With its 2n samples and their Fourier sums below n, the integral of F is off by at most
 
     4 M T exp(-2 pi eta n)/(1 - exp(-2 pi eta))    for 0 <= t <= T
 
@@ -50,7 +51,8 @@ class PeriodicAttitude:
     """The turn since t = 0, at the precision in force.
 
     ``growth`` bounds how far the numbers of a state move within a complex time of ``reach``; None
-    where it tells nothing.  ``size``: the length of the vertical in the state; ``speed``: a proven bound of |w|.
+    where it tells nothing.  ``size``: the length of the vertical in the state; ``speed``: a proven
+    bound of |w|.
     """
 
     def __init__(
@@ -108,7 +110,9 @@ class PeriodicAttitude:
 
         def tilt(u: tuple[int, ...]) -> float:
             square = sum(x * x for x in u)
-            return min(1 - sum(x * y for x, y in zip(u, g, strict=True)) ** 2 / square for g in rows)
+            return min(
+                1 - sum(x * y for x, y in zip(u, g, strict=True)) ** 2 / square for g in rows
+            )
 
         a, b, c = max(_AXES, key=tilt)
         return a, b, c
@@ -166,7 +170,7 @@ class PeriodicAttitude:
         if radii is None:
             return acb(arb.nan())
         wide = (acb(arb(0, r), arb(0, r)) for r in radii)
-        return self._rate([x + r for x, r in zip(state, wide, strict=True)])
+        return acb(self._rate([x + r for x, r in zip(state, wide, strict=True)]))
 
     def _azimuth(self, t: arb) -> arb:
         """The integral of F from 0 to t, 0 <= t <= T."""

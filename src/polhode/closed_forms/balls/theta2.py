@@ -240,7 +240,7 @@ def _top(halves: tuple[list[int], list[int]]) -> int:
 def _powers(base: acb, most: int) -> dict[int, acb]:
     """base^n for |n| <= most.
 
-    As products of halves: a chain of single factors would widen a complex ball by up to sqrt 2 each.
+    As products of halves: a chain of single factors would widen a ball by up to sqrt 2 each.
     """
     powers = {0: acb(1), 1: base, -1: 1 / base}
     for n in range(2, most + 1):

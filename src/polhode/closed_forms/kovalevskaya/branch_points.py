@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cmp_to_key
 from itertools import combinations, pairwise
 from typing import TypeVar
@@ -75,11 +75,11 @@ def kind(start: KovalevskayaStart) -> str:
 
     def order() -> str:
         points = branch_points(start, disc)
-        line = [(points[i].real, name) for i, name in enumerate(names) if name != " "]
-        line.sort(key=cmp_to_key(lambda x, y: -1 if x[0].mid() < y[0].mid() else 1))
-        if not all(x[0] < y[0] for x, y in pairwise(line)):
+        values = [x.real for x in points]
+        line = ascending(values, [i for i, name in enumerate(names) if name != " "])
+        if not all(values[i] < values[j] for i, j in pairwise(line)):
             raise TooFewBits
-        return "".join(name for _, name in line)
+        return "".join(names[i] for i in line)
 
     return _decided(order) + ("" if sign(disc) > 0 else " (complex pair)")
 
@@ -97,6 +97,15 @@ def _decided(question: Callable[[], T]) -> T:
                 raise
 
 
+def ascending(values: Sequence[arb], numbers: Iterable[int]) -> list[int]:
+    """The numbers in the order of the middles of their values; nothing is proven of it."""
+
+    def compare(i: int, j: int) -> int:
+        return -1 if values[i].mid() < values[j].mid() else 1
+
+    return sorted(numbers, key=cmp_to_key(compare))
+
+
 def numbered(points: Sequence[acb]) -> list[int]:
     """The order of the points along exp(i tilt), |tilt| < pi/2, proven.
 
@@ -111,10 +120,7 @@ def numbered(points: Sequence[acb]) -> list[int]:
     turn = acb(0, -tilt).exp()
     along = [(turn * x).real for x in points]
     # By balls, not by doubles: gaps of 1e-26 are told apart.
-    order = sorted(
-        range(len(points)),
-        key=cmp_to_key(lambda i, j: -1 if along[i].mid() < along[j].mid() else 1),
-    )
+    order = ascending(along, range(len(points)))
     if not all((turn * (points[j] - points[i])).real > 0 for i, j in pairwise(order)):
         raise TooFewBits
     return order

@@ -7,8 +7,8 @@ start moved by eps and -eps along a generic direction,
 
 x = eps times the growth of a deviation to the time t (at most linear in t on a quasi-periodic
 motion, exponential on an asymptotic one).  The square of their difference, four times, is the
-error's estimate, and stands as the radius of what is answered.  -log2 eps is the sixth part of the bits
-in force: what the neighbours' curves lose by being nearly degenerate is less.
+error's estimate, and stands as the radius of what is answered.  -log2 eps is the sixth part of the
+bits in force: what the neighbours' curves lose by being nearly degenerate is less.
 
 A neighbour starts with the quaternion q(0) T, T the least turn in the body that takes its gamma to
 gamma, and the four quaternions are combined like the states.
@@ -26,8 +26,8 @@ from polhode.closed_forms.balls.frames import Turn, product
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.branch_points import discriminant
 from polhode.closed_forms.kovalevskaya.motion import speed_bound
-from polhode.closed_forms.kovalevskaya.theta_attitude import ThetaAttitude
-from polhode.closed_forms.kovalevskaya.theta_state import ThetaState
+from polhode.closed_forms.kovalevskaya.theta.theta_attitude import ThetaAttitude
+from polhode.closed_forms.kovalevskaya.theta.theta_state import ThetaState
 from polhode.numbers.flint_context import ctx
 
 _SHARES = (1, -1, 2, -2)
@@ -67,9 +67,7 @@ class NeighboursAttitude:
     def turn(self, t: arb, state: Sequence[arb]) -> Turn:
         """The turn until t; ``state`` is not asked."""
         rows = []
-        for motion, least, turning in zip(
-            self._motions, self._leasts, self._turnings, strict=True
-        ):
+        for motion, least, turning in zip(self._motions, self._leasts, self._turnings, strict=True):
             rows.append(product(least, turning.turn(t, motion.at(t))))
         a, b, c, d = combined(rows, [arb(1)] * 4)
         return a, b, c, d

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cmp_to_key
 from itertools import pairwise
 
 from flint import acb, arb
 
 from polhode.closed_forms.balls.core import TooFewBits
 from polhode.closed_forms.balls.quadrature import Linear, circle
+from polhode.closed_forms.kovalevskaya.branch_points import ascending
 
 
 def rates(points: Sequence[acb]) -> tuple[arb, arb]:
@@ -19,7 +19,7 @@ def rates(points: Sequence[acb]) -> tuple[arb, arb]:
     lowest real branch point, s2 between the two highest.
     """
     line = [x.real for x in points if x.imag.is_zero()]
-    line.sort(key=cmp_to_key(lambda x, y: -1 if x.mid() < y.mid() else 1))
+    line = [line[i] for i in ascending(line, range(len(line)))]
     if not all(x < y for x, y in pairwise(line)):
         raise TooFewBits
     a, c = _unbounded(line[0], points)

@@ -30,9 +30,9 @@ from polhode.closed_forms.balls.quadrature import Pair
 from polhode.closed_forms.balls.theta2 import Theta2, added
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.branch_points import branch_points
-from polhode.closed_forms.kovalevskaya.jacobian import Jacobian
 from polhode.closed_forms.kovalevskaya.motion import speed_bound
-from polhode.closed_forms.kovalevskaya.separation import places
+from polhode.closed_forms.kovalevskaya.theta.jacobian import Jacobian
+from polhode.closed_forms.kovalevskaya.theta.separation import places
 from polhode.numbers.exact import Exact
 
 PAIRS = ((0, 1), (0, 2), (1, 2))
@@ -105,7 +105,7 @@ class ThetaState:
         self.choices = self._fitting()
 
     @cached_property
-    def largest_G(self) -> arb:
+    def weight(self) -> arb:
         """|G|."""
         return ball(self.start.a2).sqrt()
 

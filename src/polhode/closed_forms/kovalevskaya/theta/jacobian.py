@@ -25,7 +25,7 @@ from polhode.closed_forms.balls.theta2 import (
     is_odd,
 )
 from polhode.closed_forms.kovalevskaya.branch_points import numbered
-from polhode.closed_forms.kovalevskaya.siegel import Columns, reduced_basis
+from polhode.closed_forms.kovalevskaya.theta.siegel import Columns, reduced_basis
 
 _FAR = 4  # |s| beyond this multiple of the branch points: the way comes from infinity
 
@@ -121,9 +121,10 @@ class Jacobian:
         z = self.reduced((2 * image[0], 2 * image[1]))
         x, y = self.lattice.coordinates(z)
         numbers = [v.unique_fmpz() for v in (*y, *x)]
-        if None in numbers:
+        whole = [int(n) % 2 for n in numbers if n is not None]
+        if len(whole) < 4:
             raise TooFewBits
-        a1, a2, b1, b2 = (int(n) % 2 for n in numbers)
+        a1, a2, b1, b2 = whole
         return a1, a2, b1, b2
 
 

@@ -28,7 +28,7 @@ from polhode.closed_forms.balls.core import TooFewBits, ball
 from polhode.closed_forms.balls.frames import Turn, conjugate, product
 from polhode.closed_forms.balls.quadrature import Pair
 from polhode.closed_forms.balls.theta2 import Theta2, added
-from polhode.closed_forms.kovalevskaya.theta_state import ThetaState, Values, dot, either_root
+from polhode.closed_forms.kovalevskaya.theta.theta_state import ThetaState, Values, dot, either_root
 
 _HALVES = ((0, 0), (0, 1), (1, 0), (1, 1))
 _TIMES = (Fraction(0), Fraction(7, 10), Fraction(19, 10), Fraction(31, 10))  # |w| t, at most
@@ -98,7 +98,8 @@ class ThetaAttitude:
         turns = [_turn(choice.at(moment)) for choice in self._choices]
         q = turns[0]
         for other in turns[1:]:
-            q = tuple(x.union(y) for x, y in zip(q, other, strict=True))
+            a, b, c, d = (x.union(y) for x, y in zip(q, other, strict=True))
+            q = a, b, c, d
         if not all(x.is_finite() for x in q):
             raise TooFewBits
         self._check(q, state)
@@ -107,7 +108,7 @@ class ThetaAttitude:
     def _check(self, q: Turn, state: Sequence[arb]) -> None:
         """|q| = 1 and gamma against the state, which knows nothing of the attitude."""
         a, b, c, d = q
-        size = self._motion.largest_G
+        size = self._motion.weight
         known = (2 * (b * d - a * c), 2 * (c * d + a * b), a * a + d * d - b * b - c * c)
         one = a * a + b * b + c * c + d * d
         gamma = zip(known, state[3:], strict=True)
@@ -117,7 +118,7 @@ class ThetaAttitude:
     def _third_kind(self) -> tuple[Pair, acb]:
         """e and c."""
         motion, jacobian = self._motion, self._motion.jacobian
-        w = 2 * _I * motion.m * motion.largest_G
+        w = 2 * _I * motion.m * motion.weight
         root = either_root(acb(-motion.b))
         ends = [jacobian.reduced(jacobian.image(s, w)) for s in (root, -root)]
         wanted = [added(jacobian.delta, eta) for eta in jacobian.characteristics]
@@ -156,8 +157,10 @@ class ThetaAttitude:
         begin = acb(first[1], first[2]), acb(first[3], -first[0])
         choices = []
         for n, m in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
-            bottoms = [_denominator(spaces[side * n], moments[1:], side) for side in (1, -1)]
+            bottoms = [_denominator(spaces[side * n], moments, side) for side in (1, -1)]
             tops = self._numerators((spaces[m], spaces[-m]), bottoms, moments, begin)
+            if tops is None:
+                continue
             choice = Choice(tops, bottoms)
             if not any(self._misses(choice, moment) for moment in moments[1:]):
                 choices.append(choice)
@@ -169,7 +172,7 @@ class ThetaAttitude:
 
     def _misses(self, choice: Choice, moment: Moment) -> bool:
         """Whether |xi|^2 or |eta|^2 is proven to be another than gamma3 says."""
-        height = moment.state[5] / self._motion.largest_G
+        height = moment.state[5] / self._motion.weight
         for value, side in zip(choice.at(moment), (-1, 1), strict=True):
             square = value.real * value.real + value.imag * value.imag
             if not square.is_finite():
@@ -179,9 +182,16 @@ class ThetaAttitude:
         return False
 
     def _numerators(
-        self, spaces: Sequence[Space], bottoms: Sequence[Vector], moments: Sequence[Moment], begin: Pair
-    ) -> list[Vector]:
-        """A and A' from the values at 0 and both equations at the time that tells most."""
+        self,
+        spaces: Sequence[Space],
+        bottoms: Sequence[Vector],
+        moments: Sequence[Moment],
+        begin: Pair,
+    ) -> list[Vector] | None:
+        """A and A' from the values at 0 and both equations at the time that tells most.
+
+        None of a choice that is proven to miss the equations at another time.
+        """
         now = moments[0]
         over = (-now.log).exp()
         nil = [acb(0)] * 2
@@ -190,12 +200,18 @@ class ThetaAttitude:
             own = [dot(v, now.above, 0) for v in spaces[j]]
             rows.append([*nil, *own] if j else [*own, *nil])
             right.append([over * begin[j] * dot(bottoms[j], now.below, 0)])
-        systems = [[*rows, *self._equations(spaces, bottoms, moment)] for moment in moments]
-        best = max(systems, key=_share)
+        equations = [self._equations(spaces, bottoms, moment) for moment in moments]
+        best = max(([*rows, *pair] for pair in equations), key=_share)
+        if not _share(best) > 0:
+            raise TooFewBits
         try:
             A = acb_mat(best).solve(acb_mat([*right, [acb(0)], [acb(0)]]))
         except ZeroDivisionError:
             raise TooFewBits from None
+        for row in (row for pair in equations for row in pair):
+            rest = sum((x * A[i, 0] for i, x in enumerate(row)), acb(0))
+            if rest.is_finite() and not rest.contains(0):
+                return None
         return [
             [A[2 * j, 0] * x + A[2 * j + 1, 0] * y for x, y in zip(*spaces[j], strict=True)]
             for j in (0, 1)
@@ -228,12 +244,13 @@ class ThetaAttitude:
 
 
 def _share(rows: Sequence[Sequence[acb]]) -> arb:
-    """The determinant beside the size of the last two rows."""
+    """A lower bound of the determinant beside the size of the last two rows."""
     size = arb(0)
     for row in rows[2:]:
         for x in row:
             size = size.max(abs(x).mid())
-    return (abs(acb_mat(rows).det()).mid() / (size * size)).mid()
+    # At rest these rows are 0 but for their radii, and tell nothing.
+    return (abs(acb_mat(rows).det()).lower() / (size * size)).mid()
 
 
 def _turn(pair: Pair) -> Turn:
@@ -264,7 +281,7 @@ def _eigenspace(k: tuple[int, int], l: tuple[int, int], factor: acb) -> list[lis
 def _denominator(space: Space, moments: Sequence[Moment], side: int) -> list[acb]:
     """B with x (B.Th) = (C.Th) at three times, B and C in the space; side = -1: of conj(x)."""
     rows = []
-    for moment in moments:
+    for moment in moments[1:]:
         x = acb(moment.state[0], side * moment.state[1])
         one, two = (dot(v, moment.below, 0) for v in space)
         rows.append([x * one, x * two, -one, -two])

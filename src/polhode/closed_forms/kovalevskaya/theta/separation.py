@@ -20,7 +20,7 @@ from flint import acb, arb
 from polhode.closed_forms.balls.core import ball
 from polhode.closed_forms.balls.quadrature import Pair
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
-from polhode.closed_forms.kovalevskaya.jacobian import Jacobian
+from polhode.closed_forms.kovalevskaya.theta.jacobian import Jacobian
 from polhode.numbers.exact import Exact, sign
 
 
