@@ -16,12 +16,13 @@ gamma, and the four quaternions are combined like the states.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from fractions import Fraction
 
 from flint import arb
 
-from polhode.closed_forms.balls.core import TooFewBits, ball
+from polhode.closed_forms.balls.core import Refused, TooFewBits, ball
 from polhode.closed_forms.balls.frames import Turn, product
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.branch_points import discriminant
@@ -32,6 +33,7 @@ from polhode.numbers.flint_context import ctx
 
 _SHARES = (1, -1, 2, -2)
 _MOST_SPREAD = 0.1
+_MOST_GROWN = 500  # bits by which a deviation may grow
 _CLOSENESS = 6  # eps = 2^-(bits/6)
 
 
@@ -49,7 +51,35 @@ class Neighbours:
 
     def at(self, t: arb) -> Sequence[arb]:
         """p, q, r, G1, G2, G3."""
-        return combined([motion.at(t) for motion in self.motions], self._sizes)
+        rows = self._rows(t)
+        if not spread_of(rows, self._sizes) < _MOST_SPREAD:
+            self._refuse(t)
+            raise TooFewBits
+        return combined(rows, self._sizes)
+
+    def _rows(self, t: arb) -> list[Sequence[arb]]:
+        return [motion.at(t) for motion in self.motions]
+
+    def _refuse(self, t: arb) -> None:
+        """Refuse a time until which deviations outgrow all bits, foreseen from an earlier time.
+
+        Where it grows like a power of the time, more bits will do.
+        """
+        closeness, earlier = ctx.prec // _CLOSENESS, t
+        while abs(earlier) * self.speed > 1:
+            earlier = earlier / 2
+            spread = spread_of(self._rows(earlier), self._sizes)
+            if spread < _MOST_SPREAD and spread > 0:
+                grown = closeness + float(spread.log().mid()) / math.log(4)
+                last = abs(earlier).mid()
+                power = 3 * math.log2(2 + float(last * self.speed)) + 10
+                if grown > power and grown * float(abs(t) / last) > _MOST_GROWN:
+                    reach = float(last) * _MOST_GROWN / grown
+                    raise Refused(
+                        "this motion amplifies errors: no digits are known beyond about "
+                        f"{reach * float(self.speed):.2g} radians"
+                    )
+                return
 
 
 class NeighboursAttitude:
@@ -78,16 +108,26 @@ def combined(rows: Sequence[Sequence[arb]], sizes: Sequence[arb]) -> list[arb]:
 
     ``sizes``: the units of the values in the estimate.
     """
-    values, spread = [], arb(0)
+    spread = spread_of(rows, sizes)
+    if not spread < _MOST_SPREAD:  # so far apart they tell nothing
+        raise TooFewBits
+    estimate = (4 * spread * spread).abs_upper()
+    values = []
     for (a, b, c, d), size in zip(zip(*rows, strict=True), sizes, strict=True):
         near, far = (a + b) / 2, (c + d) / 2
-        values.append((4 * near - far) / 3)
-        miss = abs(near - far) / size
-        if not miss < _MOST_SPREAD:  # so far apart they tell nothing
+        values.append((4 * near - far) / 3 + arb(0, estimate) * size)
+    return values
+
+
+def spread_of(rows: Sequence[Sequence[arb]], sizes: Sequence[arb]) -> arb:
+    """How far the means of the nearer and of the farther two neighbours are apart."""
+    spread = arb(0)
+    for (a, b, c, d), size in zip(zip(*rows, strict=True), sizes, strict=True):
+        miss = abs((a + b - c - d) / 2 / size)
+        if not miss.is_finite():
             raise TooFewBits
         spread = spread.max(miss)
-    estimate = (4 * spread * spread).abs_upper()
-    return [x + arb(0, estimate) * size for x, size in zip(values, sizes, strict=True)]
+    return spread
 
 
 def least_turn(one: Sequence[arb], other: Sequence[arb]) -> Turn:
