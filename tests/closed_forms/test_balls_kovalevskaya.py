@@ -118,9 +118,7 @@ def test_a_corrupted_constant_is_told(name, monkeypatch):
 def test_a_refusal_names_the_regime_and_how_far():
     top = top_of(("2/5", "1/5", "-8/5"), ("-9/25", "-12/25", "-4/5"))
     begin = time.process_time()
-    with pytest.raises(
-        Refused, match=r"asymptotic: this motion amplifies errors: .* [\d.e+]+ radians"
-    ):
+    with pytest.raises(Refused, match=r"asymptotic: this motion amplifies .*[\d.e+]+ radians"):
         top.at([F(10**6)], 5)
     assert time.process_time() - begin < 20
 

@@ -105,7 +105,7 @@ def values_at(attitude, way, u1, t):
     below = attitude._functions.at(low)
     above = attitude._functions.at(tuple(a + b for a, b in zip(low, attitude._e, strict=True)))
     e = attitude._e
-    moved = 2j * arb.pi() * (k[0] * e[0] + k[1] * e[1])
+    moved = acb(0, 2) * arb.pi() * (k[0] * e[0] + k[1] * e[1])
     factor = (attitude._rate * t - moved + above.log - below.log).exp()
     found = []
     (choice,) = attitude._choices
@@ -120,7 +120,8 @@ def values_at(attitude, way, u1, t):
 def missed(attitude, way, u1, t):
     """By how much xi' and eta' miss their equations at a complex place, in balls."""
     (p, q, r, *_), (xi, xi1), (eta, eta1) = values_at(attitude, way, u1, t)
-    x, y, half = p + 1j * q, p - 1j * q, acb(0, 0.5)
+    half = acb(0, 0.5)
+    x, y = p + 2 * half * q, p - 2 * half * q
     size = abs(xi) + abs(eta) + abs(xi1) + abs(eta1)
     return [
         (xi1 - half * (x * eta - r * xi)) / size,

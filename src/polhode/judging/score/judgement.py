@@ -166,7 +166,8 @@ class Judgement(Result, ByValue):
             return ()
         if any(one.convention == TURNS for one in self.subject.readings):
             return ()
-        before, now = (fewest(d or (), self.subject.held) for d in angles)
+        both = angles.digits, angles.turned
+        before, now = (fewest(d or (), self.subject.held) for d in both)
         return (Reading("angles", before, TURNS, now),)
 
     @property
@@ -398,11 +399,16 @@ class Judgement(Result, ByValue):
     @property
     def _unjudged(self) -> list[str]:
         """Parts beside the state that were not judged, and why."""
-        return [
+        parts = self._held.parts
+        unjudged = [
             f"{name} {'were' if name == 'angles' else 'was'} not judged: {found}"
-            for name, found in self._held.parts.items()
+            for name, found in parts.items()
             if isinstance(found, str)
         ]
+        angles = parts.get("angles")
+        if isinstance(angles, PartDigits) and angles.uncounted:
+            unjudged.append("whole turns of psi and phi: the closed form did not count them so far")
+        return unjudged
 
     @property
     def readings(self) -> tuple[Reading, ...]:

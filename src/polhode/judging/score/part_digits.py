@@ -21,10 +21,14 @@ TURNING = (ANGLES.index("psi"), ANGLES.index("phi"))  # angles whose whole turns
 
 
 class PartDigits(NamedTuple):
-    """Digits of a part at each time; ``turned``: of angles, psi and phi up to whole turns."""
+    """Digits of a part at each time; ``turned``: of angles, psi and phi up to whole turns.
+
+    ``uncounted``: the reference does not know those turns, and ``digits`` are ``turned``.
+    """
 
     digits: RowDigits
     turned: RowDigits | None = None
+    uncounted: bool = False
 
     @property
     def is_turned(self) -> bool:
@@ -65,6 +69,20 @@ def part_digits(
     found = most_right([tuple(map(_more, *sides))] if signless and len(sides) > 1 else sides)
     turned = _row_digits(own, true, held, bits, 1, 1, TURNING) if name == "angles" else None
     return PartDigits(found, turned)
+
+
+def principal_angles(attitudes: Sequence[Sequence[Scalar]], bits: int) -> list[list[Scalar]]:
+    """psi, theta and phi of quaternions, psi and phi up to whole turns and None at a pole."""
+    from polhode.numbers.mpmath_context import mpmath, own
+
+    found = []
+    with mpmath.workprec(bits):
+        for q0, q1, q2, q3 in (map(own, row) for row in attitudes):
+            one, other = mpmath.atan2(q3, q0), mpmath.atan2(q2, q1)
+            cos, sin = mpmath.hypot(q0, q3), mpmath.hypot(q1, q2)
+            theta, pole = 2 * mpmath.atan2(sin, cos), min(cos, sin) < mpmath.ldexp(1, -bits // 2)
+            found.append([None if pole else one + other, theta, None if pole else one - other])
+    return found
 
 
 def _row_digits(

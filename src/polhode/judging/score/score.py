@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import partial
 from typing import TypeAlias
 
@@ -20,7 +21,13 @@ from polhode.judging.correct_digits import digits_of, errors, rate_scale
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.derived import column_of
 from polhode.judging.references.reference import Reference, Remembered, rows
-from polhode.judging.score.part_digits import PartDigits, RowDigits, fewest, part_digits
+from polhode.judging.score.part_digits import (
+    PartDigits,
+    RowDigits,
+    fewest,
+    part_digits,
+    principal_angles,
+)
 from polhode.judging.score.vectorized_score import SPARE_DIGITS, ManyRows, digits, many_rows
 from polhode.judging.tables.candidate import Subject
 from polhode.numbers.conversion import to_mpf
@@ -153,6 +160,10 @@ class HeldAgainst:
             except ValueError as fault:  # BadInput is one
                 found[name] = str(fault)
                 if does_not_answer(self.reference, fault):
+                    if name == "angles":
+                        with suppress(ValueError):
+                            found[name] = self._up_to_turns(own)
+                            continue
                     proven = replace(self, reference=Certified(self.reference.scene))
                     with suppress(ValueError):
                         found[name] = proven.part(name, own)
@@ -176,9 +187,25 @@ class HeldAgainst:
         told = told._replace(turned=_where(there, digits(self.many.turned, held)))
         return self._with_untold(told, own, self.many.untold)
 
+    def _up_to_turns(self, own: Given) -> PartDigits:
+        """Digits of angles of which the reference has the attitude alone; raises ValueError."""
+        ask = self._ask("attitude")
+
+        def angles(times: Sequence[Fraction], digits: int) -> list[list[Scalar]]:
+            return principal_angles(ask(times, digits), self.bits)
+
+        def judged(true: list[list[Scalar]]) -> RowDigits:
+            turned = part_digits("angles", own, true, self.subject.held, self.bits).turned
+            assert turned is not None
+            return turned
+
+        found = judged(self._true(angles, lambda x: fewest(judged(x), self.subject.held)))
+        return PartDigits(found, found, uncounted=True)
+
     def _with_untold(self, told: PartDigits, own: Given, untold: Sequence[int]) -> PartDigits:
         """Angles with the rows that are asked for one by one, None where no digit is left."""
-        held, both = self.subject.held, [[*rows] for rows in told if rows is not None]
+        held, known = self.subject.held, (told.digits, told.turned)
+        both = [[*one] for one in known if one is not None]
         left = [fewest(tuple(one), held) for one in both]  # theta of untold rows among them
         for one in both:
             for k in untold:
@@ -189,12 +216,13 @@ class HeldAgainst:
             times = [self.subject.times[k] for k in some]
             true = rows(self._ask("angles"), times, self._wanted)
             found = part_digits("angles", [own[k] for k in some], true, held, self.bits)
-            for n, (one, more) in enumerate(zip(both, found, strict=True)):
+            for n, (one, more) in enumerate(zip(both, (found.digits, found.turned), strict=True)):
                 assert more is not None
                 for k, d in zip(some, more, strict=True):
                     one[k] = d
                 left[n] = min(left[n], fewest(more, held))
-        return PartDigits(*(tuple(one) for one in both))
+        first, turned = (tuple(one) for one in both)
+        return PartDigits(first, turned)
 
 
 def does_not_answer(reference: AnyReference, fault: ValueError) -> bool:
