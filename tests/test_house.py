@@ -115,7 +115,7 @@ def test_any_only_ever_becomes_rarer():
 PRIVATE = {
     "checks": (1, "the numbers of one case, which a check prints only together"),
     "closed_forms": (
-        48,
+        38,
         "a motion's parts at a precision of the test's choice: a top answers at its own",
     ),
     "dynamics": (

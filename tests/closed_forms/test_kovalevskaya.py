@@ -348,8 +348,8 @@ def test_frequencies_are_those_of_the_periods_of_the_curve(name):
     top = top_of(*GENERIC[name])
     found = top.frequencies(40)
     with mpmath.workdps(55):
-        (P1, Q1), (P2, Q2) = (cycle_integrals(top._begin, s) for s in variables(top._begin))
-        unit = 2 * mpmath.pi * mpmath.ldexp(1, top._begin.exponent) / abs(Q1 * P2 - Q2 * P1)
+        (P1, Q1), (P2, Q2) = (cycle_integrals(top.begin, s) for s in variables(top.begin))
+        unit = 2 * mpmath.pi * mpmath.ldexp(1, top.begin.exponent) / abs(Q1 * P2 - Q2 * P1)
         for rate, right in ((found["s1"], P2 * unit), (found["s2"], P1 * unit)):
             assert in_band(abs(rate / right - 1), 40, 10)
 
@@ -407,7 +407,7 @@ def test_frequencies_are_the_mean_rates_of_the_separation_variables():
     assert all(in_band(abs(found[n] - more[n]), 29) for n in ("s1", "s2"))
     times = [F(k, 20) for k in range(2400)]
     signs = []
-    H, m, b = (float(x) for x in (top._begin.H, top._begin.m, top._begin.b))
+    H, m, b = (float(x) for x in (top.begin.H, top.begin.m, top.begin.b))
     for row in top.at(times, 16):
         p, q, *_ = map(float, row)
         sg, pi = 2 * p, p * p + q * q

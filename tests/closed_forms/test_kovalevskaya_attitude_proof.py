@@ -90,30 +90,30 @@ def test_step_2_exponents_at_every_pole_are_1_and_minus_1():
 def formula(name):
     """The attitude's constants, and the second way on the Jacobian."""
     top = KovalevskayaTop(BODY, TORQUE, *map(fractions, GENERIC[name]))
-    attitude = top._solution()._turning
-    return attitude, attitude._motion.jacobian.reduced((acb(1), acb(0)))
+    attitude = top._solution().turning
+    return attitude, attitude.motion.jacobian.reduced((acb(1), acb(0)))
 
 
 def values_at(attitude, way, u1, t):
     """The complex state, xi and eta and their slopes at a complex place; e^(c1 u1) is left out."""
-    motion = attitude._motion
+    motion = attitude.motion
     quotients, V = motion.choices[0], motion.velocity
     z = tuple(a + u1 * b + t * c for a, b, c in zip(quotients.z0, way, V, strict=True))
     z, _, k = motion.jacobian.lattice.reduced(z, 2)
-    state = quotients.state(motion.H, motion._values(z))
-    low = tuple(a + b for a, b in zip(z, attitude._h, strict=True))
-    below = attitude._functions.at(low)
-    above = attitude._functions.at(tuple(a + b for a, b in zip(low, attitude._e, strict=True)))
-    e = attitude._e
+    state = quotients.state(motion.H, motion.values_at(z))
+    low = tuple(a + b for a, b in zip(z, attitude.h, strict=True))
+    below = attitude.functions.at(low)
+    above = attitude.functions.at(tuple(a + b for a, b in zip(low, attitude.e, strict=True)))
+    e = attitude.e
     moved = acb(0, 2) * arb.pi() * (k[0] * e[0] + k[1] * e[1])
-    factor = (attitude._rate * t - moved + above.log - below.log).exp()
+    factor = (attitude.rate * t - moved + above.log - below.log).exp()
     found = []
-    (choice,) = attitude._choices
+    (choice,) = attitude.choices
     for top, bottom in zip(choice.tops, choice.bottoms, strict=True):
         N, d = (dot(row, jets.along(V), 0) for row, jets in ((top, above), (bottom, below)))
         N1, d1 = (dot(row, jets.along(V), 1) for row, jets in ((top, above), (bottom, below)))
         value = factor * N / d
-        found.append((value, value * (attitude._rate + N1 / N - d1 / d)))
+        found.append((value, value * (attitude.rate + N1 / N - d1 / d)))
     return state, *found
 
 
@@ -150,7 +150,7 @@ def test_step_6_the_equations_hold_at_more_places_than_they_have_constants(name,
             for rest in missed(attitude, way, place(pick, 0.4), place(pick, 0.4)):
                 assert rest.contains(0)
                 assert rest.real.rad() < 1e-50
-        attitude._rate += arb("1e-30")
+        attitude.rate += arb("1e-30")
         rests = missed(attitude, way, acb(0.3), acb(0.2))
         assert not all(rest.contains(0) for rest in rests)
 
@@ -161,8 +161,8 @@ def test_step_4_both_gain_one_factor_over_twice_a_lattice_vector(name):
     pick = random.Random(3)
     with ctx.workprec(_BITS):
         attitude, way = formula(name)
-        jacobian = attitude._motion.jacobian
-        for period in jacobian._columns:
+        jacobian = attitude.motion.jacobian
+        for period in jacobian.columns:
             factors = []
             for _ in range(3):
                 u1, t = place(pick, 0.3), place(pick, 0.3)

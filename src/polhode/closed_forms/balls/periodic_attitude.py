@@ -22,13 +22,13 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Sequence
-from functools import cached_property
 from typing import Any, TypeAlias
 
 from flint import acb, arb
 
 from polhode.closed_forms.balls.core import Refused, TooFewBits, nearest_integer
 from polhode.closed_forms.balls.frames import Turn, conjugate, product
+from polhode.common.cached_property import cached_property
 from polhode.numbers.flint_context import ctx
 
 #: Of complex time: w and the vertical, of any length, six numbers.

@@ -171,7 +171,7 @@ def complex_functions(functions: Jacobi, v: acb) -> Functions:
         return v.tanh(), v.sech(), v.sech()
     z = v / (2 * functions.K)
     n = nearest_integer(z.real)
-    th1, th2, th3, th4 = acb(z - n).modular_theta(functions.tau)
+    th1, th2, th3, th4 = acb.modular_theta(z - n, functions.tau)
     a, b, c = functions.factors
     side = -1 if n % 2 else 1
     return side * a * th1 / th4, side * b * th2 / th4, c * th3 / th4

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cached_property
 from typing import Protocol
 
 from flint import arb
@@ -11,6 +10,7 @@ from flint import arb
 from polhode.closed_forms.balls.core import ball, enclosed
 from polhode.closed_forms.balls.frames import Frame, Start, Turn, product
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
+from polhode.common.cached_property import cached_property
 
 
 class StateMotion(Protocol):
@@ -90,11 +90,11 @@ class TopMotion:
         ]
         if attitude:
             assert self._scene.attitude is not None
-            turn = self._frame.turn(self._turning.turn(now, state))
+            turn = self._frame.turn(self.turning.turn(now, state))
             row += product(self._scene.attitude, turn)
         return row
 
     @cached_property
-    def _turning(self) -> TurningMotion:
+    def turning(self) -> TurningMotion:
         """Made when it is first asked for: states need none of its constants."""
         return self._made_turning()

@@ -46,9 +46,9 @@ class KovalevskayaTop(BallMotion[TopMotion]):
 
     def _set_up(self, moments: Vector, torque: Vector, omega: Vector, axes: Rows | None) -> None:
         self._axes = top_axes(moments, torque, axes)
-        self._begin = self._axes.start(omega, self._gamma)
-        self.regime = regimes.regime(self._begin)
-        self._disc = discriminant(self._begin)
+        self.begin = self._axes.start(omega, self._gamma)
+        self.regime = regimes.regime(self.begin)
+        self._disc = discriminant(self.begin)
         self._first_turn = Kept(self._made_first_turn)
         self.proven = self.regime not in regimes.DEGENERATE
         self.knows_turns = self.regime in regimes.STEADY
@@ -60,7 +60,7 @@ class KovalevskayaTop(BallMotion[TopMotion]):
         return 20 * digits + 3_000
 
     def _solved(self) -> TopMotion:
-        start, regime = self._begin, self.regime
+        start, regime = self.begin, self.regime
         made = partial(TopMotion, start, self._axes.frame, self._start())
         if regime in regimes.STEADY:
             steady = Steady(start)
@@ -77,13 +77,13 @@ class KovalevskayaTop(BallMotion[TopMotion]):
     def _periodic_turning(self, motion: Periodic) -> TurningMotion:
         """The attitude of a motion that has a period, or that tends to a steady one."""
         if motion.period is None:
-            return NeighboursAttitude(Neighbours(self._begin), self._first_turn())
-        size = ball(self._begin.a2).sqrt()
+            return NeighboursAttitude(Neighbours(self.begin), self._first_turn())
+        size = ball(self.begin.a2).sqrt()
         return PeriodicAttitude(motion.complex_state, growth, motion.period, size, motion.speed)
 
     def angles(self, times: Sequence[Exact], digits: int) -> list[list[mpf | None]]:
         """psi, theta, phi, their turns counted; Refused where the motion passes pole after pole."""
-        if self.regime in regimes.DEGENERATE and regimes.passes_poles(self._begin):
+        if self.regime in regimes.DEGENERATE and regimes.passes_poles(self.begin):
             raise Refused(
                 f"{self.regime}: the third axis passes the vertical, where psi and phi jump: ask "
                 "for the attitude"
@@ -92,7 +92,7 @@ class KovalevskayaTop(BallMotion[TopMotion]):
 
     def _made_first_turn(self) -> Turn:
         """A quaternion of the start's gamma in the top's axes."""
-        a, b, c = (x / self._begin.weight for x in self._begin.G)
+        a, b, c = (x / self.begin.weight for x in self.begin.G)
         return quaternion(*halves((a, b, c), ZERO))
 
     def _arguments(self, t: arb) -> Arguments:
@@ -115,7 +115,7 @@ class KovalevskayaTop(BallMotion[TopMotion]):
 
         n is rounded to a power of two, 2^exponent.  tau is None on a degenerate curve.
         """
-        start = self._begin
+        start = self.begin
 
         def parts() -> dict[str, arb]:
             named = {"H": ball(start.H), "K2": ball(start.k2)}

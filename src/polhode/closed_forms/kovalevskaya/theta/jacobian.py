@@ -11,7 +11,6 @@ II, IIIa.5).  A(.) is the integral from infinity: A(a_5) = I_1 + I_3 and A(a_j) 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
 
 from flint import acb, arb
 
@@ -26,6 +25,7 @@ from polhode.closed_forms.balls.theta2 import (
 )
 from polhode.closed_forms.kovalevskaya.branch_points import numbered
 from polhode.closed_forms.kovalevskaya.theta.siegel import Columns, reduced_basis
+from polhode.common.cached_property import cached_property
 
 _FAR = 4  # |s| beyond this multiple of the branch points: the way comes from infinity
 
@@ -46,7 +46,7 @@ class Jacobian:
         one, two, three, four = ((2 * x, 2 * y) for x, y in segments)
         first = one, three
         second = (two[0] + four[0], two[1] + four[1]), four
-        self._columns, other = reduced_basis(first, second)
+        self.columns, other = reduced_basis(first, second)
         self.lattice = Lattice(self._period_matrix(other))
         now = segments[0][0] + segments[2][0], segments[0][1] + segments[2][1]
         images = {self._order[4]: now}
@@ -58,7 +58,7 @@ class Jacobian:
 
     def reduced(self, u: Pair) -> Pair:
         """z = inv(Om_A) u."""
-        (a, c), (b, d) = self._columns
+        (a, c), (b, d) = self.columns
         det = a * d - b * c
         return (d * u[0] - b * u[1]) / det, (a * u[1] - c * u[0]) / det
 

@@ -81,21 +81,21 @@ class ThetaAttitude:
     def __init__(self, motion: ThetaState, first: Turn) -> None:
         if len(motion.choices) > 1:
             raise TooFewBits
-        self._motion, self._first = motion, first
+        self.motion, self._first = motion, first
         self._z0 = motion.choices[0].z0
-        self._e, self._rate = self._third_kind()
+        self.e, self.rate = self._third_kind()
         tau = motion.jacobian.lattice.tau
         doubled = 2 * tau[0], 2 * tau[1], 2 * tau[2]
-        self._functions = Theta2(doubled, [(*half, 0, 0) for half in _HALVES])
+        self.functions = Theta2(doubled, [(*half, 0, 0) for half in _HALVES])
         k, l = self._half_period()
         along = motion.jacobian.lattice.times(k)
-        self._h = (l[0] + along[0]) / 2, (l[1] + along[1]) / 2
-        self._choices = self._fitting(k, l, first)
+        self.h = (l[0] + along[0]) / 2, (l[1] + along[1]) / 2
+        self.choices = self._fitting(k, l, first)
 
     def turn(self, t: arb, state: Sequence[arb]) -> Turn:
         """The turn until t; ArithmeticError where it has not the gamma of the state then."""
         moment = self._moment(t, state)
-        turns = [_turn(choice.at(moment)) for choice in self._choices]
+        turns = [_turn(choice.at(moment)) for choice in self.choices]
         q = turns[0]
         for other in turns[1:]:
             a, b, c, d = (x.union(y) for x, y in zip(q, other, strict=True))
@@ -108,7 +108,7 @@ class ThetaAttitude:
     def _check(self, q: Turn, state: Sequence[arb]) -> None:
         """|q| = 1 and gamma against the state, which knows nothing of the attitude."""
         a, b, c, d = q
-        size = self._motion.weight
+        size = self.motion.weight
         known = (2 * (b * d - a * c), 2 * (c * d + a * b), a * a + d * d - b * b - c * c)
         one = a * a + b * b + c * c + d * d
         gamma = zip(known, state[3:], strict=True)
@@ -117,7 +117,7 @@ class ThetaAttitude:
 
     def _third_kind(self) -> tuple[Pair, acb]:
         """e and c."""
-        motion, jacobian = self._motion, self._motion.jacobian
+        motion, jacobian = self.motion, self.motion.jacobian
         w = 2 * _I * motion.m * motion.weight
         root = either_root(acb(-motion.b))
         ends = [jacobian.reduced(jacobian.image(s, w)) for s in (root, -root)]
@@ -132,24 +132,24 @@ class ThetaAttitude:
 
     def _half_period(self) -> tuple[tuple[int, int], tuple[int, int]]:
         """k and l of h = (l + tau k)/2."""
-        *_, plus, minus = self._motion.jacobian.characteristics
+        *_, plus, minus = self.motion.jacobian.characteristics
         k1, k2, l1, l2 = added(plus, minus)
         return (k1, k2), (l1, l2)
 
     def _moment(self, t: arb, state: Sequence[arb]) -> Moment:
         """The functions at z0 + t V, which is z + 2(l + tau k)."""
-        z, k = self._motion.place(self._z0, t)
-        h, e, V = self._h, self._e, self._motion.velocity
+        z, k = self.motion.place(self._z0, t)
+        h, e, V = self.h, self.e, self.motion.velocity
         low = z[0] + h[0], z[1] + h[1]
-        below = self._functions.at(low)
-        above = self._functions.at((low[0] + e[0], low[1] + e[1]))
+        below = self.functions.at(low)
+        above = self.functions.at((low[0] + e[0], low[1] + e[1]))
         moved = 2 * _I * arb.pi() * (k[0] * e[0] + k[1] * e[1])
-        log = self._rate * t - moved + above.log - below.log
+        log = self.rate * t - moved + above.log - below.log
         return Moment(state, below.along(V), above.along(V), log)
 
     def _fitting(self, k: tuple[int, int], l: tuple[int, int], first: Turn) -> list[Choice]:
         """The choices that are not proven wrong."""
-        motion = self._motion
+        motion = self.motion
         unit = _I if (k[0] * l[0] + k[1] * l[1]) % 2 else acb(1)
         spaces = {n: _eigenspace(k, l, n * unit) for n in (1, -1)}
         times = [ball(x) / motion.speed for x in _TIMES]
@@ -172,7 +172,7 @@ class ThetaAttitude:
 
     def _misses(self, choice: Choice, moment: Moment) -> bool:
         """Whether |xi|^2 or |eta|^2 is proven to be another than gamma3 says."""
-        height = moment.state[5] / self._motion.weight
+        height = moment.state[5] / self.motion.weight
         for value, side in zip(choice.at(moment), (-1, 1), strict=True):
             square = value.real * value.real + value.imag * value.imag
             if not square.is_finite():
@@ -233,7 +233,7 @@ class ThetaAttitude:
         slopes = [dot(b, moment.below, 1) for b in bottoms]
         rows = []
         for j, (x, turn) in enumerate(((acb(p, q), r), (acb(p, -q), -r))):
-            factor = (self._rate + _I * turn / 2) * d[j] - slopes[j]
+            factor = (self.rate + _I * turn / 2) * d[j] - slopes[j]
             own = [
                 d[1 - j] * (factor * dot(v, moment.above, 0) + d[j] * dot(v, moment.above, 1))
                 for v in spaces[j]

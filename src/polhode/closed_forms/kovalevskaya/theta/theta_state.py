@@ -19,7 +19,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import product
 from typing import TypeAlias
 
@@ -33,6 +32,7 @@ from polhode.closed_forms.kovalevskaya.branch_points import branch_points
 from polhode.closed_forms.kovalevskaya.motion import speed_bound
 from polhode.closed_forms.kovalevskaya.theta.jacobian import Jacobian
 from polhode.closed_forms.kovalevskaya.theta.separation import places
+from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import Exact
 
 PAIRS = ((0, 1), (0, 2), (1, 2))
@@ -119,7 +119,7 @@ class ThetaState:
         union: list[arb] | None = None
         for choice in self.choices:
             z, _ = self.place(choice.z0, t)
-            now = [x.real for x in choice.state(self.H, self._values(z))]
+            now = [x.real for x in choice.state(self.H, self.values_at(z))]
             union = now if union is None else [x.union(y) for x, y in zip(union, now, strict=True)]
         assert union is not None
         return union
@@ -130,7 +130,7 @@ class ThetaState:
         z, _, k = self.jacobian.lattice.reduced((z0[0] + t * V[0], z0[1] + t * V[1]), 2)
         return z, k
 
-    def _values(self, z: Pair) -> Values:
+    def values_at(self, z: Pair) -> Values:
         """The theta functions, over one factor that no quotient has."""
         return self._thetas.at(z).along(self.velocity)
 
@@ -143,7 +143,7 @@ class ThetaState:
         choices = []
         for u in places(self.start, self.jacobian):
             z0 = self.jacobian.reduced(u)
-            values = self._values(z0)
+            values = self.values_at(z0)
             for signs in product((1, -1), repeat=3):
                 C = [s * x / d for s, x, d in zip(signs, c, slopes, strict=True)]
                 mixed = [C[j] * C[l] * k for (j, l), k in zip(PAIRS, K, strict=True)]
@@ -191,7 +191,7 @@ class ThetaState:
             key = min(j, n), max(j, n)
             if key not in known:
                 one, other = (self.jacobian.images[i] for i in key)
-                known[key] = self._values(
+                known[key] = self.values_at(
                     self.jacobian.reduced((one[0] + other[0], one[1] + other[1]))
                 )
             return known[key]
