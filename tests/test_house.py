@@ -113,7 +113,6 @@ def test_any_only_ever_becomes_rarer():
 
 #: How often tests of a package reach for a name with an underscore, and why they do.
 PRIVATE = {
-    "checks": (1, "the numbers of one case, which a check prints only together"),
     "closed_forms": (
         38,
         "a motion's parts at a precision of the test's choice: a top answers at its own",

@@ -22,10 +22,13 @@ from polhode.closed_forms.balls.core import (
     until_sure,
 )
 from polhode.closed_forms.balls.frames import Start, Turn, start_attitude
+from polhode.closed_forms.functions.rounding import SPARE
 from polhode.numbers.exact import ZERO, Exact, Irrational, noted
-from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.flint_context import ctx
+from polhode.numbers.mpmath_context import mpf
 from polhode.scenes.body import Vector
 
+_ERROR_BITS = 64
 _SPARE = 5  # digits of frequencies, of which one may be much smaller than another
 
 
@@ -134,18 +137,18 @@ class BallMotion(ClosedForm, Generic[S]):
         return [[error_of(x, digits) for x in row[: self._width]] for row in rows]
 
     def error(self, digits: int, times: Sequence[Exact]) -> mpf | None:
-        """A bound of the errors of :meth:`at`, of w over the largest |w| at the times."""
-        rows = self.at(times, digits)
-        with mpmath.workprec(64):
-            largest = max((mpmath.norm(row[:3]) for row in rows), default=mpmath.zero)
-            return max(
-                (
-                    radius / largest if n < 3 and largest else radius
-                    for row in self.radii(times, digits)
-                    for n, radius in enumerate(row)
-                ),
-                default=mpmath.zero,
-            )
+        """A bound of the error of :meth:`at`, of w over its largest modulus, with the rounding."""
+        rows = [row[: self._width] for row in self._rows(times, digits, attitude=False)]
+        with ctx.workprec(_ERROR_BITS):
+            unit = arb(10) ** -digits / 2**SPARE  # of the last bit that is kept, or more
+            speed, worst = arb(0), arb(0)
+            for x in (x for row in rows for x in row[:3]):
+                speed = speed.max(abs(x).upper())
+            for row in rows:
+                for i, x in enumerate(row):
+                    miss = x.rad() + abs(x).upper() * unit
+                    worst = worst.max(miss / speed if i < 3 and speed > 0 else miss)
+            return number(worst.mid(), 3)
 
     def period(self, digits: int) -> mpf | None:
         """The least period of omega in the body; None without any."""
