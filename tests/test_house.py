@@ -135,7 +135,7 @@ PRIVATE = {
         "limits made small: a million steps take too long",
     ),
     "shared": (1, "the orbit behind a closed form, for checks of all families"),
-    "studies": (13, "one row of a study, of which a report makes all"),
+    "studies": (9, "one row of a study, of which a report makes all"),
     "taylor": (5, "heyoka's calls counted or changed: what a run gives is to be the same"),
     "test_guide.py": (3, "argparse has no public list of a parser's options"),
     "verbs": (1, "argparse has no public list of a parser's options"),
@@ -351,7 +351,7 @@ def test_a_verb_imports_nothing_heavy_that_it_does_not_need():
 
 @pytest.mark.slow
 def test_a_run_imports_no_room_that_it_does_not_need():
-    """A warm run is to cost little more than importing heyoka: see tests/measure/choices.py."""
+    """A warm run is to cost little more than importing heyoka: see tests/measure/benchmark.py."""
     found = imported_by(["run", "kovalevskaya/generic", "--at", "1"])
     own = {name.removeprefix("polhode.") for name in found if name.startswith("polhode.")}
     needless = {"studies", "figures", "dynamics", "checks", "enclosures", "refined", "peers"}
