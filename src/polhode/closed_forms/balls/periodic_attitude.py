@@ -22,6 +22,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from flint import acb, arb
@@ -47,22 +48,39 @@ _MOST_RISE = 20  # of |F| in the strip over its largest value on the line
 _SIGN_BITS = 96
 
 
+@dataclass(frozen=True)
+class Strip:
+    """An axis of the body that is never vertical, and M where |Im t| <= eta T; at any precision."""
+
+    axis: tuple[int, int, int]
+    eta: float
+    most: float
+
+
 class PeriodicAttitude:
     """The turn since t = 0, at the precision in force.
 
     ``growth`` bounds how far the numbers of a state move within a complex time of ``reach``; None
     where it tells nothing.  ``size``: the length of the vertical in the state; ``speed``: a proven
-    bound of |w|.
+    bound of |w|; ``strip``: that of another precision.
     """
 
     def __init__(
-        self, state: ComplexState, growth: Growth, period: arb, size: arb, speed: arb
+        self,
+        state: ComplexState,
+        growth: Growth,
+        period: arb,
+        size: arb,
+        speed: arb,
+        strip: Strip | None = None,
     ) -> None:
         self._state, self._growth = state, growth
         self._period, self._size = period, size
-        self._axis = self._never_vertical()
+        self._axis = strip.axis if strip else self._never_vertical()
         self._square = sum(x * x for x in self._axis)
-        eta, most = self._strip(float(speed.abs_upper()))
+        #: What need not be found again at another precision.
+        self.strip = strip or Strip(self._axis, *self._found_strip(float(speed.abs_upper())))
+        eta, most = self.strip.eta, arb(self.strip.most)
         nats = ctx.prec * math.log(2) + max(0.0, float(most.log().mid()))
         n = math.ceil(nats / (2 * math.pi * eta)) + 4
         samples = [acb(self._rate(self._at(period * k / (2 * n))).real) for k in range(2 * n)]
@@ -117,7 +135,7 @@ class PeriodicAttitude:
         a, b, c = max(_AXES, key=tilt)
         return a, b, c
 
-    def _strip(self, speed: float) -> tuple[float, arb]:
+    def _found_strip(self, speed: float) -> tuple[float, float]:
         """eta and M."""
         with ctx.workprec(_BOUND_BITS):
             length = float(self._period.abs_upper()) * (1 + 1e-9)
@@ -130,7 +148,7 @@ class PeriodicAttitude:
             while eta > _LEAST_ETA:
                 most = self._bound(length, eta, limit)
                 if most is not None:
-                    return eta, arb(most)
+                    return eta, most
                 eta /= _LESS
         raise Refused("the attitude of this periodic motion is not bounded next to real times")
 

@@ -21,7 +21,7 @@ from polhode.closed_forms.balls.core import Kept, Refused, ball
 from polhode.closed_forms.balls.frames import Turn, halves, quaternion
 from polhode.closed_forms.balls.motion import BallMotion
 from polhode.closed_forms.balls.one_axis import OneAxis
-from polhode.closed_forms.balls.periodic_attitude import PeriodicAttitude
+from polhode.closed_forms.balls.periodic_attitude import PeriodicAttitude, Strip
 from polhode.closed_forms.kovalevskaya import regimes
 from polhode.closed_forms.kovalevskaya.axes import top_axes
 from polhode.closed_forms.kovalevskaya.branch_points import branch_points, discriminant
@@ -49,8 +49,9 @@ class KovalevskayaTop(BallMotion[TopMotion]):
         self.begin = self._axes.start(omega, self._gamma)
         self.regime = regimes.regime(self.begin)
         self._disc = discriminant(self.begin)
+        self._strip: Strip | None = None
         self._first_turn = Kept(self._made_first_turn)
-        self.proven = self.regime not in regimes.DEGENERATE
+        self.proven = _proof(self.regime)
         self.knows_turns = self.regime in regimes.STEADY
         if self.knows_turns:
             self._axis = OneAxis(omega, self._gamma)
@@ -77,9 +78,14 @@ class KovalevskayaTop(BallMotion[TopMotion]):
     def _periodic_turning(self, motion: Periodic) -> TurningMotion:
         """The attitude of a motion that has a period, or that tends to a steady one."""
         if motion.period is None:
+            self.proven = "states are proven; the attitude is reproduced, by neighbours"
             return NeighboursAttitude(Neighbours(self.begin), self._first_turn())
         size = ball(self.begin.a2).sqrt()
-        return PeriodicAttitude(motion.complex_state, growth, motion.period, size, motion.speed)
+        attitude = PeriodicAttitude(
+            motion.complex_state, growth, motion.period, size, motion.speed, self._strip
+        )
+        self._strip = attitude.strip
+        return attitude
 
     def angles(self, times: Sequence[Exact], digits: int) -> list[list[mpf | None]]:
         """psi, theta, phi, their turns counted; Refused where the motion passes pole after pole."""
@@ -154,3 +160,12 @@ class KovalevskayaTop(BallMotion[TopMotion]):
             return super()._rate_balls()
         one, two = rates(motion.state.jacobian.points)
         return {"s1": one * motion.unit, "s2": two * motion.unit}
+
+
+def _proof(regime: str) -> bool | str:
+    """What of a motion's digits is proven."""
+    if regime in regimes.DEGENERATE:
+        return False  # the mean of neighbours
+    if regime in (*regimes.STEADY, *regimes.ONE_FREQUENCY):
+        return True
+    return "states are proven; of the attitude the formula is checked, the arithmetic proven"
