@@ -1,13 +1,9 @@
 """Jacobi's functions against mpmath's own, which use other algorithms."""
 
-from dataclasses import replace
-from fractions import Fraction
 
 import pytest
 
 from polhode.closed_forms.functions.jacobi import MP, jacobi, numpy_functions
-from polhode.closed_forms.kovalevskaya.theta.weierstrass import Quartic, weierstrass
-from polhode.numbers.exact import ONE, ZERO
 from polhode.numbers.mpmath_context import mpf, mpmath
 
 PARAMETERS = ["0", "1e-20", "0.3", "0.5", "0.7", "0.999", "1"]
@@ -53,20 +49,3 @@ def test_numpy_takes_the_same_lines(k2):
         exact = j.functions(j.waves(mpf(x), MP))
         for row, value in zip(rows, exact, strict=True):
             assert abs(row[i] - value) < 1000 * 16 * 2.0**-53
-
-
-def test_weierstrass_function_at_its_half_period_and_at_its_pole():
-    """P'^2 = 4 P^3 - 4: one real root, so P is paired; P' = 0 half way, where sn is exactly 0."""
-    found = weierstrass(Quartic((ZERO, ONE, ZERO, ZERO, Fraction(-4))), 200)
-    assert found.paired
-    scaled, half = replace(found, rate=mpf(1)), 2 * found.functions.K  # no rounding of rate t
-    for turns in (1, 3, -1):
-        at, slope = scaled.at(turns * half)
-        assert slope == 0
-        near, _ = scaled.at(turns * half * (1 + mpf(10) ** -25))
-        assert abs(at - near) < mpf(10) ** -48
-    for turns in (0, 2, -2, 4):
-        assert scaled.at(turns * half) is None
-    for t in ("0.3", "1.1", "2.9"):
-        P, slope = found.at(mpf(t))
-        assert abs(slope**2 / (4 * P**3 - 4) - 1) < mpf(10) ** -55

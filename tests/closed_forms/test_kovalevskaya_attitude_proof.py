@@ -5,10 +5,11 @@ from itertools import product
 
 import numpy as np
 import pytest
+from flint import acb, arb
 
-from polhode.closed_forms.kovalevskaya.attitude.cayley_klein import CayleyKlein
+from polhode.closed_forms.kovalevskaya.theta.theta_state import dot
 from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop
-from polhode.numbers.mpmath_context import mpc, mpf, mpmath
+from polhode.numbers.flint_context import ctx
 from shared.closed_form_checks import fractions
 from shared.kovalevskaya_motions import GENERIC
 
@@ -86,28 +87,50 @@ def test_step_2_exponents_at_every_pole_are_1_and_minus_1():
         assert (r * r + p * p + q * q) / 4 == -1
 
 
-def formula(name) -> CayleyKlein:
+def formula(name):
+    """The attitude's constants, and the second way on the Jacobian."""
     top = KovalevskayaTop(BODY, TORQUE, *map(fractions, GENERIC[name]))
-    return top._attitudes.at(_BITS).formula(0)
+    attitude = top._solution().turning
+    return attitude, attitude.motion.jacobian.reduced((acb(1), acb(0)))
 
 
-def missed(made, u1, t):
-    """By how much xi' and eta' miss their equations at a complex place."""
-    step = mpmath.ldexp(1, -60)
-    (U, V), z0 = made.ways, made.motion.z0
-    z = tuple(a + u1 * b + t * c for a, b, c in zip(z0, U, V, strict=True))
-    p, q, r, *_ = made.motion.state((z[0], z[1]))
-    xi, eta = made.at(t, u1)
-    ends = [made.at(t + n * step, u1) for n in (-2, -1, 1, 2)]
-    slopes = [
-        (a[i] - 8 * b[i] + 8 * c[i] - d[i]) / (12 * step) for i in (0, 1) for a, b, c, d in [ends]
+def values_at(attitude, way, u1, t):
+    """The complex state, xi and eta and their slopes at a complex place; e^(c1 u1) is left out."""
+    motion = attitude.motion
+    quotients, V = motion.choices[0], motion.velocity
+    z = tuple(a + u1 * b + t * c for a, b, c in zip(quotients.z0, way, V, strict=True))
+    z, _, k = motion.jacobian.lattice.reduced(z, 2)
+    state = quotients.state(motion.H, motion.values_at(z))
+    low = tuple(a + b for a, b in zip(z, attitude.h, strict=True))
+    below = attitude.functions.at(low)
+    above = attitude.functions.at(tuple(a + b for a, b in zip(low, attitude.e, strict=True)))
+    e = attitude.e
+    moved = acb(0, 2) * arb.pi() * (k[0] * e[0] + k[1] * e[1])
+    factor = (attitude.rate * t - moved + above.log - below.log).exp()
+    found = []
+    (choice,) = attitude.choices
+    for top, bottom in zip(choice.tops, choice.bottoms, strict=True):
+        N, d = (dot(row, jets.along(V), 0) for row, jets in ((top, above), (bottom, below)))
+        N1, d1 = (dot(row, jets.along(V), 1) for row, jets in ((top, above), (bottom, below)))
+        value = factor * N / d
+        found.append((value, value * (attitude.rate + N1 / N - d1 / d)))
+    return state, *found
+
+
+def missed(attitude, way, u1, t):
+    """By how much xi' and eta' miss their equations at a complex place, in balls."""
+    (p, q, r, *_), (xi, xi1), (eta, eta1) = values_at(attitude, way, u1, t)
+    half = acb(0, 0.5)
+    x, y = p + 2 * half * q, p - 2 * half * q
+    size = abs(xi) + abs(eta) + abs(xi1) + abs(eta1)
+    return [
+        (xi1 - half * (x * eta - r * xi)) / size,
+        (eta1 - half * (r * eta + y * xi)) / size,
     ]
-    x, y = p + 1j * q, p - 1j * q
-    size = abs(xi) + abs(eta) + max(map(abs, slopes))
-    return max(
-        abs(slopes[0] - 0.5j * (x * eta - r * xi)) / size,
-        abs(slopes[1] - 0.5j * (r * eta + y * xi)) / size,
-    )
+
+
+def place(pick, high):
+    return acb(pick.uniform(-2, 2), pick.uniform(-high, high))
 
 
 @pytest.mark.parametrize(
@@ -119,31 +142,32 @@ def missed(made, u1, t):
     ],
 )
 def test_step_6_the_equations_hold_at_more_places_than_they_have_constants(name, places):
-    """100 constants; the quotient of differences is right to 2^-240."""
-    made = formula(name)
+    """100 constants; the residuals are balls that hold 0 and are small."""
     pick = random.Random(7)
-    with mpmath.workprec(_BITS + 100):
+    with ctx.workprec(_BITS + 100):
+        attitude, way = formula(name)
         for _ in range(places):
-            u1, t = (mpc(pick.uniform(-2, 2), pick.uniform(-0.4, 0.4)) for _ in range(2))
-            assert missed(made, u1, t) < mpf("1e-50")
-    wrong = made.__class__(**{**made.__dict__, "rates": (made.rates[0], made.rates[1] + 1e-30)})
-    with mpmath.workprec(_BITS + 100):
-        assert missed(wrong, mpc("0.3"), mpc("0.2")) > mpf("1e-32")
+            for rest in missed(attitude, way, place(pick, 0.4), place(pick, 0.4)):
+                assert rest.contains(0)
+                assert rest.real.rad() < 1e-50
+        attitude.rate += arb("1e-30")
+        rests = missed(attitude, way, acb(0.3), acb(0.2))
+        assert not all(rest.contains(0) for rest in rests)
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_step_4_both_gain_one_factor_over_twice_a_lattice_vector(name):
     """Real or complex, at places of the plane taken at random."""
-    made = formula(name)
-    first, second, _ = made.motion.curve.periods
     pick = random.Random(3)
-    with mpmath.workprec(_BITS):
-        for period in (*first, *second):
+    with ctx.workprec(_BITS):
+        attitude, way = formula(name)
+        jacobian = attitude.motion.jacobian
+        for period in jacobian.columns:
             factors = []
             for _ in range(3):
-                u1, t = (mpc(pick.uniform(-1, 1), pick.uniform(-0.3, 0.3)) for _ in range(2))
-                here, there = made.at(t, u1), made.at(t + 2 * period[1], u1 + 2 * period[0])
-                factors += [b / a for a, b in zip(here, there, strict=True)]
-            assert max(abs(x / factors[0] - 1) for x in factors) < mpf("1e-50")
-            c = made.at(mpf(1) / 3 + 2 * period[1], 2 * period[0])[0] / made.at(mpf(0))[0]
-            assert abs(c / factors[0] - 1) > mpf("1e-3")
+                u1, t = place(pick, 0.3), place(pick, 0.3)
+                here = values_at(attitude, way, u1, t)
+                there = values_at(attitude, way, u1 + 2 * period[0], t + 2 * period[1])
+                factors += [b[0] / a[0] for a, b in zip(here[1:], there[1:], strict=True)]
+            assert all(x.overlaps(factors[0]) for x in factors)
+            assert factors[0].real.rad() < 1e-45

@@ -17,15 +17,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
 
-from polhode.closed_forms._engine.axes import RowMatrix, in_scene, principal
+from polhode.closed_forms._engine.axes import principal
 from polhode.closed_forms._engine.principal_scene import PrincipalScene
-from polhode.closed_forms.functions.rounding import log2, number
+from polhode.closed_forms.balls.frames import Frame
+from polhode.closed_forms.functions.rounding import log2
 from polhode.common.cached_property import cached_property
-from polhode.numbers.exact import ZERO, Exact, binary, exact, rounded, sign, sqrt
-from polhode.numbers.mpmath_context import mpmath
-from polhode.numbers.scalars import Scalar
+from polhode.numbers.exact import ONE, ZERO, Exact, binary, exact, rounded, sign, sqrt
 from polhode.scenes.body import Vector
 from polhode.scenes.classification import KOVALEVSKAYA, classical_top, with_last
 
@@ -90,24 +88,10 @@ class KovalevskayaStart:
             exponent=self.exponent,
         )
 
-    def numbers(self, bits: int) -> tuple[list[Scalar], list[Scalar]]:
-        """w and G rounded to ``bits`` bits."""
-        return [number(x, bits) for x in self.omega], [number(x, bits) for x in self.G]
-
     @cached_property
     def log2_speed(self) -> float:
         """log2 of a bound of |w|, in these units: r^2/2 + p^2 + q^2 <= H + |G|."""
         return log2(2 * (abs(self.H) + self.weight + self.a2 / self.weight)) / 2
-
-    def fastest(self, bits: int) -> Scalar:
-        """A bound of |w|: w^2/2 <= H - G1 <= H + |G|."""
-        height, weight = number(self.H, bits), number(self.a2, bits)
-        return mpmath.sqrt(2 * (height + 2 * mpmath.sqrt(weight)))
-
-    @cached_property
-    def log2_weight(self) -> float:
-        """log2 of n^2 in these units."""
-        return log2(self.weight)
 
     @cached_property
     def log2_scale(self) -> float:
@@ -161,27 +145,13 @@ class KovalevskayaAxes:
         )
 
     @cached_property
-    def third(self) -> int:
-        """1 where the scene's third axis is the top's, -1 where it is its reverse, else 0."""
-        if self.rows is None:
-            return int(self.order[2] == 2)
-        return sign(self.rows[self.order[2]][2]) if self._third_along else 0
-
-    @property
-    def _third_along(self) -> bool:
-        assert self.rows is not None
-        x, y, _ = self.rows[self.order[2]]
-        return sign(x) == 0 == sign(y)
-
-    def matrix(self, bits: int) -> RowMatrix:
-        """The top's axes as rows of components in the scene's axes, rounded."""
-        with mpmath.workprec(bits + 20):
-            n2 = number(self.weight, bits + 20)
-            c, s = (number(x, bits + 20) / n2 for x in self.centre)
-        turn: list[list[Any]] = [[0, 0, 0], [0, 0, 0], [0, 0, 0]]
-        i, j, k = self.order
-        turn[0][i], turn[0][j], turn[1][i], turn[1][j], turn[2][k] = c, s, -s, c, 1
-        return in_scene(turn, self.rows, bits)
+    def frame(self) -> Frame:
+        """The top's axes in the scene's."""
+        (i, j, k), (X, Y) = self.order, self.centre
+        rows: list[list[Exact]] = [[ZERO] * 3 for _ in range(3)]
+        rows[0][i], rows[0][j], rows[1][i], rows[1][j], rows[2][k] = X, Y, -Y, X, ONE
+        square = X * X + Y * Y
+        return Frame(rows, (square, square, ONE), self.rows)
 
 
 def top_axes(

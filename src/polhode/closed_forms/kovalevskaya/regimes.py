@@ -11,7 +11,7 @@ degenerate where two of the points e1, e2, e3, k, -k are equal:
 from __future__ import annotations
 
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
-from polhode.closed_forms.kovalevskaya.curve import kind
+from polhode.closed_forms.kovalevskaya.branch_points import discriminant, kind
 from polhode.numbers.exact import Exact, sign
 
 HANGING, UPRIGHT = "rest, hanging", "rest, upright"
@@ -76,31 +76,8 @@ def passes_poles(start: KovalevskayaStart) -> bool:
 
     There it is vertical along curves on the torus, which a motion crosses again and again.
     """
-    return side(start) == 0
-
-
-def side(start: KovalevskayaStart) -> int:
-    """The sign of (H a^2 - 2m^2)^2 - k^2 a^4: on which side of such a curve a motion passes.
-
-    Next to G = (0, 0, -+a), where r = -+2m/a and p^2 + q^2 = k, the first factor that vanishes,
-    H a^2 - 2m^2 - k a^2, is to first order
-
-        (p G1 + q G2) Y a/k,    Y = 2 a p - (2m/a)(p^2 + q^2 + k),
-
-    and p G1 + q G2, which stays the same as G passes by, tells the side.  Y is nowhere 0 but on
-    Appelrot's special motion, for Y^2 = 4 q^2 (s1 + k)(-k - s2): along one motion it keeps its
-    sign, and with it the side.
-    """
-    H, m2, a2, k2 = start.H, start.m2, start.a2, start.k2
-    lever = 2 * m2 - H * a2
-    return sign(lever * lever - k2 * a2 * a2)
-
-
-def discriminant(start: KovalevskayaStart) -> Exact:
-    """disc S; S = s^3 + H s^2 + c s + d."""
-    H, c = start.H, start.b
-    d = H * c - 2 * start.m2
-    return 18 * H * c * d - 4 * H * H * H * d + H * H * c * c - 4 * c * c * c - 27 * d * d
+    lever = 2 * start.m2 - start.H * start.a2
+    return sign(lever * lever - start.k2 * start.a2 * start.a2) == 0
 
 
 def _degenerate(start: KovalevskayaStart) -> str | None:

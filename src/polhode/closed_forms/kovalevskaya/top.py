@@ -1,45 +1,43 @@
-"""The Kovalevskaya top in closed form: states, period, frequencies, and their certificate.
+"""The Kovalevskaya top in closed form: states, attitude, period, frequencies.
 
     I w' + w x I w = Mg gamma x r0,    gamma' = gamma x w,    I = diag(2C, 2C, C), r0 = (x0, y0, 0)
 
 (Yehia 3.13-3.17).  w = (p, q, r) and the upward vertical gamma in body axes.  Any start, any time,
 any number of digits: generic motion by genus-2 theta functions (Kowalevski, Acta Math. 12 (1889)
 177), one-frequency motions by Weierstrass' functions, others on a degenerate curve as the mean of
-two neighbours.  Units: any consistent set, angles in radians.
+four neighbours.  Units: any consistent set, angles in radians.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from fractions import Fraction
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from functools import partial
 
-from polhode.closed_forms._engine.axes import placed
+from flint import arb
+
 from polhode.closed_forms._engine.closed_form import Rows
-from polhode.closed_forms._engine.from_attitude import FromAttitude
-from polhode.closed_forms._engine.precision import AtPrecision
-from polhode.closed_forms._winding.euler_angles import Attitude
-from polhode.closed_forms.functions.rounding import number, rounded_up, shortened
+from polhode.closed_forms.balls.angles import Arguments
+from polhode.closed_forms.balls.core import Kept, Refused, ball
+from polhode.closed_forms.balls.frames import Turn, halves, quaternion
+from polhode.closed_forms.balls.motion import BallMotion
+from polhode.closed_forms.balls.one_axis import OneAxis
+from polhode.closed_forms.balls.periodic_attitude import PeriodicAttitude, Strip
 from polhode.closed_forms.kovalevskaya import regimes
 from polhode.closed_forms.kovalevskaya.axes import top_axes
-from polhode.closed_forms.kovalevskaya.certified_answers import CERTIFIED, Answers
-from polhode.closed_forms.kovalevskaya.curve import KovalevskayaCurve, cubic_roots
-from polhode.closed_forms.kovalevskaya.generic import Generic
-from polhode.closed_forms.kovalevskaya.one_frequency import special
-from polhode.common.cached_property import cached_property
-from polhode.numbers.exact import Exact
-from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.closed_forms.kovalevskaya.branch_points import branch_points, discriminant
+from polhode.closed_forms.kovalevskaya.motion import Steady, TopMotion, TurningMotion
+from polhode.closed_forms.kovalevskaya.neighbours import Neighbours, NeighboursAttitude
+from polhode.closed_forms.kovalevskaya.periodic import Periodic, growth
+from polhode.closed_forms.kovalevskaya.theta.cycles import rates
+from polhode.closed_forms.kovalevskaya.theta.theta_attitude import ThetaAttitude
+from polhode.closed_forms.kovalevskaya.theta.theta_state import ThetaState
+from polhode.numbers.exact import ZERO, Exact, sign
+from polhode.numbers.mpmath_context import mpc, mpf
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import Vector
 
-if TYPE_CHECKING:
-    from polhode.closed_forms.kovalevskaya.attitude.attitude_choice import Attitudes
 
-_ZERO = Fraction(0)
-_TURNING = 16  # bits that the attitude may lose beyond the phase
-
-
-class KovalevskayaTop(FromAttitude):
+class KovalevskayaTop(BallMotion[TopMotion]):
     """The motion of one Kovalevskaya top from one start.
 
     ``regime`` is, of a generic motion, the type of its curve
@@ -48,114 +46,126 @@ class KovalevskayaTop(FromAttitude):
 
     def _set_up(self, moments: Vector, torque: Vector, omega: Vector, axes: Rows | None) -> None:
         self._axes = top_axes(moments, torque, axes)
-        self._start = self._axes.start(omega, self._gamma)
-        self.regime = regimes.regime(self._start)
-        self._answers = Answers(self._start, self.regime)
-        self._matrix = AtPrecision(
-            lambda bits: (self._axes.matrix(bits), number(self._start.weight, bits))
+        self.begin = self._axes.start(omega, self._gamma)
+        self.regime = regimes.regime(self.begin)
+        self._disc = discriminant(self.begin)
+        self._strip: Strip | None = None
+        self._first_turn = Kept(self._made_first_turn)
+        self.proven = _proof(self.regime)
+        self.knows_turns = self.regime in regimes.STEADY
+        if self.knows_turns:
+            self._axis = OneAxis(omega, self._gamma)
+
+    def _most_bits(self, digits: int) -> int:
+        """Ever more bits would take minutes: near some motions no number of them is enough."""
+        return 20 * digits + 3_000
+
+    def _solved(self) -> TopMotion:
+        start, regime = self.begin, self.regime
+        made = partial(TopMotion, start, self._axes.frame, self._start())
+        if regime in regimes.STEADY:
+            steady = Steady(start)
+            return made(steady, lambda: steady)
+        if regime in regimes.DEGENERATE:
+            near = Neighbours(start)
+            return made(near, lambda: NeighboursAttitude(near, self._first_turn()))
+        if regime in regimes.ONE_FREQUENCY:
+            periodic = Periodic(start, regime)
+            return made(periodic, partial(self._periodic_turning, periodic))
+        state = ThetaState(start, self._disc)
+        return made(state, lambda: ThetaAttitude(state, self._first_turn()))
+
+    def _periodic_turning(self, motion: Periodic) -> TurningMotion:
+        """The attitude of a motion that has a period, or that tends to a steady one."""
+        if motion.period is None:
+            self.proven = "states are proven; the attitude is reproduced, by neighbours"
+            return NeighboursAttitude(Neighbours(self.begin), self._first_turn())
+        size = ball(self.begin.a2).sqrt()
+        attitude = PeriodicAttitude(
+            motion.complex_state, growth, motion.period, size, motion.speed, self._strip
         )
+        self._strip = attitude.strip
+        return attitude
 
-    @cached_property
-    def _attitudes(self) -> Attitudes:
-        """Imported when first asked: states need none of their many formulas."""
-        from polhode.closed_forms.kovalevskaya.attitude.attitude_choice import Attitudes
+    def angles(self, times: Sequence[Exact], digits: int) -> list[list[mpf | None]]:
+        """psi, theta, phi, their turns counted; Refused where the motion passes pole after pole."""
+        if self.regime in regimes.DEGENERATE and regimes.passes_poles(self.begin):
+            raise Refused(
+                f"{self.regime}: the third axis passes the vertical, where psi and phi jump: ask "
+                "for the attitude"
+            )
+        return super().angles(times, digits)
 
-        return Attitudes(self._answers, self._axes, self._first_quaternion, self._placed)
+    def _made_first_turn(self) -> Turn:
+        """A quaternion of the start's gamma in the top's axes."""
+        a, b, c = (x / self.begin.weight for x in self.begin.G)
+        return quaternion(*halves((a, b, c), ZERO))
 
-    def at(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
-        """Rows p, q, r, gamma1, gamma2, gamma3, one a time.
+    def _arguments(self, t: arb) -> Arguments:
+        motion, start = self._solution(), self._start().attitude
+        assert start is not None
+        w = motion.row(t, attitude=False)[:3]
+        x, y, z = (v / motion.speed for v in w)
+        return self._axis.arguments(start, (x, y, z), motion.speed * t / 2)
 
-        The error is below 10^-digits, of w relative to its largest modulus.  Where an asymptotic
-        motion amplifies errors too much for that, ValueError says how many digits are known.
-        """
-        rows, _ = self._rows(times, self._answers.base(digits))
-        return [shortened(row, digits) for row in rows]
-
-    def error(self, digits: int, times: Sequence[Exact] = (_ZERO,)) -> mpf:
-        """An estimate of the error of :meth:`at`: of w over its largest modulus, or of gamma.
-
-        The largest of three: the difference between the answers, rounded as they are, and those at
-        a higher guard level, by how much the motion misses its start, and its integrals; doubled.
-        """
-        base = self._answers.base(digits)
-        one, worst = self._rows(times, base)
-        other, again = self._rows(times, base + 64)
-        with mpmath.workprec(base + 128):
-            scale = max(abs(x) for row in other for x in row[:3]) or mpf(1)
-            worst = max(worst, again)
-            for a, b in zip(one, other, strict=True):
-                for i, (x, y) in enumerate(zip(shortened(a, digits), b, strict=True)):
-                    worst = max(worst, abs(x - y) / (scale if i < 3 else 1))
-        return shortened([2 * worst], 15)[0]
-
-    def period(self, digits: int) -> mpf | None:
-        """The period of w and gamma, in the scene's unit of time.
-
-        None for a motion of two frequencies, or without any.
-        """
-        bits = rounded_up(self._answers.base(digits) + CERTIFIED)
-        with mpmath.workprec(bits):
-            period = self._period(bits)
-        return shortened([period], digits)[0]
-
-    def _period(self, bits: int) -> Scalar | None:
-        if self.regime not in regimes.ONE_FREQUENCY:
+    def _period_ball(self) -> arb | None:
+        """The period of w and gamma; None for a motion of two frequencies, or without any."""
+        motion = self._solution()
+        if not isinstance(motion.state, Periodic) or motion.state.period is None:
             return None
-        period = special(self._start, self.regime, bits).period
-        return mpmath.ldexp(period, -self._start.exponent) if mpmath.isfinite(period) else None
-
-    def frequencies(self, digits: int) -> dict[str, mpf]:
-        """The motion's frequencies, radians a unit of time.
-
-        Generic motion: "s1" and "s2", the mean rates at which the two separation variables go
-        through their cycles; w and gamma repeat when both have made an even number of turns.
-        One-frequency motion: "body".  Others: none.
-        """
-        made = self._curve(digits)
-        if made is None:
-            return super().frequencies(digits)
-        with mpmath.workprec(rounded_up(self._answers.base(digits) + CERTIFIED)):
-            both = [mpmath.ldexp(x, self._start.exponent) for x in made.frequencies]
-        return dict(zip(("s1", "s2"), shortened(both, digits), strict=True))
+        period: arb = motion.state.period / motion.unit
+        return period
 
     def curve(self, digits: int) -> dict[str, object]:
         """H, K^2 = k^2, the points e1, e2, e3 and the period matrix tau, in time units of 1/n.
 
         n is rounded to a power of two, 2^exponent.  tau is None on a degenerate curve.
         """
-        made, bits = self._curve(digits), rounded_up(self._answers.base(digits) + CERTIFIED)
-        found: dict[str, object] = {"exponent": self._start.exponent}
-        for name, x in (("H", self._start.H), ("K2", self._start.k2)):
-            found[name] = shortened([number(x, bits)], digits)[0]
-        found["e"] = shortened(cubic_roots(self._start, bits), digits)
-        found["tau"] = None if made is None else shortened(made.periods[2], digits)
-        return found
+        start = self.begin
 
-    def _curve(self, digits: int) -> KovalevskayaCurve | None:
-        """The curve of a generic motion, as certified by the start."""
-        if not self._answers.generic:
-            return None
-        base = self._answers.base(digits)
-        solution, _ = self._answers.solution(base + CERTIFIED, base)
-        assert isinstance(solution, Generic)
-        return solution.curve
+        def parts() -> dict[str, arb]:
+            named = {"H": ball(start.H), "K2": ball(start.k2)}
+            state = self._solution().state
+            rows = {"e": branch_points(start, self._disc)[:3]}
+            if isinstance(state, ThetaState):
+                rows["tau"] = list(state.jacobian.lattice.tau)
+            for name, row in rows.items():
+                for n, x in enumerate(row):
+                    named |= {f"{name}{n} real": x.real, f"{name}{n} imag": x.imag}
+            return named
 
-    def _bits(self, times: Sequence[Exact], digits: int) -> int:
-        """The precision of an attitude."""
-        return rounded_up(self._answers.base(digits) + self._answers.phase(times) + _TURNING)
+        known = self._relative(parts, digits)
+        pair = sign(self._disc) < 0
 
-    def _turning(self, bits: int) -> Attitude:
-        return self._attitudes.at(bits)
+        def row(name: str) -> list[Scalar] | None:
+            if f"{name}0 real" not in known:
+                return None
+            both = [(known[f"{name}{n} real"], known[f"{name}{n} imag"]) for n in range(3)]
+            real = [name == "e" and not (pair and n) for n in range(3)]
+            return [x if plain else mpc(x, y) for (x, y), plain in zip(both, real, strict=True)]
 
-    def _rows(self, times: Sequence[Exact], base: int) -> tuple[list[list[mpf]], mpf]:
-        """Rows right to ``base`` bits, and the estimate of their error."""
-        _, bits, states, worst = self._answers.resolved(times, base)
-        return [self._placed(state, bits) for state in states], worst
+        shown: dict[str, object] = {"exponent": start.exponent}
+        shown |= {"H": known["H"], "K2": known["K2"], "e": row("e"), "tau": row("tau")}
+        return shown
 
-    def _placed(self, state: Sequence[Scalar], bits: int) -> list[mpf]:
-        """A state in the scene's axes and units."""
-        exponent = self._start.exponent
-        with mpmath.workprec(bits):
-            matrix, weight = self._matrix(bits)
-            w = [mpmath.ldexp(x, exponent) for x in state[:3]]
-            return placed(matrix, w) + placed(matrix, [x / weight for x in state[3:]])
+    def _rate_balls(self) -> Mapping[str, arb]:
+        """The motion's frequencies, radians a unit of time.
+
+        Generic motion: "s1" and "s2", the mean rates at which the two separation variables go
+        through their cycles; w and gamma repeat when both have made an even number of turns.
+        One-frequency motion: "body".  Others: none.
+        """
+        motion = self._solution()
+        if not isinstance(motion.state, ThetaState):
+            return super()._rate_balls()
+        one, two = rates(motion.state.jacobian.points)
+        return {"s1": one * motion.unit, "s2": two * motion.unit}
+
+
+def _proof(regime: str) -> bool | str:
+    """What of a motion's digits is proven."""
+    if regime in regimes.DEGENERATE:
+        return False  # the mean of neighbours
+    if regime in (*regimes.STEADY, *regimes.ONE_FREQUENCY):
+        return True
+    return "states are proven; of the attitude the formula is checked, the arithmetic proven"

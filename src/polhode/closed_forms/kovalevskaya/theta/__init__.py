@@ -1,1 +1,1 @@
-"""Functions of genus two that the Kovalevskaya top alone needs."""
+"""Generic motion: theta functions on the Jacobian of the curve, in balls."""

@@ -1,1 +1,0 @@
-"""The attitude of the Kovalevskaya top."""

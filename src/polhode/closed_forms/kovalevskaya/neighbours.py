@@ -1,0 +1,140 @@
+"""Motions on a degenerate curve: the mean of neighbours, extrapolated.  Reproduced, not proven.
+
+The state at t is an analytic function of the start.  With M(eps) the mean of the motions from the
+start moved by eps and -eps along a generic direction,
+
+    state = (4 M(eps) - M(2 eps))/3 + O(x^4),    M(eps) - state = O(x^2),
+
+x = eps times the growth of a deviation to the time t (at most linear in t on a quasi-periodic
+motion, exponential on an asymptotic one).  The square of their difference, four times, is the
+error's estimate, and stands as the radius of what is answered.  -log2 eps is the sixth part of the
+bits in force: what the neighbours' curves lose by being nearly degenerate is less.
+
+A neighbour starts with the quaternion q(0) T, T the least turn in the body that takes its gamma to
+gamma, and the four quaternions are combined like the states.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from fractions import Fraction
+
+from flint import arb
+
+from polhode.closed_forms.balls.core import Refused, TooFewBits, ball
+from polhode.closed_forms.balls.frames import Turn, product
+from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
+from polhode.closed_forms.kovalevskaya.branch_points import discriminant
+from polhode.closed_forms.kovalevskaya.motion import speed_bound
+from polhode.closed_forms.kovalevskaya.theta.theta_attitude import ThetaAttitude
+from polhode.closed_forms.kovalevskaya.theta.theta_state import ThetaState
+from polhode.numbers.flint_context import ctx
+
+_SHARES = (1, -1, 2, -2)
+_MOST_SPREAD = 0.1
+_MOST_GROWN = 500  # bits by which a deviation may grow
+_CLOSENESS = 6  # eps = 2^-(bits/6)
+
+
+class Neighbours:
+    """The state by four neighbours, at the precision in force."""
+
+    def __init__(self, start: KovalevskayaStart) -> None:
+        bits = ctx.prec
+        closeness = bits // _CLOSENESS
+        self.start = start
+        starts = [start.moved(Fraction(share, 1 << closeness), 2 * bits) for share in _SHARES]
+        self.motions = [ThetaState(moved, discriminant(moved)) for moved in starts]
+        self.speed = speed_bound(start)
+        self._sizes = [self.speed] * 3 + [ball(start.a2).sqrt()] * 3
+
+    def at(self, t: arb) -> Sequence[arb]:
+        """p, q, r, G1, G2, G3."""
+        rows = self._rows(t)
+        if not spread_of(rows, self._sizes) < _MOST_SPREAD:
+            self._refuse(t)
+            raise TooFewBits
+        return combined(rows, self._sizes)
+
+    def _rows(self, t: arb) -> list[Sequence[arb]]:
+        return [motion.at(t) for motion in self.motions]
+
+    def _refuse(self, t: arb) -> None:
+        """Refuse a time until which deviations outgrow all bits, foreseen from an earlier time.
+
+        Where it grows like a power of the time, more bits will do.
+        """
+        closeness, earlier = ctx.prec // _CLOSENESS, t
+        while abs(earlier) * self.speed > 1:
+            earlier = earlier / 2
+            spread = spread_of(self._rows(earlier), self._sizes)
+            if spread < _MOST_SPREAD and spread > 0:
+                grown = closeness + float(spread.log().mid()) / math.log(4)
+                last = abs(earlier).mid()
+                power = 3 * math.log2(2 + float(last * self.speed)) + 10
+                if grown > power and grown * float(abs(t) / last) > _MOST_GROWN:
+                    reach = float(last) * _MOST_GROWN / grown
+                    raise Refused(
+                        "this motion amplifies errors: no digits are known beyond about "
+                        f"{reach * float(self.speed):.2g} radians"
+                    )
+                return
+
+
+class NeighboursAttitude:
+    """The turn of the top's axes by the same neighbours; ``first``: as for a generic motion."""
+
+    def __init__(self, motions: Neighbours, first: Turn) -> None:
+        self._first, self._motions = first, motions.motions
+        vertical = [ball(x) for x in motions.start.G]
+        self._leasts, self._turnings = [], []
+        for motion in self._motions:
+            least = least_turn([ball(x) for x in motion.start.G], vertical)
+            self._leasts.append(least)
+            self._turnings.append(ThetaAttitude(motion, product(first, least)))
+
+    def turn(self, t: arb, state: Sequence[arb]) -> Turn:
+        """The turn until t; ``state`` is not asked."""
+        rows = []
+        for motion, least, turning in zip(self._motions, self._leasts, self._turnings, strict=True):
+            rows.append(product(least, turning.turn(t, motion.at(t))))
+        a, b, c, d = combined(rows, [arb(1)] * 4)
+        return a, b, c, d
+
+
+def combined(rows: Sequence[Sequence[arb]], sizes: Sequence[arb]) -> list[arb]:
+    """What the neighbours' values tell about the motion between them.
+
+    ``sizes``: the units of the values in the estimate.
+    """
+    spread = spread_of(rows, sizes)
+    if not spread < _MOST_SPREAD:  # so far apart they tell nothing
+        raise TooFewBits
+    estimate = (4 * spread * spread).abs_upper()
+    values = []
+    for (a, b, c, d), size in zip(zip(*rows, strict=True), sizes, strict=True):
+        near, far = (a + b) / 2, (c + d) / 2
+        values.append((4 * near - far) / 3 + arb(0, estimate) * size)
+    return values
+
+
+def spread_of(rows: Sequence[Sequence[arb]], sizes: Sequence[arb]) -> arb:
+    """How far the means of the nearer and of the farther two neighbours are apart."""
+    spread = arb(0)
+    for (a, b, c, d), size in zip(zip(*rows, strict=True), sizes, strict=True):
+        miss = abs((a + b - c - d) / 2 / size)
+        if not miss.is_finite():
+            raise TooFewBits
+        spread = spread.max(miss)
+    return spread
+
+
+def least_turn(one: Sequence[arb], other: Sequence[arb]) -> Turn:
+    """The quaternion of the least turn that takes the direction of one vector to the other's."""
+    (a, b, c), (d, e, f) = one, other
+    size = ((a * a + b * b + c * c) * (d * d + e * e + f * f)).sqrt()
+    row = size + a * d + b * e + c * f, b * f - c * e, c * d - a * f, a * e - b * d
+    norm = sum((x * x for x in row), arb(0)).sqrt()
+    w, x, y, z = (v / norm for v in row)
+    return w, x, y, z

@@ -1,0 +1,143 @@
+"""The Jacobian of the Kovalevskaya curve in balls: periods, Abel's map, characteristics.
+
+The finite branch points are numbered a_1 ... a_5 along a direction
+(:func:`polhode.closed_forms.kovalevskaya.branch_points.numbered`).  On the segment from a_j to
+a_(j+1), w = sqrt(-2) product r_i with r_i = sqrt(s - a_i) for i <= j and i sqrt(a_i - s) for i > j,
+principal roots, and I_j is the integral of (1, s) ds/w.  With c_j = 2 I_j the cycles c_1, c_3 |
+c_2 + c_4, c_4 are a canonical basis a | b, tau = inv(Om_A) Om_B (Mumford, Tata Lectures on Theta
+II, IIIa.5).  A(.) is the integral from infinity: A(a_5) = I_1 + I_3 and A(a_j) = A(a_(j+1)) - I_j.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from flint import acb, arb
+
+from polhode.closed_forms.balls.core import TooFewBits
+from polhode.closed_forms.balls.quadrature import Linear, Pair, circle, unit
+from polhode.closed_forms.balls.theta2 import (
+    CHARACTERISTICS,
+    Characteristic,
+    Lattice,
+    added,
+    is_odd,
+)
+from polhode.closed_forms.kovalevskaya.branch_points import numbered
+from polhode.closed_forms.kovalevskaya.theta.siegel import Columns, reduced_basis
+from polhode.common.cached_property import cached_property
+
+_FAR = 4  # |s| beyond this multiple of the branch points: the way comes from infinity
+
+_I = acb(0, 1)
+
+
+class Jacobian:
+    """The Jacobian of the curve with five branch points, at the precision in force.
+
+    ``points`` and ``images``, A(.) of them, are in the order e1, e2, e3, k, -k, and so are
+    ``characteristics``: eta with inv(Om_A) A = (b + tau a)/2 modulo the lattice.
+    """
+
+    def __init__(self, points: Sequence[acb]) -> None:
+        self.points = list(points)
+        self._order = numbered(self.points)
+        segments = [self._segment(j) for j in range(4)]
+        one, two, three, four = ((2 * x, 2 * y) for x, y in segments)
+        first = one, three
+        second = (two[0] + four[0], two[1] + four[1]), four
+        self.columns, other = reduced_basis(first, second)
+        self.lattice = Lattice(self._period_matrix(other))
+        now = segments[0][0] + segments[2][0], segments[0][1] + segments[2][1]
+        images = {self._order[4]: now}
+        for j in (3, 2, 1, 0):
+            now = now[0] - segments[j][0], now[1] - segments[j][1]
+            images[self._order[j]] = now
+        self.images = [images[i] for i in range(5)]
+        self.characteristics = [self._characteristic(image) for image in self.images]
+
+    def reduced(self, u: Pair) -> Pair:
+        """z = inv(Om_A) u."""
+        (a, c), (b, d) = self.columns
+        det = a * d - b * c
+        return (d * u[0] - b * u[1]) / det, (a * u[1] - c * u[0]) / det
+
+    @cached_property
+    def delta(self) -> Characteristic:
+        """The characteristic del: the only odd one for which all del + eta are odd."""
+        (delta,) = (
+            c
+            for c in CHARACTERISTICS
+            if is_odd(c) and all(is_odd(added(c, eta)) for eta in self.characteristics)
+        )
+        return delta
+
+    def image(self, s: acb, w: acb) -> Pair:
+        """A(s, w).
+
+        From the nearest branch point a, s' = a + (s - a) x^2 and w' = w x times the product of the
+        square roots of (s' - a_k)/(s - a_k); from infinity s' = s/x^2.
+        """
+        size = abs(s).mid()
+        if all(size > _FAR * abs(a).mid() for a in self.points):
+            return self._from_infinity(s, w)
+        # By the middles of balls: doubles tie where two points are closer than 1e-16.
+        distances = [abs(s - a).mid() for a in self.points]
+        j = min(range(5), key=lambda i: distances[i])
+        a, rest = self.points[j], [c for i, c in enumerate(self.points) if i != j]
+        whole = acb(1)
+        for c in rest:
+            whole *= s - c
+        way = s - a
+        factors = [Linear((a - c) / (s - c), acb(1), way / (s - c)) for c in rest]
+        one, two = unit(factors)
+        over = w / whole
+        A0, A1 = self.images[j]
+        return A0 - over * one, A1 - over * (a * one + way * two)
+
+    def _from_infinity(self, s: acb, w: acb) -> Pair:
+        factors = []
+        for a in self.points:
+            gap = s - a
+            factors.append(Linear(s / gap, acb(1), -a / gap))
+        one, two = unit(factors)
+        over = -2 * s / w
+        return over * two, over * s * one
+
+    def _segment(self, j: int) -> Pair:
+        along = [self.points[i] for i in self._order]
+        a, b = along[j], along[j + 1]
+        return segment(a, b, along[:j], along[j + 2 :])
+
+    def _period_matrix(self, second: Columns) -> tuple[acb, acb, acb]:
+        (t11, t21), (t12, t22) = (self.reduced(column) for column in second)
+        if not t12.overlaps(t21):
+            if not (t12.is_finite() and t21.is_finite()):
+                raise TooFewBits
+            raise ArithmeticError("the period matrix is not symmetric: its basis is none")
+        return t11, (t12 + t21) / 2, t22
+
+    def _characteristic(self, image: Pair) -> Characteristic:
+        z = self.reduced((2 * image[0], 2 * image[1]))
+        x, y = self.lattice.coordinates(z)
+        numbers = [v.unique_fmpz() for v in (*y, *x)]
+        whole = [int(n) % 2 for n in numbers if n is not None]
+        if len(whole) < 4:
+            raise TooFewBits
+        a1, a2, b1, b2 = whole
+        return a1, a2, b1, b2
+
+
+def segment(a: acb, b: acb, below: Sequence[acb], above: Sequence[acb]) -> Pair:
+    """The integral of (1, s) ds/w from a to b, which are branch points.
+
+    s = (a + b)/2 - (b - a)/2 cos phi; ``below`` and ``above``: the other branch points.
+    """
+    way = b - a
+    factors = [Linear(a - c, b - c, way) for c in below]
+    factors += [Linear(c - a, c - b, -way) for c in above]
+    one, two = circle(factors)
+    over = -1 / arb(2).sqrt()
+    for _ in above:
+        one, two = -_I * one, -_I * two
+    return over * one, over * ((a + b) / 2 * one - way / 2 * two)

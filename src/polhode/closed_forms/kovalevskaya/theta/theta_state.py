@@ -1,0 +1,223 @@
+"""Generic motion of the Kovalevskaya top in balls: quotients of theta functions of z0 + t V.
+
+With g_j^2 = 2(e_j + H), f_j^2 = e_j^2 + b, f_j g_j = 2m, S'_j = S'(e_j) and
+P_j = sqrt((s1 - e_j)(s2 - e_j)) = c_j th_j/th_0 (Kowalevski 1889, sections 4-7; Koetter, Acta Math.
+17 (1893) 209), C_j = c_j/S'_j and D = sum g_j C_j th_j,
+
+    p = sum f_j C_j th_j/D,    q = i th_0/D,
+    r = -2i sum_{j<l} (f_j g_l - f_l g_j) C_j C_l K_jl th_jl/D,
+    G3 = i sum_{j<l} (e_j - e_l) g_j g_l C_j C_l K_jl th_jl/D,
+    G1 = H - p^2 - q^2 - r^2/2,    G2 = -r'.
+
+th_0 has the characteristic del, th_j del + eta_j, th_jl del + eta_j + eta_l.  c_j^2 is known from
+z at two branch points, K_jl = (th_j' th_l - th_j th_l')/(th_0 th_jl) likewise.  Of the signs of the
+c_j, and of the places that the start may stand for, each choice is dropped that is proven to miss
+the start; the truth is in the union of the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import TypeAlias
+
+from flint import acb, arb
+
+from polhode.closed_forms.balls.core import TooFewBits, ball
+from polhode.closed_forms.balls.quadrature import Pair
+from polhode.closed_forms.balls.theta2 import Theta2, added
+from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
+from polhode.closed_forms.kovalevskaya.branch_points import branch_points
+from polhode.closed_forms.kovalevskaya.motion import speed_bound
+from polhode.closed_forms.kovalevskaya.theta.jacobian import Jacobian
+from polhode.closed_forms.kovalevskaya.theta.separation import places
+from polhode.common.cached_property import cached_property
+from polhode.numbers.exact import Exact
+
+PAIRS = ((0, 1), (0, 2), (1, 2))
+_MOST_CHOICES = 4  # of which the union is taken
+
+_I = acb(0, 1)
+
+#: Values and derivatives along V.
+Values: TypeAlias = Sequence[Pair]
+
+
+@dataclass(frozen=True)
+class Quotients:
+    """The numbers before the theta functions, for one choice of signs, and the place z0."""
+
+    z0: Pair
+    over: Sequence[acb]  # g_j C_j
+    p: Sequence[acb]  # f_j C_j
+    r: Sequence[acb]
+    G3: Sequence[acb]
+
+    def state(self, H: arb, values: Values) -> list[acb]:
+        """p, q, r, G1, G2, G3 of the theta functions at a place."""
+        single, double = values[1:4], values[4:]
+        over = 1 / dot(self.over, single, 0)
+        p = dot(self.p, single, 0) * over
+        q = _I * values[0][0] * over
+        r = dot(self.r, double, 0) * over
+        G3 = dot(self.G3, double, 0) * over
+        G2 = -(dot(self.r, double, 1) - r * dot(self.over, single, 1)) * over
+        return [p, q, r, H - p * p - q * q - r * r / 2, G2, G3]
+
+    def misses(self, start: Sequence[arb], values: Values) -> bool:
+        """Whether the values at z0 prove that this is not the start; multiplied out, no 0/0."""
+        p, q, r, _, G2, G3 = start
+        single, double = values[1:4], values[4:]
+        D = dot(self.over, single, 0)
+        rests = (
+            D * p - dot(self.p, single, 0),
+            D * q - _I * values[0][0],
+            D * r - dot(self.r, double, 0),
+            D * G3 - dot(self.G3, double, 0),
+            D * G2 + dot(self.r, double, 1) - r * dot(self.over, single, 1),
+        )
+        if not all(x.is_finite() for x in rests):
+            raise TooFewBits
+        return any(not x.contains(0) for x in rests)
+
+
+def dot(row: Sequence[acb], values: Values, which: int) -> acb:
+    """The combination of values (0) or of derivatives (1)."""
+    total = acb(0)
+    for x, value in zip(row, values, strict=True):
+        total += x * value[which]
+    return total
+
+
+class ThetaState:
+    """The state as a function of time, in the top's axes and units, at the precision in force."""
+
+    def __init__(self, start: KovalevskayaStart, disc: Exact) -> None:
+        self.start = start
+        self.jacobian = Jacobian(branch_points(start, disc))
+        self.H, self.m, self.b = ball(start.H), ball(start.m), ball(start.b)
+        self.velocity = self.jacobian.reduced((acb(0), acb(1)))
+        delta, etas = self.jacobian.delta, self.jacobian.characteristics
+        wanted = [delta, *(added(delta, etas[j]) for j in range(3))]
+        wanted += [added(delta, etas[j], etas[l]) for j, l in PAIRS]
+        self._thetas = Theta2(self.jacobian.lattice.tau, wanted)
+        self.choices = self._fitting()
+
+    @cached_property
+    def weight(self) -> arb:
+        """|G|."""
+        return ball(self.start.a2).sqrt()
+
+    @cached_property
+    def speed(self) -> arb:
+        """A bound of |w|."""
+        return speed_bound(self.start)
+
+    def at(self, t: arb) -> list[arb]:
+        """p, q, r, G1, G2, G3."""
+        union: list[arb] | None = None
+        for choice in self.choices:
+            z, _ = self.place(choice.z0, t)
+            now = [x.real for x in choice.state(self.H, self.values_at(z))]
+            union = now if union is None else [x.union(y) for x, y in zip(union, now, strict=True)]
+        assert union is not None
+        return union
+
+    def place(self, z0: Pair, t: arb) -> tuple[Pair, tuple[int, int]]:
+        """z of z0 + t V = z + 2(l + tau k), and k: all quotients have these periods."""
+        V = self.velocity
+        z, _, k = self.jacobian.lattice.reduced((z0[0] + t * V[0], z0[1] + t * V[1]), 2)
+        return z, k
+
+    def values_at(self, z: Pair) -> Values:
+        """The theta functions, over one factor that no quotient has."""
+        return self._thetas.at(z).along(self.velocity)
+
+    def _fitting(self) -> list[Quotients]:
+        """The choices that are not proven wrong."""
+        e, (f, g) = self.jacobian.points[:3], self._roots()
+        c, K = self._constants()
+        first = [ball(x) for x in (*self.start.omega, *self.start.G)]
+        slopes = [(e[j] - e[j - 1]) * (e[j] - e[j - 2]) for j in range(3)]
+        choices = []
+        for u in places(self.start, self.jacobian):
+            z0 = self.jacobian.reduced(u)
+            values = self.values_at(z0)
+            for signs in product((1, -1), repeat=3):
+                C = [s * x / d for s, x, d in zip(signs, c, slopes, strict=True)]
+                mixed = [C[j] * C[l] * k for (j, l), k in zip(PAIRS, K, strict=True)]
+                choice = Quotients(
+                    z0=z0,
+                    over=[x * y for x, y in zip(g, C, strict=True)],
+                    p=[x * y for x, y in zip(f, C, strict=True)],
+                    r=[
+                        -2 * _I * (f[j] * g[l] - f[l] * g[j]) * k
+                        for (j, l), k in zip(PAIRS, mixed, strict=True)
+                    ],
+                    G3=[
+                        _I * (e[j] - e[l]) * g[j] * g[l] * k
+                        for (j, l), k in zip(PAIRS, mixed, strict=True)
+                    ],
+                )
+                if not choice.misses(first, values):
+                    choices.append(choice)
+        if not choices:
+            raise ArithmeticError("no choice of signs has the start: a fault")
+        if len(choices) > _MOST_CHOICES:
+            raise TooFewBits
+        return choices
+
+    def _roots(self) -> tuple[list[acb], list[acb]]:
+        """f_j and g_j: the larger one by its root, the other by f g = 2m."""
+        f, g = [], []
+        for e in self.jacobian.points[:3]:
+            one, other = e * e + self.b, 2 * (e + self.H)
+            if abs(one).mid() > abs(other).mid():
+                one = either_root(one)
+                other = 2 * self.m / one
+            else:
+                other = either_root(other)
+                one = 2 * self.m / other
+            f.append(one)
+            g.append(other)
+        return f, g
+
+    def _constants(self) -> tuple[list[acb], list[acb]]:
+        """c_j up to signs, and K_jl from the place with the largest denominator."""
+        e, known = self.jacobian.points, {}
+
+        def at(j: int, n: int) -> Values:
+            key = min(j, n), max(j, n)
+            if key not in known:
+                one, other = (self.jacobian.images[i] for i in key)
+                known[key] = self.values_at(
+                    self.jacobian.reduced((one[0] + other[0], one[1] + other[1]))
+                )
+            return known[key]
+
+        c, K = [], []
+        for j in range(3):
+            l, n = (i for i in range(3) if i != j)
+            values = at(l, n)
+            ratio = values[0][0] / values[1 + j][0]
+            c.append(either_root((e[l] - e[j]) * (e[n] - e[j]) * ratio * ratio))
+        for i, (j, l) in enumerate(PAIRS):
+            rows = [at(j, n) for n in range(5) if n not in (j, l)]
+            row = max(rows, key=lambda v: _share(v, 4 + i))
+            (a, da), (b, db) = row[1 + j], row[1 + l]
+            K.append((da * b - a * db) / (row[0][0] * row[4 + i][0]))
+        return c, K
+
+
+def _share(values: Values, i: int) -> arb:
+    """The size of the denominator of a K_jl, beside the largest value."""
+    size = abs(values[0][0]).mid()
+    for value, _ in values:
+        size = size.max(abs(value).mid())
+    return (abs(values[0][0]) * abs(values[i][0])).mid() / (size * size).mid()
+
+
+def either_root(z: acb) -> acb:
+    """A square root, of either sign; no ball lies across its cut."""
+    return _I * (-z).sqrt() if z.real.mid() < 0 else z.sqrt()

@@ -1,0 +1,153 @@
+"""Kovalevskaya's top in balls: what must not be decided by luck, and starts that once failed."""
+
+import time
+from fractions import Fraction
+
+import pytest
+from flint import acb, arb
+
+from polhode.closed_forms.balls.core import Refused, TooFewBits
+from polhode.closed_forms.balls.weierstrass import Quartic, Weierstrass, complex_functions
+from polhode.closed_forms.kovalevskaya.theta import theta_attitude, theta_state
+from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop
+from polhode.numbers.exact import ONE
+from polhode.numbers.flint_context import ctx
+from polhode.numbers.mpmath_context import mpf, mpmath
+from shared.closed_form_checks import fractions
+from shared.kovalevskaya_motions import GENERIC
+
+F = Fraction
+BODY, TORQUE = (F(2), F(2), F(1)), (F(1), F(0), F(0))
+PSI = F(7, 10)
+
+
+def top_of(omega, gamma):
+    return KovalevskayaTop(BODY, TORQUE, fractions(omega), fractions(gamma), PSI)
+
+
+def row_of_three(top, bits):
+    """The row of t = 3 with attitude at so many bits, or None where they are too few."""
+    with ctx.workprec(bits):
+        try:
+            return top.row_at(arb(3), attitude=True)[0]
+        except TooFewBits:
+            return None
+
+
+@pytest.mark.parametrize("name", [*GENERIC])
+def test_balls_of_all_precisions_overlap(name):
+    """Whatever their radius: a finite ball holds what 260 bits tell."""
+    top = top_of(*GENERIC[name])
+    fine, told = row_of_three(top, 260), 0
+    for bits in (30, 43, 60, 85, 130):
+        rough = row_of_three(top, bits)
+        if rough is None or not all(x.is_finite() for x in rough):
+            continue
+        told += 1
+        assert all(x.overlaps(y) for x, y in zip(rough, fine, strict=True))
+    assert told >= 2
+
+
+#: Released from rest, from a pole, with q = 0, m = 0, b = 0, G along axis 3, next to those.
+STARTS = {
+    "at rest": ((0, 0, 0), ("3/5", "12/25", "16/25")),
+    "at rest, level": ((0, 0, 0), (0, "3/5", "4/5")),
+    "q = 0": (("-3/5", 0, "-12/5"), ("1/3", "2/3", "-2/3")),
+    "q = 1e-20": (("-3/5", "1e-20", "-12/5"), ("1/3", "2/3", "-2/3")),
+    "pole": (("1/2", "1/3", "3/2"), (0, 0, -1)),
+    "m = 0": (("4/5", "3/5", "7/10"), ("3/5", "-4/5", 0)),
+}
+
+
+@pytest.mark.parametrize("name", STARTS)
+def test_starts(name):
+    top = top_of(*STARTS[name])
+    begin = time.process_time()
+    one = [*top.at([F(2)], 20)[0], *top.attitude([F(2)], 20)[0]]
+    assert time.process_time() - begin < 5
+    other = [*top.at([F(2)], 40)[0], *top.attitude([F(2)], 40)[0]]
+    with mpmath.workdps(50):
+        assert max(abs(a - b) for a, b in zip(one, other, strict=True)) < mpf("3e-20")
+
+
+def test_a_gap_of_1e_28_to_a_degenerate_curve():
+    """The nearest branch point by balls: doubles tie, and no number of bits helped."""
+    turn = F(1, 10**28)
+    scale = 1 + turn * turn
+    gamma = (2 * turn / scale, F(0), -(1 - turn * turn) / scale)
+    top = KovalevskayaTop(BODY, TORQUE, (F(25, 37), F(11, 37), F(-33, 37)), gamma)
+    assert top.regime in GENERIC
+    begin = time.process_time()
+    top.at([F(3, 2)], 20)
+    assert time.process_time() - begin < 5
+
+
+def test_a_choice_is_dropped_only_where_it_is_proven_false(monkeypatch):
+    """A choice that tells nothing asks for more bits; none that fits is a fault."""
+    top = top_of(*GENERIC["e-ee+"])
+    with ctx.workprec(107):
+        monkeypatch.setattr(theta_state, "_MOST_CHOICES", 0)
+        with pytest.raises(TooFewBits):
+            top._solution()
+        monkeypatch.undo()
+        misses = theta_state.Quotients.misses
+        monkeypatch.setattr(theta_state.Quotients, "misses", lambda *_: True)
+        with pytest.raises(ArithmeticError, match="a fault"):
+            top._solution()
+        monkeypatch.setattr(theta_state.Quotients, "misses", misses)
+        nan = acb(arb.nan())
+        choice = theta_state.Quotients((nan, nan), [nan] * 3, [nan] * 3, [nan] * 3, [nan] * 3)
+        with pytest.raises(TooFewBits):
+            choice.misses([arb(0)] * 6, [(acb(1), acb(1))] * 7)
+
+
+@pytest.mark.parametrize("name", ["e-ee+", "-e+ (complex pair)"])
+def test_a_corrupted_constant_is_told(name, monkeypatch):
+    """c wrong by 1e-25: an error, no answer."""
+    honest = theta_attitude.ThetaAttitude._third_kind
+
+    def corrupt(self):
+        e, rate = honest(self)
+        return e, rate + arb("1e-25")
+
+    monkeypatch.setattr(theta_attitude.ThetaAttitude, "_third_kind", corrupt)
+    with pytest.raises(ArithmeticError, match="a fault"):
+        top_of(*GENERIC[name]).attitude([F(2)], 40)
+
+
+def test_a_refusal_names_the_regime_and_how_far():
+    top = top_of(("2/5", "1/5", "-8/5"), ("-9/25", "-12/25", "-4/5"))
+    begin = time.process_time()
+    with pytest.raises(Refused, match=r"asymptotic: this motion amplifies .*[\d.e+]+ radians"):
+        top.at([F(10**6)], 5)
+    assert time.process_time() - begin < 20
+
+
+def test_attitude_of_a_periodic_motion_at_1e16():
+    """Whole periods are counted exactly, and their turn is no angle."""
+    top = top_of(("4/5", 0, "4/5"), ("-12/25", "3/5", "16/25"))
+    far = [F(10) ** 16]
+    one, other = top.attitude(far, 20)[0], top.attitude(far, 40)[0]
+    with mpmath.workdps(50):
+        assert max(abs(a - b) for a, b in zip(one, other, strict=True)) < mpf("1e-20")
+
+
+@pytest.mark.parametrize("a", [(0, 1, 0, 0, -4), (1, 0, -1, 0, 2), (1, 0, 1, 0, 0)])
+def test_weierstrass_function_solves_its_equation(a):
+    """P'^2 = 4 P^3 - g2 P - g3, with P and P' from sn, cn, dn."""
+    quartic = Quartic(tuple(ONE * x for x in a))
+    g2, g3 = quartic.invariants
+    with ctx.workprec(120):
+        function = Weierstrass(quartic)
+        for t in ("0.3", "1.1", "-2.9"):
+            sn, cn, dn = complex_functions(function.functions, acb(function.rate * arb(t), 0.1))
+            if function.paired:
+                P = function.base + function.size * (1 + cn) / (1 - cn)
+                slope = -2 * function.size * function.rate * sn * dn / ((1 - cn) * (1 - cn))
+            else:
+                P = function.base + function.size / (sn * sn)
+                slope = -2 * function.size * function.rate * cn * dn / (sn * sn * sn)
+            rest = slope * slope - 4 * P * P * P + arb(g2.numerator) / g2.denominator * P
+            rest += arb(g3.numerator) / g3.denominator
+            assert rest.contains(0)
+            assert rest.real.rad() < abs(slope * slope) * arb(2) ** -80
