@@ -12,7 +12,7 @@ import pytest
 import polhode
 from polhode.numbers.conversion import exactly
 from polhode.numbers.mpmath_context import mpf, mpmath
-from shared.closed_form_motions import all_motions, gap, grown, number
+from shared.closed_form_motions import Motion, all_motions, gap, grown, number, scene_of
 
 F = Fraction
 MOTIONS = {str(motion): motion for motion in all_motions()}
@@ -109,22 +109,37 @@ def test_turns_are_those_along_samples(name):
         assert max(abs(psi - psi0 - more[0]), abs(phi - phi0 - more[1])) < 1e-11
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        *(f"lagrange: {where}" for where in ("upper pole", "lower pole", "from the upper pole")),
-        *("lagrange: from the lower pole", "lagrange: rotating", "pendulum: rotation"),
-        *("pendulum: libration", "pendulum: from a pole", "pendulum: released at a pole"),
-        *(f"euler: symmetric, through the {how}" for how in ("upper pole", "pole later")),
-    ],
-)
+def in_axes_through_the_vertical(motion):
+    """A steady precession in axes of the scene whose third comes to be vertical."""
+    a, _, c = motion.principal[3]
+    axes = (F(1), F(0), F(0)), (F(0), c, a), (F(0), -a, c)  # the vertical goes round the top's
+    turned = Motion(motion.family, f"{motion.name}, turned", motion.regime)
+    turned.__dict__["scene"] = scene_of(motion.principal, motion.family, axes)
+    return turned
+
+
+POLES = {
+    **{
+        name: MOTIONS[name]
+        for name in (
+            *(f"lagrange: {where}" for where in ("upper pole", "lower pole", "rotating")),
+            *("lagrange: from the upper pole", "lagrange: from the lower pole"),
+            *(f"pendulum: {how}" for how in ("rotation", "libration", "from a pole")),
+            *(f"euler: symmetric, through the {how}" for how in ("upper pole", "pole later")),
+        )
+    },
+    "steady precession": in_axes_through_the_vertical(MOTIONS["lagrange: steady slow"]),
+}
+
+
+@pytest.mark.parametrize("name", POLES)
 def test_each_passage_through_a_pole_turns_psi_up_away_from_the_start(name):
-    motion = MOTIONS[name]
+    motion = POLES[name]
     taken_back = "pendulum" in name and "librating" in motion.regime
     for side in (1, -1):
-        begin, end = motion.times(side * F(1, 7), side * 5)
+        begin, end = motion.times(side * F(1, 7), side * 13)
         (psi, _, phi), (psi0, _, phi0) = motion.reference.angles([end, begin], 15)
-        more = grown(motion.reference, begin, end)
+        more = grown(motion.reference, begin, end, 450)
         off = [psi - psi0 - more[0], phi - phi0 - more[1]]
         if taken_back:  # where it returns a libration takes the jump back
             off = [x - 2 * mpmath.pi * mpmath.nint(x / 2 / mpmath.pi) for x in off]
@@ -180,3 +195,23 @@ def test_a_motion_of_hess_tends_to_a_periodic_one_at_the_rate_told():
         rows = motion.reference.at(times, 50)
         early, late = gap(rows[0], rows[1]), gap(rows[2], rows[3])
         assert abs(mpmath.log(early / late) / (10 * period) - rate) < mpf("1e-6") * rate
+
+
+@pytest.mark.slow
+def test_separation_variables_of_kovalevskayas_top_pass_to_and_fro_at_the_rates_told():
+    """q^2 s^2 + R s/2 + R1/4 = 0: s makes om t/pi passages between its ends in the time t."""
+    motion = MOTIONS["kovalevskaya: e-ee+"]
+    told, span = motion.reference.frequencies, 60
+    rows = motion.reference.at([F(k, 20) for k in range(20 * span)], 16)
+    p, q, r, g1, g2, g3 = np.array([[float(x) for x in row] for row in rows]).T
+    H, m = p * p + q * q + r * r / 2 + g1, p * g1 + q * g2 + r * g3 / 2
+    b = 1 - (p * p - q * q - g1) ** 2 - (2 * p * q - g2) ** 2
+    sg, pi = 2 * p, p * p + q * q
+    R = -pi * pi + 2 * H * pi - 2 * m * sg + b
+    R1 = -2 * H * pi * pi - b * sg * sg + 4 * m * pi * sg + 2 * H * b - 4 * m * m
+    large = -(R / 2 + np.sign(R) * np.sqrt(R * R / 4 - q * q * R1)) / (2 * q * q)
+    small = R1 / (4 * q * q * large)
+    for name, s in (("s1", np.minimum(large, small)), ("s2", np.maximum(large, small))):
+        s = s if name == "s2" else 1 / s  # s1 passes infinity
+        turns = np.count_nonzero(np.diff(np.sign(np.diff(s))))
+        assert abs(turns / span - float(told[name]) / np.pi) < 3 / span
