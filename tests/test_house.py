@@ -112,11 +112,7 @@ def test_any_only_ever_becomes_rarer():
 
 #: How often tests of a package reach for a name with an underscore, and why they do.
 PRIVATE = {
-    "checks": (1, "the numbers of one case, which a check prints only together"),
-    "closed_forms": (
-        62,
-        "a motion's parts at a precision of the test's choice: a top answers at its own",
-    ),
+    "closed_forms": (1, "the constants of a formula whose proof a page gives, at complex places"),
     "dynamics": (
         6,
         "a search's first guess, a verdict's bound: what comes out is their refinement",
@@ -134,7 +130,6 @@ PRIVATE = {
         "marks and chunks of a run, a try of the refined method, which no result tells of; "
         "limits made small: a million steps take too long",
     ),
-    "shared": (1, "the orbit behind a closed form, for checks of all families"),
     "studies": (13, "one row of a study, of which a report makes all"),
     "taylor": (5, "heyoka's calls counted or changed: what a run gives is to be the same"),
     "test_guide.py": (3, "argparse has no public list of a parser's options"),
