@@ -15,7 +15,7 @@ from polhode.closed_forms.families import FAMILIES
 from polhode.equations.forms import principal
 from polhode.scenes import library
 from polhode.scenes.scene import Published
-from shared.members import written
+from shared.members import motion_table
 
 #: Kinds of motion without a case.
 BARE = {
@@ -41,7 +41,7 @@ def test_every_case_loads_and_expects_something():
 
 def test_every_kind_of_motion_of_every_family_has_a_case():
     """Of the classical families; the file says the kinds, which the table holds closed forms to."""
-    motions = written()
+    motions = motion_table()
     cases = {*motions["library"].values()}
     assert [f.name for f in FAMILIES if not any(t.startswith(f"{f.name}: ") for t in cases)] == []
     for family in ("euler", "lagrange", "pendulum", "kovalevskaya"):

@@ -9,9 +9,9 @@ import pytest
 from polhode.closed_forms.kovalevskaya.attitude.cayley_klein import CayleyKlein
 from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop
 from polhode.numbers.mpmath_context import mpc, mpf, mpmath
-from shared.members import read, written
+from shared.members import motion_table, read_start
 
-GENERIC = written()["kovalevskaya"]
+GENERIC = motion_table()["kovalevskaya"]
 NAMES = ["e-ee+", pytest.param("-e+ (complex pair)", marks=pytest.mark.campaign)]
 _BITS = 200  # 50 digits, and ten to spare
 
@@ -86,7 +86,7 @@ def test_step_2_exponents_at_every_pole_are_1_and_minus_1():
 
 
 def formula(name) -> CayleyKlein:
-    top = KovalevskayaTop(*read(GENERIC[name]))
+    top = KovalevskayaTop(*read_start(GENERIC[name]))
     return top._attitudes.at(_BITS).formula(0)
 
 

@@ -51,10 +51,10 @@ def test_any_datum_moved_by_1e_30_is_refused(name, every):
         scene = scene_of(start, motion.family)
         with pytest.raises(polhode.BadInput) as refused:
             polhode.reference(scene)
-        told = str(refused.value)
-        assert f"{motion.family} needs " in told, (row, column)
-        assert "\n" not in told
-        assert 1e-34 < float(re.search(r"off by ([\d.e-]+\d)", told)[1]) < 1e-26, told
+        message = str(refused.value)
+        assert f"{motion.family} needs " in message, (row, column)
+        assert "\n" not in message
+        assert 1e-34 < float(re.search(r"off by ([\d.e-]+\d)", message)[1]) < 1e-26, message
         near = dict(families.near(scene))
         assert 1e-34 < float(near[motion.family].off) < 1e-26
 
@@ -115,7 +115,7 @@ def slopes(start):
 
 def test_stability_of_permanent_rotations_against_eigenvalues():
     """Random ones; what is undecided is none of them."""
-    seen = set()
+    regimes = set()
     for seed in range(80):
         body = start("staude", seed)[0]
         if min(body[0]) < F(1, 10) or max(map(abs, body[2])) < F(1, 10):
@@ -123,6 +123,6 @@ def test_stability_of_permanent_rotations_against_eigenvalues():
         regime = polhode.reference(scene_of(body, "staude")).regime
         growth = max(np.linalg.eigvals(slopes(body)).real)
         if "undecided" not in regime:
-            seen.add(regime)
+            regimes.add(regime)
             assert (growth > 1e-5) == ("unstable" in regime), (seed, regime, growth)
-    assert len(seen) == 2
+    assert len(regimes) == 2

@@ -16,14 +16,14 @@ from shared.closed_form_motions import (
     Motion,
     by_series,
     gap,
+    in_scene,
     number,
     quaternion_of,
-    renamed,
+    relabel,
     scene_of,
-    seen,
     start_quaternion,
     table_gap,
-    turned_by,
+    turn_between,
 )
 from shared.members import MEMBERS, rotation, start
 
@@ -50,17 +50,17 @@ def test_no_scene_of_a_family_is_refused(family, seed):
     """State, attitude and angles of one scene, near and farther on."""
     plain, pick = start(family, seed)
     order, signs = pick.sample(range(3), 3), [pick.choice((1, -1)) for _ in range(3)]
-    plain = renamed(plain, order, signs)
+    plain = relabel(plain, order, signs)
     unit, mass, axes = pick.choice(UNITS), pick.choice(UNITS), IDENTITY
     if pick.random() < 0.5:
         axes = rotation(1, 2, 4, 2)
     motion = Motion(family, f"{seed}", start=plain)
     moved = Motion(family, f"{seed}, moved", "", None)
     moved.__dict__["scene"] = scene_of(plain, family, axes, F(unit), F(mass))
-    found, times = moved.reference, [NEAR / unit, -NEAR / unit, FAR / unit]
-    rows, more = found.at(times, 20), found.at(times, 35)
-    turns, others = found.attitude([F(0), *times], 20), found.attitude([F(0), *times], 35)
-    angles, finer = found.angles(times, 20), found.angles(times, 35)
+    top, times = moved.reference, [NEAR / unit, -NEAR / unit, FAR / unit]
+    rows, more = top.at(times, 20), top.at(times, 35)
+    turns, others = top.attitude([F(0), *times], 20), top.attitude([F(0), *times], 35)
+    angles, finer = top.angles(times, 20), top.angles(times, 35)
     with mpmath.workdps(60):
         assert table_gap(rows, more, unit) < mpf("1e-19")
         assert max(gap(*pair) for pair in zip(turns, others, strict=True)) < mpf("1e-19")
@@ -76,10 +76,10 @@ def test_no_scene_of_a_family_is_refused(family, seed):
     with mpmath.workdps(60):
         matrix, first = [[number(x) for x in row] for row in axes], start_quaternion(motion.scene)
         seen_there = [
-            [*seen([x * number(unit) for x in row[:3]], matrix), *seen(row[3:6], matrix)]
+            [*in_scene([x * number(unit) for x in row[:3]], matrix), *in_scene(row[3:6], matrix)]
             for row in truth
         ]
         assert table_gap(seen_there, more[:2], unit) < mpf("1e-25")
         for row, q in zip(truth, others[1:3], strict=True):
-            scalar, *turn = turned_by(row[6:10], first)
-            assert gap(turned_by(q, others[0]), [scalar, *seen(turn, matrix)]) < mpf("1e-25")
+            scalar, *turn = turn_between(row[6:10], first)
+            assert gap(turn_between(q, others[0]), [scalar, *in_scene(turn, matrix)]) < mpf("1e-25")

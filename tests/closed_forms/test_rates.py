@@ -12,7 +12,7 @@ import pytest
 import polhode
 from polhode.numbers.conversion import exactly
 from polhode.numbers.mpmath_context import mpf, mpmath
-from shared.closed_form_motions import Motion, all_motions, gap, grown, number, scene_of
+from shared.closed_form_motions import Motion, all_motions, gap, growth, number, scene_of
 
 F = Fraction
 MOTIONS = {str(motion): motion for motion in all_motions()}
@@ -29,11 +29,11 @@ MOTIONS = {str(motion): motion for motion in all_motions()}
 )
 def test_over_a_period_angles_grow_by_their_mean_rates(name):
     """Of the axis that is circled; about another axis but for whole turns."""
-    found = MOTIONS[name].reference
-    mean = found.frequencies
+    top = MOTIONS[name].reference
+    mean = top.frequencies
     with mpmath.workdps(60):
         period = 2 * mpmath.pi / abs(mean.get("nutation", mean.get("polhode")))
-        (psi, _, phi), (after, _, other) = found.angles([1, 1 + exactly(period)], 40)
+        (psi, _, phi), (after, _, other) = top.angles([1, 1 + exactly(period)], 40)
         off = [after - psi - mean["precession"] * period]
         if "proper rotation" in mean:
             off.append(other - phi - mean["proper rotation"] * period)
@@ -54,20 +54,20 @@ def test_over_a_period_angles_grow_by_their_mean_rates(name):
     ],
 )
 def test_rates_of_uniform_motions(name, rates):
-    found = MOTIONS[name].reference.frequencies
-    assert found.keys() == rates.keys()
+    frequencies = MOTIONS[name].reference.frequencies
+    assert frequencies.keys() == rates.keys()
     with mpmath.workdps(50):
-        assert max(abs(found[key] - number(x)) for key, x in rates.items()) < mpf("1e-48")
+        assert max(abs(frequencies[key] - number(x)) for key, x in rates.items()) < mpf("1e-48")
 
 
 @pytest.mark.parametrize("name", ["lagrange: upper pole", "lagrange: lower pole"])
 def test_jumps_at_a_pole_are_no_precession(name):
     """Ten nutations: psi grows by its mean and, up each time, by pi; phi by its own, and down."""
-    found = MOTIONS[name].reference
-    mean = found.frequencies
+    top = MOTIONS[name].reference
+    mean = top.frequencies
     with mpmath.workdps(60):
         span = 10 * 2 * mpmath.pi / mean["nutation"]
-        (psi, _, phi), (after, _, other) = found.angles([0, exactly(span)], 30)
+        (psi, _, phi), (after, _, other) = top.angles([0, exactly(span)], 30)
         assert abs(after - psi - mean["precession"] * span - 10 * mpmath.pi) < mpf("1e-28")
         assert abs(other - phi - mean["proper rotation"] * span + 10 * mpmath.pi) < mpf("1e-28")
 
@@ -105,7 +105,7 @@ def test_turns_are_those_along_samples(name):
     motion = MOTIONS[name]
     for end in motion.times(14, -9):
         (psi, _, phi), (psi0, _, phi0) = motion.reference.angles([end, end / 90], 15)
-        more = grown(motion.reference, end / 90, end, 300)
+        more = growth(motion.reference, end / 90, end, 300)
         assert max(abs(psi - psi0 - more[0]), abs(phi - phi0 - more[1])) < 1e-11
 
 
@@ -139,7 +139,7 @@ def test_each_passage_through_a_pole_turns_psi_up_away_from_the_start(name):
     for side in (1, -1):
         begin, end = motion.times(side * F(1, 7), side * 13)
         (psi, _, phi), (psi0, _, phi0) = motion.reference.angles([end, begin], 15)
-        more = grown(motion.reference, begin, end, 450)
+        more = growth(motion.reference, begin, end, 450)
         off = [psi - psi0 - more[0], phi - phi0 - more[1]]
         if taken_back:  # where it returns a libration takes the jump back
             off = [x - 2 * mpmath.pi * mpmath.nint(x / 2 / mpmath.pi) for x in off]
@@ -165,7 +165,7 @@ ORDERS = np.array(
         pytest.param("goryachev-chaplygin/outer-band", 3, 100, marks=SLOW),
     ],
 )
-def test_a_column_is_a_sum_of_waves_of_the_two_frequencies_told(name, column, growth):
+def test_a_column_is_a_sum_of_waves_of_the_two_expected_frequencies(name, column, growth):
     """Up to the order 8.  What is left over grows where one of them is off by 1e-3."""
     motion = MOTIONS[name]
     times = motion.times(*(F(2 * k, 7) for k in range(300)))
@@ -201,7 +201,7 @@ def test_a_motion_of_hess_tends_to_a_periodic_one_at_the_rate_told():
 def test_separation_variables_of_kovalevskayas_top_pass_to_and_fro_at_the_rates_told():
     """q^2 s^2 + R s/2 + R1/4 = 0: s makes om t/pi passages between its ends in the time t."""
     motion = MOTIONS["kovalevskaya: e-ee+"]
-    told, span = motion.reference.frequencies, 60
+    rates, span = motion.reference.frequencies, 60
     rows = motion.reference.at([F(k, 20) for k in range(20 * span)], 16)
     p, q, r, g1, g2, g3 = np.array([[float(x) for x in row] for row in rows]).T
     H, m = p * p + q * q + r * r / 2 + g1, p * g1 + q * g2 + r * g3 / 2
@@ -214,4 +214,4 @@ def test_separation_variables_of_kovalevskayas_top_pass_to_and_fro_at_the_rates_
     for name, s in (("s1", np.minimum(large, small)), ("s2", np.maximum(large, small))):
         s = s if name == "s2" else 1 / s  # s1 passes infinity
         turns = np.count_nonzero(np.diff(np.sign(np.diff(s))))
-        assert abs(turns / span - float(told[name]) / np.pi) < 3 / span
+        assert abs(turns / span - float(rates[name]) / np.pi) < 3 / span

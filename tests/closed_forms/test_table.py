@@ -23,22 +23,22 @@ from shared.closed_form_motions import (
     all_motions,
     by_series,
     gap,
+    in_scene,
     number,
     quaternion_of,
-    renamed,
+    relabel,
     scene_of,
-    seen,
     table_gap,
-    turned_by,
+    turn_between,
     vertical_of,
 )
-from shared.members import rotation, written
+from shared.members import motion_table, rotation
 
 F = Fraction
 MOTIONS: dict[str, list[Motion]] = {}
 for motion in all_motions():
     MOTIONS.setdefault(motion.family, []).append(motion)
-FREQUENCIES = written()["frequencies"]
+FREQUENCIES = motion_table()["frequencies"]
 #: Any start of the body is one of the family.
 ANY_START = "euler", "lagrange", "kovalevskaya"
 #: Whose answers cost next to nothing: more rows of them are fast.
@@ -48,7 +48,7 @@ SLOW = "goryachev-chaplygin", "hess"
 STILL = ("rest", "permanent", "sleeping", "hanging", "steady precession", "spherical pendulum, con")
 
 
-def still(motion):
+def is_still(motion):
     """Whether w and gamma stay or turn about one axis: numbers may be equal to the last bit."""
     return motion.regime.startswith(STILL)
 
@@ -62,21 +62,21 @@ def rows(question, *, fast=1, slow=1, keep=lambda motion: True, dear=()):
 
     ``dear``: families of which none is fast, and then none on a degenerate curve either.
     """
-    found, shift = [], crc32(question.encode())
+    params, shift = [], crc32(question.encode())
     for family, motions in MOTIONS.items():
-        kept = [motion for motion in motions if motion.scene.gamma is not None and keep(motion)]
-        quick = [] if family in dear else [m for m in kept if not (dear and "curve" in m.regime)]
-        quick = some(quick, CHEAP.get(family, 1) * fast, shift)
-        later = some([m for m in kept if m not in quick], CHEAP.get(family, 1) * slow, shift)
-        for motion in kept:
+        asked = [motion for motion in motions if motion.scene.gamma is not None and keep(motion)]
+        quick = [] if family in dear else [m for m in asked if not (dear and "curve" in m.regime)]
+        quick = spread(quick, CHEAP.get(family, 1) * fast, shift)
+        later = spread([m for m in asked if m not in quick], CHEAP.get(family, 1) * slow, shift)
+        for motion in asked:
             reported = (dear and motion.name in REPORTED) or str(motion) in REPORTED
             marks = pytest.mark.slow if motion in later or reported else pytest.mark.campaign
             marks = [] if motion in quick else marks
-            found.append(pytest.param(motion, id=str(motion), marks=marks))
-    return pytest.mark.parametrize("motion", found)
+            params.append(pytest.param(motion, id=str(motion), marks=marks))
+    return pytest.mark.parametrize("motion", params)
 
 
-def some(motions, count, shift):
+def spread(motions, count, shift):
     """So many of them, evenly spread."""
     count = min(count, len(motions))
     return [motions[(shift + k * len(motions) // count) % len(motions)] for k in range(count)]
@@ -85,8 +85,8 @@ def some(motions, count, shift):
 @pytest.mark.parametrize("family", MOTIONS)
 def test_kinds_of_motion(family):
     for motion in MOTIONS[family]:
-        found = motion.reference
-        assert (found.kind, motion.regime or found.regime) == (family, found.regime), str(motion)
+        top = motion.reference
+        assert (top.kind, motion.regime or top.regime) == (family, top.regime), str(motion)
 
 
 @rows("state", fast=2, slow=2)
@@ -96,7 +96,7 @@ def test_the_state_by_power_series(motion):
         truth = [row[:6] for row in by_series(motion, times, 30, attitude=False)]
         error = table_gap(truth, motion.reference.at(times, 30), motion.rate)
         assert error < mpf("1e-30")
-        assert error > mpf("1e-75") or still(motion)
+        assert error > mpf("1e-75") or is_still(motion)
 
 
 #: Where the third axis is exactly vertical ever again, which way it turns is a rule's matter.
@@ -113,16 +113,16 @@ DEAR = ("bobylev-steklov", "steklov", "goryachev", "n-kowalewski", "chaplygin")
 @rows("attitude", slow=2, dear=DEAR)
 def test_attitude_and_angles_by_power_series(motion):
     """The sign at t = 0 and the turns too."""
-    found, scene = motion.reference, motion.scene
+    top, scene = motion.reference, motion.scene
     for times in (motion.times(2, 5), motion.times(-3)):
         truth = by_series(motion, times, 20)
-        turns, angles = found.attitude(times, 20), found.angles(times, 20)
-        (first,) = found.angles([0], 20)
+        turns, angles = top.attitude(times, 20), top.angles(times, 20)
+        (first,) = top.angles([0], 20)
         assert (first[0] is None) == (scene.gamma[0] == scene.gamma[1] == 0)
         with mpmath.workdps(60):
             for row, q, (psi, theta, phi) in zip(truth, turns, angles, strict=True):
                 assert gap(row[6:10], q) < mpf("1e-20")
-                assert gap(row[6:10], q) > mpf("1e-60") or still(motion)
+                assert gap(row[6:10], q) > mpf("1e-60") or is_still(motion)
                 assert (psi is None) == (phi is None) == (max(map(abs, row[3:5])) < mpf("1e-25"))
                 if psi is None:
                     assert abs(mpmath.cos(theta) - row[5]) < mpf("1e-20")
@@ -160,7 +160,7 @@ def test_the_equations_hold_to_150_digits(motion):
         ]
         error = gap(slopes, rules) / max(1, *map(abs, now), *map(abs, rules))
     assert error < mpf(10) ** -(3 * digits // 4)
-    assert error > mpf("1e-230") or still(motion)
+    assert error > mpf("1e-230") or is_still(motion)
 
 
 #: How far kinds of motion are asked, in their own unit of time.
@@ -177,23 +177,23 @@ def far(motion, time):
 @rows("digits", fast=2, dear=("kovalevskaya", "n-kowalewski", "chaplygin", *SLOW))
 def test_fewer_digits_are_those_of_more(motion):
     """The state at any time, 15, 50 and 200 digits."""
-    found, times = motion.reference, [F(0), *motion.times(F(7, 3), -11)]
+    top, times = motion.reference, [F(0), *motion.times(F(7, 3), -11)]
     times += [far(motion, 10**4), -far(motion, 10**12)]
     for few, many in ((15, 33), (50, 90)) if motion.family in SLOW else ((15, 50), (200, 220)):
-        error = table_gap(found.at(times, few), found.at(times, many), motion.rate)
+        error = table_gap(top.at(times, few), top.at(times, many), motion.rate)
         assert error < mpf(10) ** -few
-        assert error > mpf(10) ** (-2 * few - 40) or still(motion)
+        assert error > mpf(10) ** (-2 * few - 40) or is_still(motion)
 
 
 @rows("far attitude", dear=DEAR)
 def test_attitude_at_any_time(motion):
     """Digits as asked, of length 1, and it carries the vertical."""
-    found, times = motion.reference, [-far(motion, 40), far(motion, 10**9)]
-    few, many = found.attitude(times, 20), found.attitude(times, 35)
+    top, times = motion.reference, [-far(motion, 40), far(motion, 10**9)]
+    few, many = top.attitude(times, 20), top.attitude(times, 35)
     with mpmath.workdps(60):
-        for one, other, state in zip(few, many, found.at(times, 35), strict=True):
+        for one, other, state in zip(few, many, top.at(times, 35), strict=True):
             assert gap(one, other) < mpf("1e-20")
-            assert gap(one, other) > mpf("1e-80") or still(motion)
+            assert gap(one, other) > mpf("1e-80") or is_still(motion)
             assert abs(mpmath.norm(mpmath.matrix(other)) - 1) < mpf("1e-34")
             assert gap(vertical_of(other), state[3:]) < mpf("4e-35")
 
@@ -230,7 +230,7 @@ def fourth(family, A, K, w, g):
     return mpf(0)
 
 
-def frequencies_told(motion):
+def expected_frequencies(motion):
     """Their names by the kind of motion, and whether there is a period."""
     kinds = FREQUENCIES.get(motion.family, FREQUENCIES["others"])
     regime = motion.reference.regime
@@ -244,10 +244,10 @@ UNTOLD = "hard/near-axial-pendulum", "hard/near-bobylev-steklov"
 @rows("period", fast=2, keep=lambda motion: motion.name not in UNTOLD)
 def test_a_period_brings_the_state_back_and_no_part_of_it_does(motion):
     """omega alone of a free body; one of the frequencies is 2 pi over it."""
-    found = motion.reference
-    period, frequencies = found.period, found.frequencies
-    told = " ".join(frequencies) + (", periodic" if period is not None else "")
-    assert told in frequencies_told(motion)
+    top = motion.reference
+    period, frequencies = top.period, top.frequencies
+    names = " ".join(frequencies) + (", periodic" if period is not None else "")
+    assert names in expected_frequencies(motion)
     if period is None:
         return
     with mpmath.workdps(70):
@@ -255,9 +255,9 @@ def test_a_period_brings_the_state_back_and_no_part_of_it_does(motion):
         assert min(abs(abs(turn) - 1) for turn in turns) < mpf("1e-48")
         begin, *parts = (F(1) / motion.rate + exactly(period / n) for n in (1, 2, 3, 5))
     last = 3 if motion.family == "euler" else 6
-    start, after, *early = (row[:last] for row in found.at([*motion.times(1), begin, *parts], 45))
+    start, after, *early = (row[:last] for row in top.at([*motion.times(1), begin, *parts], 45))
     assert table_gap([start], [after], motion.rate) < mpf("1e-43")
-    if not still(motion):
+    if not is_still(motion):
         assert min(table_gap([start], [row], motion.rate) for row in early) > mpf("1e-40")
 
 
@@ -272,12 +272,12 @@ PLACES = (
 @rows("places", keep=lambda motion: motion.principal, dear=DEAR)
 def test_other_axes_and_units_give_the_same_motion(motion):
     """Axes renamed, reflected and turned, also by irrational matrices."""
-    found, times = motion.reference, motion.times(F(7, 3), -4)
-    states, turns = found.at(times, 35), found.attitude([F(0), *times], 25)
+    top, times = motion.reference, motion.times(F(7, 3), -4)
+    states, turns = top.at(times, 35), top.attitude([F(0), *times], 25)
     for order, signs, axes, unit, mass in PLACES:
-        start = renamed(motion.principal, order, signs)
+        start = relabel(motion.principal, order, signs)
         other = polhode.reference(scene_of(start, motion.family, axes, unit, mass))
-        assert other.regime == found.regime
+        assert other.regime == top.regime
         there = [t / unit for t in times]
         with mpmath.workdps(50):
             matrix = [[number(x) for x in row] for row in axes]
@@ -285,12 +285,12 @@ def test_other_axes_and_units_give_the_same_motion(motion):
             for row, q, there_row, there_q in zip(
                 states, turns[1:], other.at(there, 35), moved, strict=True
             ):
-                turn = turned_by(q, turns[0])[1:]  # an axial vector, as w is
-                _, _, w, up = renamed((row, row, row[:3], row[3:]), order, signs)
-                _, _, turn, _ = renamed((row, row, turn, turn), order, signs)
-                wanted = [*seen([x * number(unit) for x in w], matrix), *seen(up, matrix)]
+                turn = turn_between(q, turns[0])[1:]  # an axial vector, as w is
+                _, _, w, up = relabel((row, row, row[:3], row[3:]), order, signs)
+                _, _, turn, _ = relabel((row, row, turn, turn), order, signs)
+                wanted = [*in_scene([x * number(unit) for x in w], matrix), *in_scene(up, matrix)]
                 assert table_gap([there_row], [wanted], motion.rate * unit) < mpf("4e-35")
-                assert gap(turned_by(there_q, first)[1:], seen(turn, matrix)) < mpf("4e-25")
+                assert gap(turn_between(there_q, first)[1:], in_scene(turn, matrix)) < mpf("4e-25")
 
 
 @rows("onwards", keep=lambda motion: motion.family in ANY_START and motion.principal)
@@ -307,11 +307,11 @@ def test_a_state_on_the_way_is_a_start_of_the_same_motion(motion):
 
 @rows("error")
 def test_the_error_told_is_above_the_true_one(motion):
-    found, times = motion.reference, motion.times(2, 9)
-    rows, better = found.at(times, 30), found.at(times, 60)
-    told = found.error(times, 30)
-    assert told < mpf("1e-30")
-    assert told > table_gap(rows, better, motion.rate) / 4 or still(motion)
+    top, times = motion.reference, motion.times(2, 9)
+    rows, better = top.at(times, 30), top.at(times, 60)
+    bound = top.error(times, 30)
+    assert bound < mpf("1e-30")
+    assert bound > table_gap(rows, better, motion.rate) / 4 or is_still(motion)
 
 
 def test_the_curve_of_a_kovalevskaya_top_is_shown():
@@ -325,8 +325,8 @@ def test_the_curve_of_a_kovalevskaya_top_is_shown():
 def test_the_precision_of_the_caller_changes_nothing(motion):
     answers = []
     for bits in (20, 77, 3000):
-        found = polhode.reference(motion.scene)
+        top = polhode.reference(motion.scene)
         with mpmath.workprec(bits):
-            answers.append(found.at(motion.times(F(5, 3)), 40))
+            answers.append(top.at(motion.times(F(5, 3)), 40))
             assert mpmath.prec == bits
     assert answers[0] == answers[1] == answers[2]

@@ -75,15 +75,15 @@ class Motion:
 
 def all_motions() -> Iterator[Motion]:
     """Of every family in turn: the library's, those of the file, those by formulas."""
-    known = members.written()
+    known = members.motion_table()
     library: dict[str, list[Motion]] = {}
-    for case, told in known.pop("library").items():
-        family, _, regime = told.partition(": ")
+    for case, words in known.pop("library").items():
+        family, _, regime = words.partition(": ")
         library.setdefault(family, []).append(Motion(family, case, regime))
     for family in library:
         yield from library[family]
         for name, texts in known.get(family, {}).items():
-            yield Motion(family, name, texts[4], members.read(texts))
+            yield Motion(family, name, texts[4], members.read_start(texts))
         for name, start in members.MOTIONS.get(family, {}).items():
             yield Motion(family, name, "", start)
 
@@ -101,18 +101,18 @@ def scene_of(
         [sum(mass * moments[k] * axes[k][i] * axes[k][j] for k in range(3)) for j in range(3)]
         for i in range(3)
     ]
-    torque = seen([mass * unit * unit * x for x in torque], axes)
+    torque = in_scene([mass * unit * unit * x for x in torque], axes)
     body = polhode.Body(inertia, torque, 1 if any(torque) else 0)
-    omega, gamma = seen([unit * x for x in omega], axes), seen(gamma, axes)
+    omega, gamma = in_scene([unit * x for x in omega], axes), in_scene(gamma, axes)
     return polhode.Scene(body, omega, gamma, psi=PSI, times=(1,), reference=kind)
 
 
-def seen(v: Sequence[Any], axes: Any) -> list[Any]:
+def in_scene(v: Sequence[Any], axes: Any) -> list[Any]:
     """A vector in the scene's axes, whose components along ``axes`` are given."""
     return [sum(axes[i][j] * v[i] for i in range(3)) for j in range(3)]
 
 
-def renamed(start: Sequence[Any], order: Sequence[int], signs: Sequence[int]) -> tuple[Any, ...]:
+def relabel(start: Sequence[Any], order: Sequence[int], signs: Sequence[int]) -> tuple[Any, ...]:
     """The same motion in axes of other names and senses: w is axial, the rest polar."""
     polar = tuple(tuple(s * row[i] for s, i in zip(signs, order, strict=True)) for row in start[1:])
     side = signs[0] * signs[1] * signs[2] * (1 if tuple(order) in EVEN else -1)
@@ -197,7 +197,7 @@ def vertical_of(q: Sequence[Any]) -> list[mpf]:
     return [2 * (x * z - a * y), 2 * (y * z + a * x), a * a - x * x - y * y + z * z]
 
 
-def turned_by(q: Sequence[Any], start: Sequence[Any]) -> list[Any]:
+def turn_between(q: Sequence[Any], start: Sequence[Any]) -> list[Any]:
     """start^-1 q: the turn since the start, scalar and vector in the body's axes."""
     a, x, y, z = start[0], -start[1], -start[2], -start[3]
     b, u, v, w = q
@@ -209,7 +209,7 @@ def turned_by(q: Sequence[Any], start: Sequence[Any]) -> list[Any]:
     ]
 
 
-def grown(top: Any, begin: Fraction, end: Fraction, count: int = 400) -> tuple[mpf, mpf]:
+def growth(top: Any, begin: Fraction, end: Fraction, count: int = 400) -> tuple[mpf, mpf]:
     """The growth of psi and phi by close samples of the attitude.
 
     Of two neighbours whose argument turns by almost pi a zero lies between, and it turns up.

@@ -15,7 +15,7 @@ from random import Random
 from polhode.numbers import exact
 from polhode.numbers.expression import number
 from shared import orbit_members
-from shared.orbit_members import drawn
+from shared.orbit_members import draw_until_real
 
 F = Fraction
 ZERO = F(0), F(0), F(0)
@@ -25,13 +25,13 @@ POWERS = 1, 2, 3, 6, 9, 15, 20, 30
 DIRECTIONS = (F(1), F(0)), (F(3, 5), F(4, 5)), (F(-105, 233), F(208, 233)), (F(0), F(-1))
 
 
-def written() -> dict[str, dict[str, list[str]]]:
+def motion_table() -> dict[str, dict[str, list[str]]]:
     """The motions of tests/data/motions.toml, as they are written there."""
     path = Path(__file__).parents[1] / "data" / "motions.toml"
     return tomllib.loads(path.read_text(encoding="utf-8"))
 
 
-def read(texts):
+def read_start(texts):
     """A start as it is written."""
     return tuple(tuple(map(number, text.split())) for text in texts[:4])
 
@@ -143,9 +143,9 @@ def kovalevskaya(pick):
         C, weight = F(pick.randint(1, 9), pick.randint(1, 9)), F(pick.randint(1, 9), 4)
         torque = *(weight * x for x in pick.choice(DIRECTIONS)), F(0)
         return (2 * C, 2 * C, C), torque, rates(pick, pick.choice(HOW)), vertical(pick)
-    known = written()["kovalevskaya"].values()
+    known = motion_table()["kovalevskaya"].values()
     near = [texts for texts in known if texts[1] == "1 0 0" and "e-" not in "".join(texts[2:4])]
-    body, torque, w, up = read(pick.choice(near))
+    body, torque, w, up = read_start(pick.choice(near))
     if pick.random() < 0.3:  # Bobylev and Steklov's: q = 0, gamma3 = p r
         up, r = vertical(pick), pick.choice((1, -1)) * F(pick.randint(1, 250), 6)
         w = up[2] / r, F(0), r
@@ -227,7 +227,7 @@ def goryachev_chaplygin(pick):
     if kind == "any":
         return two_frequencies(pick)
     if kind == "asymptotic":
-        return drawn(asymptotic, pick)
+        return draw_until_real(asymptotic, pick)
     if kind == "near":
         return NEAR[pick.choice(sorted(NEAR))](abs(tiny(pick)))
     up = vertical(pick)
@@ -288,4 +288,4 @@ MEMBERS = {
 def start(family, seed):
     """A start of a family, and the generator that made it."""
     pick = Random(f"{family} {seed}")
-    return drawn(MEMBERS[family], pick), pick
+    return draw_until_real(MEMBERS[family], pick), pick

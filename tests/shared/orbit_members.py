@@ -19,7 +19,7 @@ def sides(pick):
     return pick.choice((1, -1)), pick.choice((1, -1))
 
 
-def drawn(make, pick):
+def draw_until_real(make, pick):
     """The first draw that is a motion."""
     while True:
         try:
