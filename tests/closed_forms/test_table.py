@@ -252,7 +252,9 @@ def test_a_period_brings_the_state_back_and_no_part_of_it_does(motion):
         return
     with mpmath.workdps(70):
         turns = [period * x / 2 / mpmath.pi for x in frequencies.values()]
-        assert min(abs(abs(turn) - 1) for turn in turns) < mpf("1e-48")
+        # theta of a swing is back twice as often
+        once = 2 if motion.regime == "planar pendulum, librating" else 1
+        assert min(abs(abs(turn) - once) for turn in turns) < mpf("1e-48")
         begin, *parts = (F(1) / motion.rate + exactly(period / n) for n in (1, 2, 3, 5))
     last = 3 if motion.family == "euler" else 6
     start, after, *early = (row[:last] for row in top.at([*motion.times(1), begin, *parts], 45))
