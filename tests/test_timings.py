@@ -1,4 +1,4 @@
-"""The suite of timings: its protocol, and what it says of what it cannot measure."""
+"""The suite of timings: its protocol, and its groups."""
 
 from __future__ import annotations
 
@@ -62,15 +62,6 @@ def test_a_group_is_a_function_of_its_module(name):
 def test_a_group_that_there_is_not_is_refused(capsys):
     assert main(["runs", "speed"]) == 2
     assert "benchmark: speed: expected one of runs, " in capsys.readouterr().err
-
-
-def test_a_peer_that_is_not_installed_is_named(capsys, monkeypatch):
-    monkeypatch.setattr(benchmark.importlib.util, "find_spec", lambda name: None)
-    assert main(["digits"]) == 2
-    assert "digits: needs CyRK, numba, not installed" in capsys.readouterr().err
-    monkeypatch.setattr(benchmark, "GROUPS", {"digits": GROUPS["digits"]})
-    assert main([]) == 0
-    assert "digits: not measured without CyRK, numba" in capsys.readouterr().out
 
 
 @pytest.mark.slow

@@ -126,7 +126,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     try:
         try:
             terminal.prepare()
-            given = sys.argv[1:] if arguments is None else arguments
+            given = sys.argv[1:] if arguments is None else [*arguments]
             if given[:1] == ["--print-completion"]:
                 terminal.say(_completion(given[1:]))
                 return DONE

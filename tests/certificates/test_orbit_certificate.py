@@ -15,6 +15,7 @@ from polhode.certificates import certificate_file, grid, verify
 from polhode.certificates.orbit_certificate import Stated, certificate
 from polhode.cli import main
 from polhode.common.errors import BadInput
+from shared.mutation import altered
 
 BODY = {"moments": [2, "3/2", 1], "centre": ["3/10", "1/5", "1/2"], "weight": 1}
 LEVEL = {"h": "261/200", "f": "31/25"}
@@ -33,12 +34,10 @@ NEAR = {
 }
 
 
-def guess(kind, body=BODY, turned=None):
+def guess(kind):
     """A scene that ends after about one period of an orbit."""
     omega, gamma, period = NEAR[kind]
-    if turned is not None:
-        omega, gamma = ([str(x) for x in turned(map(Fraction, v))] for v in (omega, gamma))
-    return polhode.top(**body, omega=omega, gamma=gamma, normalise=True, end=period)
+    return polhode.top(**BODY, omega=omega, gamma=gamma, normalise=True, end=period)
 
 
 def of(found):
@@ -58,9 +57,9 @@ def stated(found):
     )
 
 
-def proved(kind, body=BODY, turned=None, digits=30):
-    near = guess(kind, body, turned)
-    return polhode.prove_orbit(near, near, digits=digits, **LEVEL)
+def proved(kind, digits=30, **level):
+    near = guess(kind)
+    return polhode.prove_orbit(near, near, digits=digits, **LEVEL | level)
 
 
 @pytest.fixture(scope="module")
@@ -101,73 +100,62 @@ def test_what_is_proved_is_proved_by_the_file_alone(kind, orbits, tmp_path):
     assert NEAR[kind][2][:20] in found.text
 
 
-def test_axes_that_are_not_principal_ones(tmp_path):
-    def turned(v):
-        x, y, z = v
-        return [(3 * x - 4 * y) / 5, (4 * x + 3 * y) / 5, z]
-
-    c, s = Fraction(3, 5), Fraction(4, 5)
-    a, b = Fraction(2), Fraction(3, 2)
-    off = str((a - b) * c * s)
-    inertia = [
-        [str(a * c * c + b * s * s), off, 0],
-        [off, str(a * s * s + b * c * c), 0],
-        [0, 0, 1],
-    ]
-    centre = [str(x) for x in turned(map(Fraction, BODY["centre"]))]
+@pytest.mark.slow
+def test_axes_that_are_not_principal_ones_and_an_irrational_level(tmp_path):
     path = tmp_path / "orbit.json"
-    proved("elliptic", {"inertia": inertia, "centre": centre, "weight": 1}, turned).save(path)
+    polhode.prove_orbit("grioli/turned-axes").save(path)
     assert '"inertia"' in path.read_text()
+    assert polhode.verify(path)
+    proved("elliptic", h="261/200 + sqrt(2)/10**6").save(path)
     assert polhode.verify(path)
 
 
-def test_an_irrational_level(tmp_path):
-    near = guess("elliptic")
-    found = polhode.prove_orbit(near, near, h="261/200 + sqrt(2)/10**6", f="31/25")
-    found.save(tmp_path / "orbit.json")
-    assert polhode.verify(tmp_path / "orbit.json")
+def off(ball):
+    """A ball moved by two radii."""
+    return [str(Fraction(ball[0]) + 2 * Fraction(ball[1])), ball[1]]
 
 
-@pytest.mark.parametrize("name", ["start", "period", "residue"])
-def test_a_ball_that_is_moved_off_is_not_proved(name, small):
-    for k in (0, 4) if name == "start" else (0,):
-        given = copy.deepcopy(small)
-        ball = given["statement"][name][k] if name == "start" else given["statement"][name]
-        ball[0] = str(Fraction(ball[0]) + 2 * Fraction(ball[1]))
-        assert "is not shown to lie in its ball" in told(given)
+def more(x):
+    """A number larger by one part in 10^8, of balls of 10^-12."""
+    return str(Fraction(x) * Fraction(10**8 + 1, 10**8))
 
 
-@pytest.mark.parametrize("key", ["moments", "centre", "weight", "level"])
-def test_another_body_or_level_is_not_proved(key, small):
-    """By one part in 10^8, of balls of 10^-12."""
-    for k in (0,) if key == "weight" else (1,):
-        given = copy.deepcopy(small)
-        scene, more = given["scene"], Fraction(10**8 + 1, 10**8)
-        if key == "weight":
-            scene[key] = str(Fraction(scene[key]) * more)
-        else:
-            scene[key][k] = str(Fraction(scene[key][k]) * more)
-        assert told(given).startswith("refused")
+MOVED, NEARER = "is not shown to lie in its ball", "no other orbit is so near"
+#: A place of the certificate, what stands there then or is made of it, and what is said.
+FALSE = [
+    *(("statement start 0", off, MOVED), ("statement start 4", off, MOVED)),
+    *(("statement period", off, MOVED), ("statement residue", off, MOVED)),
+    *((f"scene {key} 1", more, "refused") for key in ("moments", "centre", "level")),
+    ("scene weight", more, "refused"),
+    ("scene", {}, "expected the keys"),
+    ("statement kind", "elliptic", "that the orbit is elliptic"),
+    ("statement kind", "inverse hyperbolic", "that the orbit is inverse hyperbolic"),
+    ("statement kind", "stable", "kind: expected hyperbolic"),
+    *(("statement alone " + k, "1e-4", NEARER) for k in "012"),
+    ("statement alone 2", "-1e-40", "no negative"),
+    ("statement least", 1, "true or false"),
+    ("statement start", [], "a list of 6"),
+    ("statement", [], "expected the keys"),
+    ("radius_bits", 5, "the condition of the step"),
+    ("radius_bits", 160, "Krawczyk's test"),
+    ("radius_bits", 10**9, "radius_bits"),
+    ("divided_to", 2, "was not looked at"),
+    ("divided_to", 10**9, "divided_to"),
+]
 
 
-@pytest.mark.parametrize(
-    ("what", "said"),
-    [
-        ({"kind": "elliptic"}, "that the orbit is elliptic"),
-        ({"kind": "inverse hyperbolic"}, "that the orbit is inverse hyperbolic"),
-        ({"alone": ["1e-4", "0", "0"]}, "no other orbit is so near"),
-        ({"alone": ["0", "1e-4", "0"]}, "no other orbit is so near"),
-        ({"alone": ["0", "0", "1e-4"]}, "no other orbit is so near"),
-        ({"alone": ["0", "0", "-1e-40"]}, "no negative"),
-        ({"least": 1}, "true or false"),
-        ({"kind": "stable"}, "kind: expected hyperbolic"),
-        ({"start": []}, "a list of 6"),
-    ],
-)
-def test_a_statement_that_says_more_is_refused(what, said, small):
-    given = copy.deepcopy(small)
-    given["statement"] |= what
-    assert said in told(given)
+@pytest.mark.sample(8)
+@pytest.mark.parametrize(("place", "value", "said"), FALSE)
+def test_what_is_false_is_refused_and_why(place, value, said, small):
+    answer = told(altered(small, place, value))
+    assert answer.startswith("refused")
+    assert said in answer
+
+
+def test_half_a_period_is_refused(small):
+    half = len(small["grid"]) // 2
+    given = small | {"grid": small["grid"][: half + 1], "centres": small["centres"][:half]}
+    assert "Krawczyk's test" in told(given)
 
 
 @pytest.mark.slow
@@ -175,50 +163,21 @@ def test_guesses_prove_nothing_false(small):
     """The same true statement, or nothing; and never a false one."""
     chance = random.Random(7)
     count = 0
-    for key in ("radius_bits", "divided_to", "bits", "centres", "grid"):
+    for key in ("radius_bits", "bits", "centres"):
         given = copy.deepcopy(small)
         if key == "centres":
             row = chance.choice(given["centres"])
             row[chance.randrange(6)] += chance.choice([1, 2**30, -(2 ** given["state_bits"])])
-        elif key == "grid":
-            k = chance.randrange(1, len(given["grid"]))
-            given["grid"][k] += chance.choice([1, -(2**20)])
         else:
             given[key] += chance.choice([-30, 20])
         count += told(given).startswith("proved")
         ball = given["statement"]["start"][chance.randrange(6)]
         ball[0] = str(Fraction(ball[0]) - 3 * Fraction(ball[1]))
         assert told(given).startswith("refused")
-    assert count > 1
+    assert count > 0
 
 
-@pytest.mark.parametrize(
-    ("key", "value", "said"),
-    [
-        ("radius_bits", 5, "the condition of the step"),
-        ("radius_bits", 160, "Krawczyk's test"),
-        ("radius_bits", 10**9, "radius_bits"),
-        ("divided_to", 2, "was not looked at"),
-        ("divided_to", 10**9, "divided_to"),
-        ("statement", [], "expected the keys"),
-        ("scene", {}, "expected the keys"),
-    ],
-)
-def test_what_is_wrong_is_told(key, value, said, small):
-    assert said in told(small | {key: value})
-
-
-def test_half_a_period_is_refused(small):
-    given = copy.deepcopy(small)
-    half = len(given["grid"]) // 2
-    given["grid"], given["centres"] = given["grid"][: half + 1], given["centres"][:half]
-    assert "Krawczyk's test" in told(given)
-
-
-@pytest.mark.parametrize(
-    ("kind", "times"),
-    [("hyperbolic", 2), ("elliptic", 3), pytest.param("elliptic", 5, marks=pytest.mark.slow)],
-)
+@pytest.mark.parametrize(("kind", "times"), [("hyperbolic", 2), ("elliptic", 3)])
 def test_several_periods_are_not_the_least_one(orbits, monkeypatch, kind, times):
     monkeypatch.setattr(certificate_file, "_MORE", (0,))
     found = orbits[kind]
@@ -295,37 +254,34 @@ def at_the_centre(patch):
     patch.setattr(verify, "gradients", lambda run, x: GRADIENTS(run, [y.mid() for y in x]))
 
 
-#: What is left out, whether the start is a point, how much later the ends are, whether it tells.
+#: What is left out, whether the start is a point, how much later the ends are.
 DROPPED = {
-    "nothing": (lambda patch: None, False, 1, False),
-    "nothing of a point": (lambda patch: None, True, 1, False),
-    "the time": (at_one_time, True, 1, True),
-    "nothing at one time": (at_one_time, False, 0, False),
-    "nu": (without_nu, False, 0, True),
-    "the box of H": (at_the_centre, False, 0, True),
+    "the time": (at_one_time, True, 1),
+    "nu": (without_nu, False, 0),
+    "the box of H": (at_the_centre, False, 0),
 }
 
 
-FAST = ("nu", "the time")
-
-
-@pytest.mark.parametrize(
-    "term", [x if x in FAST else pytest.param(x, marks=pytest.mark.slow) for x in DROPPED]
-)
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("term", DROPPED)
 def test_the_derivative_holds_those_of_the_corners(term, small, monkeypatch):
     """DF(Y) of a fat box beside DF at its corners; a term that is dropped is noticed."""
-    drop, point, later, tells = DROPPED[term]
+    drop, point, later = DROPPED[term]
     corner = (0,) * 6 if point else (1, -1, 1, 1, -1, 1)
     truth = made_of(small, 20, monkeypatch, corner, later)
+
+    def outside():
+        claimed = made_of(small, 20, monkeypatch, point=point)
+        return [
+            (i, j)
+            for i in range(10)
+            for j in range(7)  # the guesses W and a differ
+            if i != 6 and not claimed[i, j].overlaps(truth[i, j])
+        ]
+
+    assert not outside()
     drop(monkeypatch)
-    claimed = made_of(small, 20, monkeypatch, point=point)
-    outside = [
-        (i, j)
-        for i in range(10)
-        for j in range(7)  # the guesses W and a differ
-        if i != 6 and not claimed[i, j].overlaps(truth[i, j])
-    ]
-    assert bool(outside) == tells, outside
+    assert outside()
 
 
 @pytest.mark.slow

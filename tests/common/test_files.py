@@ -27,23 +27,16 @@ def mode(path: Path) -> int:
     return stat.S_IMODE(path.stat().st_mode)
 
 
-@pytest.mark.parametrize("umask", [0o022, 0o077, 0o027, 0], indirect=True)
-def test_a_new_file_has_the_permissions_that_the_kernel_gives(tmp_path, umask):
-    path = tmp_path / "new.json"
-    write_whole({path: "{}"})
-    with (tmp_path / "plain").open("w"):
-        pass
-    assert mode(path) == mode(tmp_path / "plain") == 0o666 & ~umask
-
-
-@pytest.mark.parametrize("umask", [0o077], indirect=True)
-@pytest.mark.parametrize("had", [0o600, 0o640, 0o666, 0o400, 0o751])
-def test_a_file_that_is_replaced_keeps_its_permissions(tmp_path, had, umask):
-    path = tmp_path / "old.json"
-    path.write_text("old")
-    path.chmod(had)
+@pytest.mark.parametrize("umask", [0o022, 0o077, 0], indirect=True)
+@pytest.mark.parametrize("had", [None, 0o600, 0o640, 0o400, 0o751])
+def test_a_new_file_has_the_kernel_s_permissions_and_an_old_one_keeps_its_own(tmp_path, had, umask):
+    path = tmp_path / "file.json"
+    if had is not None:
+        path.write_text("old")
+        path.chmod(had)
     write_whole({path: "new"})
-    assert (mode(path), [x.name for x in tmp_path.iterdir()]) == (had, ["old.json"])
+    assert mode(path) == (0o666 & ~umask if had is None else had)
+    assert [*tmp_path.iterdir()] == [path]
     path.chmod(0o600)
     assert path.read_text() == "new"
 
@@ -73,10 +66,3 @@ def test_nobody_else_may_write_what_threads_write_at_once(tmp_path, umask):
         beside.join()
         sys.setswitchinterval(interval)
     assert {mode(path) for path in paths} | others == {0o600}
-
-
-def test_the_umask_is_never_changed(tmp_path, monkeypatch):
-    monkeypatch.setattr(os, "umask", None)
-    write_whole({tmp_path / "a": "x", tmp_path / "b": b"y"})
-    write_whole({tmp_path / "a": "z"})
-    assert (tmp_path / "a").read_text() == "z"

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import json
 import os
 import signal
 import threading
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from itertools import product
 
@@ -71,64 +73,71 @@ def test_what_another_thread_holds_is_its_own_matter():
     assert found == [False]
 
 
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="a system without fork")
-@pytest.mark.parametrize("own", [False, True])
-def test_a_forked_child_has_no_precision_of_another_thread(own):
-    """Of a thread that computes in the parent; that of the one that forks stays."""
+@contextlib.contextmanager
+def another_thread(work: Callable[[Callable[[], object]], None]) -> Iterator[None]:
+    """Another thread is in the middle of its work, where it calls what it is given."""
     ready, done = threading.Event(), threading.Event()
-    found = flint.ctx.prec, mpmath.prec, mpmath.dps
 
-    def compute() -> None:
-        with ctx.workprec(777), ctx.workprec(888), mpmath.workprec(1000):
-            ready.set()
-            done.wait(60)
+    def stay() -> None:
+        ready.set()
+        done.wait(60)
 
-    def told() -> list[int]:
-        read, write = os.pipe()
-        child = os.fork()
-        if child == 0:
-            os.write(write, json.dumps([flint.ctx.prec, mpmath.prec, mpmath.dps]).encode())
-            os._exit(0)
-        os.waitpid(child, 0)
-        os.close(write)
-        with open(read) as pipe:
-            return json.load(pipe)
+    thread = threading.Thread(target=work, args=(stay,))
+    thread.start()
+    assert ready.wait(60)
+    try:
+        yield
+    finally:
+        done.set()
+        thread.join()
 
-    if own:
-        with ctx.workprec(777), ctx.workprec(888), mpmath.workprec(1000):
-            assert told()[:2] == [888, 1000]
-    else:
-        thread = threading.Thread(target=compute)
-        thread.start()
-        ready.wait(60)
+
+def in_a_child(answer: Callable[[], list[int]]) -> list[int]:
+    """What a forked child says."""
+    read, write = os.pipe()
+    child = os.fork()
+    if child == 0:
         try:
-            assert told() == [*found]
+            os.write(write, json.dumps(answer()).encode())
         finally:
-            done.set()
-            thread.join()
-    assert (flint.ctx.prec, mpmath.prec, mpmath.dps) == found
+            os._exit(0)
+    os.waitpid(child, 0)
+    os.close(write)
+    with open(read) as pipe:
+        return json.load(pipe)
+
+
+def precisions() -> list[int]:
+    return [flint.ctx.prec, mpmath.prec, mpmath.dps]
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="a system without fork")
+def test_a_forked_child_has_no_precision_of_another_thread():
+    """Of a thread that computes in the parent; that of the one that forks stays."""
+    before = precisions()
+
+    def compute(middle: Callable[[], object]) -> None:
+        with ctx.workprec(777), ctx.workprec(888), mpmath.workprec(1000):
+            middle()
+
+    with another_thread(compute):
+        assert in_a_child(precisions) == before
+    compute(lambda: before.append(in_a_child(precisions)[:2]))
+    assert before.pop() == [888, 1000]
+    assert precisions() == before
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="a system without fork")
 def test_in_a_forked_child_nobody_holds_a_lock():
     locks = [Lock(place) for place in Place]
-    ready, done = threading.Event(), threading.Event()
 
-    def hold() -> None:
+    def hold(middle: Callable[[], object]) -> None:
         with locks[0].held(), locks[1].held(), locks[2].held():
-            ready.set()
-            done.wait(60)
+            middle()
 
-    holder = threading.Thread(target=hold)
-    holder.start()
-    ready.wait(60)
-    child = os.fork()
-    if child == 0:
-        free = all(lock.bare.acquire(blocking=False) for lock in locks)
-        os._exit(0 if free else 1)
-    done.set()
-    holder.join()
-    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+    with another_thread(hold):
+        taken = in_a_child(lambda: [lock.bare.acquire(blocking=False) for lock in locks])
+    assert taken == [True] * len(locks)
 
 
 def test_an_interrupt_at_the_end_of_a_block_gives_back_what_it_held():
@@ -183,7 +192,6 @@ def test_a_setting_is_put_back_by_a_garbage_collection_under_any_lock(place):
     assert setting.value == 5
 
 
-@pytest.mark.slow
 def test_a_setting_is_put_back_by_who_collects_while_it_is_written():
     """The lock of the setting itself is held then: whoever holds it looks again."""
     setting = Setting()

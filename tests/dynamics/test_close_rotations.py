@@ -35,37 +35,29 @@ def counted(moments, f):
     """
     a, push = np.array([float(Fraction(m)) for m in moments]), np.array([1.0, 0, 0])
     rng = np.random.default_rng(3)
-    grid = rng.normal(size=(6000, 3))
     near = np.array([-1.0, 0, 0]) + 0.05 * rng.normal(size=(2000, 3))
-    g = np.concatenate([grid, near, np.eye(3), -np.eye(3)])
+    g = np.concatenate([rng.normal(size=(6000, 3)), near, np.eye(3), -np.eye(3)])
     g /= np.linalg.norm(g, axis=1)[:, None]
 
     def gradient(g):
-        i = (a * g * g).sum(axis=1)
-        return push - (f * f / i**2)[:, None] * a * g
+        return push - (f / (a * g * g).sum(axis=1))[:, None] ** 2 * a * g
 
     def hessian(g):
-        i = (a * g * g).sum(axis=1)
+        i = (a * g * g).sum(axis=1)[:, None, None]
         turned = (a * g)[:, :, None] * (a * g)[:, None, :]
-        return (4 * f * f / i**3)[:, None, None] * turned - (f * f / i**2)[:, None, None] * (
-            np.diag(a)
-        )
+        return 4 * f * f / i**3 * turned - f * f / i**2 * np.diag(a)
 
     mu = (gradient(g) * g).sum(axis=1)
     for _ in range(60):
         matrix = np.zeros((len(g), 4, 4))
         matrix[:, :3, :3] = hessian(g) - mu[:, None, None] * np.eye(3)
-        matrix[:, :3, 3] = -g
-        matrix[:, 3, :3] = 2 * g
-        right = np.concatenate(
-            [gradient(g) - mu[:, None] * g, ((g * g).sum(axis=1) - 1)[:, None]], axis=1
-        )
+        matrix[:, :3, 3], matrix[:, 3, :3] = -g, 2 * g
+        right = np.column_stack([gradient(g) - mu[:, None] * g, (g * g).sum(axis=1) - 1])
         regular = np.abs(np.linalg.det(matrix)) > 1e-300
         step = np.zeros((len(g), 4))
         step[regular] = np.linalg.solve(matrix[regular], right[regular, :, None])[..., 0]
-        step *= np.minimum(1, 0.2 / np.maximum(np.linalg.norm(step[:, :3], axis=1), 1e-300))[
-            :, None
-        ]
+        length = np.maximum(np.linalg.norm(step[:, :3], axis=1), 1e-300)
+        step *= np.minimum(1, 0.2 / length)[:, None]
         g, mu = g - step[:, :3], mu - step[:, 3]
     small = np.linalg.norm(gradient(g) - mu[:, None] * g, axis=1) < 1e-9
     small &= np.abs(np.linalg.norm(g, axis=1) - 1) < 1e-12
@@ -82,10 +74,9 @@ def counted(moments, f):
 @pytest.mark.parametrize(
     ("moments", "f"),
     [
-        *((NEAR, f) for f in ("21", "22", "20.001", "19.999", "19.7")),
-        *(((2, "2.001", 1), f) for f in ("21", "200.01", "199.99", "210")),
-        *(((2, "2.2", 1), f) for f in ("21", "3")),
-        *(((2, "2.01", "1/50"), f) for f in ("1", "21")),
+        *((NEAR, f) for f in ("21", "20.001", "19.999")),
+        *(((2, "2.001", 1), f) for f in ("21", "200.01", "199.99")),
+        *(((2, "2.2", 1), "3"), ((2, "2.01", "1/50"), "1"), ((2, "2.01", "1/50"), "21")),
     ],
 )
 def test_regions_by_counting_critical_points(moments, f):
@@ -212,7 +203,12 @@ def frame(rng):
 # -- the figure ------------------------------------------------------------------------------------
 
 F, H = (15.0, 25.0), (80.0, 300.0)
-PLACES = {(21.0, 250.0): "RP³", (21.0, 150.0): "S²×S¹", (21.0, 110.4): "S³", (21.0, 100.0): None}
+PLACES = {
+    (21.0, 250.0): {"RP³"},
+    (21.0, 150.0): {"S²×S¹"},
+    (21.0, 110.4): {"S³"},
+    (21.0, 100.0): set(),
+}
 
 
 def shades_at(axes, place):
@@ -242,8 +238,7 @@ def test_the_figure_shows_the_regions_of_close_rotations():
     found = found_of(NEAR)
     assert all(column.regions for column in found.columns(*F, 41))
     axes = drawn(found).axes[0]
-    for place, name in PLACES.items():
-        assert shades_at(axes, place) == ({name} if name else set()), place
+    assert {place: shades_at(axes, place) for place in PLACES} == PLACES
 
 
 @pytest.mark.slow
@@ -258,10 +253,9 @@ def test_an_undecided_column_is_hatched(monkeypatch):
 
     monkeypatch.setattr(effective_potential, "regions_between", partly)
     found = found_of(NEAR)
-    made = drawn(found)
-    for place in PLACES:
-        assert shades_at(made.axes[0], place) == {"not decided"}, place
-    assert shades_at(made.axes[0], (20.4, 250.0)) == {"RP³"}
-    assert shades_at(made.axes[0], (21.6, 150.0)) == {"S²×S¹"}
+    axes = drawn(found).axes[0]
+    assert [shades_at(axes, place) for place in PLACES] == [{"not decided"}] * 4
+    assert shades_at(axes, (20.4, 250.0)) == {"RP³"}
+    assert shades_at(axes, (21.6, 150.0)) == {"S²×S¹"}
     with pytest.raises(polhode.BadInput, match="the regions are decided"):
         found.regions(21)

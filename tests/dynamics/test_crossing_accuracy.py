@@ -63,13 +63,11 @@ def generic(*omega):
     ("scene", "crossings"),
     [
         ("lagrange/nutation", 300),
-        pytest.param("lagrange/looping", 300, marks=pytest.mark.slow),
         pytest.param("goryachev-chaplygin/two-frequencies", 300, marks=pytest.mark.slow),
         pytest.param("kovalevskaya/generic", 300, marks=pytest.mark.slow),
         (generic("0.3", "0.2", "3"), 100),  # regular
         (generic("0.3", "0.2", "0.9"), 80),  # chaotic: from 16 digits to none
         pytest.param(generic("0.3", "0.2", "1.1"), 55, marks=pytest.mark.slow),
-        pytest.param(generic("0.1", "0.5", "2"), 100, marks=pytest.mark.slow),
     ],
     ids=str,
 )
@@ -105,25 +103,7 @@ def test_regular_orbits_keep_their_digits():
     assert found.digits[:, 0].min() > 14.5
 
 
-def test_digits_are_those_of_the_amplification():
-    """Beside the largest stretching of any vector: one tangent finds nearly as much."""
-    scene = generic("0.3", "0.2", "1.1")
-    found = polhode.section(scene, starts="scene", crossings=30)
-    times = [Fraction(found.times[0, m]) for m in (9, 19, 29)]
-    all_of_it = np.array(polhode.conditioning(scene, times).log10_amplification)
-    told = 52 * np.log10(2) - found.digits[0, [9, 19, 29]]
-    assert (all_of_it - told > 0).all()
-    assert (all_of_it - told < 2.2).all()
-
-
-def test_an_orbit_has_the_same_digits_in_any_company_and_unit_of_time():
-    starts = [[k / 2, 0.1 * k - 0.55] for k in range(11)]
-    level = {"h": 3, "f": Fraction(1, 2)}
-    whole = polhode.section(GENERIC, starts=starts, crossings=20, **level)
-    for k in (0, 10):
-        alone = polhode.section(GENERIC, starts=[starts[k]], crossings=20, **level)
-        assert (alone.digits[0] == whole.digits[k]).all()
-        assert (alone.start_states[0] == whole.start_states[k]).all()
+def test_digits_are_the_same_in_any_unit_of_time():
     quick = scene_file.parse(
         "schema = 1\n[body]\nmoments = [2, 1.5, 1]\ncentre = [0.3, 0.2, 0.5]\nweight = 1048576\n"
         "[start]\nomega = [307.2, 204.8, 1126.4]\ngamma = [0.6, 0, 0.8]\n"
@@ -133,12 +113,6 @@ def test_an_orbit_has_the_same_digits_in_any_company_and_unit_of_time():
     assert other.start_states[0].tolist() == [307.2, 204.8, 1126.4, 0.6, 0.0, 0.8]
     assert (other.times * 1024 == plain.times).all()
     assert (other.digits == plain.digits).all()
-
-
-def test_digits_end_with_the_crossings():
-    scene = polhode.load("general/asymmetric-chaotic")
-    found = polhode.section(scene, starts=[[1, 0.2], [0.5, 0.1]], crossings=5, by="gamma3 - 1/2")
-    assert (np.isnan(found.digits) == np.isnan(found.times)).all()
 
 
 def test_none_left_from_counts_from_one():

@@ -96,15 +96,11 @@ def on_the_level(scene, name, starts, seed=18):
     ("case", "starts"),
     [
         ("kovalevskaya/generic", 60),
-        ("kovalevskaya/bobylev-steklov", 160),
-        pytest.param("kovalevskaya/asymptotic", 120, marks=pytest.mark.slow),
         ("class II unreal", 100),
         ("goryachev-chaplygin/two-frequencies", 80),
-        ("goryachev-chaplygin/released", 60),
         ("lagrange/nutation", 30),
         ("lagrange/homoclinic", 60),
-        ("lagrange/steady-fast", 30),
-        pytest.param("euler/attitude", 200, marks=pytest.mark.slow),
+        ("euler/attitude", 200),
     ],
 )
 def test_critical_values_are_those_that_newton_finds(case, starts):
@@ -137,11 +133,6 @@ def test_special_motions_lie_on_a_critical_value(case, what):
     assert any(kind.startswith(what) for kind in near)
 
 
-def test_other_bodies_have_none():
-    assert polhode.levels("general/asymmetric-chaotic").here.fourth is None
-    assert polhode.levels("grioli/precession").here.fourth is None
-
-
 def critical(scene):
     """The critical values of a scene's level and its own value, without the rest of its levels."""
     level = scene.integrals.energy, scene.integrals.area
@@ -158,21 +149,13 @@ def top(moments, centre, omega, gamma=("3/5", 0, "4/5"), weight=1):
 GROWTH = {"K^2": 2**4, "F": 2**3, "L": 2 * 3, "|G|^2": (2 * 3) ** 2}
 
 
-@pytest.mark.parametrize(
-    "case",
-    [
-        "kovalevskaya/generic",
-        "kovalevskaya/asymptotic",
-        "kovalevskaya/delaunay",
-        "goryachev-chaplygin/two-frequencies",
-        "goryachev-chaplygin/v-constant",
-        "lagrange/nutation",
-        "lagrange/homoclinic",
-        "euler/separatrix",
-        "euler/attitude",
-        "class II unreal",
-    ],
+UNITS = (
+    *("kovalevskaya/generic", "kovalevskaya/asymptotic", "goryachev-chaplygin/two-frequencies"),
+    *("lagrange/nutation", "lagrange/homoclinic", "euler/attitude", "class II unreal"),
 )
+
+
+@pytest.mark.parametrize("case", UNITS)
 def test_another_unit_of_mass_and_of_time_scales_every_value(case):
     """The library's tops have C = T = 1, where a factor of either too few or too many is unseen."""
     scene = scene_file.parse(UNREAL) if case == "class II unreal" else polhode.load(case)
@@ -200,9 +183,12 @@ def test_a_body_of_goryachev_and_chaplygin_has_its_integral_on_f_0_alone():
 
 @pytest.mark.parametrize(
     ("moments", "centre"),
-    [([3, 3, 1], [1, 0, 0]), ([4, 4, 1], [1, 0, "1/2"]), ([2, 2, 1], [1, 0, "1/2"])],
+    [
+        *(([3, 3, 1], [1, 0, 0]), ([4, 4, 1], [1, 0, "1/2"]), ([2, 2, 1], [1, 0, "1/2"])),
+        ([2, "3/2", 1], [1, 0, 0]),
+    ],
 )
-def test_a_symmetric_body_that_is_no_classical_top_has_none(moments, centre):
+def test_a_body_that_is_no_classical_top_has_none(moments, centre):
     assert critical(top(moments, centre, [0, 1, 0])) is None
 
 

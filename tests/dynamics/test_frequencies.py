@@ -4,64 +4,11 @@ from __future__ import annotations
 
 import json
 
-import numpy as np
 import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.dynamics.frequencies import naff
 from polhode.runs.methods import taylor
-
-
-def test_lines_of_a_made_up_signal():
-    """Three lines at distances of ten and more 2 pi/T: frequencies, amplitudes and phases."""
-    t = 0.1 * np.arange(4001)
-    made = [(1.2345678901234567, 1.0), (-0.76543210987654321, 0.3j), (2.7182818284590452, -1e-3)]
-    signal = sum(a * np.exp(1j * om * t) for om, a in made)
-    found = naff.lines(signal, 0.1, 3)
-    for line, (om, a) in zip(found, made, strict=True):
-        off = abs(line.frequency - om)
-        assert off < 3e-14
-        assert off <= line.error
-        assert abs(line.amplitude - a) < 1e-11 * abs(a) + 1e-13
-    assert len(naff.lines(signal, 0.1, 50)) < 50  # it ends where the signal does
-
-
-def test_the_error_is_never_too_small():
-    """On 80 signals of three lines, some next to each other."""
-    rng = np.random.default_rng(18)
-    t = 0.2 * np.arange(1001)
-    ratios = []
-    for _ in range(80):
-        om = rng.uniform(-3, 3, 3)
-        if np.min(np.abs(np.diff(np.sort(om)))) < 12 * 2 * np.pi / 200:
-            continue
-        a = np.array([1, 0.5, 0.25]) * np.exp(2j * np.pi * rng.random(3))
-        found = naff.lines(np.exp(1j * np.outer(t, om)) @ a, 0.2, 3)
-        ratios += [abs(line.frequency - x) / line.error for line, x in zip(found, om, strict=True)]
-    assert len(ratios) > 20
-    assert max(ratios) <= 1
-
-
-@pytest.mark.sample(1)
-@pytest.mark.parametrize(
-    ("case", "signals"),
-    [
-        ("lagrange/nutation", ["p+iq", "gamma3", "axis"]),
-        ("euler/attitude", ["p+iq", "axis"]),
-        ("pendulum/librating", ["p+iq", "gamma3"]),
-    ],
-)
-def test_the_strongest_line_of_a_top_has_twelve_digits(case, signals):
-    found = polhode.frequencies(case, of=signals, end=200)
-    exact = polhode.reference(case).frequencies
-    for signal in signals:
-        line = found.lines[signal][0]
-        assert line.combination
-        right = sum(k * exact[name] for name, k in line.combination.items())
-        off = abs(float((line.frequency - right) / right))
-        assert off < 1e-12
-        assert abs(line.frequency - float(right)) <= line.error
 
 
 def test_which_lines_a_top_has():
@@ -92,24 +39,6 @@ def test_a_chaotic_motion_has_no_sharp_lines():
     assert all(line.error > 1e-5 for line in lines)
 
 
-@pytest.mark.slow
-def test_a_file_and_a_run_give_what_the_scene_gives(tmp_path):
-    times = [k / 10 for k in range(1, 2001)]
-    run = polhode.integrate("lagrange/nutation", at=times)
-    by_run = polhode.frequencies(run)
-    path = tmp_path / "run.csv"
-    rows = ["t,p,q,gamma3"]
-    for t, row in zip(times, run.states, strict=True):
-        rows.append(",".join(repr(float(x)) for x in (t, row[0], row[1], row[5])))
-    path.write_text("\n".join(rows) + "\n")
-    by_file = polhode.frequencies(path)
-    for signal in ("p+iq", "gamma3"):
-        one, other = by_run.lines[signal][0], by_file.lines[signal][0]
-        assert abs(one.frequency - other.frequency) < 1e-14
-    assert by_run.lines["gamma3"][0].combination == {"nutation": 1}
-    assert by_file.lines["gamma3"][0].combination
-
-
 def test_frequencies_verb(tmp_path, capsys):
     assert main(["frequencies", "euler/attitude", "--end", "200", "--of", "r", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
@@ -121,21 +50,6 @@ def test_frequencies_verb(tmp_path, capsys):
     assert "- polhode" in told.out
     assert "closed form: precession" in told.err
     assert "spectrum p+iq" in figure.read_text()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["euler/attitude", "--of", "x"], "of = x: expected p+iq"),
-        (["euler/attitude", "--of", "r,"], "--of = r,: expected names of signals"),
-        (["euler/no-gamma", "--of", "gamma3"], "a scene with start.gamma"),
-        (["euler/attitude", "--end", "0"], "end = 0: expected a time other than 0"),
-        (["euler/attitude", "--end", "1e9"], "more samples take too long"),
-    ],
-)
-def test_frequencies_refuses(arguments, message, capsys):
-    assert main(["frequencies", *arguments]) == 2
-    assert message in capsys.readouterr().err
 
 
 def test_a_file_with_other_steps_is_refused(tmp_path):

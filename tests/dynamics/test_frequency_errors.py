@@ -26,16 +26,17 @@ def against(case: str, of: list[str], end: str, count: int = 4) -> list[tuple[fl
     return rows
 
 
-def test_lines_of_falling_times_are_the_same_motions():
+def test_lines_of_a_made_up_signal():
     """Frequencies of t, whichever way the samples run; amplitudes at the first of them."""
-    t = 0.1 * np.arange(2001)
+    t = 0.1 * np.arange(4001)
     made = [(1.2345678901234567, 1.0), (-0.76543210987654321, 0.3j), (2.7182818284590452, -1e-3)]
     for step in (0.1, -0.1):
         signal = sum(a * np.exp(1j * om * t * math.copysign(1, step)) for om, a in made)
         for line, (om, a) in zip(naff.lines(signal, step, 3), made, strict=True):
-            assert abs(line.frequency - om) < 1e-13
+            assert abs(line.frequency - om) < 3e-14
             assert abs(line.frequency - om) <= line.error < 1e-9
-            assert abs(line.amplitude - a) < 1e-10 * abs(a) + 1e-13
+            assert abs(line.amplitude - a) < 1e-11 * abs(a) + 1e-13
+    assert len(naff.lines(signal, -0.1, 50)) < 50  # it ends where the signal does
 
 
 @pytest.mark.parametrize("unit", [2.0**-330, 1e-100, 1e100])
@@ -55,51 +56,27 @@ def test_nothing_has_no_lines():
     assert polhode.frequencies("lagrange/nutation", of=["r"], end=30).lines["r"] == ()
 
 
-@pytest.mark.sample(2)
-@pytest.mark.parametrize(
-    ("case", "end"),
-    [
-        ("lagrange/nutation", "-200"),
-        ("lagrange/spherical-pendulum", "-157/2"),
-        ("euler/attitude", "-157"),
-        ("pendulum/librating", "-200"),
-    ],
+TOPS = (
+    *("lagrange/nutation", "lagrange/looping", "lagrange/spherical-pendulum"),
+    *("lagrange/turned-axes", "euler/attitude", "euler/turned-axes", "euler/oblate"),
+    *("pendulum/librating", "grioli/precession", "bobylev-steklov/cn"),
+    *("goryachev-chaplygin/two-frequencies", "kovalevskaya/generic", "kovalevskaya/delaunay"),
 )
+
+
+@pytest.mark.sample(2, slow=5)
+@pytest.mark.parametrize("end", ["-200", "200", "333.3", "-157", "1000", "-1000"])
+@pytest.mark.parametrize("case", TOPS)
 def test_an_error_of_a_top_is_covered_and_not_by_much(case, end):
     """Real and complex signals, both directions in time, windows off any grid."""
-    rows = against(case, ["p+iq", "gamma3", "axis"], end)
-    assert len(rows) >= 5
-    assert all(off <= error for _, off, error in rows)
-    factors = [error / max(off, 2**-53 * abs(om)) for om, off, error in rows]
-    assert np.median(factors) < 100
-
-
-@pytest.mark.slow
-@pytest.mark.sample(25, rest="campaign")
-@pytest.mark.parametrize("end", ["200", "-200", "333.3", "-157", "1000", "-1000"])
-@pytest.mark.parametrize(
-    "case",
-    [
-        "lagrange/nutation",
-        "lagrange/looping",
-        "lagrange/spherical-pendulum",
-        "lagrange/turned-axes",
-        "euler/attitude",
-        "euler/turned-axes",
-        "euler/oblate",
-        "pendulum/librating",
-        "grioli/precession",
-        "bobylev-steklov/cn",
-        "goryachev-chaplygin/two-frequencies",
-        "kovalevskaya/generic",
-        "kovalevskaya/delaunay",
-    ],
-)
-def test_errors_of_many_tops(case, end):
     rows = against(case, ["p+iq", "gamma3", "r", "axis"], end)
     assert all(off <= error for _, off, error in rows)
     factors = [error / max(off, 2**-53 * abs(om)) for om, off, error in rows]
     assert not rows or np.median(factors) < 500
+    if case == "lagrange/nutation":
+        assert min(off / abs(om) for om, off, _ in rows) < 1e-12
+        assert len(rows) >= 5
+        assert np.median(factors) < 100
 
 
 def test_a_file_with_falling_times(tmp_path):
@@ -110,11 +87,14 @@ def test_a_file_with_falling_times(tmp_path):
         rows.append(",".join(repr(float(x)) for x in (t, row[0], row[1], row[5])))
     path.write_text("\n".join(rows) + "\n")
     exact = polhode.reference("lagrange/nutation").frequencies
+    by_file = polhode.frequencies(path).lines["gamma3"][0]
+    assert by_file.combination
     for found in (polhode.frequencies(path), polhode.frequencies(run)):
         line = found.lines["p+iq"][0]
         assert abs(line.frequency + float(exact["proper rotation"])) <= line.error < 1e-11
         (line, *_) = found.lines["gamma3"]
         assert abs(line.frequency - float(exact["nutation"])) <= line.error < 1e-11
+        assert abs(line.frequency - by_file.frequency) < 1e-14
 
 
 def quasi_periodic(rng: np.random.Generator, least: float) -> tuple:
@@ -127,7 +107,7 @@ def quasi_periodic(rng: np.random.Generator, least: float) -> tuple:
     return np.exp(1j * np.outer(step * np.arange(n), om)) @ a, step, om
 
 
-@pytest.mark.parametrize(("least", "most"), [(0.3, 100), (2, 100), (7, 300), (30, 100)])
+@pytest.mark.parametrize(("least", "most"), [(0.3, 100), (7, 300), (30, 100)])
 def test_claims_cover_lines_near_and_far(least, most):
     rng, factors, sharp = np.random.default_rng(7), [], []
     for _ in range(15):

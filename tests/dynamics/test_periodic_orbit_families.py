@@ -37,19 +37,6 @@ def test_a_family_passes_its_fold(family):
     assert abs(first.period - last.period) > 0.1  # another orbit of the same level
 
 
-@pytest.mark.slow
-def test_residues_grow_like_a_square_root_beyond_a_fold(family):
-    """Four times as far in h, twice the residue, in the mean of the branches: R = 0 at the turn."""
-    after = family.bifurcations[-1].after
-    apart = []
-    for d in (4e-6, 1e-6):
-        both = [family.orbit(after + side).scene for side in (-1, 0)]
-        found = [polhode.orbit(near, h=FOLD + d, period=near.end) for near in both]
-        assert found[0].residue * found[1].residue < 0
-        apart.append(abs(float(found[0].residue - found[1].residue)))
-    assert 1.999 < apart[0] / apart[1] < 2.001
-
-
 def test_two_orbits_on_this_side_of_a_fold_and_none_on_the_other(family):
     fold = family.bifurcations[-1]
     above = family.points[fold.after - 1], family.points[fold.after]
@@ -109,25 +96,6 @@ def test_ctrl_c_keeps_what_is_done():
     assert found.orbit(3).kind == "elliptic"
 
 
-def test_a_family_of_tori_is_refused():
-    with pytest.raises(polhode.BadInput, match="an orbit of one family"):
-        polhode.orbit_family("euler/largest-axis", "h", 10)
-
-
-@pytest.mark.parametrize(
-    ("by", "to", "told"),
-    [
-        ("x", 3, "by = x: expected h, f"),
-        ("h", "63/74", "to = 63/74: expected another h"),
-        ("h", "a", "to[1] = a: expected a number"),
-    ],
-)
-def test_what_is_no_range_is_refused(by, to, told):
-    with pytest.raises(polhode.BadInput) as caught:
-        polhode.orbit_family("grioli/precession", by, to)
-    assert told in str(caught.value)
-
-
 def test_a_search_finds_orbits_that_close(monkeypatch):
     found = polhode.orbit_search("general/asymmetric-regular", (10, 10), crossings=2)
     assert len(found.orbits) >= 5
@@ -169,26 +137,6 @@ def test_the_verb(tmp_path, capsys):
     assert len(one["period"].replace(".", "")) == 22
     assert main([*search, "--pick", "9"]) == 2
     assert "expected a number to 3" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("options", "told"),
-    [
-        (["--continue", "x=3"], "--continue = x=3: expected h=TO"),
-        (["--continue", "h=1:2:1"], "with N from 2"),
-        (["--continue", "h=0.8:0.9", "--h", "1"], "--h = 1: expected it in --continue alone"),
-        (["--continue", "h=1", "--digits", "20"], "a family is one of doubles"),
-        (["--pick", "3"], "--pick = 3: expected --search"),
-        (["--search", "--period", "3"], "neither --continue nor --period"),
-        (["--search", "0x3"], "--grid = 0x3"),
-        (["-o", "x.csv"], "ends in .toml"),
-    ],
-)
-def test_options_that_do_not_go_together_are_refused(options, told, capsys):
-    assert main(["orbit", "grioli/precession", *options]) == 2
-    err = capsys.readouterr().err
-    assert told in err
-    assert err.count("\n") == 1
 
 
 def test_a_family_that_cannot_be_followed_ends_with_code_3(monkeypatch, capsys):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from concurrent.futures import ThreadPoolExecutor
 from fractions import Fraction
@@ -13,38 +14,39 @@ import polhode
 from polhode.cli import main
 from polhode.common.checkpoint import JobCheckpoint
 from polhode.dynamics.sections import coordinates as geometry
+from polhode.dynamics.sections import jobs as section_jobs
+from polhode.dynamics.sections import starts as section_starts
 from polhode.output import sections as output
 from polhode.scenes import scene_file
+from polhode.taylor.events import batch_crossings
 
 EPS = 2.0**-52
 GENERIC = polhode.load("general/asymmetric-chaotic")
 LEVEL = {"h": 3, "f": Fraction(1, 2)}
 
 
-def momentum(found):
-    moments = np.array([float(a) for a in found.scene.body.moments])
-    return found.states[..., :3] * moments
-
-
 # -- states ----------------------------------------------------------------------------------------
+
+
+def off_level(on, states, h, f, turning="momentum"):
+    """The largest errors of h, f, |gamma|^2 and of the section's zero at states, in eps."""
+    w, g = (states[..., k : k + 3].astype(np.longdouble) for k in (0, 3))
+    G = w * on.moments
+    zero = np.cross(on.frame[2], G if turning == "momentum" else w)
+    errors = ((w * G).sum(-1) / 2 + g @ on.torque.astype(np.longdouble) - float(h),)
+    errors += ((G * g).sum(-1) - float(f), (g * g).sum(-1) - 1, (g * zero).sum(-1))
+    return [float(np.abs(x).max() / EPS) for x in errors]
 
 
 @pytest.mark.parametrize("f", [0, Fraction(1, 2), -1, 2])
 @pytest.mark.parametrize("case", ["general/asymmetric-chaotic", "kovalevskaya/generic"])
 def test_states_are_on_level_and_section(case, f):
-    scene = polhode.load(case)
-    on = geometry.ground(scene, Fraction(3), Fraction(f))
+    on = geometry.ground(polhode.load(case), Fraction(3), Fraction(f))
     l, sig = geometry.cells(30, 30)
-    e3 = on.frame[2]
     counted = 0
     for maxima in (True, False):
         found = geometry.momentum_states(on, l, sig, maxima)
-        w, g = found.states[:, :3], found.states[:, 3:]
-        G = w * on.moments
-        assert np.abs((w * G).sum(1) / 2 + g @ on.torque - 3).max() < 16 * EPS * 3
-        assert np.abs((g * G).sum(1) - float(f)).max() < 32 * EPS
-        assert np.abs((g * g).sum(1) - 1).max() < 16 * EPS
-        assert np.abs((g * np.cross(e3, G)).sum(1)).max() < 16 * EPS * 3
+        assert max(off_level(on, found.states, 3, f)) < 48
         again = geometry.coordinates(on, found.states)
         assert np.abs(again[0] - l[found.of]).max() < 32 * EPS
         assert np.abs(again[1] - sig[found.of]).max() < 16 * EPS
@@ -96,49 +98,12 @@ def test_every_root_of_the_momentum_equation_is_found():
 def test_heights_are_extremal():
     on = geometry.ground(GENERIC, Fraction(3), Fraction(1, 2))
     gamma = geometry.gamma_at(on, *geometry.cells(12, 12))
-    for side in (1.0, -1.0):
-        for maxima in (True, False):
-            found = geometry.height_states(on, gamma, np.full(len(gamma), side), maxima)
-            w, g = found.states[:, :3], found.states[:, 3:]
-            assert np.abs((on.frame[2] * np.cross(g, w)).sum(1)).max() < 64 * EPS
-            assert np.abs((g * w * on.moments).sum(1) - 0.5).max() < 32 * EPS
-            assert np.abs((w * w * on.moments).sum(1) / 2 + g @ on.torque - 3).max() < 64 * EPS
-
-
-def test_the_frame_keeps_principal_axes():
-    frames = [geometry._frame(np.array(e3)) for e3 in np.concatenate([np.eye(3), -np.eye(3)])]
-    for frame in frames:
-        assert np.linalg.det(frame) == 1
-        assert set(np.abs(frame).ravel()) == {0.0, 1.0}
-    assert np.allclose(frames[3], [[0, 1, 0], [0, 0, -1], [-1, 0, 0]])
+    for side, maxima in itertools.product((1.0, -1.0), (True, False)):
+        found = geometry.height_states(on, gamma, np.full(len(gamma), side), maxima)
+        assert max(off_level(on, found.states, 3, Fraction(1, 2), "velocity")) < 64
 
 
 # -- crossings against closed forms ----------------------------------------------------------------
-
-
-@pytest.mark.sample(1)
-@pytest.mark.parametrize("case", ["lagrange/nutation", "kovalevskaya/generic"])
-def test_crossings_lie_where_closed_forms_do(case):
-    """D of the exact motion at the crossing's time, over its slope: the time's error in eps t."""
-    scene = polhode.load(case)
-    on = geometry.ground(scene, scene.integrals.energy, scene.integrals.area)
-    found = polhode.section(scene, starts="scene", crossings=100)
-    exact = polhode.reference(scene)
-    for m in (9, 99):
-        t = Fraction(found.times[0, m]) + Fraction(found.rests[0, m])
-        (state,) = exact.at([t], digits=30)
-        moments = [2, 2, 1] if case.startswith("k") else scene.body.moments
-        G = [float(a) * x for a, x in zip(moments, state[:3], strict=True)]
-        a, g = [float(x) for x in on.frame[2]], state[3:]
-        value = sum(
-            g[i] * (a[(i + 1) % 3] * G[(i + 2) % 3] - a[(i + 2) % 3] * G[(i + 1) % 3])
-            for i in range(3)
-        )
-        slope = geometry.momentum_slope(on, np.array([[float(x) for x in state]]))[0] / on.weight
-        late = abs(float(value) / slope) / (EPS * float(t))
-        assert late < (3 if case.startswith("l") else 60)
-        error = max(abs(float(x) - y) for x, y in zip(state, found.states[0, m], strict=True))
-        assert 0 < error < 1e-12
 
 
 def spread(values):
@@ -152,8 +117,6 @@ def spread(values):
         ("lagrange/nutation", {}, 0, 1),
         ("euler/attitude", {"h": 3, "f": Fraction(6, 5)}, 0.05, 2),
         ("kovalevskaya/generic", {}, 1, 45),
-        ("kovalevskaya/generic", {"h": 3, "f": Fraction(6, 5)}, 4, 120),
-        ("goryachev-chaplygin/two-frequencies", {}, 0.2, 10),
         ("goryachev-chaplygin/two-frequencies", {"h": 10}, 2, 100),
     ],
 )
@@ -177,43 +140,22 @@ def test_curves_of_integrable_tops_close(case, level, low, high):
     assert low * EPS <= spread(value) < high * EPS
 
 
-def test_crossings_lie_on_level_and_section():
-    found = polhode.section(GENERIC, grid=(4, 4), crossings=100, **LEVEL)
-    on = geometry.ground(GENERIC, Fraction(3), Fraction(1, 2))
-    w, g = (found.states.reshape(-1, 6).astype(np.longdouble)[:, k : k + 3] for k in (0, 3))
-    G = w * on.moments
-    assert np.abs((w * G).sum(1) / 2 + g @ on.torque.astype(np.longdouble) - 3).max() < 4 * EPS
-    assert np.abs((G * g).sum(1) - 0.5).max() < 2 * EPS
-    assert np.abs((g * g).sum(1) - 1).max() < EPS
-    assert np.abs((g * np.cross(on.frame[2], G)).sum(1)).max() < 4 * EPS
-
-
-def test_crossings_of_the_lagrange_top_are_evenly_spaced():
-    found = polhode.section("lagrange/nutation", starts=[[1, 0.2], [4, -0.3]], crossings=200)
-    gaps = np.diff(found.times, axis=1)
-    assert np.abs(gaps - gaps.mean(axis=1)[:, None]).max() < 4 * EPS * found.times.max()
-    turn = np.mod(np.diff(found.l, axis=1), 2 * np.pi)
-    assert 0 < spread(turn) < 1e-12
-
-
 @pytest.mark.sample(2)
 @pytest.mark.parametrize("by", ["momentum", "height"])
 @pytest.mark.parametrize("extremum", ["max", "min"])
-def test_crossings_are_extrema_of_the_kind_asked_for(by, extremum):
-    found = polhode.section(GENERIC, by=by, extremum=extremum, grid=(4, 4), crossings=30, **LEVEL)
+def test_crossings_are_extrema_of_the_kind_asked_for_on_the_level(by, extremum):
+    found = polhode.section(GENERIC, by=by, extremum=extremum, grid=(4, 4), crossings=90, **LEVEL)
     on = geometry.ground(GENERIC, Fraction(3), Fraction(1, 2))
     bend = geometry.momentum_slope if by == "momentum" else geometry.height_bend
     slopes = bend(on, found.states.reshape(-1, 6))
     assert (slopes < 0).all() if extremum == "max" else (slopes > 0).all()
     assert found.times[:, 0].min() > 0.1  # a start is no crossing
+    errors = off_level(on, found.states, 3, Fraction(1, 2), by)
+    assert all(x < most for x, most in zip(errors, (4, 2, 1, 4), strict=True))
 
 
 def test_a_crossing_at_the_seam_of_two_chunks_counts_once():
     """Chunks that end on the first crossing, to the last bit, and 1e-14 to either side of it."""
-    from polhode.dynamics.sections import jobs as section_jobs
-    from polhode.dynamics.sections import starts as section_starts
-    from polhode.taylor.events import batch_crossings
-
     asked = section_starts.asked_of(GENERIC, "momentum", "max", 3, Fraction(1, 2))
     on = geometry.ground(GENERIC, asked.h, asked.f)
     states = geometry.momentum_states(on, *geometry.cells(4, 3), True).states
@@ -254,11 +196,12 @@ def test_a_lane_does_not_depend_on_its_neighbours(case):
         alone = polhode.section(case, starts=[starts[k]], crossings=40, **LEVEL)
         assert (alone.states[0] == whole.states[k]).all()
         assert (alone.times[0] == whole.times[k]).all()
+        assert (alone.digits[0] == whole.digits[k]).all()
     backward = polhode.section(case, starts=starts[::-1], crossings=40, **LEVEL)
     assert (backward.states[::-1] == whole.states).all()
 
 
-def test_an_executor_and_parts_give_the_same(tmp_path):
+def test_an_executor_and_parts_give_the_same(tmp_path, monkeypatch):
     asked = {"grid": (10, 8), "crossings": 3, **LEVEL}
     plain = polhode.section(GENERIC, **asked)
     with ThreadPoolExecutor(1) as pool:
@@ -271,17 +214,11 @@ def test_an_executor_and_parts_give_the_same(tmp_path):
     jobs[1].write_bytes(b"torn")
     again = polhode.section(GENERIC, parts=folder, **asked)
     assert (again.states == plain.states).all()
+    with monkeypatch.context() as patch:
+        patch.setattr(batch_crossings, "solve", None)  # nothing is left to be done
+        assert (polhode.section(GENERIC, parts=folder, **asked).states == plain.states).all()
     with pytest.raises(polhode.BadInput, match="the jobs of the same command"):
         polhode.section(GENERIC, parts=folder, grid=(9, 8), crossings=3, **LEVEL)
-
-
-def test_kept_jobs_are_read(tmp_path, monkeypatch):
-    from polhode.taylor.events import batch_crossings
-
-    asked = {"grid": (6, 6), "crossings": 3, "parts": tmp_path / "p", **LEVEL}
-    plain = polhode.section(GENERIC, **asked)
-    monkeypatch.setattr(batch_crossings, "solve", None)  # nothing is left to be done
-    assert (polhode.section(GENERIC, **asked).states == plain.states).all()
 
 
 @pytest.mark.slow
@@ -332,40 +269,6 @@ def test_the_scene_file_says_what_is_cut(capsys):
     ):
         with pytest.raises(polhode.BadInput, match=message):
             scene_file.parse(GENERIC.source + "[section]\n" + fault + "\n")
-
-
-@pytest.mark.parametrize(
-    ("asked", "message"),
-    [
-        ({"h": -1}, r"h = -1: expected above -0.1037\d*, the least energy at f = 31/25"),
-        ({"h": 1, "f": 3}, "the least energy at f = 3"),
-        ({"by": "1"}, "an expression that changes along the motion"),
-        ({"by": "gamma1**2 + gamma2**2 + gamma3**2"}, "this one is constant"),
-        ({"by": "p + 10", "grid": (2, 2)}, "an expression that becomes zero; at the extrema"),
-        ({"by": "x"}, "by = x: expected momentum, height, or an expression"),
-        ({"extremum": "most"}, "extremum = most: expected max or min"),
-        ({"starts": [[1, 1]]}, "L/G between -1 and 1"),
-        ({"starts": [[1, 0.2, 1]]}, "a point with maxima of .G.: k below 1"),
-        ({"starts": [[0.471, 0.925]]}, "at this l they lie from L/G"),
-        ({"starts": [[1]]}, r"\[l, L/G\] or \[l, L/G, k\]"),
-        ({"starts": []}, "at least one start"),
-        ({"by": "height", "starts": [[1, 0, 0]]}, "gamma of length 1"),
-        (
-            {"by": "height", "starts": [[1, 0, 0, 1]], "extremum": "min", "h": 2, "f": 2},
-            "other kind",
-        ),
-        ({"crossings": 0.5}, "crossings = 0.5: expected a whole number"),
-        ({"grid": (0, 3)}, "grid = 0"),
-    ],
-)
-def test_what_is_no_section_is_refused(asked, message):
-    with pytest.raises(polhode.BadInput, match=message):
-        polhode.section(GENERIC, **asked)
-
-
-def test_a_permanent_rotation_is_no_start():
-    with pytest.raises(polhode.BadInput, match="a permanent rotation, which crosses no section"):
-        polhode.section("staude/unstable", starts="scene")
 
 
 def test_no_two_commands_share_a_folder(tmp_path):

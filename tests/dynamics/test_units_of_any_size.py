@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pickle
-import warnings
 from fractions import Fraction
 
 import mpmath
@@ -27,13 +26,6 @@ def scene(inertia=1, rate=1):
         gamma=[0, "3/5", "4/5"],
         end=1 / rate,
     )
-
-
-@pytest.fixture(autouse=True)
-def _no_warnings():
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        yield
 
 
 @pytest.mark.sample(2)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-import time
 from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
@@ -13,7 +12,6 @@ import pytest
 
 import polhode
 from polhode.enclosures import fixed_point_problem, integral_contraction, proof_loop
-from polhode.enclosures.approximation import precision_choice
 from polhode.enclosures.fixed_point_problem import Refused
 from polhode.enclosures.result import guaranteed
 from polhode.numbers.conversion import exact_number, exactly
@@ -54,12 +52,11 @@ def test_times_of_both_signs_in_any_order_some_twice_and_irrational() -> None:
     found = polhode.certify(scene, at=asked, digits=20)
     assert found.centres[0] == found.centres[4]
     assert [exact_number(t) == s for t, s in zip(asked, found.times, strict=True)] == [True] * 7
-    assert found.radii[2] == pytest.approx(found.radii[2])
     for n, t in enumerate(found.times):
-        if n == 2:
-            assert _inside(replaced(found, n), [scene.start])
-        elif not isinstance(t, Irrational):
-            assert _inside(replaced(found, n), trials.truth(scene, [t], 200))
+        true = scene.start if n == 2 else None
+        if not isinstance(t, Irrational):
+            one = replace(found, centres=found.centres[n : n + 1], radii=found.radii[n : n + 1])
+            assert _inside(one, [true] if true else trials.truth(scene, [t], 200))
     # a time beside sqrt(2) by 1e-40 has the same 20 digits
     near = Fraction(14142135623730950488016887242096980785697, 10**40)
     beside = polhode.certify(scene, at=[near])
@@ -67,18 +64,33 @@ def test_times_of_both_signs_in_any_order_some_twice_and_irrational() -> None:
         assert abs(x - y) <= Fraction(r) + Fraction(max(beside.radii[0]))
 
 
-def replaced(found: Any, n: int) -> Any:
-    """The enclosure at one of its times."""
-    return replace(found, centres=found.centres[n : n + 1], radii=found.radii[n : n + 1])
+#: Scenes that differ in kind, and a time.
+KINDS = {
+    "a full inertia matrix": (
+        Scene(
+            Body(
+                ((2, "1/5", "1/7"), ("1/5", "1.7", "1/10"), ("1/7", "1/10", "1.4")),
+                ("0.3", "0.2", "0.5"),
+                1,
+            ),
+            ("0.3", "0.2", "1.1"),
+            ("0.6", 0, "0.8"),
+        ),
+        10,
+    ),
+    "no gamma": (Scene(Body.of_moments((3, 2, 1)), ("0.4", 1, "0.2")), 7),
+    "chaotic": (top(omega=("0.3", "0.2", "1.1")), 60),
+}
 
 
-def test_a_full_inertia_matrix_gives_balls_in_its_own_axes() -> None:
-    inertia = ((2, "1/5", "1/7"), ("1/5", "1.7", "1/10"), ("1/7", "1/10", "1.4"))
-    body = Body(inertia, ("0.3", "0.2", "0.5"), 1)
-    scene = Scene(body, ("0.3", "0.2", "1.1"), ("0.6", 0, "0.8"))
-    found = polhode.certify(scene, at=[2, 10], digits=25)
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_truth_is_inside_in_the_scenes_own_axes(kind: str) -> None:
+    scene, t = KINDS[kind]
+    found = polhode.certify(scene, at=[t], digits=20)
     assert found.reached
-    assert _inside(found, trials.truth(scene, [2, 10], 240))
+    assert found.tries == 1
+    assert len(found.centres[0]) == len(found.midpoints[0]) == (6 if scene.gamma else 3)
+    assert _inside(found, trials.truth(scene, [t], 260))
 
 
 def test_irrational_data_lie_inside_and_their_rational_neighbours_do_not() -> None:
@@ -92,13 +104,6 @@ def test_irrational_data_lie_inside_and_their_rational_neighbours_do_not() -> No
     assert _inside(found, trials.truth(exactly_root, [10], 240))
     beside = scene(exact_number("sqrt(5)/1.6 + 1/10**28"))
     assert not _inside(found, trials.truth(beside, [10], 240))
-
-
-def test_a_scene_without_gamma_has_three_components() -> None:
-    scene = Scene(Body.of_moments((3, 2, 1)), ("0.4", 1, "0.2"))
-    found = polhode.certify(scene, at=[7], digits=20)
-    assert len(found.centres[0]) == len(found.midpoints[0]) == 3
-    assert _inside(found, trials.truth(scene, [7], 200))
 
 
 @pytest.mark.parametrize("gamma", [(0, 0, 1), (0, 0, -1)])
@@ -118,15 +123,6 @@ def test_units_of_any_size_cost_no_digit(power: int) -> None:
     # the proof's unit is a power of two, so that its steps are others, up to twice as long
     assert found.proven == pytest.approx(plain.proven, abs=2.0)
     assert found.noise == pytest.approx(plain.noise, abs=2)
-
-
-@pytest.mark.slow
-def test_chaos_is_answered_and_grows_no_faster_than_its_exponent() -> None:
-    scene = top(omega=("0.3", "0.2", "1.1"))
-    found = polhode.certify(scene, at=[60, 120], digits=15)
-    assert found.reached
-    assert found.tries == 1
-    assert _inside(found, trials.truth(scene, [60, 120], 260))
 
 
 @pytest.mark.slow
@@ -164,17 +160,12 @@ def test_the_integrals_used_are_those_that_hold_exactly(
 
 def test_backward_and_forward_are_the_same_motion() -> None:
     scene = top()
-    there = polhode.certify(scene, at=[4], digits=40)
-    start = Scene(scene.body, there.centres[0][:3], scene.gamma)
-    assert there.reached
     back = polhode.certify(scene, at=[-4], digits=40)
     mirrored = Scene(scene.body, tuple(-w for w in scene.omega), scene.gamma)
     again = polhode.certify(mirrored, at=[4], digits=40)
     for k in range(6):
-        sign = -1 if k < 3 else 1
-        off = abs(back.centres[0][k] - sign * again.centres[0][k])
+        off = abs(back.centres[0][k] + (1 if k < 3 else -1) * again.centres[0][k])
         assert off <= Fraction(back.radii[0][k]) + Fraction(again.radii[0][k])
-    assert start.body is scene.body
 
 
 @pytest.mark.parametrize(
@@ -217,6 +208,29 @@ def test_printed_digits_are_those_of_every_number_in_the_ball() -> None:
             assert abs(centre + Fraction(part) * Fraction(radius) - Fraction(text)) <= unit / 2
 
 
+ROOT = "sqrt(sqrt(1+10**-1300)-1)"  # not 0, which the rule for "equal" calls it
+HEAVY = {"centre": [0, 0, 1], "omega": [0, 1, 1], "gamma": [0, "3/5", "4/5"]}
+UNDER = "which numbers under a root"
+#: A body whose constants need a decision, or none.
+BODIES: list[tuple[dict[str, Any], list[str]]] = [
+    ({"moments": [3, 2, 4], "weight": "(sqrt(1+10**-1300)-1)*10**1300"} | HEAVY, [UNDER]),
+    ({"moments": [2, 3, 4], "omega": [ROOT, 0, 1], "gamma": [0, 0, 1]}, [UNDER]),
+    ({"moments": [3, "sqrt(5)", 4], "weight": "sqrt(2)"} | HEAVY, []),
+    # a rational moment of a full matrix is known to be one
+    ({"inertia": [[2, "1/2", 0], ["1/2", 2, "1/3"], [0, "1/3", 3]], "weight": 1} | HEAVY, []),
+    ({"inertia": [[2, "1/2", 0], ["1/2", 2, 0], [0, 0, 3]], "weight": 1} | HEAVY, []),
+]
+
+
+@pytest.mark.parametrize(("body", "told"), BODIES)
+def test_what_the_rule_decides_of_a_body_is_told(body: dict[str, Any], told: list[str]) -> None:
+    found = polhode.certify(polhode.top(**body), at=[1], digits=12)
+    assert [x.startswith(y) for x, y in zip(found.assumed, told, strict=False)] == [True] * len(
+        told
+    )
+    assert bool(found.assumed) == bool(told)
+
+
 #: The start, the times, the outputs, and what of them the rule for "equal" decides.
 BY_THE_RULE: list[tuple[Any, list[Any], tuple[str, ...], list[str]]] = [
     (("3/5", 0, "4/5"), [1, 2], ("angles", "attitude"), []),
@@ -243,49 +257,37 @@ def test_what_the_rule_for_equal_decides_is_told(
     assert [x.startswith(y) for x, y in zip(found.assumed, told, strict=True)] == [True] * len(told)
 
 
-def test_a_rational_moment_of_a_full_matrix_is_known_to_be_one() -> None:
-    body = Body(((2, "1/2", 0), ("1/2", 2, "1/3"), (0, "1/3", 3)), ("0.3", "0.2", "0.5"), 1)
-    twice = Body(((2, "1/2", 0), ("1/2", 2, 0), (0, 0, 3)), ("0.3", "0.2", "0.5"), 1)
-    assert twice.moments == (Fraction(3, 2), Fraction(5, 2), 3)
-    for one in (body, twice):
-        assert polhode.certify(top(one), at=[1], digits=12).assumed == ()
-
-
-def test_bad_questions_are_refused_in_one_line() -> None:
-    scene = top()
-    with pytest.raises(polhode.BadInput, match="digits = 0"):
-        polhode.certify(scene, at=[1], digits=0)
-    with pytest.raises(polhode.BadInput, match="at least one time"):
-        polhode.certify(scene)
-    with pytest.raises(polhode.BadInput, match="digits = 251"):
-        polhode.certify(scene, at=[1], digits=251)
-
-
-#: What is given, and what is said of it: as of ``integrate`` and ``reference``, but for bounds.
-REFUSED = [
-    ({"digits": 15.5}, "digits = 15.5: expected a whole number, 1 to 250"),
-    ({"digits": True}, "digits = True: expected a whole number, 1 to 250"),
-    ({"digits": "20"}, "digits = 20: expected a whole number, 1 to 250"),
+WHOLE = "expected a whole number, 1 to 250"
+POSITIVE = "expected a number above 0"
+NUMBER = "expected a number ("
+#: What is asked, and what is said of it: as of ``integrate``, but for the most digits.
+REFUSED: list[tuple[dict[str, Any], str]] = [
+    *(({"digits": x}, f"digits = {x}: {WHOLE}") for x in (0, 251, 15.5, True, "20")),
     ({"max_steps": 2.5}, "max_steps = 2.5: expected a whole number, 1 or more"),
     ({"max_steps": True}, "max_steps = True: expected a whole number, 1 or more"),
-    ({"max_seconds": "1"}, "max_seconds = 1: expected a number above 0"),
-    ({"max_seconds": True}, "max_seconds = True: expected a number above 0"),
+    *(({"max_seconds": x}, f"max_seconds = {x}: {POSITIVE}") for x in ("1", True, -1)),
+    ({"at": None}, "at least one time"),
+    *(({"at": x}, f"at = {x}: expected a list of times") for x in (1, "12", {1, 2})),
+    ({"at": [1, "x"]}, f"at[2] = x: {NUMBER}unknown name 'x'"),
+    ({"at": [True]}, f"at[1] = True: {NUMBER}not a number"),
+    ({"at": [10**10]}, "300000 steps reach; this one takes about"),
+    ({"at": [100], "max_steps": 10}, "a time that 10 steps reach"),
 ]
 
 
 @pytest.mark.parametrize(("given", "told"), REFUSED)
-def test_arguments_are_checked_as_everywhere(given: dict[str, Any], told: str) -> None:
+def test_bad_questions_are_refused_in_one_line(given: dict[str, Any], told: str) -> None:
     scene = replace(top(), events=(polhode.Event("equator"),))
-    with pytest.raises(polhode.BadInput) as refused:
-        polhode.certify(scene, at=[1], **given)
-    assert str(refused.value) == f"scene: {told}"
-    with pytest.raises(polhode.BadInput) as refused:
-        polhode.certify_events(scene, end=1, **given)
-    assert str(refused.value) == f"scene: {told}"
-    if not {"digits", "max_steps"}.isdisjoint(given):
+    doors: dict[Any, dict[str, Any]] = {polhode.certify: {"at": [1]} | given}
+    if "at" not in given:
+        doors[polhode.certify_events] = {"end": 1} | given
+    elif isinstance(given["at"], (int, str, set)) or "number" in told:
+        doors[polhode.integrate] = given
+    for door, asked in doors.items():
         with pytest.raises(polhode.BadInput) as refused:
-            polhode.integrate(scene, at=[1], **given)
-        assert str(refused.value) == f"scene: {told.replace('250', '4000')}"
+            door(scene, **asked)
+        assert told in str(refused.value)
+        assert "\n" not in str(refused.value)
 
 
 def test_what_follows_the_times_is_given_by_name() -> None:
@@ -294,39 +296,11 @@ def test_what_follows_the_times_is_given_by_name() -> None:
             door(top(), [1], 20)  # type: ignore[arg-type, misc]
 
 
-@pytest.mark.parametrize(
-    ("at", "told"),
-    [
-        (1, "at = 1: expected a list of times"),
-        ("12", "at = 12: expected a list of times"),
-        ({1, 2}, "at = {1, 2}: expected a list of times"),
-        ([1, "x"], "at[2] = x: expected a number (unknown name 'x'; known are sqrt, sin, cos, pi)"),
-        ([True], "at[1] = True: expected a number (not a number: True)"),
-    ],
-)
-def test_times_are_read_as_everywhere(at: Any, told: str) -> None:
-    scene = top()
-    for door in (polhode.certify, polhode.integrate):
-        with pytest.raises(polhode.BadInput) as refused:
-            door(scene, at=at)
-        assert str(refused.value) == f"scene: {told}"
-    with pytest.raises(polhode.BadInput) as refused:
-        polhode.Certified(scene).at(at)
-    assert str(refused.value) == f"scene: {told.replace('at', 't', 1)}"
-
-
 @pytest.mark.parametrize("end", ["x", [1], True])
 def test_an_end_is_read_as_everywhere(end: Any) -> None:
     for door in (polhode.certify_events, polhode.lyapunov):
         with pytest.raises(polhode.BadInput, match=r"^scene: end\[1\] = .*: expected a number \("):
             door(top(), end=end)
-
-
-def test_a_time_out_of_reach_is_refused_with_a_forecast() -> None:
-    with pytest.raises(polhode.BadInput, match="300000 steps reach; this one takes about"):
-        polhode.certify(top(), at=[10**10])
-    with pytest.raises(polhode.BadInput, match="a time that 10 steps reach"):
-        polhode.certify(top(), at=[100], max_steps=10)
 
 
 def test_times_beside_a_point_of_the_grid_are_on_their_sides() -> None:
@@ -344,28 +318,9 @@ def test_a_constant_that_does_not_sharpen_is_refused() -> None:
         fixed_point_problem.sharp(lambda bits: arb(1, 1e-9), 80)
 
 
-def test_a_refusal_tells_how_far_the_proof_came_and_the_next_try_goes_by_that() -> None:
-    scene = top(omega=("0.3", "0.2", "1.1"))
-    motion = fixed_point_problem.motion(scene)
-    problem = fixed_point_problem.problem(motion, 60)
-    times = fixed_point_problem.times(motion, [Fraction(300)])
-    with pytest.raises(Refused, match="too large") as refused:
-        proof_loop.run(problem, times, integral_contraction.prepared(motion, 300))
-    why = refused.value
-    assert 0.3 < why.reached < 1.0
-    assert 10 < why.grown < 60
-    found = precision_choice.raised(60, 51, why)
-    enough = fixed_point_problem.problem(motion, found)
-    (row,) = proof_loop.run(enough, times, integral_contraction.prepared(motion, 400)).rows
-    assert 1e-22 < max(float(x.rad()) for x in row) < 1e-15
-    # nothing is known of the way where it was hardly begun
-    assert precision_choice.raised(60, 51, Refused("x", 0.01, 30.0)) == 95
-    assert precision_choice.raised(60, 51, Refused("x")) == 95
-
-
 @pytest.mark.slow
-def test_chaos_to_a_thousand_takes_one_try_more_at_most() -> None:
-    found = polhode.certify("general/asymmetric-chaotic", at=[1000], digits=16)
+def test_a_long_chaotic_motion_takes_one_try_more_at_most() -> None:
+    found = polhode.certify("general/asymmetric-chaotic", at=[250], digits=16)
     assert found.reached
     assert found.tries <= 2
     assert found.proven < 20
@@ -375,53 +330,11 @@ def test_chaos_to_a_thousand_takes_one_try_more_at_most() -> None:
 def test_first_tries_suffice() -> None:
     rng = random.Random(17)
     tries, spare = [], []
-    for n in range(20):
+    for n in range(11):
         scene = trials.random_scene(rng, trials.KINDS[n % len(trials.KINDS)])
         digits = rng.choice((12, 16, 24))
         found = polhode.certify(scene, at=[rng.choice((1, 5, 20))], digits=digits)
         tries.append(found.tries)
         spare.append(found.proven - digits)
-    assert sum(t == 1 for t in tries) >= 18
-    assert sorted(spare)[10] < 4.0
-
-
-@pytest.mark.campaign
-def test_the_radius_follows_the_exponent_of_the_motion_alone() -> None:
-    scene = top(omega=("0.3", "0.2", "1.1"))
-    found = polhode.certify(scene, at=[300], digits=18)
-    assert found.reached
-    assert found.noise < 150
-
-
-@pytest.mark.campaign
-def test_a_proof_costs_about_an_uncertified_quad_run() -> None:
-    scene = top()
-    polhode.certify(scene, at=[1], digits=30)  # compiles
-    proofs, runs = [], []
-    for _ in range(3):
-        began = time.process_time()
-        polhode.certify(scene, at=[200], digits=30)
-        middle = time.process_time()
-        polhode.integrate(scene.at((200,)), "quad", project=False, method="taylor")
-        proofs.append(middle - began)
-        runs.append(time.process_time() - middle)
-    assert 0.5 < min(proofs) / min(runs) < 3.0
-
-
-def test_a_number_that_the_rule_calls_zero_is_told():
-    """1/2 but for 1e-1300, and 0 by the rule: the proof is of a body without weight."""
-    body = {
-        "moments": [3, 2, 4],
-        "centre": [0, 0, 1],
-        "omega": [0, 1, 1],
-        "gamma": [0, "3/5", "4/5"],
-    }
-    found = polhode.certify(
-        polhode.top(**body, weight="(sqrt(1+10**-1300)-1)*10**1300"), at=[1], digits=12
-    )
-    assert found.assumed[0].startswith("which numbers under a root")
-    tiny = "sqrt(sqrt(1+10**-1300)-1)"
-    free = polhode.top(moments=[2, 3, 4], omega=[tiny, 0, 1], gamma=[0, 0, 1])
-    assert polhode.certify(free, at=[1], digits=12).assumed[0] == found.assumed[0]
-    plain = polhode.top(**body | {"moments": [3, "sqrt(5)", 4]}, weight="sqrt(2)")
-    assert polhode.certify(plain, at=[1], digits=12).assumed == ()
+    assert sum(t == 1 for t in tries) >= 10
+    assert sorted(spare)[5] < 4.0

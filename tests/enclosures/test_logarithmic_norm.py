@@ -57,7 +57,7 @@ def stretching() -> tuple[Any, Any]:
     return np.ones(6), a
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(6))
 def test_no_motion_grows_more(seed: int) -> None:
     rng = np.random.default_rng(seed)
     a = rng.standard_normal((1, 5, 6, 6)) * rng.choice([0.1, 1.0, 2.0])

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from polhode.enclosures import defect, fixed_point_problem, proof_loop, step_bound, zonotope
+from polhode.enclosures import fixed_point_problem, proof_loop, step_bound, zonotope
 from polhode.enclosures.fixed_point_problem import CLOCK
 from shared import enclosure_checker as checker
 from shared import enclosure_trials as trials
@@ -47,18 +47,16 @@ def _worst(windows: Any, rng: random.Random, each: int) -> dict[str, float]:
     return worst
 
 
-@pytest.mark.slow
-def test_no_number_of_a_step_is_below_its_exact_value() -> None:
+@pytest.mark.parametrize(
+    ("kinds", "levels"),
+    [
+        pytest.param(trials.KINDS[:3], (60, 126), marks=pytest.mark.slow),
+        pytest.param(3 * trials.KINDS, (36, 42, 60, 79, 126, 226), marks=pytest.mark.campaign),
+    ],
+)
+def test_no_number_of_a_step_is_below_its_exact_value(kinds: Any, levels: Any) -> None:
     rng = random.Random(1)
-    worst = _worst(_windows(rng, trials.KINDS[:5], (60, 126)), rng, 1)
-    assert all(ratio <= 1.0 for ratio in worst.values()), worst
-    assert all(worst[name] >= least for name, least in LEAST.items()), worst
-
-
-@pytest.mark.campaign
-def test_no_number_of_many_steps_is_below_its_exact_value() -> None:
-    rng = random.Random(2)
-    worst = _worst(_windows(rng, 3 * trials.KINDS, (36, 42, 60, 79, 126, 226)), rng, 2)
+    worst = _worst(_windows(rng, kinds, levels), rng, 1)
     assert all(ratio <= 1.0 for ratio in worst.values()), worst
 
 
@@ -95,26 +93,3 @@ def _ratios(motion: Any, known: Any, name: str) -> list[float]:
         true, claimed = checker.checked(known, n, motion.constants)[name]
         found.append(float((true / float(claimed)).upper()))
     return found
-
-
-def test_the_doubles_of_a_defect_are_off_by_no_more_than_they_say() -> None:
-    from flint import fmpz
-
-    rng = random.Random(4)
-    motion = fixed_point_problem.motion(trials.random_scene(rng, "generic"))
-    problem = fixed_point_problem.problem(motion, 100)
-    state = zonotope.beginning(problem)
-    known = proof_loop._window(problem, state, 5 << CLOCK, 6, 0.3, proof_loop.HONEST)
-    assert known is not None
-    defects = defect.defects(problem, known.pieces)
-    pieces, level = known.pieces, known.pieces.level
-    for n, row in enumerate(pieces.rows):
-        h = pieces.times[n + 1] - pieces.times[n]
-        for i, (a, b) in enumerate(fixed_point_problem.CYCLE):
-            exact = row[3 + i].derivative() * (fmpz(1) << (CLOCK + level))
-            exact -= (row[3 + a] * row[b] - row[3 + b] * row[a]) * h
-            unit = Fraction(2) ** (problem.noise - 2 * level - CLOCK)
-            for k in range(defects.values.shape[1]):
-                true = int(exact[k]) * unit
-                off = abs(true - Fraction(float(defects.values[n, k, 3 + i])))
-                assert off <= Fraction(step_bound.gamma(defects.roundings)) * abs(true)

@@ -14,6 +14,7 @@ from polhode.equations import equilibrium
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import conversion, number_types
 from polhode.numbers.exact import sqrt
+from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.scenes.event import Event
 
@@ -79,36 +80,30 @@ def test_a_hair_off_is_a_motion(name):
     assert equilibrium.name(off) is None
 
 
+def test_a_free_body_about_its_axis_turns_a_vertical_that_is_across():
+    """w stands still, and gamma does not."""
+    scene = replace(RESTS["free, along its axis"], gamma=(F(3, 5), F(4, 5), 0))
+    assert equilibrium.at_rest(scene) == (True, False)
+    assert polhode.compare(polhode.integrate(scene, at=[10])).worst > 14
+
+
 @pytest.mark.sample(3)
 @pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
 @pytest.mark.parametrize("end", [500, -500])
 def test_a_permanent_rotation_turns_uniformly(number, end):
-    """psi grows like |w| t; the quaternion keeps its length, and gamma is the one it says."""
-    from polhode.numbers.mpmath_context import mpmath
-
+    """psi grows like |w| t; the quaternion keeps its length, and says the same turns."""
     scene = replace(staude(), psi=F(1, 3), outputs=("angles", "attitude"))
     run = polhode.integrate(scene, number, at=[0, end])
     with mpmath.workprec(number.bits + 64):
-        rate = mpmath.sqrt(3)
         psi, theta, phi = (conversion.to_mpf(conversion.exactly(x), 400) for x in run.angles[1])
-        assert abs(psi - (mpmath.mpf(1) / 3 + rate * end)) <= 1000 * mpmath.mpf(2) ** -number.bits
+        near = 1000 * mpmath.mpf(2) ** -number.bits
+        assert abs(psi - (mpmath.mpf(1) / 3 + mpmath.sqrt(3) * end)) <= near
         assert [float(theta), float(phi)] == [float(x) for x in run.angles[0][1:]]
         q0, q1, q2, q3 = (conversion.to_mpf(conversion.exactly(x), 400) for x in run.attitude[1])
         # psi + phi = 2 arg(q0 + i q3), psi - phi = 2 arg(q1 + i q2)
-        for whole, half in (
-            (psi + phi, mpmath.atan2(q3, q0)),
-            (psi - phi, mpmath.atan2(q2, q1)),
-        ):
-            turns = (whole / 2 - half) / mpmath.pi
-            assert abs(turns - mpmath.nint(turns)) <= 1000 * mpmath.mpf(2) ** -number.bits
-
-
-def test_the_attitude_of_a_case_is_that_of_its_closed_form():
-    scene = replace(polhode.load("lagrange/sleeping-stable"), outputs=("attitude",))
-    run = polhode.integrate(scene, at=[1, 100, 10_000])
-    truth = polhode.reference(scene).attitude(run.times, 30)
-    for mine, exact in zip(run.attitude, truth, strict=True):
-        assert max(abs(x - float(y)) for x, y in zip(mine, exact, strict=True)) < 2e-16
+        pairs = (psi + phi, mpmath.atan2(q3, q0)), (psi - phi, mpmath.atan2(q2, q1))
+        turns = [(whole / 2 - half) / mpmath.pi for whole, half in pairs]
+        assert all(abs(x - mpmath.nint(x)) <= near for x in turns)
 
 
 @pytest.mark.sample(2)
@@ -129,13 +124,6 @@ def test_events_of_the_time_still_happen(number):
     assert list(run.times)[:7] == list(range(7))
     assert len(run.times) <= 8
     assert list(run.events[1].states[0]) == list(run.states[0])
-
-
-@pytest.mark.slow
-def test_an_event_that_is_always_zero_is_refused():
-    scene = replace(RESTS["upright"], events=(Event("still", "p"),))
-    with pytest.raises(polhode.BadInput, match="not zero at all times"):
-        polhode.integrate(scene, at=[1])
 
 
 def test_show_names_it(capsys):

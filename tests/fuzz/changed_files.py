@@ -1,156 +1,186 @@
-"""Files of polhode's own that somebody changed: archives of runs, kept parts of a verb's work."""
+"""Files of polhode's own that somebody changed, as strategies: results, runs, finished pieces."""
 
 from __future__ import annotations
 
+import copy
+import functools
 import io
 import json
 import shutil
-from collections.abc import Callable
-from dataclasses import replace
+import tempfile
+from collections.abc import Sequence
 from pathlib import Path
-from random import Random
 from typing import Any
 
 import numpy as np
+import pytest
+from hypothesis import strategies as st
 
 import polhode
-from fuzz import hostile_values as values
-from fuzz.generate import mangled
+from fuzz import values
+from fuzz.cases import Case, mangled, of, several
 from polhode import cli
-from polhode.dynamics.sections import jobs  # noqa: F401  (imported before memory is measured)
+from polhode.common.checkpoint import Checkpoint
+from polhode.output.results import document
 from polhode.runs.sweep import sweep_checkpoint
+from shared.results import CERTIFIED, result_of_kind
 
-Work = Callable[[], Any]
-Words = list[str]
-
-# -- archives -------------------------------------------------------------------------------------
+Arrays = dict[str, np.ndarray]
 
 
-def archive(random: Random, scene: polhode.Scene) -> tuple[str, Work]:
-    """A saved run, changed in its arrays, its JSON or its bytes, loaded and asked."""
-    saved = Path("folder/in/run.npz")
-    if not saved.exists():
-        watched = replace(scene, events=(polhode.Event("nutation"),), outputs=("angles",))
-        polhode.integrate(watched, at=[0, "0.5", 1]).save(saved)
-    with np.load(saved) as file:
-        held = {name: file[name] for name in file.files}
-    about, told = json.loads(str(held["about"])), []
-    for _ in range(random.choice((1, 1, 2))):
-        turn, name = random.random(), random.choice([*held])
-        if turn < 0.35:
-            key, value = random.choice([*about]), random.choice(values.JSON)
-            about[key] = value
-            held["about"] = np.array(json.dumps(about))
-            told.append(f"about.{key} = {value!r}")
-        elif turn < 0.5:
-            held["about"] = np.array(str(held["about"]).replace(*random.choice(values.TEXTS)))
-            told.append("text of about")
-        elif turn < 0.7:
-            held[name] = random.choice(values.arrays(held[name]))
-            told.append(f"{name}: {held[name].dtype} {held[name].shape}")
-        elif turn < 0.8:
-            del held[name]
-            told.append(f"without {name}")
-            break
-        else:
-            cells = held[name].ravel().astype(object)
-            if cells.size:
-                cells[random.randrange(cells.size)] = random.choice(values.CELLS)
-            held[name] = np.array(cells.astype(str)).reshape(held[name].shape)
-            told.append(f"a cell of {name}")
+def archived(arrays: Arrays) -> bytes:
+    """The bytes of an NPZ file."""
     out = io.BytesIO()
-    np.savez(out, **held)
-    text = mangled(random, out.getvalue()) if random.random() < 0.2 else out.getvalue()
-    Path("folder/in/changed.npz").write_bytes(text)
-
-    def load() -> None:
-        found = polhode.load_run("folder/in/changed.npz")
-        _ = repr(found), found.drift, found.expected, found.state_strings(), found.time_strings()
-        found("0.25")
-
-    return "; ".join(told), load
+    np.savez(out, **arrays)
+    return out.getvalue()
 
 
-# -- kept parts -----------------------------------------------------------------------------------
+def unpacked(text: bytes) -> Arrays:
+    """The arrays of an NPZ file."""
+    with np.load(io.BytesIO(text), allow_pickle=False) as file:
+        return {name: file[name] for name in file.files}
 
-GENERAL = "general/asymmetric-regular"
-KEEPERS: dict[str, Words] = {
-    "sweep": ["sweep", "top.toml", "--vary", "start.omega[3]=1:2:40", "--workers", "1"],
-    "section": ["section", GENERAL, "--grid", "2x2", "--crossings", "3", "--workers", "1"],
-    "map": ["map", "lagrange/nutation", "--grid", "2x2", "--end", "10", "--workers", "1"],
+
+@functools.cache
+def saved(name: str, suffix: str) -> bytes:
+    """The file in which a result of that kind is saved: of a CSV, the one beside it."""
+    with tempfile.TemporaryDirectory() as folder:
+        result_of_kind(name).save(path := Path(folder) / f"x{suffix}")
+        return path.with_suffix(suffix.replace(".csv", ".json")).read_bytes()
+
+
+def places(value: Any, at: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
+    """The path of each part of a JSON value."""
+    keys = (
+        value if isinstance(value, dict) else range(len(value)) if isinstance(value, list) else ()
+    )
+    return [at, *(place for key in keys for place in places(value[key], (*at, key)))]
+
+
+@st.composite
+def altered(draw: st.DrawFn, value: Any) -> Any:
+    """A JSON value with one part changed, left out, or another one in its place."""
+    told = {"": copy.deepcopy(value)}
+    at, other = (("", *draw(of(places(value)))) for _ in range(2))
+    parent = functools.reduce(lambda part, key: part[key], at[:-1], told)
+    turn = draw(st.integers(0, 9))
+    if turn < 7:
+        parent[at[-1]] = copy.deepcopy(draw(of(values.JSON)))
+    elif turn < 8 and len(at) > 1:
+        del parent[at[-1]]
+    else:
+        part = functools.reduce(lambda part, key: part[key], other, told)
+        parent[at[-1]] = copy.deepcopy(part)
+    return told[""]
+
+
+def asked(name: str, kind: type) -> None:
+    """A result that can be loaded is of its kind, and answers."""
+    result = polhode.load_result(name)
+    assert type(result) is kind
+    assert repr(result)
+    assert result == result
+    if isinstance(result, polhode.Trajectory):
+        _ = result.drift, result.expected, result.state_strings(), result.time_strings()
+        result("0.25")
+
+
+@st.composite
+def arrays_changed(draw: st.DrawFn, text: bytes) -> bytes:
+    """An NPZ file with arrays changed, or left out, or the JSON in it, or a cell."""
+    arrays = unpacked(text)
+    told = json.loads(str(arrays["about"])) if "about" in arrays else None
+    for _ in draw(several(2)):
+        name, turn = draw(of(arrays)), draw(st.integers(0, 9))
+        if turn < 4 and told is not None:
+            arrays["about"] = np.array(json.dumps(draw(altered(told))))
+        elif turn < 6:
+            arrays[name] = draw(of(values.arrays(arrays[name])))
+        elif turn < 7 and len(arrays) > 1:
+            del arrays[name]
+        elif arrays[name].size:
+            cells = arrays[name].ravel().astype(object)
+            cells[draw(st.integers(0, cells.size - 1))] = draw(of(values.CELLS))
+            arrays[name] = np.array(cells.astype(str)).reshape(arrays[name].shape)
+    return archived(arrays)
+
+
+@st.composite
+def result(draw: st.DrawFn, names: Sequence[str]) -> Case:
+    """A saved result: a value of its document, whose sum is right again, arrays, or some bytes."""
+    name, turn = draw(of(names)), draw(st.integers(0, 2))
+    kind, suffix = type(result_of_kind(name)), ".npz"
+    if turn == 0 and kind is not polhode.Trajectory:
+        told = document.document(result_of_kind(name))
+        told["value"] = draw(altered(told["value"]))
+        told["sum"] = document.checksum(told["kind"], told["value"])
+        text, suffix = json.dumps({"result": json.dumps(told)}).encode(), ".json"
+    elif turn == 1:
+        text = draw(arrays_changed(saved(name, suffix)))
+    else:
+        suffix = draw(of((".csv", ".npz", ".json")[: 2 + (name not in CERTIFIED)]))
+        text = draw(mangled(saved(name, suffix)))
+    files = {f"x{suffix}".replace(".csv", ".json"): text} | {"x.csv": b"t\n0\n"}
+    return Case(name, files, lambda: asked(f"x{suffix}", kind))
+
+
+# -- finished pieces of a verb's work --------------------------------------------------------------
+
+KEEPERS = {
+    "sweep": "sweep top.toml --vary start.omega[3]=1:2:40 --workers 1",
+    "section": "section general/asymmetric-regular --grid 2x2 --crossings 3 --workers 1",
+    "map": "map lagrange/nutation --grid 2x2 --end 10 --workers 1",
 }
 
 
-class JobCheckpoint:
-    """A verb's finished pieces in the middle of its work, and what it gives undisturbed."""
-
-    def __init__(self, verb: str) -> None:
-        self.words = [*KEEPERS[verb], "-o", f"folder/in/{verb}.npz"]
-        self.whole = Path(f"folder/in/{verb}.npz")
-        self.store = Path(f"folder/in/{verb}.store")
-        self.folder = Path(f"folder/in/{verb}.npz.parts")
-        every, sweep_checkpoint.EVERY = sweep_checkpoint.EVERY, 0.0
-        removed = sweep_checkpoint.SweepCheckpoint.remove
-        try:
-            sweep_checkpoint.SweepCheckpoint.remove = lambda kept: kept.release()  # type: ignore[method-assign]
-            from polhode.common.checkpoint import Checkpoint
-
-            below = Checkpoint.remove
-            Checkpoint.remove = lambda kept: kept.release()  # type: ignore[method-assign]
-            assert cli.main([*self.words, "--json"]) == 0
-            Checkpoint.remove = below  # type: ignore[method-assign]
-        finally:
-            sweep_checkpoint.SweepCheckpoint.remove, sweep_checkpoint.EVERY = removed, every  # type: ignore[method-assign]
-        self.folder.rename(self.store)
-        self.right = self.said()
-
-    def said(self) -> dict[str, Any]:
-        """The arrays of the result, but for what tells of this run."""
-        with np.load(self.whole, allow_pickle=False) as held:
-            return {name: held[name].tolist() for name in held.files if name != "about"}
+def whole(path: Path) -> dict[str, Any]:
+    """The arrays of a result, but for what tells of its run."""
+    return {name: x.tolist() for name, x in unpacked(path.read_bytes()).items() if name != "about"}
 
 
-_KEPT: dict[tuple[Path, str], JobCheckpoint] = {}
+@functools.cache
+def pieces(verb: str) -> tuple[dict[str, bytes], dict[str, Any]]:
+    """The pieces that a verb keeps until it ends, by name, and what it gives."""
+    path = Path(f"{verb}.npz")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sweep_checkpoint, "EVERY", 0.0)
+        patch.setattr(Checkpoint, "remove", Checkpoint.release)
+        assert cli.main([*KEEPERS[verb].split(), "-o", str(path), "--json"]) == 0
+    folder = Path(f"{path}.parts")
+    files = {piece.name: piece.read_bytes() for piece in folder.iterdir()}
+    shutil.rmtree(folder)
+    return files, whole(path)
 
 
-def kept(random: Random, scene: polhode.Scene) -> tuple[str, Work]:
+@st.composite
+def kept(draw: st.DrawFn) -> Case:
     """A verb that finds pieces of before, one of them changed, and ends as if undisturbed."""
-    verb = random.choice([*KEEPERS])
-    known = _KEPT.get((Path.cwd(), verb)) or _KEPT.setdefault(
-        (Path.cwd(), verb), JobCheckpoint(verb)
-    )
-    shutil.rmtree(known.folder, ignore_errors=True)
-    shutil.copytree(known.store, known.folder)
-    known.whole.unlink(missing_ok=True)
-    piece = random.choice(sorted(known.folder.iterdir()))
-    turn = random.random()
-    if turn < 0.3 or piece.suffix == ".json":
-        piece.write_bytes(mangled(random, piece.read_bytes()))
-        told = f"bytes of {piece.name}"
-    elif turn < 0.5:
-        other = random.choice(sorted(known.folder.glob("*-*.npz")))
-        piece.write_bytes(other.read_bytes())
-        told = f"{other.name} as {piece.name}"
-    elif turn < 0.6:
-        piece.unlink()
-        told = f"without {piece.name}"
+    verb = draw(of(KEEPERS))
+    files, right = pieces(verb)
+    files, name = dict(files), draw(of(sorted(files)))
+    turn = draw(st.integers(0, 9))
+    if turn < 3 or name == "manifest.json":
+        files[name] = draw(mangled(files[name]))
+    elif turn < 5:
+        files[name] = files[draw(of(sorted({*files} - {"manifest.json"})))]
+    elif turn < 6:
+        del files[name]
     else:
-        with np.load(piece, allow_pickle=False) as file:
-            held = {name: file[name] for name in file.files}
-        name = random.choice([*held])
-        held[name] = random.choice(values.arrays(held[name]))
-        np.savez(piece, **held)
-        told = f"{name} of {piece.name}: {held[name].dtype} {held[name].shape}"
+        files[name] = draw(arrays_changed(files[name]))
+    other = files.get("manifest.json") != pieces(verb)[0]["manifest.json"]
 
     def again() -> None:
-        manifest = (known.folder / "manifest.json").read_bytes()
-        changed = manifest != (known.store / "manifest.json").read_bytes()
-        code = cli.main([*known.words, "--json"])
-        if code == 2 and changed:  # of another work: refused, and left as it is
-            shutil.rmtree(known.folder)
-            raise polhode.BadInput("parts", "parts", None, "of this work")
-        assert code == 0, code
-        assert known.said() == known.right, "another result"
-        assert not known.folder.exists()
+        folder = Path(f"folder/in/{verb}.npz.parts")
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir()
+        for piece, text in files.items():
+            (folder / piece).write_bytes(text)
+        code = cli.main([*KEEPERS[verb].split(), "-o", f"folder/in/{verb}.npz", "--json"])
+        if code == 2 and other:  # of another work: refused, and left as it is
+            assert {piece.name for piece in folder.iterdir()} == {*files}
+            return
+        assert code == 0
+        assert whole(Path(f"folder/in/{verb}.npz")) == right, "another result"
+        assert not folder.exists()
 
-    return f"{verb}: {told}", again
+    return Case(f"{verb}: {name}", {}, again)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import polhode
-from polhode import cli
+from shared.tables import of_run
 
 SCENE = "lagrange/nutation"
 
@@ -15,14 +15,7 @@ def run():
     return polhode.integrate(SCENE)
 
 
-@pytest.mark.slow
-def test_what_has_the_digits_passes_whatever_it_is(run, tmp_path):
-    path = tmp_path / "x.csv"
-    assert cli.main(["run", SCENE, "-o", str(path)]) == 0
-    columns = {"t": run.t, **{n: run.states[:, k] for k, n in enumerate(run.columns)}}
-    digits = polhode.compare(run).worst
-    for mine in (run, path, str(path), columns):
-        assert polhode.testing.assert_digits(mine, SCENE, at_least=12).worst >= min(12, digits)
+def test_a_function_of_t_is_asked_at_the_times(run):
     found = polhode.testing.assert_digits(lambda t: run(t), SCENE, at_least=12, at=[1, "0.25"])
     assert [float(t) for t in found.times] == [1, 0.25]
 
@@ -40,15 +33,9 @@ def test_the_error_tells_the_first_wrong_time_and_the_judgement(run):
 
 
 def test_another_convention_is_wrong_unless_it_is_allowed(run):
-    columns = {"t": run.t, **{n: run.states[:, k] for k, n in enumerate(run.columns)}}
+    columns = of_run(run)
     columns |= {"p": columns["q"], "q": columns["p"]}
     with pytest.raises(AssertionError, match="correct digits at t = "):
         polhode.testing.assert_digits(columns, SCENE, at_least=9)
     found = polhode.testing.assert_digits(columns, SCENE, at_least=9, as_it_stands=False)
     assert found.reading == "omega p q r = q p r"
-
-
-@pytest.mark.parametrize("digits", ["12", float("nan")])
-def test_digits_that_are_no_number_are_refused_in_one_line(run, digits):
-    with pytest.raises(polhode.BadInput, match=r"^assert_digits: at_least = .* a number of digits"):
-        polhode.testing.assert_digits(run, SCENE, at_least=digits)

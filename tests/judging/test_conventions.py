@@ -1,9 +1,8 @@
-"""Files in other conventions: synonyms are taken, a wrong file is told how it would be right."""
+"""Right tables in other conventions: each is named, applied, can be told; wrong ones have none."""
 
 from __future__ import annotations
 
-import csv
-import math
+import itertools
 from dataclasses import replace
 from fractions import Fraction
 
@@ -11,265 +10,393 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode import cli
-from polhode.judging.diagnosis import rotation_matrices
-from polhode.judging.tables.column_aliases import Column, column
+from polhode.cli import main
+from polhode.common.errors import BadInput
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
+from shared import drifting_files as files
+from shared.tables import of_run, right, text
 
-TIMES = tuple(Fraction(k, 4) for k in range(21))
-SCENE = polhode.load("lagrange/nutation").at(TIMES)
-EXACT = polhode.reference(SCENE)
-COLUMNS = {
-    "t": [float(t) for t in TIMES],
-    **{
-        name: [float(x) for x in column]
-        for names, rows in (
-            (STATE, EXACT.at(TIMES, 20)),
-            (ANGLES, EXACT.angles(TIMES, 20)),
-            (ATTITUDE, EXACT.attitude(TIMES, 20)),
-        )
-        for name, column in zip(names, zip(*rows, strict=True), strict=True)
-    },
-}
-MATRICES = rotation_matrices.matrices(np.array([COLUMNS[name] for name in ATTITUDE]).T)
+CASE = "lagrange/nutation"
+TIMES = [Fraction(k, 8) for k in range(33)]
+OMEGA, GAMMA = STATE[:3], STATE[3:]
+WHOLE = (*STATE, *ATTITUDE)
 
 
-def written(path, **columns):
-    with path.open("w", newline="") as file:
-        out = csv.writer(file)
-        out.writerow(columns)
-        out.writerows([repr(float(x)) for x in row] for row in zip(*columns.values(), strict=True))
-    return path
+# -- right tables in another convention -------------------------------------------------------
 
 
-def judged(path, **columns):
-    return polhode.compare(written(path / "x.csv", t=COLUMNS["t"], **columns), SCENE)
+def motion_of(table):
+    """The columns as rows of vectors."""
+    vectors = [np.array([table[n] for n in names]).T for names in (OMEGA, GAMMA, ATTITUDE)]
+    return files.Motion(table["t"], *vectors)
 
 
-def of(names):
-    return {name: COLUMNS[name] for name in names}
+def by(change):
+    """A change of a motion as one of its columns; angles stay."""
+    return lambda table: table | files.columns(change(motion_of(table)))
 
 
-@pytest.mark.parametrize(
-    ("header", "meant"),
-    [
-        ("time", Column("t")),
-        ("Time [s]", Column("t")),
-        ("qx", Column("q1")),
-        ("qw", Column("q0")),
-        ("wz", Column("r")),
-        ("w_x [rad/s]", Column("p")),
-        ("p [deg/s]", Column("p", True)),
-        ("psi_deg", Column("psi", True)),
-        ("theta (degrees)", Column("theta", True)),
-        ("gamma_y", Column("gamma2")),
-        ("gx", Column("gamma1")),
-        ("g3", Column("gamma3")),
-        ("q0", Column("q0")),
-        ("psi_old", Column(None)),
-        ("deg", Column(None)),
-        ("", Column(None)),
-    ],
-)
-def test_names_of_other_programs(header, meant):
-    assert column(header) == meant
+def renamed(**others):
+    """Columns that hold what stands in others."""
+    return lambda table: table | {name: table[other] for name, other in others.items()}
 
 
-def test_synonyms_and_degrees_are_judged_as_what_they_are(tmp_path):
-    quaternion = dict(zip(("qw", "qx", "qy", "qz"), of(ATTITUDE).values(), strict=True))
-    omega = dict(zip(("wx", "wy", "wz"), of(STATE[:3]).values(), strict=True))
-    degrees = {f"{name}_deg": [math.degrees(x) for x in COLUMNS[name]] for name in ANGLES}
-    plain = judged(tmp_path, **of([*STATE[:3], *ATTITUDE, *ANGLES]))
-    found = judged(tmp_path, **omega, **quaternion, **degrees)
-    assert found.digits == plain.digits
-    assert found.parts["attitude"] == plain.parts["attitude"] > 15
-    assert 14 < found.parts["angles"] < 16.5
-    assert not found.readings
+def scaled(names, factor):
+    return lambda table: table | {n: factor * np.asarray(table[n]) for n in names}
 
 
-def right_once(found, part, convention, least=14.0):
-    (reading,) = [reading for reading in found.readings if reading.part == part]
-    assert reading.convention == convention
-    assert reading.as_it_stands < 1
-    assert least < reading.digits <= 15
-    assert f"read as {convention}" in str(found)
+def after(*changes):
+    def changed(table):
+        for change in changes:
+            table = change(table)
+        return table
+
+    return changed
 
 
-def test_a_scalar_last_quaternion_is_named(tmp_path):
-    rolled = dict(zip(ATTITUDE, [COLUMNS[n] for n in ("q1", "q2", "q3", "q0")], strict=True))
-    right_once(judged(tmp_path, **rolled), "attitude", "scalar-last")
+def moved(steps):
+    """Each row at the time of another, so many rows on."""
+
+    def changed(table):
+        t = table["t"][:-1] if steps > 0 else table["t"][1:]
+        rows = slice(1, None) if steps > 0 else slice(None, -1)
+        return {"t": t} | {n: x[rows] for n, x in table.items() if n != "t"}
+
+    return changed
 
 
-def test_a_quaternion_numbered_from_one_ends_with_its_scalar(tmp_path):
-    """q1 q2 q3 q4 with q4 the scalar is right as it stands, with q1 the scalar it is named."""
-    numbered = ("q1", "q2", "q3", "q4")
-    last = dict(zip(numbered, [COLUMNS[n] for n in ("q1", "q2", "q3", "q0")], strict=True))
-    found = judged(tmp_path, **last)
-    assert found.parts["attitude"] > 15
-    assert found.readings == ()
-    assert "column gamma2 is not in the file" in found.notes
-    told = [line for line in str(found).splitlines() if "not in the file" in line]
-    assert told == ["not judged: columns p q r gamma1 gamma2 gamma3 are not in the file"]
-    first = dict(zip(numbered, [COLUMNS[n] for n in ATTITUDE], strict=True))
-    right_once(judged(tmp_path, **first), "attitude", "q1 the scalar")
+def numbered(names):
+    """A quaternion whose components are called q1 to q4."""
+
+    def changed(table):
+        others = {n: x for n, x in table.items() if n not in ATTITUDE}
+        return others | {f"q{k + 1}": table[n] for k, n in enumerate(names)}
+
+    return changed
 
 
-def test_an_inverse_quaternion_is_named(tmp_path):
-    inverse = of(ATTITUDE) | {name: [-x for x in COLUMNS[name]] for name in ATTITUDE[1:]}
-    right_once(judged(tmp_path, **inverse), "attitude", "body from space")
-    rolled = dict(zip(ATTITUDE, [inverse[n] for n in ("q1", "q2", "q3", "q0")], strict=True))
-    right_once(judged(tmp_path, **rolled), "attitude", "scalar-last, body from space")
+def either_sign(table):
+    signs = 1 - 2 * (np.arange(len(table["t"])) % 3 == 1)
+    return table | {n: signs * table[n] for n in ATTITUDE}
 
 
-def test_signs_that_change_along_the_way_are_named(tmp_path):
-    signs = [1 - 2 * (k % 3 == 1) for k in range(len(TIMES))]
-    turned = {name: [s * x for s, x in zip(signs, COLUMNS[name], strict=True)] for name in ATTITUDE}
-    right_once(judged(tmp_path, **turned), "attitude", "of either sign at each time")
-
-
-def test_a_downward_vertical_is_named(tmp_path):
-    down = {name: [-x for x in COLUMNS[name]] for name in STATE[3:]}
-    right_once(judged(tmp_path, **of(STATE[:3]), **down), "gamma", "the downward vertical")
-
-
-def test_omega_along_the_axes_of_space_or_in_degrees_is_named(tmp_path):
-    omega = np.array([COLUMNS[name] for name in STATE[:3]]).T
-    space = np.einsum("nij,nj->ni", MATRICES, omega)
-    columns = dict(zip(STATE[:3], space.T, strict=True))
-    right_once(judged(tmp_path, **columns), "omega", "along the axes of space")
-    columns = dict(zip(STATE[:3], np.degrees(space.T), strict=True))
-    right_once(judged(tmp_path, **columns), "omega", "along the axes of space degrees")
-    columns = dict(zip(STATE[:3], np.degrees(omega.T), strict=True))
-    right_once(judged(tmp_path, **columns), "omega", "degrees")
-
-
-def test_another_sequence_of_angles_is_named(tmp_path):
-    """Yaw, pitch, roll: R = Rz(yaw) Ry(pitch) Rx(roll), written out from its matrix."""
-    r = MATRICES
+def yaw_pitch_roll(table):
+    """R = Rz(yaw) Ry(pitch) Rx(roll), written out from its matrix."""
+    r = files.matrix(np.array([table[n] for n in ATTITUDE]).T)
     yaw, roll = np.arctan2(r[:, 1, 0], r[:, 0, 0]), np.arctan2(r[:, 2, 1], r[:, 2, 2])
-    pitch = np.arcsin(-r[:, 2, 0])
-    found = judged(tmp_path, yaw=yaw, pitch=pitch, roll=roll)
-    right_once(found, "angles", "turns about z-y-x", 13.0)
-    degrees = dict(zip(ANGLES, np.degrees([yaw, pitch, roll]), strict=True))
-    right_once(judged(tmp_path, **degrees), "angles", "turns about z-y-x in degrees", 13.0)
+    return table | dict(zip(ANGLES, (yaw, np.arcsin(-r[:, 2, 0]), roll), strict=True))
 
 
-@pytest.mark.parametrize("turned", [0, 360])
-def test_angles_in_degrees_are_read_as_omega_in_degrees_is(tmp_path, turned):
-    """psi, theta, phi of the scene's own sequence; also where a program cuts turns off."""
-    degrees = {name: np.degrees(COLUMNS[name]) for name in ANGLES}
-    degrees["psi"] = degrees["psi"] + turned
-    found = judged(tmp_path, **degrees)
-    assert found.worst > 13
-    turns = "; psi and phi up to whole turns" if turned else ""
-    assert found.reading == f"angles in degrees{turns}"
-    assert f"read as angles in degrees{turns}" in str(found)
-    assert judged(tmp_path, **of(ANGLES)).reading is None
-    plain = polhode.compare(tmp_path / "x.csv", SCENE, as_it_stands=True)
-    assert plain.reading is None
+def wrapped(table):
+    return table | {n: np.remainder(table[n] + np.pi, 2 * np.pi) - np.pi for n in ("psi", "phi")}
 
 
-def test_times_that_are_off_by_a_step_are_named(tmp_path):
-    moved = {name: [*COLUMNS[name][1:], 0.0][:-1] for name in STATE[:3]}
-    path = written(tmp_path / "x.csv", t=COLUMNS["t"][:-1], **moved)
-    right_once(polhode.compare(path, SCENE), "omega", "one step of t early")
+def shifted(name, by):
+    return lambda table: table | {name: table[name] + by}
 
 
-@pytest.mark.parametrize("names", [STATE, STATE[3:], ATTITUDE, (*STATE, *ATTITUDE)])
-def test_each_part_that_is_off_by_a_step_is_named(tmp_path, names):
-    moved = {name: COLUMNS[name][1:] for name in names}
-    found = polhode.compare(written(tmp_path / "x.csv", t=COLUMNS["t"][:-1], **moved), SCENE)
-    parts = {"omega": "p" in names, "gamma": "gamma1" in names, "attitude": "q0" in names}
-    assert {reading.part for reading in found.readings} == {p for p, has in parts.items() if has}
-    for reading in found.readings:
-        right_once(found, reading.part, "one step of t early")
+TURNS = "psi and phi up to whole turns"
+DEGREES, LAST = scaled(OMEGA, 180 / np.pi), by(files.scalar_last)
+ANGLES_IN_DEGREES = scaled(ANGLES, 180 / np.pi)
+
+#: Name: columns of the table, its change, and as what it is read.
+READ = {
+    "scalar last": (ATTITUDE, LAST, "attitude scalar-last"),
+    "q1 the scalar": (ATTITUDE, numbered(ATTITUDE), "attitude q1 the scalar"),
+    "inverse": (ATTITUDE, by(files.inverse), "attitude body from space"),
+    "inverse, scalar last": (
+        ATTITUDE,
+        after(by(files.inverse), LAST),
+        "attitude scalar-last, body from space",
+    ),
+    "y up": (ATTITUDE, by(files.Y_UP), "attitude y up, space x y z = x z -y"),
+    "z down": (WHOLE, by(files.in_space(0, 1, 0, 0)), "attitude z down, space x y z = x -y -z"),
+    "body axes": (
+        WHOLE,
+        by(files.other_body_axes),
+        "omega p q r = p -q -r; gamma gamma1 gamma2 gamma3 = gamma1 -gamma2 -gamma3; "
+        "attitude body x y z = x -y -z",
+    ),
+    "downward": (STATE, by(files.downward), "gamma the downward vertical"),
+    "degrees": (OMEGA, DEGREES, "omega degrees"),
+    "rpm": (STATE, scaled(OMEGA, 30 / np.pi), "omega rpm"),
+    "exchanged": (WHOLE, by(files.exchanged), "omega p q r = q p r"),
+    "exchanged, in degrees": (
+        STATE,
+        after(DEGREES, by(files.exchanged)),
+        "omega p q r = q p r degrees",
+    ),
+    "cyclic": (
+        STATE,
+        renamed(p="r", q="p", r="q", gamma1="gamma3", gamma2="gamma1", gamma3="gamma2"),
+        "omega p q r = q r p; gamma gamma1 gamma2 gamma3 = gamma2 gamma3 gamma1",
+    ),
+    "z reflected": (
+        STATE,
+        scaled(("r", "gamma3"), -1),
+        "omega p q r = p q -r; gamma gamma1 gamma2 gamma3 = gamma1 gamma2 -gamma3",
+    ),
+    "degrees, scalar last": (WHOLE, after(DEGREES, LAST), "omega degrees; attitude scalar-last"),
+    "angles in degrees": (ANGLES, ANGLES_IN_DEGREES, "angles in degrees"),
+    "angles of another turn": (
+        ANGLES,
+        after(shifted("psi", 2 * np.pi), ANGLES_IN_DEGREES),
+        f"angles in degrees; {TURNS}",
+    ),
+    "angles without turns": (ANGLES, wrapped, TURNS),
+    "early": (OMEGA, moved(1), "omega one step of t early"),
+    "state early": (STATE, moved(1), "omega one step of t early; gamma one step of t early"),
+    "attitude early": (ATTITUDE, moved(1), "attitude one step of t early"),
+    "late, from the start": (GAMMA, moved(-1), "t from its first row on (0.125)"),
+    "another beginning": (STATE, shifted("t", 100), "t from its first row on (100)"),
+    "milliseconds": (STATE, scaled(["t"], 1000), "t milliseconds"),
+    "milliseconds, scalar last": (
+        WHOLE,
+        after(LAST, scaled(["t"], 1000)),
+        "omega t milliseconds; gamma t milliseconds; attitude t milliseconds, scalar-last",
+    ),
+}
+#: The same of conventions that are told and not applied.
+REPORTED = {
+    "either sign": (ATTITUDE, either_sign, "attitude of either sign at each time"),
+    "along space": (OMEGA, by(files.along_space), "omega along the axes of space"),
+    "along space, in degrees": (
+        OMEGA,
+        after(by(files.along_space), DEGREES),
+        "omega along the axes of space degrees",
+    ),
+    "yaw, pitch, roll": (ANGLES, yaw_pitch_roll, "angles turns about z-y-x"),
+    "yaw, pitch, roll in degrees": (
+        ANGLES,
+        after(yaw_pitch_roll, ANGLES_IN_DEGREES),
+        "angles turns about z-y-x in degrees",
+    ),
+}
+
+
+def whole(case=CASE):
+    return right(case, TIMES, "at", "attitude", "angles")
+
+
+def some(table, names):
+    return {n: x for n, x in table.items() if n in ("t", "q4", *names)}
+
+
+def test_a_right_table_is_read_as_it_stands():
+    found = polhode.compare(whole(), CASE)
+    assert (found.reading, found.readings, found.causes) == (None, (), ())
+    assert found.worst > 14.5
+    run = polhode.integrate(replace(polhode.load(CASE), outputs=()), at=TIMES)
+    assert polhode.compare(run).readings == ()
+    last = numbered([*ATTITUDE[1:], "q0"])(whole())
+    assert polhode.compare(some(last, ATTITUDE), CASE).reading is None
+
+
+@pytest.mark.parametrize("name", READ)
+def test_a_convention_is_named_and_applied_and_can_be_told(name):
+    names, change, words = READ[name]
+    table = some(change(whole()), names)
+    found = polhode.compare(table, CASE)
+    assert found.reading == words
     assert found.worst > 14
     assert found.limit in ("rounding", "")
+    assert f"read as {words}" in str(found)
+    assert all(one.as_it_stands < 1.1 and 14 < one.digits <= 16 for one in found.readings)
+    plain = polhode.compare(table, CASE, as_it_stands=True)
+    assert (plain.reading, plain.readings) == (None, ())
+    assert plain.worst < 1.1
+    assert polhode.compare(table, CASE, read=words).part_digits == found.part_digits
 
 
-def test_a_step_that_does_not_explain_all_parts_is_not_named(tmp_path):
-    moved = {name: COLUMNS[name][1:] for name in STATE[:3]}
-    noise = {name: [math.sin(7 * k) for k in range(len(TIMES) - 1)] for name in STATE[3:]}
-    path = written(tmp_path / "x.csv", t=COLUMNS["t"][:-1], **moved, **noise)
-    assert polhode.compare(path, SCENE).readings == ()
+@pytest.mark.parametrize("name", REPORTED)
+def test_a_convention_that_is_not_applied_is_named(name):
+    names, change, words = REPORTED[name]
+    table = some(change(whole()), names)
+    found = polhode.compare(table, CASE)
+    (one,) = found.readings
+    assert f"{one.part} {one.convention}" == words
+    assert one.digits > 13
+    assert (found.worst, found.reading) == (0, None)
+    assert f"read as {one.convention}" in str(found)
+    with pytest.raises(BadInput, match="reported, and not applied"):
+        polhode.compare(table, CASE, read=one.convention)
 
 
-def swapped(*order):
-    return {name: COLUMNS[of] for name, of in zip(STATE, order, strict=True)}
+#: Of these, alone in other motions and two at once, the columns are of all parts.
+MIXED = ("y up", "z down", "body axes", "degrees", "exchanged", "scalar last", "inverse", "early")
+MIXED += ("downward",)
+
+
+def mixed(case, *names):
+    table = some(whole(case), WHOLE)
+    for name in names:
+        table = READ[name][1](table)
+    return polhode.compare(table, case)
+
+
+@pytest.mark.sample(2, first=1, slow=4)
+@pytest.mark.parametrize("case", ["euler/turned-axes", "lagrange/looping"])
+@pytest.mark.parametrize("name", MIXED)
+def test_a_convention_is_named_in_other_motions(case, name):
+    found = mixed(case, name)
+    assert READ[name][2].partition(";")[0] in found.reading
+    assert found.worst > 13
+
+
+@pytest.mark.slow
+def test_two_conventions_at_once_are_read():
+    """Nine of ten pairs at least; what is read is read with all its digits."""
+    pairs = [*itertools.combinations(MIXED, 2)][::3]
+    named = 0
+    for pair in pairs:
+        found = mixed(CASE, *pair)
+        assert all(one.digits > 9 for one in found.readings), pair
+        named += bool(found.readings)
+    assert named >= 0.9 * len(pairs)
+
+
+def test_what_limits_the_digits_of_a_table_that_was_read_is_told():
+    """What is left is the error of the table as it is read."""
+    found = polhode.compare(shifted("p", 1e-5)(DEGREES(some(whole(), STATE))), CASE)
+    assert found.reading == "omega degrees"
+    assert found.limit.startswith("method")
+    assert "limited by more than rounding" in str(found)
+
+
+def test_a_motion_without_a_closed_form_is_read_by_a_short_proof():
+    """Of times in milliseconds, and of a clock's, beside another convention."""
+    case = "general/asymmetric-chaotic"
+    table = of_run(polhode.integrate(case, at=[Fraction(k, 4) for k in range(13)]))
+    exchanged = renamed(p="q", q="p")(table)
+    for change, words in (
+        (scaled(["t"], 1000), "t milliseconds"),
+        (shifted("t", 1234.5), "t from"),
+    ):
+        forecasts = []
+        found = polhode.compare(
+            change(exchanged), case, forecast=lambda *told, made=forecasts: made.append(told[0])
+        )
+        assert words in found.reading
+        assert "p q r = q p r" in found.reading
+        assert found.worst > 11
+        assert max(forecasts, default=0) < 5
+
+
+def test_a_weight_of_the_other_sign_is_told_and_not_applied():
+    scene = polhode.load("lagrange/looping").at(TIMES)
+    other = replace(scene, body=replace(scene.body, weight=-scene.body.weight))
+    found = polhode.compare(of_run(polhode.integrate(other)), scene)
+    assert found.worst < 1
+    assert {one.convention for one in found.readings} == {"a weight of the other sign"}
+    assert found.reading is None
+
+
+# -- conventions that somebody tells ----------------------------------------------------------
+
+#: Other words for readings, and what they are read as.
+SYNONYMS = [
+    (DEGREES, "degrees", "omega degrees"),
+    (LAST, "qw last", "attitude scalar-last"),
+    (by(files.Y_UP), "y-up", "attitude y up, space x y z = x z -y"),
+    (scaled(["t"], 1000), "ms", None),
+    (after(DEGREES, LAST, scaled(["t"], 1000)), "ms ,qw last,deg", None),
+    (by(files.exchanged), "p q r = q p r", "omega p q r = q p r"),
+    (shifted("t", 5), "t - 5", None),
+]
+
+
+@pytest.mark.parametrize(("change", "told", "words"), SYNONYMS, ids=[x[1] for x in SYNONYMS])
+def test_other_words_for_a_convention_are_applied(change, told, words):
+    found = polhode.compare(change(some(whole(), WHOLE)), CASE, read=told)
+    assert found.worst > 14
+    assert words in (None, found.reading)
+
+
+@pytest.mark.parametrize("told", ["degrees", "angles in degrees", "deg"])
+def test_angles_in_degrees_are_told(told):
+    found = polhode.compare(ANGLES_IN_DEGREES(some(whole(), ANGLES)), CASE, read=told)
+    assert found.worst > 13
+    assert found.reading == "angles in degrees"
+
+
+def test_what_is_told_is_applied_whatever_it_gives_and_nothing_else_is():
+    table = some(whole(), WHOLE)
+    wrong = polhode.compare(table, CASE, read="degrees")
+    assert (wrong.reading, wrong.worst < 1) == ("omega degrees", True)
+    found = polhode.compare(LAST(DEGREES(table)), CASE, read="degrees")
+    assert (found.worst_part, found.worst < 1) == ("attitude", True)
+    assert [one.part for one in found.readings] == ["omega"]
+    both = ANGLES_IN_DEGREES(whole())
+    assert polhode.compare(both, CASE, read="angles in degrees").worst > 13
+    assert polhode.compare(both, CASE, read="degrees").reading.startswith("omega degrees; angles")
 
 
 @pytest.mark.parametrize(
-    ("columns", "told"),
+    ("told", "refused"),
     [
-        (swapped("q", "p", "r", *STATE[3:]), "omega p q r = q p r"),
-        (
-            swapped("r", "p", "q", "gamma3", "gamma1", "gamma2"),
-            "omega p q r = q r p; gamma gamma1 gamma2 gamma3 = gamma2 gamma3 gamma1",
-        ),
-        (
-            of(STATE) | {n: [-x for x in COLUMNS[n]] for n in ("r", "gamma3")},
-            "omega p q r = p q -r; gamma gamma1 gamma2 gamma3 = gamma1 gamma2 -gamma3",
-        ),
-        (of(STATE) | {n: [-x for x in COLUMNS[n]] for n in STATE[3:]}, "gamma the downward"),
-        (of(STATE) | {n: np.degrees(COLUMNS[n]) for n in STATE[:3]}, "omega degrees"),
+        ("sideways", "sideways: expected conventions: degrees, rpm"),
+        ("degrees, sideways", "sideways: expected conventions"),
+        (" , ", "read = ,: expected conventions"),
+        ("y up, left-handed", "left-handed: expected conventions"),
+        ("degrees", "degrees: expected omega or angles in every row; the table has attitude"),
+        ("omega degrees", "degrees: expected omega in every row; the table has attitude"),
+        ("attitude degrees", "a convention of attitude; this one is of omega or angles"),
+        ("a constant rotation of 30° about (0, 0, 1) in space axes", "reported, and not applied"),
+        ("y up", "y up: expected a quaternion that nearly has the first row's attitude in it"),
+        ("scalar-last, q1 the scalar", "no second convention"),
+        ("the downward vertical", "gamma in every row; the table has attitude"),
     ],
 )
-def test_a_reading_is_applied(tmp_path, columns, told):
-    """Its digits are the table; as it stands the file is wrong."""
-    found = judged(tmp_path, **columns, **of(ATTITUDE))
-    assert found.worst > 14
-    assert found.reading.startswith(told)
-    assert f"limited by {found.limit}; read as {found.reading}" in str(found)
-    plain = polhode.compare(tmp_path / "x.csv", SCENE, as_it_stands=True)
-    assert plain.worst < 1
-    assert plain.reading is None
-    assert plain.readings == ()
+def test_the_refusal_names_the_word_and_why(told, refused):
+    table = by(files.in_space(0.8, 0.36, 0.48, 0))(whole())
+    with pytest.raises(BadInput) as fault:
+        polhode.compare(some(table, ATTITUDE), CASE, read=told)
+    assert "read = " in str(fault.value)
+    assert refused in str(fault.value)
 
 
-def test_what_limits_the_digits_of_a_table_that_was_read_is_told(tmp_path):
-    """The convention was applied: what is left is the error of the table as it is read."""
-    columns = of(STATE) | {n: np.degrees(COLUMNS[n]) for n in STATE[:3]}
-    found = judged(tmp_path, **columns | {"p": columns["p"] + 1e-6})
-    assert found.reading == "omega degrees"
-    assert found.limit.startswith("method")
-    text = str(found)
-    assert "limited by more than rounding" in text
-    assert "no limit is named" not in text
-
-
-def test_a_wrong_sign_in_a_row_or_two_is_no_other_axis(tmp_path):
-    columns = of(STATE) | {"p": [-x for x in COLUMNS["p"]]}
-    for rows in (1, 2):
-        few = {"t": COLUMNS["t"][4 : 4 + rows], **{n: c[4 : 4 + rows] for n, c in columns.items()}}
-        found = polhode.compare(written(tmp_path / "x.csv", **few), SCENE)
-        assert found.worst < 1.5
-        assert found.readings == ()
-
-
-def test_times_in_milliseconds_are_read_so(tmp_path):
-    """Right from the first rows on; of a motion without closed form the proof is a short one."""
-    for case in (SCENE, polhode.load("general/asymmetric-regular")):
-        run = polhode.integrate(case, at=[Fraction(k, 50) for k in range(1, 60)])
-        columns = {n: run.states[:, k] for k, n in enumerate(STATE)}
-        path = written(tmp_path / "x.csv", t=[1000 * float(t) for t in run.t], **columns)
-        found = polhode.compare(path, case)
-        assert found.worst > 14
-        assert found.reading == "t milliseconds"
-
-
-def test_what_is_right_or_hopeless_gets_no_other_reading(tmp_path):
-    assert judged(tmp_path, **of([*STATE, *ATTITUDE])).readings == ()
-    noise = {name: [math.sin(7 * k) for k in range(len(TIMES))] for name in STATE}
-    assert judged(tmp_path, **noise).readings == ()
-    assert polhode.compare(polhode.integrate(replace(SCENE, outputs=()))).readings == ()
-
-
-@pytest.mark.parametrize("header", ["t,note", "t", "t,omega_x,omega_y,omega_z"])
-def test_a_file_of_which_nothing_can_be_judged_is_refused(tmp_path, capsys, header):
+def test_the_command_reads_as_it_is_told(tmp_path, capsys):
     path = tmp_path / "x.csv"
-    path.write_text(f"{header}\n{','.join('1' for _ in header.split(','))}\n")
-    assert cli.main(["compare", str(path), "lagrange/nutation"]) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.count("\n") == 1
-    assert "header" in err
+    path.write_text(text(DEGREES(some(whole(), STATE))))
+    command = ["compare", str(path), CASE]
+    assert main([*command, "--read", "degrees"]) == main(command) == 0
+    assert capsys.readouterr().out.count("read as omega degrees") == 2
+    assert main([*command, "--read", "sideways"]) == 2
+    assert main([*command, "--at-least", "6"]) == 3
+    assert main([*command, "--at-least", "6", "--read", "degrees"]) == 0
+
+
+# -- wrong tables -----------------------------------------------------------------------------
+
+
+def noise(random, table):
+    return {n: x if n == "t" else random.normal(size=x.size) for n, x in table.items()}
+
+
+def departing(random, table):
+    steps = {n: 0.03 * random.normal(size=x.size).cumsum() for n, x in table.items()}
+    return {n: x if n == "t" else x + steps[n] for n, x in table.items()}
+
+
+def early_in_part(random, table):
+    """A step that does not explain all parts."""
+    table = moved(1)(some(table, STATE))
+    return table | {n: np.sin(7 * np.arange(table["t"].size)) for n in GAMMA}
+
+
+def one_row(random, table):
+    """A wrong sign in one row alone is no other axis."""
+    return {n: (-x if n == "p" else x)[5:6] for n, x in some(table, STATE).items()}
+
+
+def another_motion(random, table):
+    return some(whole("euler/turned-axes"), WHOLE)
+
+
+@pytest.mark.parametrize("wrong", [noise, departing, early_in_part, one_row, another_motion])
+def test_a_wrong_table_has_no_convention_by_chance(wrong):
+    random = np.random.default_rng(20)
+    for _ in range(2):
+        found = polhode.compare(wrong(random, some(whole(), STATE)), CASE)
+        assert found.readings == ()
+        assert found.worst < 1.5

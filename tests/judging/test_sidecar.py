@@ -71,10 +71,12 @@ def test_what_fits_is_told_too(tmp_path, plain):
     assert plain[3].subject.remarks == ()
 
 
+BITS = '{"t_bits": 53, "number": "double", "bits": 53, "projection": %s}'
+
+
 @pytest.mark.parametrize("projection", ['{"count": 1, "onto": null}', '"h"', '{"count": "1"}'])
 def test_a_projection_that_is_none_is_not_believed(tmp_path, plain, projection):
-    known = f'{{"t_bits": 53, "number": "double", "bits": 53, "projection": {projection}}}'
-    (tmp_path / "x.json").write_text(known)
+    (tmp_path / "x.json").write_text(BITS % projection)
     found = judged(tmp_path, plain)
     assert found.digits == plain[2].digits
     assert found.drift is not None
@@ -92,15 +94,11 @@ def test_bits_that_the_times_do_not_have_are_not_believed(tmp_path, plain):
     assert found.times[0].denominator > 2**60
 
 
-@pytest.mark.parametrize("kind", ["fifo", "device", "folder"])
-def test_what_is_no_file_is_not_waited_for(tmp_path, plain, kind):
-    place = tmp_path / "x.json"
-    if kind == "fifo":
-        os.mkfifo(place)
-    elif kind == "device":
-        place.symlink_to("/dev/zero")
-    else:
-        place.mkdir()
+@pytest.mark.parametrize(
+    "make", [os.mkfifo, lambda place: place.symlink_to("/dev/zero"), lambda place: place.mkdir()]
+)
+def test_what_is_no_file_is_not_waited_for(tmp_path, plain, make):
+    make(tmp_path / "x.json")
     found = judged(tmp_path, plain)
     assert found.digits == plain[3].digits
     assert [one for one in found.subject.remarks if "not read" in one]

@@ -14,7 +14,6 @@ fails: "wanted" is what a change should keep to.
 from __future__ import annotations
 
 import argparse
-import importlib.util
 import math
 import resource
 import statistics
@@ -100,22 +99,19 @@ def _median(times: Sequence[float], others: Sequence[float]) -> tuple[float, flo
 
 
 class Group(NamedTuple):
-    """``module``: of measure.timings, which has the function; ``needs``: packages, by import."""
+    """``module``: of measure.timings, which has the function."""
 
     module: str
     about: str
-    needs: tuple[str, ...] = ()
 
 
 GROUPS = {
     "runs": Group("runs", "runs over heyoka by hand, in every number type"),
     "propagator": Group("runs", "a prepared propagator over heyoka by hand"),
     "outputs": Group("runs", "events, attitude, angles, many output times over plain runs"),
-    "digits": Group("runs", "time for so many digits over CyRK's", ("CyRK", "numba")),
     "sweeps": Group("sweeps", "sweeps over a loop of heyoka's scalar integrator"),
     "scenes": Group("bodies", "scenes made and run again, bodies of a known pattern"),
     "bodies": Group("bodies", "the first body of a process, the disk cache"),
-    "coefficients": Group("bodies", "a step with parameters over one with constants"),
     "closed_forms": Group("references", "set-up and states of closed forms; over runs"),
     "commands": Group("references", "whole commands over the bare imports"),
     "frames": Group("frames", "a frame of an animated page, in a browser"),
@@ -130,13 +126,8 @@ def lines(name: str, seconds: float) -> Iterator[Line]:
     return found
 
 
-def missing(name: str) -> list[str]:
-    """The packages that a group needs and that are not installed."""
-    return [x for x in GROUPS[name].needs if importlib.util.find_spec(x) is None]
-
-
 def main(arguments: Sequence[str]) -> int:
-    """Print the groups asked for; 2 where one is asked for that there is not, or that lacks."""
+    """Print the groups asked for; 2 where one is asked for that there is not."""
     told = "\n".join(f"  {name:14s}{group.about}" for name, group in GROUPS.items())
     parser = argparse.ArgumentParser(
         description=f"Timings.  Groups:\n{told}",
@@ -149,15 +140,8 @@ def main(arguments: Sequence[str]) -> int:
         if name not in GROUPS:
             print(f"benchmark: {name}: expected one of {', '.join(GROUPS)}", file=sys.stderr)
             return 2
-        if lacks := missing(name):
-            needed = f"benchmark: {name}: needs {', '.join(lacks)}, not installed: polhode[peers]"
-            print(needed, file=sys.stderr)
-            return 2
     print(f"{'measure':58s} {'found':32s} wanted")
     for name in given.groups or GROUPS:
-        if lacks := missing(name):
-            print(f"\n{name}: not measured without {', '.join(lacks)}")
-            continue
         print(f"\n{name}: {GROUPS[name].about}")
         for line in lines(name, given.seconds):
             print(f"{line.measure:58s} {line.value!s:32s} {line.wanted}".rstrip(), flush=True)

@@ -8,25 +8,18 @@ or fails.
 
 from __future__ import annotations
 
-import os
-import resource
-import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Callable, Iterable
 from contextlib import contextmanager
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 import heyoka as hy
 import numpy as np
 
 import polhode
-from polhode.common import executors as crew
 from polhode.common.provenance import cpu, versions
-from polhode.equations.forms import principal
 from polhode.equations.system import system
 from polhode.judging.correct_digits import errors as state_errors
 from polhode.judging.correct_digits import rate_scale
@@ -35,11 +28,10 @@ from polhode.numbers.conversion import exactly
 from polhode.runs.methods.taylor import TaylorMotion
 from polhode.runs.problem.options import Options
 from polhode.runs.problem.problem import problem
-from polhode.runs.sweep import plan as sweep_plan
 from polhode.scenes import library, scene_file
 from polhode.studies.long_run import rows as long_run
 from polhode.taylor.backend import defaults, heyoka_numbers
-from polhode.taylor.batches import batch_integrator, compiled_batch, jobs
+from polhode.taylor.batches import compiled_batch
 
 SCENE = (
     "schema = 1\n[body]\nmoments = [2, 3, 4]\ncentre = [0.3, 0.2, 0.5]\nweight = 1\n[start]\n"
@@ -298,139 +290,6 @@ def lanes() -> None:
     table(["lanes", "build, ms", "µs a step and lane", "times scalar"], rows)
 
 
-def sweeps() -> None:
-    print("## A sweep against a loop\n")
-    print(
-        "1000 starts of the heavy top, spins 0.5 to 1.5. The loop: heyoka's scalar integrator, "
-        "compiled once, coefficients as parameters, starts ready as doubles, states kept; nothing "
-        "of polhode. The sweep: everything, exact scenes and states in scene axes included, in "
-        "one thread; *steps alone*: without these two.\n"
-    )
-    given = {"start.omega[3]": "0.5:1.5:1000"}
-    rows = []
-    for end in (100, 1000, 10_000):
-        scene = heavy(end)
-        plan = sweep_plan.planned(scene, given, None, None, None, None)
-        lanes_ = [
-            (pars, start, np.array([0.0, end / 2.0 ** int(n)]))
-            for pars, start, n in zip(*plan.lanes, plan.time_units, strict=True)
-        ]
-        variables = hy.make_vars(*scene.columns)
-        k = {name: hy.par[i] for i, name in enumerate(plan.names)}
-        rates = principal.field(variables, k, heyoka_numbers.EXPRESSIONS)
-        ta = hy.taylor_adaptive(
-            list(zip(variables, rates, strict=True)), lanes_[0][1], pars=lanes_[0][0]
-        )
-
-        def loop(ta: Any = ta, lanes_: Any = lanes_) -> Any:
-            kept = np.empty((len(lanes_), 6))
-            for i, (pars, start, grid) in enumerate(lanes_):
-                ta.pars[:], ta.state[:], ta.time = pars, start, 0.0
-                kept[i] = ta.propagate_grid(grid)[-1][-1]
-            return kept
-
-        def sweep(workers: int, scene: polhode.Scene = scene) -> Any:
-            return polhode.integrate_many(scene, given, workers=workers)
-
-        polhode.integrate_many(scene, given, at=[1])  # builds
-        rounds = 2 if end == 10_000 else 7
-        least_of: dict[str, float] = {}
-        for _ in range(rounds):
-            timed = {
-                "loop": least(loop, 1)[0],
-                "sweep": least(lambda: sweep(1), 1, time.process_time)[0],
-                "steps": least(lambda plan=plan: _solved(plan), 1)[0],
-            }
-            least_of = {k: min(x, least_of.get(k, x)) for k, x in timed.items()}
-        single, whole, bare = (least_of[name] for name in ("loop", "sweep", "steps"))
-        steps = sum(sweep(1).steps)
-        cells = [f"{steps / 1000:.0f}", f"{single:.3f}", f"{whole:.3f}"]
-        cells += [f"{single / whole:.2f}", f"{single / bare:.2f}"]
-        rows.append([end, *cells])
-    table(["t", "steps a member", "loop, s", "sweep, s", "times", "steps alone, times"], rows)
-    one, two = (
-        min(
-            polhode.integrate_many(heavy(1000), given, workers=n).provenance["seconds"]["run"]
-            for _ in range(12)
-        )
-        for n in (1, 2)
-    )
-    print(
-        f"Two threads on this machine of {crew.cores()} cores, by the wall clock, steps alone, "
-        f"t = 1000: {one / two:.2f} times one (load average {os.getloadavg()[0]:.0f}; it means "
-        "little above 1).\n"
-    )
-
-
-def _solved(plan: Any) -> None:
-    for group in plan.groups(compiled_batch.width(plan.number), 16):
-        batch_integrator.solve(
-            jobs.BatchJob(
-                plan.names,
-                plan.number,
-                None,
-                plan.max_steps,
-                plan.times,
-                int(plan.time_units[group[0]]),
-                plan.lanes.some(group),
-            )
-        )
-
-
-def start_up() -> None:
-    print("## Start-up: heyoka's disk cache, off for mp\n")
-    print(
-        "`polhode run` in a process of its own, processor time (all threads) and wall clock, "
-        "warm cache, modules compiled as an installed package has them; *first*: a body that no "
-        "run has seen. Target of a warm run: 1.5 times the imports of heyoka, numpy and mpmath.\n"
-    )
-    with tempfile.TemporaryDirectory() as folder:
-        here = Path(folder)
-        environment = dict(
-            os.environ,
-            HEYOKA_CACHE_DIR=str(here / "cache"),
-            PYTHONPYCACHEPREFIX=str(here / "modules"),
-        )
-        environment.pop("PYTHONDONTWRITEBYTECODE", None)
-
-        def seconds(*command: str) -> tuple[float, float]:
-            def used() -> float:
-                spent = resource.getrusage(resource.RUSAGE_CHILDREN)
-                return spent.ru_utime + spent.ru_stime
-
-            began, before = time.perf_counter(), used()
-            subprocess.run(
-                [sys.executable, *command],
-                env=environment,
-                cwd=here,
-                check=True,
-                capture_output=True,
-            )
-            return used() - before, time.perf_counter() - began
-
-        (here / "s.toml").write_text(SCENE.format(end=10, spin=3))
-        commands = {"imports alone": ("-c", "import heyoka, numpy, mpmath")}
-        for name in TYPES:
-            commands[name] = ("-m", "polhode", "run", "s.toml", "--number", name)
-        found: dict[str, list[tuple[float, float]]] = {name: [] for name in commands}
-        found["double, first"] = []
-        for k in range(11):
-            for name, command in commands.items():
-                found[name].append(seconds(*command))
-            text = SCENE.format(end=10, spin=3).replace("[2, 3, 4]", f"[2.{k:02d}1, 3, 4]")
-            (here / "f.toml").write_text(text)
-            found["double, first"].append(seconds("-m", "polhode", "run", "f.toml"))
-        least_of = {n: [min(x) for x in zip(*rows[1:], strict=True)] for n, rows in found.items()}
-        base = least_of["imports alone"]
-        table(
-            ["", "processor, s", "of the imports", "wall, s", "of the imports"],
-            (
-                [name, f"{c:.2f}", f"{c / base[0]:.2f}", f"{w:.2f}", f"{w / base[1]:.2f}"]
-                for name, (c, w) in least_of.items()
-            ),
-        )
-
-
 def main() -> None:
     print("# What is chosen for the user\n")
     found = ", ".join(f"{name} {version}" for name, version in versions().items())
@@ -438,7 +297,7 @@ def main() -> None:
         f"Made by `python tests/measure/choices.py` ({found}; {cpu()}). "
         "The choice is in **bold** type.\n"
     )
-    parts = (tolerances, compact, digits, chunks, cadences, lanes, sweeps, start_up)
+    parts = (tolerances, compact, digits, chunks, cadences, lanes)
     for part in (p for p in parts if p.__name__ in sys.argv[1:] or len(sys.argv) == 1):
         began = time.perf_counter()
         part()

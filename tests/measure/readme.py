@@ -1,7 +1,7 @@
 """Numbers of the README and the guide from the report: ``python tests/measure/readme.py`` puts
 them in.
 
-They stand between two comments each; ``tests/test_readme.py`` compares them with ``reports/``.
+They stand between two comments each; ``tests/test_documents.py`` compares them with ``reports/``.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ import pytest
 
 import polhode
 from polhode import cli
-from polhode.output import api_reference, guide
+from polhode.output import api_reference
 
 FUNCTIONS = [name for name in api_reference.names() if inspect.isroutine(getattr(polhode, name))]
 
@@ -57,7 +57,7 @@ def test_every_public_name_has_a_page(name):
             assert re.search(rf"^    \**{argument}[,:]", page, re.M), argument
 
 
-def test_the_verb_prints_names_and_members_and_refuses_others(capsys):
+def test_the_verb_prints_names_and_members(capsys):
     assert cli.main(["guide", "api"]) == 0
     listed = re.findall(r"^\| `polhode\.(\w+)", capsys.readouterr().out, re.M)
     assert listed == api_reference.names()
@@ -65,16 +65,3 @@ def test_the_verb_prints_names_and_members_and_refuses_others(capsys):
     text = json.loads(capsys.readouterr().out)["text"]
     assert "### angles_at" in text
     assert "    t: AnyNumber" in text
-    assert cli.main(["guide", "api", "integrat"]) == 2
-    assert "did you mean 'integrate'?" in capsys.readouterr().err
-
-
-def test_words_are_looked_for_in_all_pages(capsys):
-    assert cli.main(["guide", "regular", "precession"]) == 0
-    told = capsys.readouterr().out
-    assert "polhode guide closed-forms" in told
-    places = guide.search("quaternions")
-    assert {"start", "outputs"} <= {topic for topic, _, _ in places}
-    assert all("quaternion" in text.lower() for _, _, text in places)
-    assert guide.search("quatern") == []
-    assert cli.main(["guide", "xyzzy"]) == 2

@@ -12,61 +12,17 @@ from matplotlib import pyplot as plt
 
 import polhode
 from polhode.cli import main
-from polhode.common.result import Result
-from polhode.output.results import document
+from shared.results import CERTIFIED, MAKERS, result_of_kind, watched
 
 
-def _events_scene():
-    from dataclasses import replace
-
-    event = polhode.Event("nutation")
-    return replace(polhode.load("lagrange/nutation"), events=(event,))
-
-
-MAKERS = {
-    "Trajectory": lambda: polhode.integrate("lagrange/nutation", at=[1, 2]),
-    "Trajectory in quad": lambda: polhode.integrate("lagrange/nutation", at=[1], number="quad"),
-    "Reference": lambda: polhode.reference(polhode.load("euler/largest-axis").at((1, 2))),
-    "Certified": lambda: polhode.reference(polhode.load("general/asymmetric-regular").at((1,))),
-    "Enclosure": lambda: polhode.certify("euler/largest-axis", at=[1, 2], digits=20),
-    "CertifiedEvents": lambda: polhode.certify_events(_events_scene(), end=2)[0],
-    "EventTimes": lambda: polhode.integrate(_events_scene(), at=[10], number="extended").events[0],
-    "Judgement": lambda: polhode.compare(polhode.integrate("euler/separatrix", at=[1, 20])),
-    "Ensemble": lambda: polhode.integrate_many(
-        "lagrange/nutation", {"start.omega[3]": "2:4:3"}, at=[0, 1]
-    ),
-    "Reductions": lambda: polhode.reduce_many(
-        "lagrange/nutation", {"start.omega[3]": "2:4:3"}, keep=["final"], number="extended"
-    ),
-    "Reductions of events": lambda: polhode.reduce_many(
-        _events_scene(), {"start.omega[1]": "0.5:1:2"}, keep=["first nutation"], at=[2]
-    ),
-    "Section": lambda: polhode.section("lagrange/nutation", starts=[[1, 0.2]], crossings=6),
-    "ChaosMap": lambda: polhode.chaos_map("lagrange/nutation", grid=(3, 3), end=20),
-    "Levels": lambda: polhode.levels("general/asymmetric-chaotic"),
-    "Frequencies": lambda: polhode.frequencies("lagrange/nutation", of=["gamma3"], end=100),
-    "Orbit": lambda: polhode.orbit("grioli/precession", digits=20),
-    "ProvedOrbit": lambda: polhode.prove_orbit("grioli/precession"),
-    "Lyapunov": lambda: polhode.lyapunov("euler/largest-axis", 200),
-    "OrbitFamily": lambda: polhode.orbit_family("grioli/precession", "h", "0.752"),
-}
-_MADE: dict[str, Result] = {}
-
-
-def made(name: str) -> Result:
-    if name not in _MADE:
-        _MADE[name] = MAKERS[name]()
-    return _MADE[name]
-
-
-@pytest.mark.sample(9)
+@pytest.mark.sample(12, slow=20)
 @pytest.mark.parametrize("suffix", [".csv", ".json", ".npz"])
 @pytest.mark.parametrize("name", MAKERS)
 def test_what_is_saved_loads_again_and_is_equal(name, suffix, tmp_path):
-    if (name, suffix) in (("Enclosure", ".json"), ("ProvedOrbit", ".json")):
+    if name in CERTIFIED and suffix == ".json":
         pytest.skip("that is its certificate")
     path = tmp_path / f"x{suffix}"
-    found = made(name)
+    found = result_of_kind(name)
     found.save(path)
     again = polhode.load_result(path)
     assert type(again) is type(found)
@@ -76,10 +32,10 @@ def test_what_is_saved_loads_again_and_is_equal(name, suffix, tmp_path):
     assert sorted(place.suffix for place in tmp_path.iterdir()) == [suffix, *beside]
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(4, slow=4)
 @pytest.mark.parametrize("name", MAKERS)
 def test_results_draw_themselves_and_into_axes_of_ones_own(name):
-    found = made(name)
+    found = result_of_kind(name)
     panels = np.ravel(np.asarray(found.plot(), dtype=object))
     if name.startswith("Trajectory"):
         _, mine = plt.subplots()
@@ -95,10 +51,10 @@ def test_results_draw_themselves_and_into_axes_of_ones_own(name):
     plt.close("all")
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("name", MAKERS)
 def test_results_become_tables(name):
-    found = made(name)
+    found = result_of_kind(name)
     frame = found.to_pandas()
     assert len(frame)
     assert len(found.to_xarray().variables) >= len(frame.columns)
@@ -113,14 +69,14 @@ def test_results_become_tables(name):
         ("number", "double", 17),
         ("number", "extended", 21),
         ("number", "quad", 36),
-        ("digits", 50, 58),
+        pytest.param("digits", 50, 58, marks=pytest.mark.slow),
     ],
 )
 def test_times_of_events_have_the_digits_of_their_type_wherever_they_are_printed(
     key, value, printed, tmp_path, capsys
 ):
     scene = tmp_path / "scene.toml"
-    scene.write_text(polhode.as_toml(_events_scene().at((10,))))
+    scene.write_text(polhode.as_toml(watched().at((10,))))
     command = ["run", str(scene), f"--{key}", str(value)]
     assert main([*command, "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
@@ -136,7 +92,7 @@ def test_times_of_events_have_the_digits_of_their_type_wherever_they_are_printed
 
 def test_a_certificate_is_no_result_and_says_what_it_is(tmp_path):
     path = tmp_path / "proof.json"
-    made("Enclosure").save(path)
+    result_of_kind("Enclosure").save(path)
     with pytest.raises(polhode.BadInput, match=r"certificate, which polhode\.verify checks"):
         polhode.load_result(path)
 
@@ -157,48 +113,23 @@ def test_what_is_there_is_replaced_by_its_own_kind_alone(tmp_path):
         path = tmp_path / f"x{suffix}"
         path.write_text("mine\n")
         with pytest.raises(polhode.BadInput, match=r"there is another, perhaps a certificate"):
-            made("Levels").save(path)
+            result_of_kind("Levels").save(path)
         assert path.read_text() == "mine\n"
         path.unlink()
-    made("Levels").save(tmp_path / "x.npz")
+    result_of_kind("Levels").save(tmp_path / "x.npz")
     with pytest.raises(polhode.BadInput, match="the file of a result Levels"):
-        made("Orbit").save(tmp_path / "x.npz")
+        result_of_kind("Orbit").save(tmp_path / "x.npz")
     (tmp_path / "y.json").write_text('{"mine": 1}')
     with pytest.raises(polhode.BadInput, match=r"y\.json"):
-        made("Orbit").save(tmp_path / "y.csv")
+        result_of_kind("Orbit").save(tmp_path / "y.csv")
     assert not (tmp_path / "y.csv").exists()
     with pytest.raises(polhode.BadInput, match=r"\.csv or \.json or \.npz or \.parquet"):
-        made("Orbit").save(tmp_path / "x.txt")
-
-
-def test_a_changed_document_is_refused():
-    told = document.document(made("Orbit"))
-    assert document.result_of(told, "x") == made("Orbit")
-    text = json.dumps(told)
-    for wrong in (
-        text.replace('"Closed"', '"Closer"'),
-        text.replace(document.FORMAT, "polhode document 1"),
-        "[]",
-        "{}",
-    ):
-        with pytest.raises(polhode.BadInput):
-            document.result_of(json.loads(wrong), "x")
+        result_of_kind("Orbit").save(tmp_path / "x.txt")
 
 
 def test_parquet_loads_again(tmp_path):
     pytest.importorskip("pyarrow")
     for name in ("Levels", "Trajectory in quad", "Enclosure", "Judgement"):
         path = tmp_path / f"{name}.parquet"
-        made(name).save(path)
-        assert polhode.load_result(path) == made(name)
-
-
-def test_one_of_a_kind_is_told_in_the_singular():
-    one = made("Trajectory in quad")
-    assert repr(one).startswith("<Trajectory of lagrange/nutation: quad, 1 time to t = 1")
-    assert repr(polhode.certify("euler/largest-axis", at=[1])).startswith(
-        "<Enclosure of euler/largest-axis: 1 time to t = 1"
-    )
-    assert "5 curves, 1 cusp>" in repr(polhode.levels("kovalevskaya/generic"))
-    many = polhode.integrate_many("euler/largest-axis", {"start.omega[3]": [2]}, at=[0])
-    assert ": 1 member in double, 1 time to t = 0" in repr(many)
+        result_of_kind(name).save(path)
+        assert polhode.load_result(path) == result_of_kind(name)

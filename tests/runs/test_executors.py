@@ -144,9 +144,8 @@ def test_no_process_runs_the_caller_s_script_again(way, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("way", ["file", "stdin"])
-def test_a_section_by_processes_of_an_unguarded_script(way, tmp_path):
-    code, text, faults = told_by(way, tmp_path, SECTION)
+def test_a_section_by_processes_of_an_unguarded_script(tmp_path):
+    code, text, faults = told_by("stdin", tmp_path, SECTION)
     begun, by_two, by_one = text.splitlines()
     assert (code, begun, faults) == (0, "begun", "")
     assert by_two == by_one != ""

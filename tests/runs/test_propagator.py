@@ -228,6 +228,7 @@ def test_what_is_no_row_of_numbers_is_refused(start):
         polhode.propagator(scene())(start, t=1.0)
 
 
+@pytest.mark.slow
 def test_a_long_way_is_gone_as_a_run_goes_it():
     fast = scene(moments=[1, 1, 0.5], centre=[0, 0, 1], weight=1, omega=[0, 0.5, 10_000])
     go = polhode.propagator(fast, number="extended")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import itertools
 import pickle
 from dataclasses import replace
 from fractions import Fraction
@@ -64,25 +63,14 @@ def test_the_text_of_a_scene_from_numbers_gives_it_back_to_the_bit(start):
     assert written == scene  # before its text is made
 
 
-def test_a_run_in_double_of_doubles_loses_nothing_by_rounding_its_inputs():
-    scene = polhode.top(moments=[1, 2, 2.3], omega=[0.1, 1.7, 0.3], gamma=[0, 0, 1], end=3)
-    judged = polhode.compare(polhode.integrate(scene))
-    # the body's scaled coefficients round, its start does not: within a digit of the type's
-    assert judged.worst > 14.5
-
-
 @pytest.mark.parametrize("name", library.names())
-@pytest.mark.sample(20)
+@pytest.mark.sample(10, slow=30)
 def test_every_case_written_and_read_again_is_itself(name):
+    assert polhode.as_toml(polhode.load(name)) == polhode.load(name).source
     scene = replace(polhode.load(name), title="another")
     assert scene.source not in polhode.as_toml(scene)
     again = scene_file.parse(polhode.as_toml(scene), name)
     assert replace(again, source="") == replace(scene, source="")
-
-
-def test_a_file_that_says_what_the_scene_is_stays_as_it_was_written():
-    scene = polhode.load("kovalevskaya/generic")
-    assert polhode.as_toml(scene) == scene.source
 
 
 def test_what_no_file_can_hold_is_refused():
@@ -146,32 +134,12 @@ def test_at_a_pole_phi_is_counted_as_zero(quaternion, gamma, psi):
     assert min(np.max(np.abs(run.attitude[0] - s * given)) for s in (1, -1)) < 4 * EPS
 
 
-def test_omega_and_momentum_go_with_angles_and_quaternion():
-    turned = {"angles": ["pi/3", "pi/6", 0]}, {"quaternion": [1, 2, 3, 4], "normalise": True}
-    moved = {"omega": [2, 1, 3]}, {"momentum": [4, 3, 12]}
-    for where, how in itertools.product(turned, moved):
+@pytest.mark.parametrize(
+    "where", [{"angles": ["pi/3", "pi/6", 0]}, {"quaternion": [1, 2, 3, 4], "normalise": True}]
+)
+def test_omega_and_momentum_go_with_angles_and_quaternion(where):
+    for how in ({"omega": [2, 1, 3]}, {"momentum": [4, 3, 12]}):
         assert polhode.top(moments=[2, 3, 4], **where, **how).omega == (2, 1, 3)
-
-
-def test_a_start_on_a_level_is_there_in_python_too():
-    level = {"h": 2, "f": 1, "gamma": [0, "3/5", "4/5"]}
-    scene = polhode.top(moments=[2, 2, 1], centre=[1, 0, 0], weight=1, **level)
-    assert (scene.integrals.energy, scene.integrals.area) == (2, 1)
-    other = polhode.top(moments=[2, 2, 1], centre=[1, 0, 0], weight=1, sign="-", **level)
-    assert other.integrals.energy == 2
-    assert other.omega != scene.omega
-
-
-def test_normalise_is_there_in_python_too():
-    top = polhode.top(moments=[1, 1, 1], omega=[0, 0, 1], gamma=[0.6, 0, 0.8], normalise=True)
-    body = polhode.Body.of_moments([1, 1, 1])
-    scene = polhode.Scene(body, [0, 0, 1], [0.6, 0, 0.8], normalise=True)
-    assert scene.gamma == top.gamma
-    assert sum(x * x for x in scene.gamma) == 1
-    with pytest.raises(polhode.BadInput, match="normalise = true"):
-        polhode.Scene(body, [0, 0, 1], [0.6, 0, 0.8])
-    with pytest.raises(polhode.BadInput, match="length"):
-        polhode.Scene(body, [0, 0, 1], [0, 0, 0], normalise=True)
 
 
 # -- bodies -------------------------------------------------------------------------------------
@@ -202,71 +170,10 @@ def test_a_top_in_si_units_is_the_same_by_shape_by_mass_and_by_weight():
         assert (other.omega, other.gamma, other.psi) == (shape.omega, shape.gamma, shape.psi)
 
 
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [
-        ({"mass": 1}, "body.g: expected g or weight together with mass; 0 for none"),
-        ({"g": 1}, "body.mass: expected a number, with g"),
-        ({"mass": 0, "g": 1}, "body.mass = 0: expected a mass above 0"),
-        ({"mass": 1, "g": 1, "weight": 1}, "body.weight = 1: expected only one of weight and g"),
-        ({"mass": 1, "g": 1}, "body.centre: expected three numbers, since weight is not 0"),
-        ({"about": "centre"}, "body.mass: expected a value, with about"),
-        ({"about": "centre", "mass": 1, "g": 0}, "body.centre: expected a value, with about"),
-        ({"about": "the tip"}, "body.about = the tip: expected 'fixed point' or 'centre'"),
-        ({"parts": [{"shape": "rod"}], "moments": None}, "body.parts[1].mass: expected a value"),
-        ({"parts": [{"shape": "rod", "mass": 1, "height": 1}]}, "body.moments = [1, 2, 2.5]"),
-        (
-            {"moments": None, "parts": [{"shape": "rod", "mass": 1, "height": 1}], "g": 0},
-            "body.parts: expected parts of positive principal moments",
-        ),
-        (
-            {"moments": None, "parts": [{"shape": "rod", "mass": 1, "height": -1}], "g": 0},
-            "body.parts[1].height = -1: expected a length above 0",
-        ),
-        ({"moments": None, "parts": [3]}, "body.parts[1] = 3: expected a Part, or a mapping"),
-        ({"moments": None, "parts": [{"shap": 3}]}, "did you mean 'shape'?"),
-        ({"moments": [1, 2, 4], "about": "centre", "mass": 1, "centre": [0, 0, 9]}, "g or weight"),
-        ({"angles": [0, 0, 0], "gamma": [0, 0, 1]}, "start.angles = [0, 0, 0]: expected no value"),
-        ({"rates": [0, 0, 0]}, "start.omega = [0.1"),
-        ({"quaternion": [1, 1, 0, 0]}, "length exactly 1, or normalise = true"),
-        ({"quaternion": [0, 0, 0, 0], "normalise": True}, "a vector that is not zero"),
-        ({"quaternion": [1, 0, 0]}, "an array of 4 numbers"),
-        (
-            {"quaternion": [1, 0, 0, 0], "psi": 1},
-            "start.psi = 1: expected no value together with quater",
-        ),
-        ({"omega": [1, 2, "x"]}, "start.omega = x: expected a number"),
-        ({"omega": [1, 2, float("inf")]}, "start.omega = inf: expected a number"),
-        ({"omega": 3}, "start.omega = 3: expected an array of 3 numbers"),
-        ({"samples": 3.5, "end": 1}, "run.samples = 3.5: expected a whole number"),
-        ({"events": [3]}, "events[1] = 3: expected an Event, or a mapping of its keys"),
-        ({"outputs": [3]}, "run.outputs = 3: expected a text"),
-        ({"outputs": 3}, "run.outputs = 3: expected"),
-        ({"parts": 2.5, "moments": None}, "body.parts = 2.5: expected a list of Part"),
-        ({"normalise": None}, "start.normalise: expected True or False"),
-        ({"normalise": np.zeros(3)}, "start.normalise = [0. 0. 0.]: expected True or False"),
-        ({"name": 3}, "top: name = 3: expected text"),
-        ({"title": np.array(3.0)}, "title = 3.0: expected a text"),
-        ({"omega": np.array(3.0)}, "start.omega = 3: expected an array of 3 numbers"),
-    ],
-)
-def test_what_cannot_be_is_refused_by_the_name_of_its_key(given, said):
-    with pytest.raises(polhode.BadInput) as fault:
-        polhode.top(**(FREE | given))
-    assert said in str(fault.value)
-
-
-def test_an_inertia_about_the_centre_that_no_body_has_is_refused():
-    """Carried far enough away it would look like one."""
-    given = {"about": "centre", "mass": 1, "g": 0, "centre": [0, 0, 9]}
-    with pytest.raises(polhode.BadInput, match=r"moments = \[1, 2, 4\].*sum of the others"):
-        polhode.top(moments=[1, 2, 4], omega=[0, 0, 1], **given)
-
-
 def test_numbers_of_parts_can_be_varied():
     scene = scene_file.parse(SI, "si")
     varied = {"body.parts[1].radius": ["0.03", "0.06"], "body.g": [0, "9.80665"]}
-    many = polhode.integrate_many(scene, varied, at=[0, "0.01"])
+    many = polhode.integrate_many(scene, varied, at=[0])
     third = [member.body.moments[2] for member in many.members]
     assert third == [Fraction(27, 10**6)] * 2 + [Fraction(108, 10**6)] * 2
     assert many.members[1].body.torque == scene.body.torque
@@ -277,69 +184,47 @@ def test_numbers_of_parts_can_be_varied():
 # -- the table of keys --------------------------------------------------------------------------
 
 
+#: A small scene, and what stands in its sections instead, where a key needs or excludes others.
+LINES = {
+    "": "schema = 1",
+    "body": "moments = [2, 2, 1]\nweight = 0",
+    "body.parts": 'mass = 1\nshape = "sphere"\nradius = 1',
+    "start": "omega = [1, 0, 0]\ngamma = [0, 0, 1]",
+    "run": "end = 1",
+    "reference": "",
+    "section": "",
+    "expect": "",
+    "events": 'name = "x"\nzero = "p"',
+    "published": 't = 1\nquantity = "p"\nvalue = "1"\ncite = "me"',
+}
+HEAVY = "moments = [2, 2, 1]\nmass = 1\ncentre = [0, 0, 1]\ng = 1"
+LEVEL = 'gamma = ["3/5", 0, "4/5"]\nh = 3\nf = 1'
+CONE = 'mass = 1\nshape = "cone"\nradius = 1\nheight = 1'
+INSTEAD = {
+    **{("body", key): "weight = 0" for key in ("moments", "inertia")},
+    **{("body", key): HEAVY for key in ("about", "mass", "g")},
+    ("body", "weight"): "moments = [2, 2, 1]\ncentre = [0, 0, 1]",
+    ("body.parts", "size"): 'mass = 1\nshape = "box"',
+    ("body.parts", "semi_axes"): 'mass = 1\nshape = "ellipsoid"',
+    **{("body.parts", key): CONE for key in ("height", "shape", "axis")},
+    ("start", "momentum"): "gamma = [0, 0, 1]",
+    ("start", "rates"): "angles = [0, 1, 0]",
+    **{("start", key): "omega = [1, 0, 0]" for key in ("angles", "quaternion")},
+    **{("start", key): LEVEL for key in ("h", "f", "sign")},
+    **{("run", key): "" for key in ("end", "at")},
+}
+
+
 def scene_with(section, key, value):
     """A small scene with one more key, and without what that excludes; None: without the key."""
-    line = "" if value is None else f"{key} = {value}"
-    body = ["weight = 0"]
-    solid = ["mass = 1", 'shape = "sphere"', "radius = 1"]
-    start = ["omega = [1, 0, 0]", "gamma = [0, 0, 1]"]
-    run: list[str] = []
-    top = ["schema = 1"]
-    if section == "body":
-        if key not in ("moments", "inertia"):
-            body.append("moments = [2, 2, 1]")
-        if key in ("about", "mass", "g"):
-            body += ["mass = 1", "centre = [0, 0, 1]", "g = 1"]
-            body.remove("weight = 0")
-        elif key == "weight":
-            body.append("centre = [0, 0, 1]")
+    lines = LINES | {section: INSTEAD.get((section, key), LINES[section])}
+    kept = [line for line in lines[section].splitlines() if line.split(" ")[0] != key]
+    lines[section] = "\n".join(kept + ([] if value is None else [f"{key} = {value}"]))
     if section == "body.parts":
-        needs = {
-            "size": ("box", []),
-            "semi_axes": ("ellipsoid", []),
-            "height": ("cone", ["radius = 1"]),
-            "axis": ("cylinder", ["radius = 1", "height = 1"]),
-            "shape": ("cone", ["radius = 1", "height = 1"]),
-        }
-        if key in needs:
-            shape, more = needs[key]
-            solid = ["mass = 1", f'shape = "{shape}"', *more]
-    if section == "start":
-        if key in ("momentum", "rates", "h", "f", "sign"):
-            start.remove("omega = [1, 0, 0]")
-        if key in ("h", "f", "sign"):
-            start = ['gamma = ["3/5", 0, "4/5"]', "h = 3", "f = 1"]
-        if key == "rates":
-            start += ["angles = [0, 1, 0]"]
-        if key in ("angles", "quaternion", "rates"):
-            start.remove("gamma = [0, 0, 1]")
-    if section == "run":
-        run = [] if key in ("end", "at") else ["end = 1"]
-    parts = {
-        "": top,
-        "body": body,
-        "start": start,
-        "run": run,
-        "events": ['name = "x"', 'zero = "p"'],
-        "published": ["t = 1", 'quantity = "p"', 'value = "1"', 'cite = "me"'],
-        "reference": [],
-        "section": [],
-        "expect": [],
-    }
-    if section == "body.parts":
-        parts["body.parts"] = solid
-    elif section != "body":
-        parts["body"] = ["moments = [2, 2, 1]"]
-    lines = parts[section]
-    parts[section] = [x for x in lines if x.split(" ")[0] != key] + ([line] if line else [])
-    text = []
-    for name in ("", "body", "body.parts", "start", "run", "reference", "section", "expect"):
-        if name in parts:
-            head = {"": "", "body.parts": "[[body.parts]]"}.get(name, f"[{name}]")
-            text += [head, *parts[name]]
-    for name in ("events", "published"):
-        if name == section:
-            text += [f"[[{name}]]", *parts[name]]
+        lines["body"] = "weight = 0"
+    alone = {name for name in ("body.parts", "events", "published") if name != section}
+    heads = {"": "", **{name: f"[[{name}]]" for name in ("body.parts", "events", "published")}}
+    text = [f"{heads.get(n, f'[{n}]')}\n{x}" for n, x in lines.items() if n not in alone]
     return scene_file.parse("\n".join(text), "x")
 
 
@@ -355,21 +240,12 @@ PLAIN = [
 def test_the_example_of_every_key_is_read(section, key):
     assert key.example
     scene_with(section, key.name, key.example)
-
-
-@pytest.mark.parametrize(
-    ("section", "key"), [p for p in PLAIN if p[1].default], ids=lambda x: getattr(x, "name", x)
-)
-def test_a_default_given_is_as_if_left_out(section, key):
-    given = scene_with(section, key.name, key.default)
-    left = scene_with(section, key.name, None)
-    assert replace(given, source="") == replace(left, source="")
-
-
-@pytest.mark.parametrize("section", [s for s in keys.KEYS if s not in ("expect",)])
-def test_no_other_key_is(section):
-    with pytest.raises(polhode.BadInput, match=r"one of the keys|a table"):
-        scene_with(section, "nonsense", 1)
+    if key.default:  # as if left out
+        given, left = (scene_with(section, key.name, x) for x in (key.default, None))
+        assert replace(given, source="") == replace(left, source="")
+    if section != "expect":
+        with pytest.raises(polhode.BadInput, match=r"one of the keys|a table"):
+            scene_with(section, "nonsense", 1)
 
 
 def test_a_scene_says_what_it_was_given_whatever_becomes_of_that():
@@ -384,11 +260,6 @@ def test_a_scene_says_what_it_was_given_whatever_becomes_of_that():
     assert scene.times == (1, 2)
 
 
-def test_a_fault_of_times_that_are_used_up_is_told_all_the_same():
-    with pytest.raises(polhode.BadInput, match=r"run.at\[2\] = 1: expected times of one sign"):
-        polhode.top(**FREE, at=(k for k in (2, 1)))
-
-
 @pytest.mark.parametrize("title", ["\U0001f600 Zhukovski\u012d \\ud83d", "\x7f \t", np.str_("a")])
 def test_every_title_is_read_as_it_was_given(title):
     scene = polhode.top(**FREE, title=title)
@@ -397,36 +268,21 @@ def test_every_title_is_read_as_it_was_given(title):
     assert polhode.as_toml(replace(scene, psi=1)).count(chr(10)) > 5
 
 
-@pytest.mark.parametrize(
-    ("title", "said"), [("\ud800", "expected TOML"), ("x" * 20_000, "lines of at most 10000")]
-)
-def test_a_title_that_no_file_can_hold_is_refused_at_once(title, said):
-    with pytest.raises(polhode.BadInput, match=said):
-        polhode.top(**FREE, title=title)
-
-
 def test_the_unit_of_time_is_the_one_of_the_exact_numbers(monkeypatch):
     """Doubles decide where they are sure of it; next to a power of two they are not."""
-    rng = np.random.default_rng(7)
-    sizes = [Fraction(float(x)) for x in np.exp(rng.uniform(-90, 90, 300))]
-    near = [Fraction(2) ** int(k) * (1 + x) for k in (-41, 0, 3) for x in _BESIDE_ONE]
-    sure, scenes = 0, []
-    for rate in sizes + near:
-        spin = {"omega": [rate, 0, 0], "gamma": [0, 0, 1]}
-        scenes.append(polhode.top(moments=[1, 2, 2], **spin))
-        weight = {"centre": [0, 0, 1], "weight": rate**2}  # rate**4 is the fourth power, exactly
-        scenes.append(polhode.top(moments=[1, 1, 1], omega=[0, 0, 0], gamma=[0, 1, 0], **weight))
+    near = [1 + Fraction(k, 2**n) for k in (-3, -1, 0, 1, 3) for n in (9, 10, 11, 40, 60)]
+    sizes = np.exp(np.random.default_rng(7).uniform(-90, 90, 60))
+    scenes = []
+    for rate in [Fraction(float(x)) for x in sizes] + near + [x / 2**41 for x in near]:
+        start = {"omega": [rate, 0, 0], "gamma": [0, 0, 1]}
+        scenes.append(polhode.top(moments=[1, 2, 2], **start))
+        heavy = {"moments": [1, 1, 1], "centre": [0, 0, 1], "weight": rate**2}
+        scenes.append(polhode.top(**heavy, omega=[0, 0, 0], gamma=[0, 1, 0]))
     found = [scene.time_unit for scene in scenes]
     sure = sum(sure_time_unit(x.omega, x.body) is not None for x in scenes)
     monkeypatch.setattr(scene_module, "sure_time_unit", lambda omega, body: None)
     assert found == [replace(scene, name="again").time_unit for scene in scenes]
-    assert 300 < sure < len(scenes)
-
-
-_BESIDE_ONE = [
-    *(Fraction(sign * k, 2**n) for sign in (1, -1) for k in (1, 3) for n in (9, 10, 11, 40, 60)),
-    Fraction(0),
-]
+    assert 100 < sure < len(scenes)
 
 
 @pytest.mark.parametrize("gamma", [[0.6, 0, 0.8], [0.6, 0.48, 0.64]])

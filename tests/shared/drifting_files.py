@@ -213,27 +213,19 @@ def columns(motion):
     }
 
 
-def degrees(motion, _):
+def degrees(motion, _=None):
     return replace(motion, omega=np.degrees(motion.omega))
 
 
-def revolutions_a_minute(motion, _):
-    return replace(motion, omega=motion.omega * 30 / np.pi)
-
-
-def scalar_last(motion, _):
+def scalar_last(motion, _=None):
     return replace(motion, turn=np.roll(motion.turn, -1, axis=1))
 
 
-def both(motion, random):
-    return scalar_last(degrees(motion, random), random)
-
-
-def inverse(motion, _):
+def inverse(motion, _=None):
     return replace(motion, turn=motion.turn * [1, -1, -1, -1])
 
 
-def left_handed(motion, _):
+def left_handed(motion, _=None):
     """z reflected, of the body and of space; omega is a pseudovector."""
     return replace(
         motion,
@@ -243,49 +235,53 @@ def left_handed(motion, _):
     )
 
 
-def y_up(motion, _):
-    return replace(motion, turn=product(np.array([1, -1, 0, 0]) / math.sqrt(2), motion.turn))
-
-
-def turned_in_space(motion, random):
-    return replace(motion, turn=product(random_unit(random), motion.turn))
+def in_space(*turn):
+    """The attitude from other axes of space; of chance, if no quaternion is given."""
+    return lambda motion, random=None: replace(
+        motion, turn=product(np.array(turn) if turn else random_unit(random), motion.turn)
+    )
 
 
 def turned_in_body(motion, random):
     return replace(motion, turn=product(motion.turn, random_unit(random)))
 
 
-def downward(motion, _):
+def downward(motion, _=None):
     return replace(motion, gamma=-motion.gamma)
 
 
-def along_space(motion, _):
+def along_space(motion, _=None):
     return replace(motion, omega=np.einsum("nij,nj->ni", matrix(motion.turn), motion.omega))
 
 
-def exchanged(motion, _):
+def exchanged(motion, _=None):
     return replace(motion, omega=motion.omega[:, [1, 0, 2]])
 
 
-def other_body_axes(motion, _):
+def other_body_axes(motion, _=None):
     signs = np.array([1, -1, -1])
     turn = product(motion.turn, np.array([0.0, 1, 0, 0]))
     return replace(motion, omega=motion.omega * signs, gamma=motion.gamma * signs, turn=turn)
 
 
+Y_UP = in_space(math.sqrt(0.5), -math.sqrt(0.5), 0, 0)
+
 #: Conventions, and the part and the words by which each is named.
 CONVENTIONS = {
     "degrees": (degrees, {"omega": "degrees"}),
-    "rpm": (revolutions_a_minute, {"omega": "rpm"}),
+    "rpm": (lambda m, _: replace(m, omega=m.omega * 30 / np.pi), {"omega": "rpm"}),
     "scalar last": (scalar_last, {"attitude": "scalar-last"}),
-    "degrees, scalar last": (both, {"omega": "degrees", "attitude": "scalar-last"}),
+    "degrees, scalar last": (
+        lambda m, _: scalar_last(degrees(m)),
+        {"omega": "degrees", "attitude": "scalar-last"},
+    ),
     "inverse": (inverse, {"attitude": "body from space"}),
     "left-handed": (
         left_handed,
         {"omega": "p q r = -p -q r", "gamma": "gamma1 gamma2 gamma3 = gamma1 gamma2 -gamma3"},
     ),
-    "y up": (y_up, {"attitude": "y up"}),
-    "turned in space": (turned_in_space, {"attitude": "a constant rotation of"}),
+    "y up": (Y_UP, {"attitude": "y up"}),
+    "turned in space": (in_space(), {"attitude": "a constant rotation of"}),
     "turned in the body": (turned_in_body, {"attitude": "a constant rotation of"}),
     "downward": (downward, {"gamma": "the downward vertical"}),
     "along space": (along_space, {"omega": "along the axes of space"}),

@@ -96,40 +96,18 @@ def _altered(rng: random.Random, values: Any) -> Any:
     return found
 
 
-def _swapped(rng: random.Random, values: Any) -> Any:
+def _with(values: Any, place: Any, value: float) -> Any:
     found = values.copy()
-    a, b = rng.randrange(len(found)), rng.randrange(len(found))
-    found[[a, b]] = found[[b, a]]
+    found[place] = value
     return found
 
 
-def _zeroed(rng: random.Random, values: Any) -> Any:
-    found = values.copy()
-    found[rng.randrange(len(found))] = 0.0
-    return found
-
-
-def _scaled(rng: random.Random, values: Any) -> Any:
-    return values * rng.choice((0.0, 0.5, 1.0 + 1e-6, 2.0, -1.0))
-
-
-def _noisy(rng: random.Random, values: Any) -> Any:
-    noise = np.random.default_rng(rng.randrange(2**32)).standard_normal(values.shape)
-    return values * (1.0 + rng.choice(SIZES) * noise)
+def _normal(rng: random.Random, shape: tuple[int, ...]) -> Any:
+    return np.random.default_rng(rng.randrange(2**32)).standard_normal(shape)
 
 
 def _not_a_number(rng: random.Random, values: Any) -> Any:
-    found = values.copy()
-    found[_somewhere(rng, values)] = rng.choice((np.nan, np.inf, -np.inf, 1e300))
-    return found
-
-
-def _reversed(_: random.Random, values: Any) -> Any:
-    return values[:, ::-1].copy()
-
-
-def _turned(_: random.Random, values: Any) -> Any:
-    return values[::-1].copy()
+    return _with(values, _somewhere(rng, values), rng.choice((np.nan, np.inf, -np.inf, 1e300)))
 
 
 def _start(rng: random.Random, values: Any) -> Any:
@@ -142,13 +120,12 @@ def _start(rng: random.Random, values: Any) -> Any:
 
 CHANGES = {
     "one number": _altered,
-    "two steps swapped": _swapped,
-    "a step zeroed": _zeroed,
-    "all scaled": _scaled,
-    "noise": _noisy,
+    "a step zeroed": lambda rng, x: _with(x, rng.randrange(len(x)), 0.0),
+    "all scaled": lambda rng, x: x * rng.choice((0.0, 0.5, 1.0 + 1e-6, 2.0, -1.0)),
+    "noise": lambda rng, x: x * (1.0 + rng.choice(SIZES) * _normal(rng, x.shape)),
     "not a number": _not_a_number,
-    "coefficients reversed": _reversed,
-    "steps reversed": _turned,
+    "coefficients reversed": lambda _, x: x[:, ::-1].copy(),
+    "steps reversed": lambda _, x: x[::-1].copy(),
     "a constant term": _start,
 }
 

@@ -7,7 +7,6 @@ of the order of 1, because a term that is merely there is no evidence that it is
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -98,17 +97,7 @@ def start_box() -> list[float]:
     return worst
 
 
-def constants() -> list[float]:
-    """The constants' radii: coarser by 22 bits than the noise level asks."""
-    what = trial(generic(), [Fraction(1)], 300)
-    problem = fixed_point_problem.problem(what.motion, NOISE, NOISE - 10)
-    proof = run(problem, [fixed_point_problem.ball(t, 300) for t in what.times])
-    return ratios(proof.rows, what.states)
-
-
-def one_step(
-    problem: Problem, length: int, moved: Any, v: Callable[[Any], Any] = newton_correction.matrices
-) -> tuple[Any, Any]:
+def one_step(problem: Problem, length: int, moved: Any) -> tuple[Any, Any]:
     """A state after one step whose polynomial is wrong by ``moved`` (6,), corrected once."""
     from polhode.enclosures.approximation import window_approximation
 
@@ -121,10 +110,10 @@ def one_step(
     found = window_approximation.window(problem, false, length, 1, 1.0)
     shape = taylor_polynomials.of_doubles(found.times, found.series)
     a = step_bound.jacobian(problem, shape.near, shape.lengths)
-    matrices = v(a)
+    matrices = newton_correction.matrices(a)
     known = defect.defects(problem, shape)
     gaps = defect.gaps(problem, shape, state.centre)
-    e = newton_correction.correction(a, known.values, newton_correction.matrices(a), gaps)
+    e = newton_correction.correction(a, known.values, matrices, gaps)
     bounds = step_bound.bounds(problem, known, e, matrices)
     end = arb((length, -CLOCK))
     after, rows, _ = zonotope.advance(state, bounds, [end])
@@ -139,53 +128,6 @@ def quadratic() -> list[float]:
         what = trial(generic(), [Fraction(1, 4)], 300)
         problem = fixed_point_problem.problem(what.motion, 60)
         _, rows = one_step(problem, length, [s * 2.0**-20 for s in signs])
-        worst.append(max(ratios(rows, what.states)))
-    return worst
-
-
-def second_order() -> list[float]:
-    """h beta r**2: a start known to 2**-16, the truth at every corner of its box."""
-    worst = []
-    length = 1 << (CLOCK - 2)
-    what = trial(generic(), [Fraction(1, 4)], 300)
-    for signs in itertools.product((-1, 1), repeat=6):
-        problem = fixed_point_problem.problem(what.motion, 96)
-        ticks = 1 << (problem.fine - 16)
-        start = tuple(x + s * ticks for x, s in zip(problem.start, signs, strict=True))
-        radius = 2.0 ** (problem.noise - 16)
-        problem = replace(problem, start=start, spread=tuple(radius + r for r in problem.spread))
-        _, rows = one_step(problem, length, [0.0] * 6)
-        worst.append(max(ratios(rows, what.states)))
-    return worst
-
-
-def matrix() -> list[float]:
-    """rho: V too small by a thousandth after its start, the truth at a corner."""
-
-    def faulty(a: Any) -> Any:
-        found = newton_correction.matrices(a)
-        found[:, 1:] *= 0.99
-        return found
-
-    return _with_matrices(faulty)
-
-
-def matrix_start() -> list[float]:
-    """|I - V(0)|: all of V halved, so that V' = A V still holds."""
-    return _with_matrices(lambda a: 0.5 * newton_correction.matrices(a))
-
-
-def _with_matrices(faulty: Callable[[Any], Any]) -> list[float]:
-    length = 1 << (CLOCK - 2)
-    what = trial(generic(), [Fraction(1, 4)], 300)
-    worst = []
-    for signs in ((1, 1, 1, 1, 1, 1), (1, -1, 1, 1, -1, 1), (-1, 1, 1, -1, -1, 1)):
-        problem = fixed_point_problem.problem(what.motion, 96)
-        ticks = (1 << 10) << (problem.fine - problem.noise)
-        start = tuple(x + s * ticks for x, s in zip(problem.start, signs, strict=True))
-        spread = tuple(2.0**10 * (1 + 1e-9) + r for r in problem.spread)
-        problem = replace(problem, start=start, spread=spread)
-        _, rows = one_step(problem, length, [0.0] * 6, faulty)
         worst.append(max(ratios(rows, what.states)))
     return worst
 
@@ -224,10 +166,3 @@ def integrals() -> list[float]:
             off = abs(x - Fraction(y, 1 << problem.fine)) * 2**problem.noise
             worst.append(float(off / Fraction(float(r))))
     return worst
-
-
-def far_too_large() -> None:
-    """A start known to a quarter only: no step can be proven."""
-    problem = fixed_point_problem.problem(fixed_point_problem.motion(generic()), 60)
-    problem = replace(problem, spread=(2.0**58,) * 6)
-    run(problem, [fixed_point_problem.ball(Fraction(5), 300)])

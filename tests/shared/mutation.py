@@ -1,7 +1,9 @@
-"""A function of the package with one piece of its text replaced, for as long as a test lasts."""
+"""A function of the package with one piece of its text replaced, for as long as a test lasts; and a
+certificate with one value replaced."""
 
 from __future__ import annotations
 
+import copy
 import inspect
 import textwrap
 from collections.abc import Iterator
@@ -24,3 +26,16 @@ def without(module: Any, name: str, old: str, new: str) -> Iterator[None]:
         yield
     finally:
         setattr(home, attribute, kept)
+
+
+def altered(given: Any, place: str, value: Any) -> Any:
+    """A JSON value with another one at a place, or made of the one there.
+
+    ``place``: keys and numbers, as ``statement start 0``.
+    """
+    found = parent = copy.deepcopy(given)
+    *path, last = (int(key) if key.isdigit() else key for key in place.split())
+    for key in path:
+        parent = parent[key]
+    parent[last] = value(parent[last]) if callable(value) else value
+    return found

@@ -16,6 +16,7 @@ from typing import Any
 
 from polhode.numbers.mpmath_context import mpf, mpmath
 from shared import fast_series
+from shared.plain_taylor import length, total
 
 Matrix = Sequence[Sequence[Any]]
 
@@ -60,14 +61,13 @@ def integrate(
         for time in map(number, times):
             while now != time:
                 series, turn = _series(state, body, order, angle is not None)
-                step = _length(series, order)
+                step, left = length(mpmath, series), time - now
                 if turn is not None:
-                    step = min(step, _length([turn], order))
-                left = time - now
+                    step = min(step, length(mpmath, [[mpf(1), *turn[1:]]]))
                 step = left if abs(left) <= step else mpmath.sign(left) * step
-                state = [_sum(row, step) for row in series]
+                state = [total(row, step) for row in series]
                 if turn is not None:
-                    angle += _sum(turn, step)
+                    angle += total(turn, step)
                 now = time if step == left else now + step
             rows.append([*state] + ([] if angle is None else [angle]))
     with mpmath.workdps(digits + 5):
@@ -131,21 +131,3 @@ def _series(state: list[mpf], body: Any, order: int, with_psi: bool) -> tuple[li
 
 
 CYCLE = ((1, 2), (2, 0), (0, 1))
-
-
-def _sum(series: list[mpf], step: mpf) -> mpf:
-    total = mpf(0)
-    for c in reversed(series):
-        total = total * step + c
-    return total
-
-
-def _length(series: list[list[mpf]], order: int) -> mpf:
-    """A step over which the last terms are below the precision, relative to the largest first."""
-    scale = max(abs(row[0]) for row in series) or mpf(1)
-    step = mpmath.inf
-    for n in (order - 1, order):
-        last = max(abs(row[n]) for row in series)
-        if last:
-            step = min(step, (scale * mpmath.eps / last) ** (mpf(1) / n))
-    return step

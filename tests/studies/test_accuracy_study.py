@@ -1,23 +1,19 @@
-"""Rows of the accuracy study beside the cases: proven closed forms, figures that others printed."""
+"""Rows of the accuracy study: cases, proven closed forms, figures that others printed."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from pathlib import Path
+from math import log10
 
 import pytest
 
 import polhode
-from polhode.checks.published_figures import figures
 from polhode.scenes import library
 from polhode.studies import report
 from polhode.studies.accuracy import proven
-from polhode.studies.accuracy.printed import kind_of, printed_figures
-from polhode.studies.accuracy.rows import rows
-from polhode.studies.row_filter import Only
-
-COMMITTED = Path(__file__).parents[2] / "reports"
+from polhode.studies.accuracy import rows as accuracy
+from shared.reports import committed
 
 
 def test_a_closed_form_beside_the_motion_is_seen(monkeypatch):
@@ -29,50 +25,52 @@ def test_a_closed_form_beside_the_motion_is_seen(monkeypatch):
     other = polhode.reference(replace(scene, omega=omega))
     monkeypatch.setattr(proven, "reference_of", lambda _: other)
     assert not proven.proven_case(scene)["inside"]
-
-
-def test_what_has_no_closed_form_is_not_held_against_it():
     assert proven.provable(polhode.load("general/asymmetric-regular")) is None
 
 
-def test_a_printout_of_a_simulation_is_told_by_its_cite():
-    cites = {p.cite for name in library.names() for p in library.load(name).published}
-    printouts = {cite for cite in cites if kind_of(cite, recomputed=False) == "printout"}
-    assert {cite.partition(",")[0].split(" case")[0] for cite in printouts} == {
-        "NASA/TM-2015-218675",
-        "Kynema",
-    }
-    assert len(printouts) == 6
-    assert not [cite for cite in printouts if "recomputed" in cite]
-
-
-def test_a_printed_figure_has_as_many_right_digits_as_it_shares_with_the_exact_one():
-    printed, _ = printed_figures(polhode.load("published/nasa-brick"))
-    assert printed
-    for row in printed:
+def test_a_part_of_the_study_is_its_rows_alone_each_with_the_digits_that_are_right():
+    found, tables = report.part("accuracy", ["printed", "nasa-brick"])
+    assert found["cases"] == found["proven"] == []
+    assert len(found["printed"]) == len(polhode.load("published/nasa-brick").published)
+    assert tables.count("\n| published/nasa-brick | ") >= len(found["printed"])
+    for row in found["printed"]:
         off = abs(Fraction(row["printed"]) - Fraction(row["ours"]))
         assert abs(float(row["difference"])) == pytest.approx(float(off), rel=0.05)
+        right = -log10(off / abs(Fraction(row["ours"]))) if off else row["digits_shown"] + 1
+        assert row["digits_right"] == pytest.approx(min(right, row["digits_shown"] + 1), abs=0.051)
         if row["stands"]:
-            places = len(row["printed"].partition(".")[2])
-            assert off < Fraction(1, 10**places)
+            assert off < Fraction(1, 10 ** len(row["printed"].partition(".")[2]))
 
 
 def test_every_figure_of_the_library_has_its_row_in_the_committed_study():
-    found = report.results(COMMITTED, "accuracy")
-    for name in library.names():
-        scene = library.load(name)
-        told = [row["printed"] for row in found["printed"] if row["case"] == name]
-        assert sorted(told) == sorted(p.value for p in scene.published), name
-    held = {row["case"] for row in found["proven"]}
-    assert held == {
-        name for name in library.names() if proven.provable(library.load(name)) is not None
-    }
+    found = committed("accuracy")
+    told = sorted((row["case"], row["printed"]) for row in found["printed"])
+    scenes = [library.load(name) for name in library.names()]
+    assert told == sorted((scene.name, p.value) for scene in scenes for p in scene.published)
+    assert {row["kind"] for row in found["printed"]} == {"value", "printout", "recomputed"}
     assert all(row["inside"] for row in found["proven"])
 
 
-def test_a_part_of_the_study_is_its_rows_alone():
-    found = rows(only=Only(("printed", "curtis")))
-    assert found["cases"] == found["proven"] == []
-    assert {row["case"] for row in found["printed"]} == {"published/curtis"}
-    scene = polhode.load("published/curtis")
-    assert len(found["printed"]) == len(figures(scene, polhode.reference(scene)))
+@pytest.mark.slow
+def test_every_closed_form_that_can_be_proven_is_in_the_committed_study():
+    scenes = map(library.load, library.names())
+    held = {scene.name for scene in scenes if proven.provable(scene) is not None}
+    assert {row["case"] for row in committed("accuracy")["proven"]} == held
+
+
+def test_a_case_is_made_once_in_a_process_the_longest_first_and_told_in_order(monkeypatch):
+    made = []
+
+    def case(scene):
+        made.append(scene.name)
+        return {"case": scene.name}
+
+    monkeypatch.setattr(accuracy, "_made", {})
+    monkeypatch.setattr(accuracy, "_case", case)
+    names = ["euler/separatrix", "hard/million", "hard/near-cusp"]
+    scenes = [library.load(name) for name in names]
+    assert [row["case"] for row in accuracy.case_rows(scenes, 1)] == names
+    assert sorted(made) == sorted(names)
+    assert made[0] == "hard/million"
+    accuracy.case_rows([*scenes, library.load("euler/rest")], 1)
+    assert made[3:] == ["euler/rest"]

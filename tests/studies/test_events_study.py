@@ -16,20 +16,11 @@ def test_zeros_of_a_closed_form_lie_half_a_period_apart():
     first, second = zeros.first
     assert abs(second - first - zeros.period / 2) < Fraction(1, 10**45)
     every = zeros.until(98)
+    assert every == sorted({*every})
     assert len(every) == 20
-    assert every == sorted(every)
-    assert len(set(every)) == 20
-
-
-def test_a_zero_at_the_start_is_none_of_the_runs():
-    zeros = Zeros(polhode.load("lagrange/cusped"), "p*gamma2 - q*gamma1")
-    assert zeros.until(7)[0] > 1
-
-
-def test_all_zeros_of_the_motions_are_simple_and_in_every_period():
-    for motion in rows.MOTIONS[:4]:
-        zeros = Zeros(polhode.load(motion.case), motion.zero)
-        assert len(zeros.first) == 2, motion
+    # a zero at the start is none of the run's
+    at_start = Zeros(polhode.load("lagrange/cusped"), "p*gamma2 - q*gamma1")
+    assert at_start.until(7)[0] > 1
 
 
 @pytest.mark.parametrize(("t", "size"), [(1, 52), (Fraction(3, 2), 52), (2, 51), (1000, 43)])

@@ -170,9 +170,9 @@ def test_crossings_of_a_random_expression(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", ["double", "extended", "quad"])
+@pytest.mark.parametrize("number", ["double", "quad"])
 def test_crossings_of_random_expressions(number):
-    assert_right(total([Case(seed, number) for seed in range(100, 140)]), 100)
+    assert_right(total([Case(seed, number) for seed in range(100, 108)]), 15)
 
 
 @pytest.mark.campaign

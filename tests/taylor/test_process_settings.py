@@ -7,7 +7,6 @@ from threading import Barrier, Thread
 import pytest
 from threadpoolctl import threadpool_info
 
-import polhode
 from polhode.taylor.backend.process_settings import one_blas_thread, one_thread
 
 
@@ -50,23 +49,6 @@ def test_the_last_of_two_threads_puts_it_back(before):
     for worker in workers:
         worker.join()
     assert seen[-1] == before == threads()
-
-
-def test_a_refinement_runs_on_one(before, monkeypatch):
-    from polhode.refined import refinement
-
-    seen = []
-    step = refinement._Run.to_the_end
-
-    def noted(self, *arguments):
-        seen.extend(threads())
-        return step(self, *arguments)
-
-    monkeypatch.setattr(refinement._Run, "to_the_end", noted)
-    run = polhode.integrate("general/asymmetric-regular", "quad", at=[20], method="refined")
-    assert run.method == "refined"
-    assert set(seen) == {1}
-    assert threads() == before
 
 
 def test_heyoka_has_one_thread_inside_and_those_of_before_outside():

@@ -49,14 +49,6 @@ def test_a_limit_counts_over_blocks(monkeypatch):
     assert found.steps[1] == 20
 
 
-def test_who_says_stop_is_heard_between_blocks(monkeypatch):
-    monkeypatch.setattr(step_blocks, "BLOCK", 7)
-    said = iter([False, False, True])
-    found = step_blocks.until(oscillators([1.0, 50.0]), [100.0, 100.0], stop=lambda: next(said))
-    assert found.stopped
-    assert found.steps.tolist() == [21, 21]
-
-
 def test_a_lane_that_is_lost_leaves_the_others_alone():
     x = hy.make_vars("x")
     start = np.array([[-1.0, 1.0, 2.0]])

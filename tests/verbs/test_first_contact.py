@@ -1,10 +1,11 @@
-"""The first minutes: a welcome, a version, what was meant, which extra is missing, how to cite."""
+"""The first minutes: a welcome, a version, which extra is missing, completion, how to cite."""
 
 from __future__ import annotations
 
 import json
 import re
 import shlex
+import sys
 import tomllib
 from pathlib import Path
 
@@ -19,7 +20,7 @@ TOP = Path(__file__).parents[2]
 
 
 def said(capsys, *arguments, code=0):
-    assert main(list(arguments)) == code
+    assert main([*arguments]) == code
     told = capsys.readouterr()
     return told.out if code == 0 else told.err
 
@@ -44,34 +45,6 @@ def test_its_version(capsys):
     assert capsys.readouterr().out.strip() == f"polhode {polhode.__version__}"
 
 
-@pytest.mark.sample(6)
-@pytest.mark.parametrize(
-    ("command", "meant"),
-    [
-        ("runn euler/sphere", "did you mean 'run'?"),
-        ("run euler/sphere --digts 3", "did you mean '--digits'?"),
-        ("run euler/sphere --numbr=quad", "option = --numbr:"),
-        ("plot euler/sphere --what angels -o x.svg", "did you mean 'angles'?"),
-        ("show euler/separatix", "did you mean 'euler/separatrix'?"),
-        ("show looping", "did you mean 'lagrange/looping'?"),
-        ("list --tag kovalevski", "did you mean 'kovalevskaya'?"),
-        ("list --tag nope", "one of the tags angles, "),
-        ("list --tag=", "one of the tags angles, "),
-        ("study acuracy", "did you mean 'accuracy'?"),
-        ("run euler/sphere and more", "expected nothing more"),
-    ],
-)
-def test_what_was_meant_is_asked_in_one_line(capsys, command, meant):
-    told = said(capsys, *shlex.split(command), code=2)
-    assert meant in told
-    assert told.count("\n") == 1
-
-
-def test_a_sweep_says_which_options_are_missing(capsys):
-    told = said(capsys, "sweep", "euler/sphere", code=2)
-    assert "--vary" in told
-
-
 def test_every_extra_that_is_named_is_there_and_quoted():
     """An unquoted bracket is a pattern in zsh."""
     with (TOP / "pyproject.toml").open("rb") as file:
@@ -81,8 +54,7 @@ def test_every_extra_that_is_named_is_there_and_quoted():
         for before, extra in re.findall(r"pip install (.?)polhode\[([\w-]+)\]", path.read_text()):
             assert before in "'\"", path
             named.add(extra)
-    assert named <= extras
-    assert len(named) >= 4
+    assert {"figures", "frames", "shell"} <= named <= extras
 
 
 def test_the_citation_is_one_record(capsys):
@@ -90,6 +62,15 @@ def test_the_citation_is_one_record(capsys):
     assert f"version: {polhode.__version__}\ndate-released: " in citation.cff()
     told = said(capsys, "about", "--cite")
     assert told.count("\n@") == 1
-    assert told.count("{") == told.count("}")
     assert f"version = {{{polhode.__version__}}}" in told
     assert json.loads(said(capsys, "about", "--cite", "--json"))["bibtex"] == citation.bibtex()
+
+
+def test_a_shell_completes_verbs_and_options(capsys, monkeypatch):
+    pytest.importorskip("shtab")
+    for shell in ("bash", "zsh"):
+        told = said(capsys, "--print-completion", shell)
+        assert "--max-steps" in told
+        assert "compare" in told
+    monkeypatch.setitem(sys.modules, "shtab", None)
+    assert "pip install 'polhode[shell]'" in said(capsys, "--print-completion", "bash", code=2)

@@ -12,6 +12,7 @@ from polhode.scenes import catalogue, library
 from polhode.verbs.list import entry_of
 
 
+@pytest.mark.slow
 def test_the_catalogue_is_of_the_files_as_they_are():
     again = {name: entry_of(name) for name in library.names()}
     made = "python tests/measure/catalogue.py"

@@ -29,26 +29,6 @@ TIMES = {
     "--end 1.9999999999999999999 --every 1": [0, 1],
     "--end 5 --every 5": [0, 5],
 }
-REFUSED = {
-    "--at 0:1": "--at = 0:1: expected FROM:TO:N with N from 1",
-    "--at 0:1:0": "expected FROM:TO:N with N from 1",
-    "--at 0:1:2:3": "expected FROM:TO:N",
-    "--at 0:1:99999999": "FROM:TO:N with N from 1 to 10000000",
-    "--at 0:1:x": "expected FROM:TO:N",
-    "--at 0:x:3": "unknown name 'x'",
-    "--at 1,2 --end 5": "--end = 5: expected no value together with --at",
-    "--at 1,2 --every 5": "--every = 5: expected no value together with --at",
-    "--end 0": "--end = 0: expected a time other than 0",
-    "--end soon": "--end = soon: expected a time (",
-    "--end 1e400": "number = double: expected",
-    "--samples 1": "--samples = 1: expected a whole number from 2 to 1000000",
-    "--samples 1000001": "a whole number from 2 to 1000000",
-    "--every 0": "--every = 0: expected a time above 0",
-    "--every -1": "--every = -1: expected a time above 0; --end says the direction",
-    "--every 41": "--every = 41: expected a time that makes two to 1000000 times until t = 40",
-    "--every 1e-5": "that makes two to 1000000 times",
-    "--every 1 --samples 3": "--samples: not allowed with argument --every",
-}
 
 
 def told(capsys, verb: str, options: str) -> list[Fraction]:
@@ -69,12 +49,3 @@ def test_times_are_those_asked_for(verb, options, capsys):
     assert len(found) == len(TIMES[options])
     for one, right in zip(found, TIMES[options], strict=True):
         assert abs(one - right) <= abs(right) * Fraction(2) ** -52
-
-
-@pytest.mark.parametrize("options", REFUSED)
-def test_other_times_are_refused_in_one_line(options, capsys):
-    assert main(["run", CASE, *options.split()]) == 2
-    told = capsys.readouterr()
-    assert told.out == ""
-    assert told.err.count("\n") == 1
-    assert REFUSED[options] in told.err

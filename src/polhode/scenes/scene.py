@@ -375,7 +375,8 @@ def sure_time_unit(omega: Vector, body: Body) -> int | None:
     except OverflowError:
         return None
     square, torque, largest = p * p + q * q + r * r, x * x + y * y + z * z, max(moments)
-    if not all(x == 0 or 1e-60 < x < 1e60 for x in (square, torque, largest)):
+    within = [x == 0 or 1e-60 < x < 1e60 for x in (square, torque)]
+    if not all(within) or not 1e-60 < largest < 1e60:
         return None  # products of others may leave the range of doubles
     part, exponent = math.frexp(max(square * square, torque / (largest * largest)))
     # to 8 bits the number is of this power of two, and so are its neighbours within 2**-9

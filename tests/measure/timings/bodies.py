@@ -1,4 +1,4 @@
-"""What a scene, a new body and a new process cost; coefficients as parameters or constants."""
+"""What a scene, a new body and a new process cost."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -17,12 +16,6 @@ import numpy as np
 
 import polhode
 from measure.benchmark import Line, side_by_side
-from polhode.numbers import number_types
-from polhode.numbers.number_types import DOUBLE, NumberType
-from polhode.runs.problem.problem import problem
-from polhode.taylor.backend.heyoka_numbers import scalar
-from polhode.taylor.integrator.specification import Blueprint
-from polhode.taylor.integrator.stepping import Integrator
 
 #: Patterns by what makes them: which moments are equal, and along which axes the centre lies.
 PATTERNS: Mapping[str, tuple[str, tuple[int, ...]]] = {
@@ -132,29 +125,3 @@ def bodies(seconds: float) -> Iterator[Line]:
 
 def _as_text(given: Mapping[str, Any]) -> dict[str, Any]:
     return {k: [*map(str, v)] if k in ("moments", "centre") else v for k, v in given.items()}
-
-
-def coefficients(seconds: float) -> Iterator[Line]:
-    """A step with coefficients as parameters over one with constants, three builds each."""
-    for number in (DOUBLE, number_types.EXTENDED, number_types.QUAD, number_types.mp(50)):
-        for pattern in PATTERNS:
-            draw = random.Random(5)
-            scene = polhode.top(**body(pattern, draw), **start(draw), end=1)
-            parameters = problem(scene, number, inputs=DOUBLE).prepared().blueprint
-            both = replace(parameters, equations=None), parameters
-            timings = [side_by_side([_steps(x, number) for x in both], seconds) for _ in range(3)]
-            fastest = min(timings, key=lambda pair: pair[1].seconds)[1]
-            yield Line(f"{number.name}, {pattern}: parameters over constants", fastest)
-
-
-def _steps(blueprint: Blueprint, number: NumberType) -> Callable[[], object]:
-    """Some steps from the start, of an integrator of its own."""
-    integrator, far = Integrator(blueprint), scalar(10**9, number)
-    first = tuple(integrator.state.tolist())
-
-    def job() -> None:
-        integrator.heyoka.time = scalar(0, number)
-        integrator.stand_at(first)
-        integrator.heyoka.propagate_until(far, max_steps=STEPS[number.name])
-
-    return job

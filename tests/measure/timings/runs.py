@@ -1,8 +1,7 @@
-"""Runs and propagators over heyoka by hand; CyRK for the same digits."""
+"""Runs and propagators over heyoka by hand."""
 
 from __future__ import annotations
 
-import math
 import resource
 import time
 from collections.abc import Iterator, Sequence
@@ -42,12 +41,6 @@ def start(scene: polhode.Scene) -> list[Any]:
     """The start in principal axes."""
     axes = scene.body.axes
     return [*axes.components(scene.omega), *axes.components(scene.gamma)]
-
-
-def constants(scene: polhode.Scene) -> tuple[float, ...]:
-    """The nine coefficients as doubles, as the peers take them."""
-    k = principal.coefficients(scene.body)
-    return tuple(to_double(k[name]) if name in k else 0.0 for name in TERMS)
 
 
 def by_hand(scene: polhode.Scene, number: NumberType = DOUBLE) -> Job:
@@ -160,55 +153,3 @@ def outputs(seconds: float) -> Iterator[Line]:
         most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         found = f"{two.seconds - one.seconds:.3f}; {most:.0f}"
         yield Line(f"{samples} outputs above heyoka's grid, s; this process, MB", found, wanted)
-
-
-def _cyrk(scene: polhode.Scene, method: str, tol: float) -> Job:
-    """CyRK, its rates compiled by numba."""
-    from CyRK import nbsolve2_ivp
-    from CyRK.nb.numba_solver import cyjit_sig
-
-    from polhode.peers.numba_field import rates_time_state
-
-    field = rates_time_state(constants(scene), cyjit_sig)
-    first, times = (np.array([to_double(x) for x in row]) for row in (start(scene), scene.times))
-    span = (0.0, times[-1])
-
-    def job() -> Any:
-        found = nbsolve2_ivp(
-            field.address, span, first, method=method, t_eval=times, rtol=tol, atol=tol
-        )
-        return found.y.T
-
-    return job
-
-
-def digits(seconds: float) -> Iterator[Line]:
-    """t = 1000, 1001 outputs: polhode's time over CyRK's (DOP853, VERN8) for so many digits."""
-    for name, case in TOPS.items():
-        scene = plain(case, even_times(Fraction(1000), 1001))
-        truth = np.array(polhode.integrate(scene, "extended").states)
-        turn = np.array([[to_double(x) for x in row] for row in scene.body.axes.rows])
-        scale = np.array([float(np.max(np.linalg.norm(truth[:, :3], axis=1)))] * 3 + [1.0] * 3)
-
-        def digits_of(
-            job: Job, turned: bool, truth: Any = truth, t: Any = turn, s: Any = scale
-        ) -> int:
-            found = np.array(job())
-            if turned:
-                found = np.hstack([found[:, :3] @ t, found[:, 3:] @ t])
-            return int(-math.log10(max(float(np.max(np.abs(found - truth) / s)), 1e-17)))
-
-        tolerances = [*(f"1e-{k}" for k in range(6, 15)), None]
-        ours = [lambda t=t, s=scene: polhode.integrate(s, tol=t).states for t in tolerances]
-        methods = [(way, 10.0**-k) for way in ("DOP853", "VERN8") for k in range(5, 15)]
-        theirs = [_cyrk(scene, *method) for method in methods]
-        had = [*(digits_of(x, False) for x in ours), *(digits_of(x, True) for x in theirs)]
-        least = [timing.seconds for timing in side_by_side([*ours, *theirs], seconds / 5)]
-        points = [*zip(had, least, strict=True)]
-        for wanted in range(6, 14):
-            mine, other = (
-                min((spent for right, spent in part if right >= wanted), default=0)
-                for part in (points[: len(ours)], points[len(ours) :])
-            )
-            told = f"{mine / other:.2f}" if mine and other else "alone" if mine else "-"
-            yield Line(f"{name}, {wanted} digits", told)

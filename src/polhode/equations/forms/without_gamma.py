@@ -17,14 +17,14 @@ with |n|² |gamma|² = u² + b² |N|² + |n|² d D, the integral that is left.  
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from polhode.common.errors import BadInput
 from polhode.equations.forms.natural_units import PRINCIPAL, OwnUnits, own_units, present
-from polhode.numbers.exact import Exact, Number, sign, sqrt
+from polhode.numbers.exact import Exact, sign, sqrt
 from polhode.numbers.scalars import Functions, Scalar, combination
-from polhode.scenes.body import Body, dot, is_zero
+from polhode.scenes.body import dot
 from polhode.scenes.scene import Scene
 
 
@@ -118,39 +118,5 @@ def starting(scene: Scene, form: str) -> tuple[OwnUnits, dict[str, Exact]]:
     return own, present(k | {"n2": n2, "1/n2": 1 / n2, "nearness": 1 / (n2 * bound)})
 
 
-def gamma_from_omega(
-    body: Body,
-    omega: Sequence[Scalar],
-    omega_rate: Sequence[Scalar],
-    h: Scalar,
-    number: Callable[[Number], Scalar],
-) -> list[Scalar]:
-    """gamma from w, w' and the energy h (3.60), in the body axes and units of ``body``.
-
-        Mg |r0|² gamma = r0 × (I w' + w × I w) + (h - ½ w·I w) r0
-
-    ``number`` makes one of the run's numbers of an exact one.  Raises ValueError where the weight
-    has no moment.
-    """
-    if is_zero(body.torque):
-        raise ValueError("the weight has no moment: w does not determine gamma")
-    inertia = [[number(x) for x in row] for row in body.inertia]
-    momentum = [_dot(row, omega) for row in inertia]
-    momentum_rate = [_dot(row, omega_rate) for row in inertia]
-    n = [number(x) for x in body.torque]
-    moment = [a + b for a, b in zip(momentum_rate, _cross(omega, momentum), strict=True)]
-    height = h - _dot(omega, momentum) / 2
-    square = number(dot(body.torque, body.torque))
-    return [(a + height * b) / square for a, b in zip(_cross(n, moment), n, strict=True)]
-
-
 def _dot(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def _cross(a: Sequence[Scalar], b: Sequence[Scalar]) -> list[Scalar]:
-    return [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]

@@ -78,8 +78,8 @@ class TableFile:
         reader = csv.reader(lines, delimiter=self.separator)
         try:
             rows = [
-                (k, [cell.strip() for cell in row])
-                for k, row in enumerate(reader, 1 - self.before)
+                (reader.line_num - self.before, [cell.strip() for cell in row])
+                for row in reader
                 if any(cell.strip() for cell in row)
             ]
         except csv.Error:

@@ -1,0 +1,97 @@
+"""psi and phi at a pole: of a start there, and of a motion that passes exactly through one."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode.equations.kinematics import AngleFunctions, angles
+from polhode.equations.pole_passage import phi_leaving_the_pole
+
+TOP, BRICK, ASKEW = [1, 1, 0.5], [1.2, 1, 0.5], [0.2, 0.3, 1]
+
+
+def scene(omega, up, end, moments=TOP, centre=(0, 0, 1)):
+    given = {"moments": moments, "centre": [*centre], "weight": 1, "outputs": ["angles"]}
+    return polhode.top(**given, omega=omega, gamma=[0, 0, up], end=end, samples=2)
+
+
+@pytest.mark.parametrize(
+    "start",
+    [
+        pytest.param(([-1, 0, 2], 1, 1), id="upper, phi falls"),
+        pytest.param(([-1, 0, -2], 1, 1), id="upper, phi rises"),
+        pytest.param(([1, 0, 2], 1, -1), id="upper, back"),
+        pytest.param(([-1, 0, -2], -1, -1), id="lower, back"),
+        pytest.param(([-1, 0, 0], 1, 1, BRICK), id="a swing"),
+        pytest.param(([-1, 0, 2], -1, -1, BRICK, ASKEW), id="proven", marks=pytest.mark.slow),
+        pytest.param(([0, 0, 0], 1, 1, [4, 4, 1], (0, -1, 0)), id="let go", marks=pytest.mark.slow),
+    ],
+)
+def test_a_run_counts_as_its_reference_does(start):
+    """Where phi's limit is +-pi both are right; one rule decides, and no angle is a turn off."""
+    top = scene(*start)
+    (true,) = polhode.reference(top).angles([top.end], 15)
+    got = polhode.integrate(top).angles[-1]
+    assert max(abs(float(x) - float(y)) for x, y in zip(true, got, strict=True)) < 1e-11
+
+
+@pytest.mark.parametrize(
+    ("omega", "up", "sense", "expected"),
+    [
+        ([-1, 0, 7], 1, 1, -math.pi),
+        ([-1, 0, 7], -1, -1, math.pi),
+        ([1, 0, 7], 1, 1, 0.0),
+        ([0, 1, 7], 1, 1, -math.pi / 2),
+        ([0, 1, 7], 1, -1, math.pi / 2),
+        ([0, 1, 7], -1, 1, math.pi / 2),
+        (["-1e-400", "1e-400", 7], 1, 1, -3 * math.pi / 4),
+    ],
+)
+def test_the_limit_of_phi(omega, up, sense, expected):
+    assert phi_leaving_the_pole(scene(omega, up, 1), sense) == expected
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+def test_without_w_across_the_limit_is_that_of_its_rate(sense):
+    """gamma'' = gamma x w', w' = I^-1 (gamma x Mg r0): for r0 = -e2, gamma = e3, w' = e1/A."""
+    for centre, expected in (((0, -1, 0), 0.0), ((1, 0, 0), -math.pi / 2)):
+        at_rest = scene([0, 0, 0], 1, 1, [4, 4, 1], centre)
+        assert phi_leaving_the_pole(at_rest, sense) == expected
+
+
+FUNCTIONS = AngleFunctions(np.hypot, np.arctan2, np.pi, np.rint, np.where)
+
+
+@pytest.mark.parametrize(("pole", "up"), [(0.0, 1), (np.pi, -1), (4 * np.pi, 1), (-np.pi, -1)])
+@pytest.mark.parametrize("psi", [0.0, 1.25])
+@pytest.mark.parametrize("branch", [0, np.pi, -6 * np.pi])
+def test_psi_and_phi_both_jump_by_pi_and_what_has_a_meaning_at_the_pole_does_not(
+    pole, up, psi, branch
+):
+    """A pendulum that turns about the first axis: the integrated psi and phi pass unchanged.
+
+    psi + phi is continuous over the upper pole, psi - phi over the lower one, by their values and
+    not only to a turn.
+    """
+    near = pole + np.array([-1e-3, 1e-3])
+    gamma = np.array([0 * near, -np.sin(near), np.cos(near)])
+    read, theta, phi = angles(gamma, np.array([[psi, psi], [branch, branch]]), FUNCTIONS)
+    assert abs(phi[1] - phi[0]) == pytest.approx(np.pi, rel=1e-15)
+    assert read[1] - read[0] == pytest.approx(-up * (phi[1] - phi[0]), rel=1e-14)
+    assert theta == pytest.approx([1e-3, 1e-3] if up > 0 else [np.pi - 1e-3] * 2, rel=1e-12)
+    unmoved = np.isclose(phi, branch)
+    assert unmoved.sum() == 1  # one side is where phi is what was integrated
+    assert read[unmoved] == pytest.approx(psi, abs=1e-15)
+
+
+def test_a_pendulum_that_goes_over_the_top_turns_psi_back_by_pi():
+    """It rises to the upper pole with psi = phi = 0; past it phi = pi and psi = -pi."""
+    swing = replace(polhode.load("pendulum/rotating"), outputs=("angles",))
+    psi, _, phi = np.array(polhode.integrate(swing, at=["1/2", 1, "3/2"]).angles).T
+    assert psi == pytest.approx([0, 0, -np.pi], abs=1e-13)
+    assert phi == pytest.approx([0, 0, np.pi], abs=1e-13)

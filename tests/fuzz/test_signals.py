@@ -1,0 +1,220 @@
+"""Every command obeys SIGINT and SIGTERM within seconds, and is done again where it was killed."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+import polhode
+from fuzz import signals
+from polhode import cli
+from polhode.common import files
+from polhode.common.errors import BadInput
+from polhode.common.interrupts import heard
+from polhode.runs.sweep import results
+from polhode.verbs import guide
+
+linux = pytest.mark.skipif(sys.platform != "linux", reason="processor time is read from /proc")
+ALL = (signal.SIGKILL, *signals.OBEYED)
+
+
+@linux
+@pytest.mark.slow
+@pytest.mark.parametrize("work", ["run", "map", "study"])
+def test_a_signal_is_obeyed(work):
+    _, faults = signals.sampled(work, 1, 1, longest=3)
+    assert not faults
+
+
+@linux
+@pytest.mark.slow
+def test_a_sweep_that_is_killed_leaves_a_whole_file_or_none_and_is_done_again():
+    """What else ends by itself is killed by hand: see the campaign."""
+    codes, faults = signals.sampled("ending-sweep", 1, 3, (signal.SIGKILL,))
+    assert not faults
+    assert codes == [-signal.SIGKILL]  # it was under way
+
+
+@linux
+@pytest.mark.campaign
+@pytest.mark.parametrize("work", signals.WORKS)
+def test_signals_at_many_moments_are_obeyed(work):
+    codes, faults = signals.sampled(work, 50, 2, ALL if work in signals.ENDING else signals.OBEYED)
+    assert not faults
+    if work not in signals.QUICK:
+        assert sum(code not in (0, 3) for code in codes) > 5  # the work was under way
+
+
+def test_every_verb_is_met():
+    assert {x.split()[0] for x in signals.WORKS.values()} == {*cli.VERBS} - {
+        "about",
+        "new",
+        "verify",
+    }
+
+
+@pytest.mark.slow
+def test_two_reports_into_one_folder_at_once(tmp_path):
+    """Both end, and what is there is what one of them alone would have written."""
+    committed = Path(__file__).parents[2] / "reports/events.json"
+    code = f"""
+from pathlib import Path
+from polhode import cli
+from polhode.studies import report
+report.STUDIES = ('events',)
+report._run = lambda *_: Path({str(committed)!r}).read_text()
+raise SystemExit(cli.main(['report', '--quick', '-o', 'out']))
+"""
+    both = [
+        subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, stderr=subprocess.PIPE)
+        for _ in range(2)
+    ]
+    for one in both:
+        _, err = one.communicate()
+        assert one.returncode == 0, err
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert names == {"events.json", "events.md", "events.svg", "report.html"}
+    assert json.loads((tmp_path / "out/events.json").read_text())["study"] == "events"
+
+
+# -- faults that were found ------------------------------------------------------------------------
+
+
+def interrupt(by: int = signal.SIGINT) -> None:
+    os.kill(os.getpid(), by)
+
+
+def fault_of_numpy() -> None:
+    """While it is loaded: "Importing the numpy C-extensions failed", and a traceback."""
+    try:
+        interrupt()
+    except KeyboardInterrupt:
+        raise ImportError("no datetime") from None
+
+
+def fault_of_c() -> None:
+    try:
+        interrupt()
+    except KeyboardInterrupt:
+        raise SystemError("error return") from None
+
+
+def fault_of_matplotlib() -> None:
+    """A library that is said to lack, as it was being loaded."""
+    try:
+        try:
+            interrupt(signal.SIGTERM)
+        except KeyboardInterrupt:
+            raise ImportError("partly initialized") from None
+    except ImportError:
+        raise BadInput("polhode", "plot", None, "matplotlib") from None
+
+
+@pytest.mark.parametrize("work", [fault_of_numpy, fault_of_c, fault_of_matplotlib])
+def test_a_library_that_makes_another_exception_of_a_signal(monkeypatch, capsys, work):
+    monkeypatch.setattr(guide, "main", lambda _: work())
+    signal.signal(signal.SIGTERM, heard)
+    assert cli.main(["guide"]) == 130
+    assert capsys.readouterr().err == "polhode: interrupted\n"
+
+
+def test_other_faults_stay_what_they_are(monkeypatch):
+    def fail(_):
+        raise SystemError("an error of its own")
+
+    monkeypatch.setattr(guide, "main", fail)
+    with pytest.raises(SystemError, match="an error of its own"):
+        cli.main(["guide"])
+
+
+def test_a_signal_after_all_is_said_is_not_heard():
+    """It made a traceback while Python was taken down."""
+    program = (
+        "import atexit, os, signal, sys; from polhode import cli; "
+        "atexit.register(lambda: os.kill(os.getpid(), signal.SIGINT)); "
+        "sys.argv[1:] = []; cli.command()"
+    )
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert (ended.returncode, ended.stderr) == (0, "")
+
+
+#: ``polhode``, to which a signal comes when a module is looked for.
+LOADED = """
+import os, sys
+module, by = sys.argv[1:]
+class Met:
+    def find_spec(name, path=None, target=None):
+        if name == module:
+            os.kill(os.getpid(), int(by))
+sys.meta_path.insert(0, Met)
+from polhode.__main__ import command
+sys.argv[1:] = ["list"]
+command()
+"""
+
+
+@pytest.mark.parametrize(
+    ("module", "by"),
+    [
+        ("argparse", signal.SIGTERM),
+        ("polhode.verbs.terminal", signal.SIGINT),
+        ("polhode.verbs.list", signal.SIGTERM),
+    ],
+)
+def test_a_signal_while_polhode_is_loaded_is_obeyed(module, by):
+    """Its code was -2, and a traceback was printed."""
+    program = [sys.executable, "-c", LOADED, module, str(int(by))]
+    ended = subprocess.run(program, capture_output=True, text=True)
+    assert (ended.returncode, ended.stderr) == (130, "polhode: interrupted\n")
+
+
+def test_ctrl_c_waits_until_files_are_whole(monkeypatch, tmp_path):
+    replaced = os.replace
+
+    def interrupted(*names):
+        if str(names[1]).endswith("a.csv"):
+            interrupt()
+        replaced(*names)
+
+    monkeypatch.setattr(os, "replace", interrupted)
+    texts = {tmp_path / "a.csv": "1", tmp_path / "b.json": "2"}
+    with pytest.raises(KeyboardInterrupt):
+        files.write_whole(texts)
+    assert {path: path.read_text() for path in tmp_path.iterdir()} == texts
+
+
+def test_ctrl_c_while_a_sweep_is_read_out_loses_nothing(monkeypatch):
+    read = results.Reader.states
+
+    def interrupted(*given):
+        monkeypatch.setattr(results.Reader, "states", read)
+        interrupt()
+        return read(*given)
+
+    monkeypatch.setattr(results.Reader, "states", interrupted)
+    many = polhode.integrate_many("euler/sphere", {"start.omega[1]": [1, "1.1"]}, at=[0])
+    assert many.done
+
+
+@linux
+def test_a_worker_ends_with_what_started_it():
+    worker = "from polhode.peers.protocol import end_with_parent as e; e(); import time; "
+    worker += "print(1, flush=True); time.sleep(60)"
+    parent = f"import subprocess, sys; p = subprocess.Popen([sys.executable, '-c', {worker!r}], "
+    parent += "stdout=subprocess.PIPE); p.stdout.readline(); print(p.pid, flush=True); p.wait()"
+    started = subprocess.Popen([sys.executable, "-c", parent], stdout=subprocess.PIPE)
+    status = Path(f"/proc/{int(started.stdout.readline())}/status")
+    started.kill()
+    started.wait()
+    started.stdout.close()
+    until = time.monotonic() + 10
+    while status.exists() and "\nState:\tZ" not in status.read_text():
+        assert time.monotonic() < until, "the worker lived on"
+        time.sleep(0.1)

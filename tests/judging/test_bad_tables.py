@@ -1,0 +1,280 @@
+"""What is no table that can be judged: one line with the place, exit code 2, and nothing more."""
+
+from __future__ import annotations
+
+import io
+import math
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode import BadInput, cli
+from polhode.judging.tables import array_file
+from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
+from shared.tables import right, text, through
+
+CASE = "lagrange/nutation"
+TIMES = [k / 2 for k in range(9)]
+ZEROS = np.zeros(3)
+
+
+def csv(content):
+    def written(folder):
+        path = folder / "x.csv"
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return path
+
+    return written
+
+
+def commas(cell):
+    """Decimal commas between semicolons, and a last cell that is another."""
+    lines = text(right(CASE, TIMES), ";").replace(".", ",")
+    return csv(lines.rpartition(";")[0] + f";{cell}\n")
+
+
+def npz(**arrays):
+    def saved(folder):
+        np.savez(folder / "x.npz", **arrays)
+        return folder / "x.npz"
+
+    return saved
+
+
+def saved_run(about):
+    """What pretends to be a trajectory that polhode saved."""
+    return npz(about=np.array(about), times=np.array(["0"]), states=np.array([["1"] * 6]))
+
+
+def mapping(**changes):
+    """Columns of which some are changed, or left out."""
+    columns = {"t": [0.5, 1, 2]} | {name: [1.0, 1.0, 1.0] for name in STATE} | changes
+    return {name: x for name, x in columns.items() if x is not None}
+
+
+def header(names):
+    return csv(f"{names}\n{','.join('1' for _ in names.split(','))}\n")
+
+
+HEADED, NUMBERS = "a header with a column t (or time, timestamp)", "rows of finite numbers"
+PQR = {"columns": ["p", "q", "r"]}
+
+#: What is given, with which options, and words of the line.
+BAD = [
+    (header("t,note"), {}, "header"),
+    (header("t"), {}, "header"),
+    (header("t,omega_x,omega_y,omega_z"), {}, "header"),
+    (header("t,foo,bar"), {}, "columns besides t that can be judged; --columns"),
+    (header("clock,p,q"), {}, f"{HEADED}; --columns t,p,q,..."),
+    (header("t,time,p"), {}, "each column once ('t', 'time'); --columns"),
+    (header("t,p,wx"), {}, "each column once ('p', 'wx'); --columns"),
+    (header("t,stamp.sec,p"), {}, "each column once"),
+    (header("stamp.sec,stamp.secs,p"), {}, "each column once"),
+    (header("stamp.nsec,stamp.nanosec,p"), {}, "each column once"),
+    (header("time,%time,p"), {}, "each column once"),
+    (header("stamp,p"), {"columns": ["stamp=time"]}, "NAME=COLUMN"),
+    (header("stamp,p"), {"columns": ["stamp=t*x"]}, "NAME=COLUMN"),
+    (header("stamp,p"), {"columns": ["=t"]}, "NAME=COLUMN"),
+    (csv(b"t,p\n0,\xff\n"), {}, "x.csv: file: expected a readable CSV file (not a CSV text)"),
+    (csv(""), {}, "expected a header"),
+    (csv("t,p\n0,1\n1,x\n"), {}, "x.csv:3: p = x: expected a finite"),
+    (csv('t,p,note\n0,1,"a\nb"\n1,x,2\n'), {}, "x.csv:4: p = x"),
+    (csv("0,1\n1,x\n"), {"columns": ["t", "p"]}, "x.csv:2: p = x"),
+    (csv("0,1\n1,2\n"), {}, HEADED),
+    (csv("t,p\n0,1\n1,inf\n"), {}, "p = inf: expected a finite"),
+    (csv("t,p\n0,1\n1,0x1\n"), {}, "p = 0x1: expected a finite"),
+    (csv("t,p\n0,1\n1,1e5000\n"), {}, "p = 1e5000: expected"),
+    *((commas(cell), {}, "expected a finite decimal number") for cell in ("0.5", "1.000,5")),
+    *((commas(cell), {}, "expected a finite decimal number") for cell in ("1,000,5", "x,5")),
+    (npz(t=np.array([0, 1], dtype=object), p=np.zeros(2)), {}, "arrays of numbers that NumPy"),
+    *(
+        (saved_run(about), {}, "a trajectory that polhode saved")
+        for about in ("[]", "{", '{"bits": 53}', '{"number": "double", "bits": 1' + "0" * 18 + "}")
+    ),
+    (npz(t=ZEROS, omega=np.zeros((3, 2))), {}, ": omega"),
+    (npz(t=ZEROS, picture=np.zeros((3, 3))), {}, ": picture"),
+    (npz(t=ZEROS, p=np.zeros(2)), {}, ": columns"),
+    (npz(p=ZEROS), {}, ": columns"),
+    (npz(t=np.array([1 + 1j]), p=np.zeros(1)), {}, ": t[1]"),
+    (npz(t=np.array(["now"]), p=np.zeros(1)), {}, ": t[1]"),
+    (lambda folder: folder / "none.csv", {}, "readable"),
+    (lambda _: mapping(t=None, time=None), {}, "a column t among them"),
+    (lambda _: mapping(time=[1, 2, 3]), {}, "columns = t: expected each column once"),
+    (lambda _: mapping(p=[1.0]), {}, "columns as long as t"),
+    (lambda _: mapping(p=["a", 1, 2]), {}, "p[1] = a: expected a number"),
+    (lambda _: mapping(), {"columns": ["t", "p", "q", "r"]}, "NAME=COLUMN of each"),
+    (lambda _: [[1, 2, 3]], {"at": [1]}, "6 numbers in each row"),
+    (lambda _: [[1, 2, 3]], {"at": [1, 2]} | PQR, "a time for each of 1 rows"),
+    (lambda _: [[1, 2, 3]], PQR, "a time for each of 1 rows"),
+    (lambda _: [["x", 2, 3]], {"at": [1]} | PQR, NUMBERS),
+    (lambda _: [[math.inf, 2, 3]], {"at": [1]} | PQR, NUMBERS),
+    (lambda _: [[1]], {"at": [1], "columns": ["s"]}, "columns = s"),
+    (lambda _: 3, {"at": [1]}, NUMBERS),
+    (lambda _: mapping(), {"workers": 0}, "workers = 0: expected a whole number, 1 or more"),
+    (lambda _: mapping(), {"against": None}, "a reference, or a scene"),
+    (lambda _: mapping(), {"against": "ref.csv"}, "SCENE = ref.csv: expected a scene"),
+    (lambda _: mapping(), {"against": "REF.NPZ"}, "SCENE = REF.NPZ: expected a scene"),
+]
+
+
+def refused(arguments, capsys):
+    """The one line of a command that gives nothing."""
+    assert cli.main([*map(str, arguments)]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    return err
+
+
+@pytest.mark.parametrize(("given", "options", "words"), BAD, ids=[x[2][:40] for x in BAD])
+def test_it_is_refused_in_one_line(given, options, words, tmp_path, capsys):
+    what = given(tmp_path)
+    with pytest.raises(BadInput) as fault:
+        polhode.compare(what, **({"against": CASE} | options))
+    said = [str(fault.value)]
+    if isinstance(what, Path):
+        columns = ["--columns", ",".join(options["columns"])] if options else []
+        said.append(refused(["compare", what, CASE, *columns], capsys))
+    for line in said:
+        assert all(word in line for word in words.split("; ")), line
+        assert "\n" not in line.rstrip("\n")
+
+
+def array_header(shape):
+    file = io.BytesIO()
+    about = {"descr": "<f8", "fortran_order": False, "shape": shape}
+    np.lib.format.write_array_header_1_0(file, about)
+    return file.getvalue()
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        *(b"", b"t,p,q,r", b"\x93NUMPY\x01\x00", b"PK\x03\x04 and no more"),
+        *(array_header((10**15,)), array_header((10**30, 7))),
+    ],
+)
+@pytest.mark.parametrize("ending", [".npz", ".npy"])
+def test_what_numpy_did_not_write_is_one_line(content, ending, tmp_path):
+    path = tmp_path / f"x{ending}"
+    path.write_bytes(content)
+    with pytest.raises(BadInput, match="arrays of numbers that NumPy wrote"):
+        polhode.compare(path, CASE)
+
+
+def test_an_archive_that_unpacks_to_too_much_is_refused(tmp_path, monkeypatch):
+    path = tmp_path / "x.npz"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
+        file.writestr("t.npy", bytes(10**6))
+    monkeypatch.setattr(array_file, "MAX_BYTES", 10**5)
+    with pytest.raises(BadInput, match="bytes of arrays, more than 100000"):
+        polhode.compare(path, CASE)
+
+
+# -- what a gate refuses: gaps, which have no digits ------------------------------------------
+
+
+def some(names, gaps=()):
+    """Some columns, not a number in some rows (counted from 1)."""
+    table = right(CASE, TIMES, "at", "attitude", "angles")
+    table = {name: table[name] for name in ("t", *names)}
+    for name in names:
+        table[name][[k - 1 for k in gaps]] = np.nan
+    return table
+
+
+GAPS = [
+    (STATE, range(1, 10), "p in row 1, t = 0"),
+    (ATTITUDE, range(1, 10), "q0 in row 1, t = 0"),
+    (ANGLES, range(1, 10), "psi in row 1, t = 0"),
+    (STATE, range(4, 10), "p in row 4, t = 1.5"),
+    (ATTITUDE, [9], "q0 in row 9, t = 4"),
+]
+
+
+@pytest.mark.parametrize("door", ["mapping", "frame", "npz", "npy", "parquet", "csv"])
+@pytest.mark.parametrize(("names", "gaps", "place"), GAPS, ids=[x[2] for x in GAPS])
+def test_a_gap_is_refused_by_its_place(tmp_path, capsys, door, names, gaps, place):
+    mine = through(door, some(names, gaps), tmp_path)
+    with pytest.raises(BadInput, match=rf": {place}: expected a number in each cell"):
+        polhode.testing.assert_digits(mine, CASE, 12)
+    if isinstance(mine, Path):
+        assert place in refused(["compare", mine, CASE, "--at-least", "12"], capsys)
+
+
+@pytest.mark.parametrize(
+    ("names", "misspelt", "there"),
+    [(STATE, "gamma1", "gamma2, gamma3"), (STATE, "r", "p, q"), (ATTITUDE, "q2", "q0, q1, q3")],
+)
+def test_a_vector_with_a_misspelt_component_passes_no_gate(
+    tmp_path, capsys, names, misspelt, there
+):
+    mine = {"gam1" if name == misspelt else name: x for name, x in some(names).items()}
+    told = rf"{misspelt}: expected it beside {there} \(columns that are not known: gam1\)$"
+    with pytest.raises(BadInput, match=told):
+        polhode.testing.assert_digits(mine, CASE, 7)
+    file = through("csv", mine, tmp_path)
+    assert cli.main(["compare", str(file), CASE]) == 0
+    capsys.readouterr()
+    said = refused(["compare", file, CASE, "--at-least", "7"], capsys)
+    assert f"x.csv: {misspelt}: expected it beside" in said
+
+
+def test_whole_vectors_pass_and_parts_of_them_do_not():
+    for names in (STATE[:3], STATE[3:], ATTITUDE, ["theta"]):
+        assert polhode.testing.assert_digits(some(names), CASE, 12).worst > 12
+    beside = some(STATE) | some(ATTITUDE, range(1, 10))
+    with pytest.raises(BadInput, match="q0 in row 1"):
+        polhode.testing.assert_digits(beside, CASE, 12)
+    with pytest.raises(BadInput, match=r"q, r: expected it beside p$"):
+        polhode.testing.assert_digits(some(["p"]), CASE, 7)
+    rows = np.transpose([*some(["p", "q"]).values()][1:])
+    with pytest.raises(BadInput, match=r"states: r: expected it beside p, q$"):
+        polhode.testing.assert_digits(rows, CASE, 7, at=TIMES, columns=["p", "q"])
+
+
+def test_angles_that_the_motion_does_not_have_may_be_missing(tmp_path, capsys):
+    """psi and phi of a top that sleeps; where there is nothing else, nothing passes."""
+    sleeping = "lagrange/sleeping-stable"
+    mine = right(sleeping, [0, 1, 2], "at", "angles")
+    assert np.isnan(mine["psi"][1])
+    assert polhode.testing.assert_digits(mine, sleeping, 12).worst > 12
+    with pytest.raises(BadInput, match="theta in row 1"):
+        polhode.testing.assert_digits(mine | {"theta": [None] * 3}, sleeping, 12)
+    alone = {name: mine[name] for name in ("t", "psi", "phi")}
+    with pytest.raises(BadInput, match="expected a number in a column that can be judged"):
+        polhode.testing.assert_digits(alone, sleeping, 1)
+    path = through("csv", alone, tmp_path)
+    refused(["compare", path, sleeping, "--at-least", "1"], capsys)
+    assert cli.main(["compare", str(path), sleeping]) == 0
+
+
+@pytest.mark.parametrize("wanted", ["x", "nan", "inf", "12", math.nan])
+def test_a_threshold_that_is_no_number_is_refused(tmp_path, capsys, wanted):
+    path = through("csv", some(STATE), tmp_path)
+    with pytest.raises(BadInput, match=r"^assert_digits: at_least = .* a number of digits"):
+        polhode.testing.assert_digits(path, CASE, at_least=wanted)
+    if wanted != "12":
+        said = refused(["compare", path, CASE, "--at-least", wanted], capsys)
+        assert "a number of digits" in said
+
+
+def test_fewer_digits_than_wanted_end_with_three(tmp_path, capsys):
+    table = some((*STATE, *ATTITUDE))
+    for name in ATTITUDE:
+        table[name][5] *= 1 + 1e-7
+    path = through("csv", table, tmp_path)
+    command = ["compare", str(path), CASE, "--at-least"]
+    assert cli.main([*command, "6"]) == 0
+    assert cli.main([*command, "8", "--json"]) == 3
+    told = capsys.readouterr().err.splitlines()[-1]
+    assert "correct digits of attitude at t = 2.5, where at least 8 are wanted" in told
+    turns = some(ANGLES)
+    for name in ("psi", "phi"):
+        turns[name] = np.remainder(turns[name] + np.pi, 2 * np.pi) - np.pi
+    through("csv", turns, tmp_path)
+    assert cli.main([*command, "12"]) == 3
+    assert cli.main([*command, "12", "--read", "whole turns"]) == 0

@@ -1,0 +1,433 @@
+"""One table through every door, in every layout and type of numbers: the same verdict."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode import BadInput, cli
+from polhode.numbers.number_types import EXTENDED, extended_here
+from polhode.scenes.vocabulary import ATTITUDE, STATE
+from shared.tables import DOORS, of_run, right, text, through
+
+CASE = "lagrange/nutation"
+TIMES = [Fraction(k, 4) for k in range(13)]
+NAMES = ("t", *STATE, *ATTITUDE)
+
+
+def table():
+    return right(CASE, TIMES, "at", "attitude")
+
+
+def verdict(path, capsys, *options, code=0):
+    """What the verb says, as JSON."""
+    assert cli.main(["compare", str(path), CASE, "--json", *options]) == code
+    return json.loads(capsys.readouterr().out)
+
+
+@pytest.mark.parametrize("door", [*DOORS, "%.17e", "%.16e", "%.18e", "%.20g"])
+def test_the_same_verdict_through_every_door(tmp_path, door):
+    found = polhode.compare(through(door, table(), tmp_path), CASE)
+    plain = polhode.compare(table(), CASE)
+    assert found.subject.number.name == "double"
+    assert found.part_digits == plain.part_digits
+    assert (found.worst, found.limit) == (plain.worst, "rounding")
+    assert found.worst > 15
+
+
+# -- layouts of texts -------------------------------------------------------------------------
+
+
+def lines(separator=",", header=True, names=None, comment="", **columns):
+    changed = table() | columns
+    if names is not None:
+        changed = dict(zip(names, changed.values(), strict=True))
+    content = text(changed, separator, header)
+    return f"# made by a program, of t and such\n\n# {content}" if comment else content
+
+
+def indexed(content):
+    """A first column without a name."""
+    return "\n".join(f"{k - 1 if k else ''},{x}" for k, x in enumerate(content.split()))
+
+
+def in_two_lines(content):
+    """A column that is not known, of which a cell is in quotation marks, over two lines."""
+    rows = content.splitlines()
+    return "\n".join(f'{x},"a\nb"' if k == 3 else f"{x},c" for k, x in enumerate(rows))
+
+
+OTHER = [f"c{k}" for k in range(len(NAMES))]
+FACTORS = ("stamp", "p", "q", "R", *STATE[3:], "Q.W", *ATTITUDE[1:])
+UNITS = ("time_ms", "wx [rpm]", "wy [rpm]", "wz [rpm]", *STATE[3:], *ATTITUDE)
+MS = {"t": 1000 * table()["t"]}
+NAMED = ["--columns", ",".join(NAMES)]
+
+#: What a file says, how it is called, and what is said of it.
+LAYOUTS = {
+    **{f"between {x!r}": (lines(x), [], []) for x in (",", ";", "\t", " ", "   ")},
+    **{f"after #, {x!r}": (lines(x, comment="#"), [], []) for x in (",", ";", "\t", " ")},
+    "decimal commas": (lines(";").replace(".", ","), [], ["read as: decimal commas"]),
+    "decimal commas, no header": (
+        lines(";", header=False).replace(".", ","),
+        NAMED,
+        ["read as: decimal commas"],
+    ),
+    "no header": (lines(header=False), NAMED, []),
+    "another header": (lines(names=OTHER), NAMED, []),
+    "names with factors": (
+        lines(names=FACTORS, r=-table()["r"], **MS),
+        ["--columns", "stamp=t*1e-3, R=-r, Q.W=q0"],
+        [],
+    ),
+    "units in names": (
+        lines(names=UNITS, **MS, **{n: table()[n] * 30 / np.pi for n in "pqr"}),
+        [],
+        [],
+    ),
+    "a column without a name": (indexed(lines()), [], []),
+    "a cell of two lines": (in_two_lines(lines()), [], []),
+    "a mark of bytes, and Windows": ("\ufeff" + lines().replace("\n", "\r\n"), [], []),
+}
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_every_layout_of_a_text_is_read(tmp_path, capsys, layout):
+    content, options, remarks = LAYOUTS[layout]
+    path = tmp_path / "x.csv"
+    path.write_bytes(content.encode())
+    answer = verdict(path, capsys, *options)
+    assert answer["worst"] > 14.5
+    assert {*answer["parts"]} == {"omega", "gamma", "attitude"}
+    assert (answer["remarks"], answer["reading"]) == (remarks, None)
+
+
+def test_a_column_without_a_name_is_quoted(tmp_path, capsys):
+    (tmp_path / "x.csv").write_text(indexed(lines()))
+    assert cli.main(["compare", str(tmp_path / "x.csv"), CASE]) == 0
+    said = "not judged: column '' is not known and was not judged"
+    assert said in capsys.readouterr().out.splitlines()
+
+
+def test_a_table_from_the_standard_input():
+    command = [sys.executable, "-m", "polhode", "compare", "-", CASE, "--json"]
+    told = subprocess.run(command, input=lines(), capture_output=True, text=True)
+    assert told.returncode == 0, told.stderr
+    assert json.loads(told.stdout)["file"] == "standard input"
+    told = subprocess.run(command, input="t,p\n0,x\n", capture_output=True, text=True)
+    assert (told.returncode, told.stdout) == (2, "")
+    assert told.stderr.startswith("polhode: standard input:2: p = x: expected a finite")
+
+
+# -- arrays -----------------------------------------------------------------------------------
+
+
+def arrays_of(*names):
+    """The table with its vectors as arrays that have these names."""
+    columns = table()
+    vectors = [np.array([columns[n] for n in v]).T for v in (STATE[:3], STATE[3:], ATTITUDE)]
+    return {"t": columns["t"], **dict(zip(names, vectors, strict=True))}
+
+
+@pytest.mark.parametrize(
+    "names", [("omega", "gamma", "q"), ("gyro", "gamma", "quaternion"), ("w", "g", "orientation")]
+)
+def test_arrays_of_three_or_four_are_read(tmp_path, names):
+    np.savez(tmp_path / "x.npz", **arrays_of(*names), dt=np.array(0.1))
+    found = polhode.compare(tmp_path / "x.npz", CASE)
+    assert found.worst > 15
+    assert set(found.part_digits) >= {"omega", "gamma"}
+    assert len(found.digits) == len(TIMES)
+
+
+def test_an_array_without_names_needs_them(tmp_path, capsys):
+    path = tmp_path / "x.npy"
+    np.save(path, np.column_stack([*table().values()]))
+    assert verdict(path, capsys, *NAMED)["worst"] > 15
+    assert cli.main(["compare", str(path), CASE]) == 2
+    assert "shape = (13, 11): expected fields with names" in capsys.readouterr().err
+
+
+def test_parquet_is_read_where_pandas_reads_it(tmp_path, monkeypatch):
+    pd = pytest.importorskip("pandas")
+    path = tmp_path / "x.parquet"
+    path.write_bytes(b"as if")
+    for answer, said in ((ImportError("pyarrow"), "pyarrow"), (ValueError("no\nfoot"), "(no)")):
+
+        def read(_, fault=answer):
+            raise fault
+
+        monkeypatch.setattr(pd, "read_parquet", read)
+        with pytest.raises(BadInput) as error:
+            polhode.compare(path, CASE)
+        assert said in str(error.value)
+    monkeypatch.setattr(pd, "read_parquet", lambda _: pd.DataFrame(table()))
+    assert polhode.compare(path, CASE).worst > 15
+
+
+def test_a_data_frame_is_judged_with_its_index_as_time():
+    frame = pytest.importorskip("pandas").DataFrame(table()).rename(columns={"t": "time"})
+    found = polhode.compare(frame.set_index("time"), CASE)
+    assert found.digits == polhode.compare(frame, CASE).digits
+
+
+@pytest.mark.parametrize("begin", [0, 1_700_000_000])
+def test_seconds_and_nanoseconds_are_one_time(tmp_path, begin):
+    t = table()["t"]
+    stamps = {"sec": np.floor(t).astype(int) + begin, "nanosec": np.round(t % 1 * 1e9).astype(int)}
+    arrays = {f"header.stamp.{key}": x for key, x in stamps.items()}
+    more = arrays_of("angular_velocity", "gamma", "orientation")
+    del more["t"]
+    np.savez(tmp_path / "x.npz", **arrays, **more)
+    found = polhode.compare(tmp_path / "x.npz", CASE)
+    assert found.worst > 14
+    assert [*found.times] == TIMES
+    assert found.reading == (f"t from its first row on ({begin / 1e9:g}e+09)" if begin else None)
+    rows = zip(*stamps.values(), *(table()[n] for n in "pqr"), strict=True)
+    header = "x.header.stamp.secs,x.header.stamp.nsecs,gyro_x,gyro_y,gyro_z\n"
+    cells = [f"{s},{n},{float(p)!r},{float(q)!r},{float(r)!r}\n" for s, n, p, q, r in rows]
+    (tmp_path / "x.csv").write_text("".join([header, *cells]))
+    assert polhode.compare(tmp_path / "x.csv", CASE).worst > 14
+
+
+def test_a_column_that_is_told_is_chosen():
+    some = {"t": [0.0], "wx": [0.16], "gyro_x": [7.0], "foo": [0.3]}
+    found = polhode.compare(some, CASE, columns=["wx=p", "foo=q"])
+    assert found.worst > 15
+    assert found.subject.columns == ("p", "q")
+
+
+# -- types of numbers -------------------------------------------------------------------------
+
+
+def rows():
+    return np.column_stack([table()[n] for n in STATE])
+
+
+AS_TYPES = {
+    "lists of floats": (lambda: rows().tolist(), "double"),
+    "a list of arrays": (lambda: [*rows()], "double"),
+    "an array of objects": (lambda: rows().astype(object), "double"),
+    "a generator": (lambda: (row for row in rows()), "double"),
+    "single": (lambda: rows().astype(np.float32), "single"),
+    "single and double": (lambda: [[np.float32(x[0]), *x[1:]] for x in rows().tolist()], "double"),
+    "fractions": (lambda: [[Fraction(x) for x in row] for row in rows().tolist()], "mp"),
+    "a fraction among floats": (
+        lambda: [[Fraction(x[0]), *x[1:]] for x in rows().tolist()],
+        "mp",
+    ),
+    "texts": (lambda: [[repr(x) for x in row] for row in rows().tolist()], "mp"),
+    "half": (lambda: rows().astype(np.float16), "mp"),
+}
+
+
+@pytest.mark.parametrize("kind", AS_TYPES)
+def test_rows_are_of_the_widest_type_of_their_cells(kind):
+    made, number = AS_TYPES[kind]
+    found = polhode.compare(made(), CASE, at=TIMES)
+    assert found.subject.number.name == number
+    assert number == "mp" or f"expected in {number}" in str(found)
+
+
+def test_what_is_held_in_single_has_its_digits():
+    found = polhode.compare(rows().astype(np.float32), CASE, at=TIMES)
+    assert 7 < found.worst <= found.subject.number.most_digits < 7.3
+    assert found.limit == "rounding"
+    with pytest.raises(BadInput, match="number = single"):
+        polhode.integrate(CASE, number=found.subject.number)
+
+
+@pytest.mark.skipif(not extended_here(), reason="long double is another type here")
+def test_doubles_kept_as_long_doubles_are_short_of_digits():
+    found = polhode.compare(rows().astype(np.longdouble), CASE, at=TIMES)
+    assert found.subject.number == EXTENDED
+    assert found.limit.startswith("method")
+
+
+@pytest.mark.parametrize("digits", [19, 25, 36])
+def test_more_digits_than_a_doubles_stay_more_digits(tmp_path, digits):
+    command = ["reference", CASE, "--at", "1/4,1/2,3/2", "--digits", str(digits), "-o"]
+    assert cli.main([*command, str(tmp_path / "x.csv")]) == 0
+    found = polhode.compare(tmp_path / "x.csv", CASE)
+    assert found.subject.number.name == "mp"
+    assert digits - 1 < found.worst < digits + 4
+
+
+def test_doubles_printed_longer_than_they_are_are_doubles(tmp_path):
+    path = tmp_path / "x.csv"
+    cells = [[f"{float(x):.18e}" for x in row] for row in rows()]
+
+    def judged():
+        body = [",".join([str(float(t)), *row]) for t, row in zip(TIMES, cells, strict=True)]
+        path.write_text("\n".join([",".join(("t", *STATE)), *body]))
+        return polhode.compare(path, CASE)
+
+    found = judged()
+    assert (found.subject.number.name, found.limit) == ("double", "rounding")
+    assert found.subject.remarks == ("read as: numbers of double, printed to 19 digits",)
+    cells[7][2] = cells[7][2][:-7] + "1" + cells[7][2][-6:]  # the decimal of no double
+    assert judged().subject.number.name == "mp"
+    cells = [[f"{np.float32(x):.18e}" for x in row] for row in rows()]
+    assert judged().subject.number.name == "single"
+
+
+# -- runs -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("number", ["double", "extended", "quad"])
+def test_a_run_its_files_and_its_array_are_judged_alike(tmp_path, number):
+    """The JSON beside a CSV names the type, unless its decimals have more digits than that."""
+    run = polhode.integrate(CASE, number, at=[4, 20])
+    path = tmp_path / "x.csv"
+    command = ["run", CASE, "--number", number, "--at", "4,20", "-o", str(path)]
+    assert cli.main(command) == 0
+    run.save(tmp_path / "y.npz")
+    own = polhode.compare(run)
+    array = run.states, {"at": run.times, "number": number}
+    for what, options in ((path, {}), (tmp_path / "y.npz", {}), array):
+        found = polhode.compare(what, CASE, **options)
+        assert found.subject.number == run.number
+        assert found.digits == own.digits
+    path.write_text(path.read_text().rstrip() + "1" * 9 + "\n")
+    assert polhode.compare(path, CASE).subject.number.name == "mp"
+
+
+def test_a_run_that_is_not_projected_its_file_and_its_array_have_the_same_limits(tmp_path):
+    run = polhode.integrate("euler/largest-axis", project=False)
+    path = tmp_path / "x.csv"
+    assert cli.main(["run", run.scene.name, "--no-project", "-o", str(path)]) == 0
+    judged = [polhode.compare(run), polhode.compare(run.states, run.scene, at=run.times)]
+    judged.append(polhode.compare(path, run.scene, number="double"))
+    one, *others = ([x.expected, x.inputs, x.limit, x.digits] for x in judged)
+    assert others == [one, one]
+    assert judged[1].drift == judged[2].drift == pytest.approx(judged[0].drift, rel=1e-3)
+    some = polhode.compare(run.states[:, 3:], run.scene, at=run.times, columns=STATE[3:])
+    assert some.subject.columns == STATE[3:]
+    assert all(d >= w for d, w in zip(some.digits, judged[0].digits, strict=True))
+    assert "column p is not in the file" in some.notes
+
+
+def test_a_run_without_rows_is_refused_with_what_ended_it():
+    """It was told 15.95 correct digits of angles, of none."""
+    scene = replace(polhode.load("lagrange/lower-pole").at([50]), outputs=("angles",))
+    run = polhode.integrate(scene)
+    assert not run.times
+    with pytest.raises(BadInput, match="rows: expected a time that the run reached"):
+        polhode.compare(run)
+    ended = polhode.integrate(CASE, at=[1, 2], max_steps=2)
+    assert (ended.times, ended.expected.digits, ended.expected.lost_after) == ((), (), None)
+
+
+# -- cells that are no numbers ----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("cell", ["nan", "NaN", "-nan", "NA", "null", ""])
+def test_a_cell_that_is_no_number_is_not_judged_whatever_the_door(tmp_path, cell):
+    columns = of_run(polhode.integrate(CASE, at=[0, 1, 2]))
+    columns["q"][1] = np.nan
+    path = tmp_path / "x.csv"
+    path.write_text(text(columns, empty=cell))
+    array = np.column_stack([columns[n] for n in STATE])
+    given = [(path, {}), (columns, {}), (array, {"at": [0, 1, 2]})]
+    for what, options in given:
+        found = polhode.compare(what, CASE, **options)
+        assert found.worst > 14.5
+        assert "not judged: empty cells were not judged" in str(found)
+    rest = text(columns, empty=cell).splitlines()[2:]  # of which the first row has the cell
+    path.write_text("\n".join(rest))
+    assert len(polhode.compare(path, CASE, columns=["t", *STATE]).times) == 2
+
+
+@pytest.mark.parametrize("count", [9, 200])  # row by row, and all at once
+def test_a_time_without_numbers_has_no_digits(count):
+    mine = right("euler/largest-axis", [Fraction(k, 4) for k in range(count)])
+    for name in STATE:
+        mine[name][4:8] = np.nan
+    mine["p"][8:] = np.nan  # of omega q and r are left
+    found = polhode.compare(mine, "euler/largest-axis")
+    for digits in (found.digits, found.part_digits["omega"], found.part_digits["gamma"]):
+        assert [k for k, d in enumerate(digits) if d is None] == [4, 5, 6, 7]
+    assert found.worst > 15
+
+
+@pytest.mark.parametrize("names", ["p,q,r", "p,q,r,psi,theta,phi", "gamma1"])
+def test_a_table_without_numbers_has_no_digits(names, tmp_path, capsys):
+    path = tmp_path / "x.csv"
+    path.write_text(f"t,{names}\n1{',' * len(names.split(','))}\n")
+    answer = verdict(path, capsys)
+    assert (answer["worst"], answer["correct_digits"]) == (None, [])
+    assert [*answer["parts"].values()] == [[None]] * len(answer["parts"])
+    assert "correct digits" not in str(polhode.compare(path, CASE))
+
+
+def test_columns_about_the_vertical_are_named_where_the_scene_has_none():
+    some = {"t": [0], "p": [1], "gamma1": [1], "psi": [1]}
+    found = polhode.compare(some, "euler/no-gamma")
+    unjudged = [f"column {n} was not judged: the scene has no gamma" for n in ("gamma1", "psi")]
+    missing = [f"column {name} is not in the file" for name in "qr"]
+    assert [x for x in found.notes if x in (*unjudged, *missing)] == [*unjudged, *missing]
+    assert found.subject.columns == ("p",)
+
+
+def test_rows_that_begin_later_are_as_they_are():
+    later = {name: x[3:] for name, x in table().items()}
+    assert polhode.compare(later, CASE).reading is None
+    wrong = later | {"t": later["t"] - 0.5}  # no row is the start
+    assert "from its first row" not in (polhode.compare(wrong, CASE).reading or "")
+
+
+# -- a first answer ---------------------------------------------------------------------------
+
+
+def long_file(path, spoiled=None, count=1200):
+    """Rows each off by about 1e-13; of one, if given, a cell is no number."""
+    columns = right("euler/attitude", [Fraction(k, 4) for k in range(count)])
+    draw = np.random.default_rng(7)
+    for name in STATE:
+        columns[name] += draw.uniform(-1e-13, 1e-13, count)
+    rows = text(columns).splitlines()
+    if spoiled is not None:
+        cells = rows[spoiled + 1].split(",")
+        rows[spoiled + 1] = ",".join([*cells[:2], "x", *cells[3:]])
+    path.write_text("\n".join(["# a comment", "", ",,", *rows]) + "\n")
+    return path
+
+
+@pytest.mark.parametrize("spoiled", [pytest.param(None, marks=pytest.mark.slow), 5, 0, 1199])
+def test_a_long_file_has_a_first_answer_before_its_faults_are_told(tmp_path, spoiled):
+    path, told = long_file(tmp_path / "x.csv", spoiled), []
+
+    def judged():
+        return polhode.compare(path, "euler/attitude", first=lambda *x: told.append(x))
+
+    if spoiled is None:
+        whole = judged()
+        assert whole.worst <= told[0][0].worst < whole.worst + 2
+        assert "drift h" in str(whole)
+    else:
+        with pytest.raises(BadInput, match=rf"x\.csv:{spoiled + 5}: q = x"):
+            judged()
+    if spoiled in (None, 5):  # no row of the first eleven is spoiled
+        ((some, count),) = told
+        assert (len(some.times), count, some.times[0], some.worst > 12) == (11, 1200, 0, True)
+    else:
+        assert told == []
+
+
+def test_a_first_answer_that_cannot_be_given_hides_no_fault(tmp_path):
+    """As of times beyond what a reference can tell: the file is read first."""
+
+    def first(some, count):
+        raise BadInput("reference", "t", None, "a nearer time")
+
+    for spoiled, said in ((5, r"x\.csv:10: q = x"), (None, "a nearer time")):
+        path = long_file(tmp_path / "x.csv", spoiled)
+        with pytest.raises(BadInput, match=said):
+            polhode.compare(path, "euler/attitude", first=first)

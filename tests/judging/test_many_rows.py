@@ -1,0 +1,134 @@
+"""Many rows judged at once get the digits that a few of them get one by one."""
+
+from __future__ import annotations
+
+import pickle
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode.judging.conditioning.rounding_errors import Band
+from polhode.judging.diagnosis.error_budget import between
+from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
+from shared.tables import right
+
+#: Of every family; with periods and without, through poles and towards them, before t = 0.
+CASES = {
+    "euler/attitude": (-20, 30),
+    "lagrange/turned-axes": (0, 30),
+    "grioli/precession": (0, 3),
+    "steklov/lower": (-30, 60),
+    "hess/loxodrome": (-1, 12),
+    "euler/separatrix": (0, 12),
+    "lagrange/from-the-pole": (0, 7),
+    "lagrange/homoclinic": (0, 12),
+    "pendulum/rotating": (0, 30),
+    "kovalevskaya/quasi-periodic": (0, 6),
+    "goryachev-chaplygin/rotating": (0, 12),
+    "bobylev-steklov/cn": (0, 40),
+    "bobylev-steklov/asymptotic": (-3, 9),
+    "staude/unstable": (-3, 9),
+    "chaplygin/motion": (0, 9),
+}
+COUNT = 300
+COLUMNS = (*STATE, *ATTITUDE, *ANGLES)
+
+
+def rows_of(case, first, last):
+    """A scene, and rows of a run of it with its attitude and angles."""
+    times = [first + (last - first) * Fraction(k, COUNT - 1) for k in range(COUNT)]
+    scene = replace(polhode.load(case), outputs=("attitude", "angles"), events=())
+    rows = []
+    for sign in (-1, 1):
+        some = sorted((t for t in times if t * sign > 0 or sign > 0 == t), key=abs)
+        if some:
+            run = polhode.integrate(scene, at=some)
+            parts = zip(run.states, run.attitude, run.angles, strict=True)
+            found = [[*state, *turn, *angles] for state, turn, angles in parts]
+            rows += found[::sign]
+    return scene, times, np.array([[np.nan if x is None else float(x) for x in r] for r in rows])
+
+
+@pytest.mark.sample(2, first=5, slow=5)
+@pytest.mark.parametrize("case", CASES)
+def test_the_same_digits_as_one_by_one(case):
+    scene, times, rows = rows_of(case, *CASES[case])
+    rows[211, [1, 4, 7, 11]] += [1e-9, 1e-8, 1e-7, 1e-6]
+    fastest = int(np.argmax(np.linalg.norm(rows[:, :3], axis=1)))  # by which omega is measured
+    few = [0, 1, 77, 150, 211, 250, COUNT - 1, fastest]
+
+    def judged(some):
+        at = [times[k] for k in some]
+        return polhode.compare(rows[some], scene, at=at, columns=COLUMNS)
+
+    many, one_by_one = judged([*range(COUNT)]), judged(few)
+    assert many.part_digits.keys() == one_by_one.part_digits.keys()
+    for part, digits in one_by_one.part_digits.items():
+        found = [many.part_digits[part][k] for k in few]
+        assert found == pytest.approx(digits, abs=0.005), part
+    assert min(many.part_digits["angles"][:211]) > 10
+    planted = [many.part_digits[part][211] for part in ("gamma", "attitude", "angles")]
+    assert planted == pytest.approx([8, 7, 6], abs=0.01)
+
+
+def test_an_error_in_one_row_of_many_is_found_in_its_part():
+    times = [Fraction(k, 8) for k in range(300)]
+    table = right("euler/attitude", times, "at", "attitude")
+    for name in ATTITUDE:  # q and -q are one attitude
+        table[name] *= -1
+    table["gamma2"][211] += 1e-7
+    table["p"][::3] = np.nan
+    found = polhode.compare(table, "euler/attitude")
+    assert 6.9 < found.worst < 7.1
+    assert found.worst_time == times[211]
+    assert found.parts["attitude"] > 15
+    assert sum(d > 14.5 for d in found.digits) == 299
+    alone = {name: table[name] for name in ("t", *ATTITUDE)}
+    assert polhode.compare(alone, "euler/attitude").parts["attitude"] > 15
+
+
+def test_angles_that_the_motion_does_not_have_are_not_asked_for():
+    """A sleeping top has no psi and phi at all; it divides nothing by nothing."""
+    count = 120
+    table = {"t": np.arange(count) / 8, "psi": np.full(count, 0.25), "theta": np.zeros(count)}
+    assert polhode.compare(table, "lagrange/sleeping-stable").parts["angles"] > 15
+    table["theta"][70] = 1e-7
+    assert 6.9 < polhode.compare(table, "lagrange/sleeping-stable").parts["angles"] < 7.1
+
+
+def test_numbers_beyond_doubles_are_judged_too():
+    times = [Fraction(k, 4) for k in range(120)]
+    table = right("euler/attitude", times)
+    rows = [[Fraction(float(x)) for x in row] for row in zip(*[*table.values()][1:], strict=True)]
+    assert polhode.compare(rows, "euler/attitude", at=times).worst > 14.5
+    rows[3][1] = Fraction(10) ** 400
+    found = polhode.compare(rows, "euler/attitude", at=times)
+    assert (found.worst, found.worst_time) == (0, times[3])
+
+
+@pytest.mark.slow
+def test_two_processes_give_the_same_judgement():
+    scene = polhode.load("bobylev-steklov/dn").at([Fraction(k, 2) for k in range(60)])
+    run = polhode.integrate(scene)
+    assert polhode.compare(run, workers=2) == polhode.compare(run)
+
+
+def test_a_judgement_that_tells_how_far_it_is_pickles_without():
+    run = polhode.integrate("steklov/lower", at=[Fraction(k, 4) for k in range(12)])
+    found = polhode.compare(run, progress=lambda *here: None)
+    again = pickle.loads(pickle.dumps(found))
+    assert again == found
+    assert again.progress is None
+
+
+def test_what_is_expected_between_the_times_that_are_followed():
+    known = {Fraction(0): Band(1.0, 2.0, 3.0), Fraction(2): Band(3.0, 4.0, 5.0), Fraction(3): None}
+    times = [Fraction(t) for t in (0, 1, 2, 3)] + [Fraction(5, 2)]
+    assert between(known, times) == (known[0], Band(2.0, 3.0, 4.0), known[2], None, None)
+    tiny = Fraction(1, 10**400)  # once two times that are one double were one
+    known = {Fraction(0): 15.0, tiny: 14.0, Fraction(1): 12.0}
+    assert between(known, [Fraction(0), tiny, Fraction(1)]) == (15.0, 14.0, 12.0)
+    assert between(known, [tiny / 2]) in [(14.0,), (15.0,)]

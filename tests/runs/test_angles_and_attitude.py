@@ -1,0 +1,259 @@
+"""Angles and attitude of runs: as good as the state, whole turns counted, whatever the times."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode.closed_forms.families import FAMILIES
+from polhode.equations import quaternion_products
+from polhode.motion.outcomes import Outcome
+from polhode.numbers.conversion import exactly
+from polhode.scenes import library
+from shared.policies import change_policy
+
+BOTH = ("angles", "attitude")
+NUMBERS = ("double", "extended", "quad", "mp")
+
+#: The folder of a family holds what has that closed form: see ``checks/test_regression.py``.
+FAMILY = {family.name for family in FAMILIES}
+CASES = [
+    name
+    for name in library.names()
+    if "outputs" in (library.folder() / f"{name}.toml").read_text()
+    and polhode.load(name).outputs
+    and (name.partition("/")[0] in FAMILY or polhode.reference(name).is_closed_form)
+]
+
+
+def scene(name, at, outputs=BOTH, **changes):
+    return replace(polhode.load(name), events=(), outputs=outputs, **changes).at(at)
+
+
+def error(mine, exact, relative=False) -> float:
+    """The largest difference, or by a number's own size beyond 1; gaps are gaps on both sides."""
+    worst = 0.0
+    for row, true in zip(mine, exact, strict=True):
+        for x, y in zip(row, true, strict=True):
+            assert (x is None) == (y is None)
+            if x is not None:
+                size = max(1.0, abs(float(y))) if relative else 1.0
+                worst = max(worst, abs(float(exactly(x) - exactly(y))) / size)
+    return worst
+
+
+@pytest.mark.sample(5, slow=12)
+@pytest.mark.parametrize("name", CASES)
+def test_outputs_of_a_run_are_those_of_the_closed_form(name):
+    """In quad at a few times, 300 radians: absolute errors as small as the state's allow."""
+    top = polhode.load(name)
+    truth = polhode.reference(top)
+    end = min(abs(top.end), 10, Fraction(300) / Fraction(10) ** math.ceil(top.log10_rate))
+    end *= 1 if top.end > 0 else -1
+    top = replace(top, times=tuple(end * Fraction(k, 7) for k in range(8)))
+    run = polhode.integrate(top, "quad")
+    bound = 1e4 * max(10.0 ** -min(polhode.compare(run, truth).digits), 1e-33)
+    assert (run.attitude is not None) == bool({"attitude", "hodographs"} & set(top.outputs))
+    assert (run.angles is not None) == ("angles" in top.outputs)
+    if "attitude" in top.modelled:
+        assert error(run.attitude, truth.attitude(run.times, 40)) < bound
+    if "angles" in top.modelled:
+        assert error(run.angles, truth.angles(run.times, 40)) < bound
+
+
+UNEVEN = [0, "0.1", "0.2", "0.2000001", 3, 50, "50.01", 70]
+GRID = [Fraction(k, 2) for k in range(1301)]
+#: gamma circles near the third axis, and the pole lies between the path and its chords.
+CIRCLING = polhode.top(
+    moments=["1", "1.05", "0.9"],
+    omega=["0.5", "0", "0.9"],
+    gamma=["0.8", "0.3", "0.6"],
+    normalise=True,
+    outputs=BOTH,
+    at=[300, 600, 1200],
+)
+
+
+@pytest.mark.parametrize(
+    ("number", "what"),
+    [
+        pytest.param(number, what, id=f"{number}-{name}", marks=[pytest.mark.slow] * slow)
+        for number, name, what, slow in (
+            ("double", "few", scene("euler/largest-axis", [1, 600]), 0),
+            ("double", "uneven", scene("lagrange/turned-axes", [*UNEVEN, 700]), 0),
+            ("double", "backward", scene("kovalevskaya/generic", [-1, -33, -90]), 0),
+            ("double", "grid", scene("lagrange/nutation", GRID), 0),
+            ("double", "short", scene("euler/turned-axes", [1, 9]), 0),
+            ("extended", "few", scene("euler/largest-axis", [1, 60]), 0),
+            ("extended", "uneven", scene("lagrange/turned-axes", UNEVEN), 1),
+            ("extended", "backward", scene("goryachev/motion", [-1, -20]), 1),
+            ("extended", "near a pole", scene("hard/near-pole", [5, 30]), 1),
+            ("extended", "loops", scene("lagrange/looping", [5, 40]), 0),
+            ("extended", "chaotic", scene("general/asymmetric-chaotic", [5, 25]), 1),
+            ("extended", "circling", CIRCLING, 1),
+            ("quad", "backward", scene("euler/backward", [-1, -12]), 1),
+            ("mp", "backward", scene("lagrange/looping", [-3, -6], psi=Fraction(22, 7)), 1),
+        )
+    ],
+)
+def test_attitude_and_angles_are_as_good_as_the_state(number, what):
+    """And the state is that of a run without them; the attitude is of length 1 and has gamma."""
+    wider = {"double": "extended", "extended": "quad", "quad": "mp"}  # by other ways, too
+    run, alone = (polhode.integrate(s, number) for s in (what, replace(what, outputs=())))
+    fine = polhode.integrate(what, wider.get(number), digits=None if number != "mp" else 60)
+    eps, state = float(run.number.eps), error(run.states, fine.states, True)
+    assert 0 < state < 3e4 * eps * (100 if what.name.startswith(("hard", "general")) else 1)
+    assert error(run.states, alone.states, True) <= 4 * state
+    assert eps / 40 < error(run.attitude, fine.attitude) < 5 * state + 64 * eps
+    assert eps / 40 < error(run.angles, fine.angles, True) < 20 * state + 64 * eps
+    kind = float if number == "double" else type(run.states[0][0])
+    assert {type(x) for row in run.angles for x in row} == {kind}
+    lengths = (run.attitude**2).sum(axis=1)
+    assert max(abs(x - 1) for x in lengths) < (8 if run.number.flat else 64) * eps
+    vertical = quaternion_products.vertical(run.attitude.T)
+    assert max(abs(a - b).max() for a, b in zip(vertical, run.gamma.T, strict=True)) < 300 * eps
+    middle = run.times[-1] * Fraction(2, 3)
+    assert error([run(middle)], [alone(middle)], True) <= 4 * state
+    for word, absent in zip(BOTH, ("attitude", "angles"), strict=True):
+        one = polhode.integrate(replace(what, outputs=(word,)), number)
+        assert getattr(one, absent) is None
+        assert len(getattr(one, word)) == len(run.times)
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("project", [False, None])
+@pytest.mark.parametrize("number", ["double", "extended"])
+def test_angles_that_grow_loosen_no_step(number, project, monkeypatch):
+    """phi of a fast top grows to thousands of radians, and steps are as accurate as the largest
+    variable asks: its state would lose as many digits.  Chunks end between two set-backs."""
+    change_policy(monkeypatch, chunk=1000)
+    top = polhode.load("hard/fast-top").at((Fraction(1, 2), Fraction(1)))
+    along, alone = (
+        polhode.integrate(s, number, project=project) for s in (top, replace(top, outputs=()))
+    )
+    assert along.steps >= alone.steps > 5000
+    truth, eps = polhode.reference(top), float(along.number.eps)
+    digits = [min(polhode.compare(run, truth).digits) for run in (along, alone)]
+    assert digits[0] > digits[1] - 0.5
+    assert abs(along(along.times)[1] - along.states[1])[3:].max() < 1e4 * eps
+    exact = truth.angles(along.times, 40)
+    assert error(along.angles, exact, True) < 100 * eps
+    assert error([row[2:] for row in along.angles], [row[2:] for row in exact], True) < 4 * eps
+
+
+def test_psi_and_phi_are_continuous_over_many_turns():
+    run = polhode.integrate(
+        scene("euler/largest-axis", [Fraction(k, 10) for k in range(1, 1000)], ("angles",))
+    )
+    for column in (run.psi, run.phi):
+        assert np.max(np.abs(np.diff(column))) < 1.5
+    assert max(abs(run.psi[-1]), abs(run.phi[-1])) > 4 * math.pi
+
+
+# -- poles and zeros at the start -----------------------------------------------------------------
+
+
+@pytest.mark.sample(2, slow=4)
+@pytest.mark.parametrize("number", NUMBERS)
+@pytest.mark.parametrize("up", [1, -1], ids=["upper", "lower"])
+@pytest.mark.parametrize("end", [3, -3])
+def test_angles_of_a_start_at_a_pole_begin_at_their_one_sided_limits(number, up, end):
+    """psi and phi are undefined at t = 0, then the closed form's; psi ± phi is continuous."""
+    top = scene("euler/attitude", [0, Fraction(end, 100), end], gamma=(0, 0, Fraction(up)))
+    run = polhode.integrate(top, number)
+    assert run.angles[0][0] is run.angles[0][2] is None
+    exact = polhode.reference(top).angles(run.times, 60)
+    assert error(run.angles, exact) < 2000 * float(run.number.eps)
+    psi, _, phi = run.angles[1]
+    assert abs(float(psi + up * phi) - float(top.psi)) < 0.1
+
+
+def test_a_body_that_stays_at_the_pole_has_no_psi_and_phi():
+    top = scene("euler/largest-axis", [0, 1, 2], omega=(0, 0, Fraction(2)), gamma=(0, 0, 1))
+    run = polhode.integrate(top)
+    assert [[*row] for row in run.angles] == [[None, 0.0, None]] * 3
+    assert run.attitude.shape == (3, 4)
+
+
+@pytest.mark.parametrize("asked", [{"number": "quad"}, {"digits": 50}])
+def test_what_is_zero_at_the_start_of_a_turned_body_is_zero(asked):
+    """Through the principal axes and back it would be 1e-35, or 1e-56."""
+    top = polhode.top(
+        inertia=[[2, "1/3", "1/7"], ["1/3", 3, "1/5"], ["1/7", "1/5", 2]],
+        centre=[0, 0, 1],
+        weight=1,
+        angles=[0, "pi/6", 0],
+        rates=[0, 0, 3],
+        outputs=["angles"],
+        at=[0, 1],
+    )
+    run = polhode.integrate(top, **asked)
+    assert run.states[0].tolist()[:4] == [0, 0, 3, 0]
+    assert run["phi"][0] == run["psi"][0] == 0
+    assert (run(0) == run.states[0]).all()
+    assert 0 < abs(run.states[1, 0]) < 1
+    many = polhode.integrate_many(top, {"start.rates[3]": [3, 4]}, **asked)
+    for k, spin in enumerate((3, 4)):
+        assert many.states[k, 0].tolist()[:4] == [0, 0, spin, 0]
+
+
+# -- other times, and runs that end early ---------------------------------------------------------
+
+
+def test_a_scene_asked_at_other_times_is_read_at_those():
+    """What a scene's runs begin with is shared by scenes that differ in their times alone."""
+    level = (polhode.Event("level", "gamma3"),)
+    for changes in ({"outputs": BOTH}, {"outputs": (), "events": level}):
+        base = replace(polhode.load("kovalevskaya/generic"), **changes)
+        for at in ([100, 400], [150, 300], [50, 100, 400], [-200], [3], [-3]):
+            again = polhode.integrate(base.at(at))
+            alone = polhode.integrate(
+                replace(polhode.load("kovalevskaya/generic").at(at), **changes)
+            )
+            assert (again.times, again.reached) == (tuple(at), at[-1])
+            assert again == alone
+
+
+@pytest.mark.parametrize(("number", "end"), [("double", 1000), ("extended", 300)])
+@pytest.mark.parametrize("fraction", [0.2, 0.75])
+def test_a_run_that_is_interrupted_has_whole_rows_as_far_as_it_came(
+    number, end, fraction, monkeypatch
+):
+    """Progress only grows."""
+    change_policy(monkeypatch, chunk=400)
+    what = scene("lagrange/nutation", [Fraction(k) for k in range(0, end, 10)])
+    whole, seen = polhode.integrate(what, number), []
+
+    def pressed(done, steps):
+        seen.append(done)
+        if done > fraction:
+            raise KeyboardInterrupt
+
+    run = polhode.integrate(what, number, progress=pressed)
+    assert run.outcome is Outcome.INTERRUPTED
+    assert seen == sorted(seen)
+    count = len(run.times)
+    assert 1 < count < len(whole.times)
+    assert run.times[-1] <= run.reached < whole.times[count]
+    assert len(run.states) == len(run.angles) == len(run.attitude) == count
+    assert np.array_equal(run.states, whole.states[:count])
+    assert np.array_equal(run.attitude, whole.attitude[:count])
+    assert run.angles == whole.angles[:count]
+
+
+@pytest.mark.parametrize(
+    ("number", "steps", "least"), [("double", 1000, 500), ("extended", 100, 9)]
+)
+def test_a_run_that_ends_early_has_rows_as_far_as_it_came(number, steps, least):
+    times = [Fraction(k, 3) for k in range(2000)]
+    run = polhode.integrate(scene("kovalevskaya/generic", times), number, max_steps=steps)
+    assert run.outcome is Outcome.STEP_LIMIT
+    assert len(run.angles) == len(run.attitude) == len(run.times) == len(run.states)
+    assert least < len(run.times) < len(times)
+    none = polhode.integrate(scene("kovalevskaya/generic", times), number, max_steps=1)
+    assert len(none.angles) == len(none.times) == 1

@@ -1,0 +1,369 @@
+"""Many tops at once: every member is its own run, whatever is varied and however it is planned."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Iterable
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import polhode
+from polhode.equations import integrals
+from polhode.numbers.conversion import exactly, to_mpf
+from polhode.runs.sweep import plan as sweep_plan
+from polhode.runs.sweep.lanes import Fastest
+from polhode.scenes import scene_file
+from polhode.scenes.variation import vary
+from shared.examples import examples
+from shared.motions import heavy, heavy_file
+from shared.policies import change_policy
+
+
+def worst(one, other) -> float:
+    """The largest difference of two tables, by the size of each column of the second."""
+    one, other = (np.array([[exactly(x) for x in row] for row in rows]) for rows in (one, other))
+    sizes = np.maximum(np.abs(other).max(axis=0), Fraction(1, 10**9))
+    return float((np.abs(one - other).max(axis=0) / sizes).max())
+
+
+def assert_own_runs(many: polhode.Ensemble, turned: bool = False) -> None:
+    """Each member is the run of its scene: start, times, steps and states within rounding.
+
+    Two starts that differ by one rounding part by some tens of eps on these motions.
+    """
+    assert many.done
+    assert many.states.shape == (len(many), len(many.times), len(many.columns))
+    eps = float(many.number.eps)
+    for k, member in enumerate(many):
+        scene = replace(member.scene, form="principal")  # as members are, whatever they ask for
+        alone = polhode.integrate(scene, many.number, project=False, method="taylor")
+        assert member.times == alone.times == many.times
+        assert worst(member.states[:1], alone.states[:1]) <= (2 * eps if turned else 0), k
+        assert abs(member.steps - alone.steps) <= 5
+        assert worst(member.states, alone.states) < (200 + 8 * alone.steps) * eps, k
+
+
+#: Body, start and run of a scene; a full matrix is about principal axes that are irrational,
+#: rational about one axis, or two of which are exchanged.
+START = {"omega": ["3/10", "2/5", "11/10"], "gamma": ["2/7", "3/7", "6/7"], "at": [0, 1, 3]}
+LEVER = {"centre": ["1/3", "1/5", "1/2"], "weight": 2}
+INERTIA = {
+    "irrational": [[3, "1/4", 0], ["1/4", 2.5, "1/8"], [0, "1/8", 1.5]],
+    "rational": [[3, 0, 0], [0, "5/2", "1/2"], [0, "1/2", "5/2"]],
+    "exchanged": [[2, 1, 0], [1, 2, 0], [0, 0, 3]],
+    "own": [[2, 0, 0], [0, 3, 0], [0, 0, 4]],
+}
+ABOUT = {"inertia": [[2, 0.5, 0], [0.5, 2.5, 0], [0, 0, 2]], "about": "centre", "mass": 1, "g": 3}
+MATRIX = {name: polhode.top(inertia=x, **LEVER, **START) for name, x in INERTIA.items()}
+BODY = {"moments": [2, 3, 4], "centre": [0.3, 0.2, 0.5], "weight": 1, "at": [0, 1, 3]}
+OMEGA = {"omega": [0.3, 0.4, 1.1]}
+LAGRANGE = polhode.load("lagrange/nutation").at([0, 1, 3])
+MOMENTUM = heavy_file().replace("[run]", '[run]\nform = "momentum"')
+
+
+def starting(**start) -> polhode.Scene:
+    return polhode.top(**BODY, **start)
+
+
+SWEEPS = [
+    # principal axes: numbers in columns, some of them left to their scenes
+    (heavy("9"), {"start.omega[3]": "0.5:9:11", "body.moments[2]": [3, 4]}),
+    (heavy("9"), {"start.omega[1]": ["1/3", "-1e-3", 0], "body.weight": "-2:2:3"}),
+    (heavy("-9"), {"body.moments[2]": "2:6:3", "body.centre[1]": ["0", "1/7"]}),
+    (heavy("1"), {"body.weight": [10, 100, 10000]}),  # faster than the start
+    (heavy("9"), {"start.omega[2]": ["sqrt(2)", "1/3"], "body.weight": [1, "pi", 0]}),
+    (heavy("9"), [{"start.omega[1]": k, "body.weight": f"1/{k}"} for k in (1, 2, 3)]),
+    (heavy("9"), {"start.gamma[1]": ["2/7"], "start.gamma[3]": ["6/7", "-6/7"]}),
+    (LAGRANGE, {"start.omega[3]": "3.9:4.3:11"}),  # each lane has its own spin
+    (polhode.top(moments=[1, 2, 3], **OMEGA, at=[0, 1, 3]), {"start.omega[1]": [0, "0.1"]}),
+    (scene_file.parse(MOMENTUM), {"start.omega[3]": [1, 3]}),  # members take the principal form
+    # turned axes: in columns, or from member to member
+    *((MATRIX[x], {"start.omega[3]": "0.1:7:5"}) for x in INERTIA),
+    (MATRIX["irrational"], {"start.omega[1]": ["1/3", -3, 0], "body.weight": "-2:2:3"}),
+    (MATRIX["rational"], {"body.centre[1]": ["0", -1], "start.omega[2]": ["sqrt(2)", "-1/10"]}),
+    (MATRIX["exchanged"], {"body.centre[1]": ["1/7", 1, 2]}),  # of two equal moments
+    (MATRIX["exchanged"], {"start.gamma[1]": ["2/7"], "start.gamma[3]": ["6/7", "-6/7"]}),
+    (MATRIX["own"], {"body.inertia[1][2]": [0, "0.5"]}),
+    (MATRIX["irrational"], {"start.omega[1]": [1, 100], "body.inertia[1][2]": ["0.5", 0]}),
+    (polhode.top(**ABOUT, centre=LEVER["centre"], **START), {"body.centre[1]": ["1/7", 2]}),
+    (polhode.top(**ABOUT, centre=LEVER["centre"], **START), {"body.mass": ["1/7", 1, 2]}),
+    # starts of other kinds
+    (starting(angles=[0, "pi/3", "1/5"], **OMEGA), {"start.angles[2]": ["1", "pi/2"]}),
+    (starting(angles=[0, "pi/3", "1/5"], rates=[0, 1, 5]), {"start.rates[3]": [5, 6]}),
+    (
+        starting(quaternion=[1, 0.1, 0.2, 0.3], **OMEGA, normalise=True),
+        {"start.quaternion[2]": ["1/10", "1/5"]},
+    ),
+    (starting(gamma=START["gamma"], h=3, f=2, sign="+"), {"start.h": [3, 4]}),
+    (starting(gamma=START["gamma"], h=3, f=2, sign="+"), {"body.weight": [1, 2]}),
+    (starting(gamma=[1, 2, 2], **OMEGA, normalise=True), {"start.gamma[1]": [0, "sqrt(2)"]}),
+]
+
+
+@pytest.mark.sample(14)
+@pytest.mark.parametrize(("scene", "given"), SWEEPS, ids=range(len(SWEEPS)))
+def test_members_are_the_runs_of_their_scenes(scene, given):
+    many = polhode.integrate_many(scene, given, workers=1)
+    assert_own_runs(many, turned="inertia" in scene.source or not scene.body.axes.trivial)
+    assert len({states.tobytes() for states in many.states}) == len(many)
+
+
+@pytest.mark.sample(2, first=1, slow=3)
+@pytest.mark.parametrize("number", ["extended", "quad", "mp"])
+@pytest.mark.parametrize("case", [7, 13, 10])
+def test_in_wider_types_too(case, number):
+    scene, given = SWEEPS[case]
+    given = {
+        key: values if isinstance(values, list) else "0.5:60:2" for key, values in given.items()
+    }
+    many = polhode.integrate_many(scene, given, number=number, method="taylor")
+    assert_own_runs(many, turned=not scene.body.axes.trivial)
+
+
+@pytest.mark.parametrize(
+    ("scene", "given"),
+    [
+        (MATRIX["irrational"], {"start.omega[1]": ["1e-200", "1e60"], "body.weight": "-2:2:3"}),
+        (MATRIX["rational"], {"start.omega[1]": ["1e-200", "1e60"], "body.weight": [0, 1]}),
+        (MATRIX["irrational"], {"body.inertia[1][1]": ["3"], "start.omega[1]": [1, 5]}),
+        (starting(gamma=[0, 0, 1], **OMEGA), {"start.omega[1]": ["1", "1e80"]}),
+        (
+            polhode.top(
+                **BODY | {"moments": ["2e200", "3e200", "4e200"]}, gamma=[0, 0, 1], **OMEGA
+            ),
+            {"body.weight": ["1e-9", "1e210"]},
+        ),
+    ],
+)
+def test_numbers_of_any_size_begin_where_they_should(scene, given):
+    """Beyond doubles on the way: 0/0 was computed of members that are left to their scenes."""
+    many = polhode.integrate_many(scene, given, at=[0])
+    rates = [member.log10_rate for member in many.members]
+    assert Fastest(many.members).scene.log10_rate == max(rates)
+    for states, member in zip(many.states, many.members, strict=True):
+        start = np.array([[float(x) for x in member.start]])
+        for part in (slice(0, 3), slice(3, 6)):
+            near = 2.0**-51 * np.abs(start[:, part]).max()
+            assert np.allclose(states[:, part], start[:, part], rtol=0, atol=near)
+
+
+def test_the_unit_of_time_next_to_a_power_of_two():
+    """Where eight bits round to the next power of two the exponent is the scene's own."""
+    fourth_root = "0.99951135943"  # of 1 - 1/512
+    rates = [f"{fourth_root} + {k}e-10" for k in (-9, -1, 0, 1, 9)] + ["0.999", "1", "1.001"]
+    scene = polhode.top(moments=[1, 2, 3], omega=[1, 0, 0], end=1)
+    many = polhode.integrate_many(scene, {"start.omega[1]": rates})
+    assert len({member.time_unit for member in many.members}) == 2
+    assert_own_runs(many)
+    plan = sweep_plan.planned(scene, {"start.omega[1]": rates}, None, None, None, None)
+    assert plan.time_units.tolist() == [m.time_unit for m in plan.members]
+
+
+def test_members_are_as_right_as_their_closed_forms_say():
+    """A Lagrange top spun at sixteen speeds: digits of every member by its closed form."""
+    scene = polhode.top(
+        **{"moments": [2, 2, 1], "centre": [0, 0, 1], "weight": 1, "at": [0, 25, 50]},
+        **{"omega": [0.3, 0.1, 2], "gamma": ["3/5", 0, "4/5"]},
+    )
+    for member in polhode.integrate_many(scene, {"start.omega[3]": "0.5:8:16"}):
+        truth = polhode.reference(member.scene)
+        many, alone = (
+            polhode.compare(x, truth).worst for x in (member, polhode.integrate(member.scene))
+        )
+        assert 12.3 < many < 16
+        assert abs(many - alone) < 1.3
+
+
+@settings(deadline=None, max_examples=examples(10))
+@given(
+    st.lists(st.fractions(-3, 3, max_denominator=99), min_size=1, max_size=19),
+    st.integers(1, 5),
+)
+def test_order_and_number_of_members_change_no_bit(spins, workers):
+    """A member's digits depend neither on its neighbours in a batch nor on the threads."""
+    many = polhode.integrate_many(heavy("7"), {"start.omega[3]": spins}, workers=workers)
+    back = polhode.integrate_many(heavy("7"), {"start.omega[3]": spins[::-1]})
+    assert np.array_equal(many.states, back.states[::-1])
+    assert [row[0] for row in many.varied.rows] == spins
+
+
+@pytest.mark.parametrize("end", ["600", "-600"])
+def test_long_sweeps_of_slow_and_fast_members_in_any_order(end):
+    """Neighbours of another speed or unit, and members cut into chunks, change no bit."""
+    spins = [2 + (37 * k % 61) / 61 for k in range(61)]
+    many, back, few = (
+        polhode.integrate_many(heavy(end, samples=3), {"start.omega[3]": some})
+        for some in (spins, spins[::-1], [spins[5], 90, spins[6]])
+    )
+    assert np.array_equal(many.states, back.states[::-1])
+    assert many.counts.tolist() == back.counts[::-1].tolist()
+    assert np.array_equal(few.states[[0, 2]], many.states[5:7])
+
+
+def test_chunks_change_little(monkeypatch):
+    whole = polhode.integrate_many(heavy(), {"start.omega[3]": "0.5:1.5:9"})
+    change_policy(monkeypatch, chunk=12)
+    cut = polhode.integrate_many(heavy(), {"start.omega[3]": "0.5:1.5:9"})
+    assert np.abs(whole.states - cut.states).max() < 128 * 2.0**-52
+
+
+@pytest.mark.parametrize(
+    ("scene", "given", "fourth"),
+    [
+        (heavy(), {"start.omega[3]": ["0.5", 1], "body.weight": ["0", "1/3"]}, [1, 0, 1, 0]),
+        ("lagrange/nutation", {"body.weight": [1, 2, 0]}, [1, 1, 1]),
+        ("kovalevskaya/generic", {"body.moments[3]": [1, "0.5"]}, [1, 0]),
+        ("goryachev-chaplygin/inner-band", {"body.weight": [1, 3]}, [1, 1]),
+        ("lagrange/turned-axes", {"body.weight": [1]}, [1]),
+        (
+            replace(heavy(), gamma=None, body=polhode.Body.of_moments((2, 3, 4))),
+            {"start.omega[2]": [1, "7/5"]},
+            [1, 1],
+        ),
+        (heavy(), {"body.moments[3]": ["3.25"], "body.moments[1]": ["3.5"]}, [0]),  # A the largest
+    ],
+)
+def test_drift_of_all_members_is_the_drift_of_each(scene, given, fourth):
+    """Against 117 bits, one member after the other: to 1e-9 of a drift of a few eps.
+
+    Turned axes are left to each member's own drift, in 64 bits.
+    """
+    near = 1e-3 if scene == "lagrange/turned-axes" else 1e-9
+    found = polhode.integrate_many(scene, given, at=[0, 3, 7])
+    assert (~np.isnan(found.drift[:, 3])).tolist() == [bool(x) for x in fourth]
+    for k in range(len(found)):
+        rows = [[to_mpf(exactly(x), 53) for x in row] for row in found.states[k]]
+        true = integrals.drift(found[k].scene, rows, 53)
+        assert [x == x for x in found.drift[k]] == [x is not None for x in true]
+        for x, y in zip(found.drift[k], true, strict=True):
+            if y is not None:
+                assert abs(x - y) <= near * y + 1e-25
+    assert 1e-17 < np.nanmax(found.drift) < 1e-14
+
+
+def test_reductions_of_members_whose_axes_turn_are_those_of_each():
+    scene, given = SWEEPS[19][0].at([0, 3]), {"body.centre[1]": ["1/7", 1, 2]}
+    found = polhode.integrate_many(scene, given, workers=1)
+    kept = polhode.reduce_many(scene, given, keep=["final", "first equator"])
+    met = []
+    for k, member in enumerate(found.members):
+        final = [kept[f"final {name}"][k] for name in scene.columns]
+        assert np.abs(np.array(final) - found.states[k, -1]).max() < 2**-40
+        own = polhode.reduce_many(member.at(scene.times), {"start.psi": [0]}, keep="first equator")
+        for name in own.names:  # both nan where it does not come
+            assert np.allclose(kept[name][k], own[name][0], rtol=0, atol=2**-40, equal_nan=True)
+            met.append(own[name][0])
+    assert np.isfinite(met).sum() > 6
+
+
+# -- what is varied -------------------------------------------------------------------------------
+
+
+def test_values_are_exact_and_evenly_spaced():
+    many = polhode.integrate_many(heavy(), {"start.omega[1]": "0.1:0.4:4"}, at=[1])
+    assert [row[0] for row in many.varied.rows] == [Fraction(k, 10) for k in (1, 2, 3, 4)]
+    assert [m.omega[0] for m in many.members] == [Fraction(k, 10) for k in (1, 2, 3, 4)]
+    assert many.members[0].source == ""
+    assert many.members[0].text != many.members[1].text
+    assert vary.option("body.weight=1/3,sqrt(4)", "x") == ("body.weight", [Fraction(1, 3), 2])
+    assert vary.option("a=1:2:1", "x")[1] == [1]
+
+
+def test_a_scene_changed_in_python_is_varied_as_it_is():
+    scene = replace(heavy(), omega=(9, 9, 9))
+    many = polhode.integrate_many(scene, {"start.omega[1]": [1]}, at=[1])
+    assert (many.members[0].omega, many.members[0].gamma) == ((1, 9, 9), scene.gamma)
+    made = polhode.Scene(
+        polhode.Body.of_moments((2, 3, 4), (0.5, 0, 0), 1), (1, 0, 0), (1, 0, 0), times=(1,)
+    )
+    many = polhode.integrate_many(made, {"body.moments[3]": [4, 4.5], "start.omega[2]": [0, 1]})
+    assert [m.body.moments[2] for m in many.members] == [4, 4, 4.5, 4.5]
+
+
+BOTH_HALVES = {"body.inertia[1][2]": [0], "body.inertia[2][1]": [1]}
+
+
+@pytest.mark.parametrize(
+    ("scene", "given", "message"),
+    [
+        *(
+            (heavy(), given, message)
+            for given, message in (
+                ({}, "vary: expected at least one number of the scene file to vary"),
+                ({"start.omga[1]": [1]}, r"start.omga\[1\]: .*did you mean 'start.omega\[1\]'"),
+                (
+                    {"start.omega[4]": [1]},
+                    r"vary = start.omega\[4\]: expected a number of the scene",
+                ),
+                ({"run.end": [1]}, "vary = run.end: expected a number of the scene"),
+                (
+                    {"start.omega[1]": []},
+                    r"start.omega\[1\] = nothing: expected at least one value",
+                ),
+                ({"start.omega[1]": 1}, r"start.omega\[1\] = 1: expected a sequence of numbers"),
+                ({"start.omega[1]": "1:2:0"}, "expected FROM:TO:N with N from 1 to 10000000$"),
+                ({"start.omega[1]": "1:2:-3"}, "expected FROM:TO:N with N"),
+                ({"start.omega[1]": "1:2:2.5"}, "expected FROM:TO:N with N"),
+                ({"start.omega[1]": "1:2"}, "expected FROM:TO:N"),
+                ({"start.omega[1]": "1:x:3"}, "expected numbers"),
+                ({"start.omega[1]": [float("nan")]}, "= nan: expected a number"),
+                (
+                    {"start.omega[1]": "0:1:10000", "start.omega[2]": "0:1:1001"},
+                    "10010000 members: .*10000000;",
+                ),
+                (
+                    {"body.moments[3]": [5, 6]},
+                    r"member 2 \(body.moments\[3\] = 6\): body.moments = \[2, 3, 6\]: expected pr",
+                ),
+                (
+                    {"body.moments[3]": [2, 3, 4, 5, 6, 7]},
+                    r"member 5 \(body.moments\[3\] = 6\): body.moments",
+                ),
+                ({"start.gamma[1]": [0]}, r"member 1 .*: expected length exactly 1, or normalise"),
+                (
+                    [{"body.weight": 1}, {"start.psi": 1}],
+                    "member 2 = start.psi: expected the keys body.w",
+                ),
+                (
+                    {"start.omega[1]": [1, "1e400"]},
+                    r"member 2 .*: number = double: expected a type",
+                ),
+            )
+        ),
+        (MATRIX["own"], BOTH_HALVES, "they are one number"),
+        (
+            heavy("1", more='[[events]]\nname = "equator"\n'),
+            {"body.weight": [1]},
+            "events = equator: expected none in a sweep",
+        ),
+    ],
+)
+def test_what_cannot_be_varied_is_refused_in_one_line(scene, given, message):
+    with pytest.raises(polhode.BadInput, match=message) as fault:
+        polhode.integrate_many(scene, given)
+    assert "\n" not in str(fault.value)
+
+
+def test_too_many_numbers_are_refused(monkeypatch):
+    from polhode.common import memory
+
+    monkeypatch.setattr(sweep_plan, "_BYTES", memory.MOST_BYTES // 100)
+    with pytest.raises(polhode.BadInput, match="4 members at 5 times: expected at most 100"):
+        polhode.integrate_many(heavy(), {"body.weight": "0:1:4"})
+
+
+def test_an_ensemble_is_a_value():
+    """Iterable, pickled, compared; its steps are said to be bare."""
+    many = polhode.integrate_many("lagrange/nutation", {"start.omega[3]": "2:4:3"}, at=[0, 1])
+    assert isinstance(many, Iterable)
+    assert list(many) == [many[0], many[1], many[2]]
+    again = pickle.loads(pickle.dumps(many))
+    assert (again, again[1]) == (many, many[1])
+    assert many != polhode.integrate_many("lagrange/nutation", {"start.omega[3]": "3:4:3"}, at=[1])
+    assert many.projected is False
+    assert "States are *not* projected" in " ".join(polhode.integrate_many.__doc__.split())

@@ -1,0 +1,356 @@
+"""How sweeps end: members that fail, Ctrl-C, executors that fail, and what goes on afterwards."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+import warnings
+from collections.abc import Callable
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode.common import checkpoint
+from polhode.common.value_semantics import same
+from polhode.motion.outcomes import Outcome
+from polhode.runs.sweep import sweep_checkpoint
+from polhode.taylor.batches import batch_integrator
+from shared.motions import heavy
+
+GIVEN = {"start.omega[3]": "0.5:1.5:40", "body.weight": [0, 1]}
+
+
+# -- members that fail ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("end", "steps"), [("20", 400), ("600", 9000)])
+def test_a_member_that_fails_carries_its_outcome_and_harms_no_neighbour(end, steps):
+    weights = [1, 2, "1e7", *range(3, 12)]
+    many = polhode.integrate_many(heavy(end), {"body.weight": weights}, max_steps=steps)
+    ended = [Outcome.REACHED_END] * 2 + [Outcome.STEP_LIMIT] + [Outcome.REACHED_END] * 9
+    assert list(many.outcomes) == ended
+    assert (many.done, many.interrupted) == (False, False)
+    assert "11 of them reached the end" in repr(many)
+    assert list(many.tally().items()) == [(Outcome.REACHED_END, 11), (Outcome.STEP_LIMIT, 1)]
+    free = polhode.integrate_many(heavy(end), {"body.weight": weights[:2] + weights[3:]})
+    assert np.array_equal(np.delete(many.states, 2, axis=0), free.states)
+    assert np.isnan(many.states[2, 1:]).all()
+    assert many[2].times == (0,)
+    assert many[2].reached < 20
+
+
+@pytest.mark.parametrize(("end", "limit"), [("60", 50), ("600", 400), ("1e30", 10**4)])
+def test_the_outcome_of_a_single_run_with_the_same_limit(end, limit):
+    """A hopeless end is an outcome, not a hang; steps are counted over all that a member takes."""
+    many = polhode.integrate_many(heavy(end), {"body.weight": [1, 2]}, max_steps=limit)
+    single = polhode.integrate(many[0].scene, max_steps=limit)
+    assert many.outcomes[0] is single.outcome is Outcome.STEP_LIMIT
+    assert len(many[0].times) == len(single.times)
+    assert end == "1e30" or [*many.counts] == [limit, limit]
+
+
+def test_progress_counts_members():
+    seen = []
+    given = {"body.weight": "0:1:20"}
+    polhode.integrate_many(heavy(), given, progress=lambda *told: seen.append(told))
+    assert seen[-1] == (1, 20)
+    assert [done for _, done in seen] == sorted(done for _, done in seen)
+
+
+@pytest.mark.parametrize(
+    ("number", "end", "pool"), [("double", "1000", 0), ("quad", "20", 0), ("double", "200", 1)]
+)
+def test_ctrl_c_keeps_what_is_finished(number, end, pool):
+    """The keyboard interrupts after the fifth job: its members stay, the rest are marked."""
+    seen = []
+
+    def progress(_, done):
+        seen.append(done)
+        if len(seen) == 5:
+            signal.raise_signal(signal.SIGINT)
+
+    given = {"start.omega[3]": "0.5:9:400"}
+    options = {"number": number, "progress": progress, "workers": 2}
+    if pool:
+        with ThreadPoolExecutor(1) as own:
+            options = {"progress": progress, "executor": own}
+            many = polhode.integrate_many(heavy(end), given, **options)
+    else:
+        many = polhode.integrate_many(heavy(end), given, **options)
+    assert (many.interrupted, many.done) == (True, False)
+    finished = [k for k, outcome in enumerate(many.outcomes) if outcome.done]
+    assert seen[4] <= len(finished) < 400
+    assert not np.any([x != x for k in finished for x in many.states[k].ravel().tolist()])
+    alone = polhode.integrate(many[finished[0]].scene, number)
+    error = np.abs(np.array(many[finished[0]].states[1] - alone.states[1], float)).max()
+    assert error < 2**30 * float(many.number.eps)
+    undone = many.outcomes.index(Outcome.NOT_RUN)
+    assert (many[undone].times, many.steps[undone]) == ((), 0)
+    assert np.isnan(many.drift[undone]).all()
+
+
+# -- executors ------------------------------------------------------------------------------------
+
+
+def die_once(mark, solve, job):
+    """Take the worker's process down with the first job that is tried."""
+    if not Path(mark).exists():
+        Path(mark).touch()
+        os._exit(1)
+    return solve(job)
+
+
+class Deadly(Executor):
+    """An executor one of whose workers dies."""
+
+    def __init__(self, pool: Executor, mark: Path) -> None:
+        self.pool, self.mark = pool, str(mark)
+
+    def submit(self, fn, /, *args, **kwargs):
+        return self.pool.submit(die_once, self.mark, fn, *args, **kwargs)
+
+
+@pytest.mark.slow
+def test_a_process_pool_gives_the_same_bits_though_a_worker_dies(tmp_path):
+    here = polhode.integrate_many(heavy(), GIVEN)
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            there = polhode.integrate_many(heavy(), GIVEN, executor=pool)
+            wide = polhode.integrate_many(
+                heavy("2"), {"body.weight": [1]}, number="mp", executor=pool
+            )
+        deadly = Deadly(pool, tmp_path / "died")
+        with pytest.warns(RuntimeWarning, match=r"jobs were lost \(BrokenProcessPool"):
+            again = polhode.integrate_many(heavy(), GIVEN, executor=deadly)
+    assert (tmp_path / "died").exists()
+    assert here == there == again
+    alone = polhode.integrate(wide[0].scene, "mp", project=False)
+    assert np.abs(wide[0].states - alone.states).max() < 16 * float(wide.number.eps)
+
+
+@pytest.mark.slow
+def test_a_dask_cluster_gives_the_same_bits_though_a_worker_dies(tmp_path):
+    distributed = pytest.importorskip("dask.distributed")
+    here = polhode.integrate_many(heavy(), GIVEN)
+    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
+    with distributed.LocalCluster(**options) as cluster, distributed.Client(cluster) as client:
+        deadly = Deadly(client.get_executor(), tmp_path / "died")
+        assert polhode.integrate_many(heavy(), GIVEN, executor=deadly) == here
+    assert (tmp_path / "died").exists()
+
+
+def test_an_executor_that_is_shut_down_costs_no_result():
+    pool = ThreadPoolExecutor(1)
+    pool.shutdown()
+    with pytest.warns(RuntimeWarning, match="1 of 1 jobs were lost"):
+        many = polhode.integrate_many(heavy(), {"body.weight": [1]}, executor=pool)
+    assert many.done
+
+
+def test_a_fault_of_ours_is_not_hidden(monkeypatch):
+    def broken(job, stop=None):
+        raise ZeroDivisionError("ours")
+
+    monkeypatch.setattr(batch_integrator, "solve", broken)
+    with pytest.raises(ZeroDivisionError):
+        polhode.integrate_many(heavy(), {"body.weight": [1]})
+
+
+# -- a sweep that goes on -------------------------------------------------------------------------
+
+VARY = {"start.omega[3]": "1:4:100", "body.weight": ["1", "sqrt(2)"]}
+
+
+def swept(folder: Path | None, number: str = "double", **other: Any) -> polhode.Ensemble:
+    end = 20 if number == "quad" else 1  # quad members are refined, and have errors
+    asked = {"at": ["0", "0.3", end], "number": number, "workers": 1, "parts": folder, **other}
+    vary = VARY if number == "double" else VARY | {"start.omega[3]": "1:4:9"}
+    return polhode.integrate_many("lagrange/nutation", vary, **asked)
+
+
+class First(Executor):
+    """An executor that does the first jobs at once, and the others never."""
+
+    def __init__(self, jobs: int) -> None:
+        self.left = jobs
+
+    def submit(self, fn, /, *args, **kwargs):
+        future: Future[object] = Future()
+        if self.left:
+            self.left -= 1
+            future.set_result(fn(*args, **kwargs))
+        return future
+
+
+def interrupted(folder: Path, number: str = "double", jobs: int = 2) -> polhode.Ensemble:
+    """A sweep that Ctrl-C ends once so many jobs are done."""
+    seen: list[int] = []
+
+    def progress(_: float, done: int) -> None:
+        seen.append(done)
+        if len(seen) == jobs:
+            raise KeyboardInterrupt
+
+    return swept(folder, number, progress=progress, executor=First(jobs), workers=None)
+
+
+def alike(one: polhode.Ensemble, other: polhode.Ensemble) -> bool:
+    return one == other and same(one.states, other.states)
+
+
+@pytest.mark.parametrize("number", ["double", "extended", "quad", "mp"])
+def test_an_interrupted_sweep_goes_on_and_ends_as_an_undisturbed_one(number, tmp_path):
+    """However often it was interrupted, what was done is not done again; it is kept when whole."""
+    whole, folder, seen = swept(None, number), tmp_path / "parts", []
+    for _ in range(2):
+        first = interrupted(folder, number)
+        assert first.interrupted
+        assert 0 < first.outcomes.count(Outcome.NOT_RUN) < len(whole)
+    assert sorted(path.name for path in folder.iterdir())[0] == "manifest.json"
+    again = swept(folder, number, progress=lambda _, done: seen.append(done))
+    assert alike(again, whole)
+    assert seen[0] > len(whole) - first.outcomes.count(Outcome.NOT_RUN)
+    seen.clear()
+    kept = swept(folder, number, progress=lambda _, done: seen.append(done))
+    assert alike(kept, whole)
+    assert {*seen} <= {len(whole)}
+    kept.parts.remove()
+    assert not folder.exists()
+
+
+def first_part(folder: Path) -> Path:
+    return min(folder.glob("part-*"))
+
+
+def written(data: bytes) -> Callable[[Path], object]:
+    return lambda folder: first_part(folder).write_bytes(data)
+
+
+def changed(**arrays: Any) -> Callable[[Path], object]:
+    def change(folder: Path) -> None:
+        path = first_part(folder)
+        with np.load(path) as file:
+            held = {name: file[name] for name in file.files}
+        np.savez(path, **held | arrays)
+
+    return change
+
+
+DAMAGES = {
+    "empty": written(b""),
+    "a zip's beginning": written(b"PK\x03\x04"),
+    "nonsense": written(b"nonsense" * 100),
+    "cut short": lambda folder: written(first_part(folder).read_bytes()[:-300])(folder),
+    "another one's": lambda folder: written(max(folder.glob("part-*")).read_bytes())(folder),
+    "members": changed(members=np.array([[0]])),
+    "other members": changed(members=np.array([10**6])),
+    "states": changed(states=np.zeros((1, 3, 6))),
+    "flat states": changed(states=np.zeros(3)),
+    "outcomes": changed(outcomes=np.array(["arrived"])),
+    "reached": changed(reached=np.array(["1/0"])),
+    "errors": changed(errors=np.array(["[" * 100_000])),
+    "steps": changed(steps=np.array([1.5])),
+    "checksum": changed(checksum=np.array("0")),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_part_that_somebody_damaged_is_made_again(damage, tmp_path):
+    """It gave tracebacks, or its numbers went into the result."""
+    folder = tmp_path / "x.parts"
+    interrupted(folder)
+    interrupted(folder)  # two parts
+    DAMAGES[damage](folder)
+    assert alike(swept(folder), swept(None))
+
+
+def test_a_folder_of_anything_else_is_refused_and_stays(tmp_path):
+    """Of another sweep, of other things, with a manifest of brackets; or one in use."""
+    folder = tmp_path / "parts"
+    interrupted(folder)
+    held = {path.name: path.read_bytes() for path in folder.iterdir()}
+    for other in ({"at": ["0", "0.3", 2]}, {"tol": "1e-10"}):
+        with pytest.raises(polhode.BadInput, match=r"same sweep.*remove the folder to start again"):
+            swept(folder, **other)
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == held
+    (folder / "manifest.json").write_text("[" * 100_000)
+    with pytest.raises(polhode.BadInput, match="remove the folder to start again"):
+        swept(folder)
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine/mine.txt").write_text("x")
+    with pytest.raises(polhode.BadInput, match="parts of the same sweep"):
+        swept(tmp_path / "mine")
+    assert [path.name for path in (tmp_path / "mine").iterdir()] == ["mine.txt"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a system without such locks")
+def test_two_sweeps_do_not_share_a_folder(tmp_path):
+    folder = tmp_path / "parts"
+    interrupted(folder)
+    tried: list[str] = []
+
+    def progress(*_: Any) -> None:
+        if not tried:
+            with pytest.raises(polhode.BadInput) as refusal:
+                swept(folder)
+            tried.append(str(refusal.value))
+
+    assert swept(folder, progress=progress).done
+    assert "no other sweep running in this folder" in tried[0]
+
+
+def test_a_disk_that_fills_ends_the_sweep_and_keeps_what_was_written(tmp_path, monkeypatch):
+    folder, whole, write = tmp_path / "parts", swept(None), checkpoint.write_whole
+
+    def full(texts: Any) -> None:
+        if any(path.name == "part-00001.npz" for path in texts):
+            raise polhode.BadInput("part", "file", None, "a place to write to (No space left)")
+        write(texts)
+
+    monkeypatch.setattr(sweep_checkpoint, "EVERY", 0.0)
+    monkeypatch.setattr(checkpoint, "write_whole", full)
+    with pytest.raises(polhode.BadInput, match="No space left"):
+        swept(folder)
+    assert [path.name for path in sorted(folder.iterdir())] == ["manifest.json", "part-00000.npz"]
+    monkeypatch.setattr(checkpoint, "write_whole", write)
+    assert alike(swept(folder), whole)
+
+
+ARGUMENTS = ["sweep", "lagrange/nutation", "--vary", "start.omega[3]=1:4:400", "--at", "0,100"]
+ARGUMENTS += ["--workers", "1", "-o", "x.npz"]
+EAGER = (
+    "from polhode import cli; from polhode.runs.sweep import sweep_checkpoint; "
+    "sweep_checkpoint.EVERY = 0.0; "
+)
+COMMAND = [sys.executable, "-c", f"{EAGER}raise SystemExit(cli.main({ARGUMENTS}))"]
+
+
+@pytest.mark.slow
+def test_a_killed_command_goes_on(tmp_path):
+    def arrays(path: Path) -> dict[str, Any]:
+        with np.load(path) as held:
+            return {name: held[name].tolist() for name in held.files if name != "about"}
+
+    cold, killed = tmp_path / "cold", tmp_path / "killed"
+    cold.mkdir()
+    killed.mkdir()
+    subprocess.run(COMMAND, cwd=cold, check=True, capture_output=True)
+    with subprocess.Popen(COMMAND, cwd=killed, stderr=subprocess.DEVNULL) as sweep:
+        folder = killed / "x.npz.parts"
+        while not list(folder.glob("part-*.npz")) and sweep.poll() is None:
+            time.sleep(0.02)
+        sweep.kill()
+    assert not (killed / "x.npz").exists()
+    assert list(folder.glob("part-*.npz"))
+    subprocess.run(COMMAND, cwd=killed, check=True, capture_output=True)
+    assert arrays(killed / "x.npz") == arrays(cold / "x.npz")
+    assert [path.name for path in killed.iterdir()] == ["x.npz"]

@@ -1,0 +1,52 @@
+"""One result of every kind, each made once."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from dataclasses import replace
+
+import polhode
+from polhode.common.result import Result
+
+TOP = "lagrange/nutation"
+
+
+def watched() -> polhode.Scene:
+    """With an event."""
+    return replace(polhode.load(TOP), events=(polhode.Event("nutation"),))
+
+
+MAKERS: dict[str, Callable[[], Result]] = {
+    "Trajectory": lambda: polhode.integrate(TOP, at=[1, 2]),
+    "Trajectory in quad": lambda: polhode.integrate(TOP, at=[1], number="quad"),
+    "Reference": lambda: polhode.reference(polhode.load("euler/largest-axis").at((1, 2))),
+    "Certified": lambda: polhode.reference(polhode.load("general/asymmetric-regular").at((1,))),
+    "Enclosure": lambda: polhode.certify("euler/largest-axis", at=[1, 2], digits=20),
+    "CertifiedEvents": lambda: polhode.certify_events(watched(), end=2)[0],
+    "EventTimes": lambda: polhode.integrate(watched(), at=[10], number="extended").events[0],
+    "Judgement": lambda: polhode.compare(polhode.integrate("euler/separatrix", at=[1, 20])),
+    "Ensemble": lambda: polhode.integrate_many(TOP, {"start.omega[3]": "2:4:3"}, at=[0, 1]),
+    "Reductions": lambda: polhode.reduce_many(
+        TOP, {"start.omega[3]": "2:4:3"}, keep=["final"], number="extended"
+    ),
+    "Reductions of events": lambda: polhode.reduce_many(
+        watched(), {"start.omega[1]": "0.5:1:2"}, keep=["first nutation"], at=[2]
+    ),
+    "Section": lambda: polhode.section(TOP, starts=[[1, 0.2]], crossings=6),
+    "ChaosMap": lambda: polhode.chaos_map(TOP, grid=(3, 3), end=20),
+    "Levels": lambda: polhode.levels("general/asymmetric-chaotic"),
+    "Frequencies": lambda: polhode.frequencies(TOP, of=["gamma3"], end=100),
+    "Orbit": lambda: polhode.orbit("grioli/precession", digits=20),
+    "ProvedOrbit": lambda: polhode.prove_orbit("grioli/precession"),
+    "Lyapunov": lambda: polhode.lyapunov("euler/largest-axis", 200),
+    "OrbitFamily": lambda: polhode.orbit_family("grioli/precession", "h", "0.752"),
+}
+#: Whose JSON is its certificate.
+CERTIFIED = ("Enclosure", "ProvedOrbit")
+
+
+@functools.cache
+def result_of_kind(name: str) -> Result:
+    """That of MAKERS."""
+    return MAKERS[name]()

@@ -1,0 +1,233 @@
+"""Compiled integrators taken up again: one for all bodies of a zero pattern, without a trace."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import replace
+from fractions import Fraction
+
+import heyoka as hy
+import numpy as np
+import pytest
+
+import polhode
+from polhode.motion.outcomes import Outcome
+from polhode.numbers.conversion import exactly
+from polhode.numbers.number_types import NumberType
+from polhode.scenes.event import Event
+from polhode.taylor.backend.integrator_pool import Pool
+from polhode.taylor.integrator import compiled
+from shared.policies import change_policy
+
+NAME = "lagrange/nutation"
+CENTRES = {"free": [0, 0, 0], "on an axis": [0, 0, 1], "anywhere": ["1/3", "1/5", "1/7"]}
+
+#: Of these every coefficient is there; among the second one's are 1, -1 and equal ones.
+ORDINARY, SPECIAL = (
+    {"moments": ["1.3", "0.9", "1.1"], "centre": ["1/3", "1/5", "1/7"], "weight": 1},
+    {"moments": [1, 3, 2], "centre": [1, 3, 3], "weight": 1},
+)
+
+
+def top(**more) -> polhode.Scene:
+    given = {"omega": ["0.3", "-0.2", "1.1"], "gamma": ["0.6", 0, "0.8"], "end": 10}
+    return polhode.top(**{**ORDINARY, **given, **more})
+
+
+def never_seen() -> dict[str, list[Fraction]]:
+    """Moments whose code nothing can have compiled before."""
+    return {"moments": [Fraction(random.randint(10**8, 14 * 10**7), 10**8) for _ in "abc"]}
+
+
+@pytest.fixture
+def built(monkeypatch) -> list:
+    """The integrators that heyoka makes from now on, none being idle."""
+    monkeypatch.setattr(compiled, "POOL", Pool())
+    found: list = []
+    make = hy.taylor_adaptive
+
+    def counted(*arguments, **options):
+        found.append(make(*arguments, **options))
+        return found[-1]
+
+    monkeypatch.setattr("heyoka.taylor_adaptive", counted)
+    return found
+
+
+# -- what compiles, and what is built -------------------------------------------------------------
+
+
+@pytest.mark.sample(5)
+@pytest.mark.parametrize("centre", CENTRES)
+@pytest.mark.parametrize("number", ["double", "extended", "quad", "mp"])
+def test_another_body_of_a_pattern_compiles_nothing(number, centre):
+    """heyoka keeps in its memory whatever it compiles."""
+    options = {"number": number, "method": "taylor", "project": False, "at": [1]}
+    first = polhode.integrate(top(centre=CENTRES[centre], **never_seen()), **options)
+    size = hy.llvm_state.get_memcache_size()
+    other = polhode.integrate(top(centre=CENTRES[centre], **never_seen()), **options)
+    assert hy.llvm_state.get_memcache_size() == size
+    assert list(first.states[0]) != list(other.states[0])
+
+
+def test_with_corrections_and_attitude_neither():
+    first, other = (top(**never_seen(), outputs=["attitude", "angles"], end=300) for _ in "ab")
+    polhode.integrate(first)
+    size = hy.llvm_state.get_memcache_size()
+    run = polhode.integrate(other)
+    assert run.projection.count > 0
+    assert hy.llvm_state.get_memcache_size() == size
+
+
+@pytest.mark.parametrize("bits", [53, 64, 65])
+def test_few_bits_are_parameters_too(bits):
+    """heyoka takes parameters of its own precision alone, and an exponent has 64 bits at least."""
+    run = polhode.integrate(top(), NumberType("mp", bits), method="taylor", at=[1])
+    assert abs(float(run.states[0][0]) - polhode.integrate(top(), at=[1]).states[0][0]) < 1e-14
+
+
+LAGRANGE = replace(polhode.load(NAME), outputs=())
+OTHER_START = replace(LAGRANGE, omega=(Fraction(1), Fraction(2), Fraction(41, 10)))
+
+
+def test_what_differs_in_type_tolerance_outputs_events_or_pattern_is_built(built):
+    """Nothing else: no coefficient that is 1 or equal to another, no time, no start."""
+    watched = replace(LAGRANGE, events=(Event("side", "gamma2"),))
+    asked = [
+        (LAGRANGE, {}, 1),
+        (LAGRANGE, {"at": [-1, -7]}, 0),
+        (OTHER_START, {}, 0),
+        (replace(polhode.load("lagrange/cusped"), outputs=()), {}, 0),  # the same body
+        (LAGRANGE, {"number": "extended"}, 1),
+        (LAGRANGE, {"tol": "1e-9"}, 1),
+        (replace(polhode.load("lagrange/first-axis"), outputs=()), {}, 1),
+        (replace(LAGRANGE, outputs=("angles",)), {"at": [1]}, 1),
+        (watched, {}, 1),
+        (watched, {"at": [3]}, 0),
+        (top(), {}, 1),
+        (top(**SPECIAL), {}, 0),
+        (top(moments=[1, 1, "1.1"]), {}, 1),
+        (top(moments=[1, "1.00000000000000000001", "1.1"]), {}, 0),
+        (top(centre=["1/3", 0, "1/7"]), {}, 1),
+        (top(centre=["1/3", "1e-300", "1/7"]), {}, 0),
+        (top(weight=0), {}, 1),
+        (top(moments=[1, 1, "1.2"], centre=[1, 2, 3], weight=7), {}, 0),
+    ]
+    for again in (1, 0):
+        for scene, options, count in asked:
+            before = len(built)
+            polhode.integrate(scene, **options)
+            assert len(built) - before == count * again, (scene.name, options)
+
+
+@pytest.mark.parametrize("number", ["double", "extended"])
+def test_a_coefficient_that_underflows_is_no_zero(number, built):
+    """Refused, whichever integrators are idle, and before anything is compiled."""
+    large, tiny = (Fraction(10) ** 1500, Fraction(10) ** -3900)
+    polhode.integrate(top(), number)
+    polhode.integrate(top(centre=["1/3", 0, "1/7"]), number)
+    more = {"moments": [large * k for k in (4, 3, 5)], "centre": [large, tiny, large]}
+    with pytest.raises(polhode.BadInput, match="a type of wider range"):
+        polhode.integrate(top(**more), number)
+    assert len(built) == 2
+    if number == "double":
+        with pytest.raises(polhode.BadInput, match="a type of wider range"):
+            polhode.integrate(top(moments=[1, 2, 2 + Fraction(10) ** -400]), number)
+
+
+# -- neighbours -----------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def alone(monkeypatch) -> list:
+    """Two bodies of one pattern, each with its states where no other has used an integrator."""
+    times, found = [*range(11)], []
+    for body in (ORDINARY, SPECIAL):
+        monkeypatch.setattr(compiled, "POOL", Pool())
+        scene = top(**body)
+        run = polhode.integrate(scene, at=times)
+        fine = np.array(polhode.integrate(scene, "quad", at=times).states, float)
+        assert np.abs(run.states - fine).max() < 1e-13
+        found.append((scene.at(times), run.states, run(["1/3", "19/2"])))
+    monkeypatch.setattr(compiled, "POOL", Pool())
+    return found
+
+
+def test_runs_in_turn_have_the_bits_of_runs_alone(alone, monkeypatch):
+    """With corrections in between, calls of a run that another body's came after, and Ctrl-C."""
+
+    def pressed(*_):
+        raise KeyboardInterrupt
+
+    runs = [polhode.integrate(scene) for scene, _, _ in alone]
+    for _ in range(2):
+        for run, (scene, states, between) in zip(runs, alone, strict=True):
+            assert np.array_equal(polhode.integrate(scene).states, states)
+            assert np.array_equal(run(["1/3", "19/2"]), between)
+            polhode.integrate(scene, project=3)
+            polhode.integrate(scene, max_steps=1)
+            with monkeypatch.context() as short:
+                change_policy(short, chunk=20)
+                stopped = polhode.integrate(scene.at([10]), progress=pressed)
+            assert stopped.outcome is Outcome.INTERRUPTED
+
+
+def test_propagators_in_turn_have_the_bits_of_runs(alone):
+    goes = [polhode.propagator(scene) for scene, _, _ in alone]
+    for t in (10.0, 3.0, -10.0, 10.0):
+        for go, (scene, states, _) in zip(goes, alone, strict=True):
+            there = go(t=t)
+            assert np.array_equal(there, polhode.integrate(scene, at=[t], project=False).states[0])
+            if t == 10:
+                assert np.abs(there - states[-1]).max() < 1e-13
+
+
+@pytest.mark.parametrize("outputs", [(), ("angles",)])
+@pytest.mark.parametrize("number", ["double", "extended"])
+def test_another_start_in_an_idle_integrator_has_the_bits_of_a_new_one(number, outputs, built):
+    """Its spin, which the equations keep, is told whenever the state is, and in events of time."""
+    zero = Event("e", "gamma3 - 1/2 - t/200")
+    one, other = (
+        replace(scene, outputs=outputs, events=(zero,)).at([20])
+        for scene in (LAGRANGE, OTHER_START)
+    )
+    first = polhode.integrate(one, number, project=7)
+    idle = polhode.integrate(other, number, project=7)
+    assert idle.events[0].times
+    for t, row in zip(idle.events[0].times, idle.events[0].states, strict=True):
+        assert abs(exactly(row[5]) - Fraction(1, 2) - t / 200) < 2 * idle.number.eps
+    compiled.POOL = Pool()
+    fresh = polhode.integrate(other, number, project=7)
+    assert fresh == idle
+    assert polhode.integrate(one, number, project=7) == first
+
+
+def test_what_no_rate_asks_for_is_no_parameter():
+    """A sphere turning freely, without gamma: nothing changes, one by one and in lanes."""
+    scene = replace(polhode.load("euler/sphere"), gamma=None, outputs=(), published=()).at([3])
+    run = polhode.integrate(replace(scene, events=(Event("alarm", "t - 1"),)))
+    assert run.events[0].times == (1,)
+    many = polhode.integrate_many(scene, {"start.omega[3]": [1, 2]}, workers=1)
+    assert many.states[:, 0, 2].tolist() == [1, 2]
+
+
+CHAOTIC = "general/asymmetric-chaotic"
+WATCHED = replace(polhode.load(CHAOTIC), events=(Event("e", "gamma3 - t/8"),))
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        lambda k: polhode.section(CHAOTIC, grid=(3, 3), crossings=4, h=3, f=Fraction(k, 8)).states,
+        lambda k: polhode.reduce_many(WATCHED, {"start.omega[3]": f"{k}:{k + 1}:11"}, "first e")[
+            "t of first e"
+        ],
+        lambda k: polhode.integrate_many(CHAOTIC, {"start.omega[3]": f"{k}:{k + 1}:11"}).states,
+    ],
+    ids=["sections", "first zeros", "sweeps"],
+)
+def test_a_batch_taken_up_again_has_no_trace_of_who_used_it_before(asked, monkeypatch):
+    fresh, other = asked(2), asked(1)
+    monkeypatch.setattr("heyoka.taylor_adaptive_batch", None)
+    assert np.array_equal(asked(2), fresh, equal_nan=True)
+    assert not np.array_equal(fresh, other, equal_nan=True)

@@ -1,0 +1,263 @@
+"""README and guide: their commands and their Python are run, and print what stands there."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import re
+import shlex
+import subprocess
+import sys
+import warnings
+from itertools import pairwise
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+import polhode
+from polhode import cli
+from polhode.closed_forms.families import FAMILIES
+from polhode.output import guide
+from polhode.scenes import keys
+from polhode.scenes.shapes import SHAPES
+
+TOP = Path(__file__).parents[1]
+PAGES = {topic: guide.page(topic) for topic in ("index", *guide.topics())}
+DOCUMENTS = {"README": (TOP / "README.md").read_text(encoding="utf-8"), **PAGES}
+
+
+class Block(NamedTuple):
+    """A fenced block: its language, its text, and the paragraph before it."""
+
+    language: str
+    text: str
+    before: str
+
+
+def blocks(text: str) -> list[Block]:
+    """The fenced blocks, in order."""
+    parts = re.split(r"^```(\w*)\n", text, flags=re.M)
+    return [
+        Block(parts[k], parts[k + 1], parts[k - 1].strip().rpartition("\n\n")[2])
+        for k in range(1, len(parts), 4)
+    ]
+
+
+BLOCKS = {name: blocks(text) for name, text in DOCUMENTS.items()}
+#: A block of commands; or one of Python, and what it prints.
+EXAMPLES = [
+    (name, one, other.text)
+    for name in DOCUMENTS
+    for one, other in pairwise([*BLOCKS[name], Block("", "", "")])
+    if one.language == "python" or one.text.startswith("$ ")
+]
+
+
+def long(block: Block) -> bool:
+    """Whether an example takes long, or prints the last digits of doubles."""
+    verbs = "run|sweep|reference|section|map|check|compare|orbit"
+    return bool(re.match(rf"\$ polhode ({verbs})\b", block.text))
+
+
+def without_seconds(text: str) -> str:
+    """Times of computing are not the same twice."""
+    return re.sub(r"\b[\d.]+ m?s\b", "some s", text)
+
+
+def commanded(command: str) -> str:
+    """What a command prints on both streams, cut by ``| head -N``."""
+    command, _, cut = command.partition(" | head -")
+    program, *arguments = shlex.split(command)
+    assert Path(program).name == "polhode"
+    both = io.StringIO()
+    with contextlib.redirect_stdout(both), contextlib.redirect_stderr(both):
+        assert cli.main(arguments) == 0, both.getvalue()
+    lines = both.getvalue().splitlines(keepends=True)
+    return "".join(lines[: int(cut)] if cut else lines)
+
+
+def executed(text: str) -> str:
+    out = io.StringIO()
+    with contextlib.redirect_stdout(out), warnings.catch_warnings():
+        warnings.simplefilter("error")
+        exec(compile(text, "example", "exec"), {})
+    return out.getvalue()
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A folder with the files that the documents show, under the names that they give them."""
+    monkeypatch.chdir(tmp_path)
+    for block in (block for name in BLOCKS for block in BLOCKS[name]):
+        if block.language == "toml":
+            (name,) = re.findall(r"`([\w-]+\.toml)`", block.before)
+            Path(name).write_text(block.text, encoding="utf-8")
+    return tmp_path
+
+
+@pytest.mark.sample(16)
+@pytest.mark.parametrize(
+    ("name", "block", "printed"),
+    [
+        pytest.param(*e, id=f"{e[0]}-{k}", marks=[pytest.mark.slow] * long(e[1]))
+        for k, e in enumerate(EXAMPLES)
+    ],
+)
+def test_every_example_prints_what_it_says(folder, name, block, printed):
+    """Commands in their order, as the later ones judge what the first ones wrote."""
+    if "matplotlib" in block.text:
+        pytest.importorskip("matplotlib").use("agg")
+    if block.language == "python":
+        assert without_seconds(executed(block.text)) == without_seconds(printed)
+        return
+    for session in re.split(r"^\$ ", block.text, flags=re.M)[1:]:
+        command, _, expected = session.partition("\n")
+        assert without_seconds(commanded(command)) == without_seconds(expected), command
+
+
+def test_every_page_has_an_example_and_every_file_is_a_scene(folder):
+    assert {name for name, *_ in EXAMPLES} == {*DOCUMENTS}
+    for path in Path().glob("*.toml"):
+        assert polhode.load(str(path)).times
+
+
+def test_the_first_command_runs_its_main_job(folder):
+    """All of the one line but for the environment and pip, which the project's CI goes through."""
+    lines = re.findall(r"^ +(python3 -m venv.*)", DOCUMENTS["README"], re.M)
+    first, second = (line.split(" && ") for line in lines)
+    assert [part.split()[0] for part in first[:2]] == ["python3", ".venv/bin/pip"]
+    assert [part.split()[0] for part in second] == ["python3", ".venv/bin/pip", ".venv/bin/python"]
+    for command in first[2:]:
+        assert commanded(command)
+    assert Path("brick.csv").exists()
+
+
+# -- links, names and options ----------------------------------------------------------------------
+
+
+def anchors(text: str) -> set[str]:
+    """Of the headings: their words in lower case, hyphens between."""
+    heads = re.findall(r"^#+ (.*)$", text, re.M)
+    return {re.sub(r"[^\w -]", "", head).lower().replace(" ", "-") for head in heads}
+
+
+@pytest.mark.parametrize("name", DOCUMENTS)
+def test_every_link_leads_to_a_file_or_a_heading(name):
+    text, folder = DOCUMENTS[name], TOP if name == "README" else guide.FOLDER
+    for link in re.findall(r"(?:\]\(|src=\")((?!http)[^)\"|]+)[)\"]", text):
+        path, _, anchor = link.partition("#")
+        assert not path or (folder / path).is_file(), link
+        if anchor:
+            there = (folder / path).read_text(encoding="utf-8") if path else text
+            assert anchor in anchors(there), link
+
+
+def test_every_key_shape_family_and_name_is_told():
+    scene, start = PAGES["scene"], PAGES["start"]
+    for key in (key for section in keys.KEYS.values() for key in section):
+        assert re.search(rf"^\| `{key.name}` \| ", scene, re.M), key
+    assert re.findall(r"^\| `(\w+)` \|", start, re.M) == list(SHAPES)
+    rows = re.findall(r"^\| `([\w-]+)` \| .* \| `([\w/-]+)` \|", PAGES["closed-forms"], re.M)
+    assert {family for family, _ in rows} == {family.name for family in FAMILIES}
+    for family, case in rows:
+        assert polhode.reference(case).kind == family
+    told = PAGES["python"]
+    assert all(f"`polhode.{name}" in told for name in polhode.__all__ if name != "__version__")
+    assert "<!--" not in scene + start + told
+
+
+def test_names_of_python_and_options_exist(capsys):
+    """And each verb stands once in the table of verbs, with no option that it has not."""
+    for name in re.findall(r"`polhode((?:\.[a-z_]+)+)\(", DOCUMENTS["README"]):
+        part = polhode
+        for word in name[1:].split("."):
+            part = getattr(part, word)
+    known = {"--help", "--print-completion", "--no-deps"}  # the last of pip
+    verbs = re.findall(r"^\| `polhode (\w+)([^`]*)` \|", PAGES["commands"], re.M)
+    assert [verb for verb, _ in verbs] == [*dict.fromkeys(verb for verb, _ in verbs)]
+    assert {verb for verb, _ in verbs} == {*cli.VERBS}
+    for verb, usage in verbs:
+        with pytest.raises(SystemExit):
+            cli.main([verb, "--help"])
+        options = set(re.findall(r"(?<![\w-])--?[a-z][a-z-]*", capsys.readouterr().out))
+        assert set(re.findall(r"(?<!\w)--?[a-z][a-z-]*", usage)) <= options, verb
+        known |= options
+    assert set(re.findall(r"(?<![\w`-])--[a-z][a-z-]+", "\n".join(PAGES.values()))) <= known
+
+
+def test_numbers_from_the_report_are_those_of_the_report():
+    """``python tests/measure/readme.py`` puts them in."""
+    from measure import readme
+
+    for path in set(readme.PLACES.values()):
+        text = path.read_text(encoding="utf-8")
+        assert readme.put_in(text, path) == text
+    for name, part in readme.parts().items():
+        assert part in readme.PLACES[name].read_text(encoding="utf-8")
+
+
+# -- what the guide's pages promise ----------------------------------------------------------------
+
+
+def test_a_page_of_one_motion_is_small(folder):
+    commands = re.findall(r"^\$ (.*)$", PAGES["jobs"], re.M)
+    (page,) = (command for command in commands if command.endswith("top.html"))
+    commanded(page)
+    assert 50_000 < Path("top.html").stat().st_size < 1_500_000
+
+
+def test_the_table_of_the_page_on_ci_passes_all_its_gates(folder):
+    """One table for `compare`, for the benchmark's checker, and for the job of a pipeline."""
+    page = PAGES["ci"]
+    (made,) = re.findall(r"^\$ (polhode run .* -o mine.csv)$", page, re.M)
+    commanded(made)
+    (job,) = (block.text for block in BLOCKS["ci"] if block.language == "yaml")
+    (gate,) = re.findall(r"\.venv/bin/(polhode compare .*) > judged.txt$", job, re.M)
+    assert "--at-least" in gate
+    assert "worst" in commanded(gate)
+    (checker,) = re.findall(r"^python (check.py .*)$", page, re.M)
+    script, top, *rest = checker.split()
+    top = TOP / "reports/benchmark" / top
+    command = [sys.executable, top.with_name(script), top, *rest]
+    assert subprocess.run(command, capture_output=True).returncode == 0
+    assert subprocess.run([*command[:-1], "40"], capture_output=True).returncode == 1
+
+
+def test_the_verb_prints_pages_and_names_of_python(capsys):
+    assert cli.main(["guide"]) == 0
+    assert capsys.readouterr().out.startswith("# polhode's guide")
+    assert cli.main(["guide", "scene", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["topics"] == guide.topics()
+    assert cli.main(["guide", "regular", "precession"]) == 0
+    assert "polhode guide closed-forms" in capsys.readouterr().out
+
+
+def test_a_term_finds_its_entry_in_the_glossary_first():
+    places = guide.search("precession")
+    assert places[0][:2] == ("glossary", "precession")
+    assert {"closed-forms", "start"} <= {page for page, *_ in places}
+    assert all("quaternion" in text.lower() for *_, text in guide.search("quaternions"))
+    assert guide.search("chaos maps")[1][:2] == ("dynamics", "Chaos maps")
+    for words in ("sleeping top", "Euler angles", "cusp", "middle axis"):
+        assert guide.search(words)[0][0] == "glossary", words
+    assert guide.search("quatern") == []
+
+
+@pytest.mark.slow
+def test_the_notebook_runs_without_a_warning(tmp_path):
+    """By nbclient, in a kernel of its own."""
+    nbclient = pytest.importorskip("nbclient")
+    nbformat = pytest.importorskip("nbformat")
+    notebook = nbformat.reads(guide.notebook(), as_version=4)
+    nbformat.validate(notebook)
+    first = nbformat.v4.new_code_cell("import warnings; warnings.simplefilter('error')")
+    notebook.cells.insert(0, first)
+    where = {"metadata": {"path": tmp_path}}
+    nbclient.NotebookClient(notebook, timeout=100, resources=where).execute()
+    outputs = [out for cell in notebook.cells if cell.cell_type == "code" for out in cell.outputs]
+    assert not [out for out in outputs if out.get("name") == "stderr" and "arn" in out.text]
+    shown = [out.data for out in outputs if "data" in out]
+    assert sum("text/html" in data for data in shown) >= 4
+    assert any("image/png" in data for data in shown)

@@ -1,0 +1,326 @@
+"""Verbs × bad input: exit code 2, one line that says what was expected, and nothing is written."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+import polhode
+from polhode import cli
+from shared.motions import free_file, heavy_file
+
+CASE = "lagrange/nutation"
+GENERAL = "general/asymmetric-regular"
+TOP = free_file("at = [0, 1]")
+EVENT = '\n[[events]]\nname = "{}"\nzero = "{}"\n'
+ANGLES = "--what angles -o x.svg"
+VARY = "--vary body.weight=1"
+TABLE = "this is a table, as for polhode compare FILE SCENE"
+OTHER_FILE = "another file than the one that is read"
+
+#: What the folder holds.
+FILES = {
+    "top.toml": TOP,
+    "scene.json": TOP,
+    "heavy.toml": heavy_file(samples=3),
+    "free.toml": TOP.replace("gamma", "#gamma"),
+    "level.toml": free_file("at = [0, -1, 0]"),
+    "future.toml": "schema = 3",
+    "event.toml": TOP + EVENT.format("a\\nb", "p"),
+    "many.toml": TOP + "".join(EVENT.format(f"e{k}", f"gamma3 - {k}/1000") for k in range(101)),
+    "mine.toml": polhode.load(CASE).source,
+    "table.csv": "t,p\n0,0.3\n",
+    "table.npz": "t,p\n0,1\n",
+    "angles.csv": "t,psi\n0,1\n",
+}
+LINKS = {"link.csv": "top.toml", "link.svg": "table.csv", "x.csv": "nowhere/y.csv"}
+
+#: Commands, and a part of what is said of them.  {folder}: where they run.
+REFUSED = {
+    # -- verbs, options and names that are none, or of another program
+    "rum": "did you mean 'run'?",
+    f"rnu {CASE}": "benchmark, guide, about (did you mean 'run'?)",
+    f"integrate {CASE}": "VERB = integrate: expected run SCENE",
+    "validate table.csv": "expected compare FILE SCENE",
+    "help run": "expected polhode --help, or polhode VERB --help",
+    "version": "expected polhode --version",
+    "run": "SCENE",
+    f"run {CASE} --frob": "--frob",
+    f"run {CASE} and more": "expected nothing more",
+    f"run {CASE} 'a\nb'": "a b",
+    f"run {CASE} --digts 3": "did you mean '--digits'?",
+    f"run {CASE} --numbr=quad": "option = --numbr:",
+    f"run {CASE} --output x.csv": "option = --output: expected -o, as it is called here",
+    f"run {CASE} --rtol 1e-9": "option = --rtol: expected --tol, as it",
+    f"run {CASE} --dt 0.1": "option = --dt: expected --every, as it",
+    f"run {CASE} --n-jobs 2": "option = --n-jobs: expected --help, --json",  # it has no workers
+    f"sweep {CASE} --n-jobs 2 {VARY}": "expected --workers, as it",
+    "-- run top.toml": "argument = --: expected the verb and its options before it",
+    "run -- --digits 20 top.toml": "argument = --: expected the verb and its options before it",
+    "run top.toml -- --digits 20": "argument = --: expected the verb and its options before it",
+    "--print-completion fish!": "expected bash, zsh",
+    "about x": "argument = x: expected nothing more",
+    # -- scenes
+    "run euler/separatrx": "did you mean 'euler/separatrix'",
+    "show euler/separatix": "did you mean 'euler/separatrix'?",
+    "show looping": "did you mean 'lagrange/looping'?",
+    "run nutation.toml": "(did you mean 'lagrange/nutation'?)",
+    "run mine": "did you mean the file mine.toml?",
+    "run nosuch.toml": "a path",
+    "run 'x\0y'": "a path",
+    "run 'no\nsuch'": "no such",
+    "run .": "directory",
+    "show table.csv": TABLE,
+    "run table.npz": TABLE,
+    "run event.toml": "events[1].name = a b: expected text of one line that can be printed",
+    "run many.toml": "events = 101 events: expected at most 100\n",
+    "check nosuch": "a path",
+    "show /dev/zero": "at most 100000 bytes",
+    "list --tag kovalevski": "did you mean 'kovalevskaya'?",
+    "list --tag nope": "one of the tags angles, ",
+    "list --tag=": "one of the tags angles, ",
+    # -- numbers and words
+    f"run {CASE} --number duoble": "did you mean 'double'",
+    f"run {CASE} --number": "expected",
+    f"run {CASE} --number --": "expected",
+    f"run {CASE} --digits 0": "digits = 0",
+    f"run {CASE} --digits 1.5": "--digits = 1.5: expected a whole number\n",
+    f"run {CASE} --digits many": "--digits = many: expected a whole number\n",
+    f"run {CASE} --digits {'9' * 20}": f"--digits = {'9' * 20}: expected a whole number of at most",
+    f"run {CASE} --digits {'1' * 17}": f"digits = {'1' * 17}: expected a whole number, 1 to 4000",
+    f"run {CASE} --digits {'9' * 5000}": "whole number",
+    f"run {CASE} --digits 30 --number double": "quad",
+    f"run {CASE} --tol 1e-30": "tol = 1e-30: expected between eps",
+    f"run {CASE} --tol -1e-3": "tol = -1e-3",
+    f"run {CASE} --tol soon": "tol = soon",
+    f"run {CASE} --tol --": "expected",
+    f"run {CASE} --max-steps 0": "--max-steps = 0: expected 1 or more\n",
+    f"run {CASE} --max-steps many": "whole number",
+    f"run {CASE} --form principle": "did you mean 'principal'",
+    f"run {CASE} --outputs angels": "did you mean 'angles'",
+    f"plot {CASE} --what angels -o x.svg": "did you mean 'angles'?",
+    f"check {CASE} --number flaot": "number = flaot",
+    "check --propose": "--propose: expected SCENEs to propose bands for",
+    "study acuracy": "did you mean 'accuracy'?",
+    "study needs": "accuracy",
+    f"prove orbits {CASE}": "what = orbits: expected orbit, chaos (did you mean 'orbit'",
+    f"reference {CASE} --digits 0": "digits = 0",
+    f"reference {GENERAL} --at 1": "closed form",
+    f"section {GENERAL} --by '' --grid 2x2": "by = : expected momentum, height",
+    "benchmark --only nosuch -o out": "nosuch",
+    "guide xyzzy": "expected",
+    "guide ../cli": "expected jobs, commands, scene",
+    f"guide {'1' * 5000}": "polhode: guide",
+    "guide ''": "expected jobs, commands, scene",
+    "guide api integrat": "did you mean 'integrate'?",
+    "compare table.csv top.toml --digits 30": "digits",
+    "compare table.csv other.csv": "a table is judged by a motion",
+    # -- times
+    f"run {CASE} --at": "expected",
+    f"run {CASE} --at --": "expected",
+    f"run {CASE} --at ''": "--at",
+    f"run {CASE} --at 1,,2": "--at",
+    f"run {CASE} --at 1,soon": "--at = soon",
+    f"run {CASE} --at 2,1": "run.at[2] = 1",
+    f"run {CASE} --at -1,1": "one sign",
+    f"run {CASE} --at 1,1.00000000000000000001": "differ when rounded to double",
+    f"run {CASE} --at 1e400": "wider range",
+    f"run {CASE} --at 0:1": "--at = 0:1: expected FROM:TO:N with N from 1",
+    f"run {CASE} --at 0:1:0": "expected FROM:TO:N with N from 1",
+    f"run {CASE} --at 0:1:2:3": "expected FROM:TO:N",
+    f"run {CASE} --at 0:1:99999999": "FROM:TO:N with N from 1 to 10000000",
+    f"run {CASE} --at 0:1:x": "expected FROM:TO:N",
+    f"run {CASE} --at 0:x:3": "unknown name 'x'",
+    f"run {CASE} --at 1,2 --end 5": "--end = 5: expected no value together with --at",
+    f"run {CASE} --at 1,2 --every 5": "--every = 5: expected no value together with --at",
+    f"run {CASE} --end 0": "--end = 0: expected a time other than 0",
+    f"run {CASE} --end soon": "--end = soon: expected a time (",
+    f"run {CASE} --end 1e400": "number = double: expected",
+    f"run {CASE} --samples 1": "--samples = 1: expected a whole number from 2 to 1000000",
+    f"run {CASE} --samples 1000001": "a whole number from 2 to 1000000",
+    f"run {CASE} --every 0": "--every = 0: expected a time above 0",
+    f"run {CASE} --every -1": "expected a time above 0; --end says the direction",
+    f"run {CASE} --every 41": "expected a time that makes two to 1000000 times until t = 40",
+    f"run {CASE} --every 1e-5": "that makes two to 1000000 times",
+    f"run {CASE} --every 1 --samples 3": "--samples: not allowed with argument --every",
+    f"view {CASE} --end -1,2 -o x.html": "end",
+    f"orbit {GENERAL} --h 1e400": f"polhode: {GENERAL}",
+    f"orbit {GENERAL} --h -1e400": f"polhode: {GENERAL}",
+    f"prove orbit {GENERAL} --h 1e400": f"polhode: {GENERAL}",
+    f"frequencies {GENERAL} --end 1e308": f"polhode: {GENERAL}",
+    f"frequencies {GENERAL} --end -1e400": f"polhode: {GENERAL}",
+    # -- members of a sweep, numbers kept of them
+    "sweep heavy.toml -o x.npz": "the following arguments are required: --vary",
+    "sweep heavy.toml --vary body.weight=1:2:0": "body.weight = 1:2:0: expected FROM:TO:N with N",
+    "sweep heavy.toml --vary body.wieght=1": "did you mean 'body.weight'?",
+    "sweep heavy.toml --vary body.weight": "--vary = body.weight: expected KEY=FROM:TO:N or KEY=a",
+    f"sweep heavy.toml {VARY} {VARY}": "expected body.weight once",
+    "sweep heavy.toml --vary body.moments[3]=1:6:2": "member 2 (body.moments[3] = 6): body.moments",
+    f"sweep heavy.toml {VARY} --number single": "number = single: expected double",
+    f"sweep heavy.toml {VARY} --tol 0.5": "expected between eps",
+    f"sweep heavy.toml {VARY} --workers 0": "--workers = 0: expected 1 or more",
+    f"sweep heavy.toml {VARY} --keep final --digits 20": "--digits = 20: expected --number instead",
+    f"sweep heavy.toml {VARY} --keep largest": "final, largest X, smallest X, first EVENT or lyap",
+    f"sweep heavy.toml {VARY} --keep final --number quad": "double or extended, where numbers are",
+    # -- new scenes
+    "new x.toml --cone '3 cm,5 cm'": "--cone = 3 cm,5 cm: expected RADIUS,HEIGHT,MASS",
+    "new x.toml --cone '3 cm,5 s,1 g'": "height = 5 s: expected a number (in s, not in m)",
+    f"new x.toml --like {CASE} --spin 3": "no value together with --like",
+    "new x.toml --like lagrange/nutatio": CASE,
+    "new x.toml --tilt '3 m'": "in m, not in rad",
+    "new x.toml --spin ''": "expected a number",
+    "new cone": "polhode new cone.toml --cone RADIUS,HEIGHT,MASS",
+    "new disc": "polhode new disc.toml --disc RADIUS,STEM,MASS",
+    f"new {CASE}": f"polhode new FILE.toml --like {CASE}",
+    "new top.toml": "does not exist yet",
+    # -- where to write: never over what is read, and of the right kind
+    "run scene.json -o scene.csv": OTHER_FILE,
+    "run top.toml -o link.csv": OTHER_FILE,
+    f"sweep scene.json {VARY} -o scene.csv": OTHER_FILE,
+    "plot table.csv --what error --scene top.toml -o link.svg": OTHER_FILE,
+    f"run {CASE} -o x.csv": "nowhere, where this link leads",
+    f"run {CASE} -o nofolder/y.csv": "existing folder",
+    f"run {CASE} -o 'no\nfolder/y.csv'": "no folder/y.csv",
+    f"run {CASE} -o .": "not a folder",
+    f"run {CASE} -o": "expected",
+    f"run {CASE} -o --": "expected",
+    f"run {CASE} -o y": "expected a name that ends in .csv",
+    f"run {CASE} -o y.json": "expected a name that ends in .csv",
+    f"run {CASE} -o y.csv.gz": "expected a name that ends in .csv",
+    f"run {CASE} -o - --json": "the results as JSON go to stdout",
+    f"sweep heavy.toml {VARY} -o y.txt": "expected a name that ends in .npz or .csv",
+    f"sweep heavy.toml {VARY} -o no/y.npz": "expected an existing folder no",
+    f"view {CASE} -o x.gif": f"ends in .html, or polhode plot {CASE} --what motion -o x.gif",
+    f"view {CASE} -o x.svg": f"ends in .html, or polhode plot {CASE} --what W -o x.svg",
+    f"view {CASE} -o x.txt": "-o: expected a name that ends in .html\n",
+    f"plot {CASE} --what angles -o x.gif": ".svg, .png, .pdf; --what motion makes a page or a film",
+    # -- names that are none: they were the current folder, and "Is a directory"
+    "run ''": " = : expected a name\n",
+    "run top.toml -o ''": "-o = : expected a name\n",
+    "compare '' top.toml": " = : expected a name\n",
+    "compare table.csv ''": " = : expected a name\n",
+    f"plot '' {ANGLES}": " = : expected a name\n",
+    "plot top.toml --what angles -o ''": " = : expected a name\n",
+    "check ''": " = : expected a name\n",
+    f"section {GENERAL} --starts ''": " = : expected a name\n",
+    "report -o ''": "a folder's name",
+    "study events -o ''": "a folder's name",
+    # -- files are named as they were given, their folder too
+    "run {folder}/future.toml": "polhode: {folder}/future.toml",
+    "run {folder}/top.toml --at x": "polhode: {folder}/top.toml",
+    "reference {folder}/top.toml --digits 99999": "polhode: {folder}/top.toml",
+    "show {folder}/level.toml": "polhode: {folder}/level.toml",
+    "levels {folder}/free.toml": "polhode: {folder}/free.toml",
+    "orbit {folder}/top.toml --period -1": "polhode: {folder}/top.toml",
+    "map {folder}/top.toml --tol 2": "polhode: {folder}/top.toml",
+    "frequencies {folder}/top.toml --of x": "polhode: {folder}/top.toml",
+    f"sweep {{folder}}/top.toml {VARY} --keep x": "polhode: {folder}/top.toml",
+    "sweep {folder}/top.toml --vary body.moments[1]=1,-1": "polhode: {folder}/top.toml",
+    "plot {folder}/top.toml --what omega --end 0 -o x.svg": "polhode: {folder}/top.toml",
+    "compare {folder}/angles.csv {folder}/free.toml": "polhode: {folder}/angles.csv",
+    "verify {folder}/scene.json": "polhode: {folder}/scene.json",
+}
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    for name, text in FILES.items():
+        Path(name).write_text(text)
+    for name, end in LINKS.items():
+        Path(name).symlink_to(end)
+    return tmp_path
+
+
+def contents() -> dict[Path, object]:
+    """What stands in the folder, links as links."""
+    links = {path: path.readlink() for path in Path().iterdir() if path.is_symlink()}
+    return {path: path.is_file() and path.read_bytes() for path in Path().rglob("*")} | links
+
+
+def refusal(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    """The one line that a refused command says; it says nothing else, and writes nothing."""
+    before = contents()
+    code = cli.main(words)
+    out, err = capsys.readouterr()
+    assert (code, out) == (2, "")
+    assert re.fullmatch(r"polhode: [^\n]+: expected [^\n]+\n", err), err
+    assert err[:-1].isprintable()
+    assert contents() == before
+    return err
+
+
+def told(command: str) -> str:
+    return ascii(command[:50]).strip("'")
+
+
+@pytest.mark.parametrize("command", REFUSED, ids=told)
+def test_bad_input_is_refused_in_one_line(command, folder, capsys):
+    words = [word.replace("{folder}", str(folder)) for word in shlex.split(command)]
+    assert REFUSED[command].replace("{folder}", str(folder)) in refusal(capsys, *words)
+
+
+def test_every_verb_has_bad_input():
+    assert {*cli.VERBS} <= {command.partition(" ")[0] for command in REFUSED}
+
+
+def test_what_a_name_stands_for_is_a_verb():
+    for name, meant in cli._MEANT.items():
+        assert name not in cli.VERBS
+        words = meant.removeprefix("polhode ").replace(",", "").split()
+        assert words[0] in (*cli.VERBS, "--help", "--version"), name
+
+
+HEAD = "t,p,q,r,gamma1,gamma2,gamma3\n"
+
+#: Tables of others that cannot be read, and a part of what is said of them.
+TABLES = {
+    "": "a header line",
+    "\n\n# nothing\n": "a header line",
+    HEAD: "at least one line of numbers",
+    "p,q\n1,2\n": "a column t",
+    "0,0.3,-0.4,1.1,0.6,0,0.8\n": "a column t",
+    "t,p,p\n1,2,3\n": "header = p: expected each column once",
+    "t,t\n1,2\n": "header = t: expected each column once",
+    "t,p\n0,1\n\n# x\n1,abc\n": "foreign.csv:5: p = abc: expected a finite decimal",
+    "t,p\n0,inf\n": "foreign.csv:2: p = inf",
+    "t,p\n0,1/3\n": "foreign.csv:2: p = 1/3",
+    "t,p\n0,1d5\n": "foreign.csv:2: p = 1d5",
+    "t,p\n0,_1\n": "foreign.csv:2: p = _1",
+    "t,p\n0,1e99999\n": "foreign.csv:2: p = 1e99999",
+    "t,p\n,1\n": "foreign.csv:2: t",
+    "t,p\n0,1,2\n": "foreign.csv:2: line = 0,1,2: expected 2 values",
+    "t,p\n0\n": "foreign.csv:2: line = 0",
+    "t;p\n0;1,5\n1;2.5\n": "foreign.csv:2: p = 1,5",
+    b"\xff\xfe\x00": "readable CSV",
+    b"t,p\n\x00,1\n": "foreign.csv",
+    "x" * 3_000_000: "foreign.csv",
+    "t,p\n" + "1," * 300_000 + "\n": "expected 2 values",
+    "t,p\n0,'" + '"' * 999 + "\n": "foreign.csv",
+}
+
+
+@pytest.mark.parametrize("content", TABLES, ids=lambda content: ascii(content[:20]))
+def test_a_table_that_cannot_be_read_is_refused_with_its_line(content, capsys):
+    Path("foreign.csv").write_bytes(content if isinstance(content, bytes) else content.encode())
+    assert TABLES[content] in refusal(capsys, "compare", "foreign.csv", "top.toml")
+
+
+@pytest.mark.parametrize(
+    ("command", "variable", "value", "expected"),
+    [
+        (f"plot {CASE} {ANGLES}", "SOURCE_DATE_EPOCH", "x", "seconds since 1970, a whole number"),
+        ("levels grioli/precession -o x.pdf", "SOURCE_DATE_EPOCH", "9" * 20, "seconds since 1970"),
+        ("study stability --quick", "SOURCE_DATE_EPOCH", "1.5", "seconds since 1970"),
+    ],
+)
+def test_an_environment_that_is_none_is_refused(
+    command, variable, value, expected, capsys, monkeypatch
+):
+    """matplotlib takes the date of a file from the environment."""
+    monkeypatch.setenv(variable, value)
+    said = f"polhode: environment: {variable} = {value}: expected {expected}"
+    assert refusal(capsys, *command.split()).startswith(said)

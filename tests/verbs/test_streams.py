@@ -1,0 +1,169 @@
+"""Programs of their own: streams that are full, closed or pipes, and what a terminal is shown."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from shared.motions import free_file
+
+TOP = free_file("at = [0, 1]")
+COMMAND = [sys.executable, "-m", "polhode"]
+PATH = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("top.toml").write_text(TOP)
+
+
+def ended(*words: str, **how: object) -> subprocess.CompletedProcess[str]:
+    """A command carried out by a process of its own; both its streams, unless said otherwise."""
+    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True} | how
+    return subprocess.run([*COMMAND, *words], **streams)
+
+
+def shell(line: str) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "PATH": PATH}
+    return subprocess.run(["bash", "-c", line], capture_output=True, text=True, env=environment)
+
+
+def test_the_module_is_the_program():
+    done = ended("about", "--json")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert json.loads(done.stdout)["number_types"]["quad"]["bits"] == 113
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+@pytest.mark.parametrize("words", ["about", "run --help", "--version"])
+def test_what_gets_lost_on_a_full_disk_is_no_success(words):
+    with Path("/dev/full").open("w") as full:
+        done = ended(*words.split(), stdout=full)
+    full = "polhode: stdout: expected a place to write to (No space left on device)\n"
+    assert (done.returncode, done.stderr) == (2, full)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "words",
+    [
+        "section general/asymmetric-regular --grid 2x2 --crossings 2 -o x.npz",
+        "plot lagrange/nutation --what error -o x.png",
+    ],
+)
+def test_a_full_disk_is_one_line_and_leaves_nothing(words):
+    """As a limit on the size of files, which the system meets with the same kind of fault."""
+
+    def full() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
+
+    before = {*Path().iterdir()}
+    done = ended(*words.split(), preexec_fn=full)
+    assert done.returncode == 2, done.stderr
+    assert done.stderr.splitlines()[-1].startswith("polhode: x.")
+    assert "File too large" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert {*Path().iterdir()} == before
+
+
+def test_a_reader_that_goes_away_is_no_error():
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = ended("run", "euler/flat", "--json", stdout=writer)
+    os.close(writer)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.slow
+def test_a_closed_stdout_is_a_place_that_cannot_be_written_to():
+    done = shell("polhode run top.toml >&-")
+    assert done.returncode == 2
+    expected = "polhode: stdout: expected a place to write to (Bad file descriptor)"
+    assert done.stderr.splitlines()[-1] == expected
+    assert shell("polhode run top.toml -o x.csv >&- 2>&-").returncode == 0
+    assert Path("x.csv").exists()
+
+
+@pytest.mark.slow
+def test_a_scene_and_a_table_may_come_through_pipes():
+    line = "polhode run <(cat top.toml) -o - | polhode compare /dev/stdin <(cat top.toml)"
+    done = shell(line)
+    assert done.returncode == 0, done.stderr
+    assert "correct digits" in done.stdout
+    assert [*Path().iterdir()] == [Path("top.toml")]
+    assert len(shell("polhode run top.toml -o /dev/stdout").stdout.splitlines()) == 3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("encoding", ["ascii", "utf-8"])
+def test_a_title_takes_any_character_and_commands_no_terminal(encoding):
+    title = 'title = "Grüße \\u001b[31m\\u0007 τ"\n'
+    Path("odd.toml").write_text(TOP.replace("[body]", title + "[body]"), encoding="utf-8")
+    environment = {**os.environ, "PYTHONIOENCODING": encoding, "PYTHONUTF8": "0"}
+    done = ended("show", "odd.toml", env=environment, text=False)
+    assert done.returncode == 0, done.stderr
+    assert b"\x1b" not in done.stdout
+    assert b"\x07" not in done.stdout
+    assert "Grüße ?[31m? τ" in done.stdout.decode() or b"Gr\\xfc\\xdfe ?[31m?" in done.stdout
+
+
+def test_a_backend_that_matplotlib_has_not_is_refused():
+    """It reads the variable while it is imported."""
+    words = ["plot", "lagrange/nutation", "--what", "angles", "-o", "x.svg"]
+    done = ended(*words, env={**os.environ, "MPLBACKEND": "nonsense"})
+    expected = "a backend that matplotlib has, such as agg, or none"
+    said = f"polhode: environment: MPLBACKEND = nonsense: expected {expected}\n"
+    assert (done.returncode, done.stderr) == (2, said)
+
+
+# -- where heyoka is not installed -----------------------------------------------------------------
+
+HIDDEN = "import sys; sys.modules['heyoka'] = None; "
+WITHOUT = [
+    *("list", "about", "show lagrange/nutation", "levels lagrange/nutation", "guide scene"),
+    *("new x.toml", "reference lagrange/nutation --at 0,1,2 --digits 20 -o table.csv"),
+    "compare table.csv lagrange/nutation --as-it-stands",
+    *("plot table.csv --what omega -o x.png", "view table.csv --scene lagrange/nutation -o x.html"),
+]
+
+
+@pytest.mark.slow
+def test_without_heyoka_all_works_but_what_integrates_says_how_to_get_it():
+    """Also every public name, whose examples others run."""
+    commands = [words.split() for words in WITHOUT]
+    program = f"{HIDDEN}import polhode\nfrom polhode.cli import main\n"
+    program += f"for words in {commands!r}: assert main(words) == 0, words\n"
+    program += "for name in polhode.__all__: getattr(polhode, name)\n"
+    program += "try: polhode.integrate('lagrange/nutation')\n"
+    program += "except ImportError as fault: print(fault, file=sys.stderr)\n"
+    program += "assert main(['section', 'general/asymmetric-regular']) == 2\n"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert "not judged: what limits the digits was not computed: heyoka is not in" in done.stdout
+    assert 20 < float(re.search(r"worst (\S+) correct digits", done.stdout)[1]) < 27  # some guards
+    in_python, of_verb = done.stderr.splitlines()[-2:]
+    assert in_python.startswith("heyoka: expected to be installed")
+    assert of_verb == f"polhode: {in_python}"
+    assert min(Path(name).stat().st_size for name in ("x.png", "x.html")) > 1000
+
+
+@pytest.mark.parametrize("words", ["run lagrange/nutation", "reference euler/separatrix --at 1"])
+def test_the_closed_forms_run_where_heyoka_is_missing(words):
+    program = f"{HIDDEN}from polhode.cli import command; command()"
+    done = subprocess.run(
+        [sys.executable, "-c", program, *words.split()], capture_output=True, text=True
+    )
+    if words.startswith("run"):
+        assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
+        assert done.stderr.startswith("polhode: heyoka: expected to be installed")
+    else:
+        assert (done.returncode, done.stderr) == (0, "")
+        assert done.stdout

@@ -1,0 +1,418 @@
+"""What verbs write, what they read again, and what stays as it was."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import pickle
+import re
+import signal
+import sys
+import threading
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+import polhode
+from polhode import cli
+from polhode.common import checkpoint, files
+from polhode.common.checkpoint import JobCheckpoint
+from polhode.common.errors import BadInput
+from polhode.numbers.expression import decimal
+from polhode.scenes.vocabulary import STATE
+from polhode.studies import report
+from shared.motions import free_file
+
+TOP = free_file("at = [0, 1]")
+WATCHED = free_file('end = 2\nsamples = 3\noutputs = ["angles", "attitude"]')
+DIGITS_OF_DOUBLE = 53 * math.log10(2)
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("top.toml").write_text(TOP)
+    Path("watched.toml").write_text(WATCHED)
+    return tmp_path
+
+
+def ran(capsys, *words: str, code: int = 0) -> tuple[str, str]:
+    """What a command prints on both streams."""
+    assert cli.main([*words]) == code, capsys.readouterr().err
+    return capsys.readouterr()
+
+
+def answered(capsys, *words: str, code: int = 0) -> dict:
+    """What a command says as JSON."""
+    return json.loads(ran(capsys, *words, "--json", code=code)[0])
+
+
+def left() -> set[str]:
+    return {path.name for path in Path().iterdir()} - {"top.toml", "watched.toml"}
+
+
+# -- runs and their tables -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("outputs", ["gamma", "hodographs", "angles,attitude"])
+def test_a_run_that_cannot_reach_its_end_writes_nothing_and_says_what_to_do(capsys, outputs):
+    words = ["run", "euler/flat", "--max-steps", "5", "-o", "x.csv", "--json"]
+    words += ["--outputs", outputs] * (outputs != "gamma")
+    out, err = ran(capsys, *words, code=3)
+    answer = json.loads(out)
+    assert (answer["outcome"], answer["steps"]) == ("step limit", 5)
+    for part in ("of 100", "--max-steps", "x.csv was not written"):
+        assert part in err
+    assert left() == set()
+
+
+def test_the_json_of_a_run_keeps_the_contract(capsys):
+    answer = answered(capsys, "run", "watched.toml", "--at", "0.1,1/3,pi")
+    keys = "scene number bits form regime columns times states angles attitude drift outcome steps"
+    assert {*keys.split(), "provenance"} <= answer.keys()
+    assert (answer["number"], answer["bits"], answer["form"]) == ("double", 53, "principal")
+    assert answer["columns"] == [*STATE]
+    for name, width in (("states", 6), ("angles", 3), ("attitude", 4)):
+        assert [len(row) for row in answer[name]] == [width] * 3
+    assert all(isinstance(x, str) for row in answer["states"] for x in row)
+    assert {"h", "f", "gamma"} <= answer["drift"].keys()
+    assert answer["outcome"] == "reached end"
+    assert decimal(answer["times"][0]) == Fraction(0.1)  # the double, in full
+    assert decimal(answer["times"][1]) == Fraction(1 / 3)
+
+
+@pytest.mark.parametrize(("number", "bits"), [("double", 53), ("extended", 64), ("quad", 113)])
+def test_a_csv_round_trips_and_compare_judges_it(capsys, number, bits):
+    run = ["run", "watched.toml", "--number", number]
+    assert ran(capsys, *run, "-o", "x.csv")[0] == ""
+    assert left() == {"x.csv", "x.json"}
+    written = json.loads(Path("x.json").read_text())
+    assert (written["number"], written["bits"], written["scene"]) == (number, bits, "watched.toml")
+    header, *lines = Path("x.csv").read_text().splitlines()
+    assert header == "t,p,q,r,gamma1,gamma2,gamma3,psi,theta,phi,q0,q1,q2,q3"
+    answer, rows = answered(capsys, *run), [line.split(",") for line in lines]
+    assert [row[0] for row in rows] == answer["times"]
+    assert [row[1:7] for row in rows] == answer["states"]
+    digits = bits * math.log10(2)
+    for flags in ([], ["--number", number]):
+        verdict = answered(capsys, "compare", "x.csv", "watched.toml", *flags)
+        assert verdict["judged"] == [*STATE, "angles", "attitude"]
+        assert verdict["not_judged"] == []
+        assert digits - 2 < verdict["worst"] < digits + 2
+        assert {"omega", "gamma", "angles", "attitude"} == {*verdict["parts"]}
+        assert all(digits - 2 < min(part) for part in verdict["parts"].values())
+
+
+@pytest.mark.parametrize(
+    ("negated", "digits"), [((), DIGITS_OF_DOUBLE), ((0, 1, 2), DIGITS_OF_DOUBLE), ((1,), 0)]
+)
+def test_a_quaternion_may_have_the_other_sign_but_one_for_the_whole_file(capsys, negated, digits):
+    """q and -q are the same attitude; a sign that changes on the way is no continuous motion."""
+    ran(capsys, "run", "watched.toml", "-o", "x.csv")
+    head, *rows = [line.split(",") for line in Path("x.csv").read_text().splitlines()]
+    for k in negated:
+        rows[k][-4:] = [str(-float(x)) for x in rows[k][-4:]]
+    Path("foreign.csv").write_text("".join(",".join(row) + "\n" for row in [head, *rows]))
+    parts = answered(capsys, "compare", "foreign.csv", "watched.toml")["parts"]
+    assert digits - 2 <= min(parts["attitude"]) <= digits + 2
+    assert min(parts["angles"]) > DIGITS_OF_DOUBLE - 2
+
+
+def test_drift_of_a_projected_file_is_no_evidence(capsys):
+    for options, notes in (((), 1), (("--no-project",), 0)):
+        ran(capsys, "run", "kovalevskaya/generic", "--at", "500", "-o", "x.csv", *options)
+        out, _ = ran(capsys, "compare", "x.csv", "kovalevskaya/generic", "--number", "double")
+        assert out.count("they were projected") == notes
+        assert ("drift h" in out) == (not notes)
+
+
+@pytest.mark.parametrize("t", ["1e400", "1e-400"])
+def test_times_beyond_the_range_of_a_double(capsys, t):
+    large = t == "1e400"
+    ran(capsys, "run", "top.toml", "--number", "mp", "--at", t, code=3 if large else 0)
+    Path("x.csv").write_text(f"t,p\n{t},0.3\n")
+    ran(capsys, "compare", "x.csv", "top.toml", code=2 if large else 0)
+    words = ["plot", "top.toml", "--what", "angles", "-o", "x.svg", "--end", t]
+    assert cli.main(words) in (2, 3)
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_a_fraction_of_thousands_of_digits_is_shown(capsys):
+    Path("sum.toml").write_text(TOP.replace("[0.3", '["(1/3)**2500"'))
+    assert "integrals" in ran(capsys, "show", "sum.toml")[0]
+
+
+def test_angles_at_a_pole_are_null(capsys):
+    words = ["run", "lagrange/sleeping-stable", "--at", "1", "--outputs", "angles"]
+    psi, theta, phi = answered(capsys, *words)["angles"][0]
+    assert (psi, phi, float(theta)) == (None, None, 0)
+
+
+# -- tables of others ------------------------------------------------------------------------------
+
+HEAD = "t,p,q,r,gamma1,gamma2,gamma3\n"
+START = "0,0.3,-0.4,1.1,0.6,0,0.8\n"
+
+
+def judged(capsys, content: str, *flags: str) -> dict:
+    """The verdict on a foreign file."""
+    Path("foreign.csv").write_bytes(content.encode())
+    return answered(capsys, "compare", "foreign.csv", "top.toml", *flags)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        HEAD + START,
+        "\ufeff" + HEAD + START,
+        (HEAD + START).replace("\n", "\r\n"),
+        (HEAD + START).replace(",", " , "),
+        "# a comment\n\n" + HEAD + '#,"an open quote\n' + START + "\n\n",
+        '"t","p","q","r","gamma1","gamma2","gamma3"\n' + START,
+        HEAD + "0e5,3E-1,-.4,+1.10,6e-1,-0,0." + "8" + "0" * 60 + "\n",
+        HEAD + START.rstrip("\n"),
+    ],
+    ids=["plain", "bom", "crlf", "spaces", "comments", "quotes", "notation", "no last newline"],
+)
+def test_the_usual_shapes_of_csv_are_read(capsys, content):
+    verdict = judged(capsys, content)
+    assert verdict["judged"] == [*STATE]
+    assert verdict["times"] == ["0"]
+    assert verdict["worst"] >= 3  # every digit that is there
+    assert float(verdict["drift"]["h"]) < 10 ** -verdict["worst"]
+
+
+THIRD = "0.3" + "0" * 30 + "1"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "flags", "least", "most"),
+    [
+        ("0.3", THIRD, [], 31.5, 32.5),  # exact, unless its type is named
+        ("0.3", THIRD, ["--number", "double"], DIGITS_OF_DOUBLE - 0.5, DIGITS_OF_DOUBLE + 0.5),
+        ("0.3", "0.30121", [], 2.9, 3.1),
+        ("0.3", "1e4000", [], 0, 0),
+        ("0.3", "-0.3", [], 0, 1),
+        ("0,0.3", f"0.{'0' * 60}1,0.3", [], 0, 10),  # digits of a time are none of the states
+    ],
+)
+def test_a_number_is_judged_for_what_it_is(capsys, old, new, flags, least, most):
+    assert least <= judged(capsys, HEAD + START.replace(old, new, 1), *flags)["worst"] <= most
+
+
+def test_what_is_not_in_a_table_is_told_and_not_judged(capsys):
+    verdict = judged(capsys, "q2,gamma3,note,t,p\n,0.8,hello,0,0.3\n")
+    assert verdict["judged"] == ["p", "gamma3"]
+    assert verdict["drift"] is None
+    told = "\n".join(verdict["not_judged"])
+    for part in ("attitude was not judged: none", "note", "column q is not in the file"):
+        assert part in told
+    verdict = judged(capsys, HEAD + "0,0.3,,1.1,0.6,0,0.8\n")
+    assert verdict["worst"] >= 3
+    assert "empty cells were not judged" in verdict["not_judged"]
+
+
+def test_times_may_be_negative_unsorted_and_repeated(capsys):
+    rows = {}
+    for at in ("0,1", "-0.5,-2"):
+        answer = answered(capsys, "reference", "top.toml", f"--at={at}", "--digits", "20")
+        rows |= dict(zip(at.split(","), answer["states"], strict=True))
+    rows["1e-400"] = rows["0"]
+    times = ["1", "-2", "0", "1", "-0.5", "1e-400"]
+    verdict = judged(capsys, HEAD + "".join(",".join([t, *rows[t]]) + "\n" for t in times))
+    assert [Fraction(t) for t in verdict["times"]] == [decimal(t) for t in times]
+    assert verdict["worst"] >= 20
+
+
+# -- where files are written -----------------------------------------------------------------------
+
+
+def test_a_file_stays_what_it_is(capsys):
+    """Links are followed and stay links, permissions stay, a device is a device, a pipe a pipe."""
+    Path("deep").mkdir()
+    Path("link.csv").symlink_to("deep/y.csv")
+    Path("mine.csv").touch(0o640)
+    os.chmod("mine.csv", 0o640)
+    os.mkfifo("pipe.csv")
+    heard: list[str] = []
+    reader = threading.Thread(target=lambda: heard.append(Path("pipe.csv").read_text()))
+    reader.start()
+    for name in ("link.csv", "mine.csv", "pipe.csv", os.devnull):
+        ran(capsys, "run", "top.toml", "-o", name)
+    reader.join(10)
+    assert Path("link.csv").is_symlink()
+    assert Path("deep/y.csv").read_text().startswith("t,p,q,r")
+    assert json.loads(Path("link.json").read_text())["number"] == "double"
+    assert os.stat("mine.csv").st_mode & 0o777 == 0o640
+    assert heard[0].startswith("t,p,q,r")
+    assert Path("pipe.csv").is_fifo()
+    assert not Path(os.devnull).is_file()
+
+
+def test_a_file_that_is_there_stays_when_it_cannot_be_replaced(capsys):
+    Path("x.csv").write_text("mine")
+    Path("x.json").mkdir()
+    _, err = ran(capsys, "run", "top.toml", "-o", "x.csv", code=2)
+    assert "x.json: file: expected a file, not a folder" in err
+    assert Path("x.csv").read_text() == "mine"
+    assert left() == {"x.csv", "x.json"}
+
+
+@pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="root may write anywhere")
+def test_a_folder_that_cannot_be_written_to_is_refused(capsys):
+    Path("closed").mkdir(mode=0o500)
+    out, err = ran(capsys, "run", "top.toml", "-o", "closed/x.csv", code=2)
+    assert out == ""
+    assert "can be written" in err
+
+
+def test_a_certificate_and_the_file_beside_a_table_replace_each_other_never(capsys):
+    """Both orders are refused before the work."""
+    ask = ["reference", "lagrange/nutation", "--at", "1", "--digits", "15", "--certified", "-o"]
+    ran(capsys, *ask, "ref.csv")
+    kept = Path("ref.json").read_bytes()
+    assert "a new file, or a certificate's" in ran(capsys, *ask, "ref.json", code=2)[1]
+    assert Path("ref.json").read_bytes() == kept
+    for _ in range(2):  # one certificate in place of another
+        ran(capsys, *ask, "own.json")
+    assert "perhaps a certificate" in ran(capsys, *ask, "own.csv", code=2)[1]
+    assert not Path("own.csv").exists()
+
+
+@pytest.mark.parametrize("words", ["show pipe", "compare pipe top.toml"])
+@pytest.mark.parametrize("silent", [False, True])
+def test_a_pipe_from_which_nothing_comes_is_refused(capsys, monkeypatch, words, silent):
+    monkeypatch.setattr(files, "PATIENCE", 0.2)
+    os.mkfifo("pipe")
+    handle = os.open("pipe", os.O_RDWR) if silent else None
+    assert "nothing came for 0.2 seconds" in ran(capsys, *words.split(), code=2)[1]
+    if handle is not None:
+        os.close(handle)
+
+
+def test_a_fault_of_the_system_is_not_blamed_on_stdout(capsys, monkeypatch):
+    from polhode.scenes import library
+
+    def fail(_):
+        raise OSError(24, "Too many open files", "cases")
+
+    monkeypatch.setattr(library, "load", fail)
+    said = "polhode: cases: expected to be usable (Too many open files)\n"
+    assert ran(capsys, "show", "top.toml", code=2) == ("", said)
+
+
+class Full:
+    """A stream on a full disk."""
+
+    def write(self, text: str) -> int:
+        raise OSError(28, "No space left on device")
+
+    def flush(self) -> None:
+        self.write("")
+
+    def isatty(self) -> bool:
+        return False
+
+
+@pytest.mark.parametrize(("words", "code"), [("run nosuch", 2), ("run top.toml -o x.csv", 0)])
+def test_notes_that_nobody_hears_change_no_exit_code(words, code, monkeypatch):
+    monkeypatch.setattr(sys, "stderr", Full())
+    assert cli.main(words.split()) == code
+    assert Path("x.csv").exists() == (code == 0)
+
+
+def no_space(written: dict[Path, object]) -> None:
+    if any(path.suffix in (".npz", ".md") for path in written):
+        raise BadInput("x", "file", None, "a place to write to (No space left on device)")
+    files.write_whole(written)
+
+
+def test_a_full_disk_leaves_all_files_of_a_study_or_none(monkeypatch):
+    """The results stood alone, without page and figure."""
+    committed = Path(__file__).parents[2] / "reports/events.json"
+    monkeypatch.setattr(report, "_run", lambda *_: committed.read_text())
+    monkeypatch.setattr(report, "figures", lambda _: {"events": "<?xml"})
+    monkeypatch.setattr(report, "write_whole", no_space)
+    with pytest.raises(BadInput, match="No space left"):
+        report.write_study("events", Path("out"), quick=True)
+    assert not [path for path in Path().rglob("*") if path.is_file() and "out" in path.parts]
+
+
+def test_a_first_piece_that_cannot_be_kept_leaves_no_folder(monkeypatch):
+    kept = JobCheckpoint(Path("x.parts"), "section", "key")
+    for piece in range(2):
+        with monkeypatch.context() as patch:
+            patch.setattr(checkpoint, "write_whole", no_space)
+            with pytest.raises(BadInput, match="No space left"):
+                kept.save(piece, {"a": [1.0]})
+        assert Path("x.parts").exists() == (piece == 1)  # what is finished stays
+        if piece == 0:
+            kept.save(0, {"a": [1.0]})
+    assert kept.load(0)["a"].tolist() == [1.0]
+    assert kept.load(1) is None
+
+
+# -- names and titles ------------------------------------------------------------------------------
+
+
+def test_results_hold_no_folder_that_the_scene_was_read_from(capsys, tmp_path):
+    scene = str(tmp_path / "watched.toml")
+    ran(capsys, "run", scene, "-o", "x.csv")
+    ran(capsys, "plot", scene, "--what", "angles", "-o", "x.svg")
+    ran(capsys, "view", scene, "-o", "x.html")
+    for words in (
+        *(["run", scene], ["show", scene], ["reference", scene]),
+        ["compare", str(tmp_path / "x.csv"), scene],
+        ["frequencies", scene, "--of", "p", "--lines", "1"],
+    ):
+        Path(f"{words[0]}.json").write_text(json.dumps(answered(capsys, *words)))
+    written = [path for path in Path().iterdir() if path.suffix in (".json", ".svg", ".html")]
+    assert len(written) == 8
+    for path in written:
+        assert str(tmp_path) not in path.read_text(), path.name
+        assert "watched.toml" in path.read_text(), path.name
+    assert json.loads(Path("compare.json").read_text())["file"] == "x.csv"
+
+
+def test_a_fault_of_a_library_call_names_the_path_wherever_the_scene_went(tmp_path):
+    scene = pickle.loads(pickle.dumps(polhode.load(str(tmp_path / "top.toml"))))
+    assert scene.name == "top.toml"
+    with pytest.raises(BadInput) as fault:
+        polhode.integrate(scene, max_steps=0)
+    assert fault.value.source == str(tmp_path / "top.toml")
+
+
+#: A name, and a title, that would command a terminal, begin a line of their own and turn it around.
+ODD = "a\x1b[31m\nz\u202e!"
+SHOWN = "a?[31m z?!"
+
+
+def test_names_of_any_kind_are_one_line_that_commands_no_terminal(capsys):
+    word = json.dumps(ODD)
+    words = f"title = {word}\ntags = [{word}]\ncite = [{word}]"
+    Path(f"{ODD}.toml").write_text(TOP.replace("schema = 1", f"schema = 1\n{words}"))
+    scene = polhode.load(f"{ODD}.toml")
+    given = replace(scene, name=ODD)
+    assert (scene.title, scene.name, given.name) == (ODD, f"{SHOWN}.toml", SHOWN)
+    run = polhode.integrate(scene)
+    run.save(f"{ODD}.csv")
+    results = [scene, given, run, polhode.reference(scene), polhode.conditioning(scene)]
+    results += [polhode.compare(run), polhode.view(scene), polhode.compare(f"{ODD}.csv", scene)]
+    for result in results:
+        assert repr(result).isprintable()
+        assert SHOWN in repr(result) or result is results[-1]
+    for verb in (["show"], ["run"], ["reference"], ["new", "new.toml", "--like"]):
+        assert not re.search("\x1b|\nz|\u202e", "".join(ran(capsys, *verb, f"{ODD}.toml")))
+    ran(capsys, "plot", f"{ODD}.toml", "--what", "angles", "-o", "x.svg")
+    pages = [polhode.view(scene, end=1)._repr_html_(), scene._repr_html_()]
+    for page in [*pages, Path("x.svg").read_text()]:
+        assert not re.search("\x1b|\u202e", page)
+
+
+def test_a_callers_handlers_of_signals_are_put_back(capsys):
+    before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
+    ran(capsys, "about")
+    assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)] == before
