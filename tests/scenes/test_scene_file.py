@@ -6,7 +6,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
-from test_refusals import BASE, base
+from test_bad_scenes import BASE, base
 
 from polhode.numbers import exact
 from polhode.numbers.exact import sign
