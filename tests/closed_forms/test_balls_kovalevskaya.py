@@ -13,16 +13,20 @@ from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop
 from polhode.numbers.exact import ONE
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf, mpmath
-from shared.closed_form_checks import fractions
-from shared.kovalevskaya_motions import GENERIC
+from shared.members import motion_table, read_start
 
 F = Fraction
 BODY, TORQUE = (F(2), F(2), F(1)), (F(1), F(0), F(0))
+#: omega and gamma, one motion of each of the six types of the curve
+GENERIC = {
+    name: read_start(texts)[2:4] for name, texts in [*motion_table()["kovalevskaya"].items()][:6]
+}
 PSI = F(7, 10)
 
 
 def top_of(omega, gamma):
-    return KovalevskayaTop(BODY, TORQUE, fractions(omega), fractions(gamma), PSI)
+    start = (tuple(map(F, row)) for row in (omega, gamma))
+    return KovalevskayaTop(BODY, TORQUE, *start, PSI)
 
 
 def row_of_three(top, bits):

@@ -18,7 +18,7 @@ PAGE = Path(polhode.__file__).parent / "errata.md"
 WORKING = 80
 HOLDS = mpf(10) ** -45
 FAILS = mpf(10) ** -3
-COUNT = 20
+COUNT = 5
 
 
 def vector(*row):
@@ -230,7 +230,6 @@ ENTRIES = {
 }
 
 
-@pytest.mark.sample(50)
 @pytest.mark.parametrize("entry", ENTRIES)
 @pytest.mark.parametrize("seed", range(COUNT))
 def test_the_right_form_holds_and_the_printed_form_fails(entry, seed):

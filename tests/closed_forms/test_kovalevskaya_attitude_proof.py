@@ -10,11 +10,10 @@ from flint import acb, arb
 from polhode.closed_forms.kovalevskaya.theta.theta_state import dot
 from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop
 from polhode.numbers.flint_context import ctx
-from shared.closed_form_checks import fractions
-from shared.kovalevskaya_motions import GENERIC
+from shared.members import motion_table, read_start
 
-BODY, TORQUE = fractions((2, 2, 1)), fractions((1, 0, 0))
-NAMES = ["e-ee+", pytest.param("-e+ (complex pair)", marks=pytest.mark.slow)]
+GENERIC = motion_table()["kovalevskaya"]
+NAMES = ["e-ee+", pytest.param("-e+ (complex pair)", marks=pytest.mark.campaign)]
 _BITS = 200  # 50 digits, and ten to spare
 
 
@@ -89,7 +88,7 @@ def test_step_2_exponents_at_every_pole_are_1_and_minus_1():
 
 def formula(name):
     """The attitude's constants, and the second way on the Jacobian."""
-    top = KovalevskayaTop(BODY, TORQUE, *map(fractions, GENERIC[name]))
+    top = KovalevskayaTop(*read_start(GENERIC[name]))
     attitude = top._solution().turning
     return attitude, attitude.motion.jacobian.reduced((acb(1), acb(0)))
 
@@ -138,7 +137,7 @@ def place(pick, high):
     [
         ("e-ee+", 12),
         pytest.param("e-ee+", 104, marks=pytest.mark.slow),
-        pytest.param("-e+ (complex pair)", 104, marks=pytest.mark.slow),
+        pytest.param("-e+ (complex pair)", 104, marks=pytest.mark.campaign),
     ],
 )
 def test_step_6_the_equations_hold_at_more_places_than_they_have_constants(name, places):

@@ -114,11 +114,6 @@ def test_an_angle_beside_the_cut_is_near_pi(half: Irrational) -> None:
     assert float(arctan2(half, Fraction(-1))) == math.pi
 
 
-@pytest.mark.parametrize("x", [Fraction(2**53 + 1), Fraction(2**53 + 3), Fraction(-(2**54) - 2)])
-def test_ties_go_to_even(x: Fraction) -> None:
-    assert value(rounded(x, 53)) == int(float(x))
-
-
 @settings(deadline=None)
 @given(positive, st.sampled_from(BITS))
 def test_irrational_rounds_as_mpmath_at_high_precision(x: Fraction, bits: int) -> None:

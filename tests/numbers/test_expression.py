@@ -103,6 +103,9 @@ def test_precedence_is_pythons(text: str) -> None:
         ("sin(0)", 0),
         ("cos(0)", 1),
         ("(-1)**99999999", -1),
+        ("2^10", 1024),
+        ("2·3² − 4", 14),
+        ("2^3^2", 512),
     ],
 )
 def test_rational_values_stay_rational(text: str, expected: Fraction) -> None:
@@ -190,13 +193,6 @@ def test_long_chains_and_towers_end_soon(text: str) -> None:
     outcome(text)
 
 
-@pytest.mark.slow
-@settings(max_examples=3 * settings.default.max_examples)
-@given(st.text(max_size=60))
-def test_random_text_is_a_value_or_refused(text: str) -> None:
-    outcome(text)
-
-
 _TOKENS = (
     *("1", "2", "0", "7.25", "1e9", "1e-300", "4000", "1e4000", "pi", "sqrt(", "sin(", "cos("),
     *("(", ")", ")", "+", "-", "*", "/", "**", " ", "p", "_", ".", "e"),
@@ -262,34 +258,10 @@ def test_underscores_stand_between_digits(text: str, expected: int) -> None:
 @pytest.mark.parametrize(
     "text",
     [
-        "",
-        "-",
-        ".",
-        "1e",
-        "--1",
-        "1__0",
-        "_1",
-        "1_",
-        "1._5",
-        "0x1",
-        "nan",
-        "inf",
-        "-inf",
-        "\u0663",
-        "1 2",
-        "1,5",
-        "1e5000",
-        "1e99999999999",
-        "1" * 4001,
-        "0." + "0" * 4000 + "1",
+        *("", "-", ".", "1e", "--1", "1__0", "_1", "1_", "1._5", "0x1", "nan", "inf", "-inf"),
+        *("\u0663", "1 2", "1,5", "1e5000", "1e99999999999", "1" * 4001, "0." + "0" * 4000 + "1"),
     ],
 )
 def test_what_is_not_a_decimal_is_refused(text: str) -> None:
     with pytest.raises(ExpressionError):
         decimal(text)
-
-
-def test_powers_and_products_may_be_written_as_in_print() -> None:
-    assert evaluate("2^10", {}) == 1024
-    assert evaluate("2·3² − 4", {}) == 14
-    assert evaluate("2^3^2", {}) == 512

@@ -125,14 +125,7 @@ def test_they_are_mpmath_s_numbers_in_all_else():
     for bits in (20, 53, 400):
         with mpmath.workprec(bits):
             assert (mpmath.mpf(x)._mpf_, (+x)._mpf_) == (mpmath.mpf(plain)._mpf_, (+plain)._mpf_)
-            for f in (
-                mpmath.sqrt,
-                mpmath.exp,
-                abs,
-                mpmath.mp.convert,
-                lambda y: 2 * y,
-                lambda y: y**3,
-            ):
+            for f in (mpmath.sqrt, mpmath.exp, abs, mpmath.mp.convert, lambda y: y**3):
                 assert (type(f(x)), f(x)) == (mpmath.mpf, f(plain))
             assert (x - row[1])._mpf_ == (plain - row[1])._mpf_
             assert mpmath.matrix([row])[0, 0]._mpf_ == plain._mpf_

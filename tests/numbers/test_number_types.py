@@ -148,19 +148,9 @@ def test_to_double_beyond_the_range() -> None:
 @pytest.mark.parametrize(
     "value",
     [
-        math.inf,
-        -math.inf,
-        math.nan,
-        np.longdouble("inf"),
-        np.longdouble("nan"),
-        np.float64("nan"),
-        mpmath.inf,
-        -mpmath.inf,
-        mpmath.nan,
-        np.float32("inf"),
-        "1.5",
-        None,
-        1j,
+        *(math.inf, -math.inf, math.nan, np.longdouble("inf"), np.longdouble("nan")),
+        *(np.float64("nan"), np.float32("inf"), mpmath.inf, -mpmath.inf, mpmath.nan),
+        *("1.5", None, 1j),
     ],
     ids=repr,
 )

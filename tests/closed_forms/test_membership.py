@@ -1,0 +1,128 @@
+"""What misses a family by 1e-30: refused by name in one line, and told to be near to it."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode.closed_forms import families
+from shared.closed_form_motions import all_motions, number, scene_of
+from shared.members import rotation, start
+
+F = Fraction
+TINY = F(1, 10**30)
+MOTIONS = {str(motion): motion for motion in all_motions()}
+EVERY = tuple(itertools.product(range(3), range(3)))
+#: A motion of each family, and the data, as (row, column), of which none may be other: of moments,
+#: Mg r0 and omega; (3, n) turns gamma about axis n.
+FIXED = {
+    "euler/largest-axis": ((1, 0), (1, 1), (1, 2)),
+    "lagrange/nutation": ((0, 0), (0, 1), (1, 0), (1, 1)),
+    "kovalevskaya: ee-e+": ((0, 0), (0, 1), (0, 2), (1, 2)),
+    "pendulum: libration": ((1, 0), (2, 1), (2, 2), (3, 1), (3, 2)),
+    "goryachev-chaplygin/two-frequencies": ((0, 0), (0, 1), (0, 2), (1, 2), (2, 0), (3, 2)),
+    "hess/general": ((0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2), (2, 0), (2, 2)),
+    "staude/stable": (*EVERY, (3, 0)),
+    "bobylev-steklov/cn": tuple(place for place in (*EVERY, (3, 0)) if place != (0, 1)),
+    "grioli/precession": (*EVERY, (3, 0), (3, 1)),
+    "steklov/lower": (*EVERY, (3, 0), (3, 1)),
+    "goryachev/motion": (*EVERY, (3, 0)),
+    "n-kowalewski/motion": (*EVERY, (3, 0)),
+    "chaplygin/motion": (*EVERY, (3, 0)),
+}
+
+
+@pytest.mark.parametrize("every", [5, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", FIXED)
+def test_any_datum_moved_by_1e_30_is_refused(name, every):
+    motion = MOTIONS[name]
+    for row, column in FIXED[name][::every]:
+        start = [list(part) for part in motion.principal]
+        if row < 3:
+            start[row][column] = start[row][column] + TINY
+        else:
+            turn = rotation(1, *(TINY if n == column else 0 for n in range(3)))
+            start[3] = [sum(x * y for x, y in zip(line, start[3], strict=True)) for line in turn]
+        scene = scene_of(start, motion.family)
+        with pytest.raises(polhode.BadInput) as refused:
+            polhode.reference(scene)
+        message = str(refused.value)
+        assert f"{motion.family} needs " in message, (row, column)
+        assert "\n" not in message
+        assert 1e-34 < float(re.search(r"off by ([\d.e-]+\d)", message)[1]) < 1e-26, message
+        near = dict(families.near(scene))
+        assert 1e-34 < float(near[motion.family].off) < 1e-26
+
+
+#: Moments at which conditions and formulas of some family divide by nothing.
+BODIES = (
+    (3, 2, F(3, 2)),
+    (2, 2, 1),
+    (1, 1, 1),
+    (4, 4, 1),
+    (2, 1, 1),
+    (5, 5, 3),
+    (3, 3, 2),
+    (3, 2, 1),
+)
+
+
+@pytest.mark.parametrize("family", families.FAMILIES, ids=lambda family: family.name)
+def test_bodies_far_from_a_family_are_told_what_it_needs(family):
+    start = [F(3, 10), F(1, 5), F(1, 2)], [F(3, 10), F(1, 5), F(11, 10)], [F(3, 5), F(0), F(4, 5)]
+    for moments in BODIES:
+        if family.name == "lagrange" and moments == (1, 1, 1):
+            continue  # a sphere is one
+        with pytest.raises(polhode.BadInput, match=f"{family.name} needs ") as refused:
+            polhode.reference(scene_of((moments, *start), family.name))
+        assert "\n" not in str(refused.value)
+    assert families.near(scene_of((BODIES[0], *start))) == []
+
+
+@pytest.mark.parametrize(
+    ("question", "name", "reason"),
+    [
+        ("attitude", "euler/no-gamma", "without gamma: only its omega is known"),
+        ("angles", "euler/no-gamma", "without gamma: only its omega is known"),
+        pytest.param(
+            *("at", "kovalevskaya: node reached", r"amplifies errors.* 0 are known"),
+            marks=pytest.mark.slow,
+        ),
+    ],
+)
+def test_a_question_without_an_answer(question, name, reason):
+    with pytest.raises(polhode.BadInput, match=reason):
+        getattr(MOTIONS[name].reference, question)([10**6], 20)
+
+
+def slopes(start):
+    """The matrix of the equations, linear about a start, by differences in doubles."""
+    moments, torque, omega, gamma = (np.array([float(number(x)) for x in row]) for row in start)
+
+    def rates(state):
+        w, g = state[:3], state[3:]
+        moment = np.cross(g, torque) - np.cross(w, moments * w)
+        return np.concatenate([moment / moments, np.cross(g, w)])
+
+    state, steps = np.concatenate([omega, gamma]), 1e-3 * np.eye(6)  # quadratic: no truncation
+    return np.array([(rates(state + h) - rates(state - h)) / 2e-3 for h in steps]).T
+
+
+def test_stability_of_permanent_rotations_against_eigenvalues():
+    """Random ones; what is undecided is none of them."""
+    regimes = set()
+    for seed in range(80):
+        body = start("staude", seed)[0]
+        if min(body[0]) < F(1, 10) or max(map(abs, body[2])) < F(1, 10):
+            continue
+        regime = polhode.reference(scene_of(body, "staude")).regime
+        growth = max(np.linalg.eigvals(slopes(body)).real)
+        if "undecided" not in regime:
+            regimes.add(regime)
+            assert (growth > 1e-5) == ("unstable" in regime), (seed, regime, growth)
+    assert len(regimes) == 2

@@ -1,0 +1,217 @@
+"""Frequencies are mean rates, angles their turns: of motions that are followed along samples."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode.numbers.conversion import exactly
+from polhode.numbers.mpmath_context import mpf, mpmath
+from shared.closed_form_motions import Motion, all_motions, gap, growth, number, scene_of
+
+F = Fraction
+MOTIONS = {str(motion): motion for motion in all_motions()}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *(f"euler: about its momentum, {how}" for how in ("around C", "around A", "oblate")),
+        *("euler: about its momentum, prolate", "euler/gamma-along-momentum"),
+        *("lagrange: nutation", "lagrange: looping", "lagrange: cusped", "lagrange: needle"),
+        *("lagrange: near pole 1e-12", "lagrange: near homoclinic 1e-20", "lagrange/backward"),
+    ],
+)
+def test_over_a_period_angles_grow_by_their_mean_rates(name):
+    """Of the axis that is circled; about another axis but for whole turns."""
+    top = MOTIONS[name].reference
+    mean = top.frequencies
+    with mpmath.workdps(60):
+        period = 2 * mpmath.pi / abs(mean.get("nutation", mean.get("polhode")))
+        (psi, _, phi), (after, _, other) = top.angles([1, 1 + exactly(period)], 40)
+        off = [after - psi - mean["precession"] * period]
+        if "proper rotation" in mean:
+            off.append(other - phi - mean["proper rotation"] * period)
+        if "/" in name:
+            off = [x - 2 * mpmath.pi * mpmath.nint(x / 2 / mpmath.pi) for x in off]
+        assert max(map(abs, off)) < mpf("1e-38")
+
+
+@pytest.mark.parametrize(
+    ("name", "rates"),
+    [
+        ("lagrange: steady slow", {"precession": 1, "proper rotation": F(13, 5)}),
+        ("lagrange: sleeping, stable", {"proper rotation": 4}),
+        ("lagrange: hanging", {"proper rotation": F(3, 2)}),
+        ("lagrange: homoclinic", {"precession": 2, "proper rotation": 3}),  # n/2, r - n/2
+        ("euler: separatrix", {"precession": F(9, 10)}),  # G/B
+        ("staude: mu = 11", {"precession": 2}),
+    ],
+)
+def test_rates_of_uniform_motions(name, rates):
+    frequencies = MOTIONS[name].reference.frequencies
+    assert frequencies.keys() == rates.keys()
+    with mpmath.workdps(50):
+        assert max(abs(frequencies[key] - number(x)) for key, x in rates.items()) < mpf("1e-48")
+
+
+@pytest.mark.parametrize("name", ["lagrange: upper pole", "lagrange: lower pole"])
+def test_jumps_at_a_pole_are_no_precession(name):
+    """Ten nutations: psi grows by its mean and, up each time, by pi; phi by its own, and down."""
+    top = MOTIONS[name].reference
+    mean = top.frequencies
+    with mpmath.workdps(60):
+        span = 10 * 2 * mpmath.pi / mean["nutation"]
+        (psi, _, phi), (after, _, other) = top.angles([0, exactly(span)], 30)
+        assert abs(after - psi - mean["precession"] * span - 10 * mpmath.pi) < mpf("1e-28")
+        assert abs(other - phi - mean["proper rotation"] * span + 10 * mpmath.pi) < mpf("1e-28")
+
+
+@pytest.mark.parametrize("off", ["1e-3", "1e-12", "1e-40", "-1e-3", "-1e-12", "-1e-40"])
+def test_past_a_pole_psi_turns_to_the_side_of_f_minus_c_r(off):
+    """Ten nutations: on either side of f = C r psi differs by a turn a nutation, phi likewise."""
+    through = MOTIONS["lagrange: upper pole"]
+    p, *rest = through.scene.omega
+    near = polhode.reference(replace(through.scene, omega=(p + F(off), *rest)))
+    mean, side = through.reference.frequencies, 1 if F(off) > 0 else -1
+    with mpmath.workdps(60):
+        span = 10 * 2 * mpmath.pi / mean["nutation"]
+        (psi, _, phi), (after, _, other) = near.angles([0, exactly(span)], 30)
+        most = max(mpf("1e-28"), 300 * abs(number(F(off))))
+        assert abs(after - psi - mean["precession"] * span - side * 10 * mpmath.pi) < most
+        assert abs(other - phi - mean["proper rotation"] * span + side * 10 * mpmath.pi) < most
+
+
+SLOW = [pytest.mark.slow]
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("euler: around A", "euler: separatrix", "euler: oblate", "euler/turned-axes"),
+        *("lagrange: nutation", "lagrange: cusped", "lagrange: second axis", "lagrange: sphere"),
+        *("lagrange/turned-axes", "staude/stable", "hess/released"),
+        pytest.param("goryachev-chaplygin/inner-band", marks=SLOW),
+        pytest.param("grioli/precession", marks=SLOW),
+        pytest.param("kovalevskaya/delaunay", marks=SLOW),
+    ],
+)
+def test_turns_are_those_along_samples(name):
+    motion = MOTIONS[name]
+    for end in motion.times(14, -9):
+        (psi, _, phi), (psi0, _, phi0) = motion.reference.angles([end, end / 90], 15)
+        more = growth(motion.reference, end / 90, end, 300)
+        assert max(abs(psi - psi0 - more[0]), abs(phi - phi0 - more[1])) < 1e-11
+
+
+def in_axes_through_the_vertical(motion):
+    """A steady precession in axes of the scene whose third comes to be vertical."""
+    a, _, c = motion.principal[3]
+    axes = (F(1), F(0), F(0)), (F(0), c, a), (F(0), -a, c)  # the vertical goes round the top's
+    turned = Motion(motion.family, f"{motion.name}, turned", motion.regime)
+    turned.__dict__["scene"] = scene_of(motion.principal, motion.family, axes)
+    return turned
+
+
+POLES = {
+    **{
+        name: MOTIONS[name]
+        for name in (
+            *(f"lagrange: {where}" for where in ("upper pole", "lower pole", "rotating")),
+            *("lagrange: from the upper pole", "lagrange: from the lower pole"),
+            *(f"pendulum: {how}" for how in ("rotation", "libration", "from a pole")),
+            *(f"euler: symmetric, through the {how}" for how in ("upper pole", "pole later")),
+        )
+    },
+    "steady precession": in_axes_through_the_vertical(MOTIONS["lagrange: steady slow"]),
+}
+
+
+@pytest.mark.parametrize("name", POLES)
+def test_each_passage_through_a_pole_turns_psi_up_away_from_the_start(name):
+    motion = POLES[name]
+    taken_back = "pendulum" in name and "librating" in motion.regime
+    for side in (1, -1):
+        begin, end = motion.times(side * F(1, 7), side * 13)
+        (psi, _, phi), (psi0, _, phi0) = motion.reference.angles([end, begin], 15)
+        more = growth(motion.reference, begin, end, 450)
+        off = [psi - psi0 - more[0], phi - phi0 - more[1]]
+        if taken_back:  # where it returns a libration takes the jump back
+            off = [x - 2 * mpmath.pi * mpmath.nint(x / 2 / mpmath.pi) for x in off]
+        assert max(map(abs, off)) < 1e-11
+
+
+ORDERS = np.array(
+    [
+        (j, k)
+        for j, k in itertools.product(range(9), range(-8, 9))
+        if (j, k) > (0, 0) and j + abs(k) <= 8
+    ]
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "column", "growth"),
+    [
+        ("goryachev-chaplygin/inner-band", 3, 100),
+        ("hess: quasi-periodic", 3, 100),
+        # a long series in half the frequencies
+        pytest.param("kovalevskaya/type-eee-inside", 5, 4, marks=SLOW),
+        pytest.param("goryachev-chaplygin/outer-band", 3, 100, marks=SLOW),
+    ],
+)
+def test_a_column_is_a_sum_of_waves_of_the_two_expected_frequencies(name, column, growth):
+    """Up to the order 8.  What is left over grows where one of them is off by 1e-3."""
+    motion = MOTIONS[name]
+    times = motion.times(*(F(2 * k, 7) for k in range(300)))
+    values = np.array([float(row[column]) for row in motion.reference.at(times, 15)])
+    rates = np.array([float(x) for x in motion.reference.frequencies.values()])
+    rates /= 2 if motion.family == "kovalevskaya" else 1
+    assert len(rates) == 2
+
+    def left_over(rates):
+        waves = np.exp(1j * np.outer(np.array(times, dtype=float), ORDERS @ rates))
+        columns = np.hstack([np.ones((len(times), 1)), waves.real, waves.imag])
+        return np.abs(columns @ np.linalg.lstsq(columns, values, rcond=None)[0] - values).max()
+
+    right = left_over(rates)
+    assert right < 3e-3
+    assert min(left_over(rates * (1.001, 1)), left_over(rates * (1, 1.001))) > growth * right
+
+
+def test_a_motion_of_hess_tends_to_a_periodic_one_at_the_rate_told():
+    """What a period of gamma1 along r0 changes in the state decays at that rate."""
+    motion = MOTIONS["hess/general"]
+    rate, nutation = motion.reference.approach, motion.reference.frequencies["nutation"]
+    assert MOTIONS["hess/turned-axes"].reference.approach is None
+    with mpmath.workdps(60):
+        period = 2 * mpmath.pi / nutation
+        times = [exactly(n * period) for n in (20, 21, 30, 31)]
+        rows = motion.reference.at(times, 50)
+        early, late = gap(rows[0], rows[1]), gap(rows[2], rows[3])
+        assert abs(mpmath.log(early / late) / (10 * period) - rate) < mpf("1e-6") * rate
+
+
+@pytest.mark.slow
+def test_separation_variables_of_kovalevskayas_top_pass_to_and_fro_at_the_rates_told():
+    """q^2 s^2 + R s/2 + R1/4 = 0: s makes om t/pi passages between its ends in the time t."""
+    motion = MOTIONS["kovalevskaya: e-ee+"]
+    rates, span = motion.reference.frequencies, 60
+    rows = motion.reference.at([F(k, 20) for k in range(20 * span)], 16)
+    p, q, r, g1, g2, g3 = np.array([[float(x) for x in row] for row in rows]).T
+    H, m = p * p + q * q + r * r / 2 + g1, p * g1 + q * g2 + r * g3 / 2
+    b = 1 - (p * p - q * q - g1) ** 2 - (2 * p * q - g2) ** 2
+    sg, pi = 2 * p, p * p + q * q
+    R = -pi * pi + 2 * H * pi - 2 * m * sg + b
+    R1 = -2 * H * pi * pi - b * sg * sg + 4 * m * pi * sg + 2 * H * b - 4 * m * m
+    large = -(R / 2 + np.sign(R) * np.sqrt(R * R / 4 - q * q * R1)) / (2 * q * q)
+    small = R1 / (4 * q * q * large)
+    for name, s in (("s1", np.minimum(large, small)), ("s2", np.maximum(large, small))):
+        s = s if name == "s2" else 1 / s  # s1 passes infinity
+        turns = np.count_nonzero(np.diff(np.sign(np.diff(s))))
+        assert abs(turns / span - float(rates[name]) / np.pi) < 3 / span

@@ -1,0 +1,56 @@
+"""States that other programs printed to 50 digits, and a second axis that the attitude carries."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+import polhode
+from polhode.numbers.mpmath_context import mpf, mpmath
+from shared.closed_form_motions import table_gap
+
+DATA = Path(__file__).parents[1] / "data"
+CASES = [
+    case
+    for name in ("closed-form-50-digits", "other-50-digits")
+    for case in json.loads((DATA / f"{name}.json").read_text(encoding="utf-8"))["cases"]
+    if case["group"] != "generic"
+]
+
+
+def rotation(q):
+    """The matrix of a unit quaternion, body to space."""
+    a, x, y, z = q
+    return mpmath.matrix(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - a * z), 2 * (x * z + a * y)],
+            [2 * (x * y + a * z), 1 - 2 * (x * x + z * z), 2 * (y * z - a * x)],
+            [2 * (x * z - a * y), 2 * (y * z + a * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.get("name", case["group"]))
+def test_stored_values(case):
+    body = polhode.Body.of_moments(case["moments"], case["centre"], case["weight"])
+    found = polhode.reference(polhode.Scene(body, case["omega"], case["gamma"]))
+    assert found.is_closed_form
+    rows = found.at(case["times"], 55)
+    with mpmath.workdps(70):
+        stored = [list(map(mpf, row)) for row in case["states"]]
+        error = table_gap(stored, rows)
+        assert error < mpf("2e-49")
+        assert error > mpf("1e-62") or "sleeping" in found.regime
+        if "psi" in case:
+            angles = found.angles(case["times"], 50)
+            for psi, row in zip(case["psi"], angles, strict=True):
+                assert abs(mpf(psi) - row[0]) < mpf("1e-49")
+        if "second_axis" not in case:
+            return
+        start, *turns = found.attitude([0, *case["times"]], 52)
+        fixed = rotation(start) * mpmath.matrix([mpf(x) for x in case["second_axis_start"]])
+        for row, attitude in zip(case["second_axis"], turns, strict=True):
+            seen = rotation(attitude).T * fixed
+            assert max(abs(mpf(x) - y) for x, y in zip(row, seen, strict=True)) < mpf("1e-49")

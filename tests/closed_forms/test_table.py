@@ -1,0 +1,347 @@
+"""Families times questions: every closed form, asked as users ask it.
+
+Rows are the library's cases, ``tests/data/motions.toml`` and some that formulas give.  Each
+question is put to some rows of every family, other ones each: a few by the fast tests, more by the
+slow ones, all of them by hand.  Errors lie in bands: what is compared has the digits asked for, and
+is not the same computation.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from zlib import crc32
+
+import pytest
+
+import polhode
+from polhode.numbers import exact
+from polhode.numbers.conversion import exactly
+from polhode.numbers.mpmath_context import mpc, mpf, mpmath
+from shared.closed_form_motions import (
+    IDENTITY,
+    Motion,
+    all_motions,
+    by_series,
+    gap,
+    in_scene,
+    number,
+    quaternion_of,
+    relabel,
+    scene_of,
+    table_gap,
+    turn_between,
+    vertical_of,
+)
+from shared.members import motion_table, rotation
+
+F = Fraction
+MOTIONS: dict[str, list[Motion]] = {}
+for motion in all_motions():
+    MOTIONS.setdefault(motion.family, []).append(motion)
+FREQUENCIES = motion_table()["frequencies"]
+#: Any start of the body is one of the family.
+ANY_START = "euler", "lagrange", "kovalevskaya"
+#: Whose answers cost next to nothing: more rows of them are fast.
+CHEAP = {"euler": 6, "lagrange": 5, "pendulum": 5, "staude": 2}
+#: Families of two frequencies without an elliptic formula: of many digits and far away they cost.
+SLOW = "goryachev-chaplygin", "hess"
+STILL = ("rest", "permanent", "sleeping", "hanging", "steady precession", "spherical pendulum, con")
+
+
+def is_still(motion):
+    """Whether w and gamma stay or turn about one axis: numbers may be equal to the last bit."""
+    return motion.regime.startswith(STILL)
+
+
+#: Of which a question was once not answered: asked by the slow tests at least.
+REPORTED = "hard/near-axial-pendulum", "hard/near-quasi-periodic", "kovalevskaya: at rest, level"
+
+
+def rows(question, *, fast=1, slow=1, keep=lambda motion: True, dear=()):
+    """Rows for a question, evenly spread over each family and other ones for each question.
+
+    ``dear``: families of which none is fast, and then none on a degenerate curve either.
+    """
+    params, shift = [], crc32(question.encode())
+    for family, motions in MOTIONS.items():
+        asked = [motion for motion in motions if motion.scene.gamma is not None and keep(motion)]
+        quick = [] if family in dear else [m for m in asked if not (dear and "curve" in m.regime)]
+        quick = spread(quick, CHEAP.get(family, 1) * fast, shift)
+        later = spread([m for m in asked if m not in quick], CHEAP.get(family, 1) * slow, shift)
+        for motion in asked:
+            reported = (dear and motion.name in REPORTED) or str(motion) in REPORTED
+            marks = pytest.mark.slow if motion in later or reported else pytest.mark.campaign
+            marks = [] if motion in quick else marks
+            params.append(pytest.param(motion, id=str(motion), marks=marks))
+    return pytest.mark.parametrize("motion", params)
+
+
+def spread(motions, count, shift):
+    """So many of them, evenly spread."""
+    count = min(count, len(motions))
+    return [motions[(shift + k * len(motions) // count) % len(motions)] for k in range(count)]
+
+
+@pytest.mark.parametrize("family", MOTIONS)
+def test_kinds_of_motion(family):
+    for motion in MOTIONS[family]:
+        top = motion.reference
+        assert (top.kind, motion.regime or top.regime) == (family, top.regime), str(motion)
+
+
+@rows("state", fast=2, slow=2)
+def test_the_state_by_power_series(motion):
+    """On both sides of t = 0, 30 digits."""
+    for times in (motion.times(F(5, 2), 6), motion.times(-4)):
+        truth = [row[:6] for row in by_series(motion, times, 30, attitude=False)]
+        error = table_gap(truth, motion.reference.at(times, 30), motion.rate)
+        assert error < mpf("1e-30")
+        assert error > mpf("1e-75") or is_still(motion)
+
+
+#: Where the third axis is exactly vertical ever again, which way it turns is a rule's matter.
+THROUGH_POLES = (
+    *("through", "planar", "pendulum", "homoclinic", "rest", "sleeping", "hanging"),
+    *("degenerate curve, quasi", "Steklov"),
+)
+#: Which pass it so closely that close samples do not tell on which side.
+NEAR_POLES = (
+    *("hard/near-quasi-periodic", "hard/near-pole", "near pole 1e-12", "near cusp 1e-15"),
+    *("next to the pole 1e-30", "next to the pole -1e-30", "almost hanging 1e-60"),
+    "slow near poles of the scene",
+)
+#: Whose attitude takes seconds.
+DEAR = ("bobylev-steklov", "steklov", "goryachev", "n-kowalewski", "chaplygin")
+
+
+@rows("attitude", slow=2, dear=DEAR)
+def test_attitude_and_angles_by_power_series(motion):
+    """The sign at t = 0 and the turns too."""
+    top, scene = motion.reference, motion.scene
+    for times in (motion.times(2, 5), motion.times(-3)):
+        truth = by_series(motion, times, 20)
+        turns, angles = top.attitude(times, 20), top.angles(times, 20)
+        (first,) = top.angles([0], 20)
+        assert (first[0] is None) == (scene.gamma[0] == scene.gamma[1] == 0)
+        with mpmath.workdps(60):
+            for row, q, (psi, theta, phi) in zip(truth, turns, angles, strict=True):
+                assert gap(row[6:10], q) < mpf("1e-20")
+                assert gap(row[6:10], q) > mpf("1e-60") or is_still(motion)
+                assert (psi is None) == (phi is None)
+                if psi is None:
+                    assert max(map(abs, row[3:5])) < mpf("1e-25")
+                    assert abs(mpmath.cos(theta) - row[5]) < mpf("1e-20")
+                    continue
+                sides = [[side * x for x in quaternion_of(psi, theta, phi)] for side in (1, -1)]
+                assert min(gap(row[6:10], side) for side in sides) < mpf("2e-20")
+                if first[0] is None or len(row) < 12 or motion.name in NEAR_POLES:
+                    continue
+                assert abs(first[0] - number(scene.psi)) < mpf("1e-20")
+                off = [psi - first[0] - row[10] - row[11], phi - first[2] - row[10] + row[11]]
+                if motion.regime.startswith(THROUGH_POLES):
+                    off = [x - 2 * mpmath.pi * mpmath.nint(x / 2 / mpmath.pi) for x in off]
+                assert max(map(abs, off)) < 1e-9
+
+
+@rows("equations", fast=2, dear=SLOW, keep=lambda motion: motion.principal)
+def test_the_equations_hold_to_150_digits(motion):
+    """By the five-point rule on 200 digits, a step of 1e-40: truncation and rounding of 1e-160."""
+    digits = 60 if motion.family in SLOW else 200
+    step = F(1, 10 ** (digits // 5)) / motion.rate
+    times = [t + k * step for t in motion.times(F(13, 10)) for k in (-2, -1, 0, 1, 2)]
+    with mpmath.workdps(240):
+        one, two, now, four, five = motion.reference.at(times, digits)
+        slopes = [
+            (s - 8 * t + 8 * u - v) / (12 * number(step))
+            for s, t, u, v in zip(one, two, four, five, strict=True)
+        ]
+        (A, B, C), (K1, K2, K3) = ([number(x) for x in row] for row in motion.principal[:2])
+        p, q, r, g1, g2, g3 = now
+        rules = [
+            ((B - C) * q * r + g2 * K3 - g3 * K2) / A,
+            ((C - A) * r * p + g3 * K1 - g1 * K3) / B,
+            ((A - B) * p * q + g1 * K2 - g2 * K1) / C,
+            *(g2 * r - g3 * q, g3 * p - g1 * r, g1 * q - g2 * p),
+        ]
+        error = gap(slopes, rules) / max(1, *map(abs, now), *map(abs, rules))
+    assert error < mpf(10) ** -(3 * digits // 4)
+    assert error > mpf("1e-230") or is_still(motion)
+
+
+#: How far kinds of motion are asked, in their own unit of time.
+REACH = {"degenerate curve, asymptotic": 20, "multiply degenerate": 20, "degenerate curve": 1000}
+
+
+def far(motion, time):
+    """The time, or as far as the motion is asked."""
+    reach = [n for kind, n in REACH.items() if motion.regime.startswith(kind)]
+    reach += [10**4] if motion.family in SLOW else []
+    return motion.times(min(time, *reach, time))[0]
+
+
+@rows("digits", fast=2, dear=("kovalevskaya", "n-kowalewski", "chaplygin", *SLOW))
+def test_fewer_digits_are_those_of_more(motion):
+    """The state at any time, 15, 50 and 200 digits."""
+    top, times = motion.reference, [F(0), *motion.times(F(7, 3), -11)]
+    times += [far(motion, 10**4), -far(motion, 10**12)]
+    for few, many in ((15, 33), (50, 90)) if motion.family in SLOW else ((15, 50), (200, 220)):
+        error = table_gap(top.at(times, few), top.at(times, many), motion.rate)
+        assert error < mpf(10) ** -few
+        assert error > mpf(10) ** (-2 * few - 40) or is_still(motion)
+
+
+@rows("far attitude", dear=DEAR)
+def test_attitude_at_any_time(motion):
+    """Digits as asked, of length 1, and it carries the vertical."""
+    top, times = motion.reference, [-far(motion, 40), far(motion, 10**9)]
+    few, many = top.attitude(times, 20), top.attitude(times, 35)
+    with mpmath.workdps(60):
+        for one, other, state in zip(few, many, top.at(times, 35), strict=True):
+            assert gap(one, other) < mpf("1e-20")
+            assert gap(one, other) > mpf("1e-80") or is_still(motion)
+            assert abs(mpmath.norm(mpmath.matrix(other)) - 1) < mpf("1e-34")
+            assert gap(vertical_of(other), state[3:]) < mpf("4e-35")
+
+
+@rows("integrals", fast=2, keep=lambda motion: motion.principal)
+def test_integrals_far_away(motion):
+    """Energy, area, length, and the family's fourth."""
+    then, now = motion.reference.at([0, far(motion, 10**12)], 50)
+    with mpmath.workdps(70):
+        A, K = ([number(x) for x in row] for row in motion.principal[:2])
+
+        def integrals(row):
+            w, g = row[:3], row[3:]
+            G = [a * x for a, x in zip(A, w, strict=True)]
+            energy = mpmath.fdot(G, w) / 2 + mpmath.fdot(K, g)
+            return [energy, mpmath.fdot(G, g), mpmath.fdot(g, g), fourth(motion.family, A, K, w, g)]
+
+        speed, pull = max(number(motion.rate), *map(abs, now[:3])), max(map(abs, K))
+        inertia = max(A)
+        sizes = [inertia * speed**2 + pull, inertia * speed, 1]
+        sizes.append(
+            {"euler": sizes[1] ** 2, "lagrange": sizes[1] * pull}.get(motion.family, speed**4)
+        )
+        for one, other, size in zip(integrals(then), integrals(now), sizes, strict=True):
+            assert abs(one - other) < mpf("1e-47") * size
+
+
+def fourth(family, A, K, w, g):
+    """Iw squared, Iw along the axis, Kovalevskaya's; 0 where there is none."""
+    momentum = [a * x for a, x in zip(A, w, strict=True)]
+    if family == "euler":
+        return mpmath.fdot(momentum, momentum)
+    if family == "lagrange":
+        return mpmath.fdot(momentum, K)
+    if family == "kovalevskaya":
+        third = min(range(3), key=lambda i: A[i])
+        z, up, pull = (mpc(*(v[i] for i in range(3) if i != third)) for v in (w, g, K))
+        return abs(z * z - pull / A[third] * up) ** 2
+    return mpf(0)
+
+
+def expected_frequencies(motion):
+    """Their names by the kind of motion, and whether there is a period."""
+    kinds = FREQUENCIES.get(motion.family, FREQUENCIES["others"])
+    regime = motion.reference.regime
+    return kinds[max((kind for kind in kinds if regime.startswith(kind)), key=len)]
+
+
+#: Next to a degenerate curve, where the periods' quadrature is too long; and too near to rest.
+UNTOLD = (
+    *("hard/near-axial-pendulum", "hard/near-bobylev-steklov"),
+    "1e-200 from a permanent rotation",
+)
+
+
+@rows("period", fast=2, keep=lambda motion: motion.name not in UNTOLD)
+def test_a_period_brings_the_state_back_and_no_part_of_it_does(motion):
+    """omega alone of a free body; one of the frequencies is 2 pi over it."""
+    top = motion.reference
+    period, frequencies = top.period, top.frequencies
+    names = " ".join(frequencies) + (", periodic" if period is not None else "")
+    assert names in expected_frequencies(motion)
+    if period is None:
+        return
+    with mpmath.workdps(70):
+        turns = [period * x / 2 / mpmath.pi for x in frequencies.values()]
+        # theta of a swing is back twice as often
+        once = 2 if motion.regime == "planar pendulum, librating" else 1
+        assert min(abs(abs(turn) - once) for turn in turns) < mpf("1e-48")
+        begin, *parts = (F(1) / motion.rate + exactly(period / n) for n in (1, 2, 3, 5))
+    last = 3 if motion.family == "euler" else 6
+    start, after, *early = (row[:last] for row in top.at([*motion.times(1), begin, *parts], 45))
+    assert table_gap([start], [after], motion.rate) < mpf("1e-43")
+    if not is_still(motion):
+        assert min(table_gap([start], [row], motion.rate) for row in early) > mpf("1e-40")
+
+
+#: Orders and senses of the axes, axes of the scene, units of time and mass.
+PLACES = (
+    ((1, 2, 0), (1, 1, 1), IDENTITY, F(1, 10**30), F(10**30)),
+    ((1, 0, 2), (1, -1, 1), rotation(1, 2, 4, 2), F(1), F(1)),
+    ((2, 1, 0), (-1, -1, -1), rotation(exact.sqrt(F(2)), 1, 0, 1), F(10**20), F(1)),
+)
+
+
+@rows("places", keep=lambda motion: motion.principal, dear=DEAR)
+def test_other_axes_and_units_give_the_same_motion(motion):
+    """Axes renamed, reflected and turned, also by irrational matrices."""
+    top, times = motion.reference, motion.times(F(7, 3), -4)
+    states, turns = top.at(times, 35), top.attitude([F(0), *times], 25)
+    for order, signs, axes, unit, mass in PLACES:
+        start = relabel(motion.principal, order, signs)
+        other = polhode.reference(scene_of(start, motion.family, axes, unit, mass))
+        assert other.regime == top.regime
+        there = [t / unit for t in times]
+        with mpmath.workdps(50):
+            matrix = [[number(x) for x in row] for row in axes]
+            first, *moved = other.attitude([F(0), *there], 25)
+            for row, q, there_row, there_q in zip(
+                states, turns[1:], other.at(there, 35), moved, strict=True
+            ):
+                turn = turn_between(q, turns[0])[1:]  # an axial vector, as w is
+                _, _, w, up = relabel((row, row, row[:3], row[3:]), order, signs)
+                _, _, turn, _ = relabel((row, row, turn, turn), order, signs)
+                wanted = [*in_scene([x * number(unit) for x in w], matrix), *in_scene(up, matrix)]
+                assert table_gap([there_row], [wanted], motion.rate * unit) < mpf("4e-35")
+                assert gap(turn_between(there_q, first)[1:], in_scene(turn, matrix)) < mpf("4e-25")
+
+
+@rows("onwards", keep=lambda motion: motion.family in ANY_START and motion.principal)
+def test_a_state_on_the_way_is_a_start_of_the_same_motion(motion):
+    """From the state at t = 2, rounded to 70 digits and hence irrational, back by 2."""
+    (row,) = motion.reference.at(motion.times(2), 80)
+    values = list(map(exactly, row))
+    length = exact.sqrt(sum(x * x for x in values[3:]))
+    moments, torque, _, _ = motion.principal
+    start = moments, torque, values[:3], [x / length for x in values[3:]]
+    then = polhode.reference(scene_of(start, motion.family)).at(motion.times(-2), 60)
+    assert table_gap(then, motion.reference.at([0], 60), motion.rate) < mpf("1e-58")
+
+
+@rows("error")
+def test_the_error_told_is_above_the_true_one(motion):
+    top, times = motion.reference, motion.times(2, 9)
+    rows, better = top.at(times, 30), top.at(times, 60)
+    bound = top.error(times, 30)
+    assert bound < mpf("1e-30")
+    assert bound > table_gap(rows, better, motion.rate) / 4 or is_still(motion)
+
+
+def test_the_curve_of_a_kovalevskaya_top_is_shown():
+    curve = next(m for m in MOTIONS["kovalevskaya"] if m.name == "-eee+").reference.curve
+    with mpmath.workdps(45):
+        assert abs(sum(curve["e"]) + curve["H"]) < mpf("1e-40")
+    assert all(t.imag > 0 for t in (curve["tau"][0], curve["tau"][2]))
+
+
+@rows("precision")
+def test_the_precision_of_the_caller_changes_nothing(motion):
+    answers = []
+    for bits in (20, 77, 3000):
+        top = polhode.reference(motion.scene)
+        with mpmath.workprec(bits):
+            answers.append(top.at(motion.times(F(5, 3)), 40))
+            assert mpmath.prec == bits
+    assert answers[0] == answers[1] == answers[2]

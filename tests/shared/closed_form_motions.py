@@ -1,0 +1,224 @@
+"""Motions of all families of closed forms, and the same motions by power series.
+
+A motion is a scene: of the library, of ``tests/data/motions.toml``, or of :mod:`shared.members`.
+Its reference is asked as users ask it.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import polhode
+from polhode.numbers import exact
+from polhode.numbers.mpmath_context import mpc, mpf, mpmath
+from shared import fast_series, members, series
+
+F = Fraction
+PSI = F(7, 10)
+IDENTITY = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+EVEN = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
+
+
+def number(x: Any) -> mpf:
+    """An exact number as mpf, at the precision in force."""
+    return mpf(exact.rounded(exact.exact(x), mpmath.prec))
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """``start``: moments, Mg r0, omega, gamma in principal axes; None for a case of the library."""
+
+    family: str
+    name: str
+    regime: str = ""
+    start: tuple[Any, ...] | None = None
+
+    def __str__(self) -> str:
+        return self.name if self.start is None else f"{self.family}: {self.name}"
+
+    @functools.cached_property
+    def scene(self) -> polhode.Scene:
+        """As it is given to polhode."""
+        return polhode.load(self.name) if self.start is None else scene_of(self.start, self.family)
+
+    @functools.cached_property
+    def reference(self) -> Any:
+        """One for all tests that ask it: its constants are made once."""
+        return polhode.reference(self.scene)
+
+    @functools.cached_property
+    def principal(self) -> tuple[Any, ...] | None:
+        """The start in principal axes, where these are the scene's."""
+        scene = self.scene
+        if not scene.body.axes.trivial:
+            return None
+        return scene.body.moments, scene.body.torque, scene.omega, scene.gamma
+
+    @functools.cached_property
+    def rate(self) -> Fraction:
+        """A power of two near the largest of |w| and sqrt(Mg |r0|/A), A the largest moment."""
+        body = self.scene.body
+        pull = max(float(abs(x)) for x in body.torque) / float(max(body.moments))
+        fastest = max([*(float(abs(x)) for x in self.scene.omega), math.sqrt(pull)])
+        return F(2) ** round(math.log2(fastest)) if fastest else F(1)
+
+    def times(self, *turns: Any) -> list[Fraction]:
+        """Times in the unit in which the motion's numbers are of order 1."""
+        return [F(t) / self.rate for t in turns]
+
+
+def all_motions() -> Iterator[Motion]:
+    """Of every family in turn: the library's, those of the file, those by formulas."""
+    known = members.motion_table()
+    library: dict[str, list[Motion]] = {}
+    for case, words in known.pop("library").items():
+        family, _, regime = words.partition(": ")
+        library.setdefault(family, []).append(Motion(family, case, regime))
+    for family in library:
+        yield from library[family]
+        for name, texts in known.get(family, {}).items():
+            yield Motion(family, name, texts[4], members.read_start(texts))
+        for name, start in members.MOTIONS.get(family, {}).items():
+            yield Motion(family, name, "", start)
+
+
+def scene_of(
+    start: Sequence[Any],
+    kind: str = "auto",
+    axes: Any = IDENTITY,
+    unit: Fraction | int = 1,
+    mass: Fraction | int = 1,
+) -> polhode.Scene:
+    """A scene where ``axes`` are the principal ones, in other units of time and mass."""
+    moments, torque, omega, gamma = start
+    inertia = [
+        [sum(mass * moments[k] * axes[k][i] * axes[k][j] for k in range(3)) for j in range(3)]
+        for i in range(3)
+    ]
+    torque = in_scene([mass * unit * unit * x for x in torque], axes)
+    body = polhode.Body(inertia, torque, 1 if any(torque) else 0)
+    omega, gamma = in_scene([unit * x for x in omega], axes), in_scene(gamma, axes)
+    return polhode.Scene(body, omega, gamma, psi=PSI, times=(1,), reference=kind)
+
+
+def in_scene(v: Sequence[Any], axes: Any) -> list[Any]:
+    """A vector in the scene's axes, whose components along ``axes`` are given."""
+    return [sum(axes[i][j] * v[i] for i in range(3)) for j in range(3)]
+
+
+def relabel(start: Sequence[Any], order: Sequence[int], signs: Sequence[int]) -> tuple[Any, ...]:
+    """The same motion in axes of other names and senses: w is axial, the rest polar."""
+    polar = tuple(tuple(s * row[i] for s, i in zip(signs, order, strict=True)) for row in start[1:])
+    side = signs[0] * signs[1] * signs[2] * (1 if tuple(order) in EVEN else -1)
+    moments = tuple(start[0][i] for i in order)
+    return moments, polar[0], tuple(side * x for x in polar[1]), polar[2]
+
+
+def start_quaternion(scene: polhode.Scene) -> list[mpf]:
+    """Of Rz(psi) Rx(theta) Rz(phi), phi = atan2(gamma1, gamma2); the first part not 0 is above 0.
+
+    At the precision in force; the smaller of cos and sin of theta/2 without loss.
+    """
+    g1, g2, g3 = map(number, scene.gamma)
+    psi, across = number(scene.psi), mpmath.hypot(g1, g2)
+    phi = mpmath.atan2(g1, g2) if across else mpf(0)
+    large = mpmath.sqrt((1 + abs(g3)) / 2)
+    c, s = (large, across / large / 2) if g3 > 0 else (across / large / 2, large)
+    one, other = c * mpmath.expj((psi + phi) / 2), s * mpmath.expj((psi - phi) / 2)
+    parts = [one.real, other.real, other.imag, one.imag]
+    first = next(x for x in parts if abs(x) > mpmath.eps * 2**20)
+    return [x if first > 0 else -x for x in parts]
+
+
+def by_series(
+    motion: Motion, times: Sequence[Fraction], digits: int, attitude: bool = True
+) -> list[list[Any]]:
+    """Rows w, gamma [, q0...q3 [, growth of arg(q0 + iq3), of arg(q1 + iq2)]], by power series.
+
+    Times lead away from 0.  The growths only where the scene's axes are the principal ones.
+    """
+    scene, unit = motion.scene, motion.rate
+    speed = max(map(abs, scene.omega)) / unit
+    digits += max(0, math.ceil(-exact.log10(speed))) if speed else 0
+    with mpmath.workdps(digits + 150):  # a row's tiny numbers are no rounding
+        turn = start_quaternion(scene) if attitude else None
+        gamma, omega = map(number, scene.gamma), [number(x / unit) for x in scene.omega]
+        body = scene.body
+    with mpmath.workdps(digits + 60):
+        given = omega, list(gamma)
+        if motion.principal is not None:
+            moments = [number(x / body.moments[0]) for x in body.moments]
+            torque = [number(x / (body.moments[0] * unit**2)) for x in body.torque]
+            there = [number(t * unit) for t in times]
+            rows = fast_series.integrate(moments, torque, *given, there, digits + 8, turn)
+        else:
+            tensor = [[number(x) for x in row] for row in body.inertia]
+            torque = [number(body.weight * x / unit**2) for x in body.centre]
+            there = [t * unit for t in times]
+            rows = series.integrate(
+                tensor, *given, there, digits + 8, torque=torque, quaternion=turn
+            )
+        return [[*(x * number(unit) for x in row[:3]), *row[3:]] for row in rows]
+
+
+def gap(one: Sequence[Any], other: Sequence[Any]) -> mpf:
+    """The largest difference of two rows."""
+    with mpmath.workdps(400):
+        return max(abs(x - y) for x, y in zip(one, other, strict=True))
+
+
+def table_gap(one: Sequence[Any], other: Sequence[Any], rate: Any = 1) -> mpf:
+    """The largest difference of two tables of states: w over its largest value, or ``rate``."""
+    with mpmath.workdps(400):
+        largest = max(abs(x) for row in (*one, *other) for x in row[:3])
+        scale = largest if largest > number(rate) * mpf("1e-45") else number(rate)
+        return max(
+            max(gap(a[:3], b[:3]) / scale, gap(a[3:], b[3:]) if len(b) > 3 else mpf(0))
+            for a, b in zip(one, other, strict=True)
+        )
+
+
+def quaternion_of(psi: Any, theta: Any, phi: Any) -> list[mpf]:
+    """Of Rz(psi) Rx(theta) Rz(phi); one of both signs."""
+    one = mpmath.expj((psi + phi) / 2) * mpmath.cos(theta / 2)
+    other = mpmath.expj((psi - phi) / 2) * mpmath.sin(theta / 2)
+    return [one.real, other.real, other.imag, one.imag]
+
+
+def vertical_of(q: Sequence[Any]) -> list[mpf]:
+    """The vertical in the body's axes: the third row of the rotation."""
+    a, x, y, z = q
+    return [2 * (x * z - a * y), 2 * (y * z + a * x), a * a - x * x - y * y + z * z]
+
+
+def turn_between(q: Sequence[Any], start: Sequence[Any]) -> list[Any]:
+    """start^-1 q: the turn since the start, scalar and vector in the body's axes."""
+    a, x, y, z = start[0], -start[1], -start[2], -start[3]
+    b, u, v, w = q
+    return [
+        a * b - x * u - y * v - z * w,
+        a * u + x * b + y * w - z * v,
+        a * v - x * w + y * b + z * u,
+        a * w + x * v - y * u + z * b,
+    ]
+
+
+def growth(top: Any, begin: Fraction, end: Fraction, count: int = 400) -> tuple[mpf, mpf]:
+    """The growth of psi and phi by close samples of the attitude.
+
+    Of two neighbours whose argument turns by almost pi a zero lies between, and it turns up.
+    """
+    rows = top.attitude([begin + (end - begin) * F(k, count) for k in range(count + 1)], 15)
+    args = []
+    for i, j in ((0, 3), (1, 2)):
+        points = [mpc(row[i], row[j]) for row in rows]
+        more = [mpmath.arg(b / a) for a, b in itertools.pairwise(points)]
+        assert all(abs(x) < 0.6 or abs(x) > 2.5 for x in more), "samples too far apart"
+        args.append(sum(x + 2 * mpmath.pi * (x < -2.5) for x in more))
+    return args[0] + args[1], args[0] - args[1]
