@@ -500,15 +500,17 @@ def test_attitude_of_what_is_or_becomes_a_permanent_rotation(name):
         assert error < mpf("1e-25")
         assert error > mpf("1e-50") or name == "upright"
     top = top_of(*SPECIAL[name][:2])
-    # Past the edge of 20 digits and before that of 35, and far away.
-    far = [F(45), F(-45), F(10**9), F(-(10**9))]
+    far = [F(45), F(-45)]
     one, other = top.attitude(far, 20), top.attitude(far, 35)
     assert distance(one, other) < mpf("1e-20")
-    assert distance(one, other) > mpf("1e-45") or name == "upright"
-    after, before = (row[0] for row in top.angles(far[2:], 20))
-    # Of the rotation w.gamma t; about y the third axis passes both poles, with a jump of pi each.
-    with mpmath.workdps(40):
-        grown = {"rotation": 2 * 10**9, "separatrix y": 2 * mpmath.pi}.get(name, 0)
+    ends = [F(10**9), F(-(10**9))]
+    if name.startswith("separatrix"):  # by neighbours, which it leaves behind
+        with pytest.raises(ValueError, match="amplifies errors"):
+            top.attitude(ends, 20)
+        return
+    after, before = (row[0] for row in top.angles(ends, 20))
+    with mpmath.workdps(40):  # of the rotation w.gamma t
+        grown = 2 * 10**9 if name == "rotation" else 0
         assert abs(after - before - grown) < mpf("1e-20")
 
 

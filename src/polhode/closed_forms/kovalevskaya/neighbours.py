@@ -51,11 +51,15 @@ class Neighbours:
 
     def at(self, t: arb) -> Sequence[arb]:
         """p, q, r, G1, G2, G3."""
+        return combined(self.rows(t), self._sizes)
+
+    def rows(self, t: arb) -> list[Sequence[arb]]:
+        """The states of the four, where they are near enough to tell of the motion between them."""
         rows = self._rows(t)
         if not spread_of(rows, self._sizes) < _MOST_SPREAD:
             self._refuse(t)
             raise TooFewBits
-        return combined(rows, self._sizes)
+        return rows
 
     def _rows(self, t: arb) -> list[Sequence[arb]]:
         return [motion.at(t) for motion in self.motions]
@@ -86,19 +90,19 @@ class NeighboursAttitude:
     """The turn of the top's axes by the same neighbours; ``first``: as for a generic motion."""
 
     def __init__(self, motions: Neighbours, first: Turn) -> None:
-        self._first, self._motions = first, motions.motions
+        self._neighbours = motions
         vertical = [ball(x) for x in motions.start.G]
         self._leasts, self._turnings = [], []
-        for motion in self._motions:
+        for motion in motions.motions:
             least = least_turn([ball(x) for x in motion.start.G], vertical)
             self._leasts.append(least)
             self._turnings.append(ThetaAttitude(motion, product(first, least)))
 
     def turn(self, t: arb, state: Sequence[arb]) -> Turn:
         """The turn until t; ``state`` is not asked."""
-        rows = []
-        for motion, least, turning in zip(self._motions, self._leasts, self._turnings, strict=True):
-            rows.append(product(least, turning.turn(t, motion.at(t))))
+        states = self._neighbours.rows(t)
+        both = zip(self._leasts, self._turnings, states, strict=True)
+        rows = [product(least, turning.turn(t, now)) for least, turning, now in both]
         a, b, c, d = combined(rows, [arb(1)] * 4)
         return a, b, c, d
 
