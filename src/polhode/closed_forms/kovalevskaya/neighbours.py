@@ -51,14 +51,23 @@ class Neighbours:
 
     def at(self, t: arb) -> Sequence[arb]:
         """p, q, r, G1, G2, G3."""
-        rows = self._rows(t)
-        if not spread_of(rows, self._sizes) < _MOST_SPREAD:
+        return combined(self.rows(t), self._sizes)
+
+    def rows(self, t: arb) -> list[Sequence[arb]]:
+        """The states of the four, where they are near enough to tell of the motion between them."""
+        rows, spread = self._spread(t)
+        if not spread < _MOST_SPREAD:
             self._refuse(t)
             raise TooFewBits
-        return combined(rows, self._sizes)
+        return rows
 
-    def _rows(self, t: arb) -> list[Sequence[arb]]:
-        return [motion.at(t) for motion in self.motions]
+    def _spread(self, t: arb) -> tuple[list[Sequence[arb]], arb]:
+        """The states of the four, and how far apart they are: infinitely if nothing is known."""
+        try:
+            rows: list[Sequence[arb]] = [motion.at(t) for motion in self.motions]
+            return rows, spread_of(rows, self._sizes)
+        except TooFewBits:
+            return [], arb.pos_inf()
 
     def _refuse(self, t: arb) -> None:
         """Refuse a time until which deviations outgrow all bits, foreseen from an earlier time.
@@ -68,7 +77,7 @@ class Neighbours:
         closeness, earlier = ctx.prec // _CLOSENESS, t
         while abs(earlier) * self.speed > 1:
             earlier = earlier / 2
-            spread = spread_of(self._rows(earlier), self._sizes)
+            _, spread = self._spread(earlier)
             if spread < _MOST_SPREAD and spread > 0:
                 grown = closeness + float(spread.log().mid()) / math.log(4)
                 last = abs(earlier).mid()
@@ -85,20 +94,26 @@ class Neighbours:
 class NeighboursAttitude:
     """The turn of the top's axes by the same neighbours; ``first``: as for a generic motion."""
 
-    def __init__(self, motions: Neighbours, first: Turn) -> None:
-        self._first, self._motions = first, motions.motions
+    def __init__(self, motions: Neighbours, first: Turn, reach: float = math.inf) -> None:
+        self._reach = reach  # in radians at the bound of |w|; beyond it turns are refused
+        self._neighbours = motions
         vertical = [ball(x) for x in motions.start.G]
         self._leasts, self._turnings = [], []
-        for motion in self._motions:
+        for motion in motions.motions:
             least = least_turn([ball(x) for x in motion.start.G], vertical)
             self._leasts.append(least)
             self._turnings.append(ThetaAttitude(motion, product(first, least)))
 
     def turn(self, t: arb, state: Sequence[arb]) -> Turn:
         """The turn until t; ``state`` is not asked."""
-        rows = []
-        for motion, least, turning in zip(self._motions, self._leasts, self._turnings, strict=True):
-            rows.append(product(least, turning.turn(t, motion.at(t))))
+        if not abs(t) * self._neighbours.speed < self._reach:
+            raise Refused(
+                "this motion amplifies errors: its attitude is given up to "
+                f"{self._reach:.0f} radians"
+            )
+        states = self._neighbours.rows(t)
+        both = zip(self._leasts, self._turnings, states, strict=True)
+        rows = [product(least, turning.turn(t, now)) for least, turning, now in both]
         a, b, c, d = combined(rows, [arb(1)] * 4)
         return a, b, c, d
 

@@ -36,6 +36,9 @@ from polhode.numbers.mpmath_context import mpc, mpf
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import Vector
 
+#: Radians at the bound of |w| up to which a motion that tends to a steady one has an attitude.
+_SEPARATRIX_REACH = 300.0
+
 
 class KovalevskayaTop(BallMotion[TopMotion]):
     """The motion of one Kovalevskaya top from one start.
@@ -79,7 +82,8 @@ class KovalevskayaTop(BallMotion[TopMotion]):
         """The attitude of a motion that has a period, or that tends to a steady one."""
         if motion.period is None:
             self.proven = "states are proven; the attitude is reproduced, by neighbours"
-            return NeighboursAttitude(Neighbours(self.begin), self._first_turn())
+            near = Neighbours(self.begin)
+            return NeighboursAttitude(near, self._first_turn(), _SEPARATRIX_REACH)
         size = ball(self.begin.a2).sqrt()
         attitude = PeriodicAttitude(
             motion.complex_state, growth, motion.period, size, motion.speed, self._strip
