@@ -1,7 +1,5 @@
 """Theta functions of genus two in balls: against FLINT's own, by their laws, and their tail."""
 
-import time
-
 import pytest
 from flint import acb, acb_mat, arb
 
@@ -112,18 +110,3 @@ def test_what_is_too_wide_asks_for_more_bits():
         functions = Theta2(complexes(TAUS["plain"]), CHARACTERISTICS)
         with pytest.raises(TooFewBits):
             functions.at((acb(0, arb(1, 1)), acb(0)))
-
-
-@pytest.mark.slow
-def test_cost():
-    """Three times as fast as FLINT's own at 200 bits, or faster."""
-    with ctx.workprec(200):
-        tau, z = complexes(TAUS["plain"]), complexes(PLACES["near 0"])
-        functions = Theta2(tau, CHARACTERISTICS)
-        times = []
-        for ask in (lambda: functions.at(z), lambda: flint_jets(tau, z)):
-            begin = time.process_time()
-            for _ in range(20):
-                ask()
-            times.append(time.process_time() - begin)
-    assert times[0] < times[1] / 3
