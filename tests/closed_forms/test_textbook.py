@@ -82,6 +82,17 @@ def test_next_to_a_permanent_rotation_no_two_precisions_agree_on_it() -> None:
         at_1000((Fraction(1, 10**90), 1, 0), ("3/5", 0, "4/5"))
 
 
+def test_a_symmetric_body_almost_about_an_equatorial_axis_is_not_refused() -> None:
+    """By 1e-32: the order of the axes was told by rounding, and 0 divided."""
+    body = polhode.Body.of_moments((40, 36, 40), (0, 0, 0), 0)
+    scene = polhode.Scene(
+        body, (Fraction(1), Fraction(1, 10**32), Fraction(-4, 10**30)), ("3/5", 0, "4/5")
+    )
+    (row,) = polhode.reference(scene, backend="mpmath").at([7], digits=15)
+    (ours,) = polhode.reference(scene).at([7], digits=20)
+    assert max(abs(x - y) for x, y in zip(row, ours, strict=True)) < 1e-15
+
+
 def test_three_roots_that_rounding_makes_a_pair_are_no_steady_precession() -> None:
     """Almost upright, by 1e-24 of the speed at which the sleeping top loses its stability."""
     body = polhode.Body.of_moments(("8/9", "8/9", "4/9"), (0, 0, "13/7"), 1)

@@ -94,7 +94,10 @@ def _polhode(
 ) -> _Polhode:
     A, B, C = moments
     below, above = twice * C - squared, squared - twice * A
-    parameter = (B - A) * below / ((C - B) * above)
+    divisor = (C - B) * above
+    if divisor == 0:  # the axes' order was told by rounding
+        raise TooFewDigits("next to a rotation about a fixed axis")
+    parameter = (B - A) * below / divisor
     if separatrix:
         parameter = mpmath.mpf(1)
     elif 1 - parameter < _ONE * mpmath.eps:
