@@ -86,6 +86,18 @@ def test_a_gap_of_1e_28_to_a_degenerate_curve():
     assert time.process_time() - begin < 5
 
 
+@pytest.mark.parametrize("t", [-(10**6), pytest.param(10**12, marks=pytest.mark.slow)])
+def test_neighbours_next_to_a_doubly_degenerate_curve(t):
+    """Two pairs missed 15 digits by 1e-9: their own estimate saw x^2, and the error was x^4's."""
+    start = (F(-10, 29), F(7, 10**16), F(29, 10)), (F(0), F(0), F(-1))
+    top = KovalevskayaTop(BODY, TORQUE, *start, PSI)
+    assert top.regime == "degenerate curve, quasi-periodic"
+    rows, right = ([*top.at([F(t)], n)[0], *top.attitude([F(t)], n)[0]] for n in (15, 50))
+    with mpmath.workdps(60):
+        assert max(abs(a - b) for a, b in zip(rows, right, strict=True)) < mpf("3e-15")
+    assert (top.proven, top.radii([F(t)], 15)) == (False, None)
+
+
 def test_a_choice_is_dropped_only_where_it_is_proven_false(monkeypatch):
     """A choice that tells nothing asks for more bits; none that fits is a fault."""
     top = top_of(*GENERIC["e-ee+"])

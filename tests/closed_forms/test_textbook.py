@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from fractions import Fraction
+from typing import Any
 
 import mpmath
 import pytest
@@ -58,6 +60,47 @@ def test_more_digits_are_more_digits() -> None:
 def test_signs_next_to_a_double_point_are_read_at_the_start() -> None:
     """Read a moment later they were wrong, and two precisions agreed on 20 digits."""
     assert distance("kovalevskaya/near-delaunay", "7", 30) < mpmath.mpf(10) ** -30
+
+
+def at_1000(omega: Any, gamma: Any) -> mpmath.mpf:
+    """The distance to 10 digits, of a free body that has 1, 5/2, 3 for moments."""
+    body = polhode.Body.of_moments((1, "5/2", 3), (0, 0, 0), 0)
+    scene = polhode.Scene(body, omega, gamma)
+    witness = polhode.reference(scene, backend="mpmath")
+    (row,), (ours,) = witness.at([1000], digits=10), polhode.reference(scene).at([1000], digits=20)
+    return max(abs(x - y) for x, y in zip(row, ours, strict=True))
+
+
+@pytest.mark.parametrize("gap", [0, Fraction(1, 10**90)])
+def test_a_separatrix_and_what_is_next_to_it_long_after(gap: Fraction | int) -> None:
+    """The amplitude told nothing any more, and two precisions agreed on the separatrix."""
+    assert at_1000((1, 0, 1 + gap), ("3/5", 0, "4/5")) < 1e-10
+
+
+def test_next_to_a_permanent_rotation_no_two_precisions_agree_on_it() -> None:
+    with pytest.raises(ValueError, match=r"5 working precisions, next to a separatrix"):
+        at_1000((Fraction(1, 10**90), 1, 0), ("3/5", 0, "4/5"))
+
+
+def test_a_symmetric_body_almost_about_an_equatorial_axis_is_not_refused() -> None:
+    """By 1e-32: the order of the axes was told by rounding, and 0 divided."""
+    body = polhode.Body.of_moments((40, 36, 40), (0, 0, 0), 0)
+    scene = polhode.Scene(
+        body, (Fraction(1), Fraction(1, 10**32), Fraction(-4, 10**30)), ("3/5", 0, "4/5")
+    )
+    (row,) = polhode.reference(scene, backend="mpmath").at([7], digits=15)
+    (ours,) = polhode.reference(scene).at([7], digits=20)
+    assert max(abs(x - y) for x, y in zip(row, ours, strict=True)) < 1e-15
+
+
+def test_three_roots_that_rounding_makes_a_pair_are_no_steady_precession() -> None:
+    """Almost upright, by 1e-24 of the speed at which the sleeping top loses its stability."""
+    body = polhode.Body.of_moments(("8/9", "8/9", "4/9"), (0, 0, "13/7"), 1)
+    ten, size = 10**35, 10**70 + 19
+    gamma = Fraction(-6 * ten - 6, size), Fraction(6 * ten - 6, size), Fraction(size - 36, size)
+    scene = polhode.Scene(body, (0, 0, f"sqrt(234/7) * {1 + Fraction(1, 10**24)}"), gamma)
+    with pytest.raises(ValueError, match=r"through a pole|three roots are equal"):
+        polhode.reference(scene, backend="mpmath").at([10**6], digits=30)
 
 
 REFUSED = {

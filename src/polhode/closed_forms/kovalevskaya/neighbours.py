@@ -3,15 +3,19 @@
 The state at t is an analytic function of the start.  With M(eps) the mean of the motions from the
 start moved by eps and -eps along a generic direction,
 
-    state = (4 M(eps) - M(2 eps))/3 + O(x^4),    M(eps) - state = O(x^2),
+    M(eps) = state + O(x^2),    E(eps) = (4 M(eps) - M(2 eps))/3 = state + O(x^4),
+    E(eps) + (E(eps) - E(2 eps))/15 = state + O(x^6),
 
 x = eps times the growth of a deviation to the time t (at most linear in t on a quasi-periodic
-motion, exponential on an asymptotic one).  The square of their difference, four times, is the
-error's estimate, and stands as the radius of what is answered.  -log2 eps is the sixth part of the
-bits in force: what the neighbours' curves lose by being nearly degenerate is less.
+motion, exponential on an asymptotic one).  The difference of E(eps) and E(2 eps) stands as the
+radius of what is answered: the error of E(2 eps), whatever the factors of the powers are.  Next to
+a doubly degenerate curve that of x^4 is millions of times the square of that of x^2, so that the
+means alone tell nothing; four times the square of their difference is a least radius.  -log2 eps is
+the sixth part of the bits in force: what the neighbours' curves lose by being nearly degenerate is
+less.
 
 A neighbour starts with the quaternion q(0) T, T the least turn in the body that takes its gamma to
-gamma, and the four quaternions are combined like the states.
+gamma, and the six quaternions are combined like the states.
 """
 
 from __future__ import annotations
@@ -31,14 +35,14 @@ from polhode.closed_forms.kovalevskaya.theta.theta_attitude import ThetaAttitude
 from polhode.closed_forms.kovalevskaya.theta.theta_state import ThetaState
 from polhode.numbers.flint_context import ctx
 
-_SHARES = (1, -1, 2, -2)
+_SHARES = (1, -1, 2, -2, 4, -4)
 _MOST_SPREAD = 0.1
 _MOST_GROWN = 500  # bits by which a deviation may grow
 _CLOSENESS = 6  # eps = 2^-(bits/6)
 
 
 class Neighbours:
-    """The state by four neighbours, at the precision in force."""
+    """The state by six neighbours, at the precision in force."""
 
     def __init__(self, start: KovalevskayaStart) -> None:
         bits = ctx.prec
@@ -54,7 +58,7 @@ class Neighbours:
         return combined(self.rows(t), self._sizes)
 
     def rows(self, t: arb) -> list[Sequence[arb]]:
-        """The states of the four, where they are near enough to tell of the motion between them."""
+        """The states of the six, where they are near enough to tell of the motion between them."""
         rows, spread = self._spread(t)
         if not spread < _MOST_SPREAD:
             self._refuse(t)
@@ -62,7 +66,7 @@ class Neighbours:
         return rows
 
     def _spread(self, t: arb) -> tuple[list[Sequence[arb]], arb]:
-        """The states of the four, and how far apart they are: infinitely if nothing is known."""
+        """The states of the six, and how far apart they are: infinitely if nothing is known."""
         try:
             rows: list[Sequence[arb]] = [motion.at(t) for motion in self.motions]
             return rows, spread_of(rows, self._sizes)
@@ -128,16 +132,18 @@ def combined(rows: Sequence[Sequence[arb]], sizes: Sequence[arb]) -> list[arb]:
         raise TooFewBits
     estimate = (4 * spread * spread).abs_upper()
     values = []
-    for (a, b, c, d), size in zip(zip(*rows, strict=True), sizes, strict=True):
-        near, far = (a + b) / 2, (c + d) / 2
-        values.append((4 * near - far) / 3 + arb(0, estimate) * size)
+    for (a, b, c, d, e, f), size in zip(zip(*rows, strict=True), sizes, strict=True):
+        near, far, farthest = (a + b) / 2, (c + d) / 2, (e + f) / 2
+        better, worse = (4 * near - far) / 3, (4 * far - farthest) / 3
+        radius = abs(better - worse).max(estimate * size).abs_upper()
+        values.append(better + (better - worse) / 15 + arb(0, 1) * radius)
     return values
 
 
 def spread_of(rows: Sequence[Sequence[arb]], sizes: Sequence[arb]) -> arb:
-    """How far the means of the nearer and of the farther two neighbours are apart."""
+    """How far the means of the nearest two neighbours and of the next two are apart."""
     spread = arb(0)
-    for (a, b, c, d), size in zip(zip(*rows, strict=True), sizes, strict=True):
+    for (a, b, c, d, *_), size in zip(zip(*rows, strict=True), sizes, strict=True):
         miss = abs((a + b - c - d) / 2 / size)
         if not miss.is_finite():
             raise TooFewBits

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-from polhode.closed_forms.textbook.legendre import third_integral
+from polhode.closed_forms.textbook.legendre import TooFewDigits, third_integral
 from polhode.numbers.mpmath_context import mpf, mpmath
 
 Row = list[Any]
@@ -20,17 +20,22 @@ _ONE = 2**20  # rounding errors by which the parameter m of a separatrix may dif
 
 
 def motion(
-    moments: Sequence[mpf], omega: Sequence[mpf], gamma: Sequence[mpf] | None
+    moments: Sequence[mpf], omega: Sequence[mpf], gamma: Sequence[mpf] | None, regime: str
 ) -> Callable[[mpf], Row]:
     """The state p q r [gamma1 gamma2 gamma3] in principal axes, as a function of time.
 
     ``moments``, ``omega``, ``gamma``: at t = 0, at the working precision of :data:`mpmath`.
+    ``regime``: the motion's, by exact numbers.  Of a rotation about a fixed axis and of a
+    separatrix all precisions agree on a motion next to it, however far that leads away: raises
+    TooFewDigits where the numbers tell no difference and the regime does.
     """
     momentum = [a * x for a, x in zip(moments, omega, strict=True)]
     torque = _cross(momentum, omega)
     negligible = mpmath.eps * 64 * max(map(abs, momentum)) * max(map(abs, omega))
-    if max(map(abs, torque)) <= negligible:
+    if regime in ("rest", "sphere") or regime.startswith("permanent"):
         return lambda t: [*omega, *([] if gamma is None else _turned(gamma, omega, t))]
+    if max(map(abs, torque)) <= negligible:
+        raise TooFewDigits("next to a rotation about a fixed axis")
     order = sorted(range(3), key=lambda i: moments[i])
     twice = sum(x * y for x, y in zip(momentum, omega, strict=True))
     squared = sum(x * x for x in momentum)
@@ -41,7 +46,7 @@ def motion(
     ways = (1, side, 1)
     (A, B, C) = (moments[i] for i in order)
     start = [k * omega[i] for k, i in zip(ways, order, strict=True)]
-    own = _polhode((A, B, C), start, twice, squared)
+    own = _polhode((A, B, C), start, twice, squared, regime == "separatrix")
     if gamma is None:
         return lambda t: _back(own.omega(own.phase + own.rate * t), order, ways)
 
@@ -84,12 +89,19 @@ class _Polhode(NamedTuple):
         return [a * cn, b * sn, c * dn]
 
 
-def _polhode(moments: tuple[mpf, mpf, mpf], start: Row, twice: mpf, squared: mpf) -> _Polhode:
+def _polhode(
+    moments: tuple[mpf, mpf, mpf], start: Row, twice: mpf, squared: mpf, separatrix: bool
+) -> _Polhode:
     A, B, C = moments
     below, above = twice * C - squared, squared - twice * A
-    parameter = (B - A) * below / ((C - B) * above)
-    if 1 - parameter < _ONE * mpmath.eps:  # a separatrix
+    divisor = (C - B) * above
+    if divisor == 0:  # the axes' order was told by rounding
+        raise TooFewDigits("next to a rotation about a fixed axis")
+    parameter = (B - A) * below / divisor
+    if separatrix:
         parameter = mpmath.mpf(1)
+    elif 1 - parameter < _ONE * mpmath.eps:
+        raise TooFewDigits("next to a separatrix")
     first, third = (1 if x >= 0 else -1 for x in (start[0], start[2]))
     second = (1 if C > B else -1) * first * third
     a = first * mpmath.sqrt(below / (A * (C - A)))

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from polhode.closed_forms.textbook.legendre import third_integral
+from polhode.closed_forms.textbook.legendre import TooFewDigits, third_integral
 from polhode.numbers.mpmath_context import mpf, mpmath
 
 Row = list[Any]
@@ -36,14 +36,16 @@ def motion(
     cubic = [a * b - F * F, 2 * F * n - a, -a * b - n * n, a]
     roots = mpmath.polyroots(cubic, asc=True, maxsteps=400, extraprec=4 * mpmath.prec)
     u1, u2, u3 = sorted(mpmath.re(z) for z in roots)
-    if u2 >= 1 - near or u1 <= -1 + near:
+    if max(u2, u0) >= 1 - near or min(u1, u0) <= -1 + near:  # of nearly triple roots u0 knows more
         raise ValueError("a motion through a pole, where psi and phi have no rates")
     phi0 = mpmath.atan2(g1, g2)
 
     def psi_rate(u: mpf) -> mpf:
         return (F - n * u) / (1 - u * u)
 
-    if u2 - u1 < _EQUAL * mpmath.eps:  # steady
+    if u2 - u1 < _EQUAL * mpmath.eps:  # steady, or a pair that only rounding made complex
+        if max(abs(mpmath.im(z)) for z in roots) > _EQUAL * near * mpmath.sqrt(1 - u0 * u0):
+            raise TooFewDigits("three roots are equal to this precision")
         rate = r - u0 * psi_rate(u0)
         return lambda t: _state(u0, mpmath.mpf(0), psi_rate(u0), phi0 + rate * t, r)
 

@@ -8,6 +8,7 @@ from typing import Any
 from polhode.closed_forms._engine.principal_scene import PrincipalScene, in_principal_axes
 from polhode.closed_forms.functions.rounding import number, shortened
 from polhode.closed_forms.textbook import euler, kovalevskaya, lagrange
+from polhode.closed_forms.textbook.legendre import TooFewDigits
 from polhode.numbers.exact import Exact
 from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.scenes.scene import Scene
@@ -18,10 +19,13 @@ _TRIES = 5
 _PIECES, _CUTS = 6, 4  # of a period for quadratures, and how many more at each try
 
 
-def states(scene: Scene, family: str, times: Sequence[Exact], digits: int) -> list[Row]:
+def states(
+    scene: Scene, family: str, regime: str, times: Sequence[Exact], digits: int
+) -> list[Row]:
     """Rows p q r [gamma1 gamma2 gamma3] in the scene's axes, one a time.
 
-    ``family``: euler, lagrange or kovalevskaya, to which the scene belongs.  The rows are those of
+    ``family``: euler, lagrange or kovalevskaya, to which the scene belongs; ``regime``: the name of
+    the motion.  The rows are those of
     two working precisions, with other cuts of the quadratures, that agree to 10^-digits, of w
     relative to its largest modulus.
 
@@ -31,18 +35,27 @@ def states(scene: Scene, family: str, times: Sequence[Exact], digits: int) -> li
     principal = in_principal_axes(scene)
     # equal roots, and turning points at t = 0, cost half of the digits; quadratures are dear
     working = digits + _GUARD if family == "kovalevskaya" else 2 * (digits + _GUARD)
-    before = None
+    before, why = None, "no two of which agree"
     for more in range(_TRIES):
         with mpmath.workdps(working + _GUARD * (2**more - 1)):
-            rows = _rows(scene, principal, family, times, _PIECES + _CUTS * more)
-            if before is not None and _distance(before, rows) < mpmath.mpf(10) ** -(digits + 1):
+            try:
+                rows = _rows(scene, principal, family, regime, times, _PIECES + _CUTS * more)
+            except TooFewDigits as fault:
+                before, why = None, str(fault)
+                continue
+            if before is not None and _agree(before, rows, mpmath.mpf(10) ** -(digits + 1)):
                 return [shortened(row, digits, absolute=True) for row in rows]
             before = rows
-    raise ArithmeticError(f"{_TRIES} working precisions, no two of which agree")
+    raise ArithmeticError(f"{_TRIES} working precisions, {why}")
 
 
 def _rows(
-    scene: Scene, principal: PrincipalScene, family: str, times: Sequence[Exact], pieces: int
+    scene: Scene,
+    principal: PrincipalScene,
+    family: str,
+    regime: str,
+    times: Sequence[Exact],
+    pieces: int,
 ) -> list[Row]:
     """The rows at the precision in force."""
 
@@ -55,7 +68,7 @@ def _rows(
     state: Callable[[mpf], Row]
     if family == "euler" or gamma is None:
         own = [[mpmath.mpf(i == k) for i in range(3)] for k in range(3)]
-        state = euler.motion(moments, omega, gamma)
+        state = euler.motion(moments, omega, gamma, regime)
     else:
         own = (_lagrange_axes if family == "lagrange" else _kovalevskaya_axes)(moments, torque)
         start = _along(own, omega), _along(own, gamma)
@@ -108,12 +121,15 @@ def _cross(a: Row, b: Row) -> Row:
     return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
-def _distance(rows: list[Row], others: list[Row]) -> mpf:
-    """The largest difference, of w over its largest modulus in these rows, or of gamma."""
+def _agree(rows: list[Row], others: list[Row], goal: mpf) -> bool:
+    """Whether all differences, of w over its largest modulus in these rows, are below the goal.
+
+    Each is asked: the largest of several would pass over one that is not a number.
+    """
     rate = max(mpmath.norm(row[:3]) for row in others)
     pairs = [
         (abs(x - y) / (rate if k < 3 and rate else 1))
         for row, other in zip(rows, others, strict=True)
         for k, (x, y) in enumerate(zip(row, other, strict=True))
     ]
-    return max(pairs)
+    return all(x < goal for x in pairs)

@@ -79,11 +79,12 @@ class Textbook(Result):
         try:
             with mpmath.workprec(53):
                 rows: list[list[Real]] = ordinary(
-                    top.states(self.scene, self.kind, instants, digits)
+                    top.states(self.scene, self.kind, self.regime, instants, digits)
                 )
                 return rows
-        except (ValueError, ArithmeticError) as fault:
-            expected = f"a motion that mpmath's functions reach ({fault})"
+        except (ValueError, ArithmeticError, mpmath.NoConvergence) as fault:
+            why = str(fault) or "they divide by 0 or do not converge"
+            expected = f"a motion that mpmath's functions reach ({why})"
             raise BadInput(name, "reference", self.regime, expected) from None
 
     def radii(self, times: Iterable[AnyNumber], digits: int = 50) -> None:
