@@ -19,7 +19,7 @@ from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.heyoka_numbers import array, as_fraction, as_mpf, numbers, scalar
 from polhode.taylor.backend.step_outcomes import ending
 from polhode.taylor.backend.time_grid import Times
-from polhode.taylor.backend.types import Expression, HeyokaNumber, HeyokaOutput
+from polhode.taylor.backend.types import HeyokaNumber, HeyokaOutput
 from polhode.taylor.integrator.angle_variables import Cyclic
 from polhode.taylor.integrator.compiled import Compiled
 from polhode.taylor.integrator.protocols import Corrector, Mark, Memory, Piece, Watcher
@@ -92,12 +92,6 @@ class Integrator:
         """Leave the compiled code to the next run of the same equations; the last call of all."""
         self.compiled.release()
         del self.compiled, self.heyoka, self.state
-
-    @property
-    def decomposition(self) -> list[Expression]:
-        """heyoka's Taylor decomposition, for tests of the constants in it."""
-        found: list[Expression] = self.heyoka.decomposition
-        return found
 
     @property
     def time(self) -> Fraction:
