@@ -15,6 +15,7 @@ from polhode.numbers.conversion import joined
 from polhode.numbers.exact import ZERO
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Array, Numbers, Row, Rows, flat
+from polhode.taylor.backend.defaults import first_step_offset
 from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.heyoka_numbers import array, as_fraction, as_mpf, numbers, scalar
 from polhode.taylor.backend.step_outcomes import ending
@@ -221,9 +222,7 @@ class Integrator:
         """
         if self.watcher is None or self.heyoka.time or self.offset:
             return self._steps(ahead, steps)
-        # heyoka loses the next zero of a polynomial without constant term: during the first step
-        # no expression is exactly zero.  Later that would hide zeros at a seam of two steps.
-        self._add(Fraction(1, 2 ** (647 + self.number.bits)))
+        self._add(first_step_offset(self.number))
         rows, ended = self._steps(ahead, 1)
         self._add(ZERO)
         count = len(rows)
