@@ -179,7 +179,7 @@ def test_the_apex_path_of_a_top_is_its_precession_and_nutation(number):
     scene = scene_of("lagrange/looping", ("angles", "attitude"), Fraction(1, 2), 9)
     run = polhode.integrate(scene, number)
     bits, bound = run.number.bits + 16, 60 * float(run.number.eps)
-    paths = hodographs.path(run.attitude, (0, 0, 1), run.number)
+    paths = hodographs.in_space(run.attitude, [[0, 0, 1]] * len(run.times), run.number)
     upward = hodographs.in_space(run.attitude, [row[3:] for row in run.states], run.number)
     with mpmath.workprec(bits):
         for (psi, theta, _), apex, up in zip(run.angles, paths, upward, strict=True):

@@ -35,7 +35,6 @@ TICK = Callable[[str], None]
 class Line:
     """One check: a case in one number type against its band."""
 
-    case: str
     number: str
     digits: float
     band: tuple[float, float] | None
@@ -154,6 +153,6 @@ def _line(scene: Scene, reference: Remembered, number: str, known: Conditioning 
     options = Options("taylor", digits=digits)
     run = solve(scene, choose_number(scene, number, digits), options, interruptible=False)
     if not run.outcome.done:
-        return Line(scene.name, number, 0.0, band, None, run.outcome.value)
+        return Line(number, 0.0, band, None, run.outcome.value)
     judged = compare(run, reference, known=known)
-    return Line(scene.name, number, judged.state_worst, band, judged, run.outcome.value)
+    return Line(number, judged.state_worst, band, judged, run.outcome.value)

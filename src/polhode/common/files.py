@@ -147,10 +147,8 @@ def npz(arrays: Mapping[str, Any], packed: bool = False) -> bytes:
     return held.getvalue()
 
 
-def read_npz(
-    file: Path | bytes, names: Sequence[str] = (), most: int = MOST_UNPACKED
-) -> dict[str, npt.NDArray[np.generic]]:
-    """The arrays of an NPZ file, all or those of ``names``, of ``most`` bytes; no pickles.
+def read_npz(file: Path | bytes, most: int = MOST_UNPACKED) -> dict[str, npt.NDArray[np.generic]]:
+    """The arrays of an NPZ file, of ``most`` bytes at most; no pickles.
 
     Their sizes are compared with the file's before memory is taken for any.  Raises OSError where
     there is no file, and ValueError for whatever is none: bytes in a wrong place make the libraries
@@ -168,7 +166,7 @@ def read_npz(
                 raise ValueError(f"{unpacked} bytes of arrays, more than {most}")
             held = {part.filename.removesuffix(".npy"): part for part in parts}
             texts = FEW_TEXTS + TEXTS * size
-            return {name: _array(packed, held[name], texts) for name in names or held}
+            return {name: _array(packed, part, texts) for name, part in held.items()}
     except OSError:
         raise
     except Exception as fault:

@@ -36,6 +36,7 @@ from polhode.enclosures.fixed_point_problem import (
     motion,
     upper,
 )
+from polhode.enclosures.polynomial import midpoint
 from polhode.enclosures.proof_loop import HONEST, SHORT_STEPS
 from polhode.enclosures.result import Enclosure, Part, digits_of
 from polhode.enclosures.statement import assumed
@@ -374,7 +375,7 @@ def balls(rows: Sequence[Sequence[Any]], bits: int) -> tuple[Any, Any]:
     """Balls as midpoints and radii; what is None has the radius 0."""
     with ctx.workprec(bits):
         return (
-            tuple(tuple(None if x is None else _fraction(x.mid()) for x in row) for row in rows),
+            tuple(tuple(None if x is None else midpoint(x) for x in row) for row in rows),
             tuple(tuple(0.0 if x is None else upper(x - x.mid()) for x in row) for row in rows),
         )
 
@@ -408,12 +409,6 @@ def _at_rest(what: Motion) -> bool:
         for i, (a, b) in enumerate(fixed_point_problem.CYCLE)
     )
     return all(sign(x) == 0 for x in torques)
-
-
-def _fraction(x: Any) -> Fraction:
-    """The exact value of a ball of radius zero."""
-    mantissa, exponent = x.man_exp()
-    return exact.binary(int(mantissa), int(exponent))
 
 
 def _farthest(times: Sequence[Exact]) -> str:

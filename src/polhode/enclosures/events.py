@@ -37,8 +37,8 @@ from polhode.enclosures.fixed_point_problem import (
     motion,
     upper,
 )
-from polhode.enclosures.polynomial import Polynomial, constant, rate, total, variable
-from polhode.numbers import exact, expression
+from polhode.enclosures.polynomial import Polynomial, constant, midpoint, rate, total, variable
+from polhode.numbers import expression
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.expression import Algebra, ExpressionError
@@ -261,8 +261,8 @@ def _interval(what: Motion, begin: arb, end: arb, last: arb) -> tuple[float, flo
     """Doubles of the scene around all times of two balls, of those from 0 to ``last``."""
     by = _unit(what)
     with ctx.workprec(TIME_BITS):
-        low, high = (_fraction(x) for x in (begin.lower(), end.upper()))
-        most = _fraction(last.upper())
+        low, high = (midpoint(x) for x in (begin.lower(), end.upper()))
+        most = midpoint(last.upper())
     one, other = sorted((by * max(low, Fraction(0)), by * min(high, most)))
     below, above = float(one), float(other)
     return (
@@ -271,16 +271,10 @@ def _interval(what: Motion, begin: arb, end: arb, last: arb) -> tuple[float, flo
     )
 
 
-def _fraction(x: arb) -> Fraction:
-    """The exact value of a ball of radius zero."""
-    mantissa, exponent = x.man_exp()
-    return exact.binary(int(mantissa), int(exponent))
-
-
 def _time(time: arb, by: Fraction, slope: int, row: Sequence[arb], bits: int) -> EventTime:
     radius = upper(arb(time.rad())) * abs(float(by))
     (centres,), (radii,) = balls([row], bits)
-    return EventTime(_fraction(time.mid()) * by, radius, slope, centres, radii)
+    return EventTime(midpoint(time) * by, radius, slope, centres, radii)
 
 
 def of_event(what: Motion, n: int, event: Event) -> Polynomial:

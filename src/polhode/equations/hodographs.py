@@ -12,13 +12,11 @@ R(q) v = q ⊗ (0, v) ⊗ q* / |q|², an exact rotation though |q| drifts by rou
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from polhode.numbers.conversion import exactly, to_extended, to_mpf
-from polhode.numbers.exact import Exact
-from polhode.numbers.number_types import NumberType, extended_here
-from polhode.numbers.row_formulas import GUARD_BITS, mapped
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.row_formulas import mapped
 from polhode.numbers.rows import Columns, Given, GivenRow, Rows, part_of
 from polhode.numbers.scalars import Functions, Scalar
 from polhode.scenes.body import cross, dot
@@ -58,15 +56,3 @@ def turned(quaternion: GivenRow, vector: GivenRow) -> list[Scalar]:
     half: Scalar = cross(axis, (vector[0], vector[1], vector[2]))
     across = cross(axis, half)
     return [v + 2 * (q0 * a + b) / square for v, a, b in zip(vector, half, across, strict=True)]
-
-
-def path(attitude: Rows, direction: Iterable[Exact], number: NumberType) -> Columns:
-    """The path in space of a point fixed in the body: R e for each row of the attitude.
-
-    ``direction``: e in the body, such as the third axis (0, 0, 1), the apex of a top, or the
-    direction of the centre of mass.
-    """
-    e = [to_mpf(x, number.bits + GUARD_BITS) for x in direction]
-    if number.name == "double" and extended_here():
-        e = [to_extended(exactly(x)) for x in e]
-    return in_space(attitude, [e] * len(attitude), number)

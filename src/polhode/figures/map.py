@@ -9,7 +9,6 @@ import numpy as np
 from polhode.dynamics.chaos.chaos_map import ChaosMap
 from polhode.figures.canvas import canvas, section_axes
 
-KINDS = ("fli", "megno", "exponent", "verdict")
 LABELS = {"fli": "FLI = max ln|u|", "megno": "MEGNO", "exponent": "exponent (1/unit of time)"}
 #: Above these all is chaotic: the colours are for what is below.
 TOPS = {"fli": 15.0, "megno": 4.0}

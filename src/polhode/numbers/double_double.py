@@ -23,7 +23,6 @@ from polhode.numbers.rationals import Rationals
 from polhode.numbers.rows import Places
 from polhode.numbers.scalars import Functions, Scalar
 
-BITS = 100  # that a short formula keeps of the 106
 _SPLITTER = 134217729.0  # 2**27 + 1
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -16,8 +16,6 @@ import numpy.typing as npt
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Places
 from polhode.numbers.scalars import Scalar
-
-Booleans: TypeAlias = npt.NDArray[np.bool_]
 
 
 class Rationals:

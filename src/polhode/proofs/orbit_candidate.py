@@ -19,9 +19,9 @@ from polhode.common.progress import Message
 from polhode.enclosures import proof_loop
 from polhode.enclosures.approximation.precision_choice import BITS_A_DIGIT
 from polhode.enclosures.fixed_point_problem import LEAST_FINE, MOST_NOISE, Problem, Refused
+from polhode.enclosures.polynomial import midpoint
 from polhode.enclosures.proof_loop import Proof, Untrusted
 from polhode.motion.outcomes import Outcome
-from polhode.numbers import exact
 from polhode.numbers.flint_context import ctx
 from polhode.proofs.flow_tube import Tube
 from polhode.proofs.level import Level
@@ -67,7 +67,7 @@ def corrected(
         try:
             theorem = prove(level, made, follow)
         except NotContracted as why:
-            steps = [_fraction(x) for x in why.tested.newton[:7]]
+            steps = [midpoint(x) for x in why.tested.newton[:7]]
             size = max(abs(float(x)) for x in steps)
             if not size < min(_FARTHEST, last / 2) or runs == _MOST_RUNS:
                 raise Unproved(_cause(why, size)) from None
@@ -104,7 +104,7 @@ def corrected(
 
 def centre(found: Theorem) -> list[Fraction]:
     """The middle of what is proved."""
-    return [_fraction(x.mid()) for x in (*found.start, found.period)]
+    return [midpoint(x) for x in (*found.start, found.period)]
 
 
 def follower(untrusted: Untrusted) -> Follow:
@@ -161,11 +161,6 @@ def digits_of(found: Theorem) -> float:
     worst = max(float(x.rad()) for x in found.start)
     worst = max(worst, float((found.period.rad() / found.period).abs_upper()))
     return -math.log10(worst) if worst else math.inf
-
-
-def _fraction(x: arb) -> Fraction:
-    mantissa, exponent = x.mid().man_exp()
-    return exact.binary(int(mantissa), int(exponent))
 
 
 def _cause(why: NotContracted, size: float) -> str:

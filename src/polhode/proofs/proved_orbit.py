@@ -15,8 +15,8 @@ from polhode.common.progress import Progress
 from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue
 from polhode.enclosures.fixed_point_problem import upper
+from polhode.enclosures.polynomial import midpoint
 from polhode.enclosures.result import decimal_ball, guaranteed
-from polhode.numbers import exact
 from polhode.numbers.conversion import to_double
 from polhode.numbers.decimals import brief, shown
 from polhode.numbers.exact import Exact
@@ -184,9 +184,7 @@ class ProvedOrbit(Result, ByValue):
 
 def ball_of(x: arb) -> Ball:
     """A ball with a radius that is a double."""
-    middle = x.mid()
-    mantissa, exponent = middle.man_exp()
-    return Ball(exact.binary(int(mantissa), int(exponent)), upper(x - middle))
+    return Ball(midpoint(x), upper(x - x.mid()))
 
 
 def as_arb(x: Ball) -> arb:

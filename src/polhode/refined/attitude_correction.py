@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from polhode.equations import quaternion_products
 from polhode.numbers.rows import Doubles, GivenRow
 from polhode.numbers.scalars import Scalar
 from polhode.refined.collocation_tables import Tables
@@ -126,12 +127,7 @@ def spun(q: Doubles, omega: Doubles) -> Doubles:
 
 def times(a: GivenRow, b: GivenRow) -> Scalar:
     """The product of quaternions, of arrays of them, or of lists of integers."""
-    found = [
-        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
-        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-        a[0] * b[2] + a[2] * b[0] + a[3] * b[1] - a[1] * b[3],
-        a[0] * b[3] + a[3] * b[0] + a[1] * b[2] - a[2] * b[1],
-    ]
+    found = quaternion_products.product(a, b)
     return np.array(found) if isinstance(a, np.ndarray) else found
 
 

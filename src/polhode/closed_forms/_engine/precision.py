@@ -37,15 +37,13 @@ class Reproducing(AtPrecision[T]):
     """Such a function, of constants that must reproduce the start.
 
     ``make`` gives the constants at a precision that is in force, ``defect`` how far they are from
-    the start; they are made with more bits, ``extra`` at first, until they reproduce it.  Where
+    the start; they are made with more bits until they reproduce it.  Where
     more bits do not help, ArithmeticError is raised.
     """
 
-    def __init__(
-        self, make: Callable[[int], T], defect: Callable[[T, int], Scalar], extra: int = 0
-    ) -> None:
+    def __init__(self, make: Callable[[int], T], defect: Callable[[T, int], Scalar]) -> None:
         super().__init__(self._tried)
-        self._constants, self._defect, self._extra = make, defect, extra
+        self._constants, self._defect, self._extra = make, defect, 0
 
     def _tried(self, bits: int) -> T:
         before: Scalar = mpmath.inf

@@ -198,19 +198,10 @@ class WaveSeries:
     sines: tuple[Any, ...]  # a_k/(k scale)
     cosines: tuple[Scalar, ...]  # -b_k/(k scale)
     scale: Scalar
-    bits: int | None  # None: doubles, and arrays may be asked for
+    bits: int
 
     def at(self, x: Scalar) -> Scalar:
         """The integral, up to a constant."""
-        if self.bits is None:
-            cos, sin = np.cos(x), np.sin(x)
-            total = self.mean * x
-            for row, odd in ((self.sines, True), (self.cosines, False)):
-                one, two = 0.0 * x, 0.0
-                for term in reversed(row):
-                    one, two = term + 2 * cos * one - two, one
-                total = total + (one * sin if odd else one - two * cos)
-            return total
         cos, sin = mpmath.cos_sin(x)
         turn, total = fixed(cos, self.bits) * 2, self.mean * x
         for row, odd in ((self.sines, True), (self.cosines, False)):
@@ -221,16 +212,6 @@ class WaveSeries:
             part = value * sin if odd else value - cos * floating(second, self.bits)
             total += self.scale * part
         return total
-
-    def doubles(self) -> WaveSeries:
-        """The same in doubles."""
-        assert self.bits is not None
-        bits, scale = self.bits, float(self.scale)
-        sines, others = (
-            tuple(scale * float(mpmath.ldexp(x, -bits)) for x in row)
-            for row in (self.sines, self.cosines)
-        )
-        return WaveSeries(float(self.mean), sines, others, 1.0, None)
 
 
 def waves(function: Callable[[Scalar], Scalar], most: int = _MOST) -> WaveSeries:

@@ -63,14 +63,14 @@ _SATURATED = 80.0
 
 @dataclass(frozen=True)
 class Waves:
-    """Multiples of one reduced argument: (cos, sin) or (cosh, sinh) of 0, 2, 4, ... and 1, 3, ...
+    """Multiples of one reduced argument: cos or cosh of 0, 2, 4, ...; (cos, sin) or (cosh, sinh)
+    of 1, 3, ...
 
     ``turns`` is the n of v = 2 K n + v_r.
     """
 
     turns: Scalar
     even_c: Sequence[Scalar]
-    even_s: Sequence[Scalar]
     odd_c: Sequence[Scalar]
     odd_s: Sequence[Scalar]
 
@@ -98,12 +98,11 @@ class Jacobi:
             c, s = fn.cosh_sinh(reduced)
         else:
             c, s = fn.cos_sin(reduced)
-        c2, s2 = 2 * c * c - 1, 2 * s * c
+        c2 = 2 * c * c - 1
         count = len(self.theta)
         return Waves(
             turns,
             _ladder(c2, 1 + 0 * c, c2, count),
-            _ladder(-s2, 0 * c, c2, count),
             _ladder(c, c, c2, count),
             _ladder(-s, s, c2, count),
         )

@@ -31,11 +31,6 @@ def log2(x: Exact) -> float:
     return math.log2(abs(mantissa)) + exponent if mantissa else -math.inf
 
 
-def digits_of(bits: int) -> int:
-    """Decimal digits that hold so many bits."""
-    return math.ceil(bits * math.log10(2))
-
-
 def rounded_up(bits: float) -> int:
     """To a multiple of 64, so that nearby requests share their constants."""
     return 64 * math.ceil(bits / 64)

@@ -31,7 +31,6 @@ class GeneralMotion:
     period_of_u: Scalar  # t1
     series: Period
     N: tuple[Scalar, Scalar]  # its first column, U and V
-    turned: Scalar  # Th
     space: Scalar  # half of the turn about the vertical over a period
     period = None
 
@@ -121,7 +120,7 @@ def general(start: HessStart, bits: int) -> GeneralMotion:
     zero = mpf(0)
     end: Quaternion = (q[0], q[1], q[2], q[3])
     whole = product(product(end, (c, s, zero, zero)), conjugate(first))
-    return GeneralMotion(t1, series, N, turned, mpmath.atan2(whole[3], whole[0]))
+    return GeneralMotion(t1, series, N, mpmath.atan2(whole[3], whole[0]))
 
 
 def _upright(u: Scalar, x: Scalar, y: Scalar) -> tuple[tuple[Scalar, ...], ...]:

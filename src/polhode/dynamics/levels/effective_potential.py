@@ -77,11 +77,11 @@ def critical_points(
         return CriticalPoints(_at_rest(body), f, Fraction(0), bits)
     at, apart = abs(f), Fraction(0)
     try:
-        found = _critical_points(body, arcs, at, bits)
+        found = _critical_points(arcs, at, bits)
     except _Meeting:
         at *= 1 + _BESIDE
         apart = 2 * at * (at - abs(f)) / min(body.moments)
-        found = _critical_points(body, arcs, at, bits)
+        found = _critical_points(arcs, at, bits)
     known = CriticalPoints(found, at, apart, bits)
     distinct = all(a.value is b.value or not known.same(a, b) for a, b in pairwise(found))
     if bits == EQUAL_BITS or apart or distinct:
@@ -89,9 +89,7 @@ def critical_points(
     return critical_points(body, arcs, f, EQUAL_BITS)
 
 
-def _critical_points(
-    body: RationalBody, arcs: Sequence[Arc], f: Fraction, bits: int
-) -> list[Critical]:
+def _critical_points(arcs: Sequence[Arc], f: Fraction, bits: int) -> list[Critical]:
     found = []
     with ctx.workprec(bits):
         for k, arc in enumerate(arcs):

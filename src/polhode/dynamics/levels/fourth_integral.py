@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 from flint import arb, fmpq_poly
 
-from polhode.dynamics.levels.rotation_arcs import BITS, RationalBody
+from polhode.dynamics.levels.rotation_arcs import BITS, RationalBody, value_at
 from polhode.equations.integrals import exact_values, first_integrals
 from polhode.numbers import exact
 from polhode.numbers.conversion import to_double
@@ -115,7 +115,7 @@ def _lagrange(
     found = []
     for root in real_roots(gap):
         at = root.ball
-        ball = [_at(x, at) for x in (a, b, c, d)]
+        ball = [value_at(x, at) for x in (a, b, c, d)]
         below = 2 * (ball[1] ** 2 - 3 * ball[0] * ball[2])
         if below.contains(0):  # a triple root
             u = -ball[1] / (3 * ball[0])
@@ -143,7 +143,7 @@ def _kovalevskaya(
     s = fmpq_poly([0, 1])
     cubic = s * (s + rational(energy)) ** 2 + rational(m2)
     for root in real_roots(cubic):
-        value = _at(rational(a2) + 3 * s * s + 2 * rational(energy) * s, root.ball)
+        value = value_at(rational(a2) + 3 * s * s + 2 * rational(energy) * s, root.ball)
         if root.ball < 0 and not value < 0:
             found.append((value, "IV"))
     return found
@@ -165,10 +165,3 @@ def _square(body: RationalBody) -> Fraction:
 
 def _ball(x: Exact) -> arb:
     return arb(rational(exact.binary(*exact.rounded(x, BITS)))) if x else arb(0)
-
-
-def _at(polynomial: fmpq_poly, s: arb) -> arb:
-    found = arb(0)
-    for c in reversed(polynomial.coeffs()):
-        found = found * s + c
-    return found

@@ -48,8 +48,6 @@ class Ground(NamedTuple):
     weight: float
     h: float
     f: float
-    wide_h: np.longdouble
-    wide_f: np.longdouble
 
     @property
     def torque(self) -> Doubles:
@@ -82,7 +80,7 @@ def ground(scene: Scene, h: Exact, f: Exact) -> Ground:
         weight = to_double(mass * unit * unit * body.weight * size)
         centre = np.array([to_double(x / size) for x in arm])
     wide = to_extended(mass * unit * unit * h), to_extended(mass * unit * f)
-    found = Ground(moments, _frame(centre), weight, float(wide[0]), float(wide[1]), *wide)
+    found = Ground(moments, _frame(centre), weight, float(wide[0]), float(wide[1]))
     momentum, speed = found.largest_momentum, found.fastest
     if not (1 / _LARGEST < momentum < _LARGEST and 1 / _FASTEST < speed < _FASTEST):
         scale = 2 * mass * unit * unit

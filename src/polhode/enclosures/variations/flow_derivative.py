@@ -20,7 +20,7 @@ from polhode.common.cached_property import cached_property
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
 from polhode.enclosures.fixed_point_problem import UP, Motion, upper
-from polhode.enclosures.polynomial import ball
+from polhode.enclosures.polynomial import ball, midpoint
 from polhode.enclosures.variations.variational_bound import Derivative
 from polhode.numbers import exact
 from polhode.numbers.conversion import to_double
@@ -113,7 +113,7 @@ def matrix_in_scene_axes(what: Motion, found: Derivative, bits: int) -> BallMatr
             for j in range(count):
                 x = turned[i, j]
                 row.append(x * by if i < 3 <= j else x / by if j < 3 <= i else x)
-            centres.append(tuple(_fraction(x) for x in row))
+            centres.append(tuple(midpoint(x) for x in row))
             radii.append(tuple(upper(x - x.mid()) for x in row))
     return BallMatrix(tuple(centres), tuple(radii))
 
@@ -122,11 +122,6 @@ def matrix_of(found: Derivative) -> arb_mat:
     """The same as balls."""
     pairs = zip(found.centre.tolist(), found.radius.tolist(), strict=True)
     return arb_mat([[arb(x, r) for x, r in zip(*pair, strict=True)] for pair in pairs])
-
-
-def _fraction(x: arb) -> Fraction:
-    mantissa, exponent = x.mid().man_exp()
-    return exact.binary(int(mantissa), int(exponent))
 
 
 def _norm(matrix: BallMatrix, unit: float) -> tuple[float, float]:

@@ -35,6 +35,10 @@ class Look(NamedTuple):
         return self._replace(line="")
 
 
+_SIZE, _ROOM = (
+    8,
+    0.02,
+)  # of names at the ends of curves: points, and the part of the panel beside it
 _LEADER = {"arrowstyle": "-", "lw": 0.4, "alpha": 0.6, "relpos": (0, 0.5)}
 _LIGHT = "#56b4e9"
 _OURS = COLOURS["double"]
@@ -90,7 +94,7 @@ class End(NamedTuple):
     colour: str
 
 
-def label_ends(ax: Any, ends: Sequence[End], size: float = 8, room: float = 0.02) -> None:
+def label_ends(ax: Any, ends: Sequence[End]) -> None:
     """Write each curve's name to the right of the panel, on a thin line that leads to its end.
 
     The figure must hold all else that it will, on its final scales; its layout makes room.
@@ -101,7 +105,7 @@ def label_ends(ax: Any, ends: Sequence[End], size: float = 8, room: float = 0.02
     place = ax.transAxes.inverted()
     heights = [place.transform(ax.transData.transform((e.x, e.y)))[1] for e in ends]
     inches = ax.get_position().height * ax.figure.get_size_inches()[1]
-    least = 1.25 * size / 72 / max(inches, 0.1)
+    least = 1.25 * _SIZE / 72 / max(inches, 0.1)
     order = sorted(range(len(ends)), key=heights.__getitem__)
     levels = _apart([min(max(heights[k], 0.0), 1.0) for k in order], least)
     for k, level in zip(order, levels, strict=True):
@@ -109,9 +113,9 @@ def label_ends(ax: Any, ends: Sequence[End], size: float = 8, room: float = 0.02
         ax.annotate(
             end.text,
             (end.x, end.y),
-            xytext=(1 + room, level),
+            xytext=(1 + _ROOM, level),
             textcoords="axes fraction",
-            fontsize=size,
+            fontsize=_SIZE,
             color=ink(end.colour),
             va="center",
             annotation_clip=False,

@@ -11,16 +11,17 @@ if TYPE_CHECKING:
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PLAIN = (1e-4, 1e4)  # numbers between these are written out
 _NEAR = 1e-9  # of a limit: it is a tick, too
+_MOST = 7  # labels of an axis
 _EVERY = (1, 2, 3, 5, 10, 20, 50, 100, 200, 500)  # decades from a label to the next
 _OF_DECADE: tuple[tuple[int, ...], ...] = ((1,), (1, 3), (1, 2, 5))  # or labels of each
 
 
-def set_ticks(axis: Axis, scale: str, most: int = 7) -> None:
+def set_ticks(axis: Axis, scale: str) -> None:
     """Label an axis of matplotlib of scale log or symlog, which has its final limits."""
     from matplotlib.ticker import NullFormatter
 
     low, high = sorted(axis.get_view_interval())
-    values = ticks(low, high, most) if scale == "log" else ticks_about_0(low, high)
+    values = ticks(low, high) if scale == "log" else ticks_about_0(low, high)
     axis.set_ticks(values, names(values))
     axis.set_minor_formatter(NullFormatter())
 
@@ -35,7 +36,7 @@ def ticks_about_0(low: float, high: float) -> list[float]:
     return [x for x in (*(-p for p in powers[::-1]), 0.0, *powers) if low <= x <= high]
 
 
-def ticks(low: float, high: float, most: int = 7) -> list[float]:
+def ticks(low: float, high: float) -> list[float]:
     """Powers of ten, evenly spaced; of fewer decades their parts, of a narrow range round numbers.
 
     >>> ticks(0.5, 2e4)
@@ -47,13 +48,13 @@ def ticks(low: float, high: float, most: int = 7) -> list[float]:
     """
     first, last = math.ceil(math.log10(low) - _NEAR), math.floor(math.log10(high) + _NEAR)
     if last - first >= 2:
-        step = next(x for x in _EVERY if last - first < x * most)
+        step = next(x for x in _EVERY if last - first < x * _MOST)
         return [10.0**k for k in range(-(-first // step) * step, last + 1, step)]
     found: list[float] = []
     for of_decade in _OF_DECADE:
         parts = [float(f"{m}e{k}") for k in range(first - 1, last + 1) for m in of_decade]
         found = [x for x in parts if low * (1 - _NEAR) <= x <= high * (1 + _NEAR)] or found
-        if len(found) > most / 2:
+        if len(found) > _MOST / 2:
             break
     if len(found) > 1:
         return found

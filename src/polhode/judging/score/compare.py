@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Never, TypeAlias, TypedDict
+from typing import TYPE_CHECKING, Never, TypedDict
 
 from polhode.common.arguments import each, of_kind, refuse_unknown, whole
 from polhode.common.errors import BadInput
@@ -46,9 +46,6 @@ from polhode.scenes.scene import Scene
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
-
-#: Columns by name.
-Columns: TypeAlias = "Mapping[str, AnyVector] | pd.DataFrame | xr.Dataset"
 
 
 class _Limits(TypedDict, total=False):

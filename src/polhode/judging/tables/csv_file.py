@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import string
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -17,7 +16,7 @@ from polhode.common.text_tables import few
 from polhode.judging.tables.attitude_forms import with_quaternions
 from polhode.judging.tables.column_aliases import Column
 from polhode.judging.tables.csv_columns import last_place, most_printed, values
-from polhode.judging.tables.csv_layout import SEPARATORS, Naming, is_empty, layout
+from polhode.judging.tables.csv_layout import BLANK, Naming, is_empty, layout
 from polhode.judging.tables.sidecar import Sidecar, beside
 from polhode.judging.tables.table import Table, added, radians, refuse_names
 from polhode.judging.tables.time_errors import of_decimals, of_type
@@ -28,7 +27,6 @@ from polhode.numbers.number_types import DIGITS_HELD, DOUBLE, NumberType, bits_f
 
 MAX_BYTES = 1 << 30
 MAX_LINE = 1_000_000  # characters
-_BLANK = SEPARATORS + string.whitespace
 _ACCEPTED = (
     "a header with a column t (or time, timestamp) and other columns, separated by commas, "
     "semicolons, tabs or blanks, also after #; or --columns t,p,q,... that names them, or "
@@ -64,7 +62,7 @@ class TableFile:
 
         None where lines are not rows, or where these cannot be read: :attr:`table` tells why.
         """
-        header, *held = [k for k, line in enumerate(self.lines) if line.strip(_BLANK)] or [0]
+        header, *held = [k for k, line in enumerate(self.lines) if line.strip(BLANK)] or [0]
         if not held or any('"' in line for line in self.lines):  # a cell may have many lines
             return None
         chosen = [header, *(held[k] for k in few(len(held), most))]

@@ -19,7 +19,7 @@ from polhode.numbers import expression
 from polhode.numbers.expression import ExpressionError
 
 SEPARATORS = ",;\t"
-_BLANK = SEPARATORS + string.whitespace
+BLANK = SEPARATORS + string.whitespace
 _EMPTY = ("", "nan", "na", "n/a", "nat", "null", "none")
 _WITH_COMMA = re.compile(r"[+-]?(?:\d+,\d*|,\d+)(?:[eE][+-]?\d+)?")
 
@@ -89,7 +89,7 @@ def naming(text: str) -> Naming:
 def layout(lines: Sequence[str], names: Naming) -> Layout:
     """The layout of a file's lines; comments become blank, but for one that is the header."""
     plain = ["\n" if line.lstrip().startswith("#") else line for line in lines]
-    first = next((k for k, line in enumerate(plain) if line.strip(_BLANK)), None)
+    first = next((k for k, line in enumerate(plain) if line.strip(BLANK)), None)
     if first is None:
         return Layout(tuple(plain), ",")
     rows = first + _is_header(plain[first])

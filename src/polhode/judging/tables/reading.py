@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
+from polhode.equations.quaternion_products import product
 from polhode.judging.tables.table import radians
 from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import brief
@@ -47,9 +48,8 @@ class Change(NamedTuple):
         if {self.space, self.body} != {(1, 0, 0, 0)}:
             if len(held) < len(turned):
                 return [None] * len(turned)
-            product = _product(_product(self.space, held), self.body)
             by = 1 / (_length(self.space) * _length(self.body))
-            return [by * x for x in product]
+            return [by * x for x in product(product(self.space, held), self.body)]
         return [radians(x * self.degrees) if x and self.degrees else x for x in turned]
 
 
@@ -97,18 +97,6 @@ class Reading(NamedTuple):
             value = "exact" if digits >= _EXACT else f"{digits:.1f}{unit}"
             told.append(f"{value} at t = {brief(t)}")
         return ", ".join(told)
-
-
-def _product(a: Sequence[Fraction | int], b: Sequence[Fraction | int]) -> list[Fraction]:
-    """The product of quaternions, scalar first."""
-    p, q, r, s = map(Fraction, a)
-    t, u, v, w = map(Fraction, b)
-    return [
-        p * t - q * u - r * v - s * w,
-        p * u + q * t + r * w - s * v,
-        p * v - q * w + r * t + s * u,
-        p * w + q * v - r * u + s * t,
-    ]
 
 
 def _length(q: Sequence[int]) -> Fraction:

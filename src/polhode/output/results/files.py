@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 SUFFIXES = (".csv", ".json", ".npz", ".parquet")
 _CERTIFICATE = b'"format": "polhode certificate'
 KEY = "result"  # of the document, beside what the command prints
-_KIND_OF_SIDECAR = {"states": "Trajectory", "members": "Ensemble"}
 
 
 def save(found: Result, path: str | Path, more: JsonObject | None = None) -> None:

@@ -6,6 +6,7 @@ on the type alone, so that a run is the same on every machine.
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import NamedTuple
 
 from polhode.numbers.number_types import NumberType
@@ -52,6 +53,15 @@ def of(number: NumberType) -> Policy:
         return row
     steps = int(row.chunk * float((_CHUNK_BITS / number.bits) ** _CHUNK_POWER))
     return row._replace(chunk=max(1, steps))
+
+
+def first_step_offset(number: NumberType) -> Fraction:
+    """What is added to all that heyoka watches in a motion's first step.
+
+    heyoka loses the next zero of a polynomial without constant term.  Added in later steps it would
+    hide zeros at a seam of two of them.
+    """
+    return Fraction(1, 2 ** (647 + number.bits))
 
 
 def seconds(number: NumberType, steps: float) -> float:

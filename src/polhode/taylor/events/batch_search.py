@@ -19,6 +19,7 @@ import numpy as np
 from polhode.common.progress import Stop
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Booleans, Doubles
+from polhode.taylor.backend.defaults import first_step_offset
 from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.heyoka_numbers import compact_beyond
 from polhode.taylor.backend.types import Expression, HeyokaIntegrator
@@ -56,11 +57,6 @@ class Met:
         return self  # heyoka copies its callbacks; each integrator has one
 
 
-#: Added to what heyoka watches in a motion's first step: it loses the next zero of a polynomial
-#: without constant term.  Later it would hide zeros at a seam of two steps.
-TINY = 2.0**-700
-
-
 def through_the_first_step(
     batch: CompiledBatch,
     place: int,
@@ -69,10 +65,10 @@ def through_the_first_step(
     most: int | None = None,
     stop: Stop | None = None,
 ) -> step_blocks.Ended:
-    """Every lane to an end of its own, TINY in parameter ``place`` of those that begin a motion."""
+    """Every lane to an end of its own; parameter ``place``: the first step's offset of a motion."""
     taken = np.zeros(len(ends), dtype=np.int64)
     if beginning.any():
-        batch.parameters[place] = TINY * beginning
+        batch.parameters[place] = float(first_step_offset(DOUBLE)) * beginning
         taken = batch.in_blocks(ends, 1, stop).steps
         batch.parameters[place] = 0.0
         most = None if most is None else max(1, most - 1)

@@ -15,11 +15,12 @@ from polhode.numbers.conversion import joined
 from polhode.numbers.exact import ZERO
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Array, Numbers, Row, Rows, flat
+from polhode.taylor.backend.defaults import first_step_offset
 from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.heyoka_numbers import array, as_fraction, as_mpf, numbers, scalar
 from polhode.taylor.backend.step_outcomes import ending
 from polhode.taylor.backend.time_grid import Times
-from polhode.taylor.backend.types import Expression, HeyokaNumber, HeyokaOutput
+from polhode.taylor.backend.types import HeyokaNumber, HeyokaOutput
 from polhode.taylor.integrator.angle_variables import Cyclic
 from polhode.taylor.integrator.compiled import Compiled
 from polhode.taylor.integrator.protocols import Corrector, Mark, Memory, Piece, Watcher
@@ -92,12 +93,6 @@ class Integrator:
         """Leave the compiled code to the next run of the same equations; the last call of all."""
         self.compiled.release()
         del self.compiled, self.heyoka, self.state
-
-    @property
-    def decomposition(self) -> list[Expression]:
-        """heyoka's Taylor decomposition, for tests of the constants in it."""
-        found: list[Expression] = self.heyoka.decomposition
-        return found
 
     @property
     def time(self) -> Fraction:
@@ -227,9 +222,7 @@ class Integrator:
         """
         if self.watcher is None or self.heyoka.time or self.offset:
             return self._steps(ahead, steps)
-        # heyoka loses the next zero of a polynomial without constant term: during the first step
-        # no expression is exactly zero.  Later that would hide zeros at a seam of two steps.
-        self._add(Fraction(1, 2 ** (647 + self.number.bits)))
+        self._add(first_step_offset(self.number))
         rows, ended = self._steps(ahead, 1)
         self._add(ZERO)
         count = len(rows)
