@@ -5,8 +5,11 @@ from __future__ import annotations
 from fractions import Fraction
 
 import pytest
+from flint import acb
 
 import polhode
+from polhode.closed_forms.kovalevskaya.theta.theta_attitude import Choice, Moment
+from polhode.closed_forms.lagrange.top import LagrangeTop
 from polhode.output import json_results
 
 IRRATIONAL = polhode.top(
@@ -53,7 +56,8 @@ def test_a_verdict_says_what_is_proven_and_only_proofs_have_radii(
 def test_radii_in_json_hold_what_printing_rounds_off() -> None:
     truth = polhode.reference("kovalevskaya/generic")
     assert isinstance(truth, polhode.Reference)
-    few, many = (json_results.of_reference(truth, [1, 2, 3], digits) for digits in (5, 40))
+    times = [Fraction(1), Fraction(2), Fraction(3)]
+    few, many = (json_results.of_reference(truth, times, digits) for digits in (5, 40))
     for row, true, radii in zip(few["states"], many["states"], few["radii"], strict=True):
         for x, y, radius in zip(row, true, radii, strict=True):
             assert abs(Fraction(x) - Fraction(y)) <= Fraction(radius) < Fraction(1, 10**4)
@@ -63,3 +67,29 @@ def test_an_attitude_is_answered_after_the_states_at_the_same_times() -> None:
     truth = polhode.reference("kovalevskaya/generic")
     truth.at([1], 20)
     assert [len(row) for row in truth.attitude([1], 20)] == [4]
+
+
+def test_an_attitude_that_has_not_the_gamma_of_the_state_is_no_answer(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    right = Choice.at
+
+    def turned(choice: Choice, moment: Moment) -> tuple[acb, acb]:
+        xi, eta = right(choice, moment)
+        return xi, -eta
+
+    monkeypatch.setattr(Choice, "at", turned)
+    truth = polhode.reference("kovalevskaya/generic")
+    with pytest.raises(polhode.BadInput, match="has not the gamma of the state"):
+        truth.attitude([1], 20)
+
+
+@pytest.mark.parametrize("time", [-1, 1])
+def test_turns_from_a_pole_are_those_that_are_counted(
+    monkeypatch: pytest.MonkeyPatch, time: int
+) -> None:
+    scene = polhode.load("lagrange/from-the-pole")
+    told = polhode.reference(scene).angles([time], 20)
+    monkeypatch.setattr(LagrangeTop, "knows_turns", property(lambda _: False, lambda *_: None))
+    counted = polhode.reference(scene).angles([time], 20)
+    assert all(abs(x - y) < 1e-18 for x, y in zip(told[0], counted[0], strict=True))
