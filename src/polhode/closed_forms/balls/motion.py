@@ -132,8 +132,11 @@ class BallMotion(ClosedForm, Generic[S]):
             return angle_rows(self, gamma, self._psi, self._sign, times, digits)
 
     def radii(self, times: Sequence[Exact], digits: int) -> list[list[mpf]] | None:
-        """Bounds of the errors of the numbers that :meth:`at` gives; None where it is unproven."""
-        if not self.proven:
+        """Bounds of the errors of the numbers that :meth:`at` gives, rounded up.
+
+        None where the balls hold an estimate: no bound is proven.
+        """
+        if self.proven is False:
             return None
         rows = self._rows(times, digits, attitude=False)
         return [[error_of(x, digits) for x in row[: self._width]] for row in rows]

@@ -21,8 +21,8 @@ _CASES = (
     *ABOUT,
     Column(
         *("judged by", "reference", ""),
-        "the closed form of that family of motions (of euler, lagrange and pendulum proven), or a "
-        "proven enclosure",
+        "the closed form of that family of motions (of euler, lagrange, pendulum and most of "
+        "kovalevskaya proven), or a proven enclosure",
     ),
     *in_numbers(
         digits,

@@ -1,0 +1,102 @@
+"""What the answers say of their proof: in Python, in JSON, and in verdicts."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+from flint import acb
+
+import polhode
+from polhode.closed_forms.kovalevskaya.theta.theta_attitude import Choice, Moment
+from polhode.closed_forms.lagrange.top import LagrangeTop
+from polhode.output import json_results
+
+IRRATIONAL = polhode.top(
+    moments=("2*sqrt(2)*sqrt(3)", "2*sqrt(6)", "sqrt(6)"),
+    centre=(1, 0, 0),
+    weight=1,
+    omega=(1, "1/2", "1/3"),
+    gamma=("3/5", 0, "4/5"),
+    end=1,
+)
+FORMULA = "states are proven; of the attitude the formula is checked"
+ZERO = "if these numbers are 0: |x| < 1e-"
+#: A scene, and what its reference says: yes, no, or words.
+SAID: list[tuple[str | polhode.Scene, bool | tuple[str, ...]]] = [
+    ("euler/largest-axis", True),
+    ("euler/separatrix-irrational", (ZERO,)),
+    ("kovalevskaya/delaunay", True),
+    ("kovalevskaya/generic", (FORMULA,)),
+    ("kovalevskaya/asymptotic", False),
+    ("hess/loxodrome", False),
+    (IRRATIONAL, (FORMULA, ZERO)),
+]
+
+
+@pytest.mark.parametrize(
+    ("scene", "said"), SAID, ids=[polhode.load(scene).name for scene, _ in SAID]
+)
+def test_a_verdict_says_what_is_proven_and_only_proofs_have_radii(
+    scene: str | polhode.Scene, said: bool | tuple[str, ...]
+) -> None:
+    truth = polhode.reference(scene)
+    assert isinstance(truth, polhode.Reference)
+    rows = [[float(x) for x in row] for row in truth.at([1], 17)]
+    judged = json_results.of_judgement(polhode.compare(rows, scene, at=[1]))
+    for told in (truth.proven, judged["proven"]):
+        if isinstance(said, bool):
+            assert told is said
+        else:
+            assert isinstance(told, str)
+            assert all(words in told for words in said)
+            assert ("if these" in told) is (ZERO in said)
+    assert (truth.radii([1], 20) is None) is (said is False)
+
+
+def test_radii_in_json_hold_what_printing_rounds_off() -> None:
+    truth = polhode.reference("kovalevskaya/generic")
+    assert isinstance(truth, polhode.Reference)
+    times = [Fraction(1), Fraction(2), Fraction(3)]
+    few, many = (json_results.of_reference(truth, times, digits) for digits in (5, 40))
+    for row, true, radii in zip(few["states"], many["states"], few["radii"], strict=True):
+        for x, y, radius in zip(row, true, radii, strict=True):
+            assert abs(Fraction(x) - Fraction(y)) <= Fraction(radius) < Fraction(1, 10**4)
+
+
+def test_an_attitude_is_answered_after_the_states_at_the_same_times() -> None:
+    truth = polhode.reference("kovalevskaya/generic")
+    truth.at([1], 20)
+    assert [len(row) for row in truth.attitude([1], 20)] == [4]
+
+
+def test_an_attitude_that_has_not_the_gamma_of_the_state_is_no_answer(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    right = Choice.at
+
+    def turned(choice: Choice, moment: Moment) -> tuple[acb, acb]:
+        xi, eta = right(choice, moment)
+        return xi, -eta
+
+    monkeypatch.setattr(Choice, "at", turned)
+    truth = polhode.reference("kovalevskaya/generic")
+    with pytest.raises(polhode.BadInput, match="has not the gamma of the state"):
+        truth.attitude([1], 20)
+
+
+@pytest.mark.parametrize(
+    ("name", "time"),
+    [("lagrange/from-the-pole", -1), ("lagrange/from-the-pole", 1), ("lagrange/homoclinic", -7)],
+)
+def test_turns_that_are_known_are_those_that_are_counted(
+    monkeypatch: pytest.MonkeyPatch, name: str, time: int
+) -> None:
+    scene = polhode.load(name)
+    told = polhode.reference(scene).angles([time], 20)
+    monkeypatch.setattr(LagrangeTop, "knows_turns", property(lambda _: False, lambda *_: None))
+    counted = polhode.reference(scene).angles([time], 20)
+    for x, y in zip(told[0], counted[0], strict=True):
+        assert x is not None
+        assert y is not None
+        assert abs(x - y) < 1e-18
