@@ -37,7 +37,8 @@ from polhode.numbers.flint_context import ctx
 
 _SHARES = (1, -1, 2, -2, 4, -4)
 _MOST_SPREAD = 0.1
-_MOST_GROWN = 500  # bits by which a deviation may grow
+_MOST_GROWN = 100  # bits by which a deviation may grow
+_MARGIN = 8  # bits
 _CLOSENESS = 6  # eps = 2^-(bits/6)
 
 
@@ -46,7 +47,7 @@ class Neighbours:
 
     def __init__(self, start: KovalevskayaStart) -> None:
         bits = ctx.prec
-        closeness = bits // _CLOSENESS
+        self._room = closeness = bits // _CLOSENESS  # -log2 eps
         self.start = start
         starts = [start.moved(Fraction(share, 1 << closeness), 2 * bits) for share in _SHARES]
         self.motions = [ThetaState(moved, discriminant(moved)) for moved in starts]
@@ -58,41 +59,52 @@ class Neighbours:
         return combined(self.rows(t), self._sizes)
 
     def rows(self, t: arb) -> list[Sequence[arb]]:
-        """The states of the six, where they are near enough to tell of the motion between them."""
-        rows, spread = self._spread(t)
-        if not spread < _MOST_SPREAD:
-            self._refuse(t)
-            raise TooFewBits
+        """The states of the six, where they are near enough to tell of the motion between them.
+
+        Neighbours that have left the motion may be near each other again, so that how far they are
+        apart tells nothing by itself.  It is followed from short times on, doubled: log2 of what a
+        deviation's square has grown by gains at most twice as much as in the doubling before.
+        Where that leaves the neighbours near each other, what is seen at the double time is true.
+        """
+        rows: list[Sequence[arb]] = []
+        before, most = 0.0, 2.0 * self._room - _MARGIN
+        for earlier in reversed(self._halved(t)):
+            rows, grown = self._grown(earlier)
+            ahead = grown if earlier is t else grown + 2 * max(0.0, grown - before) + _MARGIN
+            if ahead > most:
+                self._refuse(t, earlier, grown)
+                raise TooFewBits
+            before = grown
         return rows
 
-    def _spread(self, t: arb) -> tuple[list[Sequence[arb]], arb]:
-        """The states of the six, and how far apart they are: infinitely if nothing is known."""
-        try:
-            rows: list[Sequence[arb]] = [motion.at(t) for motion in self.motions]
-            return rows, spread_of(rows, self._sizes)
-        except TooFewBits:
-            return [], arb.pos_inf()
+    def _halved(self, t: arb) -> list[arb]:
+        """The time, its half and so on, down to a radian at the bound of |w|."""
+        times = [t]
+        while abs(times[-1]) * self.speed > 1:
+            times.append(times[-1] / 2)
+        return times
 
-    def _refuse(self, t: arb) -> None:
+    def _grown(self, t: arb) -> tuple[list[Sequence[arb]], float]:
+        """The states of the six, and log2 of what a deviation's square has grown by until then."""
+        rows: list[Sequence[arb]] = [motion.at(t) for motion in self.motions]
+        spread = spread_of(rows, self._sizes).abs_lower()
+        if not spread > 0:  # less than rounding shows
+            return rows, 0.0
+        return rows, 2 * self._room + float(spread.log().mid()) / math.log(2)
+
+    def _refuse(self, t: arb, earlier: arb, grown: float) -> None:
         """Refuse a time until which deviations outgrow all bits, foreseen from an earlier time.
 
-        Where it grows like a power of the time, more bits will do.
+        Where they grow like a power of the time, more bits will do.
         """
-        closeness, earlier = ctx.prec // _CLOSENESS, t
-        while abs(earlier) * self.speed > 1:
-            earlier = earlier / 2
-            _, spread = self._spread(earlier)
-            if spread < _MOST_SPREAD and spread > 0:
-                grown = closeness + float(spread.log().mid()) / math.log(4)
-                last = abs(earlier).mid()
-                power = 3 * math.log2(2 + float(last * self.speed)) + 10
-                if grown > power and grown * float(abs(t) / last) > _MOST_GROWN:
-                    reach = float(last) * _MOST_GROWN / grown
-                    raise Refused(
-                        "this motion amplifies errors: no digits are known beyond about "
-                        f"{reach * float(self.speed):.2g} radians"
-                    )
-                return
+        last = abs(earlier).mid()
+        power = 6 * math.log2(2 + float(last * self.speed)) + 20
+        if grown > power and grown * float(abs(t) / last) > 2 * _MOST_GROWN:
+            reach = float(last) * 2 * _MOST_GROWN / grown
+            raise Refused(
+                "this motion amplifies errors: no digits are known beyond about "
+                f"{reach * float(self.speed):.2g} radians"
+            )
 
 
 class NeighboursAttitude:
