@@ -22,6 +22,7 @@ from typing import Any
 
 from polhode.common.errors import UNREADABLE, BadInput, nearest
 from polhode.common.files import check_writable, make_folder, write_whole
+from polhode.common.interrupts import heard
 from polhode.common.progress import Message
 from polhode.common.provenance import cpu, digest, versions
 from polhode.figures.canvas import canvas
@@ -228,7 +229,8 @@ def _run(
 ) -> str:
     """Run one study; its results as JSON text."""
     began, made_of = time.perf_counter(), key(name, quick)
-    found = _module(name, "rows").rows(quick, tick, **options)
+    found = _module(name, "rows").rows(quick, _stoppable(tick), **options)
+    _stoppable(None)(name)
     found["provenance"] = {
         "command": command,
         "key": made_of,
@@ -237,6 +239,18 @@ def _run(
         "cpu": cpu(),
     }
     return as_json(found)
+
+
+def _stoppable(tick: Message | None) -> Message:
+    """Ends a study where Ctrl-C came during a run, which ends early by it and is no row."""
+
+    def tell(text: str) -> None:
+        if heard.came:
+            raise KeyboardInterrupt
+        if tick is not None:
+            tick(text)
+
+    return tell
 
 
 def _counted(tick: Message, k: int) -> Message:
