@@ -106,7 +106,7 @@ def _print_check(report: Any) -> None:
         digits = line.lost or f"{line.digits:6.2f} digits"
         say(f"     {line.number:<9}{digits}{band}: {line.verdict}{why}")
     if report.textbook is not None:
-        say(f"     mpmath's own functions agree to {report.textbook:.2f} digits")
+        say(f"     mpmath's own functions agree to {report.textbook:.1f} digits")
     for figure in report.figures:
         p = figure.published
         say(f"     {p.quantity} at t = {shown(p.t)}: {figure.verdict}  ({one_line(p.cite)})")
