@@ -139,7 +139,7 @@ def interrupted(name: str, after: float) -> KeyboardInterrupt | None:
     return came
 
 
-#: An interrupt may come while hypothesis's hook of the collector runs, which loses it with a warning.
+#: An interrupt may come in hypothesis's hook of the collector, which loses it with a warning.
 LOST = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 
 
