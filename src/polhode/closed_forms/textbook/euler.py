@@ -10,12 +10,12 @@ With A < B < C or reversed, so that the polhode circles axis 3 (Whittaker, Analy
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from polhode.closed_forms.textbook.legendre import TooFewDigits, third_integral
+from polhode.closed_forms.textbook.vectors import Row, along, back, cross, dot, unit
 from polhode.numbers.mpmath_context import mpf, mpmath
 
-Row = list[Any]
 _ONE = 2**20  # rounding errors by which the parameter m of a separatrix may differ from 1
 
 
@@ -30,15 +30,14 @@ def motion(
     TooFewDigits where the numbers tell no difference and the regime does.
     """
     momentum = [a * x for a, x in zip(moments, omega, strict=True)]
-    torque = _cross(momentum, omega)
+    torque = cross(momentum, omega)
     negligible = mpmath.eps * 64 * max(map(abs, momentum)) * max(map(abs, omega))
     if regime in ("rest", "sphere") or regime.startswith("permanent"):
         return lambda t: [*omega, *([] if gamma is None else _turned(gamma, omega, t))]
     if max(map(abs, torque)) <= negligible:
         raise TooFewDigits("next to a rotation about a fixed axis")
     order = sorted(range(3), key=lambda i: moments[i])
-    twice = sum(x * y for x, y in zip(momentum, omega, strict=True))
-    squared = sum(x * x for x in momentum)
+    twice, squared = dot(momentum, omega), dot(momentum, momentum)
     if squared < twice * moments[order[1]]:
         order.reverse()
     # a cyclic order keeps the hand of the axes; of another one the second axis is turned round
@@ -58,7 +57,7 @@ def motion(
     begin = third_integral(number, own.phase, own.parameter)
     turned = [k * gamma[i] for k, i in zip(ways, order, strict=True)]
     first = _frame([A * start[0], B * start[1], C * start[2]])
-    fixed = [sum(x * y for x, y in zip(axis, turned, strict=True)) for axis in first]
+    fixed = along(first, turned)
 
     def state(t: mpf) -> Row:
         v = own.phase + own.rate * t
@@ -66,9 +65,8 @@ def motion(
         psi = size / C * t + factor * (third_integral(number, v, own.parameter) - begin)
         c, s = mpmath.cos(psi), mpmath.sin(psi)
         # fixed in space, so turned back by psi about G against the body's node
-        along = (c * fixed[0] + s * fixed[1], c * fixed[1] - s * fixed[0], fixed[2])
-        axes = _frame([A * now[0], B * now[1], C * now[2]])
-        seen = [sum(along[k] * axes[k][i] for k in range(3)) for i in range(3)]
+        now_fixed = (c * fixed[0] + s * fixed[1], c * fixed[1] - s * fixed[0], fixed[2])
+        seen = back(_frame([A * now[0], B * now[1], C * now[2]]), now_fixed)
         return _back(now, order, ways) + _back(seen, order, ways)
 
     return state
@@ -115,12 +113,10 @@ def _polhode(
 
 def _frame(momentum: Row) -> list[Row]:
     """Rows: the node of axis 3 about G, what makes it right-handed, and G, in body axes."""
-    x, y, z = momentum
+    x, y, _ = momentum
     across = mpmath.hypot(x, y)
-    size = mpmath.hypot(across, z)
-    node = [y / across, -x / across, mpmath.mpf(0)]
-    along = [x / size, y / size, z / size]
-    return [node, _cross(along, node), along]
+    node, third = [y / across, -x / across, mpmath.mpf(0)], unit(momentum)
+    return [node, cross(third, node), third]
 
 
 def _back(row: Row, order: Sequence[int], ways: Sequence[int]) -> Row:
@@ -133,15 +129,11 @@ def _back(row: Row, order: Sequence[int], ways: Sequence[int]) -> Row:
 
 def _turned(gamma: Sequence[mpf], omega: Sequence[mpf], t: mpf) -> Row:
     """gamma of a body that turns about a fixed axis: gamma' = gamma x w."""
-    size = mpmath.sqrt(sum(x * x for x in omega))
+    size = mpmath.norm(omega)
     if size == 0:
         return list(gamma)
-    axis = [x / size for x in omega]
-    along = sum(x * y for x, y in zip(axis, gamma, strict=True))
+    axis = unit(omega)
+    kept = dot(axis, gamma)
     c, s = mpmath.cos(size * t), mpmath.sin(size * t)
-    side = _cross(gamma, axis)
-    return [c * x + s * y + (1 - c) * along * n for x, y, n in zip(gamma, side, axis, strict=True)]
-
-
-def _cross(a: Sequence[mpf], b: Sequence[mpf]) -> Row:
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    side = cross(gamma, axis)
+    return [c * x + s * y + (1 - c) * kept * n for x, y, n in zip(gamma, side, axis, strict=True)]

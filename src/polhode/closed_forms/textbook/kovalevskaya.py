@@ -19,9 +19,9 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from polhode.closed_forms.textbook.quadrature import integral
+from polhode.closed_forms.textbook.vectors import Row
 from polhode.numbers.mpmath_context import mpc, mpf, mpmath
 
-Row = list[Any]
 _MOST = 25  # steps of Newton's method
 _ROUGH = 60  # bits of Newton's first steps
 _MOMENT, _GAPS = 24, 16  # shares of the bits: of a short time, of a gap that it needs

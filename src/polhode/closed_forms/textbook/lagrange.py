@@ -11,12 +11,11 @@ Analytical Dynamics, art. 71; Goldstein, Classical Mechanics, section 5.7):
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 from polhode.closed_forms.textbook.legendre import TooFewDigits, third_integral
+from polhode.closed_forms.textbook.vectors import Row
 from polhode.numbers.mpmath_context import mpf, mpmath
 
-Row = list[Any]
 _EQUAL = 2**20  # rounding errors by which two equal roots may differ
 
 
@@ -50,8 +49,6 @@ def motion(
         return lambda t: _state(u0, mpmath.mpf(0), psi_rate(u0), phi0 + rate * t, r)
 
     parameter = (u2 - u1) / (u3 - u1)
-    if 1 - parameter < _EQUAL * mpmath.eps:  # homoclinic
-        parameter = mpmath.mpf(1)
     rate = mpmath.sqrt(a * (u3 - u1)) / 2
     sine = mpmath.sqrt(min(1, max(0, (u0 - u1) / (u2 - u1))))
     way = -1 if g1 * q - g2 * p < 0 else 1

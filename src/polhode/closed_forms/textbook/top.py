@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 from polhode.closed_forms._engine.principal_scene import PrincipalScene, in_principal_axes
 from polhode.closed_forms.functions.rounding import number, shortened
 from polhode.closed_forms.textbook import euler, kovalevskaya, lagrange
 from polhode.closed_forms.textbook.legendre import TooFewDigits
+from polhode.closed_forms.textbook.vectors import Row, along, axis, back, cross, dot, unit
 from polhode.numbers.exact import Exact
 from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.scenes.scene import Scene
 
-Row = list[Any]
 _GUARD = 15  # digits beyond those asked for
 _TRIES = 5
 _PIECES, _CUTS = 6, 4  # of a period for quadratures, and how many more at each try
@@ -25,9 +24,8 @@ def states(
     """Rows p q r [gamma1 gamma2 gamma3] in the scene's axes, one a time.
 
     ``family``: euler, lagrange or kovalevskaya, to which the scene belongs; ``regime``: the name of
-    the motion.  The rows are those of
-    two working precisions, with other cuts of the quadratures, that agree to 10^-digits, of w
-    relative to its largest modulus.
+    the motion.  The rows are those of two working precisions, with other cuts of the quadratures,
+    that agree to 10^-digits, of w relative to its largest modulus.
 
     Raises ValueError for a motion that the formulas do not have, ArithmeticError where no two
     precisions agree.
@@ -67,58 +65,38 @@ def _rows(
     axes = [vector(row) for row in scene.body.axes.rows]
     state: Callable[[mpf], Row]
     if family == "euler" or gamma is None:
-        own = [[mpmath.mpf(i == k) for i in range(3)] for k in range(3)]
+        own = [axis(k) for k in range(3)]
         state = euler.motion(moments, omega, gamma, regime)
     else:
-        own = (_lagrange_axes if family == "lagrange" else _kovalevskaya_axes)(moments, torque)
-        start = _along(own, omega), _along(own, gamma)
-        first, _, third = (_form(moments, axis) for axis in own)
+        top = family == "lagrange"
+        own = _lagrange_axes(torque) if top else _kovalevskaya_axes(moments, torque)
+        start = along(own, omega), along(own, gamma)
+        first, _, third = (dot(moments, [x * x for x in row]) for row in own)
         weight = mpmath.norm(torque)
-        if family == "lagrange":
+        if top:
             state = lagrange.motion(first, third, weight, *start)
         else:
             state = kovalevskaya.motion(weight / third, *start, pieces)
     found = []
     for t in vector(times):
         row = state(t)
-        vectors = [_back(axes, _back(own, row[k : k + 3])) for k in range(0, len(row), 3)]
+        vectors = [back(axes, back(own, row[k : k + 3])) for k in range(0, len(row), 3)]
         found.append([x for v in vectors for x in v])
     return found
 
 
-def _lagrange_axes(moments: Row, torque: Row) -> list[Row]:
+def _lagrange_axes(torque: Row) -> list[Row]:
     """The third axis through the centre of mass, the others anyhow."""
-    del moments
-    third = [x / mpmath.norm(torque) for x in torque]
+    third = unit(torque)
     smallest = min(range(3), key=lambda i: abs(third[i]))
-    across = _cross([mpmath.mpf(i == smallest) for i in range(3)], third)
-    first = [x / mpmath.norm(across) for x in across]
-    return [first, _cross(third, first), third]
+    first = unit(cross(axis(smallest), third))
+    return [first, cross(third, first), third]
 
 
 def _kovalevskaya_axes(moments: Row, torque: Row) -> list[Row]:
     """The first axis through the centre of mass, the third that of the smallest moment."""
-    first = [x / mpmath.norm(torque) for x in torque]
-    smallest = min(range(3), key=lambda i: moments[i])
-    third = [mpmath.mpf(i == smallest) for i in range(3)]
-    return [first, _cross(third, first), third]
-
-
-def _along(rows: list[Row], v: Row) -> Row:
-    return [sum(x * y for x, y in zip(row, v, strict=True)) for row in rows]
-
-
-def _back(rows: list[Row], v: Row) -> Row:
-    return [sum(v[k] * rows[k][i] for k in range(3)) for i in range(3)]
-
-
-def _form(moments: Row, axis: Row) -> mpf:
-    """The moment about an axis."""
-    return sum(x * x * m for x, m in zip(axis, moments, strict=True))
-
-
-def _cross(a: Row, b: Row) -> Row:
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    first, third = unit(torque), axis(min(range(3), key=lambda i: moments[i]))
+    return [first, cross(third, first), third]
 
 
 def _agree(rows: list[Row], others: list[Row], goal: mpf) -> bool:
