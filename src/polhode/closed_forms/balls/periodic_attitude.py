@@ -29,6 +29,7 @@ from flint import acb, arb
 
 from polhode.closed_forms.balls.core import Refused, TooFewBits, nearest_integer
 from polhode.closed_forms.balls.frames import Turn, conjugate, product
+from polhode.closed_forms.functions.quaternion import of_matrix
 from polhode.common.cached_property import cached_property
 from polhode.numbers.flint_context import ctx
 
@@ -212,7 +213,7 @@ class PeriodicAttitude:
         (a, b, c), (d, e, f) = g, one
         two = [b * f - c * e, c * d - a * f, a * e - b * d]
         sin, cos = (self._azimuth(t) / 2).sin_cos()
-        return product((cos, arb(0), arb(0), sin), of_rows([one, two, g]))
+        return product((cos, arb(0), arb(0), sin), of_matrix([one, two, g], arb.sqrt))
 
     def _within(self, t: arb) -> Turn:
         """The attitude at 0 <= t <= T, continuous."""
@@ -243,19 +244,3 @@ def _dot(one: Sequence[Any], other: Sequence[Any]) -> Any:
     for x, y in zip(one[1:], other[1:], strict=True):
         total = total + x * y
     return total
-
-
-def of_rows(rows: Sequence[Sequence[arb]]) -> Turn:
-    """A quaternion, of either sign, of the turn body -> space with these space axes in the body."""
-    (a, b, c), (d, e, f), (g, h, i) = rows
-    squares = [1 + a + e + i, 1 + a - e - i, 1 - a + e - i, 1 - a - e + i]
-    largest = max(range(4), key=lambda n: squares[n].mid())
-    s = squares[largest]
-    parts = (
-        (s, h - f, c - g, d - b),
-        (h - f, s, b + d, c + g),
-        (c - g, b + d, s, f + h),
-        (d - b, c + g, f + h, s),
-    )[largest]
-    w, x, y, z = (v / (2 * s.sqrt()) for v in parts)
-    return w, x, y, z

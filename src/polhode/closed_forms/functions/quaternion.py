@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 from polhode.numbers.mpmath_context import mpmath
@@ -31,8 +31,13 @@ def conjugate(a: Quaternion) -> Quaternion:
     return a[0], -a[1], -a[2], -a[3]
 
 
-def of_matrix(rows: Sequence[Sequence[Scalar]]) -> Quaternion:
-    """The quaternion of a rotation matrix, of either sign (Shepperd 1978)."""
+def of_matrix(
+    rows: Sequence[Sequence[Scalar]], root: Callable[[Scalar], Scalar] = mpmath.sqrt
+) -> Quaternion:
+    """The quaternion of a rotation matrix, of either sign (Shepperd 1978).
+
+    Of any scalars; ``root`` is their square root.
+    """
     (a, b, c), (d, e, f), (g, h, i) = rows
     squares = [1 + a + e + i, 1 + a - e - i, 1 - a + e - i, 1 - a - e + i]
     best = max(range(4), key=lambda n: squares[n])
@@ -43,7 +48,7 @@ def of_matrix(rows: Sequence[Sequence[Scalar]]) -> Quaternion:
         (c - g, b + d, square, f + h),
         (d - b, c + g, f + h, square),
     )[best]
-    w, x, y, z = (n / (2 * mpmath.sqrt(square)) for n in parts)
+    w, x, y, z = (n / (2 * root(square)) for n in parts)
     return w, x, y, z
 
 
