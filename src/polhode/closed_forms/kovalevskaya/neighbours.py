@@ -53,36 +53,43 @@ class Neighbours:
         self.motions = [ThetaState(moved, discriminant(moved)) for moved in starts]
         self.speed = speed_bound(start)
         self._sizes = [self.speed] * 3 + [ball(start.a2).sqrt()] * 3
+        self._most = 2.0 * self._room - _MARGIN
+        self._radian = (1 / self.speed).mid()  # a time
+        self._seen: dict[int, list[float]] = {1: [], -1: []}  # at a radian, two, four, ...
 
     def at(self, t: arb) -> Sequence[arb]:
         """p, q, r, G1, G2, G3."""
         return combined(self.rows(t), self._sizes)
 
     def rows(self, t: arb) -> list[Sequence[arb]]:
-        """The states of the six, where they are near enough to tell of the motion between them.
-
-        Neighbours that have left the motion may be near each other again, so that how far they are
-        apart tells nothing by itself.  It is followed from short times on, doubled: log2 of what a
-        deviation's square has grown by gains at most twice as much as in the doubling before.
-        Where that leaves the neighbours near each other, what is seen at the double time is true.
-        """
-        rows: list[Sequence[arb]] = []
-        before, most = 0.0, 2.0 * self._room - _MARGIN
-        for earlier in reversed(self._halved(t)):
-            rows, grown = self._grown(earlier)
-            ahead = grown if earlier is t else grown + 2 * max(0.0, grown - before) + _MARGIN
-            if ahead > most:
-                self._refuse(t, earlier, grown)
-                raise TooFewBits
-            before = grown
+        """The states of the six, where they are near enough to tell of the motion between them."""
+        self._follow(t)
+        rows, grown = self._grown(t)
+        if grown > self._most:
+            self._refuse(t, t, grown)
+            raise TooFewBits
         return rows
 
-    def _halved(self, t: arb) -> list[arb]:
-        """The time, its half and so on, down to a radian at the bound of |w|."""
-        times = [t]
-        while abs(times[-1]) * self.speed > 1:
-            times.append(times[-1] / 2)
-        return times
+    def _follow(self, t: arb) -> None:
+        """Raise TooFewBits where the neighbours may have left the motion before a time.
+
+        Those that have may be near each other again, so that how far they are apart tells nothing
+        by itself.  It is followed from a radian on, doubled: log2 of what a deviation's square has
+        grown by gains at most twice as much as in the doubling before.  Where that leaves the
+        neighbours near each other, what is seen until the double time is true.
+        """
+        sense = 1 if t > 0 else -1
+        seen = self._seen[sense]
+        while True:
+            earlier = sense * self._radian * 2 ** len(seen)
+            if not abs(earlier) < abs(t):
+                return
+            _, grown = self._grown(earlier)
+            gain = max(0.0, grown - (seen[-1] if seen else 0.0))
+            if grown + 2 * gain + _MARGIN > self._most:
+                self._refuse(t, earlier, grown)
+                raise TooFewBits
+            seen.append(grown)
 
     def _grown(self, t: arb) -> tuple[list[Sequence[arb]], float]:
         """The states of the six, and log2 of what a deviation's square has grown by until then."""
