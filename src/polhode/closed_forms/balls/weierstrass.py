@@ -42,6 +42,12 @@ class Quartic:
             a0 * a2 * a4 + 2 * a1 * a2 * a3 - a2 * a2 * a2 - a0 * a3 * a3 - a1 * a1 * a4,
         )
 
+    @property
+    def has_period(self) -> bool:
+        """Whether real solutions repeat; others tend to a double root of f, which is exact."""
+        g2, g3 = self.invariants
+        return sign(g2 * g2 * g2 - 27 * g3 * g3) != 0 or sign(g3) > 0
+
     def derivatives(self, y: acb) -> list[acb]:
         """f, f', f'', f''', f'''' at y."""
         a0, a1, a2, a3, a4 = (acb(ball(x)) for x in self.a)

@@ -23,11 +23,11 @@ from polhode.closed_forms.balls.motion import BallMotion
 from polhode.closed_forms.balls.one_axis import OneAxis
 from polhode.closed_forms.balls.periodic_attitude import PeriodicAttitude, Strip
 from polhode.closed_forms.kovalevskaya import regimes
-from polhode.closed_forms.kovalevskaya.axes import top_axes
+from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart, top_axes
 from polhode.closed_forms.kovalevskaya.branch_points import branch_points, discriminant
 from polhode.closed_forms.kovalevskaya.motion import Steady, TopMotion, TurningMotion
 from polhode.closed_forms.kovalevskaya.neighbours import Neighbours, NeighboursAttitude
-from polhode.closed_forms.kovalevskaya.periodic import Periodic, growth
+from polhode.closed_forms.kovalevskaya.periodic import Periodic, growth, quartic
 from polhode.closed_forms.kovalevskaya.theta.cycles import rates
 from polhode.closed_forms.kovalevskaya.theta.theta_attitude import ThetaAttitude
 from polhode.closed_forms.kovalevskaya.theta.theta_state import ThetaState
@@ -54,7 +54,7 @@ class KovalevskayaTop(BallMotion[TopMotion]):
         self._disc = discriminant(self.begin)
         self._strip: Strip | None = None
         self._first_turn = Kept(self._made_first_turn)
-        self.proven = _proof(self.regime)
+        self.proven = _proof(self.begin, self.regime)
         self.knows_turns = self.regime in regimes.STEADY
         if self.knows_turns:
             self._axis = OneAxis(omega, self._gamma)
@@ -81,7 +81,6 @@ class KovalevskayaTop(BallMotion[TopMotion]):
     def _periodic_turning(self, motion: Periodic) -> TurningMotion:
         """The attitude of a motion that has a period, or that tends to a steady one."""
         if motion.period is None:
-            self.proven = "states are proven; the attitude is reproduced, by neighbours"
             near = Neighbours(self.begin)
             return NeighboursAttitude(near, self._first_turn(), _SEPARATRIX_REACH)
         size = ball(self.begin.a2).sqrt()
@@ -166,10 +165,14 @@ class KovalevskayaTop(BallMotion[TopMotion]):
         return {"s1": one * motion.unit, "s2": two * motion.unit}
 
 
-def _proof(regime: str) -> bool | str:
+def _proof(start: KovalevskayaStart, regime: str) -> bool | str:
     """What of a motion's digits is proven."""
     if regime in regimes.DEGENERATE:
         return False  # the mean of neighbours
-    if regime in (*regimes.STEADY, *regimes.ONE_FREQUENCY):
+    if regime in regimes.STEADY:
         return True
+    if regime in regimes.ONE_FREQUENCY:
+        if quartic(start, regime).has_period:
+            return True
+        return "states are proven; the attitude is reproduced, by neighbours"
     return "states are proven; of the attitude the formula is checked, the arithmetic proven"
