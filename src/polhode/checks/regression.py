@@ -142,7 +142,7 @@ def check_scene(scene: Scene, numbers: Sequence[str] = ()) -> Report:
         reference.kind,
         tuple(lines),
         tuple(figures(scene, reference)),
-        textbook_digits(scene),
+        textbook_digits(reference),
     )
 
 

@@ -7,7 +7,8 @@ from fractions import Fraction
 
 from polhode.common.errors import BadInput
 from polhode.judging.correct_digits import worst_digits
-from polhode.judging.references.reference import Reference, reference
+from polhode.judging.references.certified import Certified
+from polhode.judging.references.reference import Reference
 from polhode.judging.references.textbook import FAMILIES, Textbook
 from polhode.numbers.exact import Exact
 from polhode.scenes.scene import Scene
@@ -16,15 +17,15 @@ WANTED = 30  # digits
 _MOST_LOG10_ANGLE = 2  # radians turned up to the time of the comparison
 
 
-def textbook_digits(scene: Scene) -> float | None:
-    """The digits to which a scene's closed form and mpmath's agree at one time, at most WANTED.
+def textbook_digits(ours: Reference | Certified) -> float | None:
+    """The digits to which a reference and mpmath's closed form agree at one time, at most WANTED.
 
     At the end of a short run, at a time on the way of a long one.  None of another family, and of
     motions that the textbook's formulas do not have.
     """
-    ours = reference(scene)
     if not isinstance(ours, Reference) or ours.kind not in FAMILIES:
         return None
+    scene = ours.scene
     t = time_of(scene)
     try:
         rows = Textbook(scene).at([t], digits=WANTED)
