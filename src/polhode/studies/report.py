@@ -230,7 +230,7 @@ def _run(
     """Run one study; its results as JSON text."""
     began, made_of = time.perf_counter(), key(name, quick)
     found = _module(name, "rows").rows(quick, _stoppable(tick), **options)
-    _stoppable(None)(name)
+    _end_if_interrupted()
     found["provenance"] = {
         "command": command,
         "key": made_of,
@@ -242,15 +242,20 @@ def _run(
 
 
 def _stoppable(tick: Message | None) -> Message:
-    """Ends a study where Ctrl-C came during a run, which ends early by it and is no row."""
+    """A message that ends the study where Ctrl-C came."""
 
     def tell(text: str) -> None:
-        if heard.came:
-            raise KeyboardInterrupt
+        _end_if_interrupted()
         if tick is not None:
             tick(text)
 
     return tell
+
+
+def _end_if_interrupted() -> None:
+    """Ctrl-C during a run ends the run early, and what is left of it is no row."""
+    if heard.came:
+        raise KeyboardInterrupt
 
 
 def _counted(tick: Message, k: int) -> Message:

@@ -145,8 +145,9 @@ class Reference(Result):
         how, zero = self._motion.proven, self._motion.assumed
         if not how or not zero:
             return how
-        numbers = ", ".join(_shown(x) for x in zero[:_MOST_SHOWN])
-        if (more := len(zero) - _MOST_SHOWN) > 0:
+        bounds = [*dict.fromkeys(map(_shown, zero))]  # of several numbers one may be the same
+        numbers = ", ".join(bounds[:_MOST_SHOWN])
+        if (more := len(bounds) - _MOST_SHOWN) > 0:
             numbers += f" and {more} more"
         told = f"if these numbers are 0: {numbers}"
         return f"{how}; {told}" if isinstance(how, str) else told
