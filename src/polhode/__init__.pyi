@@ -44,6 +44,7 @@ from polhode.judging.conditioning.lyapunov import lyapunov as lyapunov
 from polhode.judging.references.certified import Certified as Certified
 from polhode.judging.references.reference import Reference as Reference
 from polhode.judging.references.reference import reference as reference
+from polhode.judging.references.textbook import Textbook as Textbook
 from polhode.judging.rolling_cones import Rolling as Rolling
 from polhode.judging.rolling_cones import rolling as rolling
 from polhode.judging.score.compare import compare as compare

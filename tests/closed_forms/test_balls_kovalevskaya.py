@@ -180,3 +180,25 @@ def test_neighbours_that_have_left_the_motion_tell_nothing():
     (few,), (many,) = top.at([100], 15), top.at([100], 40)
     with mpmath.workdps(50):
         assert 1e-60 < max(abs(mpf(x) - mpf(y)) for x, y in zip(few, many, strict=True)) < 1e-15
+
+
+def test_of_a_separatrix_it_is_known_at_once_that_its_attitude_is_not_proven():
+    """It was said only once the attitude had been asked for."""
+    top = top_of((0, F(7, 5), 0), (F(-24, 25), 0, F(7, 25)))
+    assert top.period(20) is None
+    assert top.proven == "states are proven; the attitude is reproduced, by neighbours"
+    swinging = top_of((0, F(6, 5), 0), (F(-24, 25), 0, F(7, 25)))
+    assert swinging.period(20) is not None
+    assert swinging.proven is True
+
+
+@pytest.mark.slow
+def test_neighbours_are_followed_on_either_side_whatever_is_asked_first():
+    """Late, early, and back: the same numbers as from a top that was asked nothing else."""
+    times = [F(40), F(3), F(-25), F(90), F(1, 7)]
+    asked = polhode.reference("kovalevskaya/asymptotic")
+    for t in times:
+        alone = polhode.reference("kovalevskaya/asymptotic").at([t], 20)
+        with mpmath.workdps(40):
+            pairs = zip(asked.at([t], 20)[0], alone[0], strict=True)
+            assert max(abs(mpf(x) - mpf(y)) for x, y in pairs) < 1e-20
