@@ -24,6 +24,7 @@ RECORD = golden.text_of(
             "a top": {"bits": 53, "states": np.array([[0.1, -2.5], [3.0, 1e-300]])},
             "no top": {"refused": ["BadInput", "x: expected y"]},
         },
+        "keys": {"a file": {"bits": "int", "times": ["float"]}},
         "quad": {"a top": {"12": {"bits": 113, "states": [THIRD], "outcome": "reached end"}}},
     }
 )
@@ -43,7 +44,7 @@ def compared(tmp_path, capsys, change):
 
 def test_equal_records_are_equal(tmp_path, capsys):
     code, out = compared(tmp_path, capsys, lambda record: None)
-    assert (code, out) == (0, "equal: 3 entries\n")
+    assert (code, out) == (0, "equal: 4 entries\n")
 
 
 @pytest.mark.parametrize("value", [0.1, -2.5, 3.0, 1e-300])
@@ -57,7 +58,7 @@ def test_one_bit_is_one_ulp(tmp_path, capsys, value):
     code, out = compared(tmp_path, capsys, change)
     assert code == 1
     assert out.startswith("double: a top: 1 difference, up to 1 ulp: states[")
-    assert out.endswith("not equal: 1 of 3 entries\n")
+    assert out.endswith("not equal: 1 of 4 entries\n")
 
 
 def test_ulps_are_those_of_the_nearest_number_type(tmp_path, capsys):
@@ -83,6 +84,7 @@ def test_ulps_are_those_of_the_nearest_number_type(tmp_path, capsys):
             "double: no top: 1 difference: refused[1]: x: expected y and x: expected z",
         ),
         (lambda r: r["double"].update({"no top": {"bits": "53"}}), "double: no top: 2 differences"),
+        (lambda r: r["keys"]["a file"]["times"].pop(), "keys: a file: 1 difference: times[0]: "),
     ],
 )
 def test_what_is_missing_or_refused_otherwise(tmp_path, capsys, change, line):

@@ -538,7 +538,8 @@ def _leaves(
 ) -> Iterator[tuple[str, Any, Any, int]]:
     """The leaves in which two values differ, with the bits of the nearest "bits" above them."""
     if isinstance(one, Mapping) and isinstance(two, Mapping):
-        bits = int(one.get("bits", bits))
+        width = str(one.get("bits"))
+        bits = int(width) if width.isdigit() else bits  # the keys of a JSON say "int" there
         for key in sorted({*one, *two}):
             below = f"{path}.{key}" if path else key
             yield from _leaves(one.get(key, MISSING), two.get(key, MISSING), below, bits)
