@@ -12,10 +12,10 @@ import pytest
 
 import polhode
 from polhode.certificates import grid, verify
-from polhode.closed_forms.families import closed_form
 from polhode.common.errors import BadInput
 from polhode.scenes import library
 from polhode.studies.accuracy import proven
+from shared.members import motion_table
 
 SHIPPED = sorted((library.folder() / "certificates").glob("*.json"))
 #: The scene of each.
@@ -52,12 +52,9 @@ def test_what_ships_is_proved_and_of_the_scene_that_ships(path):
             assert held["scene"][key] == value
 
 
-ROWS = [name for name in library.names() if closed_form(library.load(name)) is not None]
-
-
 @pytest.mark.slow
 @pytest.mark.sample(4, rest="campaign")
-@pytest.mark.parametrize("name", ROWS)
+@pytest.mark.parametrize("name", motion_table()["library"])
 def test_every_closed_form_that_is_certified_has_a_certificate(name, tmp_path):
     scene = replace(library.load(name), outputs=())
     if not scene.times:

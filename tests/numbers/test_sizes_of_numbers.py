@@ -18,12 +18,13 @@ SCENE = polhode.top(**GIVEN, **START)
 FREE = polhode.Body.of_moments([1, 1, 1])
 BALL = {"shape": "sphere", "mass": 1, "radius": 1}
 
+GIANT = 10**999999
 GIANTS = {
     "Decimal": Decimal("1e999999"),
     "Decimal, small": Decimal("1e-999999"),
-    "Fraction": Fraction(10**999999),
-    "Fraction, small": Fraction(1, 10**999999),
-    "int": 10**999999,
+    "Fraction": Fraction(GIANT),
+    "Fraction, small": Fraction(1, GIANT),
+    "int": GIANT,
     "mpf": mpmath.mpf("1e999999999"),
     "mpf, small": mpmath.mpf("1e-999999999"),
     "text": "1e999999",
