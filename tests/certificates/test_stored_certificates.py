@@ -38,8 +38,12 @@ def test_these_ship():
     assert {path.stem for path in SHIPPED} == {*SCENES}
 
 
-@pytest.mark.sample(2, first=1)
-@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+@pytest.mark.sample(2, first=2)
+@pytest.mark.parametrize(
+    "path",  # that of chaos is proved beside what is false of it
+    [path for path in SHIPPED if path.stem != "chaos"],
+    ids=lambda path: path.stem,
+)
 def test_what_ships_is_proved_and_of_the_scene_that_ships(path):
     alone = subprocess.run(
         [sys.executable, "-I", verify.__file__, str(path)], capture_output=True, text=True

@@ -41,7 +41,7 @@ for motion in all_motions():
 FREQUENCIES = motion_table()["frequencies"]
 #: Any start of the body is one of the family.
 ANY_START = "euler", "lagrange", "kovalevskaya"
-#: Whose answers cost next to nothing: more rows of them are fast.
+#: Whose answers cost next to nothing: more rows of them are fast, and the others of the campaign.
 CHEAP = {"euler": 6, "lagrange": 5, "pendulum": 5, "staude": 2}
 #: Families of two frequencies without an elliptic formula: of many digits and far away they cost.
 SLOW = "goryachev-chaplygin", "hess"
@@ -67,7 +67,7 @@ def rows(question, *, fast=1, slow=1, keep=lambda motion: True, dear=()):
         asked = [motion for motion in motions if motion.scene.gamma is not None and keep(motion)]
         quick = [] if family in dear else [m for m in asked if not (dear and "curve" in m.regime)]
         quick = spread(quick, CHEAP.get(family, 1) * fast, shift)
-        later = spread([m for m in asked if m not in quick], CHEAP.get(family, 1) * slow, shift)
+        later = spread([m for m in asked if m not in quick], slow, shift)
         for motion in asked:
             reported = (dear and motion.name in REPORTED) or str(motion) in REPORTED
             marks = pytest.mark.slow if motion in later or reported else pytest.mark.campaign

@@ -123,7 +123,7 @@ def test_bodies_can_vary():
 
 def test_map_verb(tmp_path, capsys):
     held, figure = tmp_path / "m.npz", tmp_path / "m.svg"
-    command = ["map", "lagrange/nutation", "--grid", "4x3", "--end", "1000"]
+    command = ["map", "lagrange/nutation", "--grid", "3x2", "--end", "500"]
     assert main([*command, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["counts"]["chaotic"] == 0

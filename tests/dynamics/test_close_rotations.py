@@ -35,8 +35,8 @@ def counted(moments, f):
     """
     a, push = np.array([float(Fraction(m)) for m in moments]), np.array([1.0, 0, 0])
     rng = np.random.default_rng(3)
-    near = np.array([-1.0, 0, 0]) + 0.05 * rng.normal(size=(2000, 3))
-    g = np.concatenate([rng.normal(size=(6000, 3)), near, np.eye(3), -np.eye(3)])
+    near = np.array([-1.0, 0, 0]) + 0.05 * rng.normal(size=(200, 3))
+    g = np.concatenate([rng.normal(size=(600, 3)), near, np.eye(3), -np.eye(3)])
     g /= np.linalg.norm(g, axis=1)[:, None]
 
     def gradient(g):

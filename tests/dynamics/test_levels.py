@@ -129,7 +129,7 @@ def test_the_lagrange_top_sleeps_from_its_critical_spin_on():
 # -- regions, counted on a grid of the sphere ------------------------------------------------------
 
 
-ROWS, TURNS = 90, 180
+ROWS, TURNS = 60, 120
 POLAR = (np.arange(ROWS) + 0.5) * np.pi / ROWS
 ROUND = (np.arange(TURNS) + 0.5) * 2 * np.pi / TURNS
 GAMMA = np.array(
@@ -179,7 +179,7 @@ FS = {
 }
 
 
-@pytest.mark.sample(2, slow=6)
+@pytest.mark.sample(1, slow=6)
 @pytest.mark.parametrize(("name", "f"), [(name, f) for name, fs in FS.items() for f in fs])
 def test_regions_by_counting_on_a_grid(name, f):
     known, f = body(name), Fraction(f)

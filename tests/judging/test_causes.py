@@ -158,7 +158,7 @@ def stepped(name, method):
     return {"t": np.array(TIMES, dtype=float), **dict(columns)}
 
 
-@pytest.mark.sample(2, slow=2)
+@pytest.mark.sample(1, slow=3)
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("method", METHODS)
 def test_a_rough_method_is_explained_by_nothing(name, method):
@@ -186,6 +186,7 @@ UNEXPLAINED = {
 }
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("what", UNEXPLAINED)
 def test_it_is_explained_by_no_number(what):
     own = scene("lagrange/nutation")

@@ -393,6 +393,7 @@ def another_motion(random, table):
     return some(whole("euler/turned-axes"), WHOLE)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("wrong", [noise, departing, early_in_part, one_row, another_motion])
 def test_a_wrong_table_has_no_convention_by_chance(wrong):
     random = np.random.default_rng(20)

@@ -115,7 +115,7 @@ def test_drifting_files_are_named_right(count):
     assert missed.total() <= 0.05 * count, +missed
 
 
-@pytest.mark.sample(2, slow=10)
+@pytest.mark.sample(1, slow=8)
 @pytest.mark.parametrize("seed", range(60))
 @pytest.mark.parametrize("name", files.WRONG)
 def test_wrong_files_are_told_no_convention(name, seed):

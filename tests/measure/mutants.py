@@ -3,11 +3,11 @@
     python tests/measure/mutants.py MUTANTS.json RESULT.json [PYTEST ARGUMENTS...]
 
 MUTANTS.json is a list of objects with an ``id``, a ``file``, ``old`` and ``new``, a text that
-stands there once and what it becomes, and ``tests``, the folders to run.  The files of tests that
-are named like the changed one or its folder come first.  Each mutant lives in a copy of the
-project, never in the project itself.  It is killed by a test that fails, or where the tests take
-LIMIT seconds of processor time.  The result is written after every mutant, and a run that was
-interrupted goes on where it was.
+stands there once and what it becomes, and ``tests``, the folders and files to run: those that are
+named like the changed one or its folder come first.  ``mutants.json`` beside this is such a list.
+Each mutant lives in a copy of the project, never in the project itself.  It is killed by a test
+that fails, or where the tests take LIMIT seconds of processor time.  The result is written after
+every mutant, and a run that was interrupted goes on where it was.
 
 Nothing here passes or fails by itself: survivors are for a reader, who writes a test, or names the
 reason why no test can tell the mutant from the code.
@@ -67,7 +67,9 @@ class Copy:
         """The files of a mutant's tests, those of its own name first."""
         _, _, *folders, name = Path(mutant.file).parts
         words = (*folders, Path(name).stem)
-        every = [file for name in mutant.tests for file in (self.folder / name).rglob("test_*.py")]
+        places = [self.folder / name for name in mutant.tests]
+        every = [x for x in places if x.is_file()]
+        every += [file for x in places if x.is_dir() for file in x.rglob("test_*.py")]
         every.sort(key=lambda file: (not any(word in file.stem for word in words), file))
         return [*map(str, every)]
 
