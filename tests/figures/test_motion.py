@@ -215,6 +215,11 @@ def test_what_is_drawn_of_a_part_has_its_volume():
         a, b, c, d = np.moveaxis(faces(solid, 60).corners, 1, 0) * unit(body)
         enclosed = np.sum(a * np.cross(b, c) + a * np.cross(c, d)) / 6  # Gauss
         assert enclosed == pytest.approx(volume, rel=5e-3)
+        parts = [
+            np.sum(a * np.cross(x, y), axis=1)[:, None] * (a + x + y) for x, y in ((b, c), (c, d))
+        ]
+        middle = np.sum(parts, axis=(0, 1)) / 24 / enclosed
+        assert middle == pytest.approx([float(x) for x in body.centre], abs=5e-3)
 
 
 def test_a_motion_backwards_in_time_is_shown_forwards():
@@ -356,6 +361,23 @@ def test_a_film_ends_where_the_motion_is_back_at_its_start(tmp_path, capsys, nam
     assert back / period == pytest.approx(turns, abs=1e-4)
     first, *_, last = gif_pictures(path)
     assert np.any(first[20:] != last[20:])  # below the title: the one before the first
+
+
+def test_what_is_nearer_is_drawn_later(tmp_path, monkeypatch):
+    """The faces of a sphere that are seen well, whose depths follow from where they are drawn."""
+    from matplotlib import collections
+
+    drawn, made = [], collections.PolyCollection
+    monkeypatch.setattr(
+        collections, "PolyCollection", lambda x, **how: drawn.append(x) or made(x, **how)
+    )
+    film = ["plot", "euler/sphere", *SMALL, "--end", "1", "-o", str(tmp_path / "x.gif")]
+    assert main(film) == 0
+    squares = np.sum(np.array([face for face in drawn[0] if len(face) == 4]) ** 2, axis=2)
+    radius = np.sqrt(np.max(squares))
+    depths = np.sqrt(radius**2 - squares[np.max(squares, axis=1) < 0.8 * radius**2]).mean(axis=1)
+    assert len(depths) > 80
+    assert np.min(np.diff(depths)) > -1e-9
 
 
 # -- browsers -----------------------------------------------------------------------------------

@@ -13,7 +13,8 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.figures.canvas.curve_sampling import SAMPLES
+from polhode.figures import sphere
+from polhode.figures.canvas.curve_sampling import SAMPLES, Samples
 from polhode.figures.canvas.globe import Globe, facing_most
 from polhode.scenes.output_times import even_times
 from polhode.scenes.vocabulary import STATE
@@ -128,15 +129,18 @@ def test_cusps_and_loops_of_the_apex_stand_on_the_sphere(name):
 
 
 @pytest.mark.parametrize(
-    ("name", "apex"),
+    ("name", "apex", "axis"),
     [
-        ("euler/dzhanibekov", "axis of the middle moment"),
-        ("euler/symmetric-first-axis", "axis of symmetry"),
-        ("euler/sphere", "third axis"),
+        ("euler/dzhanibekov", "axis of the middle moment", 1),
+        ("euler/symmetric-first-axis", "axis of symmetry", 0),
+        ("euler/sphere", "third axis", 2),
     ],
 )
-def test_what_is_followed_of_a_free_body_is_named(name, apex):
-    assert polhode.plot(name, "sphere", end=1)[1].get_title() == f"{apex} in space"
+def test_what_is_followed_of_a_free_body_is_named(name, apex, axis):
+    drawn = polhode.plot(name, "sphere", end=1)[1]
+    assert drawn.get_title() == f"{apex} in space"
+    _, followed = sphere.apex(Samples(name, {}, polhode.load(name)))
+    assert followed == np.eye(3)[axis].tolist()
 
 
 @pytest.mark.sample(1)

@@ -116,6 +116,7 @@ WRONG = [
     ([*START[:2], np.inf, *START[3:]], "start", "finite"),
     ([*START[:3], np.nan, 0, 1], "start", "length 1"),
     ([*START[:3], 0.6, 0, 0.8 + 1e-14], "start", "length 1"),
+    ([*START[:3], 0.6, 0, 0.8 + 1.5e-15], "start", "length 1"),  # its square is off by 11 eps
     ([*START[:3], 0, 0, 0], "start", "length 1"),
 ]
 
@@ -129,6 +130,10 @@ def test_what_is_no_start_is_refused_and_the_next_call_is_right(start, key, said
     assert fault.value.key == key
     assert "\n" not in str(fault.value)
     assert go(GOOD, t=3.0).tolist() == before
+
+
+def test_a_gamma_of_length_1_to_rounding_is_a_start():
+    assert np.isfinite(polhode.propagator(scene())([*START[:3], 0.6, 0, 0.8 + 1e-15], t=1.0)).all()
 
 
 @pytest.mark.parametrize("t", [np.nan, np.inf, "x", [1.0, np.nan], [2.0, 1.0], None, [[1.0]]])

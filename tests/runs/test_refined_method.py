@@ -202,11 +202,13 @@ def test_an_estimate_is_told_only_where_there_is_one(told, said):
     assert run_verb._accuracy(replace(found, errors=told)) == said
 
 
-def test_no_errors_from_where_two_runs_have_parted():
+def test_no_errors_from_where_two_runs_have_parted(tmp_path):
     run = polhode.integrate("hard/chaotic-long", "quad", at=[330, 900])
     assert run.method == "refined"
     assert run.errors[0] is not None
     assert run.errors[1] is None
+    run.save(tmp_path / "run.npz")
+    assert polhode.load_run(tmp_path / "run.npz").errors == run.errors
 
 
 @pytest.mark.slow
