@@ -116,7 +116,7 @@ def agrees_with_taylor(motion, plain):
         assert max(off) < mpf("1e-28")
 
 
-@pytest.mark.sample(12, slow=24, rest="slow")
+@pytest.mark.sample(12, slow=8, rest="slow")
 @pytest.mark.parametrize("seed", range(100, 200))
 @pytest.mark.parametrize("family", FAMILIES)
 def test_random_scenes(family, seed):

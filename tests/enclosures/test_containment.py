@@ -252,7 +252,7 @@ def _contained(name: str, digits: int) -> list[float]:
     ]
 
 
-@pytest.mark.sample(5)
+@pytest.mark.sample(5, slow=4)
 @pytest.mark.parametrize("name", SOME)
 def test_closed_forms_lie_in_their_enclosures(name: str) -> None:
     assert max(_contained(name, 16)) <= 1.0

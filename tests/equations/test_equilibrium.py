@@ -87,7 +87,7 @@ def test_a_free_body_about_its_axis_turns_a_vertical_that_is_across():
     assert polhode.compare(polhode.integrate(scene, at=[10])).worst > 14
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(3, slow=2)
 @pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
 @pytest.mark.parametrize("end", [500, -500])
 def test_a_permanent_rotation_turns_uniformly(number, end):

@@ -25,15 +25,15 @@ FEW = ("Trajectory in quad", "Ensemble", "Judgement", "Enclosure", "Reductions",
 
 #: Strategies, and how many cases of each a slow test and the campaign try.
 CLASSES = {
-    "scene": (cases.scene(), 80, 6000),
-    "call": (cases.call(), 150, 6000),
-    "toml": (cases.toml(), 30, 2000),
+    "scene": (cases.scene(), 40, 6000),
+    "call": (cases.call(), 75, 6000),
+    "toml": (cases.toml(), 20, 2000),
     "table": (cases.table(), 10, 1000),
-    "command": (cases.command(), 30, 2000),
-    "result": (changed_files.result(FEW), 60, 0),
+    "command": (cases.command(), 20, 2000),
+    "result": (changed_files.result(FEW), 30, 0),
     "any result": (changed_files.result([*MAKERS]), 0, 6000),
-    "kept": (changed_files.kept(), 30, 500),
-    "body": (motions.body(), 25, 2000),
+    "kept": (changed_files.kept(), 15, 500),
+    "body": (motions.body(), 15, 2000),
     "event": (motions.event(), 5, 500),
     "proof": (motions.proof(), 3, 50),
 }

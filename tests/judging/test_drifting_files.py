@@ -58,7 +58,7 @@ def is_wrong(file, reading):
     return min(exact.part_digits[reading.part]) < STARTS_RIGHT
 
 
-@pytest.mark.sample(1, slow=5)
+@pytest.mark.sample(1, slow=3)
 @pytest.mark.parametrize("name", files.NAMES)
 def test_a_drifting_file_is_told_its_convention(name):
     """The digits of its first row and of later ones, in the convention that is named."""
@@ -115,7 +115,7 @@ def test_drifting_files_are_named_right(count):
     assert missed.total() <= 0.05 * count, +missed
 
 
-@pytest.mark.sample(1, slow=8)
+@pytest.mark.sample(1, slow=4)
 @pytest.mark.parametrize("seed", range(60))
 @pytest.mark.parametrize("name", files.WRONG)
 def test_wrong_files_are_told_no_convention(name, seed):

@@ -52,7 +52,7 @@ def rows_of(case, first, last):
     return scene, times, np.array([[np.nan if x is None else float(x) for x in r] for r in rows])
 
 
-@pytest.mark.sample(2, first=5, slow=5)
+@pytest.mark.sample(2, first=5, slow=3)
 @pytest.mark.parametrize("case", CASES)
 def test_the_same_digits_as_one_by_one(case):
     scene, times, rows = rows_of(case, *CASES[case])

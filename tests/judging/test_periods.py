@@ -56,14 +56,14 @@ def check(scene):
     return True
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(3, slow=3)
 @pytest.mark.parametrize("name", FEW)
 def test_omega_returns_after_the_period(name):
     assert check(polhode.load(name))
 
 
 @pytest.mark.slow
-@pytest.mark.sample(12, rest="campaign")
+@pytest.mark.sample(6, rest="campaign")
 @pytest.mark.parametrize("name", sorted({*catalogue.known()} - {*FEW}))
 def test_omega_returns_after_the_period_in_every_case(name):
     check(polhode.load(name))

@@ -42,7 +42,7 @@ def scene(body: dict, start: dict):
     return polhode.top(**body, **start, omega=omega, end=1, samples=2, outputs=["attitude"])
 
 
-@pytest.mark.sample(4, slow=8)
+@pytest.mark.sample(4, slow=4)
 @pytest.mark.parametrize("body", [*BODIES])
 @pytest.mark.parametrize(("start", "expected"), STARTS, ids=str)
 def test_runs_of_every_type_and_references_agree_where_q0_is_0(body, start, expected):

@@ -47,7 +47,7 @@ def error(mine, exact, relative=False) -> float:
     return worst
 
 
-@pytest.mark.sample(5, slow=12)
+@pytest.mark.sample(5, slow=5)
 @pytest.mark.parametrize("name", CASES)
 def test_outputs_of_a_run_are_those_of_the_closed_form(name):
     """In quad at a few times, 300 radians: absolute errors as small as the state's allow."""

@@ -105,7 +105,7 @@ SWEEPS = [
 ]
 
 
-@pytest.mark.sample(14)
+@pytest.mark.sample(14, slow=6)
 @pytest.mark.parametrize(("scene", "given"), SWEEPS, ids=range(len(SWEEPS)))
 def test_members_are_the_runs_of_their_scenes(scene, given):
     many = polhode.integrate_many(scene, given, workers=1)

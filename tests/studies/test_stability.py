@@ -51,7 +51,7 @@ def test_the_cases_of_a_kind_are_what_it_says(kind, holds):
 # -- powers of two ----------------------------------------------------------------------------
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(3, slow=3)
 @pytest.mark.parametrize("number", [DOUBLE, EXTENDED, QUAD], ids=lambda n: n.name)
 @pytest.mark.parametrize("name", ["euler/irrational", "lagrange/turned-axes", "hard/near-cusp"])
 def test_powers_of_two_change_no_bit(name, number):
@@ -100,7 +100,7 @@ def test_the_way_back_starts_where_the_motion_ended():
 
 
 @pytest.mark.slow
-@pytest.mark.sample(5, rest="campaign")
+@pytest.mark.sample(4, rest="campaign")
 @pytest.mark.parametrize("limit", limits.LIMITS, ids=lambda limit: limit.what)
 def test_beyond_each_limit_one_line_says_so(limit):
     row = limits._row(limit)

@@ -57,7 +57,7 @@ def built(monkeypatch) -> list:
 # -- what compiles, and what is built -------------------------------------------------------------
 
 
-@pytest.mark.sample(5)
+@pytest.mark.sample(5, slow=4)
 @pytest.mark.parametrize("centre", CENTRES)
 @pytest.mark.parametrize("number", ["double", "extended", "quad", "mp"])
 def test_another_body_of_a_pattern_compiles_nothing(number, centre):

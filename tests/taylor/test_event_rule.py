@@ -60,7 +60,7 @@ def test_a_small_motion_has_the_zeros_of_a_large_one(kind, size, number):
         assert abs(float(run.reached) - (2 if sign != first else 1) * math.pi) < 1e-4
 
 
-@pytest.mark.sample(4, slow=5)
+@pytest.mark.sample(4, slow=3)
 @pytest.mark.parametrize("number", NUMBERS[:3], ids=lambda n: n.name)
 @pytest.mark.parametrize(
     ("below", "signs"),
@@ -168,7 +168,7 @@ AT_ZERO = {
 }
 
 
-@pytest.mark.sample(6, slow=8)
+@pytest.mark.sample(6, slow=5)
 @pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
 @pytest.mark.parametrize("zero", AT_ZERO)
 def test_a_start_at_zero_hides_no_other_zero(zero, number):

@@ -140,7 +140,7 @@ def test_rising_and_falling_are_meant_as_t_grows_in_backward_runs_too(end):
     assert all(row[0] * row[2] < 0 for row in falling.states)
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(3, slow=3)
 @pytest.mark.parametrize("number", NUMBERS[:3], ids=lambda n: n.name)
 @pytest.mark.parametrize("steps", [1, 2, 5])
 def test_chunk_boundaries_neither_lose_nor_repeat_an_event(number, steps, monkeypatch):
@@ -225,7 +225,7 @@ def test_what_rounding_decides_is_called_grazing_and_nothing_else(shift, zeros, 
 # -- stopping ---------------------------------------------------------------------------------
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(3, slow=3)
 @pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
 @pytest.mark.parametrize("way", [1, -1])
 def test_a_run_stops_at_its_event(number, way):

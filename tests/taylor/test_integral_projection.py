@@ -43,7 +43,7 @@ def chaplygin(order: tuple[int, int, int] = (0, 1, 2)) -> polhode.Scene:
 # -- the integrals ----------------------------------------------------------------------------
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(2, slow=4)
 @pytest.mark.parametrize(
     ("scene", "onto"),
     [
@@ -126,7 +126,7 @@ LOSES = {"steklov/upper": 0.55}
 
 
 @pytest.mark.slow
-@pytest.mark.sample(10, rest="campaign")
+@pytest.mark.sample(5, rest="campaign")
 @pytest.mark.parametrize("name", library.names())
 def test_no_case_loses_digits(name):
     scene = polhode.load(name)
@@ -201,7 +201,7 @@ def next_to(motion: str, near: Fraction) -> polhode.Scene:
     return polhode.Scene(top, (0, near, 4), gamma, times=(20,))
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(3, slow=3)
 @pytest.mark.parametrize("exponent", [5, 7, 9])
 @pytest.mark.parametrize(
     "motion", ["rotation about C", "sleeping top, pushed", "sleeping top, tilted"]
