@@ -5,15 +5,18 @@ from __future__ import annotations
 
 import ast
 import copy
+import itertools
 import json
+import math
 import random
 import subprocess
 import sys
 from dataclasses import replace
 from fractions import Fraction
+from types import SimpleNamespace
 
 import pytest
-from flint import arb, arb_mat, ctx, fmpq
+from flint import arb, arb_mat, arb_poly, ctx, fmpq
 
 import polhode
 from polhode.certificates import verify
@@ -314,6 +317,53 @@ def test_faulty_guesses_are_contained_and_not_without_their_term(fault, request,
         assert ratio > 1e-7  # a bound that is far too wide would tell nothing
         drop(term, monkeypatch)
         assert worst(given, monkeypatch, key) > 1
+
+
+def body_of(*moments):
+    with ctx.workprec(64):
+        inertia = [[arb(x if i == j else 0) for j in range(3)] for i, x in enumerate(moments)]
+        return verify.Body(inertia, [arb("0.25"), arb("-0.5"), arb("0.125")])
+
+
+@pytest.mark.parametrize("moments", [(1, 1, 1), (3, 2, 2), (8, 7, 1)])
+def test_the_quadratic_part_of_the_rates_is_bounded_sharply(moments):
+    """By its values where every component is 1 or -1: half the sum of f there and opposite."""
+    body, largest = body_of(*moments), 0.0
+    with ctx.workprec(64):
+        for signs in itertools.product((1, -1), repeat=6):
+            here, there = (verify.rates(body, [arb(side * x) for x in signs]) for side in (1, -1))
+            both = [float(abs(x + y)) / 2 for x, y in zip(here, there, strict=True)]
+            largest = max(largest, *both)
+    assert float(body.beta) == pytest.approx(largest, rel=1e-12)
+
+
+def test_what_v_misses_is_bounded_beyond_its_last_coefficient_too(monkeypatch):
+    transition, kept = verify.transition, []
+    monkeypatch.setattr(
+        verify, "transition", lambda a, fine: kept.append(a) or transition(a, fine)[:3]
+    )
+    with ctx.workprec(64):
+        start = [arb(x) for x in ("0.5", "-0.25", "1", "0", "0.75", "0.5")]
+        step = verify.Step(body_of(3, 2, 1), start, arb("0.125"), 64)
+        (a,), v, norms = kept, step.v, []
+        for k in range(len(a) + len(v)):
+            total = v[k + 1] * arb(-(k + 1)) if k + 1 < len(v) else arb_mat(6, 6)
+            for j, one in enumerate(a):
+                total += one * v[k - j] if 0 <= k - j < len(v) else arb_mat(6, 6)
+            norms.append(verify.row_sum(total.table()))
+        missed, told = float(verify.integral(norms)), float(step.rho / step.growth)
+    assert missed <= told < 2 * missed
+
+
+def test_a_turn_about_the_diagonal_reaches_the_bound_of_what_w_misses():
+    """w is r in each component where y is 0: by the angle h r sqrt(3), u = 1 is left the most."""
+    h, r = 0.125, 1e-3
+    with ctx.workprec(64):
+        still = SimpleNamespace(bits=64), [arb_poly([0])] * 3, arb(r)
+        stage = SimpleNamespace(step=still[0], rates=lambda: still[1:])
+        _, off = verify.Attitude([arb(1), arb(0), arb(0), arb(0)]).step(arb(h), stage)
+    gone = 2 * math.sin(math.sqrt(3) * r * h / 4)
+    assert gone <= float(off) < 1.0001 * gone
 
 
 # -- what is no certificate -----------------------------------------------------------------------
