@@ -79,7 +79,7 @@ KINDS = {
         10,
     ),
     "no gamma": (Scene(Body.of_moments((3, 2, 1)), ("0.4", 1, "0.2")), 7),
-    "chaotic": (top(omega=("0.3", "0.2", "1.1")), 60),
+    "chaotic": (top(omega=("0.3", "0.2", "1.1")), 30),
 }
 
 

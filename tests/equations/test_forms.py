@@ -52,7 +52,7 @@ def digits_of(one: polhode.Trajectory, other: polhode.Trajectory) -> float:
     return worst_digits(one.states, other.states, other.scene, other.number.most_digits)
 
 
-@pytest.mark.sample(3, first=1, slow=2)
+@pytest.mark.sample(2, first=1, slow=3)
 @pytest.mark.parametrize("motion", MOTIONS)
 @pytest.mark.parametrize("name", OTHERS)
 def test_every_form_gives_38_of_40_digits_both_ways(name, motion):

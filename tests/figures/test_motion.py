@@ -336,6 +336,7 @@ def test_a_film_shows_the_motion_to_its_end_in_the_size_asked_for(tmp_path, suff
     assert counts[-1] > 5 * counts[0]
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     ("name", "end", "turns"),
     [
