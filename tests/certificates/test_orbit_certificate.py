@@ -152,6 +152,20 @@ def test_what_is_false_is_refused_and_why(place, value, said, small):
     assert said in answer
 
 
+@pytest.mark.parametrize("column", [1, 7])
+def test_an_end_that_is_not_known_well_proves_nothing(small, monkeypatch, column):
+    """The box of the starts at its end, which the period's column is of, or one column of D."""
+    closed = verify._closed
+
+    def wide(run, end, *rest):
+        by = arb(0, "1e-2" if column == 1 else 1)
+        rows = [[y + by if k == column else y for k, y in enumerate(row)] for row in end]
+        return closed(run, rows, *rest)
+
+    monkeypatch.setattr(verify, "_closed", wide)
+    assert told(small).startswith("refused")
+
+
 def test_half_a_period_is_refused(small):
     half = len(small["grid"]) // 2
     given = small | {"grid": small["grid"][: half + 1], "centres": small["centres"][:half]}
