@@ -17,7 +17,14 @@ from polhode import BadInput, NotProved
 from polhode.cli import main
 from polhode.enclosures.fixed_point_problem import Refused
 from polhode.enclosures.proof_loop import SHORT_STEPS
-from polhode.proofs import krawczyk, least_period, orbit_candidate, periodic_orbit, prove_orbit
+from polhode.proofs import (
+    body_tolerance,
+    krawczyk,
+    least_period,
+    orbit_candidate,
+    periodic_orbit,
+    prove_orbit,
+)
 from polhode.proofs.refusals import NotContracted, Unproved
 from shared import enclosure_faults, orbit_newton
 from shared import orbit_proofs as proofs
@@ -439,8 +446,15 @@ def test_a_tolerance_that_is_too_wide_names_one_that_works(near):
         prove_orbit.prove_found(near, 1, 15, tolerance=Fraction(1, 10**6))
 
 
-def test_no_certificate_tells_of_many_bodies(near, tmp_path, capsys):
-    wide = prove_orbit.prove_found(near, 0, 15, tolerance=Fraction(1, 10**8))
+def test_no_certificate_tells_of_many_bodies(near, tmp_path, capsys, monkeypatch):
+    """And the theorem is that of all bodies that are told."""
+    tolerance, proved = Fraction(1, 10**8), []
+    prove = body_tolerance.prove
+    monkeypatch.setattr(
+        body_tolerance, "prove", lambda on, *rest: proved.append(on) or prove(on, *rest)
+    )
+    wide = prove_orbit.prove_found(near, 0, 15, tolerance=tolerance)
+    assert {on.motion.tolerance for on in proved} == {wide.tolerance} == {tolerance}
     with pytest.raises(BadInput, match="one body"):
         wide.save(tmp_path / "orbit.json")
     path = str(tmp_path / "orbit.json")
