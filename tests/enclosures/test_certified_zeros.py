@@ -151,6 +151,18 @@ def test_what_is_zero_all_along_or_no_polynomial_is_refused(zero: str, why: str)
         certify_events(wheel(zero))
 
 
+@pytest.mark.parametrize(("before", "count"), [(-1, 1), (1, 0)])
+def test_intervals_on_both_sides_of_a_boundary_hold_a_zero_between_opposite_signs(
+    before: int, count: int
+) -> None:
+    zero = certified_zeros.Zero(arb(1), (arb(0),) * 6)
+    search = certified_zeros.Search(None, None)
+    search._left = certified_zeros._Part(before, 1, zero, arb(0), arb(1))
+    search._part(certified_zeros._Part(1, 1, zero, arb(1), arb(2)), True, False)
+    search.finish()
+    assert (len(search.crossings), search.contacts) == (count, [])
+
+
 def _of(g: Any, noise: int, **given: Any) -> certified_zeros.Search:
     """What a search finds of a polynomial on the wheel to t = 12."""
     motion = fixed_point_problem.motion(wheel("gamma3"))
