@@ -10,10 +10,12 @@ from functools import cache
 
 import numpy as np
 import pytest
+from flint import arb
 from mpmath import MPContext
 
 import polhode
 from polhode import BadInput, NotProved
+from polhode.certificates import verify
 from polhode.cli import main
 from polhode.enclosures.fixed_point_problem import Refused
 from polhode.enclosures.proof_loop import SHORT_STEPS
@@ -269,6 +271,13 @@ def test_a_motion_that_does_not_close_is_refused_by_the_determinant_alone():
 def doubled():
     made = proofs.sharp(proofs.ELLIPTIC)
     return replace(made, period=2 * made.period)
+
+
+def test_the_primes_by_which_a_period_is_divided_are_all():
+    first = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29]
+    assert least_period.primes(arb("30.5")) == first
+    assert least_period.primes(arb(29)) == first
+    assert verify._primes(30) == first[::-1]
 
 
 def test_a_doubled_period_is_left_open():
