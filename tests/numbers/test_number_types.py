@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from polhode.numbers import conversion, exact, number_types
 from polhode.numbers.conversion import exactly
-from polhode.numbers.decimals import decimal_in_full, decimal_string
+from polhode.numbers.decimals import decimal_in_full, decimal_string, digits_of
 from polhode.numbers.expression import decimal as read_decimal
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, NumberType, for_digits
@@ -75,6 +75,12 @@ def test_decimal_string_ties_go_to_even(n: int, power: int, digits: int) -> None
 )
 def test_decimal_string_is_positional_where_short(x: Fraction, digits: int, text: str) -> None:
     assert decimal_string(x, digits) == text
+
+
+def test_binary_numbers_are_told_by_the_digits_of_the_widest_and_a_double_s_at_least():
+    assert digits_of([]) == digits_of([Fraction(0), Fraction(3, 4)]) == 17
+    assert digits_of([Fraction(3, 4), Fraction(2**64 - 1, 2**90)]) == 21
+    assert digits_of([Fraction(2**112 + 1, 8)]) == 36
 
 
 @settings(deadline=None)

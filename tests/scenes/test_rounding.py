@@ -45,6 +45,14 @@ def test_inertia_from_numpy_is_made_symmetric_by_the_mean_of_each_pair():
     assert made > 40
 
 
+@pytest.mark.parametrize(("by", "rounding"), [(7, True), (-8, True), (9, False), (-9, False)])
+def test_eight_eps_of_the_largest_number_are_rounding_and_nine_are_not(by, rounding):
+    given = np.array([[1.0, 0.25, 0], [0.25 + by * EPS, 1, 0], [0, 0, 1]])
+    fault = contextlib.nullcontext() if rounding else pytest.raises(polhode.BadInput, match="symm")
+    with fault:
+        assert polhode.top(inertia=given, **FREE).notes
+
+
 @pytest.mark.parametrize("places", [(0, 1, 2), (2, 0, 1), (1, 2, 0)])
 def test_thin_plates_are_flat_exactly(places):
     rng, made = np.random.default_rng(44), 0
