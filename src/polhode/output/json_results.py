@@ -284,6 +284,7 @@ def of_judgement(judged: Judgement) -> JsonObject:
         "regime": reference.regime,
         "judged": [*subject.columns, *judged.parts],
         "times": [in_full(t) for t in judged.times],
+        "rows_judged": judged.rows_judged,
         "correct_digits": [
             None if d is None or is_lost(d, p) else round(d, 2)
             for d, p in zip(judged.digits, judged.expected, strict=True)

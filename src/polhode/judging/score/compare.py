@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Never, TypedDict
 
-from polhode.common.arguments import each, of_kind, refuse_unknown, whole
+from polhode.common.arguments import each, of_kind, refuse_unknown
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.text_tables import few
@@ -22,11 +22,11 @@ from polhode.judging.diagnosis.time_unit import begins_at_start, time_unit
 from polhode.judging.diagnosis.told_conventions import read_as_told
 from polhode.judging.diagnosis.ways import as_it_stands as digits_as_they_stand
 from polhode.judging.references.certified import Certified
-from polhode.judging.references.reference import Reference, Remembered, reference
+from polhode.judging.references.reference import AnyReference, Reference, Remembered, reference
 from polhode.judging.score.judgement import Judgement
 from polhode.judging.score.part_digits import fewest
 from polhode.judging.score.report_text import SHOWN
-from polhode.judging.score.score import AnyReference, does_not_answer
+from polhode.judging.score.score import does_not_answer
 from polhode.judging.tables.array_file import ENDINGS, read_arrays
 from polhode.judging.tables.attitude_forms import lengths, of_length_one
 from polhode.judging.tables.candidate import Subject, of_run, of_table
@@ -78,7 +78,6 @@ def compare(
     columns: Sequence[str] | None = None,
     known: Conditioning | None = None,
     first: Callable[[Judgement, int], None] | None = None,
-    workers: int = 1,
     progress: Progress | None = None,
     as_it_stands: bool = False,
     read: str | None = None,
@@ -114,8 +113,6 @@ def compare(
     first : callable, optional
         Called with a judgement of a few rows of a table of more than a thousand, and how many rows
         there are, before the others are judged by a closed form; of a file, before they are read.
-    workers : int
-        Processes that compute a closed form, if its rows take seconds.
     progress : callable, optional
         Called with the fraction of the reference's rows that are computed, and how many (of a
         proof, with the fraction of the time, and the steps), if that takes long.
@@ -162,7 +159,6 @@ def compare(
         if not isinstance(what, Trajectory):
             raise BadInput("compare", "against", None, "a reference, or a scene")
         against = what.scene
-    workers = whole("compare", "workers", workers, 1)
     kinds = (Reference, Certified, Remembered, Scene, str, Path)
     of_kind("compare", "against", against, kinds, "a reference, or a scene")
     limits: _Limits = {"progress": progress, "max_seconds": max_seconds}
@@ -218,7 +214,7 @@ def compare(
         subject = _of_length_one(_by_the_clock(subject, against), against)
         if isinstance(against, Certified):
             subject = _read_before(subject, against)
-    found = Judgement(subject, against, known, workers, progress, as_it_stands)
+    found = Judgement(subject, against, known, progress, as_it_stands)
     try:
         _ = found.digits  # what cannot be judged is refused here
     except BadInput as refused:
