@@ -168,6 +168,26 @@ def test_an_attitude_that_is_refused_leaves_the_states(monkeypatch):
     assert found.parts["attitude"] == pytest.approx(9, abs=0.01)
 
 
+def test_a_table_in_another_convention_asks_for_each_row_once(monkeypatch):
+    """What it means is told by a few rows; all rows were judged before it was read, and after."""
+    asked = []
+    answer = EulerTop.at
+    monkeypatch.setattr(
+        EulerTop,
+        "at",
+        lambda self, times, digits: asked.extend(times) or answer(self, times, digits),
+    )
+    count = 400
+    table = right("euler/attitude", [Fraction(k, 20) for k in range(count)])
+    asked.clear()
+    for name in STATE[:3]:
+        table[name] = np.degrees(table[name])
+    found = polhode.compare(table, "euler/attitude")
+    assert (found.reading, found.rows_judged) == ("omega degrees", count)
+    assert found.worst > 14
+    assert count <= len(asked) < 1.2 * count
+
+
 def test_every_row_is_judged_where_none_is_dear(monkeypatch):
     monkeypatch.setattr(row_selection, "MOST_DEAR", SPREAD)
     found = polhode.compare(right("euler/attitude", range(DEAR)), "euler/attitude")

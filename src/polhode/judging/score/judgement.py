@@ -183,12 +183,6 @@ class Judgement(Result, ByValue):
         return "; ".join([*told, *(one.convention for one in self._turns)]) or None
 
     @property
-    def is_wrong(self) -> bool:
-        """Whether a part has few digits, so that another convention may be meant."""
-        found = [d for digits in self.part_digits.values() for d in digits if d is not None]
-        return min(found, default=WRONG) < WRONG
-
-    @property
     def part_digits(self) -> dict[str, RowDigits]:
         """Correct digits of each part at each time, None where it has no value there.
 
