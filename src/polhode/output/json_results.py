@@ -29,7 +29,7 @@ if TYPE_CHECKING:  # a run needs none of these
     from polhode.enclosures.result import Enclosure
     from polhode.equations.integrals import Drift
     from polhode.judging.conditioning.lyapunov import Lyapunov
-    from polhode.judging.convergence_order import OrderBetweenTables
+    from polhode.judging.convergence_order import ObservedOrder
     from polhode.judging.references.reference import Reference
     from polhode.judging.references.textbook import Textbook
     from polhode.judging.score.judgement import Judgement
@@ -337,7 +337,7 @@ def of_judgement(judged: Judgement) -> JsonObject:
     return answer
 
 
-def of_order(found: OrderBetweenTables) -> JsonObject:
+def of_order(found: ObservedOrder) -> JsonObject:
     """The object that ``compare --orders --json`` prints."""
     return {
         "files": [*found.names],
