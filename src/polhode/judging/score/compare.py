@@ -14,8 +14,8 @@ from polhode.common.progress import Progress
 from polhode.common.text_tables import few
 from polhode.judging.clock import unknown_clock
 from polhode.judging.conditioning.conditioning import Conditioning
+from polhode.judging.diagnosis.convention_words import read_as_told
 from polhode.judging.diagnosis.time_unit import time_unit
-from polhode.judging.diagnosis.told_conventions import read_as_told
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import AnyReference, Reference, Remembered, reference
 from polhode.judging.score.judgement import Judgement
