@@ -20,7 +20,7 @@ from polhode.closed_forms.lagrange import motion as lagrange_motion
 from polhode.closed_forms.lagrange.top import LagrangeTop
 from polhode.numbers import exact
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath, own
 from shared import fast_series
 
 F = Fraction
@@ -324,3 +324,19 @@ def test_psi_and_phi_of_a_lagrange_top_at_any_time():
     assert max(abs(x - y) for x, y in zip(far, finer, strict=True)) < mpf("1e-19")
     with pytest.raises(ValueError, match=r"nutation: .*ask for the attitude"):
         counted.angles([F(10**15)], 20)
+
+
+@pytest.mark.parametrize("psi", [F(1, 2), F(4), F(-4)], ids=str)
+@pytest.mark.parametrize("digits", [20, 120])
+def test_counted_angles_are_those_of_the_attitude(psi, digits):
+    """Also to more digits than turns are counted with, and with the quaternion of either sign."""
+    body, start = {"moments": (3, 2, 1), "weight": 0}, {"omega": (1, F(1, 3), F(1, 2)), "psi": psi}
+    exact = polhode.reference(polhode.top(**body, **start, gamma=(F(2, 7), F(3, 7), F(6, 7))))
+    begin, soon, late = exact.angles([F(0), F(1, 1000), F(5)], digits)
+    assert max(abs(x - y) for x, y in zip(begin, soon, strict=True)) < 0.01
+    q0, q1, q2, q3 = map(own, exact.attitude([F(5)], digits + 5)[0])
+    with mpmath.workdps(digits + 20):
+        one, other = mpmath.atan2(q3, q0), mpmath.atan2(q2, q1)
+        theta = 2 * mpmath.atan2(mpmath.hypot(q1, q2), mpmath.hypot(q0, q3))
+        for x, y in zip(map(own, late), (one + other, theta, one - other), strict=True):
+            assert abs(mpmath.sin((x - y) / 2)) < mpf(10) ** -digits

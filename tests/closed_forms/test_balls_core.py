@@ -250,6 +250,15 @@ def test_a_bound_that_is_none_counts_wrongly():
     assert not one.overlaps(arb(100 * SPINNING))
 
 
+def test_turns_are_counted_farther_through_many_times(monkeypatch):
+    monkeypatch.setattr(winding, "_MOST_STEPS", 8)
+    times = [arb(k) / 100 for k in range(1, 101)]
+    *_, (one, _) = winding.counted(spinning, arb(2 * SPINNING), arb(0), times)
+    assert one.overlaps(arb(SPINNING))
+    with pytest.raises(Refused, match="ask for the attitude"):
+        winding.counted(spinning, arb(2 * SPINNING), arb(0), times[-1:])
+
+
 def test_far_times_and_poles_are_not_counted():
     with pytest.raises(Refused, match="ask for the attitude"):
         winding.counted(spinning, arb(2 * SPINNING), arb(0), [arb(3000)])

@@ -12,7 +12,6 @@ import pytest
 
 import polhode
 from polhode.closed_forms.families import FAMILIES, orbit_family
-from polhode.judging._dense_reference import parallel_evaluation
 from polhode.numbers.mpmath_context import mpmath
 from polhode.scenes import added_families
 from shared import steady_precession
@@ -83,15 +82,6 @@ def test_names_that_are_taken_and_what_is_no_family_are_refused(given):
     for family, word in ((FAMILIES[0], "euler"), (other, KIND), ("a word", "a Family")):
         with pytest.raises(polhode.BadInput, match=word):
             polhode.register_family(family)
-
-
-def test_many_rows_of_a_family_that_no_other_process_knows(given, tmp_path, monkeypatch):
-    """They are found here, however many there are: elsewhere another family would answer."""
-    monkeypatch.setattr(parallel_evaluation, "PAYS", 0.0)
-    monkeypatch.setattr(parallel_evaluation, "in_order", lambda *_: pytest.fail("elsewhere"))
-    known = polhode.reference(scene(tmp_path, KIND))
-    times = [Fraction(k, 8) for k in range(40)]
-    assert parallel_evaluation.asked_by(known, "at", 2)(times, 20) == known.at(times, 20)
 
 
 @pytest.mark.slow

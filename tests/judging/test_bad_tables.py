@@ -113,7 +113,6 @@ BAD = [
     (lambda _: [[math.inf, 2, 3]], {"at": [1]} | PQR, NUMBERS),
     (lambda _: [[1]], {"at": [1], "columns": ["s"]}, "columns = s"),
     (lambda _: 3, {"at": [1]}, NUMBERS),
-    (lambda _: mapping(), {"workers": 0}, "workers = 0: expected a whole number, 1 or more"),
     (lambda _: mapping(), {"against": None}, "a reference, or a scene"),
     (lambda _: mapping(), {"against": "ref.csv"}, "SCENE = ref.csv: expected a scene"),
     (lambda _: mapping(), {"against": "REF.NPZ"}, "SCENE = REF.NPZ: expected a scene"),

@@ -15,9 +15,8 @@ import pytest
 
 import polhode
 from polhode.judging.conditioning.conditioning import conditioning
-from polhode.judging.correct_digits import digits_of, errors, rate_scale
+from polhode.judging.correct_digits import digits_of, log10_errors, log10_rate
 from polhode.numbers import number_types
-from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
@@ -59,19 +58,18 @@ def places(kind: str, scene: Scene, ends: tuple[int, ...]) -> Iterator[tuple]:
     times = tuple(map(F, ends))
     known = conditioning(scene.at(times), number=QUAD)
     truth = polhode.integrate(scene.at(times), number_types.mp(50)).states
-    true = [[to_mpf(exactly(x), BITS) for x in row] for row in truth]
-    scale = rate_scale(true, scene, BITS)
+    rate = log10_rate(truth, scene)
     for number in TYPES:
         there = times if number is not QUAD else tuple(t for t in times if t <= 100)
         for project in (False, True):
             run = polhode.integrate(scene.at(there), number, project=project, method="taylor")
             every = run.projection.every if run.projection is not None else 0
             bands = known.expected(number, every)
-            for k, error in enumerate(errors(run.states, true[: len(there)], scale, BITS)):
+            for k, error in enumerate(log10_errors(run.states, truth[: len(there)], rate)):
                 band, steep = bands[k], known.log10_amplification[k]
                 if band is None or steep is None or steep > STEEPEST:
                     continue
-                digits = digits_of(error, number.most_digits)
+                digits = digits_of(float(error), number.most_digits)
                 place = (digits > band.most + 1e-9) - (digits < band.least - 1e-9)
                 yield kind, number.name, project, ends[k], place
 

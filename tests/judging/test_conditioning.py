@@ -18,7 +18,7 @@ from polhode.equations.forms import principal
 from polhode.equations.system import System, system
 from polhode.judging.conditioning.conditioning import conditioning
 from polhode.judging.conditioning.rounding_errors import Band
-from polhode.judging.correct_digits import rate_scale
+from polhode.judging.correct_digits import log10_rate
 from polhode.judging.diagnosis import error_budget
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, QUAD, mp
@@ -65,7 +65,7 @@ def differences(scene: Scene, number=QUAD, step: Fraction = Fraction(1, 10**15))
                 k = principal.coefficients(own, scene.time_unit)
                 moved.append(states(scene, k, start, number))
         total = sum(abs(x - honest) for x in moved) * step.denominator
-    scale = rate_scale(honest, scene, number.bits)
+    scale = 10 ** log10_rate(honest, scene)
     return [float(max(*(row[:3] / scale), *row[3:])) for row in total]
 
 
@@ -125,7 +125,7 @@ def test_kappa_of_a_free_body_is_that_of_its_closed_form():
         honest = at(inputs)
         moved = [at([x * (1 + step * (i == j)) for i, x in enumerate(inputs)]) for j in range(6)]
         total = sum(abs(row - honest) for row in moved) * step.denominator
-        scale = rate_scale(polhode.reference(scene).at(scene.times, 20), scene, 80)
+        scale = 10 ** log10_rate(polhode.reference(scene).at(scene.times, 20), scene)
         assert conditioning(scene).kappa[-1] == pytest.approx(float(max(total) / scale), rel=1e-6)
 
 

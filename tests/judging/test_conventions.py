@@ -11,6 +11,7 @@ import pytest
 
 import polhode
 from polhode.cli import main
+from polhode.closed_forms.euler.top import EulerTop
 from polhode.common.errors import BadInput
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 from shared import drifting_files as files
@@ -401,3 +402,33 @@ def test_a_wrong_table_has_no_convention_by_chance(wrong):
         found = polhode.compare(wrong(random, some(whole(), STATE)), CASE)
         assert found.readings == ()
         assert found.worst < 1.5
+
+
+def with_attitude(case, times):
+    """The state and the attitude of a run in double, by name, with its times."""
+    scene = replace(polhode.load(case), outputs=("attitude",), events=()).at(times)
+    run = polhode.integrate(scene)
+    return of_run(run) | dict(zip(ATTITUDE, np.array(run.attitude).T, strict=True))
+
+
+def test_an_attitude_that_alone_is_wrong_is_read_without_a_closed_form():
+    case = "general/asymmetric-regular"
+    table = with_attitude(case, [Fraction(k, 2) for k in range(8)])
+    table |= dict(zip(ATTITUDE, [table[n] for n in (*ATTITUDE[1:], ATTITUDE[0])], strict=True))
+    found = polhode.compare(table, case)
+    assert found.reading == "attitude scalar-last"
+    assert found.worst > 13
+
+
+def test_a_closed_form_that_refuses_leaves_the_reading_to_the_enclosure(monkeypatch):
+    def refused(self, times, digits):
+        raise ValueError("not here")
+
+    table = with_attitude("euler/attitude", [Fraction(k, 2) for k in range(8)])
+    for name in STATE[:3]:
+        table[name] = np.degrees(table[name])
+    for question in ("at", "attitude"):
+        monkeypatch.setattr(EulerTop, question, refused)
+    found = polhode.compare(table, "euler/attitude")
+    assert (found.reading, found.reference.kind) == ("omega degrees", "certified")
+    assert found.worst > 13

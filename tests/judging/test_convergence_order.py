@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
+from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -10,6 +13,7 @@ import pytest
 import polhode
 from polhode import BadInput
 from polhode.cli import main
+from polhode.judging.convergence_order import ObservedOrder
 from polhode.testing import order_of
 
 SCENE = "kovalevskaya/generic"
@@ -94,11 +98,14 @@ def written(path, method, h, every=1, until=2.0, header="t,p,q,r,gamma1,gamma2,g
 def test_the_order_between_two_files_is_told(method, order, tmp_path, capsys):
     coarse, fine = (written(tmp_path / f"{h}.csv", method, h) for h in (0.02, 0.01))
     assert main(["compare", coarse, fine, SCENE, "--orders"]) == 0
-    *table, last = capsys.readouterr().out.splitlines()
+    *table, one, other, last = capsys.readouterr().out.splitlines()
     assert len(table) == 101  # a header, and the times of the coarse one but 0
     found = float(last.split()[1].rstrip(";"))
     assert abs(found - order) < 0.15
-    assert last.endswith("steps 0.02 of 0.02.csv, 0.01 of 0.01.csv")
+    assert one.startswith("step 0.02 ")
+    assert one.endswith("digits, 0.02.csv")
+    assert other.endswith("digits, 0.01.csv")
+    assert last.endswith("between successive steps at 100 of 100 times")
 
 
 def test_steps_may_be_told_and_three_files_given(tmp_path, capsys):
@@ -112,6 +119,20 @@ def test_steps_may_be_told_and_three_files_given(tmp_path, capsys):
     assert found["times"] == ["0.5", "1", "1.5", "2"]
     assert len(found["correct_digits"]) == 3
     assert 3.8 < found["least"] <= found["order"] <= found["most"] < 4.2
+
+
+def test_at_each_time_those_steps_count_that_neither_the_first_digit_nor_rounding_rules():
+    digits = (1.0, 2.0), (2.0, 3.3), (3.0, 4.2), (4.0, 5.1), (4.1, 5.2)
+    found = ObservedOrder((16.0, 4.0, 1.0, 0.25, 0.0625), (Fraction(1), Fraction(2)), digits, 4.05)
+    digit = math.log(10, 4)  # the order at which four times the step costs one
+    assert found.counted == (True, True, True, True, False)
+    assert found.orders == (pytest.approx(digit), None)  # of two steps alone
+    assert (found.order, found.least, found.most) == pytest.approx((digit,) * 3)
+    wider = replace(found, rounding=5.15)
+    assert wider.counted[-1]
+    assert wider.least == pytest.approx(0.1 * digit)  # 4.0 to 4.1 digits
+    assert wider.most == pytest.approx(1.3 * digit)
+    assert wider.order == pytest.approx(sum(x for x in wider.orders) / 2)
 
 
 @pytest.mark.parametrize(
@@ -134,4 +155,4 @@ def test_orders_that_cannot_be_told_are_refused(more, said, tmp_path, capsys):
 def test_files_at_rounding_have_no_order(tmp_path, capsys):
     files = [written(tmp_path / f"{h}.csv", rk4, h, 100) for h in (0.0005, 0.00025)]
     assert main(["compare", *files, SCENE, "--orders"]) == 2
-    assert "common ones at which all files have 1.5 to" in capsys.readouterr().err
+    assert "common ones at which the files have 1.5 to" in capsys.readouterr().err

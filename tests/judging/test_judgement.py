@@ -186,8 +186,8 @@ def test_the_error_estimate_bounds_the_true_error_and_is_not_slack(name, digits)
     truth = polhode.reference(name)
     estimate = truth.error([1, 7], digits)
     rows, finer = truth.at([1, 7], digits), truth.at([1, 7], digits + 30)
-    scale = correct_digits.rate_scale(finer, truth.scene, 300)
-    true = max(correct_digits.errors(rows, finer, scale, 300))
+    rate = correct_digits.log10_rate(finer, truth.scene)
+    true = mpmath.mpf(10) ** max(correct_digits.log10_errors(rows, finer, rate))
     assert true <= estimate * (1 + mpmath.mpf(10) ** -6)
     assert mpmath.mpf(10) ** (-digits - 12) < estimate < mpmath.mpf(10) ** -digits
 

@@ -1,7 +1,8 @@
-"""Many rows judged at once get the digits that a few of them get one by one."""
+"""Many rows get the digits that a few of them get; of very many, where each is dear, some do."""
 
 from __future__ import annotations
 
+import math
 import pickle
 from dataclasses import replace
 from fractions import Fraction
@@ -10,8 +11,12 @@ import numpy as np
 import pytest
 
 import polhode
+from polhode.closed_forms.euler.top import EulerTop
+from polhode.common.text_tables import few
 from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.diagnosis.error_budget import between
+from polhode.judging.score import row_selection
+from polhode.output.json_results import of_judgement
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 from shared.tables import right
 
@@ -109,11 +114,85 @@ def test_numbers_beyond_doubles_are_judged_too():
     assert (found.worst, found.worst_time) == (0, times[3])
 
 
-@pytest.mark.slow
-def test_two_processes_give_the_same_judgement():
-    scene = polhode.load("bobylev-steklov/dn").at([Fraction(k, 2) for k in range(60)])
-    run = polhode.integrate(scene)
-    assert polhode.compare(run, workers=2) == polhode.compare(run)
+DEAR, SPREAD = 180, 60  # rows, and how many of them are evenly spread
+ODD = 86  # a row that is none of these
+
+
+@pytest.mark.parametrize(
+    ("case", "column", "amount"),
+    [("kovalevskaya/generic", "gamma2", 1e-6), ("hess/loxodrome", "q2", 1e-7)],
+)
+def test_of_very_many_dear_rows_some_are_judged_and_the_worst(monkeypatch, case, column, amount):
+    monkeypatch.setattr(row_selection, "MOST_DEAR", SPREAD)
+    times = [Fraction(k, 50) for k in range(DEAR)]
+    table = right(case, times, "at", "attitude")
+    table[column][ODD] += amount
+    found = polhode.compare(table, case)
+    told = [k for k, d in enumerate(found.digits) if d is not None]
+    assert ODD in told
+    assert {*few(DEAR, SPREAD), *few(DEAR, 11)} == {*told} - {ODD}
+    assert found.rows_judged == len(told)
+    assert float(found.worst_time) == float(times[ODD])
+    assert found.worst == pytest.approx(-math.log10(amount), abs=0.02)
+    (note,) = found.notes
+    assert note.startswith(f"{DEAR - len(told)} of {DEAR} rows, for each takes milliseconds")
+    assert "farthest from a run" in note
+    assert f"(of {len(told)} rows judged of {DEAR})" in str(found)
+    printed = of_judgement(found)
+    assert (printed["rows_judged"], printed["correct_digits"][1]) == (len(told), None)
+
+
+def test_the_farthest_row_may_be_one_of_angles_and_whole_turns_put_none_far(monkeypatch):
+    monkeypatch.setattr(row_selection, "MOST_DEAR", SPREAD)
+    times = [Fraction(k, 50) for k in range(DEAR)]
+    table = right("kovalevskaya/generic", times, "angles")
+    table["psi"][::2] += 2 * math.pi
+    table["phi"][ODD] += 1e-8
+    found = polhode.compare(table, "kovalevskaya/generic")
+    assert float(found.worst_time) == float(times[ODD])
+    assert 7.9 < found.worst < 8.1
+
+
+def test_an_attitude_that_is_refused_leaves_the_states(monkeypatch):
+    """They are asked for together, piece by piece; an enclosure then judges the attitude."""
+
+    def refused(self, times, digits):
+        raise ValueError("not here")
+
+    table = right("euler/attitude", [Fraction(k, 4) for k in range(9)], "at", "attitude")
+    table["q1"][5] += 1e-9
+    monkeypatch.setattr(EulerTop, "attitude", refused)
+    found = polhode.compare(table, "euler/attitude")
+    assert (found.reference.kind, found.agreement) == ("euler", math.inf)
+    assert found.state_worst > 15
+    assert found.parts["attitude"] == pytest.approx(9, abs=0.01)
+
+
+def test_a_table_in_another_convention_asks_for_each_row_once(monkeypatch):
+    """What it means is told by a few rows; all rows were judged before it was read, and after."""
+    asked = []
+    answer = EulerTop.at
+    monkeypatch.setattr(
+        EulerTop,
+        "at",
+        lambda self, times, digits: asked.extend(times) or answer(self, times, digits),
+    )
+    count = 400
+    table = right("euler/attitude", [Fraction(k, 20) for k in range(count)])
+    asked.clear()
+    for name in STATE[:3]:
+        table[name] = np.degrees(table[name])
+    found = polhode.compare(table, "euler/attitude")
+    assert (found.reading, found.rows_judged) == ("omega degrees", count)
+    assert found.worst > 14
+    assert count <= len(asked) < 1.2 * count
+
+
+def test_every_row_is_judged_where_none_is_dear(monkeypatch):
+    monkeypatch.setattr(row_selection, "MOST_DEAR", SPREAD)
+    found = polhode.compare(right("euler/attitude", range(DEAR)), "euler/attitude")
+    assert found.rows_judged == sum(d is not None for d in found.digits) == DEAR
+    assert not found.notes
 
 
 def test_a_judgement_that_tells_how_far_it_is_pickles_without():

@@ -13,8 +13,7 @@ import polhode
 from polhode.judging.conditioning import rounding_errors
 from polhode.judging.conditioning.conditioning import conditioning
 from polhode.judging.conditioning.step_rounding import StepRounding
-from polhode.judging.correct_digits import digits_of, errors, rate_scale
-from polhode.numbers.conversion import exactly, to_mpf
+from polhode.judging.correct_digits import digits_of, log10_errors, log10_rate
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
@@ -28,9 +27,7 @@ BITS = 400
 
 def size(states, truth, scene) -> list[float]:
     """The size of the differences of two runs, as that of errors."""
-    rows = [[to_mpf(exactly(x), BITS) for x in row] for row in truth]
-    found = errors(states, rows, rate_scale(rows, scene, BITS), BITS)
-    return [float(x) for x in found]
+    return (10 ** log10_errors(states, truth, log10_rate(truth, scene))).tolist()
 
 
 @pytest.mark.sample(3, slow=1)
@@ -46,7 +43,7 @@ def test_inputs_are_those_of_a_run_of_the_rounded_numbers(name, number):
     found = conditioning(scene, number=number).inputs()
     for digits, error in zip(found, expected, strict=True):
         assert error > 0
-        assert abs(digits - digits_of(error, number.most_digits)) < 1e-3
+        assert abs(digits - digits_of(math.log10(error), number.most_digits)) < 1e-3
 
 
 def test_inputs_exact_in_the_type_cost_nothing():
@@ -133,7 +130,9 @@ def test_a_spin_that_stands_still_is_put_back_on_average_alone():
     scene = replace(polhode.load("lagrange/nutation"), outputs=(), events=()).at((F(20), F(28)))
     run = polhode.integrate(scene, EXTENDED)
     truth = polhode.integrate(scene, QUAD).states
-    errors = [digits_of(e, EXTENDED.most_digits) for e in size(run.states, truth, scene)]
+    errors = [
+        digits_of(math.log10(e), EXTENDED.most_digits) for e in size(run.states, truth, scene)
+    ]
     known = conditioning(scene, number=EXTENDED)
     every = run.projection.every
     there, later = known.inputs(EXTENDED, every)

@@ -104,10 +104,12 @@ def test_what_is_no_file_is_not_waited_for(tmp_path, plain, make):
     assert [one for one in found.subject.remarks if "not read" in one]
 
 
-def test_the_first_megabyte_tells_of_a_long_file(tmp_path, plain):
-    """As of a run of very many times, whose bits stand first."""
+def test_a_long_file_is_read_too_and_half_a_file_is_not(tmp_path, plain):
+    """As of a run of very many times."""
     long = plain[1] | {"digits_left": [15.0] * (1 << 20)}
     (tmp_path / "x.json").write_text(json.dumps(long))
     found = judged(tmp_path, plain)
     assert found.subject.number.name == "double"
     assert found.digits == plain[2].digits
+    (tmp_path / "x.json").write_text(json.dumps(plain[1])[:-1])
+    assert "it does not describe the file's numbers" in str(judged(tmp_path, plain))

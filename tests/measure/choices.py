@@ -21,8 +21,7 @@ import numpy as np
 import polhode
 from polhode.common.provenance import cpu, versions
 from polhode.equations.system import system
-from polhode.judging.correct_digits import errors as state_errors
-from polhode.judging.correct_digits import rate_scale
+from polhode.judging.correct_digits import log10_errors, log10_rate
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly
 from polhode.runs.methods.taylor import TaylorMotion
@@ -241,8 +240,8 @@ def projected(scenes: Any, truths: Any, name: str, project: Any) -> tuple[float,
     errors = []
     for scene, truth in zip(scenes, truths, strict=True):
         run = polhode.integrate(scene, name, project=project)
-        scale = rate_scale(truth, scene, 120)
-        errors.append(float(state_errors(run.states, truth, scale, 120)[-1]))
+        rate = log10_rate(truth, scene)
+        errors.append(float(10 ** log10_errors(run.states, truth, rate)[-1]))
     seconds, _ = least(lambda: polhode.integrate(scenes[0], name, project=project), 7)
     return float(np.median(errors)), seconds
 

@@ -83,23 +83,6 @@ def test_arithmetic_is_right_to_the_last_bits(name, least, most):
     assert least < error(found, [operation(p, q) for p, q in zip(a, b, strict=True)]) < most
 
 
-@pytest.mark.parametrize(("size", "most"), [(0.7, 2), (3.0, 3), (1000.0, 3)])
-def test_sines_and_cosines(size, most):
-    x = some(size / 2, size, 3)
-    for found, f in zip(double_double.cos_sin(x), (HIGH.cos, HIGH.sin), strict=True):
-        true = [f(t) for t in wide(x)]
-        off = max(abs(a - b) for a, b in zip(wide(found), true, strict=True))
-        assert 0.05 < float(HIGH.ldexp(off, 106)) < most
-
-
-def test_the_angle_of_a_point():
-    y, x = some(-3, 3, 5), some(-3, 3, 6)
-    found = wide(double_double.arctan2(y, x))
-    true = [HIGH.atan2(b, a) for a, b in zip(wide(x), wide(y), strict=True)]
-    off = max(abs(a - b) for a, b in zip(found, true, strict=True))
-    assert 0.05 < float(HIGH.ldexp(off, 106)) < 8
-
-
 def test_numbers_become_pairs_and_lose_nothing_that_a_pair_holds():
     third = double_double.pairs(Fraction(1, 3))
     assert 0 < abs(Fraction(third.hi) + Fraction(third.lo) - Fraction(1, 3)) < Fraction(1, 2**106)

@@ -1,4 +1,4 @@
-"""The order at which an integrator converges, seen from its errors at several steps."""
+"""The order at which an integrator converges, seen from its errors at several steps and times."""
 
 from __future__ import annotations
 
@@ -23,36 +23,89 @@ from polhode.scenes.scene import Scene
 _HALVINGS = range(5, 12)  # of the time, for the steps that are tried
 _LEAST = 1.5  # digits below which no power of the step rules the error
 _SPARE = 2.5  # digits above which rounding does
-_FEWEST = 3  # steps
+_FEWEST = 3  # steps; of fewer tables all
 
 
 @dataclass(frozen=True, repr=False)
 class ObservedOrder(Result):
-    """An order p, error ~ step**p, as the least squares through log errors have it.
+    """The order p of a method, error ~ step**p, from correct digits at several steps and times.
 
-    ``least``, ``most``: between any two neighbours of the steps that count.  ``steps``: all that
-    were tried, the longest first; ``digits``: correct ones at each; ``counted``: which steps count:
-    those at which neither the first digit is wrong nor rounding rules.
+    ``digits``: a row for each of ``steps``, correct ones at each of ``times``; ``names``: of the
+    tables, where they are some.  At a step counts what is above the first digits and below
+    ``rounding``, the digits from which on rounding rules.  ``orders``: at each time that of the
+    least squares through log errors at the steps that count, None where these are too few.
+    ``order``: the median of them; ``least``, ``most``: between any two neighbours of the steps that
+    count, at any time.
     """
 
-    order: float
-    least: float
-    most: float
     steps: tuple[float, ...]
-    digits: tuple[float, ...]
-    counted: tuple[bool, ...]
+    times: tuple[Fraction, ...]
+    digits: tuple[tuple[float, ...], ...]
+    rounding: float
+    names: tuple[str, ...] = ()
+
+    @property
+    def orders(self) -> tuple[float | None, ...]:
+        """The order at each time."""
+        enough = min(_FEWEST, len(self.steps))
+        points = self._points
+        return tuple(_slope(here) if len(here) >= enough else None for here in points)
+
+    @property
+    def order(self) -> float:
+        """The median over the times."""
+        return median(x for x in self.orders if x is not None)
+
+    @property
+    def least(self) -> float:
+        """The smallest between neighbouring steps."""
+        return min(self._between)
+
+    @property
+    def most(self) -> float:
+        """The largest between neighbouring steps."""
+        return max(self._between)
+
+    @property
+    def counted(self) -> tuple[bool, ...]:
+        """Which steps count, at any time."""
+        return tuple(any(map(self._counts, row)) for row in self.digits)
+
+    def _counts(self, digits: float) -> bool:
+        return _LEAST < digits < self.rounding
+
+    @property
+    def _points(self) -> list[list[tuple[float, float]]]:
+        """The steps that count at each time with the digits there, the longest first."""
+        return [
+            sorted((h, d) for h, d in zip(self.steps, here, strict=True) if self._counts(d))[::-1]
+            for here in zip(*self.digits, strict=True)
+        ]
+
+    @property
+    def _between(self) -> list[float]:
+        both = zip(self._points, self.orders, strict=True)
+        return [_slope(pair) for here, x in both if x is not None for pair in pairwise(here)]
+
+    @property
+    def _range(self) -> str:
+        known = sum(x is not None for x in self.orders)
+        told = f"{self.least:.2f} to {self.most:.2f} between successive steps"
+        return told if len(self.times) == 1 else f"{told} at {known} of {len(self.times)} times"
 
     def __repr__(self) -> str:
-        between = f"{self.least:.2f} to {self.most:.2f} between successive steps"
-        return f"<ObservedOrder {self.order:.2f}, {between}, {sum(self.counted)} of them counted>"
+        return (
+            f"<ObservedOrder {self.order:.2f}, {self._range}, {sum(self.counted)} of them counted>"
+        )
 
     def __str__(self) -> str:
         lines = []
-        for h, d, counts in zip(self.steps, self.digits, self.counted, strict=True):
-            lines.append(f"step {h:<10.4g} {d:6.2f} digits{'' if counts else ', not counted'}")
-        order = f"order {self.order:.2f}; "
-        order += f"{self.least:.2f} to {self.most:.2f} between successive steps"
-        return "\n".join([*lines, order])
+        names = self.names or [""] * len(self.steps)
+        rows = zip(self.steps, self.digits, self.counted, names, strict=True)
+        for h, digits, counts, name in rows:
+            told = f"step {h:<10.4g} {min(digits):6.2f} digits{'' if counts else ', not counted'}"
+            lines.append(f"{told}, {name}" if name else told)
+        return "\n".join([*lines, f"order {self.order:.2f}; {self._range}"])
 
 
 def observed_order(
@@ -73,78 +126,23 @@ def observed_order(
     if len({*lengths}) < _FEWEST or not all(0 < h < math.inf for h in lengths):
         raise BadInput("order_of", "steps", len(lengths), f"{_FEWEST} or more, different, above 0")
     lengths = tuple(sorted(lengths, reverse=True))
-    against, digits, most = reference(scene), [], []
-    for h in lengths:
-        rows = mine(h)
-        found = compare(rows, against, at=times, columns=columns, as_it_stands=True)
-        digits.append(found.worst)
-        most.append(found.subject.held - _SPARE)
-    counted = tuple(_LEAST < d < m for d, m in zip(digits, most, strict=True))
-    points = [(h, d) for h, d, c in zip(lengths, digits, counted, strict=True) if c]
-    if len(points) < _FEWEST:
-        told = ", ".join(f"{h:.3g}: {d:.1f}" for h, d in zip(lengths, digits, strict=True))
-        low = min(most)
-        expected = f"{_FEWEST} or more that give {_LEAST:g} to {low:.1f} digits (there were {told})"
-        raise BadInput("order_of", "steps", len(points), expected)
-    order = _slope(*zip(*points, strict=True))
-    slopes = [_slope(*zip(*pair, strict=True)) for pair in pairwise(points)]
-    return ObservedOrder(order, min(slopes), max(slopes), lengths, tuple(digits), counted)
-
-
-@dataclass(frozen=True, repr=False)
-class OrderBetweenTables(Result):
-    """The order that tables made with different steps show at the times that all of them have.
-
-    ``order``: the median of ``orders``, one a time, ``least`` and ``most`` among them; None at a
-    time where the first digit is wrong or rounding rules.  ``steps``: of the tables; ``digits``: a
-    row a table, correct ones at each of ``times``.
-    """
-
-    names: tuple[str, ...]
-    steps: tuple[float, ...]
-    times: tuple[Fraction, ...]
-    digits: tuple[tuple[float, ...], ...]
-    orders: tuple[float | None, ...]
-
-    @property
-    def known(self) -> list[float]:
-        """The orders at the times that count."""
-        return [x for x in self.orders if x is not None]
-
-    @property
-    def order(self) -> float:
-        """The median."""
-        return median(self.known)
-
-    @property
-    def least(self) -> float:
-        """The smallest."""
-        return min(self.known)
-
-    @property
-    def most(self) -> float:
-        """The largest."""
-        return max(self.known)
-
-    def __repr__(self) -> str:
-        return f"<OrderBetweenTables {self.order:.2f}, {self._range}>"
-
-    @property
-    def _range(self) -> str:
-        return (
-            f"{self.least:.2f} to {self.most:.2f} at {len(self.known)} of {len(self.times)} times"
-        )
-
-    def __str__(self) -> str:
-        steps = ", ".join(
-            f"{h:.6g} of {name}" for h, name in zip(self.steps, self.names, strict=True)
-        )
-        return f"order {self.order:.2f}; {self._range}; steps {steps}"
+    against = reference(scene)
+    judged = [
+        compare(mine(h), against, at=times, columns=columns, as_it_stands=True) for h in lengths
+    ]
+    found = _order(judged, lengths, judged[0].times)
+    if all(x is None for x in found.orders):
+        worst = [min(row, default=0.0) for row in found.digits]
+        told = ", ".join(f"{h:.3g}: {d:.1f}" for h, d in zip(lengths, worst, strict=True))
+        window = f"{_LEAST:g} to {found.rounding:.1f} digits"
+        expected = f"{_FEWEST} or more that give {window} (there were {told})"
+        raise BadInput("order_of", "steps", sum(found.counted), expected)
+    return found
 
 
 def order_between(
     judged: Sequence[Judgement], steps: Sequence[AnyNumber] | None = None
-) -> OrderBetweenTables:
+) -> ObservedOrder:
     """The order of one method whose tables, made with different steps, were judged.
 
     ``steps``: of the tables, the distances of their rows unless given.
@@ -159,22 +157,30 @@ def order_between(
     right = all(0 < h < math.inf for h in lengths)
     if not right or len(lengths) != len(judged) or len({*lengths}) < max(2, len(judged)):
         raise BadInput(", ".join(names), "steps", None, expected)
+    found = _order(judged, lengths, judged[0].times, names)
+    if all(x is None for x in found.orders):
+        told = ", ".join(f"{min(row):.1f} to {max(row):.1f}" for row in found.digits if row)
+        window = f"{_LEAST:g} to {found.rounding:.1f} digits"
+        expected = f"common ones at which the files have {window}"
+        raise BadInput(", ".join(names), "t", told or None, expected)
+    return found
+
+
+def _order(
+    judged: Sequence[Judgement],
+    steps: tuple[float, ...],
+    times: Sequence[Fraction],
+    names: tuple[str, ...] = (),
+) -> ObservedOrder:
+    """What judgements tell at those of the times that all of them have, but t = 0."""
     digits = [
         {_label(t): d for t, d in zip(one.times, _fewest(one), strict=True) if d is not None}
         for one in judged
     ]
-    times = [t for t in judged[0].times if t and all(_label(t) in held for held in digits)]
-    rows = tuple(tuple(held[_label(t)] for t in times) for held in digits)
-    most = min(one.subject.held for one in judged) - _SPARE
-    orders = tuple(
-        _slope(lengths, here) if all(_LEAST < d < most for d in here) else None
-        for here in zip(*rows, strict=True)
-    )
-    if not any(x is not None for x in orders):
-        told = ", ".join(f"{min(row):.1f} to {max(row):.1f}" for row in rows if row)
-        expected = f"common ones at which all files have {_LEAST:g} to {most:.1f} digits"
-        raise BadInput(", ".join(names), "t", told or None, expected)
-    return OrderBetweenTables(names, lengths, tuple(times), rows, orders)
+    common = tuple(t for t in times if t and all(_label(t) in known for known in digits))
+    rows = tuple(tuple(known[_label(t)] for t in common) for known in digits)
+    rounding = min(one.subject.held for one in judged) - _SPARE
+    return ObservedOrder(steps, common, rows, rounding, names)
 
 
 def _spacing(judged: Judgement) -> float:
@@ -198,9 +204,9 @@ def _fewest(judged: Judgement) -> list[float | None]:
     ]
 
 
-def _slope(steps: Sequence[float], digits: Sequence[float]) -> float:
-    """Of the least squares through log errors over log steps."""
-    points = [(math.log10(h), -d) for h, d in zip(steps, digits, strict=True)]
-    x, y = (sum(column) / len(points) for column in zip(*points, strict=True))
-    square = sum((a - x) ** 2 for a, _ in points)
-    return float(sum((a - x) * (b - y) for a, b in points) / square)
+def _slope(points: Sequence[tuple[float, float]]) -> float:
+    """Of the least squares through log errors over log steps, of steps with their digits."""
+    logs = [(math.log10(h), -d) for h, d in points]
+    x, y = (sum(column) / len(logs) for column in zip(*logs, strict=True))
+    square = sum((a - x) ** 2 for a, _ in logs)
+    return float(sum((a - x) * (b - y) for a, b in logs) / square)

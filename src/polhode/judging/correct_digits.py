@@ -3,66 +3,142 @@
 Correct digits = -log10 of the larger of (max-norm error of w over the largest |w| that the
 reference reaches at the output times; if that is 0, over sqrt(Mg|r0|/largest moment), else over 1)
 and (max-norm error of gamma).
+
+Differences of numbers, of whatever types, are exact; their logarithms are doubles, in which an
+error of 1e-1000 is a number like any other.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from fractions import Fraction
+
+import numpy as np
 
 from polhode.numbers import exact
-from polhode.numbers.conversion import exactly, to_mpf
+from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import sign
-from polhode.numbers.rows import Given
+from polhode.numbers.rows import Doubles, Given
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.scene import Scene
 
+_TINIEST = -(1 << 17)  # the binary exponent below which a number is 0: no digit asked for shows it
 
-def rate_scale(rows: Given, scene: Scene, bits: int) -> Scalar:
-    """What errors of w are relative to: the largest |w| of the reference, as mpf."""
-    from polhode.numbers.mpmath_context import mpmath
-
-    with mpmath.workprec(bits):
-        largest = max((mpmath.hypot(mpmath.hypot(r[0], r[1]), r[2]) for r in rows), default=0)
-        if largest > 0:
-            return largest
-        fallback = scene.pendulum_rate_squared
-        return to_mpf(exact.sqrt(fallback), bits) if sign(fallback) else mpmath.mpf(1)
+#: What a difference is taken from: both numbers as quotients of integers.
+_Quotient = tuple[int, int]
 
 
-def errors(states: Given, reference: Given, scale: Scalar, bits: int) -> list[Scalar]:
-    """For each time the larger of the scaled errors of w and of gamma, as mpf.
+def log10_differences(
+    own: Given, true: Given, side: int = 1, turning: Sequence[int] = (), bits: int = 0
+) -> Doubles:
+    """log10 of the difference of each number from the true one, shape (rows, columns).
 
-    ``states``: rows as long as those of ``reference``; an entry None is not judged.
+    -inf where they are equal, inf where the own one is infinite, not a number where either is not
+    there.  ``side``: a factor of the own numbers.  ``turning``: columns of angles whose whole turns
+    mean nothing; 2 pi is taken to so many ``bits``.
     """
-    from polhode.numbers.mpmath_context import mpmath
+    turn = _turn(bits) if turning else (0, 1)
+    found = np.full((len(own), len(own[0]) if len(own) else 0), math.nan)
+    for n, (row, right) in enumerate(zip(_lists(own), true, strict=True)):
+        for k, (x, y) in enumerate(zip(row, right, strict=True)):
+            if x is None or y is None:
+                continue
+            try:
+                mine = _quotient(x)
+            except (OverflowError, ValueError):
+                found[n, k] = math.inf if x == x else math.nan
+                continue
+            gap = _difference((side * mine[0], mine[1]), _quotient(y))
+            if k in turning:
+                gap = _difference(gap, (turn[0] * _whole(gap, turn), turn[1]))
+            found[n, k] = _log10(gap)
+    return found
 
-    with mpmath.workprec(bits):
-        found = []
-        for row, true in zip(states, reference, strict=True):
-            worst = mpmath.mpf(0)
-            for column, (x, y) in enumerate(zip(row, true, strict=True)):
-                if x is None:
-                    continue
-                error = abs(to_mpf(exactly(x), bits) - y)
-                worst = max(worst, error / scale if column < 3 else error)
-            found.append(worst)
-        return found
+
+def log10_sizes(rows: Given) -> Doubles:
+    """log10 of the size of each number, shape (rows, columns)."""
+    return log10_differences(rows, [[0] * len(row) for row in rows])
 
 
-def digits_of(error: Scalar, cap: float) -> float:
-    """-log10 of an error, never more than ``cap`` and never less than 0."""
-    from polhode.numbers.mpmath_context import mpmath
+def log10_rate(rows: Given, scene: Scene) -> float:
+    """log10 of what errors of w are relative to: the largest |w| of the reference's rows."""
+    if len(rows):
+        sizes = log10_sizes([row[:3] for row in rows])
+        most = float(np.max(sizes))
+        if most > -math.inf:
+            squares = np.sum(100.0 ** (sizes - most), axis=1)
+            return most + math.log10(float(np.max(squares))) / 2
+    fallback = scene.pendulum_rate_squared
+    return exact.log10(fallback) / 2 if sign(fallback) else 0.0
 
-    if not mpmath.isfinite(error):
-        return 0.0
-    if error == 0:
-        return cap
-    with mpmath.workprec(53):
-        return min(cap, max(0.0, -float(mpmath.log10(error))))
+
+def log10_errors(states: Given, reference: Given, rate: float) -> Doubles:
+    """For each time log10 of the larger of the scaled errors of w and of gamma.
+
+    ``states``: rows as long as those of ``reference``; an entry None is not judged.  ``rate``: as
+    :func:`log10_rate` gives it.
+    """
+    return largest(scaled(log10_differences(states, reference), rate))
+
+
+def scaled(differences: Doubles, rate: float) -> Doubles:
+    """Those of w relative to a rate, those of gamma as they are."""
+    found = differences.copy()
+    found[:, :3] -= rate
+    return found
+
+
+def largest(differences: Doubles) -> Doubles:
+    """That of each row; not a number where none is there."""
+    found: Doubles = np.fmax.reduce(differences, axis=1, initial=math.nan)
+    return found
+
+
+def digits_of(log10_error: float, cap: float) -> float:
+    """The digits that such an error leaves, never more than ``cap`` and never less than 0."""
+    return min(cap, max(0.0, -log10_error))
 
 
 def worst_digits(states: Given, reference: Given, scene: Scene, cap: float) -> float:
     """The fewest correct digits over all rows."""
-    bits = math.ceil(cap * math.log2(10)) + 64
-    scale = rate_scale(reference, scene, bits)
-    return min((digits_of(e, cap) for e in errors(states, reference, scale, bits)), default=cap)
+    errors = log10_errors(states, reference, log10_rate(reference, scene))
+    return min((digits_of(float(e), cap) for e in errors if e == e), default=cap)
+
+
+def _lists(rows: Given) -> Given:
+    """Rows as lists of Python's own numbers, which are quicker to take apart."""
+    return rows.tolist() if isinstance(rows, np.ndarray) else rows
+
+
+def _quotient(x: Scalar) -> _Quotient:
+    """A number as a quotient of integers; raises OverflowError or ValueError if not finite."""
+    raw = getattr(x, "_mpf_", None)
+    if raw is not None and (raw[1] or not raw[2]):
+        negative, mantissa, exponent, size = raw
+        if exponent + size < _TINIEST:
+            return 0, 1
+        top = -int(mantissa) if negative else int(mantissa)
+        return (top << exponent, 1) if exponent >= 0 else (top, 1 << -exponent)
+    if isinstance(x, (float, int, Fraction)):
+        return x.as_integer_ratio()
+    return exactly(x).as_integer_ratio()
+
+
+def _difference(x: _Quotient, y: _Quotient) -> _Quotient:
+    return x[0] * y[1] - y[0] * x[1], x[1] * y[1]
+
+
+def _log10(x: _Quotient) -> float:
+    return math.log10(abs(x[0])) - math.log10(x[1]) if x[0] else -math.inf
+
+
+def _turn(bits: int) -> _Quotient:
+    mantissa, exponent = exact.rounded(2 * exact.pi(), bits)
+    return mantissa, 1 << -exponent
+
+
+def _whole(x: _Quotient, unit: _Quotient) -> int:
+    """The whole number nearest to a quotient of two."""
+    top, bottom = x[0] * unit[1], x[1] * unit[0]
+    return (2 * top + bottom) // (2 * bottom)

@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from fractions import Fraction
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -21,7 +20,7 @@ from polhode.numbers import exact, rationals
 from polhode.numbers.exact import Irrational, Number
 from polhode.numbers.rationals import Rationals
 from polhode.numbers.rows import Places
-from polhode.numbers.scalars import Functions, Scalar
+from polhode.numbers.scalars import Scalar
 
 _SPLITTER = 134217729.0  # 2**27 + 1
 
@@ -79,21 +78,12 @@ class Pairs:
             found = found * self
         return found
 
-    def __mod__(self, whole: int) -> Pairs:
-        """Of whole numbers below 2**53 alone, such as turns."""
-        return Pairs(np.mod(self.hi, whole))
-
     def __abs__(self) -> Pairs:
         sign = np.where(self.hi < 0, -1.0, 1.0)
         return Pairs(sign * self.hi, sign * self.lo)
 
     def __getitem__(self, index: Places) -> Pairs:
         return Pairs(self.hi[index], self.lo[index])
-
-    @property
-    def doubles(self) -> Scalar:
-        """The nearest doubles."""
-        return self.hi + self.lo
 
 
 def pairs(x: Scalar) -> Pairs:
@@ -142,79 +132,12 @@ def sqrt(x: Pairs) -> Pairs:
     return Pairs(*_quick(root, np.where(x.hi > 0, more, 0.0)))
 
 
-def of_pairs() -> Functions:
-    """What a formula takes beside pairs."""
-    return Functions(Pairs(0.0), lambda x: cos_sin(x)[1], lambda x: cos_sin(x)[0], sqrt)
-
-
-def hypot(x: Pairs, y: Pairs) -> Pairs:
-    """sqrt(x² + y²)."""
-    return sqrt(x * x + y * y)
-
-
-def cos_sin(x: Pairs) -> tuple[Pairs, Pairs]:
-    """Cosine and sine, to about 2**-105 of x itself."""
-    quarters = np.rint(x.hi * (2 / math.pi))
-    one, two, three = _half_pi()
-    rest = x - Pairs(*_two_product(quarters, one)) - Pairs(*_two_product(quarters, two))
-    rest = rest - quarters * three
-    square = rest * rest
-    cosine, sine = (_series(square, row) for row in _tables())
-    sine = sine * rest
-    odd, back = np.mod(quarters, 2) == 1, np.mod(quarters, 4)
-    c = _where(odd, sine, cosine)
-    s = _where(odd, cosine, sine)
-    minus_c = np.where((back == 1) | (back == 2), -1.0, 1.0)
-    minus_s = np.where(back >= 2, -1.0, 1.0)
-    return Pairs(c.hi * minus_c, c.lo * minus_c), Pairs(s.hi * minus_s, s.lo * minus_s)
-
-
-def arctan2(y: Pairs, x: Pairs) -> Pairs:
-    """The angle of (x, y) in [-pi, pi], to about 2**-104 of 1; of (0, 0) it is no number."""
-    first = Pairs(np.arctan2(y.hi, x.hi))
-    c, s = cos_sin(first)
-    return first + (y * c - x * s) / (x * c + y * s)
-
-
-def _series(square: Pairs, row: Sequence[tuple[float, float]]) -> Pairs:
-    total = Pairs(*row[-1])
-    for hi, lo in reversed(row[:-1]):
-        total = total * square + Pairs(hi, lo)
-    return total
-
-
-@cache
-def _tables() -> tuple[tuple[tuple[float, float], ...], ...]:
-    """Taylor coefficients in x² of cos x and of sin x / x, for |x| up to pi/4."""
-
-    def row(first: int) -> tuple[tuple[float, float], ...]:
-        terms = (Fraction((-1) ** k, math.factorial(2 * k + first)) for k in range(15))
-        return tuple(_of_binary(*exact.rounded(x, 120)) for x in terms)
-
-    return row(0), row(1)
-
-
-@cache
-def _half_pi() -> tuple[float, float, float]:
-    """pi/2 as a sum of three doubles."""
-    mantissa, exponent = exact.rounded(exact.pi() / 2, 200)
-    whole, found = Fraction(mantissa) * Fraction(2) ** exponent, []
-    for _ in range(3):
-        found.append(float(whole))
-        whole -= Fraction(found[-1])
-    return found[0], found[1], found[2]
-
-
 def _of_binary(mantissa: int, exponent: int) -> tuple[float, float]:
     over = mantissa.bit_length() - 120
     if over > 0:  # more than a pair holds
         mantissa, exponent = mantissa >> over, exponent + over
     hi = float(mantissa)
     return math.ldexp(hi, exponent), math.ldexp(float(mantissa - int(hi)), exponent)
-
-
-def _where(which: Any, a: Pairs, b: Pairs) -> Pairs:
-    return Pairs(np.where(which, a.hi, b.hi), np.where(which, a.lo, b.lo))
 
 
 def _two_sum(a: Any, b: Scalar) -> tuple[Scalar, Scalar]:

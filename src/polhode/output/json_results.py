@@ -29,7 +29,7 @@ if TYPE_CHECKING:  # a run needs none of these
     from polhode.enclosures.result import Enclosure
     from polhode.equations.integrals import Drift
     from polhode.judging.conditioning.lyapunov import Lyapunov
-    from polhode.judging.convergence_order import OrderBetweenTables
+    from polhode.judging.convergence_order import ObservedOrder
     from polhode.judging.references.reference import Reference
     from polhode.judging.references.textbook import Textbook
     from polhode.judging.score.judgement import Judgement
@@ -284,6 +284,7 @@ def of_judgement(judged: Judgement) -> JsonObject:
         "regime": reference.regime,
         "judged": [*subject.columns, *judged.parts],
         "times": [in_full(t) for t in judged.times],
+        "rows_judged": judged.rows_judged,
         "correct_digits": [
             None if d is None or is_lost(d, p) else round(d, 2)
             for d, p in zip(judged.digits, judged.expected, strict=True)
@@ -336,7 +337,7 @@ def of_judgement(judged: Judgement) -> JsonObject:
     return answer
 
 
-def of_order(found: OrderBetweenTables) -> JsonObject:
+def of_order(found: ObservedOrder) -> JsonObject:
     """The object that ``compare --orders --json`` prints."""
     return {
         "files": [*found.names],

@@ -29,11 +29,6 @@ def names() -> tuple[str, ...]:
     return (*_OF_PROCESS, *_installed())
 
 
-def is_of_process(name: str) -> bool:
-    """Whether other processes do not find it."""
-    return name in _OF_PROCESS
-
-
 def added() -> list[object]:
     """The families; raises BadInput where a package's cannot be imported."""
     found = [*_OF_PROCESS.values()]

@@ -159,7 +159,6 @@ def _answer(json: bool, judged: Judgement) -> tuple[Judgement, str | dict[str, o
 
 def _judged(options: Namespace, file: str, answer: Callable[[Judgement], T]) -> T:
     """What is made of the judgement of a file, which may ask for more of it."""
-    from polhode.common.executors import cores
     from polhode.judging.score.compare import compare
 
     path, number, digits = Path(file), options.number, options.digits
@@ -186,7 +185,6 @@ def _judged(options: Namespace, file: str, answer: Callable[[Judgement], T]) -> 
             digits=digits,
             columns=None if options.columns is None else options.columns.split(","),
             first=first,
-            workers=cores(),
             progress=partial(progress.show, what="rows or steps of the reference"),
             max_seconds=options.max_seconds,
             forecast=foretold,

@@ -41,6 +41,8 @@ class ClosedForm(ABC):
     #: Whether theorems and balls prove every digit, or a text that says what else they rest on;
     #: False: the digits are only reproduced, with more bits.
     proven: bool | str = False
+    #: Whether a row costs so much that of a table of very many only some are judged.
+    is_dear = False
     _body = "body"  # the name of the frequency of a motion that has a period
 
     def __init__(

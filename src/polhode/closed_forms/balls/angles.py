@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
-from typing import Protocol, TypeAlias
+from typing import NamedTuple, Protocol, TypeAlias
 
 from flint import acb, arb
 
@@ -69,16 +69,24 @@ def angle_rows(
     ``side``: the sign by which the attitude differs from the one that has psi and phi at t = 0.
     """
     start = _Start(motion, gamma, psi, side)
-    growths = _counts(motion, start, times)
+    counts = _counts(motion, start, times)
     rows = []
-    for t, growth in zip(times, growths, strict=True):
+    for t, count in zip(times, counts, strict=True):
         if sign(t) == 0:
             bits = int(3.33 * digits) + 40
             begin = start_angles(gamma, psi, bits)
             rows.append([shortened([x], digits, absolute=True)[0] for x in begin])
         else:
-            rows.append(_row(start, t, growth, digits))
+            rows.append(_row(start, t, count, digits))
     return rows
+
+
+class _Count(NamedTuple):
+    """The growth of both arguments to a time, and the attitude there, in balls of so many bits."""
+
+    growth: Grown
+    attitude: Turn
+    bits: int
 
 
 class _Start:
@@ -92,7 +100,11 @@ class _Start:
 
     def parameters(self, t: arb) -> tuple[acb, acb]:
         """al and bt, of the sign that has psi and phi at t = 0."""
-        q0, q1, q2, q3 = (self.side * x for x in self.motion.quaternion_at(t))
+        return self.signed(self.motion.quaternion_at(t))
+
+    def signed(self, attitude: Turn) -> tuple[acb, acb]:
+        """al and bt of an attitude, likewise."""
+        q0, q1, q2, q3 = (self.side * x for x in attitude)
         return acb(q0, q3), acb(q1, q2)
 
     def arguments(self, sense: int) -> tuple[arb, arb]:
@@ -124,11 +136,11 @@ class _Start:
             return arb.pi() if turned else z.arg().mid()
 
 
-def _counts(motion: Turning, start: _Start, times: Sequence[Exact]) -> list[Grown | None]:
+def _counts(motion: Turning, start: _Start, times: Sequence[Exact]) -> list[_Count | None]:
     """The growth of both arguments at each time, where the motion does not tell it."""
     if motion.knows_turns:
         return [None] * len(times)
-    found: dict[int, Grown] = {}
+    found: dict[int, _Count] = {}
     for sense in (1, -1):
         order = [n for n, t in enumerate(times) if sign(t) == sense]
         order.sort(key=lambda n: abs(times[n]))
@@ -138,14 +150,20 @@ def _counts(motion: Turning, start: _Start, times: Sequence[Exact]) -> list[Grow
     return [found.get(n) for n in range(len(times))]
 
 
-def _counted(motion: Turning, start: _Start, times: Sequence[Exact], sense: int) -> list[Grown]:
+def _counted(motion: Turning, start: _Start, times: Sequence[Exact], sense: int) -> list[_Count]:
     for bits in _COUNTING_BITS:
         with ctx.workprec(bits):
             try:
                 moments = [ball(t) for t in times]
-                return counted(
-                    motion.quaternion_at, motion.speed_bound(), start.soon(sense), moments
-                )
+                attitudes: dict[int, Turn] = {}
+
+                def at(t: arb, attitudes: dict[int, Turn] = attitudes) -> Turn:
+                    attitudes[id(t)] = motion.quaternion_at(t)
+                    return attitudes[id(t)]
+
+                growths = counted(at, motion.speed_bound(), start.soon(sense), moments)
+                both = zip(growths, moments, strict=True)
+                return [_Count(growth, attitudes[id(t)], bits) for growth, t in both]
             except TooFewBits:
                 continue
     raise Refused(
@@ -153,13 +171,16 @@ def _counted(motion: Turning, start: _Start, times: Sequence[Exact], sense: int)
     )
 
 
-def _row(start: _Start, t: Exact, growth: Grown | None, digits: int) -> list[mpf | None]:
+def _row(start: _Start, t: Exact, count: _Count | None, digits: int) -> list[mpf | None]:
     """psi, theta and phi; only theta where al or bt is 0, or is not told from it."""
 
     def whole() -> Row:
         moment = ball(t)
-        z = start.parameters(moment)
-        one, two = start.motion.arguments_at(moment) if growth is None else growth
+        if count is not None and ctx.prec <= count.bits:
+            z = start.signed(count.attitude)
+        else:
+            z = start.parameters(moment)
+        one, two = start.motion.arguments_at(moment) if count is None else count.growth
         if one is None or two is None:
             raise _AlwaysAPole
         args = [

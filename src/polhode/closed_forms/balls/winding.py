@@ -29,8 +29,9 @@ def counted(at: Callable[[arb], Turn], speed: arb, begin: arb, times: Sequence[a
     ``speed`` is a proven bound of |w|.  Raises Refused where the way is too long, TooFewBits where
     the balls do not tell it from one through a pole.
     """
+    most = _MOST_STEPS + len(times)  # the times themselves are asked for anyway
     # One of the two numbers is at most 1/sqrt 2, and no step is longer than three times that.
-    if any(abs(t - begin) * speed > _MOST_STEPS * _TRIED * 0.71 for t in times):
+    if any(abs(t - begin) * speed > most * _TRIED * 0.71 for t in times):
         raise Refused(_TOO_FAR)
     now, here = begin, _parameters(at(begin))
     total = (arb(0), arb(0))
@@ -44,7 +45,7 @@ def counted(at: Callable[[arb], Turn], speed: arb, begin: arb, times: Sequence[a
             reach = (_TRIED * least / speed).mid()
             while True:
                 steps += 1
-                if steps > _MOST_STEPS:
+                if steps > most:
                     raise Refused(_TOO_FAR)
                 new = last if abs(last - now) <= reach else _moved(now, last, reach)
                 there = _parameters(at(new))

@@ -52,6 +52,8 @@ _REACH = 64  # the motion's units of time within which the attitude is summed pi
 class GoryachevChaplyginTop(FromMotion):
     """One motion of Goryachev and Chaplygin's case from one start."""
 
+    is_dear = True
+
     def _set_up(self, moments: Vector, torque: Vector, omega: Vector, axes: Rows | None) -> None:
         self._start = start(moments, torque, omega, self._gamma, axes)
         self.regime = regimes.regime(self._start)

@@ -41,6 +41,8 @@ Path = PlaneMotion | Cone | GeneralMotion
 class HessTop(FromMotion):
     """One motion on Hess's surface from one start."""
 
+    is_dear = True
+
     def _set_up(self, moments: Vector, torque: Vector, omega: Vector, axes: Rows | None) -> None:
         self._start = surface.start(moments, torque, omega, self._gamma, axes)
         self.regime = surface.regime(self._start)

@@ -47,6 +47,8 @@ class KovalevskayaTop(BallMotion[TopMotion]):
     (:func:`polhode.closed_forms.kovalevskaya.regimes.regime`).
     """
 
+    is_dear = True
+
     def _set_up(self, moments: Vector, torque: Vector, omega: Vector, axes: Rows | None) -> None:
         self._axes = top_axes(moments, torque, axes)
         self.begin = self._axes.start(omega, self._gamma)

@@ -14,7 +14,7 @@ import numpy as np
 from polhode.common.errors import BadInput
 from polhode.equations.integrals import drift
 from polhode.figures.canvas.curve_sampling import Samples
-from polhode.judging.correct_digits import errors, rate_scale
+from polhode.judging.correct_digits import log10_errors, log10_rate
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference
 from polhode.judging.references.reference import rows as reference_rows
@@ -33,7 +33,7 @@ SPARE_DIGITS = 6
 def errors_of_run(found: Trajectory, reference: Reference | Certified) -> Samples:
     """Errors against a reference: of omega over its largest modulus, and of gamma."""
     digits = math.ceil(found.number.most_digits) + SPARE_DIGITS
-    logs = _errors([*found.states], reference.at(found.times, digits), found.scene, digits)
+    logs = _errors([*found.states], reference.at(found.times, digits), found.scene)
     return _samples(found.scene.name, found.times, logs, found.scene, found.number)
 
 
@@ -50,7 +50,7 @@ def errors_of_table(
     order = in_order(table)
     rows = reference_rows(reference.at, table.times, digits)
     states = [[table.columns[n][k] if n in there else None for n in scene.columns] for k in order]
-    logs = _errors(states, [rows[k] for k in order], scene, digits)
+    logs = _errors(states, [rows[k] for k in order], scene)
     return _samples(table.name, [table.times[k] for k in order], logs, scene, number)
 
 
@@ -97,15 +97,15 @@ def _samples(
 
 
 def _errors(
-    states: Sequence[GivenRow], rows: Sequence[Sequence[Scalar]], scene: Scene, digits: int
+    states: Sequence[GivenRow], rows: Sequence[Sequence[Scalar]], scene: Scene
 ) -> dict[str, Any]:
-    bits = math.ceil(digits * math.log2(10)) + 32
-    scale = rate_scale(rows, scene, bits)
+    rate = log10_rate(rows, scene)
     logs = {}
     for name, part in (("omega", range(3)), ("gamma", range(3, len(scene.columns)))):
         judged = [[x if i in part else None for i, x in enumerate(row)] for row in states]
         if any(x is not None for row in judged for x in row):
-            logs[name] = _log10(errors(judged, rows, scale, bits))
+            found = log10_errors(judged, rows, rate)
+            logs[name] = np.where(np.isinf(found), math.nan, found)
     return logs
 
 

@@ -13,7 +13,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -43,7 +43,7 @@ from polhode.judging.diagnosis.ways import (
     ways,
 )
 from polhode.judging.references.certified import Certified
-from polhode.judging.references.reference import Reference, Remembered, rows
+from polhode.judging.references.reference import AnyReference, rows
 from polhode.judging.tables.candidate import Subject
 from polhode.judging.tables.reading import WRONG, Reading, TimeChange
 from polhode.numbers.conversion import exactly, to_double
@@ -51,8 +51,6 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles
 from polhode.scenes.body import Body, Matrix, exact_vector
 from polhode.scenes.scene import Scene
-
-AnyReference: TypeAlias = Reference | Certified | Remembered
 
 _FARTHEST = 3e3  # radians or so, to which times of another unit are tried
 _POLE = 1e-9  # the sine of theta where psi and phi are one angle

@@ -33,7 +33,7 @@ _FAR_LEFT = 0.5  # likewise, so that what goes elsewhere is plainly not there
 _STILL = 0.01  # and by less it stands still
 _FOLLOWS = 0.7  # digits of the way that the motion has come
 _FOLLOWS_FITTED = 1.3  # likewise, of what is fitted to the first row
-_FIRST_ROWS, _LATER_ROWS = 8, 24  # that are looked at: the first, and later ones ever farther apart
+_FIRST_ROWS, _LATER_ROWS = 5, 6  # that are looked at: the first, and later ones ever farther apart
 
 
 def probed_rows(times: Sequence[Fraction]) -> list[int]:

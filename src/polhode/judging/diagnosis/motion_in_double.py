@@ -14,15 +14,20 @@ from polhode.judging.diagnosis.rotation_matrices import matrices
 from polhode.judging.diagnosis.ways import Right
 from polhode.judging.references.reference import by_sign
 from polhode.numbers.conversion import to_double
-from polhode.numbers.number_types import DOUBLE
+from polhode.numbers.number_types import DOUBLE, NumberType
 from polhode.numbers.rows import Doubles
 from polhode.scenes.scene import Scene
 
 FARTHEST = 1e6  # radians, to which the steps of a run do not go
 
 
-def integrated(scene: Scene, times: Sequence[Fraction], attitude: bool = True) -> Right | None:
-    """The motion, its attitude too where it has one; None where it cannot be integrated so far."""
+def integrated(
+    scene: Scene, times: Sequence[Fraction], attitude: bool = True, number: NumberType = DOUBLE
+) -> Right | None:
+    """The motion, its attitude too where it has one; None where it cannot be integrated so far.
+
+    ``number``: the type in which it is integrated.
+    """
     from polhode.runs.solve import solve
 
     if max((abs(to_double(t)) for t in times), default=0.0) * 10.0**scene.log10_rate > FARTHEST:
@@ -32,7 +37,7 @@ def integrated(scene: Scene, times: Sequence[Fraction], attitude: bool = True) -
     asked = _asked(scene, turning)
     try:
         for part in by_sign(times):
-            run = solve(asked.at(part), DOUBLE, interruptible=False)
+            run = solve(asked.at(part), number, interruptible=False)
             if len(run.times) < len(part):
                 return None
             turns = run.attitude if run.attitude is not None else [None] * len(part)

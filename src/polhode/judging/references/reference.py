@@ -17,7 +17,7 @@ from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
 from polhode.common.result import Result
 from polhode.equations.hodographs import Hodographs, hodographs
-from polhode.judging.correct_digits import errors, rate_scale
+from polhode.judging.correct_digits import log10_errors, log10_rate
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.derived import column_of
 from polhode.numbers import exact, number_types
@@ -118,9 +118,9 @@ class Reference(Result):
             return own
         times = _times(self.scene, times)
         rows, finer = self.at(times, digits), self.at(times, digits + 15)
-        bits = number_types.bits_for(digits + 40)
-        scale = rate_scale(finer, self.scene, bits)
-        largest: Real = ordinary(max(errors(rows, finer, scale, bits)))
+        errors = log10_errors(rows, finer, log10_rate(finer, self.scene))
+        with mpmath.workprec(ROUGH):
+            largest: Real = ordinary(mpmath.mpf(10) ** float(max(errors)))
         return largest
 
     def radii(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]] | None:
@@ -151,6 +151,11 @@ class Reference(Result):
             numbers += f" and {more} more"
         told = f"if these numbers are 0: {numbers}"
         return f"{how}; {told}" if isinstance(how, str) else told
+
+    @property
+    def is_dear(self) -> bool:
+        """Whether a row costs so much that of a table of very many only some are judged."""
+        return self._motion.is_dear
 
     @property
     def conditions(self) -> tuple[str, ...]:
@@ -243,6 +248,10 @@ class Remembered:
         return self._asked.angles(times, digits)
 
 
+#: Anything that a table or a run can be held against.
+AnyReference: TypeAlias = Reference | Certified | Remembered
+
+
 @overload
 def reference(
     scene: Scene | str | Path, backend: Literal["flint"] = "flint"
@@ -327,9 +336,10 @@ def rows(ask: Ask[T], times: Sequence[Fraction], digits: int) -> list[T]:
 
 def by_sign(times: Sequence[Fraction]) -> list[list[Fraction]]:
     """The different times from 0 ahead, and those from 0 back, each in order; none empty."""
-    ahead, behind = ({t for t in times if s * t > 0} for s in (1, -1))
-    if 0 in times:
-        (ahead if ahead or not behind else behind).add(Fraction(0))
+    different = dict.fromkeys(times)  # in the order given, which is nearly always sorted
+    ahead, behind = ([t for t in different if s * t.numerator > 0] for s in (1, -1))
+    if 0 in different:
+        (ahead if ahead or not behind else behind).append(Fraction(0))
     return [part for part in (sorted(ahead), sorted(behind, reverse=True)) if part]
 
 

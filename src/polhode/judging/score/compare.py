@@ -2,41 +2,33 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Never, TypedDict
 
-from polhode.common.arguments import each, of_kind, refuse_unknown, whole
+from polhode.common.arguments import each, of_kind, refuse_unknown
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.text_tables import few
-from polhode.judging.clock import clock, unknown_clock
+from polhode.judging.clock import unknown_clock
 from polhode.judging.conditioning.conditioning import Conditioning
-from polhode.judging.diagnosis.conventions import readings, right_at, whole_parts
-from polhode.judging.diagnosis.motion_in_double import integrated
-from polhode.judging.diagnosis.reading import as_read
-from polhode.judging.diagnosis.time_unit import begins_at_start, time_unit
-from polhode.judging.diagnosis.told_conventions import read_as_told
-from polhode.judging.diagnosis.ways import as_it_stands as digits_as_they_stand
+from polhode.judging.diagnosis.convention_words import read_as_told
+from polhode.judging.diagnosis.time_unit import time_unit
 from polhode.judging.references.certified import Certified
-from polhode.judging.references.reference import Reference, Remembered, reference
+from polhode.judging.references.reference import AnyReference, Reference, Remembered, reference
 from polhode.judging.score.judgement import Judgement
-from polhode.judging.score.part_digits import fewest
 from polhode.judging.score.report_text import SHOWN
-from polhode.judging.score.score import AnyReference, does_not_answer
+from polhode.judging.score.score import does_not_answer
+from polhode.judging.score.table_reading import as_meant, with_unit_quaternions
 from polhode.judging.tables.array_file import ENDINGS, read_arrays
-from polhode.judging.tables.attitude_forms import lengths, of_length_one
 from polhode.judging.tables.candidate import Subject, of_run, of_table
 from polhode.judging.tables.column_aliases import Column
 from polhode.judging.tables.csv_file import open_table
 from polhode.judging.tables.csv_layout import Naming, naming
-from polhode.judging.tables.reading import GAIN, LENGTH, WRONG, Reading, TimeChange
+from polhode.judging.tables.reading import LENGTH
 from polhode.judging.tables.table import Table, table_of_columns, table_of_rows
-from polhode.numbers.conversion import exactly, to_double
-from polhode.numbers.decimals import brief
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.runs.problem.options import choose_number
@@ -78,7 +70,6 @@ def compare(
     columns: Sequence[str] | None = None,
     known: Conditioning | None = None,
     first: Callable[[Judgement, int], None] | None = None,
-    workers: int = 1,
     progress: Progress | None = None,
     as_it_stands: bool = False,
     read: str | None = None,
@@ -114,8 +105,6 @@ def compare(
     first : callable, optional
         Called with a judgement of a few rows of a table of more than a thousand, and how many rows
         there are, before the others are judged by a closed form; of a file, before they are read.
-    workers : int
-        Processes that compute a closed form, if its rows take seconds.
     progress : callable, optional
         Called with the fraction of the reference's rows that are computed, and how many (of a
         proof, with the fraction of the time, and the steps), if that takes long.
@@ -162,7 +151,6 @@ def compare(
         if not isinstance(what, Trajectory):
             raise BadInput("compare", "against", None, "a reference, or a scene")
         against = what.scene
-    workers = whole("compare", "workers", workers, 1)
     kinds = (Reference, Certified, Remembered, Scene, str, Path)
     of_kind("compare", "against", against, kinds, "a reference, or a scene")
     limits: _Limits = {"progress": progress, "max_seconds": max_seconds}
@@ -210,15 +198,14 @@ def compare(
     if not (subject.columns or subject.angles or subject.attitude or subject.derived):
         expected = f"columns of {', '.join(against.scene.columns)}, angles or attitude"
         raise BadInput(subject.name, "header", None, expected)
+    given, offered = subject, None
+    reads = not as_it_stands and read is None and subject.run is None
     if read is not None and subject.run is None:
-        subject = _of_length_one(subject, against) if LENGTH in read else subject
+        subject = with_unit_quaternions(subject, against) if LENGTH in read else subject
         subject, as_it_stands = read_as_told(subject, against, read), True
-    elif not as_it_stands and subject.run is None:
-        subject = _from_the_start(_in_seconds(subject, against), against)
-        subject = _of_length_one(_by_the_clock(subject, against), against)
-        if isinstance(against, Certified):
-            subject = _read_before(subject, against)
-    found = Judgement(subject, against, known, workers, progress, as_it_stands)
+    elif reads:
+        subject, offered = as_meant(given, against)
+    found = Judgement(subject, against, known, progress, as_it_stands, offered)
     try:
         _ = found.digits  # what cannot be judged is refused here
     except BadInput as refused:
@@ -230,9 +217,12 @@ def compare(
                 expected = "; ".join([refused.expected, *hints])
                 raise BadInput(refused.source, "t", refused.value, expected) from None
             raise
-        found = replace(found, reference=Certified(against.scene, **limits))
+        proven = Certified(scene, **limits)
+        if reads:
+            subject, offered = as_meant(given, proven)
+        found = replace(found, subject=subject, reference=proven, offered=offered)
         _ = found.digits
-    return found if as_it_stands or found.subject.run is not None else _as_read(found)
+    return found
 
 
 def _naming(columns: Sequence[str] | None) -> Naming | None:
@@ -249,134 +239,6 @@ def _meaning(columns: Sequence[str] | None) -> Callable[[Sequence[str]], list[Co
         expected = "NAME=COLUMN of each, for these columns have names"
         raise BadInput("compare", "columns", ",".join(names.header), expected)
     return names.columns
-
-
-def _as_read(found: Judgement) -> Judgement:
-    """The judgement in the conventions in which its wrong parts begin right, where some do."""
-    if not found.is_wrong:
-        return found
-    applied = [one for one in found.offers if one.change is not None]
-    if not applied:
-        return found
-    left = tuple(one for one in found.offers if one.change is None)
-    other = replace(found, subject=as_read(found.subject, applied), offered=left)
-    before, now = ({k: fewest(d, 0.0) for k, d in x.part_digits.items()} for x in (found, other))
-    read = {one.part for one in applied}
-    good = all(now.get(k, 0.0) >= d - GAIN for k, d in before.items() if k not in read)
-    return other if good else found
-
-
-def _read_before(subject: Subject, against: Certified) -> Subject:
-    """A table in the convention that makes it right, where that is told without a far proof."""
-    some = subject.some(few(len(subject.times), SHOWN))
-    if _as_they_stand(some, against) >= WRONG:
-        return subject
-    parts = ("omega", "gamma", "attitude", "angles")
-    found = [one for one in readings(subject, against, parts) if one.change is not None]
-    if not found:
-        return subject
-    return as_read(subject, found)
-
-
-def _in_seconds(subject: Subject, against: AnyReference) -> Subject:
-    """A table with the times of its unit, where its first rows are right so alone."""
-    unit = time_unit(subject, against.scene)
-    if unit is None:
-        return subject
-    first = sorted(range(len(subject.times)), key=lambda k: abs(subject.times[k]))[:_FIRST]
-    some = [k for k in first if subject.times[k] != 0]
-    return _at_other_times(subject, against, some, TimeChange(unit=unit.length), unit.name)
-
-
-def _from_the_start(subject: Subject, against: AnyReference) -> Subject:
-    """A table whose earliest row is the scene's start at another time, with times from there on."""
-    some = sorted(range(len(subject.times)), key=subject.times.__getitem__)[:_FIRST]
-    first = subject.times[some[0]]
-    if first == 0 or not begins_at_start(subject, some[0], against.scene):
-        return subject
-    words = f"from its first row on ({brief(first)})"
-    return _at_other_times(subject, against, some, TimeChange(shift=first), words)
-
-
-def _by_the_clock(subject: Subject, against: AnyReference) -> Subject:
-    """A table with the times of the scene, where its first rows belong to others."""
-    some = sorted(range(len(subject.times)), key=subject.times.__getitem__)[:_FIRST]
-    rows = subject.some(some)
-    plain = _as_they_stand(rows, against)
-    if plain >= WRONG or _is_explained(rows, against):
-        return subject
-    found = clock(rows, against.scene)
-    if found is None:
-        remark = unknown_clock(subject, against.scene)
-        return replace(subject, remarks=(*subject.remarks, *remark))
-    moved = subject.at_other_times(found.change, found.off)
-    if not found.entire and not _is_explained(moved.some(some), against):
-        return subject
-    reading = Reading("t", plain, found.words, found.digits)
-    return replace(moved, readings=(*subject.readings, reading))
-
-
-def _is_explained(rows: Subject, against: AnyReference) -> bool:
-    """Whether all parts are right, as they stand or in another convention."""
-    parts, times = whole_parts(rows)
-    right = right_at(against, times)
-    if right is None:
-        return False
-    plain = {name: digits_as_they_stand(name, values, right) for name, values in parts.items()}
-    wrong = {name for name, digits in plain.items() if digits is not None and digits < WRONG}
-    return wrong <= {one.part for one in readings(rows, against, wrong)}
-
-
-def _of_length_one(subject: Subject, against: AnyReference) -> Subject:
-    """A table whose quaternions are of length 1, if they have another one."""
-    attitude = subject.attitude
-    found = None if attitude is None else lengths(attitude)
-    if attitude is None or found is None:
-        return subject
-    unit = [of_length_one(row, subject.number.bits) for row in attitude]
-    parts, times = whole_parts(subject)
-    right = right_at(against, times) if "attitude" in parts else None
-    digits = right and digits_as_they_stand("attitude", parts["attitude"], right)
-    before = max(0.0, -math.log10(max(abs(x - 1) for x in found)))
-    reading = Reading("attitude", before, LENGTH, digits or 0.0)
-    return replace(subject, attitude=unit, readings=(*subject.readings, reading))
-
-
-def _at_other_times(
-    subject: Subject, against: AnyReference, some: list[int], change: TimeChange, words: str
-) -> Subject:
-    """A table at changed times, where some of its rows are right so alone."""
-    rows = subject.some(some)
-    changed = rows.at_other_times(change)
-    before = _as_they_stand(rows, against)
-    if before >= WRONG:
-        return subject
-    with suppress(BadInput):
-        now = Judgement(changed, against).worst
-        if now >= before + GAIN:
-            reading = Reading("t", before, words, now)
-            moved = subject.at_other_times(change)
-            return replace(moved, readings=(*subject.readings, reading))
-    return subject
-
-
-def _as_they_stand(rows: Subject, against: AnyReference) -> float:
-    """The fewest digits of rows; of a proof, that may have far to go, against a run in double."""
-    if isinstance(against, Certified):
-        plain = integrated(against.scene, rows.times, attitude=False)
-        if plain is None or rows.states is None:
-            return 0.0
-        true = dict(zip(rows.times, plain.states.tolist(), strict=True))
-        off = [
-            abs(to_double(exactly(x)) - y)
-            for t, row in zip(rows.times, rows.states, strict=True)
-            for x, y in zip(row, true[t], strict=True)
-            if x is not None
-        ]
-        return max(0.0, -math.log10(max([1e-16, *off])))
-    with suppress(BadInput):
-        return Judgement(rows, against).worst
-    return 0.0
 
 
 def _unit(subject: Subject, scene: Scene) -> str:

@@ -33,10 +33,10 @@ from polhode.judging.diagnosis.error_budget import (
     selected,
 )
 from polhode.judging.diagnosis.time_rounding import explained, reading
-from polhode.judging.references.reference import by_sign
+from polhode.judging.references.reference import AnyReference, by_sign
 from polhode.judging.score.part_digits import PartDigits, RowDigits, fewest
 from polhode.judging.score.report_text import SHOWN, table, together
-from polhode.judging.score.score import AnyReference, HeldAgainst
+from polhode.judging.score.score import HeldAgainst
 from polhode.judging.tables.candidate import Subject, of_table
 from polhode.judging.tables.reading import TURNS, WRONG, Reading
 from polhode.judging.tables.table import Table
@@ -66,8 +66,8 @@ class Judgement(Result, ByValue):
     """Correct digits of a run or a table at each of its times, and what limits them.
 
     ``subject``: what was judged.  ``reference``: what it was judged against.  ``known``: the
-    conditioning at the scene's times, if it is known already.  ``workers``: processes that may
-    compute the reference; ``progress``: called with its rows if they take long.
+    conditioning at the scene's times, if it is known already.  ``progress``: called with the
+    reference's rows where they are many.
     ``as_it_stands``: whether no other convention is tried.  ``offered``: those that are told and
     not applied, if they are known already.
     ``digits[k]`` belongs to ``times[k]``: -log10 of the larger of the error of omega over the
@@ -84,7 +84,6 @@ class Judgement(Result, ByValue):
     subject: Subject
     reference: AnyReference
     known: Conditioning | None = field(default=None, compare=False)
-    workers: int = field(default=1, compare=False)
     progress: Progress | None = field(default=None, compare=False)
     as_it_stands: bool = False
     offered: tuple[Reading, ...] | None = field(default=None, compare=False)
@@ -100,13 +99,20 @@ class Judgement(Result, ByValue):
 
     @cached_property
     def _held(self) -> HeldAgainst:
-        return HeldAgainst(self.subject, self.reference, self.workers, self.progress)
+        return HeldAgainst(self.subject, self.reference, self.progress)
 
     @property
     def digits(self) -> RowDigits:
         """Correct digits of the state at each time, None where no number of it is there; empty
         where none is at any time."""
         return self._held.digits
+
+    @property
+    def rows_judged(self) -> int:
+        """How many rows were judged: all, or some of very many where a row of the closed form costs
+        milliseconds."""
+        selected = self._held.selected
+        return len(self.times) if selected is None else len(selected.rows)
 
     @property
     def state_worst(self) -> float:
@@ -175,12 +181,6 @@ class Judgement(Result, ByValue):
         """The convention that was applied, None where the numbers are judged as they stand."""
         told = [*dict.fromkeys(f"{r.part} {r.convention}" for r in self.subject.readings)]
         return "; ".join([*told, *(one.convention for one in self._turns)]) or None
-
-    @property
-    def is_wrong(self) -> bool:
-        """Whether a part has few digits, so that another convention may be meant."""
-        found = [d for digits in self.part_digits.values() for d in digits if d is not None]
-        return min(found, default=WRONG) < WRONG
 
     @property
     def part_digits(self) -> dict[str, RowDigits]:
@@ -334,7 +334,7 @@ class Judgement(Result, ByValue):
         cheap = limit(worst, held, None, None, agreement, steps)
         if cheap in ("rounding", "reference"):  # needs nothing of the motion
             return cheap
-        at, times = self._lowest, len(self.times)
+        at, times = self._lowest, self.rows_judged
         expected, inputs = self.expected[at], self.inputs[at]
         thin = is_thin(self.reference.scene.body)
         found = limit(worst, held, expected, inputs, agreement, steps, times, thin)
@@ -374,7 +374,7 @@ class Judgement(Result, ByValue):
         if not self.limit.startswith("method"):
             return None
         expected = self.expected[self._lowest]
-        return None if expected is None else chance(self.state_worst, expected, len(self.times))
+        return None if expected is None else chance(self.state_worst, expected, self.rows_judged)
 
     @property
     def parts(self) -> dict[str, float]:
@@ -398,9 +398,10 @@ class Judgement(Result, ByValue):
 
     @property
     def _unjudged(self) -> list[str]:
-        """Parts beside the state that were not judged, and why."""
-        parts = self._held.parts
-        unjudged = [
+        """Rows, and parts beside the state, that were not judged, and why."""
+        parts, selected = self._held.parts, self._held.selected
+        unjudged = [] if selected is None else [selected.note(len(self.times))]
+        unjudged += [
             f"{name} {'were' if name == 'angles' else 'was'} not judged: {found}"
             for name, found in parts.items()
             if isinstance(found, str)
@@ -512,6 +513,8 @@ class Judgement(Result, ByValue):
         if self.digits and self.lost:
             return f"{self.lost}; {limited}"
         worst = f"worst {self.worst:.2f} correct digits at t = {brief(self.worst_time)}"
+        if self.rows_judged < len(self.times):
+            worst += f" (of {self.rows_judged} rows judged of {len(self.times)})"
         if self.worst_part == STATE_PART:
             return f"{worst}; {limited}"
         worst += f", of {self.worst_part}"

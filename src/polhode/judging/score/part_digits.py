@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple, TypeAlias
 
-from polhode.judging.correct_digits import digits_of
+import numpy as np
+
+from polhode.judging.correct_digits import digits_of, largest, log10_differences, log10_sizes
 from polhode.judging.tables.reading import GAIN
-from polhode.numbers.conversion import exactly, to_mpf
-from polhode.numbers.rows import Given
+from polhode.numbers.rows import Doubles, Given
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.vocabulary import ANGLES, COLUMNS
 
@@ -51,24 +53,33 @@ def most_right(candidates: Sequence[RowDigits]) -> RowDigits:
     return max(candidates, key=lambda digits: sum(d for d in digits if d is not None))
 
 
+def row_digits(differences: Doubles, held: float) -> RowDigits:
+    """The fewest digits of each row, of log10 of its numbers' differences; None where none is."""
+    worst = largest(differences).tolist()
+    return tuple(None if math.isnan(x) else digits_of(x, held) for x in worst)
+
+
 def part_digits(
     name: str,
     own: Given,
-    true: list[list[Scalar]],
+    true: Sequence[Sequence[Scalar | None]],
     held: float,
     bits: int,
     signless: bool = False,
 ) -> PartDigits:
     """A part's rows against the reference's; ``held``: the most digits that can be told.
 
-    ``signless``: whether a quaternion's sign may differ from row to row.
+    ``bits``: the precision of pi.  ``signless``: whether a quaternion's sign may differ from row to
+    row.
     """
-    scale = 1 if COLUMNS[name].how == "integrated" else largest_of(true)
+    scale = 0.0 if COLUMNS[name].how == "integrated" else _log10_largest(true)
     signs = ALIKE.get(name, (1,))
-    sides = [_row_digits(own, true, held, bits, s, scale) for s in signs]
+    sides = [row_digits(log10_differences(own, true, side) - scale, held) for side in signs]
     found = most_right([tuple(map(_more, *sides))] if signless and len(sides) > 1 else sides)
-    turned = _row_digits(own, true, held, bits, 1, 1, TURNING) if name == "angles" else None
-    return PartDigits(found, turned)
+    if name != "angles":
+        return PartDigits(found)
+    turned = log10_differences(own, true, turning=TURNING, bits=bits)
+    return PartDigits(found, row_digits(turned, held))
 
 
 def principal_angles(attitudes: Sequence[Sequence[Scalar]], bits: int) -> list[list[Scalar]]:
@@ -85,36 +96,11 @@ def principal_angles(attitudes: Sequence[Sequence[Scalar]], bits: int) -> list[l
     return found
 
 
-def _row_digits(
-    own: Given,
-    true: list[list[Scalar]],
-    held: float,
-    bits: int,
-    side: int,
-    scale: Scalar,
-    turning: Sequence[int] = (),
-) -> RowDigits:
-    from polhode.numbers.mpmath_context import mpmath
-
-    found: list[float | None] = []
-    with mpmath.workprec(bits):
-        turn = 2 * mpmath.pi
-        for mine, right in zip(own, true, strict=True):
-            digits: list[float] = []
-            for column, (x, y) in enumerate(zip(mine, right, strict=True)):
-                if x is not None and y is not None:
-                    error = side * to_mpf(exactly(x), bits) - y
-                    if column in turning and mpmath.isfinite(error):
-                        error -= turn * mpmath.nint(error / turn)
-                    digits.append(digits_of(abs(error) / scale, held))
-            found.append(min(digits, default=None))
-    return tuple(found)
-
-
 def _more(one: float | None, other: float | None) -> float | None:
     return one if one is None or other is None else max(one, other)
 
 
-def largest_of(rows: list[list[Scalar]]) -> Scalar:
-    """The largest size of a derived column's numbers, which its errors are relative to; 1 if 0."""
-    return max((abs(x) for row in rows for x in row if x is not None), default=0) or 1
+def _log10_largest(rows: Sequence[Sequence[Scalar | None]]) -> float:
+    """log10 of the largest size of a derived column's numbers; of 1 where all are 0."""
+    most = float(np.nanmax(log10_sizes(rows), initial=-math.inf))
+    return most if most > -math.inf else 0.0

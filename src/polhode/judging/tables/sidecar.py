@@ -1,17 +1,17 @@
 """What the JSON that polhode wrote beside a CSV says of its numbers; anything else is no such file.
 
-Somebody's file of that name may hold anything: a megabyte of a regular file is read, each field is
+Somebody's file of that name may hold anything: a regular file is read up to a limit, each field is
 checked against the others and against the cells, and what does not fit changes nothing and is told.
 """
 
 from __future__ import annotations
 
+import json
 import os
 import stat
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from json import JSONDecoder
 from pathlib import Path
 
 from polhode.common.errors import UNREADABLE, short
@@ -22,11 +22,10 @@ from polhode.numbers.decimals import shortest
 from polhode.numbers.expression import ExpressionError
 from polhode.numbers.number_types import LEAST_MP_BITS, MAX_DIGITS, NAMES, NumberType, mp, named
 
-MOST_BYTES = 1 << 20
+MOST_BYTES = 1 << 27
 _MOST_BITS = 4 * mp(MAX_DIGITS).bits  # of a run: the digits asked for, and those that it loses
 _ROUNDED_OFF = 3  # zeros that all numbers of a table may end with
 _CHECKED = 32  # times
-_SPACE = " \t\r\n"
 _KEYS = ("t_bits", "number", "bits", "projection")
 
 
@@ -75,7 +74,7 @@ def beside(path: Path) -> Sidecar:
     name = called(place)
     if not regular:
         return Sidecar(remarks=(f"{name} was not read: it is not a regular file",))
-    found = _pairs(text)
+    found = _fields(text)
     if not found.keys() & {*_KEYS}:
         return Sidecar(remarks=(f"{name} was not used: it does not describe the file's numbers",))
     return _checked(str(name), found)
@@ -124,26 +123,10 @@ def _not_of(times: Sequence[str], kind: NumberType) -> str | None:
     return None
 
 
-def _pairs(text: str) -> dict[str, object]:
-    """Keys and values of a JSON object, up to where its text ends or is none."""
-    decoder, found, at = JSONDecoder(), dict[str, object](), 0
-
-    def after(mark: str, place: int) -> int:
-        while text[place] in _SPACE:
-            place += 1
-        if text[place] != mark:
-            raise ValueError
-        place += 1
-        while text[place] in _SPACE:
-            place += 1
-        return place
-
+def _fields(text: str) -> dict[str, object]:
+    """Keys and values of a JSON object; none of what is no whole one."""
     try:
-        at = after("{", 0)
-        while True:
-            key, at = decoder.raw_decode(text, at)
-            value, at = decoder.raw_decode(text, after(":", at))
-            found.setdefault(str(key), value)
-            at = after(",", at)
-    except (IndexError, *UNREADABLE):
-        return found
+        found = json.loads(text)
+    except UNREADABLE:
+        return {}
+    return found if isinstance(found, dict) else {}

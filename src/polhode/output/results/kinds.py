@@ -66,7 +66,6 @@ HOMES = {
     "Orbit": "dynamics.periodic_orbits.orbit",
     "OrbitFamily": "dynamics.periodic_orbits.families",
     "OrbitSearch": "dynamics.periodic_orbits.search",
-    "OrderBetweenTables": "judging.convergence_order",
     "Part": "enclosures.result",
     "ProvedOrbit": "proofs.proved_orbit",
     "Published": "scenes.scene",

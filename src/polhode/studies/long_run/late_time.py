@@ -11,16 +11,14 @@ from pathlib import Path
 from typing import Any
 
 from polhode.common.progress import Message
-from polhode.judging.correct_digits import errors, rate_scale
+from polhode.judging.correct_digits import log10_errors, log10_rate
 from polhode.judging.references.reference import reference as reference_of
-from polhode.numbers.number_types import bits_for
 from polhode.scenes.scene import Scene
 from polhode.studies.ensembles import TOPS, random_scene
 from polhode.studies.peer_processes import Curve, Method, Task, run_all
 from polhode.studies.row_filter import Only
 
 DIGITS = 24  # asked of the closed forms
-BITS = bits_for(DIGITS) + 32
 _TIGHT = (3e-15,)
 #: Two processes at a time: no clock is read here.
 METHODS = (
@@ -107,24 +105,24 @@ def _starts(method: Method, starts: int) -> int:
     return starts // 2 if method.name in DEAR else starts
 
 
-def _truth(scene: Scene) -> tuple[Any, Any]:
-    """The last row of the closed form, and the scale of errors of w."""
+def _truth(scene: Scene) -> tuple[Any, float]:
+    """The last row of the closed form, and log10 of the scale of errors of w."""
     reference = reference_of(scene).at(scene.times, DIGITS)
-    return reference[-1:], rate_scale(reference, scene, BITS)
+    return reference[-1:], log10_rate(reference, scene)
 
 
 def _row(
-    truths: Sequence[tuple[Any, Any]], method: Method, curves: Sequence[Curve]
+    truths: Sequence[tuple[Any, float]], method: Method, curves: Sequence[Curve]
 ) -> dict[str, Any]:
     """Median and largest error over the starts that came back, and why others did not."""
     (tol,) = method.tolerances
     made, faults = [], []
-    for (true, scale), curve in zip(truths, curves, strict=False):  # of some, the first half
+    for (true, rate), curve in zip(truths, curves, strict=False):  # of some, the first half
         point = curve.points.get(tol)
         if point is None or point.rows is None:
             faults.append(f"{curve.status} ({curve.reason})")
         else:
-            made.append(float(errors(point.rows[-1:], true, scale, BITS)[0]))
+            made.append(float(10 ** log10_errors(point.rows[-1:], true, rate)[0]))
     return {
         "method": method.name,
         "tol": tol,

@@ -23,11 +23,11 @@ from polhode.common.progress import Message
 from polhode.equations.integrals import departures
 from polhode.judging.adaptive_precision import integrate
 from polhode.judging.conditioning.conditioning import conditioning
-from polhode.judging.correct_digits import errors, rate_scale
+from polhode.judging.correct_digits import log10_errors, log10_rate
 from polhode.judging.references.reference import Reference
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers.decimals import significant
-from polhode.numbers.number_types import DOUBLE, bits_for
+from polhode.numbers.number_types import DOUBLE
 from polhode.scenes.scene import Scene
 from polhode.studies.ensembles import TOPS, random_scene
 from polhode.studies.long_run import growth, late_time
@@ -140,12 +140,11 @@ def follow(start: RunStart) -> Member:
     """Integrate one start by every method and judge it at every time."""
     scene = start.scene
     reference = reference_of(scene).at(scene.times, DIGITS)
-    bits = bits_for(DIGITS) + 32
-    scale = rate_scale(reference, scene, bits)
+    rate = log10_rate(reference, scene)
     made, strayed, taken, left = {}, {}, None, []
     for method in start.methods:
         run = integrate(scene, "double", project=method == PROJECTED)
-        made[method] = [float(e) for e in errors(run.states, reference, scale, bits)]
+        made[method] = (10 ** log10_errors(run.states, reference, rate)).tolist()
         if method == PROJECTED:
             put = run.projection
             assert put is not None

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from polhode.equations.forms import principal
 from polhode.judging.adaptive_precision import integrate
-from polhode.judging.correct_digits import digits_of, rate_scale
+from polhode.judging.correct_digits import digits_of, log10_rate
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
@@ -107,7 +107,7 @@ def truth(kind: str, index: int, end: int) -> Truth:
     with mpmath.workprec(bits):
         high = np.array([[float(x) for x in row] for row in states])
         low = np.array([[float(x - float(x)) for x in row] for row in states])
-        return Truth(high, low, float(rate_scale(states, scene, bits)))
+        return Truth(high, low, 10 ** log10_rate(states, scene))
 
 
 def digits(states: Any, true: Truth) -> float:
@@ -119,7 +119,8 @@ def digits(states: Any, true: Truth) -> float:
     errors = np.abs((found - true.high[picked]) - true.low[picked])
     errors[:, :3] /= true.scale
     worst = float(errors.max())
-    return digits_of(worst, DOUBLE.most_digits) if np.isfinite(worst) else 0.0
+    with np.errstate(divide="ignore"):
+        return digits_of(float(np.log10(worst)), DOUBLE.most_digits) if np.isfinite(worst) else 0.0
 
 
 def judged(states: Any, outputs: int) -> Any:

@@ -12,10 +12,10 @@ from typing import Any
 from polhode.common.errors import BadInput
 from polhode.common.progress import Message
 from polhode.judging.conditioning.conditioning import conditioning
-from polhode.judging.correct_digits import digits_of, errors, rate_scale
+from polhode.judging.correct_digits import worst_digits
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers.decimals import significant
-from polhode.numbers.number_types import DOUBLE, bits_for, named
+from polhode.numbers.number_types import DOUBLE, named
 from polhode.scenes.scene import Scene
 from polhode.studies.peer_processes import Curve, Method, Task, run_all
 from polhode.studies.row_filter import Only
@@ -190,9 +190,7 @@ def _method_row(method: Method, curve: Curve, digits: Mapping[float, float]) -> 
 
 
 def _digits(rows: Any, reference: Any, scene: Scene, cap: float) -> float:
-    bits = bits_for(cap + SPARE_DIGITS) + 64
-    scale = rate_scale(reference, scene, bits)
-    return min(digits_of(error, cap) for error in errors(rows, reference, scale, bits))
+    return worst_digits(rows, reference, scene, cap)
 
 
 def _limits(scene: Scene) -> tuple[float | None, float | None]:

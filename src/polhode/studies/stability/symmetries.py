@@ -11,9 +11,9 @@ from polhode.equations.equilibrium import at_rest
 from polhode.equations.readout import Readout
 from polhode.equations.system import system
 from polhode.judging.adaptive_precision import integrate
-from polhode.judging.correct_digits import errors, rate_scale
+from polhode.judging.correct_digits import log10_errors, log10_rate
 from polhode.numbers import exact
-from polhode.numbers.conversion import exactly, number_value, to_mpf
+from polhode.numbers.conversion import exactly, number_value, to_double, to_mpf
 from polhode.numbers.number_types import NumberType, bits_for
 from polhode.numbers.rows import Given, Row, Rows
 from polhode.scenes.body import Body, dot, scaled
@@ -56,11 +56,11 @@ def departure(states: Given, scene: Scene, number: NumberType) -> float:
     columns = slice(None) if at_rest(scene).state else slice(0, 3)
     bits = bits_for(2 * number.most_digits)
     start = [to_mpf(x, bits) for x in scene.start[columns]]
-    scale = rate_scale([start], scene, bits)
+    rate = log10_rate([start], scene)
     rounded = [number.rounded(x) for x in scene.start[columns]]
-    found = errors([row[columns] for row in states], [start] * len(states), scale, bits)
-    least = errors([rounded], [start], scale, bits)[0]  # what rounding the start costs
-    return float((max(max(found), least) - least) / to_mpf(number.eps, bits))
+    found = log10_errors([row[columns] for row in states], [start] * len(states), rate)
+    (least,) = 10 ** log10_errors([rounded], [start], rate)  # what rounding the start costs
+    return float((max(10 ** max(found), least) - least) / to_double(number.eps))
 
 
 def there_and_back(scene: Scene, number: NumberType) -> float:
@@ -85,8 +85,8 @@ def there_and_back(scene: Scene, number: NumberType) -> float:
         to_mpf(exactly(x), bits)
         for x in read.states([[number_value(x, number) for x in rounded]])[0]
     ]
-    scale = rate_scale([start], scene, bits)
-    return float(errors([back], [start], scale, bits)[0] / to_mpf(number.eps, bits))
+    (error,) = 10 ** log10_errors([back], [start], log10_rate([start], scene))
+    return float(error / to_double(number.eps))
 
 
 def way_back(scene: Scene, t: Any, state: Sequence[Any]) -> Scene:

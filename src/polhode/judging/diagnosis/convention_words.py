@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 from polhode.common.errors import BadInput, listed
 from polhode.judging.diagnosis.conventions import (
-    AnyReference,
     other_times,
     right_at,
     shown_rows,
@@ -19,6 +18,7 @@ from polhode.judging.diagnosis.conventions import (
 from polhode.judging.diagnosis.reading import as_read
 from polhode.judging.diagnosis.time_unit import UNITS, told_clock
 from polhode.judging.diagnosis.ways import Right, as_it_stands, ways
+from polhode.judging.references.reference import AnyReference
 from polhode.judging.tables.candidate import Subject, of_table
 from polhode.judging.tables.reading import LENGTH, TURNS, Reading, TimeChange
 from polhode.judging.tables.table import Table

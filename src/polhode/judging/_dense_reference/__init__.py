@@ -1,1 +1,0 @@
-"""A closed form at very many times."""

@@ -1,0 +1,167 @@
+"""How a table is read that is wrong as it stands: told by some of its rows, before it is judged.
+
+Its times may have another unit, another beginning or another clock; each part another convention.
+All of that is found from one probe, the rows of :func:`.evidence.probed_rows`; the rows of very
+many that a file has are then judged once, as they are read.
+"""
+
+from __future__ import annotations
+
+import math
+from contextlib import suppress
+from dataclasses import replace
+
+from polhode.common.errors import BadInput
+from polhode.judging.clock import clock, unknown_clock
+from polhode.judging.diagnosis.conventions import readings, right_at, whole_parts
+from polhode.judging.diagnosis.evidence import probed_rows
+from polhode.judging.diagnosis.motion_in_double import integrated
+from polhode.judging.diagnosis.reading import as_read
+from polhode.judging.diagnosis.time_unit import begins_at_start, time_unit
+from polhode.judging.diagnosis.ways import as_it_stands
+from polhode.judging.references.certified import Certified
+from polhode.judging.references.reference import AnyReference
+from polhode.judging.score.judgement import Judgement
+from polhode.judging.tables.attitude_forms import lengths, of_length_one
+from polhode.judging.tables.candidate import Subject
+from polhode.judging.tables.reading import GAIN, LENGTH, WRONG, Reading, TimeChange
+from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.decimals import brief
+
+PARTS = ("omega", "gamma", "attitude", "angles")  # that may have a convention
+_FIRST = 5  # rows that tell whether the times are others
+
+
+def as_meant(subject: Subject, against: AnyReference) -> tuple[Subject, tuple[Reading, ...]]:
+    """A table in the conventions in which its wrong parts begin right, where some do; and the
+    readings that are told and not applied."""
+    if _as_they_stand(_probe(subject), against) >= WRONG:
+        return with_unit_quaternions(subject, against), ()
+    subject = _from_the_start(_in_seconds(subject, against), against)
+    subject = with_unit_quaternions(_by_the_clock(subject, against), against)
+    found = tuple(readings(subject, against, PARTS))
+    applied = [one for one in found if one.change is not None]
+    if not applied:
+        return subject, found
+    other = as_read(subject, applied)
+    before, now = (_digits(one, against) or {} for one in (subject, other))
+    read = {one.part for one in applied}
+    if any(now.get(k, 0.0) < d - GAIN for k, d in before.items() if k not in read):
+        return subject, found
+    return other, tuple(one for one in found if one.change is None)
+
+
+def _probe(subject: Subject) -> Subject:
+    """The rows that tell how a table is meant."""
+    return subject.some(probed_rows(subject.times))
+
+
+def _digits(subject: Subject, against: AnyReference) -> dict[str, float] | None:
+    """The fewest digits of each whole part as it stands, in the rows that tell; None where the
+    motion is not known."""
+    parts, times = whole_parts(subject)
+    right = right_at(against, times)
+    if right is None:
+        return None
+    digits = {name: as_it_stands(name, values, right) for name, values in parts.items()}
+    return {name: d for name, d in digits.items() if d is not None}
+
+
+def _in_seconds(subject: Subject, against: AnyReference) -> Subject:
+    """A table with the times of its unit, where its first rows are right so alone."""
+    unit = time_unit(subject, against.scene)
+    if unit is None:
+        return subject
+    first = sorted(range(len(subject.times)), key=lambda k: abs(subject.times[k]))[:_FIRST]
+    some = [k for k in first if subject.times[k] != 0]
+    return _at_other_times(subject, against, some, TimeChange(unit=unit.length), unit.name)
+
+
+def _from_the_start(subject: Subject, against: AnyReference) -> Subject:
+    """A table whose earliest row is the scene's start at another time, with times from there on."""
+    some = sorted(range(len(subject.times)), key=subject.times.__getitem__)[:_FIRST]
+    first = subject.times[some[0]]
+    if first == 0 or not begins_at_start(subject, some[0], against.scene):
+        return subject
+    words = f"from its first row on ({brief(first)})"
+    return _at_other_times(subject, against, some, TimeChange(shift=first), words)
+
+
+def _by_the_clock(subject: Subject, against: AnyReference) -> Subject:
+    """A table with the times of the scene, where its first rows belong to others."""
+    some = sorted(range(len(subject.times)), key=subject.times.__getitem__)[:_FIRST]
+    rows = subject.some(some)
+    plain = _as_they_stand(rows, against)
+    if plain >= WRONG or _is_explained(rows, against):
+        return subject
+    found = clock(rows, against.scene)
+    if found is None:
+        remark = unknown_clock(subject, against.scene)
+        return replace(subject, remarks=(*subject.remarks, *remark))
+    moved = subject.at_other_times(found.change, found.off)
+    if not found.entire and not _is_explained(moved.some(some), against):
+        return subject
+    reading = Reading("t", plain, found.words, found.digits)
+    return replace(moved, readings=(*subject.readings, reading))
+
+
+def _is_explained(rows: Subject, against: AnyReference) -> bool:
+    """Whether all parts are right, as they stand or in another convention."""
+    digits = _digits(rows, against)
+    if digits is None:
+        return False
+    wrong = {name for name, d in digits.items() if d < WRONG}
+    return wrong <= {one.part for one in readings(rows, against, wrong)}
+
+
+def with_unit_quaternions(subject: Subject, against: AnyReference) -> Subject:
+    """A table whose quaternions are of length 1, if they have another one."""
+    attitude = subject.attitude
+    found = None if attitude is None else lengths(attitude)
+    if attitude is None or found is None:
+        return subject
+    unit = [of_length_one(row, subject.number.bits) for row in attitude]
+    before = max(0.0, -math.log10(max(abs(x - 1) for x in found)))
+    digits = _digits(subject, against) or {}
+    reading = Reading("attitude", before, LENGTH, digits.get("attitude", 0.0))
+    return replace(subject, attitude=unit, readings=(*subject.readings, reading))
+
+
+def _at_other_times(
+    subject: Subject, against: AnyReference, some: list[int], change: TimeChange, words: str
+) -> Subject:
+    """A table at changed times, where some of its rows are right so alone."""
+    rows = subject.some(some)
+    changed = rows.at_other_times(change)
+    before = _as_they_stand(rows, against)
+    if before >= WRONG:
+        return subject
+    with suppress(BadInput):
+        now = Judgement(changed, against).worst
+        if now >= before + GAIN:
+            reading = Reading("t", before, words, now)
+            moved = subject.at_other_times(change)
+            return replace(moved, readings=(*subject.readings, reading))
+    return subject
+
+
+def _as_they_stand(rows: Subject, against: AnyReference) -> float:
+    """The fewest digits of rows; of a proof, that may have far to go, against a run in double."""
+    if isinstance(against, Certified):
+        plain = integrated(against.scene, rows.times, attitude=False)
+        if plain is None:
+            return 0.0
+        digits = _digits(rows, against) or {}
+        found = [d for name, d in digits.items() if name in ("attitude", "angles")]
+        if rows.states is not None:
+            off = [
+                abs(to_double(exactly(x)) - y)
+                for row, true in zip(rows.states, plain.states.tolist(), strict=True)
+                for x, y in zip(row, true, strict=True)
+                if x is not None
+            ]
+            found.append(max(0.0, -math.log10(max([1e-16, *off]))))
+        return min(found, default=0.0)
+    with suppress(BadInput):
+        return Judgement(rows, against).worst
+    return 0.0
