@@ -5,6 +5,7 @@ from fractions import Fraction
 import pytest
 from flint import arb
 
+import polhode
 from polhode.closed_forms.hess import period_map
 from polhode.numbers import exact
 from polhode.numbers.flint_context import ctx
@@ -100,6 +101,25 @@ def test_by_force_a_tail_for_a_smaller_motion(weaker, least, monkeypatch):
     missed = sum(not x.overlaps(y) for x, y in zip(rough, right, strict=True))
     assert missed >= least
     assert weaker > 1 or missed == 0
+
+
+def test_fewer_terms_make_wider_balls_that_hold_the_value(monkeypatch):
+    """A tail of 2^-100 at 200 bits, of which the true one is more than the rounding."""
+    starts = [on_surface((F(1, 7), F(1, 5)), [F(x, 7) for x in (6, 3, 2)])]
+    (right,) = maps_at(starts, 260)
+    monkeypatch.setattr(period_map, "_SPARE", -100)
+    (rough,) = maps_at(starts, 200)
+    assert rough.overlaps(right)
+    assert not rough.mid().overlaps(right)
+    assert arb("1e-33") < max(x.real.rad() for x in rough.entries()) < arb("1e-25")
+
+
+def test_far_away_psi_and_phi_are_refused_and_the_attitude_is_not():
+    top = polhode.reference("hess/loxodrome")
+    assert len(top.angles([30], 15)) == 1
+    with pytest.raises(polhode.BadInput, match="not counted so far; psi mod 2 pi is known: ask"):
+        top.angles([10**6], 15)
+    assert len(top.attitude([10**6], 15)) == 1
 
 
 @pytest.mark.parametrize("a12", ["0.3", "0.9", "6"])
