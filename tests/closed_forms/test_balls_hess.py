@@ -1,5 +1,6 @@
 """Hess's case in balls: random starts and those next to a degenerate one, and its tail by force."""
 
+import math
 from fractions import Fraction
 
 import pytest
@@ -8,14 +9,18 @@ from flint import arb
 import polhode
 from polhode.closed_forms.hess import period_map
 from polhode.numbers import exact
+from polhode.numbers.conversion import exactly
 from polhode.numbers.flint_context import ctx
+from polhode.numbers.mpmath_context import mpf, mpmath
 from shared import members
 from shared.ball_checks import (
     TIMES,
     agrees_with_taylor,
     every_ball_holds_its_value,
     made,
+    number,
 )
+from shared.closed_form_motions import gap
 
 F = Fraction
 MOMENTS, TORQUE = (F(1), F(25, 34), F(1, 2)), (F(3, 5), F(0), F(4, 5))
@@ -81,6 +86,57 @@ def test_next_to_a_degenerate_motion(kind, off):
     motion = made("hess", plain)
     assert every_ball_holds_its_value(motion, TIMES[:2], (30, 107, many // 2), many) > 15
     agrees_with_taylor(motion, plain)
+
+
+def motion_of(name):
+    """Of the library, or a row of the table of motions, and its start."""
+    if "/" in name:
+        scene = polhode.load(name)
+        plain = scene.body.moments, scene.body.torque, scene.omega, scene.gamma
+    else:
+        plain = members.read_start(members.motion_table()["hess"][name])
+    return made("hess", plain), plain
+
+
+@pytest.mark.parametrize("name", ["hess/cone", "cone, the other way", "cone, at the limit"])
+def test_steady_cones(name):
+    motion, plain = motion_of(name)
+    assert every_ball_holds_its_value(motion, few=FEW_BITS[2:]) > 80
+    agrees_with_taylor(motion, plain)
+
+
+def test_a_cone_that_turns_returns_after_its_period_and_not_before():
+    motion, _ = motion_of("hess/cone")
+    period = exactly(motion.period(40))
+    begin, half, end = motion.at([F(0), period / 2, period], 30)
+    with mpmath.workdps(40):
+        assert gap(begin, end) < mpf("1e-28")
+        assert gap(begin, half) > mpf("1e-2")
+
+
+@pytest.mark.parametrize(("name", "axis"), [("cone, the other way", 1), ("hess/loxodrome", None)])
+def test_what_is_left_of_the_way_falls_at_the_rate_told(name, axis):
+    """Of w along the middle axis, or along r0, where it tends to 0."""
+    motion, (_, torque, *_) = motion_of(name)
+    rate = motion.approach(20)
+    times = [F(k) / exactly(rate) for k in (40, 80, 400)]
+    rows, along = motion.at(times, 80), [0, 1, 0] if axis else [number(x) for x in torque]
+    with mpmath.workdps(90):
+        one, two, end = (sum(x * y for x, y in zip(along, row, strict=False)) for row in rows)
+        end = end if axis else 0
+        fall = mpmath.log(abs((one - end) / (two - end)))
+    assert abs(fall - 40) < 2
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_bound_of_the_angular_velocity_is_one_and_no_more(seed):
+    """By rows over a hundred units of time, 0.7 apart."""
+    motion = made("hess", members.start("hess", seed)[0])
+    with ctx.workprec(64):
+        bound = float(motion.speed_bound().mid())
+    rows = motion.at([F(7 * k, 10) for k in range(150)], 15)
+    largest = max(math.hypot(*row[:3]) for row in rows)
+    assert 0.95 * bound < largest <= bound * (1 + 1e-12)
 
 
 def maps_at(starts, bits):
