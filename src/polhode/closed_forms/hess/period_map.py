@@ -41,8 +41,6 @@ _REACH = 1 / 6  # x at the ends of a series
 _BEYOND = 1 + 2**-10  # how far past its ends it holds
 _MIDDLE = arb(0.5)
 _SPARE = 8  # bits of a tail below the precision
-
-
 _ONE = acb_mat([[1, 0], [0, 1]])
 
 
@@ -88,7 +86,7 @@ class PeriodMap:
 
     @cached_property
     def map(self) -> acb_mat:
-        """N."""
+        """N, from -t1/2 to t1/2: at both ends y is the same but for c."""
         ahead = acb_mat([[self._turn.conjugate(), 0], [0, self._turn]])
         half = self.period / 2
         return _inverse(self._matrix(-half)) * ahead * self._matrix(half)
@@ -111,10 +109,10 @@ class PeriodMap:
         """M at a time within half a period from 0."""
         k = nearest_integer(t / (2 * self._half) - _MIDDLE)
         if k not in self._known:
-            self._reach(k)
+            self._extend(k)
         return self._known[k].at(t / self._half - (2 * k + 1))
 
-    def _reach(self, last: int) -> None:
+    def _extend(self, last: int) -> None:
         """Make the series up to the one of that number."""
         side = 1 if last >= 0 else -1
         begin = _ONE
