@@ -29,7 +29,7 @@ SAID: list[tuple[str | polhode.Scene, bool | tuple[str, ...]]] = [
     ("kovalevskaya/delaunay", True),
     ("kovalevskaya/generic", (FORMULA,)),
     ("kovalevskaya/asymptotic", False),
-    ("hess/loxodrome", False),
+    ("hess/loxodrome", True),
     (IRRATIONAL, (FORMULA, ZERO)),
 ]
 

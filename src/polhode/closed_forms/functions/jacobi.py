@@ -31,7 +31,6 @@ class SeriesFunctions:
     cos_sin: Callable[[Scalar], tuple[Scalar, Scalar]]
     cosh_sinh: Callable[[Scalar], tuple[Scalar, Scalar]]
     sqrt: Callable[[Scalar], Scalar]
-    hypot: Callable[[Scalar, Scalar], Scalar]
     nint: Callable[[Scalar], Scalar]
 
 
@@ -41,9 +40,7 @@ def _cosh_sinh(x: Scalar) -> tuple[Scalar, Scalar]:
 
 
 #: Functions of mpmath's numbers, at the precision in force.
-MP = SeriesFunctions(
-    mpmath.cos_sin, _cosh_sinh, mpmath.sqrt, mpmath.hypot, lambda x: int(mpmath.nint(x))
-)
+MP = SeriesFunctions(mpmath.cos_sin, _cosh_sinh, mpmath.sqrt, lambda x: int(mpmath.nint(x)))
 
 
 def numpy_functions() -> SeriesFunctions:
@@ -54,7 +51,7 @@ def numpy_functions() -> SeriesFunctions:
         x = np.clip(x, -_SATURATED, _SATURATED)
         return np.cosh(x), np.sinh(x)
 
-    return SeriesFunctions(lambda x: (np.cos(x), np.sin(x)), cosh_sinh, np.sqrt, np.hypot, np.rint)
+    return SeriesFunctions(lambda x: (np.cos(x), np.sin(x)), cosh_sinh, np.sqrt, np.rint)
 
 
 #: Past this X only a nome below exp(-2X) leads (|X| <= log(1/q')/2): a double is at its limit.

@@ -1,22 +1,19 @@
-"""Which starts lie on Hess and Appelrot's surface, its axes, and its exact constants.
+"""Which starts lie on Hess and Appelrot's surface, its axes, and its exact numbers.
 
 Principal moments A > B > C, the centre of mass at right angles to the axis of B with
 
     A(B - C) T1^2 = C(A - B) T3^2,    T = Mg r0,
 
 so that r0 is normal to a circular section of the gyration ellipsoid.  The surface A p T1 + C r T3 =
-Iw.T = 0 is invariant (Hess, Math. Ann. 37 (1890) 153; Appelrot 1893).  Axes: e1 = T/|T|,
-e2 = (-e1z, 0, e1x), e3 = -y.  There w = (a12 M2, b M2, b M3), M = Iw, b = 1/B,
-a12 = (1/C - 1/A) e1x e1z; with Z = M2 + i M3, Gm = g2 + i g3, u = g1 and P = |T|,
+Iw.T = 0 is invariant (Hess, Math. Ann. 37 (1890) 153; Appelrot 1893).  The motion's axes are e2,
+e3, e1 with e1 = T/|T|, e3 = -y and e2 = e3 x e1.  In them Iw = (M2, M3, 0) and
 
-    f = Re(conj(Z) Gm),    h = b|Z|^2/2 + P u.
+    w = (M2, M3, a12 M2)/B,    a12 = B (1/C - 1/A) e1x e1z.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from fractions import Fraction
 
 from polhode.closed_forms._engine.misfit import Misfit, leading
 from polhode.closed_forms._engine.principal_scene import (
@@ -25,19 +22,9 @@ from polhode.closed_forms._engine.principal_scene import (
     of_start,
     squared_momentum_of_weight,
 )
-from polhode.closed_forms.functions.rounding import log2
-from polhode.numbers.exact import ONE, Exact, sign, sqrt
-from polhode.scenes.body import Vector, cross, dot, is_zero, scaled
-
-LIBRATION = "f = 0, libration"
-ROTATION = "f = 0, rotation: tends to a plane rotation"
-SEPARATRIX = "f = 0, separatrix: tends to rest upright"
-CONE_TURNING = "steady cone, turning"
-CONE_TENDING = "steady cone, tending to a permanent rotation"
-CONE_LIMIT = "steady cone, at the limit of turning"
-GENERAL = "f not 0: elliptic gamma1, linear equation"
-PLANE = (LIBRATION, ROTATION, SEPARATRIX)
-CONES = (CONE_TURNING, CONE_TENDING, CONE_LIMIT)
+from polhode.closed_forms.balls.frames import Frame
+from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt, total
+from polhode.scenes.body import Vector, cross, dot, is_zero
 
 
 def failure(scene: PrincipalScene) -> Misfit | None:
@@ -73,6 +60,11 @@ def failure(scene: PrincipalScene) -> Misfit | None:
     return None
 
 
+def fits(scene: PrincipalScene) -> bool:
+    """Whether body and start belong to the case, by exact arithmetic."""
+    return failure(scene) is None
+
+
 def _ranked(moments: Vector) -> tuple[int, int, int] | None:
     """The axes of the largest, middle and smallest moment."""
     for i, j, k in ((0, 1, 2), (0, 2, 1), (1, 0, 2), (1, 2, 0), (2, 0, 1), (2, 1, 0)):
@@ -83,17 +75,15 @@ def _ranked(moments: Vector) -> tuple[int, int, int] | None:
 
 @dataclass(frozen=True)
 class HessStart:
-    """The exact start in the motion's axes; time in units of 2^-exponent, B in units of B."""
+    """The exact start in the motion's axes."""
 
-    Z: tuple[Exact, Exact]  # M2, M3 over B
-    g: tuple[Exact, Exact]
-    u: Exact
-    P: Exact  # |T|/B; b = 1
-    a12: Exact  # B (1/C - 1/A) e1x e1z
-    h: Exact
-    f: Exact
-    exponent: int
-    rows: Rows  # row i is e_i in the scene's axes
+    frame: Frame
+    B: Exact
+    weight: Exact  # |T|
+    omega: Vector  # M2/B, M3/B, 0
+    gamma: Vector
+    a12: Exact
+    f: Exact  # Iw.gamma
 
 
 def start(
@@ -104,60 +94,25 @@ def start(
     ``omega`` and ``gamma`` are in the scene's axes, the torque in principal ones.  Raises
     ValueError with the condition that fails.
     """
-    rows, placed = of_start(moments, torque, omega, gamma, rows)
+    _, placed = of_start(moments, torque, omega, gamma, rows)
     if (fault := failure(placed)) is not None:
         raise ValueError(f"a start that does not meet this condition: {fault[0]}")
-    w, up = placed.omega, placed.gamma
-    assert up is not None
     order = _ranked(moments)
     assert order is not None
-    i, j, k = order
-    B = moments[j]
-    size = sqrt(dot(torque, torque))
-    e1 = scaled(1 / size, torque)
-    middle: list[Exact] = [Fraction(0)] * 3
-    middle[j] = Fraction(-1)
-    e3: Vector = (middle[0], middle[1], middle[2])
-    e2 = cross(e3, e1)
-    momentum: Vector = tuple(a * x / B for a, x in zip(moments, w, strict=True))  # type: ignore[assignment]
-    M2, M3 = dot(momentum, e2), dot(momentum, e3)
-    g2, g3, u = dot(up, e2), dot(up, e3), dot(up, e1)
-    P = size / B
-    a12 = sum((B * e1[n] * e2[n] / moments[n] for n in (i, k)), Fraction(0))
-    exponent = math.floor(max(log2(P) / 2, log2(M2), log2(M3))) + 1
-    unit = Fraction(2) ** (-exponent)
-    h = (M2 * M2 + M3 * M3) / 2 + P * u
-    f = M2 * g2 + M3 * g3
-    axes = tuple(_turned_back(rows, v) for v in (e1, e2, e3))
+    assert placed.gamma is not None
+    middle = order[1]
+    one, two, three = (-ONE if n == middle else ZERO for n in range(3))
+    e3: Vector = (one, two, three)
+    e2, square = cross(e3, torque), dot(torque, torque)
+    frame = Frame((e2, e3, torque), (square, ONE, square), rows)
+    w2, w3, _ = frame.into(omega)
+    B = moments[middle]
     return HessStart(
-        Z=(unit * M2, unit * M3),
-        g=(g2, g3),
-        u=u,
-        P=unit * unit * P,
-        a12=a12,
-        h=unit * unit * h,
-        f=unit * f,
-        exponent=exponent,
-        rows=axes,
+        frame=frame,
+        B=B,
+        weight=sqrt(square),
+        omega=(w2, w3, ZERO),
+        gamma=frame.into(gamma),
+        a12=total(B * torque[n] * e2[n] / (moments[n] * square) for n in range(3)),
+        f=total(a * x * y for a, x, y in zip(moments, placed.omega, placed.gamma, strict=True)),
     )
-
-
-def _turned_back(rows: Rows, v: Vector) -> Vector:
-    a, b, c = (v[0] * x + v[1] * y + v[2] * z for x, y, z in zip(*rows, strict=True))
-    return a, b, c
-
-
-def regime(start: HessStart) -> str:
-    """The kind of motion, decided by exact arithmetic."""
-    (M2, M3), (g2, g3) = start.Z, start.g
-    if sign(start.f) == 0:
-        return {-1: LIBRATION, 0: SEPARATRIX, 1: ROTATION}[sign(start.h - start.P)]
-    level = g2 * M3 - g3 * M2  # Im(conj(Gm) Z)
-    square = M2 * M2 + M3 * M3
-    steady = start.u * square + start.P * (g2 * g2 + g3 * g3)
-    if sign(level) == 0 == sign(steady):
-        # al be = et^2/4 - (a12 ro)^2/4, et = -P f/ro^2: of this the sign.
-        et2 = start.P * start.P * start.f * start.f
-        side = sign(et2 - start.a12 * start.a12 * square * square * square)
-        return {1: CONE_TURNING, 0: CONE_LIMIT, -1: CONE_TENDING}[side]
-    return GENERAL

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from polhode.closed_forms._engine.family import Family, Maker
-from polhode.closed_forms.hess.axes import failure
-from polhode.closed_forms.hess.conditions import fits
+from polhode.closed_forms.hess.axes import failure, fits
 
 
 def _maker() -> Maker:

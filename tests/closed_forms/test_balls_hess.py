@@ -1,0 +1,190 @@
+"""Hess's case in balls: random starts and those next to a degenerate one, and its tail by force."""
+
+import math
+from fractions import Fraction
+
+import pytest
+from flint import arb
+
+import polhode
+from polhode.closed_forms.hess import period_map
+from polhode.numbers import exact
+from polhode.numbers.conversion import exactly
+from polhode.numbers.flint_context import ctx
+from polhode.numbers.mpmath_context import mpf, mpmath
+from shared import members
+from shared.ball_checks import (
+    TIMES,
+    agrees_with_taylor,
+    every_ball_holds_its_value,
+    made,
+    number,
+)
+from shared.closed_form_motions import gap
+
+F = Fraction
+MOMENTS, TORQUE = (F(1), F(25, 34), F(1, 2)), (F(3, 5), F(0), F(4, 5))
+FEW_BITS = 24, 40, 64, 107, 200
+#: Distances of the next starts from a degenerate one.
+NEAR = F(1, 10**8), F(-1, 10**20), F(1, 10**40)
+
+
+def on_surface(momentum, up):
+    """A start from Iw along e2 and e3, and gamma along e2, e3 and e1."""
+    (M2, M3), (g2, g3, u) = momentum, up
+    A, B, C = MOMENTS
+    omega = -F(4, 5) * M2 / A, -M3 / B, F(3, 5) * M2 / C
+    gamma = F(3, 5) * u - F(4, 5) * g2, -g3, F(4, 5) * u + F(3, 5) * g2
+    return MOMENTS, TORQUE, omega, gamma
+
+
+@pytest.mark.sample(4, slow=24, rest="campaign")
+@pytest.mark.parametrize("seed", range(240))
+def test_random_starts(seed):
+    plain, _ = members.start("hess", seed)
+    motion = made("hess", plain)
+    assert every_ball_holds_its_value(motion, few=FEW_BITS, many=280) > 60
+    agrees_with_taylor(motion, plain)
+    assert motion.proven is True
+
+
+def near(kind, off):
+    """Next to a plane motion, rest, a steady cone, a vertical r0 and the separatrix."""
+    up = F(2, 7), F(3, 7), F(6, 7)
+    g2, g3, u = up
+    if kind == "plane":
+        return on_surface((-g3 + off * g2, g2 + off * g3), up)
+    if kind == "rest":
+        return on_surface((off, 2 * off), up)
+    if kind == "cone":  # u |M|^2 + |T| B g^2 = 0, M along (g2, g3)
+        g, u = F(3, 5), F(-4, 5)
+        M = exact.sqrt(MOMENTS[1] * g * g / -u) * (1 + off)
+        return on_surface((M * F(5, 13), M * F(12, 13)), (g * F(5, 13), g * F(12, 13), u))
+    if kind == "upright":
+        over = 1 + off * off
+        return on_surface((F(1), F(1, 3)), (2 * off / over, F(0), (1 - off * off) / over))
+    # h = |T| where M^2/2B = |T| (1 - u)
+    M, g = exact.sqrt(2 * MOMENTS[1] * (1 - u)) * (1 + off), exact.sqrt(1 - u * u)
+    return on_surface((M * -g3 / g + off * g2, M * g2 / g + off * g3), up)
+
+
+KINDS = "plane", "rest", "cone", "upright", "separatrix"
+QUICK = "rest", "cone", "upright"
+
+
+@pytest.mark.parametrize(
+    ("kind", "off"),
+    [
+        pytest.param(kind, off, marks=[] if kind in QUICK and off == NEAR[0] else pytest.mark.slow)
+        for kind in KINDS
+        for off in NEAR
+    ],
+)
+def test_next_to_a_degenerate_motion(kind, off):
+    many = 320 if off == NEAR[0] else 900
+    plain = near(kind, off)
+    motion = made("hess", plain)
+    assert every_ball_holds_its_value(motion, TIMES[:2], (30, 107, many // 2), many) > 15
+    agrees_with_taylor(motion, plain)
+
+
+def motion_of(name):
+    """Of the library, or a row of the table of motions, and its start."""
+    if "/" in name:
+        scene = polhode.load(name)
+        plain = scene.body.moments, scene.body.torque, scene.omega, scene.gamma
+    else:
+        plain = members.read_start(members.motion_table()["hess"][name])
+    return made("hess", plain), plain
+
+
+@pytest.mark.parametrize("name", ["hess/cone", "cone, the other way", "cone, at the limit"])
+def test_steady_cones(name):
+    motion, plain = motion_of(name)
+    assert every_ball_holds_its_value(motion, few=FEW_BITS[2:]) > 80
+    agrees_with_taylor(motion, plain)
+
+
+def test_a_cone_that_turns_returns_after_its_period_and_not_before():
+    motion, _ = motion_of("hess/cone")
+    period = exactly(motion.period(40))
+    begin, half, end = motion.at([F(0), period / 2, period], 30)
+    with mpmath.workdps(40):
+        assert gap(begin, end) < mpf("1e-28")
+        assert gap(begin, half) > mpf("1e-2")
+
+
+@pytest.mark.parametrize(("name", "axis"), [("cone, the other way", 1), ("hess/loxodrome", None)])
+def test_what_is_left_of_the_way_falls_at_the_rate_told(name, axis):
+    """Of w along the middle axis, or along r0, where it tends to 0."""
+    motion, (_, torque, *_) = motion_of(name)
+    rate = motion.approach(20)
+    times = [F(k) / exactly(rate) for k in (40, 80, 400)]
+    rows, along = motion.at(times, 80), [0, 1, 0] if axis else [number(x) for x in torque]
+    with mpmath.workdps(90):
+        one, two, end = (sum(x * y for x, y in zip(along, row, strict=False)) for row in rows)
+        end = end if axis else 0
+        fall = mpmath.log(abs((one - end) / (two - end)))
+    assert abs(fall - 40) < 2
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_bound_of_the_angular_velocity_is_one_and_no_more(seed):
+    """By rows over a hundred units of time, 0.7 apart."""
+    motion = made("hess", members.start("hess", seed)[0])
+    with ctx.workprec(64):
+        bound = float(motion.speed_bound().mid())
+    rows = motion.at([F(7 * k, 10) for k in range(150)], 15)
+    largest = max(math.hypot(*row[:3]) for row in rows)
+    assert 0.95 * bound < largest <= bound * (1 + 1e-12)
+
+
+def maps_at(starts, bits):
+    """N of each motion."""
+    with ctx.workprec(bits):
+        return [made("hess", plain)._solution().spin.map for plain in starts]
+
+
+@pytest.mark.parametrize(("weaker", "least"), [(1, 0), (2, 1), (4, 2)])
+def test_by_force_a_tail_for_a_smaller_motion(weaker, least, monkeypatch):
+    """At 200 bits: as if |z|, |g| and u were less; of some motion 1.5 is not yet too little."""
+    ups = [F(x, 7) for x in (2, 3, 6)], [F(x, 7) for x in (6, 3, 2)]
+    starts = [on_surface((F(1, 7), F(1, 5)), up) for up in ups]
+    right = maps_at(starts, 260)
+    proper = period_map.largest
+    monkeypatch.setattr(period_map, "largest", lambda *given: proper(*given) / weaker)
+    rough = maps_at(starts, 200)
+    missed = sum(not x.overlaps(y) for x, y in zip(rough, right, strict=True))
+    assert missed >= least
+    assert weaker > 1 or missed == 0
+
+
+def test_fewer_terms_make_wider_balls_that_hold_the_value(monkeypatch):
+    """A tail of 2^-100 at 200 bits, of which the true one is more than the rounding."""
+    starts = [on_surface((F(1, 7), F(1, 5)), [F(x, 7) for x in (6, 3, 2)])]
+    (right,) = maps_at(starts, 260)
+    monkeypatch.setattr(period_map, "_SPARE", -100)
+    (rough,) = maps_at(starts, 200)
+    assert rough.overlaps(right)
+    assert not rough.mid().overlaps(right)
+    assert arb("1e-33") < max(x.real.rad() for x in rough.entries()) < arb("1e-25")
+
+
+def test_far_away_psi_and_phi_are_refused_and_the_attitude_is_not():
+    top = polhode.reference("hess/loxodrome")
+    assert len(top.angles([30], 15)) == 1
+    with pytest.raises(polhode.BadInput, match="not counted so far; psi mod 2 pi is known: ask"):
+        top.angles([10**6], 15)
+    assert len(top.attitude([10**6], 15)) == 1
+
+
+@pytest.mark.parametrize("a12", ["0.3", "0.9", "6"])
+def test_the_tail_is_that_of_its_majorant_and_little_more(a12):
+    """(1 - x)^-a12, of which the first terms are taken away at 300 bits."""
+    with ctx.workprec(300):
+        a, x, term, rest = arb(a12), arb(1) / 6, arb(1), (1 - arb(1) / 6) ** -arb(a12)
+        for k in range(40):
+            rest -= term
+            term *= x * (a + k) / (k + 1)
+        bound = period_map.tail(a, x, 40).real.rad()
+        assert rest < bound < rest * arb("1.2")
