@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from polhode.common.cached_property import cached_property
 from polhode.equations.form import equations
-from polhode.equations.kinematics import AngleFunctions, angles
+from polhode.equations.kinematics import AngleFunctions, angles, starting_attitude
+from polhode.equations.quaternion_products import upright
 from polhode.numbers.conversion import exactly, number_value, to_extended, to_mpf
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Extendeds, Flat, Gapped, Given, GivenRow, Rows, flat
-from polhode.numbers.scalars import Scalar, of_extended, of_mpmath
+from polhode.numbers.scalars import Real, Scalar, of_extended, of_mpmath
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ATTITUDE
 
@@ -66,61 +67,107 @@ class Readout:
         variables = zip(row[: len(self.form.variables)], self.form.start, strict=True)
         return all(exactly(x) == self.number.rounded(y) for x, y in variables)
 
-    def attitude(self, rows: Given) -> Rows | None:
-        """q0 q1 q2 q3, if asked for or needed."""
+    def attitude(self, rows: Given, states: Rows) -> Rows | None:
+        """q0 q1 q2 q3 beside states, if asked for or needed: of length one, and gamma's."""
         if "attitude" not in self.scene.modelled:
             return None
-        first = len(self.form.variables)
-        if not self.number.flat:
-            return [[*row[first : first + 4]] for row in rows]
-        if len(rows):
-            return self._kept(rows)[:, first : first + 4].copy()
-        return self._kept([])
+        if self.number.flat:
+            return self._upright(self._kept(rows), flat(states)).T.astype(self._kind)
+        from polhode.numbers.mpmath_context import mpmath, ordinary
 
-    def angles(self, rows: Given) -> Gapped | None:
-        """psi theta phi, if asked for; psi and phi None at a pole."""
+        found = []
+        for row, state in zip(rows, states, strict=True):
+            q = self._upright_row(row, state)
+            with mpmath.workprec(self.number.bits):
+                found.append(ordinary([+x for x in q]))
+        return found
+
+    def angles(self, rows: Given, states: Rows) -> Gapped | None:
+        """psi theta phi beside states, if asked for; psi and phi None at a pole."""
         if "angles" not in self.scene.modelled:
             return None
         if len(rows) == 0:
             return []
-        first = len(self.form.variables) + (
-            len(ATTITUDE) if "attitude" in self.scene.modelled else 0
-        )
-        states = self.states(rows)
-        # a motion that stays at a pole has no psi and phi among its variables
-        there = len(rows[0]) > first
         if self.number.flat:
-            turned = self._kept(rows)[:, first : first + 2] if there else 0
-            return self._flat_angles(flat(states), turned)
-        found = self._angles(states, [row[first : first + 2] if there else (0, 0) for row in rows])
+            found = self._flat_angles(self._kept(rows), flat(states))
+        else:
+            found = [self._angles(*pair) for pair in zip(rows, states, strict=True)]
         for row, state in zip(found, states, strict=True):
             if state[3] == 0 == state[4]:
                 row[0] = row[2] = None
         return found
 
-    def _flat_angles(self, states: Flat, integrated: Flat | int) -> Gapped:
-        """psi theta phi beside states and integrated psi and phi, all rows at once."""
+    def _upright(self, rows: Flat, states: Flat) -> Extendeds:
+        """The quaternion beside states, a column each; the start's as it is."""
         import numpy as np
 
-        pi = 4 * np.arctan(np.ones(1, dtype=self._kind))[0]
-        fn = AngleFunctions(np.hypot, np.arctan2, pi, np.rint, np.where)
-        turned = np.zeros((len(states), 2), dtype=self._kind) + integrated
-        found: Gapped = np.stack(angles([*states[:, 3:].T], [*turned.T], fn), axis=1).tolist()
-        for k in np.flatnonzero((states[:, 3] == 0) & (states[:, 4] == 0)).tolist():
-            found[k][0] = found[k][2] = None
+        first = len(self.form.variables)
+        given = rows[:, first : first + 4]
+        gamma = states[:, 3:].T.astype(np.longdouble)
+        found: Extendeds = np.array(
+            upright([*given.T.astype(np.longdouble)], [*gamma], np.sqrt), dtype=np.longdouble
+        )
+        begins = (given == self._first_attitude).all(axis=1)
+        found[:, begins] = given[begins].T
         return found
 
-    def _angles(self, states: Rows, integrated: Sequence[GivenRow]) -> Gapped:
-        """The same above extended."""
+    def _upright_row(self, row: GivenRow, state: GivenRow) -> list[Scalar]:
+        """The same above extended, with some more bits."""
+        from polhode.numbers.mpmath_context import mpmath, own
+
+        first = len(self.form.variables)
+        q = [*row[first : first + 4]]
+        if q == self._first_attitude:
+            return [*map(own, q)]
+        with mpmath.workprec(self.number.bits + GUARD_BITS):
+            return upright([*map(own, q)], [*map(own, state[3:])], mpmath.sqrt)
+
+    @cached_property
+    def _first_attitude(self) -> list[Scalar]:
+        """The quaternion at the start, rounded to the run's type."""
+        assert self.scene.gamma is not None
+        first = starting_attitude(self.scene.gamma, self.scene.psi)
+        return [number_value(x, self.number) for x in first]
+
+    def _flat_angles(self, rows: Flat, states: Flat) -> Gapped:
+        """psi theta phi, all rows at once; of the integrated ones only half turns are taken."""
+        import numpy as np
+
+        first, kind = len(self.form.variables) + len(ATTITUDE), np.longdouble
+        high = kind(np.float32(np.pi))  # whole multiples of it are exact
+        low = to_extended(exactly(4 * np.arctan(kind(1))) - exactly(high))
+        q, turned = self._upright(rows, states), np.zeros((2, len(rows)), dtype=kind)
+        if rows.shape[1] > first:  # not of a motion that stays at a pole
+            turned += rows[:, first : first + 2].T
+        psi = np.arctan2(q[3], q[0]) + np.arctan2(q[2], q[1])
+        halves = np.rint((turned[0] - psi) / (high + low))
+        begins = (rows[:, first - len(ATTITUDE) : first] == self._first_attitude).all(axis=1)
+        turned[0] = np.where(begins, turned[0], (psi + halves * high) + halves * low)
+        fn = AngleFunctions(np.hypot, np.arctan2, high + low, np.rint, np.where)
+        gamma = states[:, 3:].T.astype(kind)
+        found = np.stack(angles([*gamma], [*turned], fn), axis=1)
+        listed: Gapped = found.astype(self._kind).tolist()
+        return listed
+
+    def _angles(self, row: GivenRow, state: GivenRow) -> list[Real | None]:
+        """The same of a row above extended."""
         from polhode.numbers.mpmath_context import mpmath, ordinary, own
 
+        first = len(self.form.variables) + len(ATTITUDE)
+        turned = [*map(own, row[first : first + 2])] or [mpmath.mpf(0)] * 2
+        q = self._upright_row(row, state)
         fn = AngleFunctions(
             mpmath.hypot, mpmath.atan2, mpmath.pi, mpmath.nint, lambda c, a, b: a if c else b
         )
+        more = GUARD_BITS + max(0, int(abs(turned[0])).bit_length())
+        with mpmath.workprec(self.number.bits + more):
+            if [*row[first - len(ATTITUDE) : first]] != self._first_attitude:
+                psi = mpmath.atan2(q[3], q[0]) + mpmath.atan2(q[2], q[1])
+                turned[0] = psi + mpmath.pi * mpmath.nint((turned[0] - psi) / mpmath.pi)
+            found = angles([*map(own, state[3:])], turned, fn)
         with mpmath.workprec(self.number.bits):
-            pairs = zip(own(states), own(integrated), strict=True)
-            found: Gapped = ordinary([angles(s[3:], w, fn) for s, w in pairs])
-            return found
+            listed: list[Real | None] = ordinary([+x for x in found])
+            return listed
 
     @property
     def _kind(self) -> type[np.floating[Any]]:
