@@ -84,8 +84,8 @@ class Path:
 
             known = {name: to_extended(x) for name, x in what.coefficients.items()}
             wide = flat(row).astype(np.longdouble)
-            rates = np.array(what.field([*wide], known, of_extended()), dtype=np.longdouble)
-            moved: Flat = (wide + to_extended(by) * rates).astype(flat(row).dtype)
+            slopes = np.array(what.field([*wide], known, of_extended()), dtype=np.longdouble)
+            moved: Flat = (wide + to_extended(by) * slopes).astype(flat(row).dtype)
             return moved
         from polhode.numbers.mpmath_context import mpmath, ordinary, own
 

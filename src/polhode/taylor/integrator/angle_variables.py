@@ -1,15 +1,12 @@
-"""psi and phi along a run: how often they have turned; what they are is the quaternion's to say.
+"""Variables that grow without bounds and on which no rate depends: angles.
 
-The quaternion is a polynomial's solution, and tells psi and phi up to half turns as well as the
-state is known; psi' alone is infinite at a pole, and near one a run's rounding moves psi by
-much.  So psi and phi are integrated beside the quaternion to a few digits: divided by a power of
-two, so that steps are as long as they come near a pole only.  Now and then they are set back to
-what the quaternion says, and so stay within a thousandth of a radian of it.
+heyoka's steps are as accurate as its largest variable asks, and neglect the others.  So cyclic
+variables are kept as time is: an offset of more than twice the bits, plus heyoka's own part, which
+is divided by a power of two and set back to zero so often that it stays below about one.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from fractions import Fraction
 
@@ -18,53 +15,62 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Array
 from polhode.taylor.backend import defaults
 from polhode.taylor.backend.engine import hy
-from polhode.taylor.backend.heyoka_numbers import scalar
+from polhode.taylor.backend.heyoka_numbers import as_fraction, scalar
+from polhode.taylor.backend.time_grid import exact_sum
 from polhode.taylor.backend.types import Expression, HeyokaNumber
-
-_ROUGH = 12  # bits of a radian to which a step has psi and phi
 
 
 class Cyclic:
-    """The last variables of a system, psi and phi, from where they start, after a quaternion.
-
-    ``every``: steps to a set-back.  ``grown``: what they were at the last one, doubles.
-    """
+    """The last variables of a system, from where they start; ``every``: steps to a set-back."""
 
     def __init__(self, start: Sequence[Number], number: NumberType) -> None:
-        self.number, self.every = number, defaults.of(number).set_back
-        self._unit = scalar(Fraction(1, 1 << (number.bits - _ROUGH)), number)
-        self.grown = tuple(float(number.rounded(x)) for x in start)
+        chosen = defaults.of(number)
+        self.number, self.every = number, chosen.set_back
+        self._divisor = chosen.divisor
+        self._fine = 2 * number.bits + 64  # bits behind the point of the offsets, which are ints
+        whole = [number.rounded(x) for x in start]
+        self._grown = [(x.numerator << self._fine) // x.denominator for x in whole]
 
     def slowed(self, rates: Sequence[Expression]) -> list[Expression]:
         """All rates of the system, those of the cyclic variables divided."""
-        first = len(rates) - len(self.grown)
-        unit = hy.expression(self._unit)
+        first = len(rates) - len(self._grown)
+        unit = hy.expression(scalar(Fraction(1, self._divisor), self.number))
         return [*rates[:first], *(rate * unit for rate in rates[first:])]
 
     def set_back(self, state: Array) -> None:
-        """Count the half turns of a state, and let psi and phi begin there at zero."""
-        first = len(state) - len(self.grown)
-        q0, q1, q2, q3 = map(float, state[first - 4 : first])
-        half_sum, half_difference = math.atan2(q3, q0), math.atan2(q2, q1)
-        principal = half_sum + half_difference, half_sum - half_difference
-        found = []
-        for i, near in enumerate(principal):
-            rough = self._rough(i, state[first + i])
-            found.append(near + math.pi * round((rough - near) / math.pi))
-            state[first + i] = scalar(0, self.number)
-        self.grown = tuple(found)
+        """Move what the cyclic variables of a state have grown by to their offsets."""
+        first = len(state) - len(self._grown)
+        self._grown = [self._whole(i, x) for i, x in enumerate(state[first:])]
+        for i in range(first, len(state)):
+            state[i] = scalar(0, self.number)
+
+    @property
+    def grown(self) -> tuple[int, ...]:
+        """The offsets, for ``stand_at``."""
+        return tuple(self._grown)
+
+    def stand_at(self, grown: Sequence[int]) -> None:
+        """Have these offsets."""
+        self._grown = [*grown]
 
     def completed(self, rows: Array) -> Array:
-        """Rows of heyoka's numbers, now with the whole of psi and phi, roughly."""
-        first = len(rows[0]) - len(self.grown) if len(rows) else 0
+        """Rows of heyoka's numbers, now with the whole of the cyclic variables."""
         if self.number.flat:
             table = rows
-            table[:, first:] = self.grown + table[:, first:] / self._unit
+            for i, grown in enumerate(self._grown, -len(self._grown)):
+                whole = Fraction(grown, 1 << self._fine)
+                high = self.number.rounded(whole)
+                low = scalar(self.number.rounded(whole - high), self.number)
+                near, rest = exact_sum(scalar(high, self.number), table[:, i] * self._divisor)
+                table[:, i] = near + (rest + low)
             return table
         for row in rows:
-            for i, x in enumerate(row[first:]):
-                row[first + i] = scalar(Fraction(self._rough(i, x)), self.number)
+            for i, x in enumerate(row[len(row) - len(self._grown) :], -len(self._grown)):
+                row[i] = scalar(Fraction(self._whole(i, x), 1 << self._fine), self.number)
         return rows
 
-    def _rough(self, i: int, part: HeyokaNumber) -> float:
-        return self.grown[i] + float(part / self._unit)
+    def _whole(self, i: int, part: HeyokaNumber) -> int:
+        """A cyclic variable, of which heyoka has this part, as the offsets are kept."""
+        x = part if self.number.flat else as_fraction(part, self.number)
+        above, below = x.as_integer_ratio()
+        return self._grown[i] + (above * self._divisor << self._fine) // below

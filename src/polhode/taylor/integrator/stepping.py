@@ -37,13 +37,13 @@ _MANY, _TRIED = 200, 8
 
 class Anchor(NamedTuple):
     """Where steps began: the exact time, and as heyoka has them the times since ``offset``
-    (high and low part) and the state; ``grown``: psi and phi at the last set-back."""
+    (high and low part) and the state; ``grown``: the offsets of cyclic variables."""
 
     time: Fraction
     offset: Fraction
     dtime: tuple[HeyokaNumber, HeyokaNumber]
     state: tuple[HeyokaNumber, ...]
-    grown: tuple[float, ...]
+    grown: tuple[int, ...]
 
 
 class Integrator:
@@ -126,7 +126,7 @@ class Integrator:
         self.heyoka.propagate_until(ahead, **self._options)
         row = self.state[None].copy()
         if self._cyclic is not None:
-            self._cyclic.grown = anchor.grown
+            self._cyclic.stand_at(anchor.grown)
             row = self._cyclic.completed(row)
         found: Row = self._rows([row])[0]
         return found, self.time
