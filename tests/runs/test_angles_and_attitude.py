@@ -120,6 +120,8 @@ def test_attitude_and_angles_are_as_good_as_the_state(number, what):
     assert max(abs(a - b).max() for a, b in zip(vertical, run.gamma.T, strict=True)) < 300 * eps
     middle = run.times[-1] * Fraction(2, 3)
     assert error([run(middle)], [alone(middle)], True) <= 4 * (state + plain)
+    there, true = ([one.angles_at(middle)] for one in (run, fine))
+    assert error(there, true, True) < 20 * state + 64 * eps
     for word, absent in zip(BOTH, ("attitude", "angles"), strict=True):
         one = polhode.integrate(replace(what, outputs=(word,)), number)
         assert getattr(one, absent) is None
@@ -154,6 +156,23 @@ def test_psi_and_phi_are_continuous_over_many_turns():
     for column in (run.psi, run.phi):
         assert np.max(np.abs(np.diff(column))) < 1.5
     assert max(abs(run.psi[-1]), abs(run.phi[-1])) > 4 * math.pi
+
+
+@pytest.mark.sample(2, slow=2)
+@pytest.mark.parametrize("distance", ["1e-3", "1e-9"])
+@pytest.mark.parametrize("number", ["double", "extended"])
+def test_psi_and_phi_past_near_poles(distance, number):
+    """Some dozens of passages of the lower pole, at distances of that order: no turn is missed
+    between two steps, and psi has no error by their number, as its integral would.
+    """
+    omega = [Fraction(5, 2), (Fraction(distance) - Fraction(27, 25)) / Fraction(3, 5), "1.2"]
+    body = {"moments": [1, 1, "0.5"], "centre": [0, 0, 1], "weight": 1, "gamma": [0, "0.6", "0.8"]}
+    top = polhode.top(**body, omega=omega, outputs=["angles"], at=[10, 30, 60])
+    run, fine = polhode.integrate(top, number), polhode.integrate(top, "quad")
+    eps = float(run.number.eps)
+    assert 4 * eps < error(run.angles, fine.angles) < 600 * eps
+    both = polhode.integrate(replace(top, outputs=BOTH), number)
+    assert both.angles == run.angles
 
 
 # -- poles and zeros at the start -----------------------------------------------------------------
