@@ -145,6 +145,8 @@ def test_angles_that_grow_loosen_no_step(number, project, monkeypatch):
     assert digits[0] > digits[1] - 0.5
     assert abs(along(along.times)[1] - along.states[1])[3:].max() < 1e4 * eps
     exact = truth.angles(along.times, 40)
+    if project is False:  # psi is 1e-4, and what the quaternion tells of it is off by many eps
+        assert error([row[:1] for row in along.angles], [row[:1] for row in exact]) < eps / 10
     assert error(along.angles, exact, True) < 100 * eps
     assert error([row[2:] for row in along.angles], [row[2:] for row in exact], True) < 4 * eps
 
@@ -158,9 +160,8 @@ def test_psi_and_phi_are_continuous_over_many_turns():
     assert max(abs(run.psi[-1]), abs(run.phi[-1])) > 4 * math.pi
 
 
-@pytest.mark.sample(2, slow=2)
-@pytest.mark.parametrize("distance", ["1e-3", "1e-9"])
-@pytest.mark.parametrize("number", ["double", "extended"])
+@pytest.mark.parametrize("distance", ["1e-3", "-1e-9"])
+@pytest.mark.parametrize("number", ["double", pytest.param("extended", marks=pytest.mark.slow)])
 def test_psi_and_phi_past_near_poles(distance, number):
     """Some dozens of passages of the lower pole, at distances of that order: no turn is missed
     between two steps, and psi has no error by their number, as its integral would.

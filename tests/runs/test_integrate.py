@@ -102,7 +102,7 @@ samples = 3
 outputs = ["angles"]
 """
 STOPPING = '[[events]]\nname = "side"\nzero = "gamma2"\nstop = true\n'
-POLE = {"moments": [2, 2, 1], "centre": [0, 0, 1], "weight": 1, "gamma": [0, 0, 1]}
+POLE = {"moments": [2, 2, 1], "centre": [0, 0, 1], "weight": 1, "gamma": [0, 0, 1], "psi": 20}
 
 
 @pytest.mark.parametrize(
@@ -137,8 +137,9 @@ def test_the_state_at_any_time_is_that_of_the_run(what, options, monkeypatch):
     with ThreadPoolExecutor(4) as pool:
         for found in (run(between), again(between), [*pool.map(again, between)]):
             assert (np.array(found) == np.array(apart)).all()
-    middle = polhode.integrate(what, at=[end / 3 or 0, what.end or 1], **options).states[0]
-    assert np.abs(run(end / 3) - middle).max() <= near
+    third = DOUBLE.rounded(end / 3)
+    middle = polhode.integrate(what, at=[third, what.end or 1], **options).states[0]
+    assert np.abs(run(third) - middle).max() <= near / 16  # by the steps of the run itself
     for event in run.events:
         assert np.abs(run(event.times[0]) - event.states[0]).max() <= near
     with pytest.raises(polhode.BadInput):
