@@ -124,8 +124,9 @@ def test_an_interrupt_of_a_run_made_again_goes_on(monkeypatch):
 
     run = a_run()
     monkeypatch.setattr("polhode.runs.methods.taylor.march", interrupted)
-    with pytest.raises(KeyboardInterrupt):
-        run.angles_at([1])
+    for at in (run, run.angles_at):
+        with pytest.raises(KeyboardInterrupt):
+            at([1.5])
 
 
 def test_times_as_doubles():

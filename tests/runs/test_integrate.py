@@ -102,7 +102,7 @@ samples = 3
 outputs = ["angles"]
 """
 STOPPING = '[[events]]\nname = "side"\nzero = "gamma2"\nstop = true\n'
-POLE = {"moments": [2, 2, 1], "centre": [0, 0, 1], "weight": 1, "gamma": [0, 0, 1]}
+POLE = {"moments": [2, 2, 1], "centre": [0, 0, 1], "weight": 1, "gamma": [0, 0, 1], "psi": 20}
 
 
 @pytest.mark.parametrize(
@@ -128,17 +128,28 @@ def test_the_state_at_any_time_is_that_of_the_run(what, options, monkeypatch):
     change_policy(monkeypatch, chunk=20)
     run = polhode.integrate(what, **options)
     near = 32 * 2.0**-52 * max(1, np.abs(run.states).max())
-    for k in reversed(range(len(run.times))):
-        assert np.abs(run(run.times[k]) - run.states[k]).max() <= near
     end = run.reached
-    middle = polhode.integrate(what, at=[end / 3 or 0, what.end or 1], **options).states[0]
-    assert np.abs(run(end / 3) - middle).max() <= near
+    between = [end * Fraction(k, 7) for k in (2, 5, 6)]
+    apart = [run(t) for t in reversed(between)][::-1]
+    for k in reversed(range(len(run.times))):
+        assert (run(run.times[k]) == run.states[k]).all()
+    again = pickle.loads(pickle.dumps(run))
+    with ThreadPoolExecutor(4) as pool:
+        for found in (run(between), again(between), [*pool.map(again, between)]):
+            assert (np.array(found) == np.array(apart)).all()
+    third = DOUBLE.rounded(end / 3)
+    middle = polhode.integrate(what, at=[third, what.end or 1], **options).states[0]
+    assert np.abs(run(third) - middle).max() <= near / 16  # by the steps of the run itself
     for event in run.events:
         assert np.abs(run(event.times[0]) - event.states[0]).max() <= near
     with pytest.raises(polhode.BadInput):
         run(end + Fraction(1, 10**6))
     if "attitude" in what.outputs:
-        assert np.abs(run.attitude_at(run.times[-1]) - run.attitude[-1]).max() <= near
+        assert (run.attitude_at(run.times[-1]) == run.attitude[-1]).all()
+    if "angles" in what.outputs and end:
+        for t in (end / 1000, end / 3):  # the first is next to a start at a pole
+            beside = polhode.integrate(what, at=[t, what.end], **options).angles[0]
+            assert max(abs(x - y) for x, y in zip(run.angles_at(t), beside, strict=True)) <= near
     with pytest.raises(ValueError, match="output times only"):
         replace(run, dense=None)(end)
 

@@ -58,7 +58,7 @@ def variables(scene: Scene, t: Fraction) -> list[Exact]:
     if gamma is None:
         return found
     found += axes.components(gamma)
-    if "attitude" in scene.modelled:
+    if scene.modelled:
         found += _turned(kinematics.starting_attitude(gamma, scene.psi), scene.omega, t)
     if "angles" in scene.modelled and not scene.starts_at_pole:
         found += [scene.psi + dot(scene.omega, gamma) * t, kinematics.starting_phi(gamma)]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from polhode.numbers.rows import Array, GivenRow
+from polhode.numbers.rows import GivenRow
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import cross, dot
 
@@ -48,19 +48,3 @@ def upright(
     found = product(q, (1 + dot(g, own), *cross(g, own)))
     length = root(sum((x * x for x in found[1:]), found[0] * found[0]))
     return [x / length for x in found]
-
-
-def of_matrix(
-    m: Array | Sequence[Sequence[Scalar]], root: Callable[[Scalar], Scalar]
-) -> list[Scalar]:
-    """A quaternion of length one of the turn v -> m v."""
-    (a, b, c), (d, e, f), (g, h, i) = m
-    rows = [  # 4 q_i q_j; that of the largest component is the most accurate
-        [1 + a + e + i, h - f, c - g, d - b],
-        [h - f, 1 + a - e - i, b + d, c + g],
-        [c - g, b + d, 1 - a + e - i, f + h],
-        [d - b, c + g, f + h, 1 - a - e + i],
-    ]
-    largest = max(range(4), key=lambda k: rows[k][k])
-    length = root(sum((x * x for x in rows[largest][1:]), rows[largest][0] * rows[largest][0]))
-    return [x / length for x in rows[largest]]

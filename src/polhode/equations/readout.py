@@ -2,27 +2,29 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from polhode.common.cached_property import cached_property
 from polhode.equations.form import equations
-from polhode.equations.kinematics import AngleFunctions, angles
-from polhode.numbers.conversion import exactly, number_value, to_extended, to_mpf
+from polhode.equations.kinematics import AngleFunctions, angles, starting_attitude
+from polhode.equations.quaternion_products import upright
+from polhode.numbers.conversion import exactly, number_value, to_double, to_extended, to_mpf
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Extendeds, Flat, Gapped, Given, GivenRow, Rows, flat
-from polhode.numbers.scalars import Scalar, of_extended, of_mpmath
+from polhode.numbers.rows import Booleans, Extendeds, Flat, Gapped, Given, GivenRow, Rows, flat
+from polhode.numbers.scalars import Real, Scalar, of_extended, of_mpmath
 from polhode.scenes.scene import Scene
-from polhode.scenes.vocabulary import ATTITUDE
 
 if TYPE_CHECKING:
     import numpy as np
 
 GUARD_BITS = 16
+_MOST_SPIN = 32.0  # about the third axis, beside the other rates
 
 
 class Readout:
-    """Reads rows of one run: the form's variables, then quaternion, then psi and phi.
+    """Reads rows of one run: the form's variables, then the quaternion, then psi and phi.
 
     Omega and gamma are computed from the variables with more bits than those have.  Above extended
     those of the start, where a run begins with its row, are the scene's own, rounded once: what is
@@ -66,61 +68,133 @@ class Readout:
         variables = zip(row[: len(self.form.variables)], self.form.start, strict=True)
         return all(exactly(x) == self.number.rounded(y) for x, y in variables)
 
-    def attitude(self, rows: Given) -> Rows | None:
-        """q0 q1 q2 q3, if asked for or needed."""
+    def attitude(self, rows: Given, states: Rows) -> Rows | None:
+        """q0 q1 q2 q3 beside states, if asked for or needed: of length one, and gamma's."""
         if "attitude" not in self.scene.modelled:
             return None
-        first = len(self.form.variables)
-        if not self.number.flat:
-            return [[*row[first : first + 4]] for row in rows]
-        if len(rows):
-            return self._kept(rows)[:, first : first + 4].copy()
-        return self._kept([])
+        if self.number.flat:
+            return self._upright(self._kept(rows), flat(states)).T.astype(self._kind)
+        from polhode.numbers.mpmath_context import mpmath, ordinary
 
-    def angles(self, rows: Given) -> Gapped | None:
-        """psi theta phi, if asked for; psi and phi None at a pole."""
+        found = []
+        for row, state in zip(rows, states, strict=True):
+            q = self._upright_row(row, state)
+            with mpmath.workprec(self.number.bits):
+                found.append(ordinary([+x for x in q]))
+        return found
+
+    def angles(self, rows: Given, states: Rows) -> Gapped | None:
+        """psi theta phi beside states, if asked for; psi and phi None at a pole.
+
+        psi is the quaternion's, whose rate is finite at a pole, and phi gamma's; their half turns
+        are those of the integrated ones.
+        """
         if "angles" not in self.scene.modelled:
             return None
         if len(rows) == 0:
             return []
-        first = len(self.form.variables) + (
-            len(ATTITUDE) if "attitude" in self.scene.modelled else 0
-        )
-        states = self.states(rows)
-        # a motion that stays at a pole has no psi and phi among its variables
-        there = len(rows[0]) > first
         if self.number.flat:
-            turned = self._kept(rows)[:, first : first + 2] if there else 0
-            return self._flat_angles(flat(states), turned)
-        found = self._angles(states, [row[first : first + 2] if there else (0, 0) for row in rows])
+            found = self._flat_angles(self._kept(rows), flat(states))
+        else:
+            found = [self._angles(*pair) for pair in zip(rows, states, strict=True)]
         for row, state in zip(found, states, strict=True):
             if state[3] == 0 == state[4]:
                 row[0] = row[2] = None
         return found
 
-    def _flat_angles(self, states: Flat, integrated: Flat | int) -> Gapped:
-        """psi theta phi beside states and integrated psi and phi, all rows at once."""
+    def _upright(self, rows: Flat, states: Flat) -> Extendeds:
+        """The quaternion beside states, a column each; the start's as it is."""
         import numpy as np
 
-        pi = 4 * np.arctan(np.ones(1, dtype=self._kind))[0]
-        fn = AngleFunctions(np.hypot, np.arctan2, pi, np.rint, np.where)
-        turned = np.zeros((len(states), 2), dtype=self._kind) + integrated
-        found: Gapped = np.stack(angles([*states[:, 3:].T], [*turned.T], fn), axis=1).tolist()
-        for k in np.flatnonzero((states[:, 3] == 0) & (states[:, 4] == 0)).tolist():
-            found[k][0] = found[k][2] = None
+        given = rows[:, self._first : self._first + 4].T.astype(np.longdouble)
+        gamma = states[:, 3:].T.astype(np.longdouble)
+        found = np.array(upright([*given], [*gamma], np.sqrt), dtype=np.longdouble)
+        return np.where(self._begin(rows), given, found)
+
+    def _upright_row(self, row: GivenRow, state: GivenRow) -> list[Scalar]:
+        """The same above extended, with some more bits."""
+        from polhode.numbers.mpmath_context import mpmath, own
+
+        q = [*map(own, row[self._first : self._first + 4])]
+        if self._begins(row):
+            return q
+        with mpmath.workprec(self.number.bits + GUARD_BITS):
+            return upright(q, [*map(own, state[3:])], mpmath.sqrt)
+
+    def _begin(self, rows: Flat) -> Booleans:
+        """Which rows have the quaternion of the start."""
+        found: Booleans = (rows[:, self._first : self._first + 4] == self._first_attitude).all(1)
         return found
 
-    def _angles(self, states: Rows, integrated: Sequence[GivenRow]) -> Gapped:
-        """The same above extended."""
+    def _begins(self, row: GivenRow) -> bool:
+        """Whether a row has it."""
+        return [*row[self._first : self._first + 4]] == self._first_attitude
+
+    @cached_property
+    def _first_attitude(self) -> list[Scalar]:
+        """The quaternion at the start, rounded to the run's type."""
+        assert self.scene.gamma is not None
+        first = starting_attitude(self.scene.gamma, self.scene.psi)
+        return [number_value(x, self.number) for x in first]
+
+    @cached_property
+    def _first(self) -> int:
+        """The first column of the quaternion, before psi and phi."""
+        return len(self.form.variables)
+
+    @cached_property
+    def _spins(self) -> bool:
+        """Whether phi grows so much faster that the quaternion has fewer digits of psi."""
+        p, q, r = map(to_double, self.scene.omega)
+        swing = math.sqrt(to_double(self.scene.pendulum_rate_squared))
+        return abs(r) > _MOST_SPIN * max(math.hypot(p, q), swing)
+
+    def _flat_angles(self, rows: Flat, states: Flat) -> Gapped:
+        """psi theta phi, all rows at once."""
+        import numpy as np
+
+        turned = np.zeros((2, len(rows)), dtype=np.longdouble)
+        if rows.shape[1] > self._first + 4:  # not of a motion that stays at a pole
+            turned += rows[:, self._first + 4 :].T
+        pi = 4 * np.arctan(np.longdouble(1))
+        if not self._spins:
+            turned[0] = self._psi(rows, states, turned[0])
+        fn = AngleFunctions(np.hypot, np.arctan2, pi, np.rint, np.where)
+        gamma = states[:, 3:].T.astype(np.longdouble)
+        found = np.stack(angles([*gamma], [*turned], fn), axis=1)
+        listed: Gapped = found.astype(self._kind).tolist()
+        return listed
+
+    def _psi(self, rows: Flat, states: Flat, integrated: Extendeds) -> Extendeds:
+        """psi of the quaternion beside an integrated one."""
+        import numpy as np
+
+        q = self._upright(rows, states)
+        psi = np.arctan2(q[3], q[0]) + np.arctan2(q[2], q[1])
+        high = np.longdouble(np.float32(np.pi))  # whole multiples of it are exact
+        low = 4 * np.arctan(np.longdouble(1)) - high
+        halves = np.rint((integrated - psi) / (high + low))
+        told = (psi + halves * high) + halves * low
+        return np.where(self._begin(rows), integrated, told)
+
+    def _angles(self, row: GivenRow, state: GivenRow) -> list[Real | None]:
+        """The same of a row above extended."""
         from polhode.numbers.mpmath_context import mpmath, ordinary, own
 
+        turned = [*map(own, row[self._first + 4 :])] or [mpmath.mpf(0)] * 2
         fn = AngleFunctions(
             mpmath.hypot, mpmath.atan2, mpmath.pi, mpmath.nint, lambda c, a, b: a if c else b
         )
+        more = GUARD_BITS + int(abs(turned[0])).bit_length()
+        with mpmath.workprec(self.number.bits + more):
+            if not (self._spins or self._begins(row)):
+                q = self._upright_row(row, state)
+                psi = mpmath.atan2(q[3], q[0]) + mpmath.atan2(q[2], q[1])
+                turned[0] = psi + mpmath.pi * mpmath.nint((turned[0] - psi) / mpmath.pi)
+            found = angles([*map(own, state[3:])], turned, fn)
         with mpmath.workprec(self.number.bits):
-            pairs = zip(own(states), own(integrated), strict=True)
-            found: Gapped = ordinary([angles(s[3:], w, fn) for s, w in pairs])
-            return found
+            listed: list[Real | None] = ordinary([+x for x in found])
+            return listed
 
     @property
     def _kind(self) -> type[np.floating[Any]]:

@@ -18,7 +18,8 @@ from polhode.scenes.vocabulary import ANGLE_VARIABLES, ATTITUDE
 class System:
     """Variables, exact coefficients and exact start of what is integrated: a form and outputs.
 
-    Time is measured in the scene's own unit.  Quaternion and angles are those of the scene's axes.
+    Time is measured in the scene's own unit.  Quaternion and angles are those of the scene's axes;
+    the quaternion is there for the angles, too.
     """
 
     form: Form
@@ -48,8 +49,7 @@ class System:
             return rates
         vectors = self.form.state(state[:n], k, fn)
         omega, gamma = (kinematics.in_scene_axes(vector, k, fn.zero) for vector in vectors)
-        if "attitude" in self.outputs:
-            rates += kinematics.attitude_rates(state[n : n + 4], omega)
+        rates += kinematics.attitude_rates(state[n : n + 4], omega)
         if "angles" in self.outputs:
             rates += kinematics.angle_rates(omega, gamma)
         return rates
@@ -62,7 +62,6 @@ def system(scene: Scene, outputs: Sequence[str]) -> System:
     if scene.gamma is not None:
         if outputs:
             k |= kinematics.turn_coefficients(form.axes)
-        if "attitude" in outputs:
             names += ATTITUDE
             start += kinematics.starting_attitude(scene.gamma, scene.psi)
         if "angles" in outputs:

@@ -146,7 +146,7 @@ def integrate(
     -------
     Trajectory
         States, outputs and events in the scene's body axes and units.  It can be called at any time
-        that it reached (:class:`polhode.runs.methods.dense_output.Dense`).  ``method`` is the one
+        that it reached (:class:`polhode.Trajectory`).  ``method`` is the one
         that was used; ``correct_digits`` and ``checked_by`` are the result of the check of
         ``digits``.  Its outcome is TOO_FEW_DIGITS if they were not reached: because a number type
         or a tolerance was given too, or the motion multiplies errors beyond what can be computed.

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 Doubles: TypeAlias = "npt.NDArray[np.float64]"
 Extendeds: TypeAlias = "npt.NDArray[np.longdouble]"
 Complexes: TypeAlias = "npt.NDArray[np.complex128]"
-LongComplexes: TypeAlias = "npt.NDArray[np.clongdouble]"
 Integers: TypeAlias = "npt.NDArray[np.integer]"
 Booleans: TypeAlias = "npt.NDArray[np.bool_]"
 Indices: TypeAlias = "npt.NDArray[np.intp]"
@@ -95,14 +94,6 @@ def doubles(rows: Rows | Numbers | list[list[Scalar]]) -> Doubles:
     import numpy as np
 
     return np.asarray(rows, dtype=np.float64)
-
-
-def beside(first: Flat, more: Flat) -> Flat:
-    """Columns after columns."""
-    import numpy as np
-
-    found: Flat = np.concatenate([first, more], axis=1)
-    return found
 
 
 def part_of(rows: Rows, columns: slice) -> Rows:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from decimal import Decimal
 from fractions import Fraction
@@ -20,11 +20,11 @@ from polhode.common.errors import UNREADABLE, BadInput
 from polhode.common.files import read_npz, read_whole
 from polhode.common.value_semantics import same
 from polhode.motion.outcomes import Events, EventTimes, Outcome, Projection
+from polhode.motion.protocols import Interpolant, RowReader
 from polhode.numbers.conversion import number_value
 from polhode.numbers.decimals import decimal_in_full, strings
 from polhode.numbers.number_types import LEAST_MP_BITS, MAX_DIGITS, NAMES, NumberType, named
-from polhode.numbers.rows import Given, Row, Rows, read_only
-from polhode.numbers.scalars import AnyNumber
+from polhode.numbers.rows import Given, Row, read_only
 from polhode.output.json_object import JsonObject
 from polhode.output.json_results import as_json
 from polhode.runs.reevaluate import made_again
@@ -261,22 +261,24 @@ def _told(about: JsonObject, key: str, *kinds: type | None) -> Any:
     return value
 
 
-#: A run's dense output.
-At: TypeAlias = "Callable[[AnyNumber | Iterable[AnyNumber]], Row | Rows]"
-
-
 class _Again:
-    """A loaded run's states at any time: the run made once more when it is first asked."""
+    """A loaded run at any time: the run made once more when it is first asked."""
 
     def __init__(self, run: Trajectory) -> None:
         self.run = run
-        self.made: At | None = None
-
-    def __call__(self, t: AnyNumber | Iterable[AnyNumber]) -> Row | Rows:
-        return self.dense(t)
+        self.made: Interpolant | None = None
 
     @property
-    def dense(self) -> At:
+    def read(self) -> RowReader:
+        """What reads its rows."""
+        return self.dense.read
+
+    def at(self, times: Sequence[Fraction]) -> tuple[Sequence[Row], Outcome, Fraction]:
+        """Rows at exact times, see :class:`polhode.motion.protocols.Interpolant`."""
+        return self.dense.at(times)
+
+    @property
+    def dense(self) -> Interpolant:
         """The dense output of the run made once more."""
         if self.made is None:
             run = self.run

@@ -1,4 +1,4 @@
-"""Scene, number type and options to trajectory: methods and plans in turn, until one serves."""
+"""Scene, number type and options to trajectory: methods in turn, until one serves."""
 
 from __future__ import annotations
 
@@ -13,10 +13,8 @@ from polhode.motion.outcomes import Events, Outcome
 from polhode.motion.protocols import CannotSolve, Motion
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import read_only
-from polhode.runs._observers.protocol import CannotObserve, Observed
 from polhode.runs.methods import refined
 from polhode.runs.methods.taylor import TaylorMotion
-from polhode.runs.plan import Plan, plans
 from polhode.runs.problem.options import USUAL, Options
 from polhode.runs.problem.problem import Problem, problem
 from polhode.runs.trajectory import Trajectory
@@ -24,7 +22,7 @@ from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ATTITUDE
 
 #: What begins a motion of a problem: see :class:`polhode.runs.methods.taylor.TaylorMotion`.
-Method: TypeAlias = Callable[[Problem, Scene, tuple[str, ...], bool, Options], Motion]
+Method: TypeAlias = Callable[[Problem, Scene, Options], Motion]
 
 _LOG = logging.getLogger("polhode")
 
@@ -45,53 +43,48 @@ def solve(
     """
     ready = problem(scene, number, options.tolerance, options.inputs)
     schedule = ready.schedule(scene)
-    began = time.perf_counter()
-    planned = plans(ready, scene, schedule)
-    planning = time.perf_counter() - began
     failed: dict[str, str] = {}
     for method in _methods(scene, number, options):
-        for plan in planned:
-            began = time.perf_counter()
-            motion = method(ready, scene, plan.variables, plan.watched, options)
-            try:
-                found = _observed(ready, motion, plan, progress)
-            except CannotObserve:
-                continue
-            except CannotSolve as fault:
-                _LOG.info("%s: not %s: %s", scene.name, motion.method, fault)
-                failed[f"not {motion.method}"] = str(fault)
-                continue
-            if found.outcome is Outcome.INTERRUPTED and not interruptible:
-                raise KeyboardInterrupt
-            seconds, building = time.perf_counter() - began, motion.build_seconds
-            _LOG.info(
-                "%s: %s (%d bits), %s after %d steps, %.3g s of which %.3g s compiling",
-                *(scene.name, number.name, number.bits, found.outcome.value, motion.steps),
-                *(planning + seconds, planning + building),
-            )
-            parts = {"build": planning + building, "run": seconds - building}
-            rows, read, times = found.rows, motion.read, schedule.exact
-            turned, angles = read.attitude(rows), read.angles(rows)
-            return Trajectory(
-                scene=scene,
-                number=number,
-                times=times if len(rows) == len(times) else times[: len(rows)],
-                states=read_only(read.states(rows), len(scene.columns)),
-                attitude=None if turned is None else read_only(turned, len(ATTITUDE)),
-                angles=None if angles is None else tuple(map(tuple, angles)),
-                events=Events(found.events),
-                projection=motion.projection,
-                outcome=found.outcome,
-                steps=motion.steps,
-                reached=found.reached,
-                tolerance=float(options.tolerance or number.eps),
-                digits=options.digits,
-                provenance=_made_of(scene, parts, {**failed, **motion.remarks}),
-                dense=motion.interpolant(found.reached),
-                method=motion.method,
-                errors=motion.errors,
-            )
-    raise AssertionError("the last plan of the last method serves")
+        began = time.perf_counter()
+        motion = method(ready, scene, options)
+        try:
+            rows, outcome = motion.advance(schedule.inside, progress)
+        except CannotSolve as fault:
+            _LOG.info("%s: not %s: %s", scene.name, motion.method, fault)
+            failed[f"not {motion.method}"] = str(fault)
+            continue
+        if outcome is Outcome.INTERRUPTED and not interruptible:
+            raise KeyboardInterrupt
+        seconds, building = time.perf_counter() - began, motion.build_seconds
+        _LOG.info(
+            "%s: %s (%d bits), %s after %d steps, %.3g s of which %.3g s compiling",
+            *(scene.name, number.name, number.bits, outcome.value, motion.steps),
+            *(seconds, building),
+        )
+        parts = {"build": building, "run": seconds - building}
+        read, times = motion.read, schedule.exact
+        states = read.states(rows)
+        attitude, angles = read.attitude(rows, states), read.angles(rows, states)
+        return Trajectory(
+            scene=scene,
+            number=number,
+            times=times if len(rows) == len(times) else times[: len(rows)],
+            states=read_only(states, len(scene.columns)),
+            attitude=None if attitude is None else read_only(attitude, len(ATTITUDE)),
+            angles=None if angles is None else tuple(map(tuple, angles)),
+            events=Events(motion.events),
+            projection=motion.projection,
+            outcome=outcome,
+            steps=motion.steps,
+            reached=motion.reached,
+            tolerance=float(options.tolerance or number.eps),
+            digits=options.digits,
+            provenance=_made_of(scene, parts, {**failed, **motion.remarks}),
+            dense=motion,
+            method=motion.method,
+            errors=motion.errors,
+        )
+    raise AssertionError("the last method serves")
 
 
 def _methods(scene: Scene, number: NumberType, options: Options) -> Iterator[Method]:
@@ -107,23 +100,6 @@ def _methods(scene: Scene, number: NumberType, options: Options) -> Iterator[Met
 
             yield RefinedMotion
     yield TaylorMotion
-
-
-def _observed(problem: Problem, motion: Motion, plan: Plan, progress: Progress | None) -> Observed:
-    """What a plan makes of a motion; raises CannotSolve."""
-    way = plan.way
-    if way is None:
-        rows, outcome = motion.advance(plan.times, progress)
-        return Observed(rows, outcome, motion.reached, motion.events)
-    share, tell = way.share, progress
-
-    def first(done: float, steps: int) -> None:
-        assert tell is not None
-        tell(share * done, steps)
-
-    rows, outcome = motion.advance(plan.times, None if progress is None else first)
-    found = Observed(rows, outcome, motion.reached, motion.events)
-    return way.observe(problem, motion, found, progress)
 
 
 def _made_of(

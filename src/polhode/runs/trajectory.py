@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING, Generic, Literal, SupportsFloat, cast, overload
@@ -18,6 +18,7 @@ from polhode.equations.form import equations
 from polhode.equations.hodographs import Hodographs
 from polhode.equations.integrals import Drift, drift
 from polhode.motion.outcomes import NO_EVENTS, Events, Outcome, Projection
+from polhode.motion.protocols import Interpolant
 from polhode.numbers.decimals import decimal_in_full, shown, strings
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import (
@@ -27,7 +28,6 @@ from polhode.numbers.rows import (
     Objects,
     Reread,
     Row,
-    Rows,
     States,
     kind_of,
     part_of,
@@ -97,9 +97,7 @@ class Trajectory(Result, ByValue, Generic[S_co]):
     events: Events = NO_EVENTS
     projection: Projection | None = None
     provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
-    dense: Callable[[AnyNumber | Iterable[AnyNumber]], Row | Rows] | None = field(
-        default=None, repr=False, compare=False
-    )
+    dense: Interpolant | None = field(default=None, repr=False, compare=False)
     method: str = "taylor"
     errors: tuple[float | None, ...] | None = None
     correct_digits: float | None = None
@@ -114,18 +112,24 @@ class Trajectory(Result, ByValue, Generic[S_co]):
     def __call__(self, t: AnyNumber | Iterable[AnyNumber]) -> S_co:
         """The state at time t, or the states at several times.
 
-        See :class:`polhode.runs.methods.dense_output.Dense`.
+        ``t``: an int, Fraction, float, numpy or mpmath number, or text such as ``"1/3"``, taken
+        exactly; or a sequence of them, for as many rows.  The first question takes as long as the
+        run, later ones less than a millisecond in double; at a time of the run's outputs it is
+        that row.
 
         Raises BadInput (a ValueError) for a time that the run did not reach.
         """
         if self.dense is None:
             raise ValueError("states at the output times only: nothing was integrated here")
-        found = self.dense(t)
-        if isinstance(found, list):
-            import numpy as np
+        import numpy as np
 
-            held = np.array(found, dtype=np.object_)
-            found = held if found else held.reshape(0, len(self.columns))
+        from polhode.runs import reevaluate
+
+        rows = reevaluate.at_times(self, "states", t)
+        kind = kind_of(self.number)
+        found = np.array(rows, dtype=kind)
+        if len(rows) == 0:
+            found = found.reshape(0, len(self.columns))
         return cast("S_co", found)
 
     def __repr__(self) -> str:
@@ -218,7 +222,7 @@ class Trajectory(Result, ByValue, Generic[S_co]):
     @overload
     def attitude_at(self, t: SupportsFloat) -> Row: ...
     def attitude_at(self, t: AnyNumber | Iterable[AnyNumber]) -> Reread:
-        """The quaternion q0 q1 q2 q3 at time t, or rows of it; the run is repeated for it."""
+        """The quaternion q0 q1 q2 q3 at time t, or rows of it; made as states are."""
         from polhode.runs import reevaluate
 
         return reevaluate.at_times(self, "attitude", t)
@@ -230,7 +234,7 @@ class Trajectory(Result, ByValue, Generic[S_co]):
     @overload
     def angles_at(self, t: SupportsFloat) -> list[Real | None]: ...
     def angles_at(self, t: AnyNumber | Iterable[AnyNumber]) -> Reread:
-        """psi, theta, phi at time t, or rows of them; the run is repeated for it."""
+        """psi, theta, phi at time t, or rows of them; made as states are."""
         from polhode.runs import reevaluate
 
         return reevaluate.at_times(self, "angles", t)
@@ -331,6 +335,11 @@ class Trajectory(Result, ByValue, Generic[S_co]):
             if word in self.scene.outputs and len(parts) == len(COLUMNS[word].needs):
                 found[word] = derived(word, self.scene, parts, self.number)
         return {word: rows for word in COLUMNS if (rows := found.get(word)) is not None}
+
+    @cached_property
+    def others(self) -> dict[str, Interpolant]:
+        """What tells attitude and angles at any time, where they are no outputs, once asked."""
+        return {}
 
     @property
     def hodographs(self) -> Hodographs | None:

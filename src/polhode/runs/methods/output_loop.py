@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from polhode.common.progress import Progress
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import joined
 from polhode.numbers.rows import Rows
 from polhode.taylor.backend.time_grid import Times
-from polhode.taylor.integrator.protocols import Integrating
+
+if TYPE_CHECKING:
+    from polhode.taylor.integrator.stepping import Integrator
 
 
 def march(
-    integrator: Integrating,
+    integrator: Integrator,
     times: Times,
     rows: Rows,
     limit: int,
@@ -34,7 +38,7 @@ def march(
             done += len(found)
             if outcome is not Outcome.STEP_LIMIT:
                 break
-            passed = abs(integrator.time - integrator.marks[-1].offset)
+            passed = abs(integrator.time - integrator.offset)
             if passed <= steps * abs(integrator.time) * integrator.number.eps:
                 outcome = Outcome.STEP_UNDERFLOW
                 break

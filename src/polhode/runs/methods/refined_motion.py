@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
@@ -18,7 +18,7 @@ from polhode.numbers.conversion import exactly, number_value, to_double, to_mpf
 from polhode.numbers.exact import ZERO
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Doubles, Row, Rows
-from polhode.numbers.scalars import AnyNumber, Real, Scalar, numbers_given
+from polhode.numbers.scalars import Real, Scalar
 from polhode.refined.attitude import Attitude, Following
 from polhode.refined.errors import CannotRefine, Stalled
 from polhode.refined.events import Search
@@ -30,7 +30,6 @@ from polhode.refined.refinement import (
     accuracy,
     refine,
 )
-from polhode.runs.methods.dense_output import Dense
 from polhode.runs.problem.options import USUAL, Options
 from polhode.runs.problem.problem import Problem
 from polhode.scenes.scene import Scene
@@ -51,19 +50,11 @@ class RefinedMotion:
 
     method = "refined"
     projection: Projection | None = None
-    begun: Sequence[Fraction] = ()
 
-    def __init__(
-        self,
-        problem: Problem,
-        scene: Scene,
-        variables: tuple[str, ...] = (),
-        watched: bool = False,
-        options: Options = USUAL,
-    ) -> None:
+    def __init__(self, problem: Problem, scene: Scene, options: Options = USUAL) -> None:
         plain = scene if scene.form == "principal" else replace(scene, form="principal")
         self.scene, self.number = plain, problem.number
-        self.variables, self.watched, self.options = variables, watched, options
+        self.options = options
         self.read = Readout(plain, problem.number)
         self.steps, self.reached, self.build_seconds = 0, ZERO, 0.0
         self.events: tuple[EventTimes, ...] = ()
@@ -113,20 +104,26 @@ class RefinedMotion:
         ]
         return whole, outcome
 
-    def interpolant(self, reached: Fraction) -> RefinedDense:
-        """The state at any time up to the one that was reached."""
-        return RefinedDense(self.scene, self.number, reached, self._found)
+    def at(self, times: Sequence[Fraction]) -> tuple[Sequence[Row], Outcome, Fraction]:
+        """States at exact times in the scene's unit, refined again from the block before each.
+
+        None of the attitude and the angles.  Raises CannotRefine.
+        """
+        unit, count = Fraction(2) ** self.scene.time_unit, len(equations(self.scene).variables)
+        bits, found = self._found.bits, self._found.at([t / unit for t in times])
+        rows: list[list[Scalar]] = [[Fraction(x, 1 << bits) for x in row[:count]] for row in found]
+        return rows, Outcome.REACHED_END, self.reached
 
     def _run(
         self, times: Sequence[Fraction], wanted: int, progress: Progress | None
     ) -> tuple[Search | None, Motion]:
         """One refinement to so many digits, with a search and a following of its own."""
         scene = self.scene
-        search = Search(scene, self.number) if self.watched else None
+        search = Search(scene, self.number) if scene.events else None
         following = None
-        if self.variables:
+        if scene.modelled:
             finest = accuracy(wanted).limbs.finest
-            following = Following(scene, finest, "angles" in self.variables)
+            following = Following(scene, finest, "angles" in scene.modelled)
         return search, refine(
             scene,
             times,
@@ -185,9 +182,7 @@ def _turned(scene: Scene, number: NumberType, attitudes: list[Attitude]) -> list
     with mpmath.workprec(bits):
         psi_0 = to_mpf(scene.psi, bits)
         for quaternion, (sum_half, difference_half) in attitudes:
-            row = []
-            if "attitude" in scene.modelled:
-                row += [number_value(x, number) for x in quaternion]
+            row = [number_value(x, number) for x in quaternion]
             if "angles" in scene.modelled:
                 q0, q1, q2, q3 = (to_mpf(x, bits) for x in quaternion)
                 psi = mpmath.atan2(q3, q0) + mpmath.atan2(q2, q1)
@@ -220,23 +215,3 @@ def _errors(
         error = turned * max(scale * (omega + half_eps * w), gamma + half_eps * g)
         errors.append(error if math.isfinite(error) else None)
     return tuple(errors)
-
-
-class RefinedDense(Dense):
-    """A refined run's state at any time: refined again from the block before it."""
-
-    def __init__(self, scene: Scene, number: NumberType, reached: Fraction, motion: Motion) -> None:
-        self.scene, self.number, self.reached = scene, number, reached
-        self._unit = Fraction(2) ** scene.time_unit
-        self._motion = motion
-
-    def __call__(self, t: AnyNumber | Iterable[AnyNumber]) -> Row | Rows:
-        """The state at t, or rows at several times; see
-        :class:`polhode.runs.methods.dense_output.Dense`."""
-        given, several = numbers_given(t)
-        times = [self._time(x) for x in given]
-        count = len(equations(self.scene).variables)
-        bits = self._motion.bits
-        rows = [[Fraction(x, 1 << bits) for x in row[:count]] for row in self._motion.at(times)]
-        states = Readout(self.scene, self.number).states(rows)
-        return states if several else states[0]

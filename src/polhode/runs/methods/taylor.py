@@ -1,4 +1,4 @@
-"""Taylor steps: the equations that a plan needs, marched from time to time."""
+"""Taylor steps: state, attitude and angles in one system, marched from time to time."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.equations import equilibrium, kinematics
@@ -19,18 +20,19 @@ from polhode.motion.outcomes import EventTimes, Outcome, Projection
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly, number_value
 from polhode.numbers.exact import ZERO
-from polhode.numbers.rows import Rows
-from polhode.runs.methods.dense_output import Dense, Leg
+from polhode.numbers.rows import Row, Rows
+from polhode.runs.methods.dense_output import Leg, Path, spacing
 from polhode.runs.methods.output_loop import march
 from polhode.runs.problem.options import USUAL, Options, cadence
 from polhode.runs.problem.problem import Prepared, Problem
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
 from polhode.taylor.backend.time_grid import Times
-from polhode.taylor.integrator.protocols import Corrector, Integrating, Watcher
+from polhode.taylor.integrator.protocols import Corrector
 
 if TYPE_CHECKING:
     from polhode.taylor.events.watch import Watch
+    from polhode.taylor.integrator.stepping import Integrator
 
 #: Where a start at a pole is left, in the scene's own unit of time: a fraction of a radian on.
 _OFF_THE_POLE = Fraction(1, 2)
@@ -39,58 +41,93 @@ _OFF_THE_POLE = Fraction(1, 2)
 class TaylorMotion:
     """A problem on its way by Taylor steps in one number type.
 
-    ``scene``: the problem's own, with the times of this run.  ``variables``: integrated beside the
-    state.  ``watched``: whether its events are looked for as steps are taken.
+    ``scene``: the problem's own, with the times of this run.  What its outputs need is integrated
+    with the state, and its events are looked for as steps are taken.
     """
 
     method = "taylor"
     errors: tuple[float | None, ...] | None = None
     remarks: Mapping[str, str] = {}
 
-    def __init__(
-        self,
-        problem: Problem,
-        scene: Scene,
-        variables: tuple[str, ...] = (),
-        watched: bool = False,
-        options: Options = USUAL,
-    ) -> None:
+    def __init__(self, problem: Problem, scene: Scene, options: Options = USUAL) -> None:
         self.problem, self.number, self.scene = problem, problem.number, scene
-        self.variables, self.watched, self.options = variables, watched, options
-        self.read = problem.read
+        self.options, self.read = options, problem.read
         self.steps = 0
         self.reached = ZERO
         self.build_seconds = 0.0
         self.events: tuple[EventTimes, ...] = ()
-        self.legs: list[Leg] = []
         self.projection: Projection | None = None
-        self._watch: Watcher | None = None
-        self._working: Integrating | None = None
+        self._watch: Watch | None = None
+        self._working: Integrator | None = None
+        self._legs: list[Leg] = []
+        self._anchored = 0  # steps between two anchors, where any are kept
 
-    def interpolant(self, reached: Fraction) -> Dense:
-        """The state at any time up to the one that was reached."""
-        first = self._prepared.first
-        return Dense(self.scene, self.number, reached, self.legs, first, self.again)
+    def __getstate__(self) -> dict[str, object]:
+        """What ``at`` needs."""
+        kept = "problem", "scene", "options", "reached"
+        return {name: getattr(self, name) for name in kept}
 
-    @property
-    def begun(self) -> list[Fraction]:
-        """Where the steps' clock began anew."""
-        return [mark.offset for leg in self.legs for mark in leg.marks]
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__init__(state["problem"], state["scene"], state["options"])  # type: ignore[misc]
+        self.reached = state["reached"]
 
-    def again(self, leg: Leg) -> Integrating:
-        """An integrator that takes a leg's steps again, without looking for events."""
+    def at(self, times: Sequence[Fraction]) -> tuple[Sequence[Row], Outcome, Fraction]:
+        """Rows at exact times in the scene's unit up to ``reached``, in the order of the motion.
+
+        As many as are reached; how the motion ended, and when.
+        """
+        unit, first = self.problem.unit, self._prepared.first
+        if self.problem.still:
+            return [*self._at_rest(times)], Outcome.REACHED_END, self.reached
+        if not any(times):
+            return [first[0] for _ in times], Outcome.REACHED_END, self.reached
+        rows, path = list[Row](), self._path
+        for t in times:
+            inside = t / unit
+            if abs(inside) > abs(path.reached):
+                break
+            if not t:
+                rows.append(first[0])
+                continue
+            leg, row = path.row(inside, self._stepping)
+            if "angles" in self.scene.modelled and leg is not path.legs[-1]:
+                numbers = [number_value(x, self.number) for x in self._off_pole(row, inside)]
+                row = self._prepared.rows([numbers])[0]
+            rows.append(row)
+        return rows, path.outcome, path.reached * unit
+
+    @cached_property
+    def _path(self) -> Path:
+        """The same steps once more, with anchors."""
+        again = TaylorMotion(self.problem, self.scene, self.options)
+        again._anchored = spacing(self.number)
+        again._watch = self._muted_watch
+        end = self.reached / self.problem.unit
+        _, outcome = again._to(Times([end], self.number), None)
+        if outcome is Outcome.INTERRUPTED:
+            raise KeyboardInterrupt
+        reached = end if outcome is Outcome.REACHED_END else again.reached / self.problem.unit
+        again._release(outcome)
+        return Path(again._legs, self.number, outcome, reached)
+
+    def _stepping(self, leg: Leg) -> Integrator:
+        """An integrator that takes a leg's steps again."""
+        return self._built(leg.system, leg.origin, self._muted_watch, None)
+
+    @cached_property
+    def _muted_watch(self) -> Watch | None:
+        """What makes the steps those of a run with events, and looks for none."""
         watch = self._new_watch()
         if watch is not None:
             watch.muted = True
-        corrector = self._corrector(leg.system.form, watch) if leg.projected else None
-        return self._built(leg.system, leg.origin, watch, corrector)
+        return watch
 
     def _next_leg(
-        self, what: System, origin: Fraction, watch: Watcher | None, corrector: Corrector | None
-    ) -> Integrating:
+        self, what: System, origin: Fraction, watch: Watch | None, corrector: Corrector | None
+    ) -> Integrator:
         """The integrator of the next leg."""
         built = self._built(what, origin, watch, corrector)
-        self.legs.append(Leg(what, origin, built.marks, corrector is not None))
+        self._legs.append(Leg(what, origin, built.anchors))
         return built
 
     def advance(
@@ -109,14 +146,19 @@ class TaylorMotion:
             self.events = watch.found()
             if outcome is Outcome.NON_FINITE:  # a contact may be polished to beyond a pole
                 self.events = tuple(event.until(self.reached) for event in self.events)
-            if self._working is not None and outcome.done:
-                self._working.release()
-            self._watch = self._working = None
+            self._release(outcome)
+            self._watch = None
         return rows, outcome
+
+    def _release(self, outcome: Outcome) -> None:
+        """Leave the integrator of a run with events to the next one."""
+        if self._working is not None and outcome.done:
+            self._working.release()
+        self._working = None
 
     @property
     def _prepared(self) -> Prepared:
-        return self.problem.prepared(self.variables)
+        return self.problem.prepared(self.scene.modelled)
 
     def _to(self, times: Times, progress: Progress | None) -> tuple[Rows, Outcome]:
         problem = self.problem
@@ -131,8 +173,8 @@ class TaylorMotion:
         if problem.singular:
             return rows, Outcome.SINGULAR
         origin = ZERO
-        if "angles" in self.variables and self.scene.starts_at_pole:
-            whole, origin = self._off_the_pole(whole, times[len(rows)])
+        if "angles" in self.scene.modelled and self.scene.starts_at_pole:
+            whole, origin = self._off_the_pole(whole)
             if not isinstance(rows, list):  # a motion that stays at the pole has no angles
                 rows = rows[:, : len(whole.start)]
         rows, outcome = self._advanced(whole, origin, times, rows, progress)
@@ -182,12 +224,7 @@ class TaylorMotion:
     def _stand_still(self, times: Times, progress: Progress | None) -> tuple[Rows, Outcome]:
         """Rows of a state that never changes; only its events, those of t, need an integrator."""
         unit, prepared = self.problem.unit, self._prepared
-        rows = prepared.rows(
-            [
-                [number_value(x, self.number) for x in equilibrium.variables(self.scene, t * unit)]
-                for t in times
-            ]
-        )
+        rows = self._at_rest([t * unit for t in times])
         outcome, self.reached = Outcome.REACHED_END, times[-1] * unit
         if self._watch is None or self.reached == 0:
             return rows, outcome
@@ -196,7 +233,12 @@ class TaylorMotion:
         watched, outcome = self._advanced(whole, ZERO, times, prepared.rows(passed), progress)
         return rows[: self._before_stop(times, len(watched))], outcome
 
-    def _corrector(self, form: Form, watch: Watcher | None) -> Corrector | None:
+    def _at_rest(self, times: Sequence[Fraction]) -> Rows:
+        """Rows of a state that never changes, at times in the scene's unit."""
+        exact = (equilibrium.variables(self.scene, t) for t in times)
+        return self._prepared.rows([[number_value(x, self.number) for x in row] for row in exact])
+
+    def _corrector(self, form: Form, watch: Watch | None) -> Corrector | None:
         """What corrects the state now and then; None where nothing does."""
         if form.unit is not None:
             from polhode.taylor.corrections.quaternion_norm import UnitNorm
@@ -212,7 +254,7 @@ class TaylorMotion:
 
     def _new_watch(self) -> Watch | None:
         """What looks for the scene's events; None where they are not watched."""
-        if not self.watched:
+        if not self.scene.events:
             return None
         from polhode.taylor.events.watch import Watch
 
@@ -224,7 +266,8 @@ class TaylorMotion:
 
     def _refuse_what_never_moves(self) -> None:
         """Refuse an event that is zero all along the motion: in this type, and to 200 digits."""
-        suspects = self._watch.still() if self._watch is not None else []
+        watch = self._watch
+        suspects = watch.still() if watch is not None and not watch.muted else []
         if not suspects:
             return
         from polhode.taylor.events.rules import Rules
@@ -245,9 +288,9 @@ class TaylorMotion:
         self,
         what: System,
         origin: Fraction,
-        watch: Watcher | None,
+        watch: Watch | None,
         corrector: Corrector | None,
-    ) -> Integrating:
+    ) -> Integrator:
         """An integrator that stands at the start of a system."""
         from polhode.taylor.integrator.build import blueprint
         from polhode.taylor.integrator.stepping import Integrator
@@ -257,17 +300,17 @@ class TaylorMotion:
             plan = prepared.blueprint
         else:
             plan = blueprint(what, self.number, self.problem.tolerance)
-        built = Integrator(plan, origin, watch, corrector)
+        built = Integrator(plan, origin, watch, corrector, anchored=self._anchored)
         self.build_seconds += time.perf_counter() - began
         return built
 
-    def _off_the_pole(self, whole: System, first: Fraction) -> tuple[System, Fraction]:
+    def _off_the_pole(self, whole: System) -> tuple[System, Fraction]:
         """The system a moment after a start at a pole, where psi' is 0/0, and that moment.
 
-        The attitude leads over the pole; psi and phi then begin at their one-sided limits, the one
-        of psi ± phi that has a meaning at the pole staying continuous.  A motion that stays at
-        the pole has no psi and phi at all.
+        The attitude leads over the pole, to before the first output.  A motion that stays at the
+        pole has no psi and phi at all.
         """
+        first = next(t for t in self.problem.schedule(self.scene).inside if t)
         moment = max(-_OFF_THE_POLE, min(_OFF_THE_POLE, first / 2))
         bridge = self.problem.system(("attitude",))
         leading = self._next_leg(bridge, Fraction(0), self._watch, None)
@@ -278,16 +321,24 @@ class TaylorMotion:
             leading.release()
         if self._stopped:
             return whole, moment
-        row = found[0]
-        gamma = self.problem.read.states([row])[0][3:]
+        gamma = self.read.states(found)[0][3:]
         if all(x == 0 for x in gamma[:2]):
+            self._legs.clear()
             outputs = tuple(name for name in whole.outputs if name != "angles")
             names, start = whole.names[:-2], whole.start[:-2]
             return replace(whole, names=names, outputs=outputs, start=start), Fraction(0)
-        variables = len(whole.form.variables)
-        kept = row if "attitude" in whole.outputs else row[:variables]
-        leaving = phi_leaving_the_pole(self.scene, 1 if moment > 0 else -1)
+        return replace(whole, start=tuple(self._off_pole(found[0], moment))), moment
+
+    def _off_pole(self, row: Row, t: Fraction) -> list[Fraction]:
+        """A row of the state and the attitude soon after a pole, as one with psi and phi.
+
+        Those begin at their one-sided limits, the one of psi ± phi that has a meaning at the pole
+        staying continuous.
+        """
+        variables = len(self.problem.form.variables)
+        leaving = phi_leaving_the_pole(self.scene, 1 if t > 0 else -1)
+        gamma = self.read.states([row])[0][3:]
         psi, phi = kinematics.angles_off_the_pole(
-            row[variables:], gamma, self.scene.psi, leaving, self.number.bits
+            [*row[variables:]], gamma, self.scene.psi, leaving, self.number.bits
         )
-        return replace(whole, start=(*(exactly(x) for x in kept), psi, phi)), moment
+        return [*(exactly(x) for x in row), psi, phi]

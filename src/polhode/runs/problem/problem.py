@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from polhode.common.cached_property import cached_property
 from polhode.common.recent import Recent
-from polhode.equations import equilibrium, kinematics
+from polhode.equations import equilibrium
 from polhode.equations.form import Form, equations
 from polhode.equations.readout import Readout
 from polhode.equations.system import System, system
@@ -76,12 +76,6 @@ class Problem:
         away = self.form.distance(self.form.start, self.form.coefficients, EXACT)
         return away is not None and bool(away <= nearest(self.number))
 
-    @property
-    def full(self) -> bool:
-        """Whether inputs and steps are as accurate as the number type is."""
-        tolerance = self.tolerance
-        return self.inputs is None and (tolerance is None or tolerance <= self.number.eps)
-
     def prepared(self, variables: tuple[str, ...] = ()) -> Prepared:
         """The equations of the state, and of what is integrated beside it."""
         found = self._prepared.get(variables)
@@ -113,15 +107,6 @@ class Problem:
 
         axes = self.form.axes
         return None if axes.trivial else np.array([[to_extended(x) for x in v] for v in axes.rows])
-
-    @cached_property
-    def attitude(self) -> Extendeds:
-        """The quaternion at the start, of the scene's axes, and psi: longdoubles."""
-        import numpy as np
-
-        assert self.scene.gamma is not None
-        q = kinematics.starting_attitude(self.scene.gamma, self.scene.psi)
-        return np.array([to_extended(x) for x in (*q, self.scene.psi)])
 
     def schedule(self, scene: Scene) -> Schedule:
         """The output times of the scene, or of one that differs from it in its times alone.

@@ -18,7 +18,7 @@ from polhode.numbers.number_types import NumberType, bits_for
 from polhode.numbers.rows import Given, Row, Rows
 from polhode.scenes.body import Body, dot, scaled
 from polhode.scenes.scene import Scene
-from polhode.taylor.integrator.protocols import Integrating
+from polhode.taylor.integrator.stepping import Integrator
 
 #: Exponents of two by which mass, length and time are measured anew.
 UNITS = ((7, -3, 5), (-40, 33, -61))
@@ -103,7 +103,7 @@ def way_back(scene: Scene, t: Any, state: Sequence[Any]) -> Scene:
     return replace(scene, omega=(p, q, r), gamma=gamma, times=(-t,), outputs=(), events=())
 
 
-def _led(integrator: Integrating, t: Fraction) -> Row:
+def _led(integrator: Integrator, t: Fraction) -> Row:
     """The row of an integrator led to a time."""
     rows: Rows = []
     while len(rows) == 0:

@@ -43,7 +43,7 @@ from polhode.taylor.backend import heyoka_numbers
 from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.types import CompiledFunction, Expression, HeyokaNumber
 from polhode.taylor.backend.wider_type import Conversions, conversions, wider
-from polhode.taylor.integrator.protocols import Memory, Watcher
+from polhode.taylor.integrator.protocols import Watcher
 
 #: Numbers among which nothing cancels by accident.
 _GENERIC = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47)
@@ -178,17 +178,6 @@ class Projector:
         target = self.target  # a short run need not know its integrals
         onto = cast(tuple[str, ...], lambda: target.integrals.onto)
         return Projection(onto, self.every, self.count, self.largest, self.sum)
-
-    def memory(self) -> Memory:
-        """What the next correction takes from those before, for ``recall``."""
-        return Memory(self.waits, dict(self._rests))
-
-    def recall(self, memory: Memory) -> None:
-        """Stand where another projector of the same run stood."""
-        if self._step is None:
-            self._begin()
-        self.waits = memory.waits
-        self._rests = {**self.target.unrested, **memory.rests}
 
     def correct(self, state: Array) -> bool:
         """Correct a state where it stands, in heyoka's numbers; False: try again a step later."""

@@ -13,7 +13,6 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Array
 from polhode.taylor.backend import defaults
 from polhode.taylor.backend.heyoka_numbers import as_fraction, scalar
-from polhode.taylor.integrator.protocols import Memory
 
 _GUARD_BITS = 32
 
@@ -30,13 +29,6 @@ class UnitNorm:
     def found(self) -> Projection:
         """What was corrected so far."""
         return Projection(("|q|",), self.every, self.count, self.largest, self.sum)
-
-    def memory(self) -> Memory:
-        """What the next correction takes from those before: nothing."""
-        return Memory()
-
-    def recall(self, memory: Memory) -> None:
-        """Stand where another one of the same run stood."""
 
     def correct(self, state: Array) -> bool:
         """Correct a state where it stands, in heyoka's numbers."""

@@ -104,7 +104,7 @@ class Watch:
     def __init__(self, scene: Scene, number: NumberType, rules: Rules) -> None:
         self.scene, self.number, self.rules = scene, number, rules
         self.muted = False
-        self.any_step = rules.still or "angles" in scene.outputs
+        self.any_step = rules.still
         self.way = 1 if sign(scene.end) >= 0 else -1
         self.width = len(equations(scene).variables)
         self.alike = float(number.eps)

@@ -44,6 +44,15 @@ class Cyclic:
         for i in range(first, len(state)):
             state[i] = scalar(0, self.number)
 
+    @property
+    def grown(self) -> tuple[int, ...]:
+        """The offsets, for ``stand_at``."""
+        return tuple(self._grown)
+
+    def stand_at(self, grown: Sequence[int]) -> None:
+        """Have these offsets."""
+        self._grown = [*grown]
+
     def completed(self, rows: Array) -> Array:
         """Rows of heyoka's numbers, now with the whole of the cyclic variables."""
         if self.number.flat:

@@ -57,6 +57,11 @@ class Compiled:
             self.state[:] = start
         self.begin()
 
+    @property
+    def pooled(self) -> bool:
+        """Whether :meth:`release` leaves it to another run."""
+        return self.again and self._key is not None
+
     def begin(self) -> None:
         """Be at time 0 in the state that was written to :attr:`state`."""
         self.heyoka.time = self._zero

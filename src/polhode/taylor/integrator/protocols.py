@@ -6,14 +6,12 @@ watcher; none of the three reaches for one through another.  No heyoka is needed
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Hashable, Sequence
 from fractions import Fraction
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
-from polhode.motion.outcomes import Outcome, Projection
-from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Array, Row, Rows
+from polhode.motion.outcomes import Projection
+from polhode.numbers.rows import Array
 from polhode.taylor.backend.types import (
     CompiledFunction,
     Expression,
@@ -21,80 +19,6 @@ from polhode.taylor.backend.types import (
     HeyokaIntegrator,
     HeyokaNumber,
 )
-
-
-@dataclass(frozen=True)
-class Memory:
-    """What a correction takes from those before it.
-
-    ``waits``: how often it has stepped aside for an event.  ``rests``: by column, what was rounded
-    off, as numbers of heyoka's.
-    """
-
-    waits: int = 0
-    rests: Mapping[int, HeyokaNumber] = field(default_factory=dict)
-
-
-class Mark(NamedTuple):
-    """Where a chunk began: exact time, state as heyoka's numbers; where to, in how many steps.
-
-    Then the steps taken before, those at which a correction is due, and the corrector's memory.
-    """
-
-    offset: Fraction
-    state: tuple[HeyokaNumber, ...]
-    end: Fraction
-    steps: int
-    taken: int
-    due: int
-    memory: Memory
-
-
-class Piece(Protocol):
-    """The motion over some steps: Taylor polynomials, times counted from a chunk's beginning."""
-
-    @property
-    def begun(self) -> HeyokaNumber:
-        """The time from which it holds, a number of heyoka's."""
-
-    @property
-    def bytes(self) -> int:
-        """About the memory that it takes."""
-
-    def at(self, time: HeyokaNumber, number: NumberType) -> Row:
-        """The state at a time, a number of heyoka's."""
-
-
-class Integrating(Protocol):
-    """What integrates: a system on its way (polhode.taylor.integrator.stepping.Integrator)."""
-
-    @property
-    def number(self) -> NumberType:
-        """The type of its numbers."""
-
-    @property
-    def time(self) -> Fraction:
-        """The exact time reached."""
-
-    @property
-    def steps(self) -> int:
-        """The steps taken."""
-
-    @property
-    def marks(self) -> list[Mark]:
-        """Where each chunk began."""
-
-    def chunk(self, times: Sequence[Fraction], steps: int) -> tuple[Rows, Outcome]:
-        """Take up to so many steps towards the last time; rows at the times passed, how it ended.
-
-        STEP_LIMIT: the steps were taken, and the last time lies ahead.
-        """
-
-    def again(self, mark: Mark) -> Sequence[Piece]:
-        """The polynomials of a chunk, taken again with the same steps to the bit."""
-
-    def release(self) -> None:
-        """Leave the compiled code to the next run of the same equations; the last call of all."""
 
 
 class Desk:
@@ -183,12 +107,6 @@ class Corrector(Protocol):
 
     def correct(self, state: Array) -> bool:
         """Correct a state, heyoka's numbers, where it stands; False: try again a step later."""
-
-    def memory(self) -> Memory:
-        """What the next correction takes from those before, for ``recall``."""
-
-    def recall(self, memory: Memory) -> None:
-        """Stand where another corrector of the same run stood."""
 
     def found(self) -> Projection:
         """What was corrected so far."""

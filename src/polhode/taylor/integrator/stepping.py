@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -13,17 +13,15 @@ import numpy as np
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import joined
 from polhode.numbers.exact import ZERO
-from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Array, Numbers, Row, Rows, flat
 from polhode.taylor.backend.defaults import first_step_offset
-from polhode.taylor.backend.engine import hy
-from polhode.taylor.backend.heyoka_numbers import array, as_fraction, as_mpf, numbers, scalar
+from polhode.taylor.backend.heyoka_numbers import array, as_fraction, as_mpf, scalar
 from polhode.taylor.backend.step_outcomes import ending
 from polhode.taylor.backend.time_grid import Times
-from polhode.taylor.backend.types import HeyokaNumber, HeyokaOutput
+from polhode.taylor.backend.types import HeyokaNumber, HeyokaOutcome
 from polhode.taylor.integrator.angle_variables import Cyclic
 from polhode.taylor.integrator.compiled import Compiled
-from polhode.taylor.integrator.protocols import Corrector, Mark, Memory, Piece, Watcher
+from polhode.taylor.integrator.protocols import Corrector, Watcher
 from polhode.taylor.integrator.specification import TINY, Blueprint
 
 #: The longest step, in the run's unit, of a run with events.  Where all that moves is small beside
@@ -37,22 +35,15 @@ _REACH = 1.25
 _MANY, _TRIED = 200, 8
 
 
-class Polynomials(NamedTuple):
-    """heyoka's continuous output from a time on, counted from where the chunk began."""
+class Anchor(NamedTuple):
+    """Where steps began: the exact time, and as heyoka has them the times since ``offset``
+    (high and low part) and the state; ``grown``: the offsets of cyclic variables."""
 
-    begun: HeyokaNumber
-    output: HeyokaOutput
-
-    def at(self, time: HeyokaNumber, number: NumberType) -> Row:
-        """The state at one time."""
-        row = self.output(time)
-        return row.copy() if number.flat else numbers(row.tolist(), number)
-
-    @property
-    def bytes(self) -> int:
-        """About the memory that it takes."""
-        x = self.output.tcs.flat[0]
-        return int(self.output.tcs.size) * (48 + x.prec // 8 if isinstance(x, hy.real) else 16)
+    time: Fraction
+    offset: Fraction
+    dtime: tuple[HeyokaNumber, HeyokaNumber]
+    state: tuple[HeyokaNumber, ...]
+    grown: tuple[int, ...]
 
 
 class Integrator:
@@ -62,7 +53,7 @@ class Integrator:
     each chunk's end: output times are rounded relative to the chunk's start, never to zero.
     ``watcher`` gives heyoka events and may end the run.  ``corrector`` corrects the state every so
     many steps.  ``compiled``: stands at the start; one of the plan's is taken where none is given.
-    ``marks``: where each chunk began, for :meth:`again`.
+    ``anchored``: steps between two ``anchors``, which are noted where that is not 0.
     """
 
     def __init__(
@@ -72,8 +63,9 @@ class Integrator:
         watcher: Watcher | None = None,
         corrector: Corrector | None = None,
         compiled: Compiled | None = None,
+        anchored: int = 0,
     ) -> None:
-        self.number = plan.number
+        self.number, self.anchored = plan.number, anchored
         self.watcher, self.corrector = watcher, corrector
         self.offset = origin
         self.steps = 0
@@ -81,8 +73,7 @@ class Integrator:
         self._reach = math.inf
         first = len(plan.start) - plan.cyclic
         self._cyclic = Cyclic(plan.start[first:], plan.number) if plan.cyclic else None
-        self.marks: list[Mark] = []
-        self._pieces: list[Piece] | None = None
+        self.anchors: list[Anchor] = []
         self.compiled = compiled or Compiled(plan, watcher, self._cyclic)
         self.heyoka, self.state = self.compiled.heyoka, self.compiled.state
         if watcher is not None and self.compiled.desk is not None:
@@ -113,9 +104,6 @@ class Integrator:
             self.offset = self.time
             self.heyoka.time = scalar(0, self.number)
         self._tell_offset()
-        memory = Memory() if self.corrector is None else self.corrector.memory()
-        kept = tuple(self.state.tolist())
-        self.marks.append(Mark(self.offset, kept, times[-1], steps, self.steps, self._due, memory))
         grid = Times.of(times, self.number).since(self.offset)
         rows, ended = self._through(grid, steps)
         if self._stopped and ended not in (Outcome.NON_FINITE, Outcome.SINGULAR):
@@ -124,18 +112,24 @@ class Integrator:
             ended = Outcome.NON_FINITE  # the steps stand still: an event's expression has a pole
         return rows, ended
 
-    def again(self, mark: Mark) -> list[Piece]:
-        """The polynomials of a chunk, taken again with the same steps to the bit."""
-        self.offset, self.steps, self._due = mark.offset, mark.taken, mark.due
-        self.heyoka.time = scalar(0, self.number)
-        self.stand_at(mark.state)
-        if self.corrector is not None:
-            self.corrector.recall(mark.memory)
+    def at(self, anchor: Anchor, t: Fraction) -> tuple[Row, Fraction]:
+        """The row at the time of the type nearest to t, by the steps from the anchor before it.
+
+        Not beyond the next anchor.  And that time itself.
+        """
+        self.offset, self.heyoka.dtime = anchor.offset, anchor.dtime
+        for i, x in enumerate(anchor.state):
+            self.state[i] = x
+        self.compiled.tell_kept()
         self._tell_offset()
-        pieces: list[Piece] = []
-        self._pieces = pieces
-        self._through(Times([mark.end], self.number).since(mark.offset), mark.steps)
-        return pieces
+        ahead = scalar(self.number.rounded(t - anchor.offset), self.number)
+        self.heyoka.propagate_until(ahead, **self._options)
+        row = self.state[None].copy()
+        if self._cyclic is not None:
+            self._cyclic.stand_at(anchor.grown)
+            row = self._cyclic.completed(row)
+        found: Row = self._rows([row])[0]
+        return found, self.time
 
     def _through(self, grid: Numbers, steps: int) -> tuple[Rows, Outcome]:
         """A chunk's steps, with its corrections; rows of the run's numbers, and how it ended."""
@@ -168,12 +162,6 @@ class Integrator:
         done = corrector.correct(self.state)
         self.compiled.tell_kept()
         return done
-
-    def stand_at(self, state: Iterable[HeyokaNumber]) -> None:
-        """Stand at another state, the time unchanged."""
-        for i, x in enumerate(state):
-            self.state[i] = x
-        self.compiled.tell_kept()
 
     def _advance(self, ahead: Numbers, done: int, steps: int) -> tuple[Array, Outcome]:
         """Up to ``steps`` steps; output times that are out of reach are not looked at.
@@ -245,20 +233,17 @@ class Integrator:
                 return here, Outcome.REACHED_END
             rows, ended = self._steps(ahead[1:], steps)
             return np.concatenate([here, rows]), ended
-        options: dict[str, Any] = {"max_steps": steps}
-        if self.watcher is not None:
-            if not self.watcher.any_step:
-                options["max_delta_t"] = scalar(_LONGEST, self.number)
-            if self.watcher.after_step is not None:
-                options["callback"] = self.watcher.after_step
+        options = {"max_steps": steps, **self._options}
+        if self.watcher is not None and self.watcher.after_step is not None:
+            options["callback"] = self.watcher.after_step
         if len(ahead) == 2:
             # As a grid begins: the step that leaves no low part of the time.  So output times
             # change no bit of the motion.
             result = ta.propagate_until(now)
             if ending(result[0]) is not Outcome.NON_FINITE:
-                result = ta.propagate_until(ahead[1], c_output=self._pieces is not None, **options)
-                if self._pieces is not None and result[4] is not None:
-                    self._pieces.append(Polynomials(now, result[4]))
+                result = (self._anchoring if self.anchored else ta.propagate_until)(
+                    ahead[1], **options
+                )
             ended = ending(result[0])
             rows = self.state[None]
             rows = rows.copy() if ended is Outcome.REACHED_END else rows[:0]
@@ -271,6 +256,27 @@ class Integrator:
         if ended is Outcome.NON_FINITE and not math.isfinite(float(ta.time)):
             ta.dtime = begun  # a step of no length: nothing is known after it began
         return rows, ended
+
+    def _anchoring(
+        self, end: HeyokaNumber, max_steps: int, **options: Any
+    ) -> tuple[HeyokaOutcome, HeyokaNumber, HeyokaNumber, int]:
+        """The same steps, with an anchor before every so many of them."""
+        ta, grown = self.heyoka, () if self._cyclic is None else self._cyclic.grown
+        taken, ended = 0, Outcome.STEP_LIMIT
+        while ended is Outcome.STEP_LIMIT and taken < max_steps:
+            state = tuple(self.state.tolist())
+            self.anchors.append(Anchor(self.time, self.offset, ta.dtime, state, grown))
+            most = min(self.anchored, max_steps - taken)
+            result = ta.propagate_until(end, max_steps=most, **options)
+            ended, taken = ending(result[0]), taken + int(result[3])
+        return (*result[:3], taken)
+
+    @property
+    def _options(self) -> dict[str, Any]:
+        """heyoka's options of all steps."""
+        if self.watcher is None or self.watcher.any_step:
+            return {}
+        return {"max_delta_t": scalar(_LONGEST, self.number)}
 
     @property
     def _stopped(self) -> bool:

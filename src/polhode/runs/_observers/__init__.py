@@ -1,1 +1,0 @@
-"""Outputs besides the state: attitude, angles."""
