@@ -16,7 +16,7 @@ import polhode
 from polhode.equations import integrals
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.runs.sweep import plan as sweep_plan
-from polhode.runs.sweep.lanes import Fastest
+from polhode.runs.sweep.columns import Fastest
 from polhode.scenes import scene_file
 from polhode.scenes.variation import vary
 from shared.examples import examples

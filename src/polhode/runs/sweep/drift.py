@@ -30,7 +30,7 @@ from polhode.numbers.double_double import Pairs, pairs, sqrt
 from polhode.numbers.exact import sign
 from polhode.numbers.rationals import Rationals
 from polhode.numbers.rows import Doubles
-from polhode.runs.sweep.lanes import blocks
+from polhode.runs.sweep.columns import blocks
 
 if TYPE_CHECKING:
     from polhode.numbers.rows import Stack

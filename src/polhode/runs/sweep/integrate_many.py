@@ -183,7 +183,7 @@ def _opened(plan: Plan, scene: Scene, folder: Path | None, method: str) -> Sweep
     asked = (plan.varied, plan.number, plan.tolerance, plan.max_steps, plan.times, plan.names)
     body = repr((scene.body.inertia, scene.body.centre, scene.body.weight))
     what = "\n".join([scene.name, method, repr(asked), body])
-    return SweepCheckpoint(folder, what.encode() + plan.lanes.bytes(), plan.number)
+    return SweepCheckpoint(folder, what.encode() + plan.motions.bytes(), plan.number)
 
 
 @dataclass(frozen=True)
@@ -246,7 +246,7 @@ def _work(plan: Plan, results: Results, method: str) -> _Work[BatchJob] | _Work[
             plan.max_steps,
             plan.times,
             int(plan.time_units[group[0]]),
-            plan.lanes.some(group),
+            plan.motions.some(group),
         )
         for group in groups
     ]

@@ -13,7 +13,7 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber
 from polhode.runs.problem.options import choose_number, rounded_times, rounded_tolerance
-from polhode.runs.sweep.lanes import Fastest, lanes_of
+from polhode.runs.sweep.columns import Fastest, columns_of
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation import vary
 from polhode.scenes.variation.sweep_scenes import Members
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from polhode.taylor.batches.jobs import Lanes
+    from polhode.taylor.batches.jobs import Columns
 
 _BYTES = 40  # of a number of the states, while they are gathered and written
 
@@ -32,8 +32,8 @@ _BYTES = 40  # of a number of the states, while they are gathered and written
 class Plan:
     """A sweep, checked: what there is to integrate.
 
-    ``time_units``: the exponent n of each member's unit of time 2**n; ``rates``: about its fastest
-    rate, radians for each unit of the scene's time.
+    ``motions``: the members in numbers.  ``time_units``: the exponent n of each member's unit of
+    time 2**n; ``rates``: its fastest rate at most, radians for each unit of the scene's time.
     """
 
     varied: vary.Grid
@@ -44,7 +44,7 @@ class Plan:
     times: tuple[Fraction, ...]
     asked: Sequence[Exact]
     names: tuple[str, ...]
-    lanes: Lanes
+    motions: Columns
     time_units: npt.NDArray[np.int64]
     rates: npt.NDArray[np.float64]
 
@@ -97,8 +97,8 @@ def planned(
     times = tuple(rounded_times(scene, chosen))
     tolerance = rounded_tolerance(scene, chosen, tol)
 
-    names, lanes, units, rates = lanes_of(members, times[-1], chosen)
+    names, motions, units, rates = columns_of(members, times[-1], chosen)
     limit = max_steps if max_steps is not None else defaults.of(chosen).max_steps
     return Plan(
-        varied, members, chosen, tolerance, limit, times, scene.times, names, lanes, units, rates
+        varied, members, chosen, tolerance, limit, times, scene.times, names, motions, units, rates
     )
