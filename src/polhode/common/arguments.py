@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
+from fractions import Fraction
 from operator import index
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -71,6 +72,19 @@ def rows_of(
         expected = f"finite numbers that {into} holds"
         raise BadInput(source, f"{key}, row {k + 1}", plain(given[k].tolist()), expected)
     return found
+
+
+def unit_rows(source: str, key: str, rows: npt.NDArray[Any], eps: Fraction) -> None:
+    """Refuse rows that are no unit vectors to 8 eps, by the first of them."""
+    import numpy as np
+
+    x, y, z = rows.T
+    off, most = np.abs(x * x + y * y + z * z - 1), 8 * float(eps)
+    for k in np.flatnonzero(~(off <= most / 2)).tolist():  # rounding here is less than that
+        row = [Fraction(*x.as_integer_ratio()) for x in rows[k]]
+        if abs(sum(x * x for x in row) - 1) > 8 * eps:
+            told = plain(rows[k].tolist())
+            raise BadInput(source, f"{key}, row {k + 1}", told, "gamma of length 1, to 8 eps")
 
 
 def steps(source: str, value: object) -> int:

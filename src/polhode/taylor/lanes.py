@@ -22,7 +22,7 @@ from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles, Stack
 from polhode.taylor.batches import batch_integrator
-from polhode.taylor.batches.compiled_batch import LANES, CompiledBatch
+from polhode.taylor.batches.compiled_batch import LANES, in_lanes, out_of_lanes
 from polhode.taylor.batches.jobs import BatchJob, Columns, Solved
 from polhode.taylor.batches.time_slices import longest
 
@@ -112,10 +112,7 @@ class _Rows:
         self, of: Lanes, starts: Doubles, order: npt.NDArray[np.int64], times: Doubles
     ) -> None:
         self.of, self.starts, self.order, self.times = of, starts, order, times
-        spare = -len(order) % LANES
-        self.index = np.concatenate([order, np.repeat(order[-1:], spare)]) if spare else order
-        lanes = starts.take(self.index, axis=0).reshape(-1, LANES, of.columns)
-        self.lanes = np.ascontiguousarray(lanes.transpose(0, 2, 1))
+        self.lanes = in_lanes(starts.take(order, axis=0))
         first = times if times[0] == 0 else np.concatenate([[0.0], times])
         self.grid = np.repeat(first[:, None], LANES, axis=1) if len(first) > 2 else None
         self.states = np.empty((len(self.lanes), len(times), of.columns, LANES))
@@ -156,7 +153,7 @@ class _Rows:
 
     def in_order(self) -> Doubles:
         """The states in the order of the starts."""
-        rows = self.states.transpose(0, 3, 1, 2).reshape(-1, len(self.times), self.of.columns)
+        rows = out_of_lanes(self.states)
         found = np.empty((len(self.order), *rows.shape[1:]))
         found[self.order] = rows[: len(self.order)]
         return found

@@ -188,6 +188,8 @@ class _Made:
             return False
         low, high = (_SMALLEST, np.finfo(np.float64).max)
         sizes = np.abs(np.hstack(tables))
+        if np.where(sizes == 0, 1.0, sizes).min(initial=1.0) >= low and sizes.max(initial=0) <= high:
+            return False
         found: Booleans = (((sizes < low) & (sizes != 0)) | ~(sizes <= high)).any(axis=1)
         return found
 
@@ -251,10 +253,18 @@ def _rates(block: Block, torque: Sequence[Column | Near], starts: Stack) -> Doub
 
     from polhode.taylor.lanes import rates
 
-    moments = np.stack([_doubles(block, x) for x in block.moments], axis=1)
-    largest = moments.max(axis=1, keepdims=True)
-    weight = np.stack([_doubles(block, x) for x in torque], axis=1)
+    moments, weight = (_rows(block, vector) for vector in (block.moments, torque))
+    largest = moments.max(axis=-1, keepdims=True)
     return rates(starts, moments / largest, weight / largest)
+
+
+def _rows(block: Block, vector: Sequence[Column | Near]) -> Doubles:
+    """A vector of all members, (3,), or a row for each."""
+    import numpy as np
+
+    if all(isinstance(x, Exact) for x in vector):
+        return np.array([to_double(x) for x in vector])
+    return np.stack([_doubles(block, x) for x in vector], axis=1)
 
 
 def _doubles(block: Block, x: Column | Near) -> Doubles:

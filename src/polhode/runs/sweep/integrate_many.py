@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from polhode.common import executors as crew
-from polhode.common.arguments import steps, whole
+from polhode.common.arguments import rows_of, steps, whole
+from polhode.common.errors import BadInput
 from polhode.common.progress import Progress, bar
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber
@@ -24,6 +25,7 @@ from polhode.runs.sweep.sweep_checkpoint import SweepCheckpoint
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation import vary
+from polhode.scenes.variation.sweep_scenes import tables_of
 from polhode.taylor.backend import defaults
 
 if TYPE_CHECKING:
@@ -43,8 +45,9 @@ _SHARE = 0.25  # of a scalar step that a lane's costs
 
 def integrate_many(
     scene: Scene | str | Path,
-    vary: vary.Vary,
+    vary: vary.Vary | None = None,
     *,
+    starts: npt.ArrayLike | None = None,
     number: str | NumberType | None = None,
     digits: int | None = None,
     at: Iterable[AnyNumber] | None = None,
@@ -65,10 +68,16 @@ def integrate_many(
     ----------
     scene : Scene, str or Path
         A scene, a path, or the name of a case.
-    vary : mapping or list of mappings
+    vary : mapping or list of mappings, optional
         Numbers of the scene file by key, such as ``{"start.omega[1]": ["0.1", 0.2], "body.weight":
         "0:1:11"}``: exact values, or FROM:TO:N, every combination being a member; or a list of
-        mappings with one value for each key, the members one by one.
+        mappings with one value for each key, the members one by one; or arrays with a row for each
+        member, ``{"start.omega": (N, 3), "start.gamma": (N, 3), "body.moments": (N, 3)}``, an (N,
+        1) array for a key that is one number.
+    starts : array_like, shape (N, 6) or (N, 3), optional
+        p q r gamma1 gamma2 gamma3 at t = 0 of each member, omega alone of a scene without gamma, in
+        the scene's body axes and units: the same as arrays of ``start.omega`` and ``start.gamma``.
+        Numbers of the run's type or a narrower one; |gamma|² is 1 to 8 eps of the type.
     number : str or NumberType, optional
         The number type, as in :func:`polhode.integrate`.
     digits : int, optional
@@ -106,11 +115,15 @@ def integrate_many(
     ------
     BadInput
         Before anything is integrated: an impossible member, a scene with events, too many numbers
-        for the memory, or ``parts`` with anything but parts of the same sweep.
+        for the memory, or ``parts`` with anything but parts of the same sweep.  Arrays with a row
+        that is not finite, of another width or a wider type, or whose gamma is no unit vector, in
+        quad or mp, or beside values that are no arrays.
 
     Notes
     -----
-    The equations are (3.29) of Yehia, *Rigid Body Dynamics: A Lagrangian Approach*.
+    Members begin at the floats of an array.  ``ensemble[k]`` and ``ensemble.members`` make exact
+    scenes of them when asked for: there gamma, which is a unit vector to rounding alone, is divided
+    by its length.  The equations are (3.29) of Yehia, *Rigid Body Dynamics: A Lagrangian Approach*.
 
     Examples
     --------
@@ -120,6 +133,9 @@ def integrate_many(
     ... )
     >>> len(many), many.varied.keys, many.done
     (6, ('start.omega[3]', 'body.weight'), True)
+    >>> starts = [[0.5, 0, k, 0, 0, 1] for k in range(100)]  # any array (N, 6)
+    >>> polhode.integrate_many("lagrange/nutation", starts=starts, at=[1, 2]).states.shape
+    (100, 2, 6)
     """
     if isinstance(progress, bool):
         asked = {key: value for key, value in locals().items() if key != "progress"}
@@ -136,6 +152,10 @@ def integrate_many(
     if workers is not None:
         workers = whole(scene.name, "workers", workers, 1)
     check_method(scene, method)
+    if starts is not None:
+        scene, vary = _from(scene, starts, vary)
+    elif vary is None:
+        raise BadInput(scene.name, "vary", None, "numbers to vary, or starts")
     plan = planned(scene, vary, number, digits, tol, max_steps)
     prepared = time.perf_counter()
     kept = _opened(plan, scene, parts, method)
@@ -164,6 +184,22 @@ def integrate_many(
         provenance={**plan.members.provenance(), "seconds": seconds},
         parts=kept,
     )
+
+
+def _from(
+    scene: Scene, starts: npt.ArrayLike, others: vary.Vary | None
+) -> tuple[Scene, dict[str, Any]]:
+    """A scene that has a start in omega and gamma, and what is varied of it; raises BadInput."""
+    rows = rows_of(scene.name, "starts", starts, len(scene.columns))
+    columns = {"start.omega": rows[:, :3]} | ({"start.gamma": rows[:, 3:]} if scene.gamma else {})
+    if others is not None and not isinstance(others, Mapping):
+        raise BadInput(scene.name, "vary", "a list", "a mapping of arrays, beside starts")
+    for key in others or {}:
+        if key.startswith("start.") and key != "start.psi":
+            raise BadInput(scene.name, "vary", key, "numbers of the body, beside starts")
+    if "omega" not in tables_of(scene)["start"]:  # but angles, or a level
+        scene = replace(scene, source="")
+    return scene, columns | dict(others or {})
 
 
 def _jobs(plan: Plan) -> int:

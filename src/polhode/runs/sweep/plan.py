@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from polhode.common.arguments import unit_rows
 from polhode.common.errors import BadInput
 from polhode.common.memory import refuse_too_much
 from polhode.numbers.exact import Exact
@@ -16,6 +17,7 @@ from polhode.runs.problem.options import choose_number, rounded_times, rounded_t
 from polhode.runs.sweep.columns import Fastest, columns_of
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation import vary
+from polhode.scenes.variation.array_columns import ArrayColumn
 from polhode.scenes.variation.sweep_scenes import Members
 from polhode.taylor.backend import defaults
 
@@ -92,8 +94,9 @@ def planned(
     members = Members(scene, varied)
     _ = members.tables  # a key that is none is refused before anything else
     chosen = choose_number(scene, number, None)
-    if digits is not None:
+    if digits is not None and len(members):
         chosen = choose_number(Fastest(members).scene.at(scene.times), number, digits)
+    _check_arrays(scene.name, varied, chosen)
     times = tuple(rounded_times(scene, chosen))
     tolerance = rounded_tolerance(scene, chosen, tol)
 
@@ -102,3 +105,25 @@ def planned(
     return Plan(
         varied, members, chosen, tolerance, limit, times, scene.times, names, motions, units, rates
     )
+
+
+def _check_arrays(name: str, varied: vary.Grid, number: NumberType) -> None:
+    """Refuse arrays that are not of the run's number type; raises BadInput.
+
+    Gamma is of length 1 to 8 eps of it.
+    """
+    import numpy as np
+
+    each = zip(varied.keys, varied.rows.columns, strict=True)
+    arrays = {key: column.values for key, column in each if isinstance(column, ArrayColumn)}
+    if not arrays:
+        return
+    if not number.flat:
+        expected = "double or extended with arrays; other values, or members one by one, are exact"
+        raise BadInput(name, "number", number.name, expected)
+    for key, values in arrays.items():
+        if number.name == "double" and values.dtype == np.longdouble:
+            raise BadInput(name, key, f"numbers of {values.dtype}", "float64, or number = extended")
+    gamma = [arrays[key] for key in arrays if key.startswith("start.gamma")]
+    if len(gamma) == 3:
+        unit_rows(name, "start.gamma", np.stack(gamma, axis=1), number.eps)

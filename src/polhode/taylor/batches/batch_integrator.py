@@ -11,7 +11,7 @@ thread, process or machine.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 
 import numpy as np
@@ -27,7 +27,7 @@ from polhode.taylor.backend import defaults, heyoka_numbers
 from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.integrator_pool import Kind
 from polhode.taylor.backend.types import HeyokaIntegrator
-from polhode.taylor.batches.compiled_batch import LANES, CompiledBatch
+from polhode.taylor.batches.compiled_batch import LANES, CompiledBatch, in_lanes, out_of_lanes
 from polhode.taylor.batches.jobs import BatchJob, Solved
 from polhode.taylor.batches.time_slices import Stretch, Stretches
 from polhode.taylor.integrator.prepared import Prepared
@@ -109,17 +109,14 @@ class _Way:
 
     def solved(self) -> Solved:
         """All of them, or as many as come before a stop."""
-        many, batch = self.job.motions.many, isinstance(self.ready, CompiledBatch)
-        size = LANES if batch else 1
-        for first in range(0, many, size):
+        if isinstance(self.ready, CompiledBatch):
+            left: Iterable[int] = self._in_lanes(self.ready)
+        else:
+            left = range(self.job.motions.many)
+        for k in left:
             if self._stopped():
                 break
-            last = min(first + size, many)
-            if batch and self._together(first, last):
-                continue
-            for k in range(first, last):
-                if not self._stopped():
-                    self._alone(k)
+            self._alone(k)
         if self.job.times[0] == 0:
             done = self.found.done
             self.found.states[done, 0] = self.starts[done]
@@ -128,75 +125,77 @@ class _Way:
     def _stopped(self) -> bool:
         return self.stop is not None and self.stop()
 
-    def _together(self, first: int, last: int) -> bool:
-        """A batch of motions, each in its lane, spare lanes as the last one; whether all arrive."""
-        ready, found, here = self.ready, self.found, slice(first, last)
-        assert isinstance(ready, CompiledBatch)
-        starts, pars = (
-            table[here] if last - first == LANES else table[self._filled(first, last)]
-            for table in (self.starts, self.pars)
-        )
-        ready.state[:], ready.parameters[:] = starts.T, pars.T
-        steps = np.zeros(LANES, dtype=np.int64)
-        for n, stretch in enumerate(self.stretches):
-            left = self.job.max_steps - int(steps.max()) if n else self.job.max_steps
-            if n and (left <= 0 or self._stopped()):
-                return False
-            ready.begin()
-            rows = self._rows(ready, stretch, left, steps)
-            if rows is None:
-                return False
-            if stretch.last > stretch.first:
-                rows = rows[: stretch.last - stretch.first, :, : last - first]
-                found.states[here, stretch.first : stretch.last] = rows.transpose(2, 0, 1)
-        self._end(here, Outcome.REACHED_END, steps[: last - first], self.job.times[-1])
-        return True
+    def _in_lanes(self, ready: CompiledBatch) -> list[int]:
+        """Batch after batch; the motions whose batch did not arrive as a whole."""
+        job, found, many = self.job, self.found, self.job.motions.many
+        starts, pars = in_lanes(self.starts), in_lanes(self.pars)
+        alike = bool((self.pars == self.pars[:1]).all())
+        states = np.full((len(starts), len(job.times), job.columns, LANES), np.nan)
+        taken: list[list[int] | None] = [None] * len(starts)
+        for k, (start, own, rows) in enumerate(zip(starts, pars, states, strict=True)):
+            if self._stopped():
+                break
+            ready.stand(start, None if alike and k else own)
+            taken[k] = self._together(ready, rows)
+        done = np.array([row is not None for row in taken], dtype=bool)
+        steps = np.array([row or [0] * LANES for row in taken], dtype=np.int64)
+        done &= np.isfinite(states[:, -1]).all(axis=(1, 2)) | (job.times[-1] == 0)
+        there = np.repeat(done, LANES)[:many]
+        found.states[there] = out_of_lanes(states)[:many][there]
+        found.steps[there] = steps.ravel()[:many][there]
+        found.outcomes[there] = code(Outcome.REACHED_END)
+        found.reached[there] = job.times[-1]
+        return np.flatnonzero(~there).tolist()
 
-    @staticmethod
-    def _filled(first: int, last: int) -> npt.NDArray[np.int64]:
-        found: npt.NDArray[np.int64] = np.minimum(np.arange(first, first + LANES), last - 1)
-        return found
+    def _together(self, ready: CompiledBatch, states: Doubles) -> list[int] | None:
+        """The steps of a batch of motions, each in its lane; None where their limit ends them.
 
-    def _rows(
-        self, ready: CompiledBatch, stretch: Stretch, left: int, steps: npt.NDArray[np.int64]
-    ) -> Doubles | None:
-        """States of all lanes at a stretch's targets; None where one of them does not get there.
-
-        ``steps``: those taken are added.
+        A lane that is not finite has stopped the others: that shows in its last state.
         """
-        most = min(left, self.block)
-        if stretch.grid is not None:
-            rows = ready.rows(stretch.grid, most)
-            steps += ready.steps
-            return rows if ready.arrived else None
-        end = stretch.targets[0]  # a state at the end alone needs no dense output
-        rows = ready.to(end, most)[None]
-        steps += ready.steps
-        if ready.arrived:
-            return rows
-        if Outcome.NON_FINITE in ready.outcomes or left <= most:
-            return None
-        ended = ready.in_blocks([end] * LANES, left - most, self.stop)  # goes on from there
-        steps += ended.steps
-        arrived = all(outcome is Outcome.REACHED_END for outcome in ended.outcomes)
-        return rows if arrived else None
+        steps, left, n = [0] * LANES, self.job.max_steps, 0
+        while (stretch := self.stretches.at(n)) is not None:
+            if n:
+                left = self.job.max_steps - max(steps)
+                if left <= 0 or self._stopped():
+                    return None
+                ready.begin()
+            most = min(left, self.block)
+            if stretch.grid is None:  # a state at the end alone needs no dense output
+                rows = ready.to(stretch.targets[0], most)
+            else:
+                rows = ready.rows(stretch.grid, most)
+            taken = ready.taken
+            if max(taken) >= most:
+                more = self._further(ready, stretch, left - most)
+                if more is None:
+                    return None
+                taken = [a + b for a, b in zip(taken, more, strict=True)]
+            steps = [a + b for a, b in zip(steps, taken, strict=True)] if n else taken
+            n += 1
+            kept = stretch.last - stretch.first
+            if kept:  # a single target's row serves as the one output that there is
+                states[stretch.first : stretch.last] = rows if stretch.grid is None else rows[:kept]
+        return steps
 
-    def _end(
-        self, here: slice, outcome: Outcome, steps: npt.NDArray[np.int64] | int, reached: Fraction
-    ) -> None:
-        found = self.found
-        found.outcomes[here], found.steps[here] = code(outcome), steps
-        found.reached[here] = reached
+    def _further(self, ready: CompiledBatch, stretch: Stretch, left: int) -> list[int] | None:
+        """On to a stretch's end in blocks of steps; None where not all lanes arrive."""
+        if stretch.grid is not None or left <= 0 or Outcome.NON_FINITE in ready.outcomes:
+            return None
+        ended = ready.in_blocks([stretch.targets[0]] * LANES, left, self.stop)
+        there = all(outcome is Outcome.REACHED_END for outcome in ended.outcomes)
+        return ended.steps.tolist() if there else None
 
     def _alone(self, k: int) -> None:
         """One motion; left as if it had not begun where it is stopped."""
-        ready, number, one = self.ready, self.job.number, slice(k, k + 1)
+        ready, number = self.ready, self.job.number
         for into, row in ((ready.state, self.starts[k]), (ready.parameters, self.pars[k])):
             numbers = row if number.flat else heyoka_numbers.scalars([*row], number)
             into[:] = row[:, None] if isinstance(ready, CompiledBatch) else numbers
         self.found.states[k] = np.nan if number.flat else None
         steps, most, reached, outcome = 0, self.job.max_steps, Fraction(0), Outcome.REACHED_END
-        for stretch in self.stretches:
+        n = 0
+        while (stretch := self.stretches.at(n)) is not None:
+            n += 1
             if steps >= most:
                 outcome = Outcome.STEP_LIMIT
                 break
@@ -216,7 +215,8 @@ class _Way:
             if steps * abs(self.job.times[-1] / reached) > 10 * most:  # hopeless
                 outcome = Outcome.STEP_LIMIT
                 break
-        self._end(one, outcome, steps, reached)
+        self.found.outcomes[k], self.found.steps[k] = code(outcome), steps
+        self.found.reached[k] = reached
 
     def _in_blocks(
         self, stretch: Stretch, limit: int

@@ -25,6 +25,21 @@ _REACHED = hy.taylor_outcome.time_limit
 LANES = 8
 
 
+def in_lanes(rows: Doubles) -> Doubles:
+    """Rows as batches have them, (batches, columns, LANES); spare lanes repeat the last row."""
+    spare = -len(rows) % LANES
+    if spare and len(rows):
+        rows = np.concatenate([rows, np.repeat(rows[-1:], spare, axis=0)])
+    found: Doubles = rows.reshape(-1, LANES, rows.shape[1]).transpose(0, 2, 1)
+    return np.ascontiguousarray(found)
+
+
+def out_of_lanes(states: Doubles) -> Doubles:
+    """Back from (batches, times, columns, LANES) to (rows, times, columns)."""
+    found: Doubles = states.transpose(0, 3, 1, 2).reshape(-1, *states.shape[1:3])
+    return found
+
+
 def width(number: NumberType) -> int:
     """How many systems one step advances."""
     return LANES if number.name == "double" else 1
@@ -64,7 +79,7 @@ class CompiledBatch(Prepared):
     def grid(self, times: list[HeyokaNumber], most: int) -> tuple[Array, int, Outcome]:
         """The same where all lanes are alike; rows of one of them."""
         rows = self.rows(np.repeat(np.array([times]).T, self.places, axis=1), most)[:, :, 0]
-        return rows[~np.isnan(rows[:, 0])], int(self.steps[0]), self.outcomes[0]
+        return rows[~np.isnan(rows[:, 0])], self.taken[0], self.outcomes[0]
 
     @property
     def row(self) -> Array:
@@ -78,9 +93,9 @@ class CompiledBatch(Prepared):
         return step_blocks.until(self.heyoka, ends, most, stop)
 
     @property
-    def steps(self) -> npt.NDArray[np.int64]:
+    def taken(self) -> list[int]:
         """The steps of each lane in the last go."""
-        return np.array([result[3] for result in self.heyoka.propagate_res], dtype=np.int64)
+        return [taken for _, _, _, taken in self.heyoka.propagate_res]
 
     @property
     def outcomes(self) -> list[Outcome]:

@@ -46,11 +46,14 @@ class Stretches:
         self._made: list[Stretch] = []
         self._more = _stretches(job)
 
-    def __iter__(self) -> Iterator[Stretch]:
-        yield from self._made
-        for stretch in self._more:
+    def at(self, n: int) -> Stretch | None:
+        """The one of index n, after that before it; None where the way is over."""
+        if n < len(self._made):
+            return self._made[n]
+        stretch = next(self._more, None)
+        if stretch is not None:
             self._made.append(stretch)
-            yield stretch
+        return stretch
 
 
 def _stretches(job: BatchJob) -> Iterator[Stretch]:
