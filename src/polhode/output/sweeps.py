@@ -95,7 +95,8 @@ def arrays(found: Ensemble) -> JsonObject:
     """The arrays of an NPZ file, none of which needs pickle.
 
     ``times`` and ``states`` (members, times, columns) are decimal strings above extended;
-    ``values`` (members, keys) are doubles, ``values_exact`` text; ``about`` is JSON.
+    ``values`` (members, keys) are doubles, ``values_exact`` text, which is left out where arrays
+    were given: ``values`` are those; ``about`` is JSON.
     """
     import numpy as np
 
@@ -119,8 +120,7 @@ def arrays(found: Ensemble) -> JsonObject:
         "states": held(found.states),
         **{word: held(rows) for word, rows in found.outputs.items()},
         "varied": np.array(found.varied.keys),
-        "values": spread(found.varied, lambda x: float(x)),
-        "values_exact": spread(found.varied, value_text),
+        **values_of(found.varied),
         "outcomes": np.array([outcome.value for outcome in OUTCOMES])[found.endings],
         "reached": _texts(found.arrived),
         "steps": found.counts,
@@ -162,10 +162,30 @@ def _common(found: Ensemble) -> JsonObject:
 def values(varied: Grid) -> Iterator[list[str]]:
     """Of each member what is varied, as text."""
     rows = varied.rows
+    if given_as_arrays(varied):
+        yield from map(list, zip(*(column.texts() for column in rows.columns), strict=True))
+        return
     if not rows.product:
         yield from ([value_text(x) for x in row] for row in rows)
         return
     yield from map(list, itertools.product(*([value_text(x) for x in c] for c in rows.columns)))
+
+
+def given_as_arrays(varied: Grid) -> bool:
+    """Whether the members are the rows of arrays."""
+    from polhode.scenes.variation.array_columns import ArrayColumn
+
+    return all(isinstance(column, ArrayColumn) for column in varied.rows.columns)
+
+
+def values_of(varied: Grid) -> JsonObject:
+    """What is varied as the arrays of a file."""
+    import numpy as np
+
+    if given_as_arrays(varied):
+        return {"values": np.stack([column.values for column in varied.rows.columns], axis=1)}
+    values, exact = spread(varied, lambda x: float(x)), spread(varied, value_text)
+    return {"values": values, "values_exact": exact}
 
 
 def spread(varied: Grid, read: Callable[[Exact], object]) -> npt.NDArray[np.generic]:

@@ -22,12 +22,13 @@ from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles, Stack
 from polhode.taylor.batches import batch_integrator
-from polhode.taylor.batches.compiled_batch import LANES, in_lanes, out_of_lanes
+from polhode.taylor.batches.compiled_batch import LANES, in_lanes
 from polhode.taylor.batches.jobs import BatchJob, Columns, Solved
 from polhode.taylor.batches.time_slices import longest
 
 _STEPS = 4.0  # a radian of the fastest rate takes fewer, at the type's own tolerance
 _SURE = 20_000.0  # steps that need no limit: 20 ms of a batch
+_UNCUT = float(longest(DOUBLE))  # the longest way that is one stretch
 _ALONE = 16  # batches that are not worth a second thread, however long they take
 _SHARED = 50_000.0  # steps of all batches, about: below, a second thread costs more than it gains
 _PARTS = 4  # for each thread: the last of them ends soon after the others
@@ -39,13 +40,16 @@ def rates(starts: Stack, inertia: Doubles, moment: Doubles) -> Doubles:
     ``starts``: (n, columns) in principal axes.  ``inertia``: A, B, C, and ``moment``: Mg r0, of
     one body or a row for each.  The larger it is, the more steps a motion takes.
     """
-    w = starts[:, :3].astype(np.float64, copy=False)
+    w, rows = starts[:, :3].astype(np.float64, copy=False), "ij,ij->i"
+    if inertia.ndim == 1 and moment.ndim == 1:
+        rows = "ij,j->i"
+    else:
+        inertia, moment = (np.broadcast_to(x, w.shape) for x in (inertia, moment))
     with np.errstate(all="ignore"):
-        twice = np.einsum("ij,ij->i", w * w, np.broadcast_to(inertia, w.shape))
+        twice = np.einsum(rows, w * w, inertia)
         weight = np.sqrt((moment * moment).sum(axis=-1))
         if starts.shape[1] > 3:
-            gamma = starts[:, 3:].astype(np.float64, copy=False)
-            twice += 2 * np.einsum("ij,ij->i", gamma, np.broadcast_to(moment, gamma.shape))
+            twice += 2 * np.einsum(rows, starts[:, 3:].astype(np.float64, copy=False), moment)
         most = np.maximum(twice + 2 * weight, 0.0) + weight
         found: Doubles = np.sqrt(most / inertia.min(axis=-1))
     return found
@@ -68,8 +72,8 @@ class Lanes:
     ) -> None:
         self.names, self.columns = tuple(coefficients), columns
         self.inertia, self.moment, self.tolerance = inertia, moment, tolerance
-        self._numbers = np.array([*coefficients.values()])[:, None]
-        self._kept = batch_integrator.kept_rates(self.names, columns)
+        self.numbers = np.array([*coefficients.values()])[:, None]
+        self.kept = batch_integrator.kept_rates(self.names, columns)
 
     def states(
         self, starts: Doubles, times: Doubles, max_steps: int, workers: int | None = None
@@ -84,16 +88,16 @@ class Lanes:
         fastest, end = rates(starts, self.inertia, self.moment), abs(float(times[-1]))
         order = np.argsort(fastest)
         steps = _STEPS * end * float(fastest[order[-1]])  # nan, if a start is so large
-        sure = steps < min(_SURE, max_steps) and end <= longest(DOUBLE)
+        sure = steps < min(_SURE, max_steps) and end <= _UNCUT
         way = _Rows(self, starts, order, times)
         if not sure:
             return way.carefully(np.arange(len(starts)), max_steps, workers)
-        count, work = workers or executors.cores(), _STEPS / 2 * end * fastest.sum() / LANES
-        if count == 1 or len(way.lanes) < _ALONE or work < _SHARED:
+        work = _STEPS / 2 * end * fastest.sum() / LANES
+        if len(way.lanes) < _ALONE or work < _SHARED or workers == 1:
             way.part(range(len(way.lanes)))
         else:
-            way.shared(count)
-        found = way.in_order()
+            way.shared(workers or executors.cores())
+        found = way.found()
         lost = np.flatnonzero(~np.isfinite(found[:, -1]).all(axis=1))
         if not len(lost):
             return found, None
@@ -106,41 +110,49 @@ class Lanes:
 
 
 class _Rows:
-    """Starts in the lanes of batches, (batches, columns, LANES), and the states that they lead to."""
+    """Starts in the lanes of batches, and the states that they lead to, in the starts' order."""
 
     def __init__(
         self, of: Lanes, starts: Doubles, order: npt.NDArray[np.int64], times: Doubles
     ) -> None:
         self.of, self.starts, self.order, self.times = of, starts, order, times
-        self.lanes = in_lanes(starts.take(order, axis=0))
+        self.lanes, self.grid = in_lanes(starts.take(order, axis=0)), None
         first = times if times[0] == 0 else np.concatenate([[0.0], times])
-        self.grid = np.repeat(first[:, None], LANES, axis=1) if len(first) > 2 else None
-        self.states = np.empty((len(self.lanes), len(times), of.columns, LANES))
+        if len(first) > 2:
+            self.grid = np.repeat(first[:, None], LANES, axis=1)
+            self.motions = in_lanes(order[:, None])[:, 0]  # of each batch
+        self.states = np.full((len(starts), len(times), of.columns), np.nan)
 
     def part(self, batches: range, stop: Stop | None = None) -> None:
         """Some of the batches to the end, without a limit; nan where a lane stopped the others."""
-        of, grid, end = self.of, self.grid, float(self.times[-1])
-        after = len(of.names)
+        of, grid, end, states = self.of, self.grid, float(self.times[-1]), self.states
+        after, skipped = len(of.names), 0 if grid is None else len(grid) - len(self.times)
         with batch_integrator.engine(of.names, of.columns, DOUBLE, of.tolerance) as ready:
             ta, state, pars = ready.heyoka, ready.state, ready.parameters
-            pars[:after] = of._numbers[: len(pars)]
+            pars[:after] = of.numbers[: len(pars)]
             for k in batches:
                 if stop is not None and stop():
                     return
                 x = self.lanes[k]
                 ta.set_time(0.0)
                 state[:] = x
-                for i, column in enumerate(of._kept, after):
+                for i, column in enumerate(of.kept, after):
                     pars[i] = x[column]
                 if grid is not None:
-                    rows = ta.propagate_grid(grid)[1]
-                    self.states[k] = rows[len(rows) - len(self.times) :]
+                    rows = ta.propagate_grid(grid)[1][skipped:]
+                    states[self.motions[k]] = rows.transpose(2, 0, 1)
                     continue
                 if end:
                     ta.propagate_until(end)
-                self.states[k, -1] = state
-                if len(self.times) > 1:
-                    self.states[k, 0] = x
+                x[:] = state
+
+    def found(self) -> Doubles:
+        """The states, when all parts are done."""
+        if self.grid is None:  # the lanes hold the last ones; before them are at most the starts
+            self.states[:, 0] = self.starts
+            rows = self.lanes.transpose(0, 2, 1).reshape(-1, self.of.columns)
+            self.states[self.order, -1] = rows[: len(self.order)]
+        return self.states
 
     def shared(self, workers: int) -> None:
         """All batches, by threads; raises KeyboardInterrupt."""
@@ -151,19 +163,12 @@ class _Rows:
         if not executors.here(self.part, parts, lambda *_: None, workers):
             raise KeyboardInterrupt
 
-    def in_order(self) -> Doubles:
-        """The states in the order of the starts."""
-        rows = out_of_lanes(self.states)
-        found = np.empty((len(self.order), *rows.shape[1:]))
-        found[self.order] = rows[: len(self.order)]
-        return found
-
     def beside(self, lost: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
         """Which motions are in a batch with one of these."""
         place = np.empty(len(self.order), dtype=np.int64)
         place[self.order] = np.arange(len(self.order))
-        found: npt.NDArray[np.bool_] = np.isin(place // LANES, place[lost] // LANES)
-        return found
+        beside: npt.NDArray[np.bool_] = np.isin(place // LANES, place[lost] // LANES)
+        return beside
 
     def carefully(
         self, which: npt.NDArray[np.int64], max_steps: int, workers: int | None
@@ -184,7 +189,7 @@ class _Rows:
                 max_steps,
                 times,
                 0,
-                Columns(np.tile(of._numbers[:, 0], (len(group), 1)), self.starts[group]),
+                Columns(np.tile(of.numbers[:, 0], (len(group), 1)), self.starts[group]),
             )
             for group in groups
         ]

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 from polhode.common import executors as crew
-from polhode.common.arguments import rows_of, steps, whole
+from polhode.common.arguments import steps, whole
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress, bar
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber
 from polhode.runs.problem.options import check_method
 from polhode.runs.sweep import refined_members
+from polhode.runs.sweep.array_starts import from_starts
 from polhode.runs.sweep.ensemble import Ensemble
 from polhode.runs.sweep.plan import Plan, planned
 from polhode.runs.sweep.refined_members import Job
@@ -25,7 +26,6 @@ from polhode.runs.sweep.sweep_checkpoint import SweepCheckpoint
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation import vary
-from polhode.scenes.variation.sweep_scenes import tables_of
 from polhode.taylor.backend import defaults
 
 if TYPE_CHECKING:
@@ -153,7 +153,7 @@ def integrate_many(
         workers = whole(scene.name, "workers", workers, 1)
     check_method(scene, method)
     if starts is not None:
-        scene, vary = _from(scene, starts, vary)
+        scene, vary = from_starts(scene, starts, vary)
     elif vary is None:
         raise BadInput(scene.name, "vary", None, "numbers to vary, or starts")
     plan = planned(scene, vary, number, digits, tol, max_steps)
@@ -184,22 +184,6 @@ def integrate_many(
         provenance={**plan.members.provenance(), "seconds": seconds},
         parts=kept,
     )
-
-
-def _from(
-    scene: Scene, starts: npt.ArrayLike, others: vary.Vary | None
-) -> tuple[Scene, dict[str, Any]]:
-    """A scene that has a start in omega and gamma, and what is varied of it; raises BadInput."""
-    rows = rows_of(scene.name, "starts", starts, len(scene.columns))
-    columns = {"start.omega": rows[:, :3]} | ({"start.gamma": rows[:, 3:]} if scene.gamma else {})
-    if others is not None and not isinstance(others, Mapping):
-        raise BadInput(scene.name, "vary", "a list", "a mapping of arrays, beside starts")
-    for key in others or {}:
-        if key.startswith("start.") and key != "start.psi":
-            raise BadInput(scene.name, "vary", key, "numbers of the body, beside starts")
-    if "omega" not in tables_of(scene)["start"]:  # but angles, or a level
-        scene = replace(scene, source="")
-    return scene, columns | dict(others or {})
 
 
 def _jobs(plan: Plan) -> int:

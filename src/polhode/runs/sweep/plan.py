@@ -63,7 +63,7 @@ class Plan:
         """
         import numpy as np
 
-        size *= -(-len(self.rates) // (size * most))
+        size *= max(1, -(-len(self.rates) // (size * most)))
         order = np.lexsort((-self.rates, self.time_units))
         ends = np.flatnonzero(np.diff(self.time_units[order])) + 1
         for alike in np.split(order, ends):

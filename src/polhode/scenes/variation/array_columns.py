@@ -46,11 +46,22 @@ class ArrayColumn(Sequence[Exact]):
         return exactly(self.values[index])
 
     def __eq__(self, other: object) -> bool:
+        if isinstance(other, ArrayColumn) and self.values.dtype == other.values.dtype:
+            same = len(self) == len(other)
+            return same and bool((self.values == other.values).all())
         if not isinstance(other, Sequence):
             return NotImplemented
         return len(self) == len(other) and all(a == b for a, b in zip(self, other, strict=True))
 
     __hash__ = None  # type: ignore[assignment]
+
+    def texts(self) -> list[str]:
+        """The shortest decimals that round to the numbers."""
+        import numpy as np
+
+        if self.values.dtype == np.float64:
+            return [repr(x) for x in self.values.tolist()]
+        return [np.format_float_scientific(x, trim="0") for x in self.values]
 
     def __repr__(self) -> str:
         """With a digest of the numbers: it tells one column from another."""

@@ -90,15 +90,15 @@ class Members(Sequence[Scene]):
     @cached_property
     def notes(self) -> tuple[str, ...]:
         """The notes of the scene, and what was changed of the first members, as of one of them."""
+        varied = {key.partition("[")[0] for key in self.varied.keys}
         each = zip(self.varied.keys, self.varied.rows.columns, strict=True)
-        varied = {
-            key.partition("[")[0]
-            for key, column in each
-            if not (isinstance(column, ArrayColumn) and key.startswith("start."))  # as they are
-        }
+        as_is = any(k.startswith("start.") for k, x in each if isinstance(x, ArrayColumn))
+        if as_is:  # members begin at the numbers of the arrays
+            varied = {key for key in varied if key.startswith("body.")}
         if not varied & _MAY_BE_ROUNDED:
             return self.scene.notes
-        of_members = (self[k].changes for k in range(min(len(self), _LOOKED_AT)))
+        few = (self[k] for k in range(min(len(self), _LOOKED_AT)))
+        of_members = ([*filter(None, [x.body.change])] if as_is else x.changes for x in few)
         changes = next(filter(None, of_members), ())
         return (*self.scene.notes, *(f"members: {text}" for text in changes))
 
