@@ -106,7 +106,7 @@ def test_a_result_is_the_caller_s_own():
 GOOD = np.array(START)
 WRONG = [
     ([1, 2, 3], "start", "the 6 numbers"),
-    ([[*START]], "start", "the 6 numbers"),
+    ([[[*START]]], "start", "the 6 numbers"),
     (GOOD.astype(np.longdouble), "start", "double or narrower"),
     (GOOD.astype(complex), "start", "double or narrower"),
     (["1", "2", "3", "1", "0", "0"], "start", "double or narrower"),

@@ -64,7 +64,7 @@ def rows_of(
     if given.dtype.kind not in "fiu" or not np.can_cast(given.dtype, into, "safe"):
         raise BadInput(source, key, f"numbers of {given.dtype}", f"{into} or narrower")
     found = np.ascontiguousarray(given, dtype=into)
-    wrong = ~np.isfinite(found) | np.ma.getmaskarray(values)  # type: ignore[no-untyped-call]
+    wrong = ~np.isfinite(found) | np.ma.getmaskarray(values)
     if given.dtype.kind in "iu":  # numpy rounds long integers silently
         wrong |= found.astype(object) != given.astype(object)
     if wrong.any():
@@ -81,8 +81,8 @@ def unit_rows(source: str, key: str, rows: npt.NDArray[Any], eps: Fraction) -> N
     x, y, z = rows.T
     off, most = np.abs(x * x + y * y + z * z - 1), 8 * float(eps)
     for k in np.flatnonzero(~(off <= most / 2)).tolist():  # rounding here is less than that
-        row = [Fraction(*x.as_integer_ratio()) for x in rows[k]]
-        if abs(sum(x * x for x in row) - 1) > 8 * eps:
+        square = sum((Fraction(*x.as_integer_ratio()) ** 2 for x in rows[k]), Fraction(-1))
+        if abs(square) > 8 * eps:
             told = plain(rows[k].tolist())
             raise BadInput(source, f"{key}, row {k + 1}", told, "gamma of length 1, to 8 eps")
 

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from polhode.runs.sweep.ensemble import Ensemble
+    from polhode.scenes.variation.array_columns import ArrayColumn
     from polhode.scenes.variation.vary import Grid
 
 
@@ -162,8 +163,9 @@ def _common(found: Ensemble) -> JsonObject:
 def values(varied: Grid) -> Iterator[list[str]]:
     """Of each member what is varied, as text."""
     rows = varied.rows
-    if given_as_arrays(varied):
-        yield from map(list, zip(*(column.texts() for column in rows.columns), strict=True))
+    arrays = array_columns(varied)
+    if arrays:
+        yield from map(list, zip(*(column.texts() for column in arrays), strict=True))
         return
     if not rows.product:
         yield from ([value_text(x) for x in row] for row in rows)
@@ -171,19 +173,21 @@ def values(varied: Grid) -> Iterator[list[str]]:
     yield from map(list, itertools.product(*([value_text(x) for x in c] for c in rows.columns)))
 
 
-def given_as_arrays(varied: Grid) -> bool:
-    """Whether the members are the rows of arrays."""
+def array_columns(varied: Grid) -> list[ArrayColumn]:
+    """The columns, where the members are the rows of arrays; else none of them."""
     from polhode.scenes.variation.array_columns import ArrayColumn
 
-    return all(isinstance(column, ArrayColumn) for column in varied.rows.columns)
+    found = [column for column in varied.rows.columns if isinstance(column, ArrayColumn)]
+    return found if len(found) == len(varied.keys) else []
 
 
 def values_of(varied: Grid) -> JsonObject:
     """What is varied as the arrays of a file."""
     import numpy as np
 
-    if given_as_arrays(varied):
-        return {"values": np.stack([column.values for column in varied.rows.columns], axis=1)}
+    arrays = array_columns(varied)
+    if arrays:
+        return {"values": np.stack([column.values for column in arrays], axis=1)}
     values, exact = spread(varied, lambda x: float(x)), spread(varied, value_text)
     return {"values": values, "values_exact": exact}
 

@@ -19,7 +19,7 @@ from polhode.equations.forms import principal
 from polhode.motion.outcomes import OUTCOMES, Outcome, code
 from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Doubles, Extendeds, Flat, flat
+from polhode.numbers.rows import Doubles, Extendeds, Flat, doubles, flat
 from polhode.numbers.scalars import AnyNumber, numbers_given
 from polhode.runs.methods.output_loop import march
 from polhode.runs.problem.options import cadence, choose_number, corrections, rounded_tolerance
@@ -209,10 +209,9 @@ class Propagator:
         if self.number.name == "double" and self._every is None:
             if self._turn is not None:
                 rows = self._turned(rows, self._turn)
-            states, ended = self._lanes.states(
-                rows if self._plain else rows * self._scale, times, self._most, workers
-            )
-            states = self._from_inside(states)
+            inside = doubles(rows if self._plain else rows * self._scale)
+            found, ended = self._lanes.states(inside, doubles(times), self._most, workers)
+            states = self._from_inside(found)
         else:
             states, ended = self._one_by_one(rows, t, len(times))
         if ended is not None:
@@ -259,7 +258,8 @@ class Propagator:
                 return times, True
         given, several = numbers_given(t)  # other numbers; or what is wrong with them is told
         try:
-            return flat(self._problem.schedule(self.scene.at(given)).inside.grid), several
+            scene = self.scene.at(cast(Sequence[AnyNumber], given))
+            return flat(self._problem.schedule(scene).inside.grid), several
         except OutOfRange as fault:
             raise _too_wide(self.scene, self.number, fault) from None
 

@@ -157,9 +157,7 @@ class _Rows:
     def shared(self, workers: int) -> None:
         """All batches, by threads; raises KeyboardInterrupt."""
         size = -(-len(self.lanes) // (workers * _PARTS))
-        parts = [
-            range(i, min(i + size, len(self.lanes))) for i in range(0, len(self.lanes), size)
-        ]
+        parts = [range(i, min(i + size, len(self.lanes))) for i in range(0, len(self.lanes), size)]
         if not executors.here(self.part, parts, lambda *_: None, workers):
             raise KeyboardInterrupt
 

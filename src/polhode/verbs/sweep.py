@@ -136,7 +136,7 @@ def _varied(options: Namespace, scene: Scene) -> tuple[Scene, dict[str, Any]]:
 
     if (options.starts is None) == (options.vary is None):
         given = None if options.vary is None else ", ".join(options.vary)
-        raise BadInput(scene.name, "--vary", given, "numbers to vary, or --starts FILE: one of them")
+        raise BadInput(scene.name, "--vary", given, "numbers to vary or --starts FILE, one of them")
     if options.starts is None:
         return scene, vary.options(options.vary, scene.name, scene.units)
     rows = starts_file.read(Path(options.starts), scene, options.number == "extended")

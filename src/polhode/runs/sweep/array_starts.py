@@ -21,7 +21,8 @@ def from_starts(
 ) -> tuple[Scene, dict[str, Any]]:
     """A scene whose start is omega and gamma, and what is varied of it; raises BadInput.
 
-    ``starts``: (N, 6), or (N, 3) of a scene without gamma.  ``others``: arrays of the body's numbers.
+    ``starts``: (N, 6), or (N, 3) of a scene without gamma.  ``others``: arrays of the body's
+    numbers.
     """
     rows = rows_of(scene.name, "starts", starts, len(scene.columns))
     varied: dict[str, Any] = {"start.omega": rows[:, :3]}
@@ -33,6 +34,7 @@ def from_starts(
         if key.startswith("start.") and key != "start.psi":
             raise BadInput(scene.name, "vary", key, "numbers of the body, beside starts")
         varied[key] = given
-    if "omega" not in tables_of(scene)["start"]:  # but angles, or a level
+    own = tables_of(scene)["start"]
+    if "omega" not in own or ("gamma" in own) != (scene.gamma is not None):  # angles, a level
         scene = replace(scene, source="")
     return scene, varied

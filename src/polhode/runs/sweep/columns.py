@@ -188,7 +188,10 @@ class _Made:
             return False
         low, high = (_SMALLEST, np.finfo(np.float64).max)
         sizes = np.abs(np.hstack(tables))
-        if np.where(sizes == 0, 1.0, sizes).min(initial=1.0) >= low and sizes.max(initial=0) <= high:
+        if (
+            np.where(sizes == 0, 1.0, sizes).min(initial=1.0) >= low
+            and sizes.max(initial=0) <= high
+        ):
             return False
         found: Booleans = (((sizes < low) & (sizes != 0)) | ~(sizes <= high)).any(axis=1)
         return found
@@ -249,8 +252,6 @@ def _coefficients(moments: Vector, torque: Sequence[Column | Near]) -> dict[str,
 
 def _rates(block: Block, torque: Sequence[Column | Near], starts: Stack) -> Doubles:
     """Bounds of the members' fastest rates, in the scene's unit of time."""
-    import numpy as np
-
     from polhode.taylor.lanes import rates
 
     moments, weight = (_rows(block, vector) for vector in (block.moments, torque))
@@ -267,14 +268,18 @@ def _rows(block: Block, vector: Sequence[Column | Near]) -> Doubles:
     return np.stack([_doubles(block, x) for x in vector], axis=1)
 
 
-def _doubles(block: Block, x: Column | Near) -> Doubles:
+def _doubles(block: Block, x: Scalar) -> Doubles:
     import numpy as np
+
+    from polhode.runs.sweep.near_columns import Near
 
     if isinstance(x, np.ndarray):
         return x.astype(np.float64, copy=False)
     if isinstance(x, Rationals):
         return np.broadcast_to(x.doubles(), len(block))
-    return np.broadcast_to(to_double(x) if isinstance(x, Exact) else x.near.hi, len(block))
+    if isinstance(x, Near):
+        return np.broadcast_to(x.near.hi, len(block))
+    return np.broadcast_to(to_double(x), len(block))
 
 
 def _square(block: Block, vector: Vector) -> Doubles:

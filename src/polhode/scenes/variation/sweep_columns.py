@@ -21,13 +21,15 @@ from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.rationals import Rationals, of_floats, of_fractions
 from polhode.numbers.rows import Flat
+from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import OWN_AXES, PrincipalAxes
 from polhode.scenes.variation.array_columns import ArrayColumn
 from polhode.scenes.variation.sweep_scenes import Members
 from polhode.scenes.variation.vary import Spaced
 
-#: A number that all members have in common, or one for each: exact, or floats of an array.
-Column: TypeAlias = "Exact | Rationals | Flat"
+#: A number that all members have in common (Exact), or one for each: Rationals, or the floats of
+#: an array.  They have arithmetic in common.
+Column: TypeAlias = Scalar
 Vector: TypeAlias = tuple[Column, Column, Column]
 Booleans = npt.NDArray[np.bool_]
 
@@ -74,7 +76,7 @@ class Block:
         """Gamma of one member as an array gives it, of length 1 but for rounding; else None."""
         if self.gamma is None or not all(isinstance(x, np.ndarray) for x in self.gamma):
             return None
-        a, b, c = (exactly(x[k]) for x in self.gamma)  # type: ignore[index]
+        a, b, c = (exactly(x[k]) for x in self.gamma)
         return a, b, c
 
     def exact(self) -> Block:
@@ -123,7 +125,7 @@ class Blocks:
     def _array(self, vector: str) -> bool:
         """Whether all of a vector is given as an array."""
         each = zip(self.keys, self.varied.columns, strict=True)
-        return 3 == sum(k.startswith(vector) and isinstance(x, ArrayColumn) for k, x in each)
+        return sum(k.startswith(vector) and isinstance(x, ArrayColumn) for k, x in each) == 3
 
     def _has(self, start: str) -> bool:
         return any(key.startswith(start) for key in self.keys)

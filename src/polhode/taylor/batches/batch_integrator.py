@@ -15,14 +15,13 @@ from collections.abc import Iterable, Sequence
 from fractions import Fraction
 
 import numpy as np
-import numpy.typing as npt
 
 from polhode.common.progress import Stop
 from polhode.equations.forms import principal
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Array, Doubles, Stack
+from polhode.numbers.rows import Array, Doubles, Stack, doubles
 from polhode.taylor.backend import defaults, heyoka_numbers
 from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.integrator_pool import Kind
@@ -128,7 +127,7 @@ class _Way:
     def _in_lanes(self, ready: CompiledBatch) -> list[int]:
         """Batch after batch; the motions whose batch did not arrive as a whole."""
         job, found, many = self.job, self.found, self.job.motions.many
-        starts, pars = in_lanes(self.starts), in_lanes(self.pars)
+        starts, pars = (in_lanes(doubles(table)) for table in (self.starts, self.pars))
         alike = bool((self.pars == self.pars[:1]).all())
         states = np.full((len(starts), len(job.times), job.columns, LANES), np.nan)
         taken: list[list[int] | None] = [None] * len(starts)

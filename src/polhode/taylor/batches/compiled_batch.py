@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +18,8 @@ from polhode.taylor.backend.types import HeyokaNumber
 from polhode.taylor.batches import step_blocks
 from polhode.taylor.integrator.prepared import Prepared
 
+T = TypeVar("T", bound=np.generic)
+
 _REACHED = hy.taylor_outcome.time_limit
 
 
@@ -25,12 +28,12 @@ _REACHED = hy.taylor_outcome.time_limit
 LANES = 8
 
 
-def in_lanes(rows: Doubles) -> Doubles:
+def in_lanes(rows: npt.NDArray[T]) -> npt.NDArray[T]:
     """Rows as batches have them, (batches, columns, LANES); spare lanes repeat the last row."""
     spare = -len(rows) % LANES
     if spare and len(rows):
         rows = np.concatenate([rows, np.repeat(rows[-1:], spare, axis=0)])
-    found: Doubles = rows.reshape(-1, LANES, rows.shape[1]).transpose(0, 2, 1)
+    found = rows.reshape(-1, LANES, rows.shape[1]).transpose(0, 2, 1)
     return np.ascontiguousarray(found)
 
 
@@ -84,7 +87,8 @@ class CompiledBatch(Prepared):
     @property
     def row(self) -> Array:
         """The state of the first lane."""
-        return self.state[:, 0]
+        found: Array = self.state[:, 0]
+        return found
 
     def in_blocks(
         self, ends: Sequence[float], most: int | None = None, stop: Stop | None = None
