@@ -249,7 +249,7 @@ def test_starts_in_extended_are_read_in_extended(scene, capsys, tmp_path):
 
 
 NO_STARTS = [
-    (["--starts", "rows.csv", "--vary", "body.weight=1"], "--vary = body.weight=1: expected number"),
+    (["--starts", "rows.csv", "--vary", "body.weight=1"], "--vary = body.weight=1: expected"),
     ([], "--vary: expected numbers to vary or --starts FILE, one of them"),
     (["--starts", "rows.txt"], "rows.txt: --starts = .txt: expected a file .csv or .npy"),
     (["--starts", "none.npy"], "none.npy: file: expected a readable file of starts (No such file"),
@@ -264,7 +264,7 @@ NO_STARTS = [
     (["--starts", "nan.csv"], "starts, row 2 = [nan, 2.0, 3.0, 0.0, 0.0, 1.0]: expected finite nu"),
     (["--starts", "long.csv"], "start.gamma, row 2 = [0.0, 0.0, 2.0]: expected gamma of length 1"),
     (["--starts", "rows.csv", "--number", "quad"], "number = quad: expected double or extended"),
-    (["--starts", "rows.csv", "-o", "rows.csv"], "-o: expected another file than the one that is read"),
+    (["--starts", "rows.csv", "-o", "rows.csv"], "-o: expected another file than the one"),
 ]  # fmt: skip
 
 

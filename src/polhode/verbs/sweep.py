@@ -130,9 +130,9 @@ def main(options: Namespace) -> int:
 
 def _varied(options: Namespace, scene: Scene) -> tuple[Scene, dict[str, Any]]:
     """What is varied, and the scene of which it is; raises BadInput."""
+    from polhode.runs.sweep import starts_file
     from polhode.runs.sweep.array_starts import from_starts
     from polhode.scenes.variation import vary
-    from polhode.verbs import starts_file
 
     if (options.starts is None) == (options.vary is None):
         given = None if options.vary is None else ", ".join(options.vary)
