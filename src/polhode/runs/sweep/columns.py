@@ -114,10 +114,6 @@ class _Made:
         with np.errstate(all="ignore"):
             try:
                 units, unsure = _time_units(block)
-                if block.arrays:  # as they are, whatever else is asked of the scene
-                    for k in np.flatnonzero(unsure & ~block.left):
-                        units[k] = self.members[block.first + int(k)].time_unit
-                        unsure[k] = False
                 vectors = self._turned(block)
                 if vectors is None:
                     return np.ones(len(block), dtype=bool)
@@ -259,7 +255,7 @@ def _rates(block: Block, torque: Sequence[Column | Near], starts: Stack) -> Doub
     return rates(starts, moments / largest, weight / largest)
 
 
-def _rows(block: Block, vector: Sequence[Column | Near]) -> Doubles:
+def _rows(block: Block, vector: Sequence[Scalar]) -> Doubles:
     """A vector of all members, (3,), or a row for each."""
     import numpy as np
 

@@ -152,7 +152,8 @@ class _Way:
         A lane that is not finite has stopped the others: that shows in its last state.
         """
         steps, left, n = [0] * LANES, self.job.max_steps, 0
-        while (stretch := self.stretches.at(n)) is not None:
+        stretch = self.stretches.at(0)
+        while stretch is not None:
             if n:
                 left = self.job.max_steps - max(steps)
                 if left <= 0 or self._stopped():
@@ -170,10 +171,11 @@ class _Way:
                     return None
                 taken = [a + b for a, b in zip(taken, more, strict=True)]
             steps = [a + b for a, b in zip(steps, taken, strict=True)] if n else taken
-            n += 1
             kept = stretch.last - stretch.first
             if kept:  # a single target's row serves as the one output that there is
                 states[stretch.first : stretch.last] = rows if stretch.grid is None else rows[:kept]
+            n += 1
+            stretch = None if stretch.last == len(states) else self.stretches.at(n)
         return steps
 
     def _further(self, ready: CompiledBatch, stretch: Stretch, left: int) -> list[int] | None:
@@ -192,9 +194,7 @@ class _Way:
             into[:] = row[:, None] if isinstance(ready, CompiledBatch) else numbers
         self.found.states[k] = np.nan if number.flat else None
         steps, most, reached, outcome = 0, self.job.max_steps, Fraction(0), Outcome.REACHED_END
-        n = 0
-        while (stretch := self.stretches.at(n)) is not None:
-            n += 1
+        for stretch in self.stretches:
             if steps >= most:
                 outcome = Outcome.STEP_LIMIT
                 break

@@ -46,6 +46,12 @@ class Stretches:
         self._made: list[Stretch] = []
         self._more = _stretches(job)
 
+    def __iter__(self) -> Iterator[Stretch]:
+        n = 0
+        while (stretch := self.at(n)) is not None:
+            yield stretch
+            n += 1
+
     def at(self, n: int) -> Stretch | None:
         """The one of index n, after that before it; None where the way is over."""
         if n < len(self._made):
