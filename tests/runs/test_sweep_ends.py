@@ -230,7 +230,8 @@ def test_an_interrupted_sweep_goes_on_and_ends_as_an_undisturbed_one(number, tmp
 def test_a_sweep_over_arrays_goes_on_to_the_same_bits(tmp_path):
     rows = np.tile([0.5, 0.25, 2, 0, 0.6, 0.8], (200, 1))
     rows[:, 0] = np.linspace(1, 3, 200)
-    asked = {"starts": rows, "at": [0, 1], "parts": tmp_path / "parts"}
+    psi = {"start.psi": np.zeros((200, 1))}
+    asked = {"vary": psi, "starts": rows, "at": [0, 1], "parts": tmp_path / "parts"}
     whole = polhode.integrate_many("lagrange/nutation", **asked | {"parts": None})
     told = []
 
