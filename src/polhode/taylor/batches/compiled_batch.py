@@ -33,7 +33,7 @@ def in_lanes(rows: npt.NDArray[T]) -> npt.NDArray[T]:
     spare = -len(rows) % LANES
     if spare and len(rows):
         rows = np.concatenate([rows, np.repeat(rows[-1:], spare, axis=0)])
-    found = rows.reshape(-1, LANES, rows.shape[1]).transpose(0, 2, 1)
+    found = rows.reshape(len(rows) // LANES, LANES, rows.shape[1]).transpose(0, 2, 1)
     return np.ascontiguousarray(found)
 
 
