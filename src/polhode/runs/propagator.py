@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from fractions import Fraction
 from pathlib import Path
 from threading import get_ident
 from typing import TYPE_CHECKING, cast
@@ -15,17 +14,15 @@ from polhode.common.arguments import rows_of, unit_rows, whole
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, plain
 from polhode.common.memory import refuse_too_much
-from polhode.equations.forms import principal
 from polhode.motion.outcomes import OUTCOMES, Outcome, code
-from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Doubles, Extendeds, Flat, doubles, flat
+from polhode.numbers.rows import Doubles, Extendeds, Flat, flat
 from polhode.numbers.scalars import AnyNumber, numbers_given
+from polhode.runs.array_motions import ArrayMotions, turned
 from polhode.runs.methods.output_loop import march
 from polhode.runs.problem.options import cadence, choose_number, corrections, rounded_tolerance
 from polhode.runs.problem.problem import Problem, problem
 from polhode.scenes import library
-from polhode.scenes.body import scaled
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
 from polhode.taylor.backend.heyoka_numbers import OutOfRange
@@ -33,7 +30,6 @@ from polhode.taylor.backend.step_outcomes import TIME_LIMIT, ending
 from polhode.taylor.corrections.integral_projection import Projector, StartTarget
 from polhode.taylor.integrator.compiled import Compiled
 from polhode.taylor.integrator.stepping import Integrator
-from polhode.taylor.lanes import Lanes
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -207,11 +203,7 @@ class Propagator:
         refuse_too_much(name, "start", what, rows.size * len(times), _BYTES, _SPLIT)
         self.steps, self.outcome, self._ended = None, _REACHED_END, len(rows)
         if self.number.name == "double" and self._every is None:
-            if self._turn is not None:
-                rows = self._turned(rows, self._turn)
-            inside = doubles(rows if self._plain else rows * self._scale)
-            found, ended = self._lanes.states(inside, doubles(times), self._most, workers)
-            states = self._from_inside(found)
+            states, ended = self._arrays.states(rows, times, self._most, workers)
         else:
             states, ended = self._one_by_one(rows, t, len(times))
         if ended is not None:
@@ -232,18 +224,8 @@ class Propagator:
         return states, ended if (ended != code(_REACHED_END)).any() else None
 
     @cached_property
-    def _lanes(self) -> Lanes:
-        """The body in the lanes of batches."""
-        body, n = self.scene.body, self.scene.time_unit
-        k = principal.coefficients(body, n)
-        torque = scaled(Fraction(4) ** n, body.axes.components(body.torque))
-        return Lanes(
-            {name: to_double(k[name]) for name in sorted(k)},
-            self._shape[0],
-            np.array([to_double(x) for x in body.moments]),
-            np.array([to_double(x) for x in torque]),
-            self._problem.tolerance,
-        )
+    def _arrays(self) -> ArrayMotions:
+        return ArrayMotions(self._problem, self._scale)
 
     def _times(self, t: AnyNumber | npt.ArrayLike) -> tuple[Flat, bool]:
         """Times in the run's own unit as an array, and whether several were given."""
@@ -254,7 +236,7 @@ class Propagator:
         grid = self._grid(t)
         if grid is not None:
             times = grid[len(grid) - len(cast(Flat, t)) :]
-            if (np.diff(np.abs(times)) > 0).all():
+            if (np.diff(times) * np.sign(times[-1]) > 0).all():
                 return times, True
         given, several = numbers_given(t)  # other numbers; or what is wrong with them is told
         try:
@@ -262,15 +244,6 @@ class Propagator:
             return flat(self._problem.schedule(scene).inside.grid), several
         except OutOfRange as fault:
             raise _too_wide(self.scene, self.number, fault) from None
-
-    def _from_inside(self, states: Doubles) -> Flat:
-        """States in the scene's axes and unit of time, of those in the run's own."""
-        if self._turn is not None:
-            found: Flat = self._read(states.reshape(-1, self._shape[0])).reshape(states.shape)
-            return found
-        if not self._plain:
-            np.multiply(states, self._back, states)  # exact: powers of two
-        return states
 
     def _grid(self, t: object) -> Flat | None:
         """Times of the propagator's own type in the run's own unit, from 0 on, as heyoka has them.
@@ -345,7 +318,7 @@ class Propagator:
             if not -self._slack <= a * a + b * b + c * c - 1.0 <= self._slack:
                 raise self._bad("start", plain(start), "gamma of length 1, to 8 eps")
         if self._turn is not None:
-            row = self._turned(row, self._turn)
+            row = turned(row, self._turn)
         if self._plain:
             self._state[:] = row
         else:
@@ -367,12 +340,6 @@ class Propagator:
         found: Flat = given.astype(self._kind)
         if given.dtype.kind in "iu" and [*map(int, found)] != given.tolist():
             raise self._bad("start", plain(start), narrower)  # numpy rounds long integers silently
-        return found
-
-    def _turned(self, row: Flat, turn: Extendeds) -> Flat:
-        """Rows in principal axes, each number rounded once."""
-        wide = row.astype(np.longdouble).reshape(-1, 3)
-        found: Flat = (wide @ turn.T).reshape(row.shape).astype(self._kind)
         return found
 
     def _read(self, rows: Flat) -> Flat:
