@@ -60,7 +60,8 @@ def rows_of(
     if given.ndim != 2 or given.shape[1] != width:
         told = f"an array of shape {given.shape}"
         raise BadInput(source, key, told, f"shape (N, {width})")
-    into = np.dtype(kind or (np.longdouble if given.dtype == np.longdouble else np.float64))
+    wide = given.dtype.kind == "f" and given.dtype.itemsize > 8  # where longdoubles are wider
+    into = np.dtype(kind or (np.longdouble if wide else np.float64))
     if given.dtype.kind not in "fiu" or not np.can_cast(given.dtype, into, "safe"):
         raise BadInput(source, key, f"numbers of {given.dtype}", f"{into} or narrower")
     found = np.ascontiguousarray(given, dtype=into)

@@ -122,7 +122,7 @@ def _check_arrays(name: str, varied: vary.Grid, number: NumberType) -> None:
         expected = "double or extended with arrays; other values, or members one by one, are exact"
         raise BadInput(name, "number", number.name, expected)
     for key, values in arrays.items():
-        if number.name == "double" and values.dtype == np.longdouble:
+        if number.name == "double" and values.dtype.itemsize > 8:
             raise BadInput(name, key, f"numbers of {values.dtype}", "float64, or number = extended")
     gamma = [arrays[key] for key in arrays if key.startswith("start.gamma")]
     if len(gamma) == 3:
