@@ -247,10 +247,7 @@ def projected(scenes: Any, truths: Any, name: str, project: Any) -> tuple[float,
 
 
 def lanes() -> None:
-    print(
-        "## Batch width of a sweep: what heyoka recommends, "
-        f"{compiled_batch.width(TYPES['double'])}\n"
-    )
+    print(f"## Batch width of a sweep: {compiled_batch.width(TYPES['double'])}\n")
     print(
         "The same top in every lane, 20 000 steps each; scalar code with constants and with "
         "parameters for comparison.\n"

@@ -106,7 +106,7 @@ def test_a_result_is_the_caller_s_own():
 GOOD = np.array(START)
 WRONG = [
     ([1, 2, 3], "start", "the 6 numbers"),
-    ([[*START]], "start", "the 6 numbers"),
+    ([[[*START]]], "start", "the 6 numbers"),
     (GOOD.astype(np.longdouble), "start", "double or narrower"),
     (GOOD.astype(complex), "start", "double or narrower"),
     (["1", "2", "3", "1", "0", "0"], "start", "double or narrower"),
@@ -136,11 +136,12 @@ def test_a_gamma_of_length_1_to_rounding_is_a_start():
     assert np.isfinite(polhode.propagator(scene())([*START[:3], 0.6, 0, 0.8 + 1e-15], t=1.0)).all()
 
 
-@pytest.mark.parametrize("t", [np.nan, np.inf, "x", [1.0, np.nan], [2.0, 1.0], None, [[1.0]]])
+@pytest.mark.parametrize("t", [np.nan, np.inf, "x", [1.0, np.nan], [2.0, 1.0], None, [[1.0]], []])
 def test_what_is_no_time_is_refused(t):
     go = polhode.propagator(scene())
-    with pytest.raises(polhode.BadInput):
-        go(t=t)
+    for start in (None, [START] * 3):
+        with pytest.raises(polhode.BadInput):
+            go(start, t=t)
     assert np.isfinite(go(t=1.0)).all()
 
 
@@ -220,8 +221,9 @@ def test_what_was_not_reached_is_nan_and_said():
 @pytest.mark.parametrize("t", [1e308, [1e308], -1e308])
 def test_a_time_that_its_unit_makes_too_large_is_refused(t, recwarn):
     go = polhode.propagator(scene(weight=2.0**20, omega=[1e3, 0, 2e3]))
-    with pytest.raises(polhode.BadInput, match="number = double: expected a type of wider range"):
-        go(START, t=t)
+    for start in (START, [START]):
+        with pytest.raises(polhode.BadInput, match="number = double: expected a type of wider ran"):
+            go(start, t=t)
     assert not recwarn.list
 
 
@@ -259,9 +261,17 @@ def test_an_array_of_times_gives_the_states_of_a_list_to_the_bit(name, number):
             assert np.array_equal(rows[-1], go(t=given[-1]))
 
 
-@pytest.mark.parametrize("times", [[1, 2, 1], [1, 1], [0, 0], [-1, 1], [1, math.nan], [math.inf]])
-def test_an_array_of_times_that_lead_nowhere_is_refused(times):
+@pytest.mark.parametrize("start", [None, [START] * 3])
+@pytest.mark.parametrize(
+    "times",
+    [
+        *([1, 2, 1], [1, 1], [0, 0], [-1, 1], [1, math.nan], [math.inf], [1, -2, 3], [0, 1, 1, 2]),
+        *([1, math.nan, 2], [-1, 2, -3]),
+    ],
+)
+def test_an_array_of_times_that_lead_nowhere_is_refused(times, start):
     go = polhode.propagator("general/asymmetric-regular")
-    with pytest.raises(polhode.BadInput, match=r"monotone|finite"):
-        go(t=np.array(times, float))
+    for given in (np.array(times, float), times):
+        with pytest.raises(polhode.BadInput, match=r"monotone|finite|sign"):
+            go(start, t=given)
     assert go(t=np.array([1.0])).shape == (1, 6)  # and it is usable

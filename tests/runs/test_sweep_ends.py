@@ -227,6 +227,31 @@ def test_an_interrupted_sweep_goes_on_and_ends_as_an_undisturbed_one(number, tmp
     assert not folder.exists()
 
 
+def test_a_sweep_over_arrays_goes_on_to_the_same_bits(tmp_path):
+    rows = np.tile([0.5, 0.25, 2, 0, 0.6, 0.8], (200, 1))
+    rows[:, 0] = np.linspace(1, 3, 200)
+    psi = {"start.psi": np.zeros((200, 1))}
+    asked = {"vary": psi, "starts": rows, "at": [0, 1], "parts": tmp_path / "parts"}
+    whole = polhode.integrate_many("lagrange/nutation", **asked | {"parts": None})
+    told = []
+
+    def progress(*_: Any) -> None:
+        told.append(1)
+        if len(told) == 2:
+            raise KeyboardInterrupt
+
+    one, other = (rows.copy() for _ in range(2))
+    first = polhode.integrate_many(
+        "lagrange/nutation", **asked | {"starts": one}, executor=First(2), progress=progress
+    )
+    assert 0 < first.outcomes.count(Outcome.NOT_RUN) < 200
+    assert alike(polhode.integrate_many("lagrange/nutation", **asked), whole)
+    other[199, 1] += 2.0**-50
+    for changed in ({"starts": other}, {"vary": {"start.psi": np.ones((200, 1))}}):
+        with pytest.raises(polhode.BadInput, match="same sweep"):
+            polhode.integrate_many("lagrange/nutation", **asked | changed)
+
+
 def first_part(folder: Path) -> Path:
     return min(folder.glob("part-*"))
 

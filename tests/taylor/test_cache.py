@@ -145,14 +145,20 @@ def told(cache, folder) -> int:
 @pytest.mark.slow
 def test_the_environment_bounds_the_cache(home, tmp_path):
     folder, _ = home
-    for told, limit in (("7", 7_000_000), ("0", 0)):
-        about = polhode(["about", "--json"], folder, tmp_path, POLHODE_CACHE_MB=told)
-        assert json.loads(about.stdout)["cache"]["limit"] == limit
+
+    def about(cache, **environment):
+        done = polhode(["about", "--json"], folder, cache, **environment)
+        return json.loads(done.stdout)["cache"]
+
+    assert about(tmp_path, POLHODE_CACHE_MB="7")["limit"] == 7_000_000
+    about(tmp_path / "none")  # which keeps what its own test compiles
+    usual = about(tmp_path / "none")
+    assert about(tmp_path / "none", POLHODE_CACHE_MB="0")["enabled"] is False
     none = polhode(["run", "scene.toml"], folder, tmp_path / "none", POLHODE_CACHE_MB="0")
     assert none.returncode == 0
-    assert not json.loads(polhode(["about", "--json"], folder, tmp_path / "none").stdout)["cache"][
-        "bytes"
-    ]
+    assert about(tmp_path / "none") == usual  # nothing kept, and heyoka's file has no limit of 0
+    assert usual["enabled"]
+    assert usual["limit"] > 0
 
 
 @pytest.mark.parametrize("wrong", ["much", "", "9" * 12])

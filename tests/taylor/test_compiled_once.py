@@ -219,10 +219,12 @@ WATCHED = replace(polhode.load(CHAOTIC), events=(Event("e", "gamma3 - t/8"),))
     "asked",
     [
         lambda k: polhode.section(CHAOTIC, grid=(3, 3), crossings=4, h=3, f=Fraction(k, 8)).states,
-        lambda k: polhode.reduce_many(WATCHED, {"start.omega[3]": f"{k}:{k + 1}:11"}, "first e")[
-            "t of first e"
-        ],
-        lambda k: polhode.integrate_many(CHAOTIC, {"start.omega[3]": f"{k}:{k + 1}:11"}).states,
+        lambda k: polhode.reduce_many(
+            WATCHED, {"start.omega[3]": f"{k}:{k + 1}:11"}, "first e", workers=1
+        )["t of first e"],
+        lambda k: (
+            polhode.integrate_many(CHAOTIC, {"start.omega[3]": f"{k}:{k + 1}:11"}, workers=1).states
+        ),
     ],
     ids=["sections", "first zeros", "sweeps"],
 )

@@ -153,7 +153,7 @@ REFUSED = {
     f"frequencies {GENERAL} --end 1e308": f"polhode: {GENERAL}",
     f"frequencies {GENERAL} --end -1e400": f"polhode: {GENERAL}",
     # -- members of a sweep, numbers kept of them
-    "sweep heavy.toml -o x.npz": "the following arguments are required: --vary",
+    "sweep heavy.toml -o x.npz": "--vary: expected numbers to vary or --starts FILE, one of them",
     "sweep heavy.toml --vary body.weight=1:2:0": "body.weight = 1:2:0: expected FROM:TO:N with N",
     "sweep heavy.toml --vary body.wieght=1": "did you mean 'body.weight'?",
     "sweep heavy.toml --vary body.weight": "--vary = body.weight: expected KEY=FROM:TO:N or KEY=a",

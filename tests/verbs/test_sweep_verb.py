@@ -193,3 +193,103 @@ def test_a_number_that_is_not_there_is_null(scene, capsys):
     assert first["numbers"]["final p"] is not None
     assert set(last["numbers"].values()) == {None}
     assert "member 2 (body.weight = 1000000): the end needs more steps than the limit" in err
+
+
+# -- starts in a file -----------------------------------------------------------------------------
+
+ROWS = np.array([[0.1, 0.5, k, 0, 0.6, 0.8] for k in range(12)])
+NAMES = ["p", "q", "r", "gamma1", "gamma2", "gamma3"]
+
+
+def csv_of(rows, names=()) -> str:
+    head = [",".join(names)] if names else []
+    return "\n".join([*head, *(",".join(repr(float(x)) for x in row) for row in rows)]) + "\n"
+
+
+def test_starts_of_a_csv_or_npy_file(scene, capsys, tmp_path):
+    """With a header in any order, or without; the same numbers as the array's, and kept as such."""
+    many = polhode.integrate_many(scene, starts=ROWS)
+    order = [5, 0, 4, 1, 3, 2]
+    header = [NAMES[i] for i in order]
+    np.save(tmp_path / "rows.npy", ROWS)
+    (tmp_path / "plain.csv").write_text(csv_of(ROWS))
+    (tmp_path / "named.csv").write_text("\ufeff" + csv_of(ROWS[:, order], header) + "\n\n")
+    for file in ("rows.npy", "plain.csv", "named.csv"):
+        code, out, err = run(capsys, scene, "--starts", file, "-o", "x.npz")
+        assert (code, out) == (0, "")
+        assert err.startswith("heavy.toml: 12 members, double (53 bits)")
+        with np.load("x.npz", allow_pickle=False) as held:
+            assert np.array_equal(held["states"], many.states)
+            assert np.array_equal(held["values"], ROWS)
+            assert "values_exact" not in held.files
+            assert held["varied"].tolist()[-1] == "start.gamma[3]"
+    code, out, _ = run(capsys, scene, "--starts", "rows.npy", "--json")
+    values = [member["values"] for member in json.loads(out)["members"]]
+    assert np.array_equal(np.array(values, float), ROWS)
+    code, out, _ = run(capsys, scene, "--starts", "rows.npy", "--keep", "final", "-o", "x.csv")
+    assert code == 0
+    assert (tmp_path / "x.csv").read_text().count("\n") == 13
+
+
+def test_no_starts_are_no_members(scene, capsys, tmp_path):
+    (tmp_path / "none.csv").write_text(",".join(NAMES) + "\n")
+    code, out, err = run(capsys, scene, "--starts", "none.csv")
+    assert (code, out.count("\n")) == (0, 1)
+    assert err.startswith("heavy.toml: 0 members")
+
+
+def test_starts_in_extended_are_read_in_extended(scene, capsys, tmp_path):
+    line = "0.1,0.5,1,0,0.6,0.79999999999999999999\n"
+    (tmp_path / "rows.csv").write_text(line)
+    options = ["--starts", "rows.csv", "--number", "extended", "--at", "0", "-o", "x.npz"]
+    code, _, _ = run(capsys, scene, *options)
+    assert code == 0
+    with np.load("x.npz", allow_pickle=False) as held:
+        assert held["values"][0, 0] == np.longdouble("0.1") != 0.1
+
+
+NO_STARTS = [
+    (["--starts", "rows.csv", "--vary", "body.weight=1"], "--vary = body.weight=1: expected"),
+    ([], "--vary: expected numbers to vary or --starts FILE, one of them"),
+    (["--starts", "rows.txt"], "rows.txt: --starts = .txt: expected a file .csv or .npy"),
+    (["--starts", "none.npy"], "none.npy: file: expected a readable file of starts (No such file"),
+    (["--starts", "text.npy"], "text.npy: file: expected an array that NumPy wrote"),
+    (["--starts", "objects.npy"], "objects.npy: file: expected an array that NumPy wrote"),
+    (["--starts", "short.npy"], "short.npy: file: expected an array that NumPy wrote (it is not"),
+    (["--starts", "three.npy"], "starts = an array of shape (2, 3): expected shape (N, 6)"),
+    (["--starts", "wide.csv"], "wide.csv: line 1 = 1,2,3,4,5,6,7: expected 6 numbers p,q,r,gamma1"),
+    (["--starts", "names.csv"], "names.csv: line 1 = p,q,r,gamma1,gamma2,t: expected 6 numbers"),
+    (["--starts", "word.csv"], "word.csv: line 3 = 1,2,3,0,0,one: expected 6 numbers"),
+    (["--starts", "grouped.csv"], "grouped.csv: line 1 = 1_0,2,3,0,0,1: expected 6 numbers"),
+    (["--starts", "nan.csv"], "starts, row 2 = [nan, 2.0, 3.0, 0.0, 0.0, 1.0]: expected finite nu"),
+    (["--starts", "long.csv"], "start.gamma, row 2 = [0.0, 0.0, 2.0]: expected gamma of length 1"),
+    (["--starts", "rows.csv", "--number", "quad"], "number = quad: expected double or extended"),
+    (["--starts", "rows.csv", "-o", "rows.csv"], "-o: expected another file than the one"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("options", "said"), NO_STARTS, ids=range(len(NO_STARTS)))
+def test_what_holds_no_starts_is_refused_in_one_line(scene, capsys, tmp_path, options, said):
+    good = "1,2,3,0,0,1\n"
+    np.save("three.npy", ROWS[:2, :3])
+    np.save("objects.npy", np.array([{}]), allow_pickle=True)
+    texts = {
+        "rows.csv": good,
+        "rows.txt": good,
+        "text.npy": good,
+        "wide.csv": "1,2,3,4,5,6,7\n",
+        "names.csv": "p,q,r,gamma1,gamma2,t\n" + good,
+        "word.csv": good + "\n" + "1,2,3,0,0,one\n",
+        "grouped.csv": "1_0,2,3,0,0,1\n",
+        "nan.csv": good + "nan,2,3,0,0,1\n",
+        "long.csv": good + "1,2,3,0,0,2\n",
+    }
+    for name, text in texts.items():
+        (tmp_path / name).write_text(text)
+    (tmp_path / "short.npy").write_bytes((tmp_path / "three.npy").read_bytes()[:-8])
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    code, out, err = run(capsys, scene, *options)
+    assert (code, out) == (2, "")
+    assert said in err
+    assert err.count("\n") == 1
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before

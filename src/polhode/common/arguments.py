@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
+from fractions import Fraction
 from operator import index
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from polhode.common.errors import BadInput, listed, plain
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
 
 T = TypeVar("T")
 
@@ -37,6 +41,51 @@ def cells(source: str, value: Any, most: int) -> tuple[int, int]:
     if rows * columns > most:
         raise BadInput(source, "grid", f"{rows}x{columns}", f"at most {most} cells in all")
     return rows, columns
+
+
+def rows_of(
+    source: str, key: str, values: Any, width: int, kind: npt.DTypeLike | None = None
+) -> npt.NDArray[Any]:
+    """An array (n, width) of finite floats: float64, or longdouble where it is one; or ``kind``.
+
+    Narrower numbers are converted; those that would be changed, and wider ones, are refused, with
+    the first row that is at fault.
+    """
+    import numpy as np
+
+    try:
+        given = np.asarray(values)
+    except ValueError:  # rows of different lengths
+        given = np.empty(0)
+    if given.ndim != 2 or given.shape[1] != width:
+        told = f"an array of shape {given.shape}"
+        raise BadInput(source, key, told, f"shape (N, {width})")
+    wide = given.dtype.kind == "f" and given.dtype.itemsize > 8  # where longdoubles are wider
+    into = np.dtype(kind or (np.longdouble if wide else np.float64))
+    if given.dtype.kind not in "fiu" or not np.can_cast(given.dtype, into, "safe"):
+        raise BadInput(source, key, f"numbers of {given.dtype}", f"{into} or narrower")
+    found = np.ascontiguousarray(given, dtype=into)
+    wrong = ~np.isfinite(found) | np.ma.getmaskarray(values)
+    if given.dtype.kind in "iu":  # numpy rounds long integers silently
+        wrong |= found.astype(object) != given.astype(object)
+    if wrong.any():
+        k = int(np.argmax(wrong.any(axis=1)))
+        expected = f"finite numbers that {into} holds"
+        raise BadInput(source, f"{key}, row {k + 1}", plain(given[k].tolist()), expected)
+    return found
+
+
+def unit_rows(source: str, key: str, rows: npt.NDArray[Any], eps: Fraction) -> None:
+    """Refuse rows that are no unit vectors to 8 eps, by the first of them."""
+    import numpy as np
+
+    x, y, z = rows.T
+    off, most = np.abs(x * x + y * y + z * z - 1), 8 * float(eps)
+    for k in np.flatnonzero(~(off <= most / 2)).tolist():  # rounding here is less than that
+        square = sum((Fraction(*x.as_integer_ratio()) ** 2 for x in rows[k]), Fraction(-1))
+        if abs(square) > 8 * eps:
+            told = plain(rows[k].tolist())
+            raise BadInput(source, f"{key}, row {k + 1}", told, "gamma of length 1, to 8 eps")
 
 
 def steps(source: str, value: object) -> int:

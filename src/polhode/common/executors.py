@@ -45,9 +45,11 @@ def here(
     back has been handed on.
     """
     stop = threading.Event()
+    futures: dict[Future[T], int] = {}
     with ThreadPoolExecutor(workers or cores()) as pool:
-        futures = {pool.submit(solve, job, stop.is_set): k for k, job in enumerate(jobs)}
-        try:
+        try:  # from the first job on: the end of this block waits for those that have begun
+            for k, job in enumerate(jobs):
+                futures[pool.submit(solve, job, stop.is_set)] = k
             _collect(futures, ready)
         except BaseException as fault:
             stop.set()

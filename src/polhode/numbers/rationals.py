@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Places
+from polhode.numbers.rows import Flat, Places
 from polhode.numbers.scalars import Scalar
 
 
@@ -101,6 +102,11 @@ def of_fractions(values: Sequence[Fraction]) -> Rationals:
     for k, x in enumerate(values):
         top[k], bottom[k] = x.as_integer_ratio()
     return Rationals(top, bottom)
+
+
+def of_floats(values: Flat) -> Rationals:
+    """An array's floats, which are rationals."""
+    return of_fractions([exactly(x) for x in values])
 
 
 def listed(x: Any, count: int) -> list[int]:

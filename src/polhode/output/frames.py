@@ -14,6 +14,7 @@ from polhode.common.errors import BadInput
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Stack
+from polhode.output.sweeps import spread
 from polhode.scenes.vocabulary import COLUMNS
 
 if TYPE_CHECKING:
@@ -58,8 +59,9 @@ def of_ensemble_xarray(found: Ensemble) -> xr.Dataset:
         for names, rows in parts
         for k, name in enumerate(names)
     }
+    values = spread(found.varied, to_double)
     for k, key in enumerate(found.varied.keys):
-        data[key] = ("member", [to_double(row[k]) for row in found.varied.rows])
+        data[key] = ("member", values[:, k])
     data["outcome"] = ("member", [outcome.value for outcome in found.outcomes])
     data["steps"] = ("member", list(found.steps))
     t = [to_double(t) for t in found.times]

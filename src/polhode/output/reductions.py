@@ -13,7 +13,7 @@ from polhode.motion.outcomes import OUTCOMES
 from polhode.numbers.decimals import shown, strings
 from polhode.output import csv_tables, json_results
 from polhode.output.json_object import JsonObject
-from polhode.output.sweeps import spread, value_text, values
+from polhode.output.sweeps import values, values_of
 
 if TYPE_CHECKING:
     from polhode.dynamics.observables.reduce_many import Reductions
@@ -42,8 +42,7 @@ def arrays(found: Reductions) -> JsonObject:
         **found.numbers,
         "names": np.array(found.names),
         "varied": np.array(found.varied.keys),
-        "values": spread(found.varied, lambda x: float(x)),
-        "values_exact": spread(found.varied, value_text),
+        **values_of(found.varied),
         "outcomes": np.array([outcome.value for outcome in OUTCOMES])[found.endings],
         "steps": found.counts,
         "about": np.array(json_results.as_json(about)),

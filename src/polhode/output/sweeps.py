@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from polhode.runs.sweep.ensemble import Ensemble
+    from polhode.scenes.variation.array_columns import ArrayColumn
     from polhode.scenes.variation.vary import Grid
 
 
@@ -95,7 +96,8 @@ def arrays(found: Ensemble) -> JsonObject:
     """The arrays of an NPZ file, none of which needs pickle.
 
     ``times`` and ``states`` (members, times, columns) are decimal strings above extended;
-    ``values`` (members, keys) are doubles, ``values_exact`` text; ``about`` is JSON.
+    ``values`` (members, keys) are doubles, ``values_exact`` text, which is left out where arrays
+    were given: ``values`` are those; ``about`` is JSON.
     """
     import numpy as np
 
@@ -119,8 +121,7 @@ def arrays(found: Ensemble) -> JsonObject:
         "states": held(found.states),
         **{word: held(rows) for word, rows in found.outputs.items()},
         "varied": np.array(found.varied.keys),
-        "values": spread(found.varied, lambda x: float(x)),
-        "values_exact": spread(found.varied, value_text),
+        **values_of(found.varied),
         "outcomes": np.array([outcome.value for outcome in OUTCOMES])[found.endings],
         "reached": _texts(found.arrived),
         "steps": found.counts,
@@ -162,10 +163,33 @@ def _common(found: Ensemble) -> JsonObject:
 def values(varied: Grid) -> Iterator[list[str]]:
     """Of each member what is varied, as text."""
     rows = varied.rows
+    arrays = array_columns(varied)
+    if arrays:
+        yield from map(list, zip(*(column.texts() for column in arrays), strict=True))
+        return
     if not rows.product:
         yield from ([value_text(x) for x in row] for row in rows)
         return
     yield from map(list, itertools.product(*([value_text(x) for x in c] for c in rows.columns)))
+
+
+def array_columns(varied: Grid) -> list[ArrayColumn]:
+    """The columns, where the members are the rows of arrays; else none of them."""
+    from polhode.scenes.variation.array_columns import ArrayColumn
+
+    found = [column for column in varied.rows.columns if isinstance(column, ArrayColumn)]
+    return found if len(found) == len(varied.keys) else []
+
+
+def values_of(varied: Grid) -> JsonObject:
+    """What is varied as the arrays of a file."""
+    import numpy as np
+
+    arrays = array_columns(varied)
+    if arrays:
+        return {"values": np.stack([column.values for column in arrays], axis=1)}
+    values, exact = spread(varied, lambda x: float(x)), spread(varied, value_text)
+    return {"values": values, "values_exact": exact}
 
 
 def spread(varied: Grid, read: Callable[[Exact], object]) -> npt.NDArray[np.generic]:

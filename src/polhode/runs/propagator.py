@@ -10,11 +10,15 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
+from polhode.common.arguments import rows_of, unit_rows, whole
+from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, plain
-from polhode.motion.outcomes import Outcome
+from polhode.common.memory import refuse_too_much
+from polhode.motion.outcomes import OUTCOMES, Outcome, code
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Doubles, Extendeds, Flat, flat
 from polhode.numbers.scalars import AnyNumber, numbers_given
+from polhode.runs.array_motions import ArrayMotions, turned
 from polhode.runs.methods.output_loop import march
 from polhode.runs.problem.options import cadence, choose_number, corrections, rounded_tolerance
 from polhode.runs.problem.problem import Problem, problem
@@ -32,6 +36,8 @@ if TYPE_CHECKING:
 
 _REACHED_END, _STEP_LIMIT = Outcome.REACHED_END, Outcome.STEP_LIMIT
 _UNIT = 8  # |gamma|² is 1 to so many eps
+_BYTES = 24  # of a number of the states of many starts, while they are put in order
+_SPLIT = "numbers of states; fewer times, or starts in parts"
 
 
 class Propagator:
@@ -39,9 +45,10 @@ class Propagator:
 
     ``go(start, t)``: ``start`` six numbers p q r gamma1 gamma2 gamma3 in the scene's body axes and
     units (three without gamma), the scene's own start if left out; ``t`` one time, or several.  It
-    returns an array of shape (6,), or (n, 6) for n times; nan where the time was not reached.
-    Made by :func:`polhode.propagator`, for the thread that made it; ``copy.copy`` gives another
-    thread its own.
+    returns an array of shape (6,), or (n, 6) for n times; nan where the time was not reached.  An
+    array of starts, (N, 6), gives (N, 6) or (N, n, 6): eight of them at a time, in threads where
+    that is faster.  Made by :func:`polhode.propagator`, for the thread that made it; ``copy.copy``
+    gives another thread its own.
 
     Attributes
     ----------
@@ -50,9 +57,11 @@ class Propagator:
     number : NumberType
         double or extended.
     outcome : Outcome
-        How the last call ended.
-    steps : int
-        The Taylor steps of the last call.
+        How the last call ended; of an array of starts the first that did not reach the end.
+    outcomes : tuple of Outcome
+        How each start of the last call ended.
+    steps : int or None
+        The Taylor steps of the last call; None of an array, whose steps are not counted.
 
     Examples
     --------
@@ -66,11 +75,17 @@ class Propagator:
     >>> there = go([1, 0.5, 0, 0, 0, 1], t=[1, 10, 100])  # another start, several times
     >>> there.shape, go.steps > 100, go.outcome.done
     ((3, 6), True, True)
+    >>> starts = [[1, 0.5, r, 0, 0, 1] for r in range(100)]
+    >>> go(starts, t=10.0).shape, go(starts, t=[1, 10, 100]).shape, go.outcome.done
+    ((100, 6), (100, 3, 6), True)
     """
+
+    steps: int | None
 
     def __init__(self, problem: Problem, every: int | None) -> None:
         self.scene, self.number = problem.scene, problem.number
         self.outcome, self.steps = Outcome.REACHED_END, 0
+        self._ended: npt.NDArray[np.uint8] | int | None = None  # of the last call's array of starts
         self._problem, self._every = problem, every
         self._owner = get_ident()
         self._compiled = Compiled(problem.prepared().blueprint)
@@ -89,33 +104,53 @@ class Propagator:
         self._chunk, self._most = choices.chunk, choices.max_steps
 
     def __call__(
-        self, start: npt.ArrayLike | None = None, *, t: AnyNumber | npt.ArrayLike
+        self,
+        start: npt.ArrayLike | None = None,
+        *,
+        t: AnyNumber | npt.ArrayLike,
+        workers: int | None = None,
     ) -> Doubles | Extendeds:
-        """The state at time ``t``, or the states at several times.
+        """The state at time ``t``, or the states at several times; of one start or of many.
 
         Parameters
         ----------
-        start : array_like, shape (6,) or (3,), optional
+        start : array_like, shape (6,), (3,), (N, 6) or (N, 3), optional
             p q r gamma1 gamma2 gamma3 at t = 0 in the scene's axes and units, omega alone of a
             scene without gamma; the scene's own start where it is left out.  Numbers of the
             propagator's type or a narrower one; |gamma|² is 1 to 8 eps of the propagator's type.
         t : number or sequence of numbers
             The time, or times of one sign that lead away from 0, in the scene's unit.
+        workers : int, optional
+            Threads for an array of starts; by default as many as there are cores, if they gain
+            anything.
 
         Returns
         -------
-        ndarray, shape (6,) or (len(t), 6)
-            The states, an array of its own; nan where a time was not reached, which ``outcome``
-            then says.
+        ndarray, shape (6,), (len(t), 6), (N, 6) or (N, len(t), 6)
+            The states, an array of its own; nan where a time was not reached, which ``outcome`` and
+            ``outcomes`` then say.
 
         Raises
         ------
         BadInput
             A start that is not finite, of another shape or of a wider type, or whose gamma is no
-            unit vector; a time that is not finite; a call from another thread.
+            unit vector, the first such row of an array; more numbers than there is memory for; a
+            time that is not finite; a call from another thread.
+
+        Notes
+        -----
+        A row of an array has the same bits whatever rows are beside it, in whatever order, and with
+        any number of threads.  It is computed in the lanes of a batch, a start alone is not: the
+        last bits of the two differ.  In extended, and where the state is projected, the rows go one
+        by one.
         """
         if get_ident() != self._owner:
             raise self._bad("thread", "another one", "its own, or a copy.copy of the propagator")
+        self._ended = None
+        if start is not None and (
+            start.ndim > 1 if type(start) is np.ndarray else _rows_given(start)
+        ):
+            return self._many(start, t, workers)
         self._stand(start)
         if self._every is not None or type(t) is not float:
             grid = self._grid(t)
@@ -143,6 +178,72 @@ class Propagator:
         if self._turn is None:
             return flat(self._state.copy() if self._plain else self._state * self._back)  # exact
         return flat(self._read(self._state[None])[0])
+
+    @property
+    def outcomes(self) -> tuple[Outcome, ...]:
+        """How each start of the last call ended."""
+        if self._ended is None:
+            return (self.outcome,)
+        if isinstance(self._ended, int):
+            return (Outcome.REACHED_END,) * self._ended
+        return tuple(OUTCOMES[k] for k in self._ended.tolist())
+
+    def _many(
+        self, starts: npt.ArrayLike, t: AnyNumber | npt.ArrayLike, workers: int | None
+    ) -> Doubles | Extendeds:
+        """States of an array of starts."""
+        name, width = self.scene.name, self._shape[0]
+        rows: Flat = rows_of(name, "start", starts, width, self._kind)
+        if width == 6:
+            unit_rows(name, "start", rows[:, 3:], self.number.eps)
+        if workers is not None:
+            workers = whole(name, "workers", workers, 1)
+        times, several = self._times(t)
+        what = f"{len(rows)} starts at {len(times)} times"
+        refuse_too_much(name, "start", what, rows.size * len(times), _BYTES, _SPLIT)
+        self.steps, self.outcome, self._ended = None, _REACHED_END, len(rows)
+        if self.number.name == "double" and self._every is None:
+            states, ended = self._arrays.states(rows, times, self._most, workers)
+        else:
+            states, ended = self._one_by_one(rows, t, len(times))
+        if ended is not None:
+            self._ended = ended
+            self.outcome = OUTCOMES[ended[ended != code(_REACHED_END)][0]]
+        return states if several else states[:, 0]
+
+    def _one_by_one(
+        self, rows: Flat, t: AnyNumber | npt.ArrayLike, count: int
+    ) -> tuple[Flat, npt.NDArray[np.uint8] | None]:
+        """States of starts that do not go in lanes, and how they ended where not all arrived."""
+        states = np.empty((len(rows), count, *self._shape), self._kind)
+        ended = np.full(len(rows), code(_REACHED_END), dtype=np.uint8)
+        for k, row in enumerate(rows):
+            states[k] = self(row, t=t)
+            ended[k] = code(self.outcome)
+        self.steps, self.outcome, self._ended = None, _REACHED_END, len(rows)
+        return states, ended if (ended != code(_REACHED_END)).any() else None
+
+    @cached_property
+    def _arrays(self) -> ArrayMotions:
+        return ArrayMotions(self._problem, self._scale)
+
+    def _times(self, t: AnyNumber | npt.ArrayLike) -> tuple[Flat, bool]:
+        """Times in the run's own unit as an array, and whether several were given."""
+        if type(t) is float and t - t == 0:
+            end = t * self._unit
+            if end - end == 0:
+                return np.array([end], self._kind), False
+        grid = self._grid(t)
+        if grid is not None:
+            times = grid[len(grid) - len(cast(Flat, t)) :]
+            if (np.diff(times) * np.sign(times[-1]) > 0).all():
+                return times, True
+        given, several = numbers_given(t)  # other numbers; or what is wrong with them is told
+        try:
+            scene = self.scene.at(cast(Sequence[AnyNumber], given))
+            return flat(self._problem.schedule(scene).inside.grid), several
+        except OutOfRange as fault:
+            raise _too_wide(self.scene, self.number, fault) from None
 
     def _grid(self, t: object) -> Flat | None:
         """Times of the propagator's own type in the run's own unit, from 0 on, as heyoka has them.
@@ -217,7 +318,7 @@ class Propagator:
             if not -self._slack <= a * a + b * b + c * c - 1.0 <= self._slack:
                 raise self._bad("start", plain(start), "gamma of length 1, to 8 eps")
         if self._turn is not None:
-            row = self._turned(row, self._turn)
+            row = turned(row, self._turn)
         if self._plain:
             self._state[:] = row
         else:
@@ -239,12 +340,6 @@ class Propagator:
         found: Flat = given.astype(self._kind)
         if given.dtype.kind in "iu" and [*map(int, found)] != given.tolist():
             raise self._bad("start", plain(start), narrower)  # numpy rounds long integers silently
-        return found
-
-    def _turned(self, row: Flat, turn: Extendeds) -> Flat:
-        """A row in principal axes, each number rounded once."""
-        wide = row.astype(np.longdouble).reshape(-1, 3)
-        found: Flat = (wide @ turn.T).ravel().astype(self._kind)
         return found
 
     def _read(self, rows: Flat) -> Flat:
@@ -278,6 +373,13 @@ class Propagator:
         return states
 
 
+def _rows_given(start: npt.ArrayLike) -> bool:
+    """Whether something that is no array may be rows of numbers: a list of lists, a table."""
+    if isinstance(start, (list, tuple)):
+        return len(start) > 0 and all(np.ndim(x) == 1 for x in start)
+    return getattr(start, "ndim", 1) > 1
+
+
 def propagator(
     scene: Scene | str | Path,
     *,
@@ -307,7 +409,7 @@ def propagator(
     -------
     Propagator
         Called with a start (omega, gamma in the scene's body axes) and a time, it returns the state
-        as an array of shape (6,), or (n, 6) for n times.
+        as an array of shape (6,), or (n, 6) for n times; of N starts (N, 6), or (N, n, 6).
 
     Raises
     ------

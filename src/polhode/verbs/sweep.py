@@ -45,9 +45,15 @@ def options(parser: ArgumentParser) -> None:
         "--vary",
         metavar="KEY=FROM:TO:N",
         action="append",
-        required=True,
         help="a number of the scene file, such as start.omega[1] or body.weight, and N values for "
         "it evenly spaced, or KEY=a,b,c; given several times: every combination",
+    )
+    parser.add_argument(
+        "--starts",
+        type=word,
+        metavar="FILE",
+        help="instead: a start for each member, p,q,r,gamma1,gamma2,gamma3 in the rows of a CSV or "
+        "NPY file",
     )
     digits = "digits wanted: choose the number type by the fastest member, and are not checked"
     parser.add_argument("--digits", type=whole, help=digits)
@@ -75,14 +81,14 @@ def main(options: Namespace) -> int:
     """Integrate many variants of a scene."""
     from polhode.output import sweeps
     from polhode.runs.sweep.ensemble import Ensemble
-    from polhode.scenes.variation import vary
 
     scene = library.load(options.scene)
     scene = scene.at(times_of(options, scene))
-    varied = vary.options(options.vary, scene.name, scene.units)
+    scene, varied = _varied(options, scene)
     path = None if options.file is None else Path(options.file)
     if path is not None:
-        sweeps.check_path(path, [library.path_of(options.scene)])
+        inputs = [library.path_of(options.scene), options.starts and Path(options.starts)]
+        sweeps.check_path(path, inputs)
         refuse_two_on_stdout(path, options.json)
     with ProgressLine("sweep") as progress:
 
@@ -120,6 +126,21 @@ def main(options: Namespace) -> int:
     if found.interrupted:
         return goes_on(found.parts)
     return DONE if found.done else NOT_REACHED
+
+
+def _varied(options: Namespace, scene: Scene) -> tuple[Scene, dict[str, Any]]:
+    """What is varied, and the scene of which it is; raises BadInput."""
+    from polhode.runs.sweep import starts_file
+    from polhode.runs.sweep.array_starts import from_starts
+    from polhode.scenes.variation import vary
+
+    if (options.starts is None) == (options.vary is None):
+        given = None if options.vary is None else ", ".join(options.vary)
+        raise BadInput(scene.name, "--vary", given, "numbers to vary or --starts FILE, one of them")
+    if options.starts is None:
+        return scene, vary.options(options.vary, scene.name, scene.units)
+    rows = starts_file.read(Path(options.starts), scene, options.number == "extended")
+    return from_starts(scene, rows)
 
 
 def _found(

@@ -36,13 +36,13 @@ def sweeps(seconds: float) -> Iterator[Line]:
         variables = hy.make_vars(*scene.columns)
         k = {key: hy.par[i] for i, key in enumerate(plan.names)}
         rates = principal.field(variables, k, heyoka_numbers.EXPRESSIONS)
-        table, starts = plan.lanes.coefficients, plan.lanes.starts
+        table, starts = plan.motions.coefficients, plan.motions.starts
         equations = list(zip(variables, rates, strict=True))
         one = hy.taylor_adaptive(equations, starts[0], pars=table[0])
 
         def loop(one: Any = one, plan: Any = plan, ends: Any = ends) -> Any:
-            kept = np.empty_like(plan.lanes.starts)
-            for i, (pars, first, end) in enumerate(zip(*plan.lanes, ends, strict=True)):
+            kept = np.empty_like(plan.motions.starts)
+            for i, (pars, first, end) in enumerate(zip(*plan.motions, ends, strict=True)):
                 one.pars[:], one.state[:], one.time = pars, first, 0.0
                 one.propagate_until(end)
                 kept[i] = one.state
@@ -53,7 +53,7 @@ def sweeps(seconds: float) -> Iterator[Line]:
         lanes = width(plan.number)
         job = batch_jobs.BatchJob(
             *(plan.names, plan.number, None, 300, plan.times, 0),
-            plan.lanes.some(np.full(lanes, MEMBERS // 2)),
+            plan.motions.some(np.full(lanes, MEMBERS // 2)),
         )
         batch_integrator.solve(job)  # gives every lane its coefficients
         many, far = batch_integrator.prepared(job).heyoka, np.full(lanes, 1e9)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from polhode.taylor.batches.jobs import BatchJob, Lanes
+    from polhode.taylor.batches.jobs import BatchJob, Columns
     from polhode.taylor.events.batch_first_crossings import FirstJob
     from polhode.taylor.variations.tangent_batches import TangentJob
 
@@ -58,11 +58,11 @@ def job_of(
     from polhode.taylor.batches.jobs import BatchJob
 
     read, n = reader(plan, group), int(plan.time_units[group[0]])
-    lanes = plan.lanes.some(group)
+    motions = plan.motions.some(group)
     states = None
     if any(what.kind not in (FIRST, LYAPUNOV) for what in which):
         job = BatchJob(
-            plan.names, plan.number, plan.tolerance, plan.max_steps, plan.times, n, lanes
+            plan.names, plan.number, plan.tolerance, plan.max_steps, plan.times, n, motions
         )
         states = job, read
     end = float(plan.times[-1] / Fraction(2) ** n)
@@ -72,7 +72,7 @@ def job_of(
         if what.kind == FIRST
     )
     follow = any(what.kind == LYAPUNOV for what in which)
-    exponents = Exponents(_tangents(plan, lanes, end), plan.members, group) if follow else None
+    exponents = Exponents(_tangents(plan, motions, end), plan.members, group) if follow else None
     return Job(which, scene.columns, states, firsts, exponents, n)
 
 
@@ -85,7 +85,7 @@ def _of_event(
     from polhode.taylor.events.batch_first_crossings import FirstJob
     from polhode.taylor.events.magnitudes import size_of
 
-    size, lanes = size_of(scene, event), plan.lanes.some(group)
+    size, motions = size_of(scene, event), plan.motions.some(group)
     largest = math.frexp(max(float(size.value), float(size.rate)) or 1.0)[1]
     assert event.expression is not None
     job = FirstJob(
@@ -97,8 +97,8 @@ def _of_event(
         plan.max_steps,
         end,
         int(plan.time_units[group[0]]),
-        doubles(lanes.coefficients),
-        doubles(lanes.starts),
+        doubles(motions.coefficients),
+        doubles(motions.starts),
         _turns(plan, group),
     )
     stopping = event._replace(stop=True)
@@ -120,19 +120,19 @@ def _turns(plan: Plan, group: npt.NDArray[np.int64]) -> Doubles | None:
     return np.array([row(plan.members[int(k)]) for k in group])
 
 
-def _tangents(plan: Plan, lanes: Lanes, end: float) -> TangentJob:
+def _tangents(plan: Plan, motions: Columns, end: float) -> TangentJob:
     import numpy as np
 
     from polhode.taylor.variations.tangent_batches import TangentJob
 
-    six = np.zeros((lanes.many, 6))
-    columns = lanes.starts.shape[1]
-    six[:, :columns] = lanes.starts
+    six = np.zeros((motions.many, 6))
+    columns = motions.starts.shape[1]
+    six[:, :columns] = motions.starts
     tangents = np.zeros_like(six)
     tangents[:, :columns] = lyapunov.TANGENT[:columns]
     tangents /= np.linalg.norm(tangents, axis=1)[:, None]
     return TangentJob(
-        plan.names, doubles(lanes.coefficients), six, tangents, end, _LOOKS, None, (), 0.0
+        plan.names, doubles(motions.coefficients), six, tangents, end, _LOOKS, None, (), 0.0
     )
 
 

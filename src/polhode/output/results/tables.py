@@ -18,6 +18,7 @@ from polhode.common.result import Result
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.number_types import LOG10_2
 from polhode.output.results.texts import text_of
+from polhode.output.sweeps import spread
 from polhode.scenes.vocabulary import COLUMNS, STATE
 
 if TYPE_CHECKING:
@@ -134,8 +135,9 @@ def _search(found: OrbitSearch) -> Table:
 
 def _reductions(found: Reductions) -> Table:
     columns: dict[str, Value] = {"member": [*range(1, len(found) + 1)]}
+    values = spread(found.varied, to_double)
     for k, key in enumerate(found.varied.keys):
-        columns[key] = [to_double(row[k]) for row in found.varied.rows]
+        columns[key] = values[:, k].tolist()
     return Table(1, columns | dict(found.numbers))
 
 

@@ -30,7 +30,7 @@ from polhode.numbers.double_double import Pairs, pairs, sqrt
 from polhode.numbers.exact import sign
 from polhode.numbers.rationals import Rationals
 from polhode.numbers.rows import Doubles
-from polhode.runs.sweep.lanes import blocks
+from polhode.runs.sweep.columns import blocks
 
 if TYPE_CHECKING:
     from polhode.numbers.rows import Stack
@@ -46,16 +46,17 @@ def drifts(members: Members, states: Stack, one: Callable[[int], Drift]) -> Doub
     """
     drift = np.full((len(members), 4), np.nan)
     there = states[:, :, 0] == states[:, :, 0]
-    for block in blocks(members):
+    for given in blocks(members):
+        block, unit = given.exact(), not given.arrays
         here = slice(block.first, block.last)
         columns = states.dtype != object and block.axes.trivial
         alone = block.left.copy() if columns else np.ones(len(block), dtype=bool)
-        for which in _alike(block, ~alone):
+        for which in _alike(block, ~alone) if not alone.all() else []:
             at = block.first + which
             with np.errstate(all="ignore"):
                 known = first_integrals(members[block.first + int(which[0])])
                 try:
-                    rows = _block_drifts(known, block, which, states[at], there[at])
+                    rows = _block_drifts(known, block, which, states[at], there[at], unit)
                 except OverflowError:  # numbers beyond doubles: exactly, one by one
                     alone[which] = True
                     continue
@@ -99,10 +100,17 @@ def _block_drifts(
     which: npt.NDArray[np.int64],
     states: Stack,
     there: npt.NDArray[np.bool_],
+    unit: bool,
 ) -> Doubles:
-    """The drifts of members that have the same integrals, columns in the integrals' order."""
+    """The drifts of members that have the same integrals, columns in the integrals' order.
+
+    ``unit``: whether gamma is of length 1; else it is divided by its length, as exact members are.
+    """
     moments, torque, omega = (_pairs(x, which) for x in (block.moments, block.torque, block.omega))
     gamma = [] if block.gamma is None else _pairs(block.gamma, which)
+    if gamma and not unit:
+        length = sqrt(gamma[0] * gamma[0] + gamma[1] * gamma[1] + gamma[2] * gamma[2])
+        gamma = [g / length for g in gamma]
     largest = _largest(moments)
     k = coefficients(moments, torque, largest, known.onto[-1], known.order, sqrt)
     start = known.values([*omega, *gamma], k, Pairs(0.0))

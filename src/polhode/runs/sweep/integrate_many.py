@@ -11,11 +11,13 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 
 from polhode.common import executors as crew
 from polhode.common.arguments import steps, whole
+from polhode.common.errors import BadInput
 from polhode.common.progress import Progress, bar
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber
 from polhode.runs.problem.options import check_method
 from polhode.runs.sweep import refined_members
+from polhode.runs.sweep.array_starts import from_starts
 from polhode.runs.sweep.ensemble import Ensemble
 from polhode.runs.sweep.plan import Plan, planned
 from polhode.runs.sweep.refined_members import Job
@@ -43,8 +45,9 @@ _SHARE = 0.25  # of a scalar step that a lane's costs
 
 def integrate_many(
     scene: Scene | str | Path,
-    vary: vary.Vary,
+    vary: vary.Vary | None = None,
     *,
+    starts: npt.ArrayLike | None = None,
     number: str | NumberType | None = None,
     digits: int | None = None,
     at: Iterable[AnyNumber] | None = None,
@@ -65,10 +68,16 @@ def integrate_many(
     ----------
     scene : Scene, str or Path
         A scene, a path, or the name of a case.
-    vary : mapping or list of mappings
+    vary : mapping or list of mappings, optional
         Numbers of the scene file by key, such as ``{"start.omega[1]": ["0.1", 0.2], "body.weight":
         "0:1:11"}``: exact values, or FROM:TO:N, every combination being a member; or a list of
-        mappings with one value for each key, the members one by one.
+        mappings with one value for each key, the members one by one; or arrays with a row for each
+        member, ``{"start.omega": (N, 3), "start.gamma": (N, 3), "body.moments": (N, 3)}``, an (N,
+        1) array for a key that is one number.
+    starts : array_like, shape (N, 6) or (N, 3), optional
+        p q r gamma1 gamma2 gamma3 at t = 0 of each member, omega alone of a scene without gamma, in
+        the scene's body axes and units: the same as arrays of ``start.omega`` and ``start.gamma``.
+        Numbers of the run's type or a narrower one; |gamma|² is 1 to 8 eps of the type.
     number : str or NumberType, optional
         The number type, as in :func:`polhode.integrate`.
     digits : int, optional
@@ -106,11 +115,15 @@ def integrate_many(
     ------
     BadInput
         Before anything is integrated: an impossible member, a scene with events, too many numbers
-        for the memory, or ``parts`` with anything but parts of the same sweep.
+        for the memory, or ``parts`` with anything but parts of the same sweep.  Arrays with a row
+        that is not finite, of another width or a wider type, or whose gamma is no unit vector, in
+        quad or mp, or beside values that are no arrays.
 
     Notes
     -----
-    The equations are (3.29) of Yehia, *Rigid Body Dynamics: A Lagrangian Approach*.
+    Members begin at the floats of an array.  ``ensemble[k]`` and ``ensemble.members`` make exact
+    scenes of them when asked for: there gamma, which is a unit vector to rounding alone, is divided
+    by its length.  The equations are (3.29) of Yehia, *Rigid Body Dynamics: A Lagrangian Approach*.
 
     Examples
     --------
@@ -120,6 +133,9 @@ def integrate_many(
     ... )
     >>> len(many), many.varied.keys, many.done
     (6, ('start.omega[3]', 'body.weight'), True)
+    >>> starts = [[0.5, 0, k, 0, 0, 1] for k in range(100)]  # any array (N, 6)
+    >>> polhode.integrate_many("lagrange/nutation", starts=starts, at=[1, 2]).states.shape
+    (100, 2, 6)
     """
     if isinstance(progress, bool):
         asked = {key: value for key, value in locals().items() if key != "progress"}
@@ -136,6 +152,10 @@ def integrate_many(
     if workers is not None:
         workers = whole(scene.name, "workers", workers, 1)
     check_method(scene, method)
+    if starts is not None:
+        scene, vary = from_starts(scene, starts, vary)
+    elif vary is None:
+        raise BadInput(scene.name, "vary", None, "numbers to vary, or starts")
     plan = planned(scene, vary, number, digits, tol, max_steps)
     prepared = time.perf_counter()
     kept = _opened(plan, scene, parts, method)
@@ -183,7 +203,7 @@ def _opened(plan: Plan, scene: Scene, folder: Path | None, method: str) -> Sweep
     asked = (plan.varied, plan.number, plan.tolerance, plan.max_steps, plan.times, plan.names)
     body = repr((scene.body.inertia, scene.body.centre, scene.body.weight))
     what = "\n".join([scene.name, method, repr(asked), body])
-    return SweepCheckpoint(folder, what.encode() + plan.lanes.bytes(), plan.number)
+    return SweepCheckpoint(folder, what.encode() + plan.motions.bytes(), plan.number)
 
 
 @dataclass(frozen=True)
@@ -246,7 +266,7 @@ def _work(plan: Plan, results: Results, method: str) -> _Work[BatchJob] | _Work[
             plan.max_steps,
             plan.times,
             int(plan.time_units[group[0]]),
-            plan.lanes.some(group),
+            plan.motions.some(group),
         )
         for group in groups
     ]

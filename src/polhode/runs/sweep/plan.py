@@ -7,15 +7,17 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from polhode.common.arguments import unit_rows
 from polhode.common.errors import BadInput
 from polhode.common.memory import refuse_too_much
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber
 from polhode.runs.problem.options import choose_number, rounded_times, rounded_tolerance
-from polhode.runs.sweep.lanes import Fastest, lanes_of
+from polhode.runs.sweep.columns import Fastest, columns_of
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation import vary
+from polhode.scenes.variation.array_columns import ArrayColumn
 from polhode.scenes.variation.sweep_scenes import Members
 from polhode.taylor.backend import defaults
 
@@ -23,7 +25,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from polhode.taylor.batches.jobs import Lanes
+    from polhode.taylor.batches.jobs import Columns
 
 _BYTES = 40  # of a number of the states, while they are gathered and written
 
@@ -32,8 +34,8 @@ _BYTES = 40  # of a number of the states, while they are gathered and written
 class Plan:
     """A sweep, checked: what there is to integrate.
 
-    ``time_units``: the exponent n of each member's unit of time 2**n; ``rates``: about its fastest
-    rate, radians for each unit of the scene's time.
+    ``motions``: the members in numbers.  ``time_units``: the exponent n of each member's unit of
+    time 2**n; ``rates``: its fastest rate at most, radians for each unit of the scene's time.
     """
 
     varied: vary.Grid
@@ -44,7 +46,7 @@ class Plan:
     times: tuple[Fraction, ...]
     asked: Sequence[Exact]
     names: tuple[str, ...]
-    lanes: Lanes
+    motions: Columns
     time_units: npt.NDArray[np.int64]
     rates: npt.NDArray[np.float64]
 
@@ -61,7 +63,7 @@ class Plan:
         """
         import numpy as np
 
-        size *= -(-len(self.rates) // (size * most))
+        size *= max(1, -(-len(self.rates) // (size * most)))
         order = np.lexsort((-self.rates, self.time_units))
         ends = np.flatnonzero(np.diff(self.time_units[order])) + 1
         for alike in np.split(order, ends):
@@ -92,13 +94,36 @@ def planned(
     members = Members(scene, varied)
     _ = members.tables  # a key that is none is refused before anything else
     chosen = choose_number(scene, number, None)
-    if digits is not None:
+    if digits is not None and len(members):
         chosen = choose_number(Fastest(members).scene.at(scene.times), number, digits)
+    _check_arrays(scene.name, varied, chosen)
     times = tuple(rounded_times(scene, chosen))
     tolerance = rounded_tolerance(scene, chosen, tol)
 
-    names, lanes, units, rates = lanes_of(members, times[-1], chosen)
+    names, motions, units, rates = columns_of(members, times[-1], chosen)
     limit = max_steps if max_steps is not None else defaults.of(chosen).max_steps
     return Plan(
-        varied, members, chosen, tolerance, limit, times, scene.times, names, lanes, units, rates
+        varied, members, chosen, tolerance, limit, times, scene.times, names, motions, units, rates
     )
+
+
+def _check_arrays(name: str, varied: vary.Grid, number: NumberType) -> None:
+    """Refuse arrays that are not of the run's number type; raises BadInput.
+
+    Gamma is of length 1 to 8 eps of it.
+    """
+    import numpy as np
+
+    each = zip(varied.keys, varied.rows.columns, strict=True)
+    arrays = {key: column.values for key, column in each if isinstance(column, ArrayColumn)}
+    if not arrays:
+        return
+    if not number.flat:
+        expected = "double or extended with arrays; other values, or members one by one, are exact"
+        raise BadInput(name, "number", number.name, expected)
+    for key, values in arrays.items():
+        if number.name == "double" and values.dtype.itemsize > 8:
+            raise BadInput(name, key, f"numbers of {values.dtype}", "float64, or number = extended")
+    gamma = [arrays[key] for key in arrays if key.startswith("start.gamma")]
+    if len(gamma) == 3:
+        unit_rows(name, "start.gamma", np.stack(gamma, axis=1), number.eps)

@@ -61,14 +61,14 @@ def solve(job: Job, stop: Stop | None = None) -> Solved:
 
     steps = job.steps
     found = jobs.Solved.none_of(steps)
-    found.errors = [None] * steps.lanes.many
+    found.errors = [None] * steps.motions.many
     for k, member in enumerate(job.members):
         if stop is not None and stop():
             break
         here = slice(k, k + 1)
         done = _refined(job, member, stop)
         if done is None:
-            one = batch_integrator.solve(steps._replace(lanes=steps.lanes.some(here)), stop)
+            one = batch_integrator.solve(steps._replace(motions=steps.motions.some(here)), stop)
             found.states[here], found.outcomes[here] = one.states, one.outcomes
             found.steps[here], found.reached[here] = one.steps, one.reached
             continue

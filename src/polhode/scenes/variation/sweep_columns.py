@@ -2,29 +2,35 @@
 
 Every member is checked as :class:`.sweep_scenes.Members` checks it.  What these columns cannot tell
 (an irrational value, a start in angles, inertia that varies beside principal axes that are not the
-body's own) they leave to the member's scene, and the words of a fault too.
+body's own) they leave to the member's scene, and the words of a fault too.  Starts and moments that
+were given as arrays stay the arrays that they are.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from polhode.common.cached_property import cached_property
+from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import Exact, sign
-from polhode.numbers.rationals import Rationals, of_fractions
+from polhode.numbers.rationals import Rationals, of_floats, of_fractions
+from polhode.numbers.rows import Flat
+from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import OWN_AXES, PrincipalAxes
+from polhode.scenes.variation.array_columns import ArrayColumn
 from polhode.scenes.variation.sweep_scenes import Members
 from polhode.scenes.variation.vary import Spaced
 
-#: A number that all members have in common, or one for each.
-Column = Exact | Rationals
-Vector = tuple[Column, Column, Column]
+#: A number that all members have in common (Exact), or one for each: Rationals, or the floats of
+#: an array.  They have arithmetic in common.
+Column: TypeAlias = Scalar
+Vector: TypeAlias = tuple[Column, Column, Column]
 Booleans = npt.NDArray[np.bool_]
 
 #: What may be varied here, and what a scene's tables may hold.
@@ -34,6 +40,9 @@ _KEYS = (
 )
 _BODY = {"moments", "inertia", "centre", "weight"}
 _START = {"omega", "gamma", "psi", "normalise"}
+
+#: Of what the columns stay arrays.
+_ARRAYS = ("start.omega", "start.gamma", "body.moments")
 
 _NONE: Vector = (Fraction(0), Fraction(0), Fraction(0))
 
@@ -58,8 +67,30 @@ class Block:
     def __len__(self) -> int:
         return self.last - self.first
 
+    @property
+    def arrays(self) -> bool:
+        """Whether numbers of the starts are floats of an array."""
+        return any(isinstance(x, np.ndarray) for x in (*self.omega, *(self.gamma or ())))
 
-class Columns:
+    def given_gamma(self, k: int) -> tuple[Exact, Exact, Exact] | None:
+        """Gamma of one member as an array gives it, of length 1 but for rounding; else None."""
+        if self.gamma is None or not all(isinstance(x, np.ndarray) for x in self.gamma):
+            return None
+        a, b, c = (exactly(x[k]) for x in self.gamma)
+        return a, b, c
+
+    def exact(self) -> Block:
+        """The same with rationals in the place of arrays."""
+
+        def vector(of: Vector) -> Vector:
+            a, b, c = (of_floats(x) if isinstance(x, np.ndarray) else x for x in of)
+            return a, b, c
+
+        gamma = None if self.gamma is None else vector(self.gamma)
+        return replace(self, moments=vector(self.moments), omega=vector(self.omega), gamma=gamma)
+
+
+class Blocks:
     """Reads blocks of a sweep's members."""
 
     def __init__(self, members: Members) -> None:
@@ -67,7 +98,8 @@ class Columns:
         self.keys = members.varied.keys
         self.varied = members.varied.rows
         self.data = members.tables
-        self._known = [_parts(column) for column in self.varied.columns]
+        each = zip(self.keys, self.varied.columns, strict=True)
+        self._known = [_parts(column, key.startswith(_ARRAYS)) for key, column in each]
 
     @cached_property
     def readable(self) -> bool:
@@ -83,12 +115,17 @@ class Columns:
         )
         if any(key.startswith("body.") for key in self.keys) and not rational:
             return False
-        return not (self._has("start.gamma") and not self._plain_gamma)
+        return not self._has("start.gamma") or self._plain_gamma or self._array("start.gamma")
 
     @property
     def _plain_gamma(self) -> bool:
         start = self.data["start"]
         return not start.get("normalise") and all(isinstance(x, Fraction) for x in start["gamma"])
+
+    def _array(self, vector: str) -> bool:
+        """Whether all of a vector is given as an array."""
+        each = zip(self.keys, self.varied.columns, strict=True)
+        return sum(k.startswith(vector) and isinstance(x, ArrayColumn) for k, x in each) == 3
 
     def _has(self, start: str) -> bool:
         return any(key.startswith(start) for key in self.keys)
@@ -124,7 +161,7 @@ class Columns:
         bad = np.zeros(count, dtype=bool)
         if self._has("body.moments"):
             bad |= _unphysical(moments)
-        if self._has("start.gamma") and gamma is not None:
+        if self._has("start.gamma") and gamma is not None and not self._array("start.gamma"):
             square = sum((_times(g, g) for g in gamma), Rationals(0, 1)) - 1
             bad |= np.asarray(_sign(square) != 0)
         if gamma is None or "centre" not in self.data["body"]:
@@ -146,16 +183,31 @@ def _sign(x: Column) -> Any:
 
 
 def _unphysical(moments: Vector) -> Booleans:
-    """Where no body has such moments."""
+    """Where no body has such moments; of arrays where rounding might hide it, too."""
     a, b, c = moments
+    if any(isinstance(x, np.ndarray) for x in moments):
+        a, b, c = np.broadcast_arrays(*(np.asarray(_near(x), np.float64) for x in moments))
+        slack = 2.0**-50 * (np.abs(a) + np.abs(b) + np.abs(c))
+        sums = (b + c - a, c + a - b, a + b - c)
+        hidden: Booleans = np.minimum.reduce([a, b, c, *(x - slack for x in sums)]) <= 0
+        return hidden
     signs = [_sign(x) <= 0 for x in moments]
     signs += [_sign(x + y - z) < 0 for x, y, z in ((a, b, c), (b, c, a), (c, a, b))]
     found: Booleans = np.logical_or.reduce(np.broadcast_arrays(*signs))
     return found
 
 
-def _parts(column: Sequence[Exact]) -> tuple[Rationals, Booleans | None]:
-    """A column's rationals, and where there is another number in it (1 in its place)."""
+def _near(x: Column) -> Flat | float:
+    return x.doubles() if isinstance(x, Rationals) else x if isinstance(x, np.ndarray) else float(x)
+
+
+def _parts(column: Sequence[Exact], array: bool) -> tuple[Rationals | Flat, Booleans | None]:
+    """A column's rationals, and where there is another number in it (1 in its place).
+
+    ``array``: whether an array stays one.
+    """
+    if isinstance(column, ArrayColumn):
+        return column.values if array else of_floats(column.values), None
     if isinstance(column, Spaced):
         first, last = column.first, column.last
         if isinstance(first, Fraction) and isinstance(last, Fraction):

@@ -16,6 +16,7 @@ from polhode.numbers.exact import Exact
 from polhode.scenes import keys, scene_file
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
+from polhode.scenes.variation.array_columns import ArrayColumn
 from polhode.scenes.variation.vary import Grid
 from polhode.scenes.vocabulary import CENTRE
 
@@ -74,11 +75,11 @@ class Members(Sequence[Scene]):
         A body of parts, or one whose inertia is given about its centre of mass, turns its axes with
         nearly every number.  Two equal moments leave a choice, which the centre of mass makes.
         """
-        body, axes = self.tables["body"], self.scene.body.axes
         varied = {key.partition("[")[0] for key in self.varied.keys if key.startswith("body.")}
         varied -= {"body.weight", "body.g"}
         if not varied:
             return True
+        body, axes = self.tables["body"], self.scene.body.axes
         if "parts" in body or body.get("about") == CENTRE:
             return False
         if not varied <= {"body.moments", "body.mass", "body.centre"}:
@@ -90,9 +91,14 @@ class Members(Sequence[Scene]):
     def notes(self) -> tuple[str, ...]:
         """The notes of the scene, and what was changed of the first members, as of one of them."""
         varied = {key.partition("[")[0] for key in self.varied.keys}
+        each = zip(self.varied.keys, self.varied.rows.columns, strict=True)
+        as_is = any(k.startswith("start.") for k, x in each if isinstance(x, ArrayColumn))
+        if as_is:  # members begin at the numbers of the arrays
+            varied = {key for key in varied if key.startswith("body.")}
         if not varied & _MAY_BE_ROUNDED:
             return self.scene.notes
-        of_members = (self[k].changes for k in range(min(len(self), _LOOKED_AT)))
+        few = (self[k] for k in range(min(len(self), _LOOKED_AT)))
+        of_members = ([*filter(None, [x.body.change])] if as_is else x.changes for x in few)
         changes = next(filter(None, of_members), ())
         return (*self.scene.notes, *(f"members: {text}" for text in changes))
 
@@ -103,9 +109,9 @@ class Members(Sequence[Scene]):
         found = self.scene.provenance()
         return found | {"notes": list(self.notes)} if self.notes else found
 
-    @property
+    @cached_property
     def tables(self) -> dict[str, Any]:
-        """The tables that are varied, numbers exact, none of them varied yet."""
+        """The tables that are varied, numbers exact, none of them varied; not to be written to."""
         data = tables_of(self.scene)
         _places(data, self.varied.keys, self.scene.name)
         return data

@@ -17,11 +17,13 @@ from polhode.numbers.scalars import numbers_given
 from polhode.scenes.body_and_start import THETA, doubtful_theta
 from polhode.scenes.given_numbers import in_text, reader
 from polhode.scenes.keys import unit
+from polhode.scenes.variation.array_columns import row_by_row
 
 MAX_MEMBERS = 10_000_000
 
 #: Varied numbers by key: a sequence of values or ``"FROM:TO:N"`` each, of which every combination
-#: is a member; or the members one by one, each with the same keys.
+#: is a member; or arrays with a row for each member; or the members one by one, each with the same
+#: keys.
 Vary = Mapping[str, Any] | Sequence[Mapping[str, Any]]
 
 
@@ -150,15 +152,16 @@ def grid(vary: Vary, name: str, units: str = "") -> Grid:
     """Keys and rows of what is varied; raises BadInput."""
     product = isinstance(vary, Mapping)
     if isinstance(vary, Mapping):
+        keys, arrays = row_by_row(vary, name)
+        if keys:
+            return _limited(Grid(keys, Rows(arrays, product=False)), name)
         columns = [_column(key, given, name, units) for key, given in vary.items()]
         keys = tuple(vary)
-        count = math.prod(len(column) for column in columns)
     else:
         vary = each(name, "vary", vary, lambda member: member, "keys with their values, or members")
         for k, member in enumerate(vary):
             of_kind(name, f"vary[{k + 1}]", member, Mapping, "a mapping of keys to values")
         keys = tuple(vary[0]) if vary else ()
-        count = len(vary)
         for k, member in enumerate(vary):
             if set(member) != set(keys):
                 listed = ", ".join(map(plain, member))
@@ -169,9 +172,15 @@ def grid(vary: Vary, name: str, units: str = "") -> Grid:
             _doubt(column, name)
     if not keys:
         raise BadInput(name, "vary", None, "at least one number of the scene file to vary")
+    return _limited(Grid(keys, Rows(columns, product)), name)
+
+
+def _limited(found: Grid, name: str) -> Grid:
+    """A grid that is not too large; raises BadInput."""
+    count = len(found.rows)
     if count > MAX_MEMBERS:
         raise BadInput(name, "vary", f"{count} members", f"at most {MAX_MEMBERS}; split the sweep")
-    return Grid(keys, Rows(columns, product))
+    return found
 
 
 def _doubt(column: Sequence[Exact], name: str) -> None:

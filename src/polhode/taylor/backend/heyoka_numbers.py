@@ -139,18 +139,25 @@ def as_fraction(value: HeyokaNumber, number: NumberType) -> Fraction:
         return exactly(mpmath.mpf(str(value)))
 
 
-#: The variable of the environment that bounds the cache, in megabytes; 0 is off.
+#: The variable of the environment that bounds the cache, in megabytes; 0 is off, meanwhile.
 CACHE_LIMIT = "POLHODE_CACHE_MB"
 
 
 def _bound_cache() -> None:
-    """Apply CACHE_LIMIT, once, where it is set; raises BadInput."""
+    """Apply CACHE_LIMIT, once, where it is set; raises BadInput.
+
+    heyoka keeps a limit in the cache's file, for all who come after: one of 0 would make every
+    later process compile anew.  So 0 switches the cache off, in this process alone.
+    """
     told = os.environ.get(CACHE_LIMIT)
     if told is None:
         return
     if not (told.isascii() and told.isdigit() and len(told) < 10):
         raise BadInput("environment", CACHE_LIMIT, told, "a whole number of megabytes, 0 for none")
-    hy.llvm_state.set_diskcache_limit(1_000_000 * int(told))
+    if int(told) == 0:
+        hy.llvm_state.set_diskcache_enabled(False)
+    else:
+        hy.llvm_state.set_diskcache_limit(1_000_000 * int(told))
 
 
 _bound_cache()

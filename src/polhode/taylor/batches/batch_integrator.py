@@ -1,14 +1,17 @@
-"""Many systems with one compiled code: coefficients as parameters, doubles in SIMD lanes.
+"""Many motions with one compiled code: coefficients as parameters, doubles in SIMD lanes.
 
-heyoka's batch integrator steps as many systems of doubles at a time as the machine has lanes; each
-has its own step size.  Other number types go one by one through one compiled code.  A job is
-plain data, arrays but for its times, so that it can be solved in any thread, process or machine.
+heyoka's batch integrator steps eight motions of doubles at a time; each has its own step size, and
+its bits depend neither on its neighbours nor on its place.  A batch steps until its last lane is
+there, so that those that come one after the other should take about as many steps, see
+:func:`polhode.taylor.lanes.rates`.  A lane that is not finite stops the others: each motion of such
+a batch then goes for itself, in all lanes alike.  Other number types go one by one through one
+compiled code.  A job is plain data, arrays but for its times, so that it can be solved in any
+thread, process or machine.
 """
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 
 import numpy as np
@@ -16,90 +19,58 @@ import numpy as np
 from polhode.common.progress import Stop
 from polhode.equations.forms import principal
 from polhode.motion.outcomes import Outcome, code
-from polhode.numbers.number_types import DOUBLE, NumberType
-from polhode.numbers.rows import Stack
-from polhode.taylor.backend import heyoka_numbers
+from polhode.numbers.conversion import exactly
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.rows import Array, Doubles, Stack, doubles
+from polhode.taylor.backend import defaults, heyoka_numbers
 from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.integrator_pool import Kind
 from polhode.taylor.backend.types import HeyokaIntegrator
-from polhode.taylor.batches import lane_order
-from polhode.taylor.batches.compiled_batch import CompiledBatch, width
+from polhode.taylor.batches.compiled_batch import LANES, CompiledBatch, in_lanes, out_of_lanes
 from polhode.taylor.batches.jobs import BatchJob, Solved
-from polhode.taylor.batches.lane_advances import DoubleLanes, SingleLane, block
-from polhode.taylor.batches.time_slices import Stretches
+from polhode.taylor.batches.time_slices import Stretch, Stretches
 from polhode.taylor.integrator.prepared import Prepared
 from polhode.taylor.integrator.specification import as_parameters
 
-#: Each thread of a sweep takes one.
+#: Each thread takes one.
 PRINCIPAL: Kind[HeyokaIntegrator] = Kind(16)
 
 
 def solve(job: BatchJob, stop: Stop | None = None) -> Solved:
-    """Integrate a job's systems; those that ``stop`` kept from being finished are NOT_RUN.
-
-    Each gives the same bits in whichever order they are.
-    """
-    job = _with_kept(job)
-    end = float(job.times[-1] / Fraction(2) ** job.time_unit)
+    """Integrate a job's motions; those that ``stop`` kept from being finished are NOT_RUN."""
     with prepared(job) as ready:
-        if not isinstance(ready, CompiledBatch) or not lane_order.worth_it(
-            end, job.lanes, ready.places
-        ):
-            return _solved(job, ready, stop)
-        order = lane_order.by_steps(ready, job.lanes, end)
-        return _solved(job._replace(lanes=job.lanes.some(order)), ready, stop).in_order(order)
+        return _Way(job, ready, stop).solved()
 
 
-def _with_kept(job: BatchJob) -> BatchJob:
-    """A job whose lanes have, after their coefficients, the variables that the equations keep."""
-    starts = job.lanes.starts[:, kept_rates(job.names, job.columns)]
-    table: Stack = np.concatenate([job.lanes.coefficients, starts], axis=1)
-    return job._replace(lanes=job.lanes._replace(coefficients=table))
+def prepare(job: BatchJob) -> None:
+    """Compile what a job's motions share, unless that is done."""
+    prepared(job).release()
 
 
-def kept_rates(names: tuple[str, ...], columns: int) -> list[int]:
+def prepared(job: BatchJob) -> Prepared:
+    """The integrator of a job: a batch of doubles, or one motion of another type."""
+    return engine(job.names, job.columns, job.number, job.tolerance)
+
+
+def engine(
+    names: tuple[str, ...], columns: int, number: NumberType, tolerance: Fraction | None
+) -> Prepared:
+    """An integrator of the principal form, coefficients of these names as parameters.
+
+    Behind them are the variables that the equations keep, see :func:`kept_rates`.
+    """
+    key = names, columns, number, tolerance
+    if number.name == "double":
+        return CompiledBatch(PRINCIPAL, key, lambda: _built(*key))
+    return Prepared(PRINCIPAL, key, lambda: _built(*key), number)
+
+
+def kept_rates(names: Sequence[str], columns: int) -> list[int]:
     """The components of w on which no coefficient of these names acts, and which others feel."""
     moving = {name[0] for name in names}
     if not moving and columns == len("pqr"):
         return []
     return [i for i, name in enumerate("pqr") if name not in moving]
-
-
-def _solved(job: BatchJob, ready: Prepared, stop: Stop | None) -> Solved:
-    """The same in the order in which they are."""
-    found, size = Solved.none_of(job), width(job.number)
-    stretches = Stretches(job)
-    firsts: Iterable[int] = range(0, job.lanes.many, size)
-    if isinstance(ready, CompiledBatch):
-        firsts = _in_one_go(job, ready, stretches, found, firsts, stop)
-    for first in firsts:
-        if stop is not None and stop():
-            break
-        which = range(first, min(first + size, job.lanes.many))
-        _solve(job, ready, stretches, found, which, stop)
-    return found
-
-
-def prepare(job: BatchJob) -> None:
-    """Compile what a job's systems share, unless that is done."""
-    prepared(job).release()
-
-
-def prepared(job: BatchJob) -> Prepared:
-    """The integrator of a job: a batch of doubles, or one system of another type."""
-    key = job.names, job.columns, job.number, job.tolerance
-    if job.number.name == "double":
-        return lanes(job.names, job.columns, job.tolerance)
-    return Prepared(PRINCIPAL, key, lambda: _built(*key), job.number)
-
-
-def lanes(names: tuple[str, ...], columns: int, tolerance: Fraction | None = None) -> CompiledBatch:
-    """A batch of the principal form, its coefficients of these names as parameters.
-
-    Behind them are the variables that the equations keep, see :func:`kept_rates`.
-    """
-    key = names, columns, DOUBLE, tolerance
-    return CompiledBatch(PRINCIPAL, key, lambda: _built(*key))
 
 
 def _built(
@@ -108,15 +79,14 @@ def _built(
     variables = hy.make_vars(*("p", "q", "r", "gamma1", "gamma2", "gamma3")[:columns])
     k, constant = {name: hy.par[i] for i, name in enumerate(names)}, kept_rates(names, columns)
     state = as_parameters(variables, constant, len(names))
-    rates = principal.field(state, k, heyoka_numbers.EXPRESSIONS)
-    equations = list(zip(variables, rates, strict=True))
+    field = principal.field(state, k, heyoka_numbers.EXPRESSIONS)
+    equations = list(zip(variables, field, strict=True))
     options = heyoka_numbers.type_options(number)
     if tolerance is not None:
         options["tol"] = heyoka_numbers.scalar(tolerance, number)
     with heyoka_numbers.disk_cache(number):
         if number.name == "double":
-            lanes = width(number)
-            shapes = np.zeros((columns, lanes)), np.zeros((len(names) + len(constant), lanes))
+            shapes = np.zeros((columns, LANES)), np.zeros((len(names) + len(constant), LANES))
             return hy.taylor_adaptive_batch(equations, shapes[0], pars=shapes[1], **options)
         start, pars = (
             heyoka_numbers.array([heyoka_numbers.scalar(0, number)] * n, number)
@@ -125,121 +95,171 @@ def _built(
         return hy.taylor_adaptive(equations, start, pars=pars, **options)
 
 
-def _in_one_go(
-    job: BatchJob,
-    batch: CompiledBatch,
-    stretches: Stretches,
-    found: Solved,
-    firsts: Iterable[int],
-    stop: Stop | None,
-) -> Iterable[int]:
-    """Batches of doubles whose whole way is one stretch, with next to nothing between them.
+class _Way:
+    """A job's motions on their way through stretches of time."""
 
-    Those that this does not bring to the end are returned, to be solved with care.  It gives the
-    same as :func:`_march`.
-    """
-    ahead = list(itertools.islice(stretches, 2))
-    if len(ahead) != 1:
-        return firsts
-    (stretch,) = ahead
-    places, many, targets = batch.places, job.lanes.many, stretch.targets
-    spare = -many % places
-    coefficients, starts = (
-        np.vstack([table, np.repeat(table[-1:], spare, axis=0)]).T.copy() for table in job.lanes
-    )
-    alike = bool((coefficients == coefficients[:, :1]).all())
-    states = np.full((len(targets), job.columns, many + spare), np.nan)
-    steps, trouble = np.zeros(many + spare, dtype=np.int64), []
-    grid, ends = np.repeat(np.array([[0.0, *targets]]).T, places, axis=1), [targets[-1]] * places
-    most = min(job.max_steps, block(job.number))
-    if alike:
-        batch.parameters[:] = coefficients[:, :places]
-    for first in firsts:
-        if stop is not None and stop():
-            trouble.append(first)
-            continue
-        here = slice(first, first + places)
-        batch.stand(starts[:, here], None if alike else coefficients[:, here])
-        if len(targets) == 1:  # a state at the end alone needs no dense output
-            states[0, :, here] = batch.to(ends, most)
+    def __init__(self, job: BatchJob, ready: Prepared, stop: Stop | None) -> None:
+        self.job, self.ready, self.stop = job, ready, stop
+        self.found, self.stretches = Solved.none_of(job), Stretches(job)
+        starts = job.motions.starts
+        kept: Stack = starts[:, kept_rates(job.names, job.columns)]
+        self.starts, self.pars = starts, np.concatenate([job.motions.coefficients, kept], axis=1)
+        self.block = defaults.of(job.number).chunk  # steps between two looks for a signal
+
+    def solved(self) -> Solved:
+        """All of them, or as many as come before a stop."""
+        if isinstance(self.ready, CompiledBatch):
+            left: Iterable[int] = self._in_lanes(self.ready)
         else:
-            states[:, :, here] = batch.rows(grid, most)
-        steps[here] = batch.steps
-        if not batch.arrived:
-            trouble.append(first)
-    done = np.ones(many, dtype=bool)
-    for first in trouble:
-        done[first : first + places] = False
-    kept = stretch.last - stretch.first
-    if job.times[0] == 0:
-        found.states[done, 0] = job.lanes.starts[done]
-    rows = states[:kept, :, :many].transpose(2, 0, 1)
-    found.states[done, stretch.first : stretch.last] = rows[done]
-    found.outcomes[done] = code(Outcome.REACHED_END)
-    found.steps[done], found.reached[done] = steps[:many][done], stretch.to
-    return trouble
+            left = range(self.job.motions.many)
+        for k in left:
+            if self._stopped():
+                break
+            self._alone(k)
+        if self.job.times[0] == 0:
+            done = self.found.done
+            self.found.states[done, 0] = self.starts[done]
+        return self.found
 
+    def _stopped(self) -> bool:
+        return self.stop is not None and self.stop()
 
-def _solve(
-    job: BatchJob,
-    ready: Prepared,
-    stretches: Stretches,
-    found: Solved,
-    which: range,
-    stop: Stop | None,
-) -> None:
-    """Integrate as many systems as one step advances."""
-    outcome = _march(job, ready, stretches, found, which, stop)
-    if outcome is None:  # stopped: as if it had not begun
-        here = slice(which.start, which.stop)
-        found.states[here] = np.nan if job.number.flat else None
-        found.steps[here], found.reached[here] = 0, Fraction(0)
-        return
-    if outcome is not Outcome.REACHED_END and len(which) > 1:
-        for k in which:  # one lane's trouble stops them all: each for itself
-            _solve(job, ready, stretches, found, range(k, k + 1), stop)
-        return
-    found.outcomes[which.start : which.stop] = code(outcome)
+    def _in_lanes(self, ready: CompiledBatch) -> list[int]:
+        """Batch after batch; the motions whose batch did not arrive as a whole."""
+        job, found, many = self.job, self.found, self.job.motions.many
+        starts, pars = (in_lanes(doubles(table)) for table in (self.starts, self.pars))
+        alike = bool((self.pars == self.pars[:1]).all())
+        states = np.full((len(starts), len(job.times), job.columns, LANES), np.nan)
+        taken: list[list[int] | None] = [None] * len(starts)
+        for k, (start, own, rows) in enumerate(zip(starts, pars, states, strict=True)):
+            if self._stopped():
+                break
+            ready.stand(start, None if alike and k else own)
+            taken[k] = self._together(ready, rows)
+        done = np.array([row is not None for row in taken], dtype=bool)
+        steps = np.array([row or [0] * LANES for row in taken], dtype=np.int64)
+        done &= np.isfinite(states[:, -1]).all(axis=(1, 2)) | (job.times[-1] == 0)
+        there = np.repeat(done, LANES)[:many]
+        found.states[there] = out_of_lanes(states)[:many][there]
+        found.steps[there] = steps.ravel()[:many][there]
+        found.outcomes[there] = code(Outcome.REACHED_END)
+        found.reached[there] = job.times[-1]
+        return np.flatnonzero(~there).tolist()
 
+    def _together(self, ready: CompiledBatch, states: Doubles) -> list[int] | None:
+        """The steps of a batch of motions, each in its lane; None where their limit ends them.
 
-def _march(
-    job: BatchJob,
-    ready: Prepared,
-    stretches: Stretches,
-    found: Solved,
-    which: range,
-    stop: Stop | None,
-) -> Outcome | None:
-    """Carry lanes along; None if they were stopped, whose states are then left as they are."""
-    here = slice(which.start, which.stop)
-    take: DoubleLanes | SingleLane
-    if isinstance(ready, CompiledBatch):
-        take = DoubleLanes(ready, job.lanes.some(here))
-    else:
-        take = SingleLane(ready, job.lanes.some(which.start))
-    found.states[here] = np.nan if job.number.flat else None
-    found.steps[here], found.reached[here] = 0, Fraction(0)
-    if job.times[0] == 0:
-        found.states[here, 0] = job.lanes.starts[here]
-    for n, stretch in enumerate(stretches):
-        if n and stop is not None and stop():
+        A lane that is not finite has stopped the others: that shows in its last state.
+        """
+        steps, left, n = [0] * LANES, self.job.max_steps, 0
+        stretch = self.stretches.at(0)
+        while stretch is not None:
+            if n:
+                left = self.job.max_steps - max(steps)
+                if left <= 0 or self._stopped():
+                    return None
+                ready.begin()
+            most = min(left, self.block)
+            if stretch.grid is None:  # a state at the end alone needs no dense output
+                rows = ready.to(stretch.targets[0], most)
+            else:
+                rows = ready.rows(stretch.grid, most)
+            taken = ready.taken
+            if max(taken) >= most:
+                more = self._further(ready, stretch, left - most)
+                if more is None:
+                    return None
+                taken = [a + b for a, b in zip(taken, more, strict=True)]
+            steps = [a + b for a, b in zip(steps, taken, strict=True)] if n else taken
+            kept = stretch.last - stretch.first
+            if kept:  # a single target's row serves as the one output that there is
+                states[stretch.first : stretch.last] = rows if stretch.grid is None else rows[:kept]
+            n += 1
+            stretch = None if stretch.last == len(states) else self.stretches.at(n)
+        return steps
+
+    def _further(self, ready: CompiledBatch, stretch: Stretch, left: int) -> list[int] | None:
+        """On to a stretch's end in blocks of steps; None where not all lanes arrive."""
+        if stretch.grid is not None or left <= 0 or Outcome.NON_FINITE in ready.outcomes:
             return None
-        limit = job.max_steps - int(found.steps[here].max())
-        if limit <= 0:
-            return Outcome.STEP_LIMIT
-        advanced = take.advance(stretch, limit, stop)
-        if advanced is None:
-            return None
-        states, steps, outcome, met = advanced
-        found.steps[here] += steps
-        if outcome is Outcome.NON_FINITE:
-            return outcome
-        kept = min(met, stretch.last - stretch.first)
-        found.states[here, stretch.first : stretch.first + kept] = states[:, :kept]
-        if outcome is not Outcome.REACHED_END:
-            return Outcome.STEP_LIMIT
-        found.reached[here] = stretch.to
-        wanted = int(found.steps[here].max()) * abs(job.times[-1] / stretch.to)
-        if wanted > 10 * job.max_steps:
-            return Outcome.STEP_LIMIT
-    return Outcome.REACHED_END
+        ended = ready.in_blocks([stretch.targets[0]] * LANES, left, self.stop)
+        there = all(outcome is Outcome.REACHED_END for outcome in ended.outcomes)
+        return ended.steps.tolist() if there else None
+
+    def _alone(self, k: int) -> None:
+        """One motion; left as if it had not begun where it is stopped."""
+        ready, number = self.ready, self.job.number
+        for into, row in ((ready.state, self.starts[k]), (ready.parameters, self.pars[k])):
+            numbers = row if number.flat else heyoka_numbers.scalars([*row], number)
+            into[:] = row[:, None] if isinstance(ready, CompiledBatch) else numbers
+        self.found.states[k] = np.nan if number.flat else None
+        steps, most, reached, outcome = 0, self.job.max_steps, Fraction(0), Outcome.REACHED_END
+        for stretch in self.stretches:
+            if steps >= most:
+                outcome = Outcome.STEP_LIMIT
+                break
+            ready.begin()
+            advanced = self._in_blocks(stretch, most - steps)
+            if advanced is None:
+                self.found.states[k] = np.nan if number.flat else None
+                return
+            rows, taken, outcome = advanced
+            steps += taken
+            kept = min(len(rows), stretch.last - stretch.first)
+            if kept and outcome is not Outcome.NON_FINITE:
+                self.found.states[k, stretch.first : stretch.first + kept] = rows[:kept]
+            if outcome is not Outcome.REACHED_END:
+                break
+            reached = stretch.to
+            if steps * abs(self.job.times[-1] / reached) > 10 * most:  # hopeless
+                outcome = Outcome.STEP_LIMIT
+                break
+        self.found.outcomes[k], self.found.steps[k] = code(outcome), steps
+        self.found.reached[k] = reached
+
+    def _in_blocks(
+        self, stretch: Stretch, limit: int
+    ) -> tuple[Stack | list[Array], int, Outcome] | None:
+        """Rows of one motion at times, its steps, its ending; None where it is stopped.
+
+        A stretch that goes as foreseen is one block of steps.  One whose motion turns out faster by
+        orders of magnitude has many, between which a signal is heard.
+        """
+        ready, rest, steps = self.ready, list(stretch.targets), 0
+        rows: list[Array] = []
+        if len(rest) == 1 and isinstance(ready, CompiledBatch):  # no dense output, as with others
+            ended = ready.in_blocks(rest * LANES, limit, self.stop)
+            outcome, steps = ended.outcomes[0], int(ended.steps[0])
+            if outcome is Outcome.REACHED_END:
+                rows.append(ready.row.copy())
+            elif outcome is not Outcome.NON_FINITE:
+                outcome = Outcome.STEP_LIMIT
+            return None if ended.stopped else (rows, steps, outcome)
+        while True:
+            most = min(self.block, limit - steps)
+            met, took, outcome = ready.grid([ready.now, *rest], most)
+            rows += [*met]
+            del rest[: len(met)]
+            steps += took
+            if outcome is Outcome.STEP_LIMIT and took == most and steps < limit:
+                if rest and rest[0] == ready.now:  # a step ended there: heyoka gives no such row
+                    rows.append(ready.row.copy())
+                    del rest[0]
+                if rest and self._stopped():
+                    return None
+                if rest:
+                    continue
+                outcome = Outcome.REACHED_END
+            if outcome not in (Outcome.REACHED_END, Outcome.NON_FINITE):
+                outcome = Outcome.STEP_LIMIT
+            return self._told(rows), steps, outcome
+
+    def _told(self, rows: list[Array]) -> Stack | list[Array]:
+        """Rows as results have them: above extended of Fractions."""
+        number = self.job.number
+        if number.flat:
+            return rows
+        found: Stack = np.empty((len(rows), self.job.columns), dtype=object)
+        for i, row in enumerate(rows):
+            found[i] = [exactly(x) for x in heyoka_numbers.numbers(row.tolist(), number)]
+        return found

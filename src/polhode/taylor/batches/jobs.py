@@ -14,8 +14,8 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Stack, kind_of
 
 
-class Lanes(NamedTuple):
-    """Systems: coefficients and starts, a row each, as numbers of the run's type.
+class Columns(NamedTuple):
+    """Motions: coefficients and starts, a row each, as numbers of the run's type.
 
     Doubles, longdoubles, or above extended Fractions.  In the run's own unit of time.
     """
@@ -37,9 +37,9 @@ class Lanes(NamedTuple):
         rest = [(a - b).astype(np.float64) for a, b in zip(tables, high, strict=True)]
         return b"".join(table.tobytes() for table in (*high, *rest))
 
-    def some(self, which: npt.NDArray[np.int64] | slice | int) -> Lanes:
+    def some(self, which: npt.NDArray[np.int64] | slice | int) -> Columns:
         """Those of some indices."""
-        return Lanes(self.coefficients[which], self.starts[which])
+        return Columns(self.coefficients[which], self.starts[which])
 
 
 class BatchJob(NamedTuple):
@@ -54,12 +54,12 @@ class BatchJob(NamedTuple):
     max_steps: int
     times: tuple[Fraction, ...]
     time_unit: int
-    lanes: Lanes
+    motions: Columns
 
     @property
     def columns(self) -> int:
         """Of a state."""
-        return int(self.lanes.starts.shape[1])
+        return int(self.motions.starts.shape[1])
 
 
 @dataclass
@@ -81,7 +81,7 @@ class Solved:
     @classmethod
     def none_of(cls, job: BatchJob) -> Solved:
         """Nothing done yet."""
-        count = job.lanes.many
+        count = job.motions.many
         kind = kind_of(job.number)
         empty = np.nan if job.number.flat else None
         return cls(
@@ -90,13 +90,6 @@ class Solved:
             np.zeros(count, dtype=np.int64),
             np.full(count, Fraction(0), dtype=object),
         )
-
-    def in_order(self, order: npt.NDArray[np.int64]) -> Solved:
-        """The same, system k of it being the one of index ``order[k]``."""
-        back = np.argsort(order)
-        told = None if self.errors is None else [self.errors[k] for k in back.tolist()]
-        states, outcomes = self.states[back], self.outcomes[back]
-        return Solved(states, outcomes, self.steps[back], self.reached[back], told)
 
     @property
     def done(self) -> npt.NDArray[np.bool_]:

@@ -64,6 +64,12 @@ class Prepared:
         """The time reached."""
         return self.heyoka.time
 
+    @property
+    def row(self) -> Array:
+        """The state where it stands, a view."""
+        found: Array = self.state
+        return found
+
     def grid(self, times: list[HeyokaNumber], most: int) -> tuple[Array, int, Outcome]:
         """Go on through times, the first of them now: states at the others met, steps, ending."""
         result = self.heyoka.propagate_grid(array(times, self.number), max_steps=most)

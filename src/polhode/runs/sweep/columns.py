@@ -1,6 +1,7 @@
 """The members of a sweep as the integrator takes them: starts, coefficients, units of time.
 
 In columns (:mod:`polhode.scenes.variation.sweep_columns`) where they can be, else member by member.
+Starts that are given as arrays go as they are; coefficients are rounded once whatever they are of.
 """
 
 from __future__ import annotations
@@ -25,9 +26,9 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from polhode.runs.sweep.turned_columns import Turned
+    from polhode.runs.sweep.near_columns import Near
     from polhode.scenes.variation.sweep_columns import Block, Column, Vector
-    from polhode.taylor.batches.jobs import Lanes
+    from polhode.taylor.batches.jobs import Columns
 
 BLOCK = 1 << 16  # members that are read at once: a bound on what planning holds
 _NEXT_POWER = 1 - 2.0**-9  # from this part of a power of two on, eight bits round to it
@@ -37,46 +38,37 @@ _SMALLEST = 2.0**-1022
 
 def blocks(members: Members) -> Iterator[Block]:
     """The members in columns, some at a time; raises BadInput for one that cannot be."""
-    from polhode.scenes.variation.sweep_columns import Columns
+    from polhode.scenes.variation.sweep_columns import Blocks
 
-    columns = Columns(members)
+    read = Blocks(members)
     for first in range(0, len(members), BLOCK):
-        yield columns.block(first, min(first + BLOCK, len(members)))
+        yield read.block(first, min(first + BLOCK, len(members)))
 
 
-def lanes_of(
+def columns_of(
     members: Members, end: Fraction, number: NumberType
-) -> tuple[tuple[str, ...], Lanes, npt.NDArray[np.int64], npt.NDArray[np.float64]]:
-    """Coefficients' names, lanes, units of time (exponents of two) and rates of all members.
+) -> tuple[tuple[str, ...], Columns, npt.NDArray[np.int64], npt.NDArray[np.float64]]:
+    """Coefficients' names, columns, units of time (exponents of two) and rates of all members.
 
+    The rates are bounds, by the members' energy, in radians for each unit of the scene's time.
     Raises BadInput for a member that the number type cannot hold.
     """
     import numpy as np
 
-    from polhode.taylor.batches.jobs import Lanes
+    from polhode.taylor.batches.jobs import Columns
 
-    count, columns = len(members), len(members.scene.columns)
-    kind = kind_of(number)
-    made = _Made(
-        members,
-        number,
-        end,
-        np.full((count, len(principal.NAMES)), _zero(number), dtype=kind),
-        np.full((count, columns), _zero(number), dtype=kind),
-        np.zeros(count, dtype=np.int64),
-    )
+    made = _Made(members, number)
     for block in blocks(members):
         left = made.fill(block)
         for k in np.flatnonzero(left):
-            made.one(block.first + int(k))
+            made.one(block, int(k))
     for unit in np.unique(made.units):
         made.check(end / Fraction(2) ** int(unit), int(np.argmax(made.units == unit)))
     there = [i for i in range(len(principal.NAMES)) if np.any(made.coefficients[:, i] != 0)]
     there.sort(key=lambda i: principal.NAMES[i])
     names = tuple(principal.NAMES[i] for i in there)
     coefficients: Stack = made.coefficients[:, there].copy()
-    lanes = Lanes(coefficients, made.starts)
-    return names, lanes, made.units, made.rates()
+    return names, Columns(coefficients, made.starts), made.units, made.rates
 
 
 class Fastest:
@@ -100,45 +92,38 @@ class Fastest:
 
 
 class _Made:
-    """Lanes of all members, filled block by block."""
+    """Columns of all members, filled block by block."""
 
-    def __init__(
-        self,
-        members: Members,
-        number: NumberType,
-        end: Fraction,
-        coefficients: Stack,
-        starts: Stack,
-        units: npt.NDArray[np.int64],
-    ) -> None:
-        self.members, self.number, self.end = members, number, end
-        self.coefficients, self.starts, self.units = coefficients, starts, units
+    def __init__(self, members: Members, number: NumberType) -> None:
+        import numpy as np
+
+        count, kind = len(members), kind_of(number)
+        self.members, self.number = members, number
+        zero = 0.0 if number.flat else ZERO
+        self.coefficients: Stack = np.full((count, len(principal.NAMES)), zero, dtype=kind)
+        self.starts: Stack = np.full((count, len(members.scene.columns)), zero, dtype=kind)
+        self.units = np.zeros(count, dtype=np.int64)
+        self.rates = np.zeros(count)
         self._bodies: dict[tuple[int, int], tuple[Body, dict[str, Exact]]] = {}
 
     def fill(self, block: Block) -> npt.NDArray[np.bool_]:
         """Put a block of members in; which of them are left."""
         import numpy as np
 
-        from polhode.runs.sweep.turned_columns import Turned, turned
-
         here = slice(block.first, block.last)
         with np.errstate(all="ignore"):
             try:
                 units, unsure = _time_units(block)
-                given = [x for x in (block.torque, block.omega, block.gamma) if x is not None]
-                if block.axes.trivial:
-                    vectors: list[Sequence[Column | Turned]] = [*given]
-                elif self.number.name == "double":
-                    vectors = [turned(vector, block.axes) for vector in given]
-                else:
+                vectors = self._turned(block)
+                if vectors is None:
                     return np.ones(len(block), dtype=bool)
-                every = principal.every_coefficient(block.moments, vectors[0])
+                every = _coefficients(block.moments, vectors[0])
                 columns = [x for vector in vectors[1:] for x in vector]
                 starts = self._columns(block, columns)
                 coefficients = self._columns(block, list(every.values()))
                 for column in (*columns, *every.values()):
-                    if isinstance(column, Turned):
-                        unsure |= column.unsure
+                    unsure |= getattr(column, "unsure", False)
+                rates = _rates(block, vectors[0], starts)
             except (OverflowError, ZeroDivisionError):  # beyond doubles, here or on the way
                 return np.ones(len(block), dtype=bool)
             if self.number.flat:
@@ -151,22 +136,34 @@ class _Made:
             outside = self._out_of_range(starts, coefficients)
             left: npt.NDArray[np.bool_] = block.left | unsure | outside
         self.starts[here], self.coefficients[here], self.units[here] = starts, coefficients, units
+        self.rates[here] = rates
         return left
 
-    def _columns(self, block: Block, columns: Sequence[Column | Turned]) -> Stack:
+    def _turned(self, block: Block) -> list[Sequence[Column | Near]] | None:
+        """Torque, omega and gamma in principal axes; None where columns do not tell them."""
+        given = [x for x in (block.torque, block.omega, block.gamma) if x is not None]
+        if block.axes.trivial:
+            return [*given]
+        if self.number.name != "double":
+            return None
+        from polhode.runs.sweep.near_columns import turned
+
+        return [turned(vector, block.axes) for vector in given]
+
+    def _columns(self, block: Block, columns: Sequence[Column | Near]) -> Stack:
         """Columns of numbers, each rounded once."""
         import numpy as np
-
-        from polhode.runs.sweep.turned_columns import Turned
 
         found = np.empty((len(block), len(columns)), dtype=self.starts.dtype)
         for i, column in enumerate(columns):
             if isinstance(column, Rationals):
                 found[:, i] = self._rounded(column, len(block))
-            elif isinstance(column, Turned):
-                found[:, i] = column.near.hi
-            else:
+            elif isinstance(column, np.ndarray):
+                found[:, i] = column
+            elif isinstance(column, Exact):
                 found[:, i] = self._value(column)
+            else:
+                found[:, i] = column.near.hi
         return found
 
     def _rounded(self, column: Rationals, count: int) -> Doubles | list[Scalar]:
@@ -187,13 +184,19 @@ class _Made:
             return False
         low, high = (_SMALLEST, np.finfo(np.float64).max)
         sizes = np.abs(np.hstack(tables))
+        if (
+            np.where(sizes == 0, 1.0, sizes).min(initial=1.0) >= low
+            and sizes.max(initial=0) <= high
+        ):
+            return False
         found: Booleans = (((sizes < low) & (sizes != 0)) | ~(sizes <= high)).any(axis=1)
         return found
 
-    def one(self, index: int) -> None:
-        """Put a member in by its scene."""
+    def one(self, block: Block, k: int) -> None:
+        """Put a member in by its scene, and by what arrays say of its start."""
         from polhode.taylor.backend import heyoka_numbers
 
+        index = block.first + k
         member = self.members[index]
         n, axes = member.time_unit, member.body.axes
         unit = Fraction(2) ** n
@@ -202,18 +205,21 @@ class _Made:
             if len(self._bodies) > 1000:
                 self._bodies.clear()
             self._bodies[key] = member.body, principal.coefficients(member.body, n)
-        k = self._bodies[key][1]
+        coefficients = self._bodies[key][1]
         start = [unit * w for w in axes.components(member.omega)]
         if member.gamma is not None:
-            start += axes.components(member.gamma)
+            start += axes.components(block.given_gamma(k) or member.gamma)
         try:
-            for x in (*start, *k.values()):
+            for x in (*start, *coefficients.values()):
                 heyoka_numbers.scalar(x, self.number)
         except heyoka_numbers.OutOfRange as fault:
             raise self._refusal(member, fault) from None
         self.units[index] = n
+        self.rates[index] = 10.0 ** min(member.log10_rate, 300.0)  # about
         self.starts[index] = [self._value(x if sign(x) else ZERO) for x in start]
-        self.coefficients[index] = [self._value(k.get(name, ZERO)) for name in principal.NAMES]
+        self.coefficients[index] = [
+            self._value(coefficients.get(name, ZERO)) for name in principal.NAMES
+        ]
 
     def check(self, end: Fraction, index: int) -> None:
         """Refuse an end, in the run's unit, that the type cannot hold."""
@@ -228,25 +234,48 @@ class _Made:
         expected = f"a type of wider range ({fault})"
         return BadInput(member.name, "number", self.number.name, expected)
 
-    def rates(self) -> npt.NDArray[np.float64]:
-        """About the fastest rates, in radians for each unit of the scene's time."""
-        import numpy as np
 
-        with np.errstate(all="ignore"):
-            square = sum(self.starts[:, i].astype(float) ** 2 for i in range(3))
-            size = np.abs(self.coefficients.astype(float)).max(axis=1)
-            found: npt.NDArray[np.float64] = np.ldexp(np.sqrt(square + size), -self.units)
-        return found
-
-
-def _zero(number: NumberType) -> Scalar:
-    return 0.0 if number.flat else ZERO
-
-
-def _doubles(block: Block, x: Column) -> Doubles:
+def _coefficients(moments: Vector, torque: Sequence[Column | Near]) -> dict[str, Scalar]:
+    """All coefficients; of moments that are doubles to more bits than those."""
     import numpy as np
 
-    return np.broadcast_to(x.doubles() if isinstance(x, Rationals) else to_double(x), len(block))
+    if not any(isinstance(x, np.ndarray) for x in moments):
+        return principal.every_coefficient(moments, torque)
+    from polhode.runs.sweep.near_columns import near
+
+    return principal.every_coefficient([near(x) for x in moments], [near(x) for x in torque])
+
+
+def _rates(block: Block, torque: Sequence[Column | Near], starts: Stack) -> Doubles:
+    """Bounds of the members' fastest rates, in the scene's unit of time."""
+    from polhode.taylor.lanes import rates
+
+    moments, weight = (_rows(block, vector) for vector in (block.moments, torque))
+    largest = moments.max(axis=-1, keepdims=True)
+    return rates(starts, moments / largest, weight / largest)
+
+
+def _rows(block: Block, vector: Sequence[Scalar]) -> Doubles:
+    """A vector of all members, (3,), or a row for each."""
+    import numpy as np
+
+    if all(isinstance(x, Exact) for x in vector):
+        return np.array([to_double(x) for x in vector])
+    return np.stack([_doubles(block, x) for x in vector], axis=1)
+
+
+def _doubles(block: Block, x: Scalar) -> Doubles:
+    import numpy as np
+
+    from polhode.runs.sweep.near_columns import Near
+
+    if isinstance(x, np.ndarray):
+        return x.astype(np.float64, copy=False)
+    if isinstance(x, Rationals):
+        return np.broadcast_to(x.doubles(), len(block))
+    if isinstance(x, Near):
+        return np.broadcast_to(x.near.hi, len(block))
+    return np.broadcast_to(to_double(x), len(block))
 
 
 def _square(block: Block, vector: Vector) -> Doubles:

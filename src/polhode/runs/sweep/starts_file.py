@@ -1,0 +1,71 @@
+"""The starts of ``polhode sweep --starts FILE``: a row each, in a CSV or NPY file."""
+
+from __future__ import annotations
+
+import csv
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from polhode.common.errors import UNREADABLE, BadInput
+from polhode.common.files import npy_header, read_whole
+from polhode.scenes.scene import Scene
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+_MOST = 1 << 32  # bytes
+_FAULTS = (*UNREADABLE, OSError, EOFError, MemoryError, OverflowError)
+
+
+def read(path: Path, scene: Scene, extended: bool = False) -> npt.NDArray[Any]:
+    """The rows of a file; raises BadInput.
+
+    A CSV has the columns of the scene's states, in any order under a header, in theirs without one;
+    its decimals are rounded to doubles, or to longdoubles where ``extended``.
+    """
+    ending = path.suffix.lower()
+    if ending not in (".csv", ".npy"):
+        raise BadInput(str(path), "--starts", path.suffix or None, "a file .csv or .npy")
+    data = read_whole(path, _MOST, "a readable file of starts")
+    return _array(path, data) if ending == ".npy" else _table(path, data, scene, extended)
+
+
+def _array(path: Path, data: bytes) -> npt.NDArray[Any]:
+    import numpy as np
+
+    try:
+        dtype, count, begin = npy_header(io.BytesIO(data))
+        if begin + count * dtype.itemsize > len(data):
+            raise ValueError("it is not as long as it says")
+        found: npt.NDArray[Any] = np.load(io.BytesIO(data), allow_pickle=False)
+    except _FAULTS as fault:
+        raise BadInput(str(path), "file", None, f"an array that NumPy wrote ({fault})") from None
+    return found
+
+
+def _table(path: Path, data: bytes, scene: Scene, extended: bool) -> npt.NDArray[Any]:
+    import numpy as np
+
+    name, columns = str(path), list(scene.columns)
+    expected = f"{len(columns)} numbers {','.join(columns)}"
+    try:
+        lines = csv.reader(io.StringIO(data.decode("utf-8-sig"), newline=""))
+        rows = [(lines.line_num, [cell.strip() for cell in row]) for row in lines if any(row)]
+    except (UnicodeDecodeError, csv.Error) as fault:
+        raise BadInput(name, "file", None, f"a CSV file ({fault})") from None
+    if rows and sorted(rows[0][1]) == sorted(columns):
+        header = rows.pop(0)[1]
+        order = [header.index(column) for column in columns]
+    else:
+        order = list(range(len(columns)))
+    kind = np.longdouble if extended else np.float64
+    found = np.empty((len(rows), len(columns)), kind)
+    for k, (line, cells) in enumerate(rows):
+        try:
+            if len(cells) != len(columns) or any("_" in cell for cell in cells):
+                raise ValueError
+            found[k] = [kind(cells[i]) for i in order]
+        except ValueError:
+            raise BadInput(name, f"line {line}", ",".join(cells), expected) from None
+    return found
