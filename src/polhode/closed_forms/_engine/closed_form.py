@@ -43,6 +43,9 @@ class ClosedForm(ABC):
     proven: bool | str = False
     #: Whether a row costs so much that of a table of very many only some are judged.
     is_dear = False
+    #: Whether it has the attitude too; else :meth:`attitude` and :meth:`angles` raise ValueError
+    #: but at t = 0, and a reference encloses them.
+    has_attitude = True
     _body = "body"  # the name of the frequency of a motion that has a period
 
     def __init__(

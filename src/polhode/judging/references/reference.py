@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, TypeAlias, TypeVar, overload
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar, overload
 
 from polhode.closed_forms.families import ClosedForm, closed_form, misfit
 from polhode.common.arguments import each, whole
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 BACKENDS = ("flint", "mpmath")
 MAX_LOG10_ANGLE = 100
+_FORETOLD_SECONDS, _MOST_SECONDS = 60, 300  # of an enclosure where there is no other attitude
 _MOST_SHOWN = 3  # numbers that are called 0 by the rule
 ROUGH = 53  # bits in which a closed form plans; it computes with more
 
@@ -83,11 +84,36 @@ class Reference(Result):
 
     def attitude(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
         """Rows q0 q1 q2 q3: the quaternion body to space, scalar first, continuous from q0 >= 0."""
-        return self._asked(self._motion.attitude, times, digits)
+        return self._turned("attitude", times, digits)
 
     def angles(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real | None]]:
         """Rows psi theta phi in radians, continuous; None where a pole leaves them undefined."""
-        return self._asked(self._motion.angles, times, digits)
+        return self._turned("angles", times, digits)
+
+    def _turned(self, word: str, times: Iterable[AnyNumber], digits: int) -> list[list[Any]]:
+        """Attitude or angles: the closed form's, or enclosed where that has the state alone."""
+        times = [*times]
+        at_start = all(exact.sign(t) == 0 for t in _times(self.scene, times))
+        if self._motion.has_attitude or at_start:
+            return self._asked(getattr(self._motion, word), times, digits)
+
+        def foretold(seconds: float) -> None:
+            if seconds > _FORETOLD_SECONDS:
+                expected = (
+                    f"times that take at most {_FORETOLD_SECONDS} s (these take about "
+                    f"{seconds:.0f} s), or reference.kind = certified"
+                )
+                raise BadInput(self.scene.name, "t", None, expected)
+
+        proof = Certified(self.scene, forecast=foretold, max_seconds=_MOST_SECONDS)
+        try:
+            found: list[list[Any]] = getattr(proof, word)(times, digits)
+        except BadInput as fault:
+            expected = f"{fault.expected}: {self.kind} has the state alone, {word} is enclosed"
+            # Past a pole: no answer here, but the attitude is one.
+            key = "reference" if fault.key == "angles" else fault.key
+            raise BadInput(fault.source, key, fault.value, expected) from None
+        return found
 
     def column(
         self, word: str, times: Iterable[AnyNumber], digits: int = 50
