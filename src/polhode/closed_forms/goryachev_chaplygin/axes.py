@@ -22,13 +22,12 @@ from polhode.closed_forms._engine.misfit import Misfit, leading
 from polhode.closed_forms._engine.principal_scene import (
     PrincipalScene,
     Rows,
-    of_start,
     squared_momentum_of_weight,
 )
-from polhode.closed_forms.functions.rounding import log2, number
+from polhode.closed_forms.balls.frames import Frame
+from polhode.closed_forms.functions.rounding import log2
 from polhode.numbers.conversion import to_double
-from polhode.numbers.exact import Exact, sign, sqrt
-from polhode.numbers.scalars import Scalar
+from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt
 from polhode.scenes.body import Vector, is_zero
 
 
@@ -90,9 +89,9 @@ def _dot(*rows: Sequence[Exact]) -> Exact:
 
 @dataclass(frozen=True)
 class GoryachevStart:
-    """The exact start in the motion's axes; time in units of 2^-exponent.
+    """The exact start in the motion's axes; time in units of 1/unit, ``unit`` a power of two.
 
-    With G < 0 time is reversed (``backward``): omega has changed its sign, and G too.
+    With G < 0 time is reversed and ``unit`` negative: omega has changed its sign, and G too.
     """
 
     omega: Vector
@@ -100,13 +99,8 @@ class GoryachevStart:
     a: Exact
     H: Exact
     G: Exact
-    backward: bool
-    exponent: int
-    rows: Rows  # row i is axis i of the motion in the scene's axes
-
-    def numbers(self, bits: int) -> tuple[list[Scalar], list[Scalar]]:
-        """omega and gamma to ``bits`` bits."""
-        return [number(x, bits) for x in self.omega], [number(x, bits) for x in self.gamma]
+    unit: Fraction
+    frame: Frame
 
 
 def start(
@@ -117,46 +111,34 @@ def start(
     ``omega`` and ``gamma`` are in the scene's axes, the torque in principal ones.  Raises
     ValueError with the condition that fails.
     """
-    rows, placed = of_start(moments, torque, omega, gamma, rows)
-    if (fault := failure(placed)) is not None:
+    principal = Frame(within=rows)
+    w, up = principal.into(omega), principal.into(gamma)
+    if (fault := failure(PrincipalScene(moments, torque, w, up))) is not None:
         raise ValueError(f"a start that does not meet this condition: {fault[0]}")
-    w, up = placed.omega, placed.gamma
-    assert up is not None
     k = third_axis(moments, torque)
     assert k is not None
     i, j = (k + 1) % 3, (k + 2) % 3
-    C = moments[k]
-    X, Y = torque[i] / C, torque[j] / C
-    a = sqrt(X * X + Y * Y)
-    cos, sin = X / a, Y / a
-
-    def turned(v: Vector) -> Vector:
-        return cos * v[i] + sin * v[j], cos * v[j] - sin * v[i], v[k]
-
+    X, Y = torque[i] / moments[k], torque[j] / moments[k]
+    directions: list[list[Exact]] = [[ZERO] * 3 for _ in range(3)]
+    directions[0][i], directions[0][j] = X, Y
+    directions[1][i], directions[1][j] = -Y, X
+    directions[2][k] = ONE
+    square = X * X + Y * Y
+    frame = Frame(directions, (square, square, ONE), rows)
     # 2h/C and G need no root: they are rational with rational data.
     flat = w[i] * w[i] + w[j] * w[j]
     H = 4 * flat + w[k] * w[k] + 2 * (X * up[i] + Y * up[j])
     G = w[k] * flat - (X * w[i] + Y * w[j]) * up[k]
-    backward = sign(G) < 0
-    speed = max(log2(a) / 2, *(log2(x) for x in w))
-    exponent = math.floor(speed) + 1
-    unit = Fraction(2) ** (-exponent) * (-1 if backward else 1)
-    p, q, r = turned(w)
-    axes = tuple(
-        tuple(cos * x + sin * y for x, y in zip(rows[i], rows[j], strict=True))
-        if n == 0
-        else tuple(cos * y - sin * x for x, y in zip(rows[i], rows[j], strict=True))
-        if n == 1
-        else rows[k]
-        for n in range(3)
-    )
+    a = sqrt(square)
+    exponent = math.floor(max(log2(a) / 2, *(log2(x) for x in w))) + 1
+    unit = Fraction(2) ** exponent * (-1 if sign(G) < 0 else 1)
+    p, q, r = frame.into(omega)
     return GoryachevStart(
-        omega=(unit * p, unit * q, unit * r),
-        gamma=turned(up),
-        a=a * unit * unit,
-        H=H * unit * unit,
-        G=G * unit * unit * unit,
-        backward=backward,
-        exponent=exponent,
-        rows=axes,
+        omega=(p / unit, q / unit, r / unit),
+        gamma=frame.into(gamma),
+        a=a / (unit * unit),
+        H=H / (unit * unit),
+        G=G / (unit * unit * unit),
+        unit=unit,
+        frame=frame,
     )

@@ -11,204 +11,160 @@ of y = y0 + rate t:
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from flint import arb
 
-from polhode.closed_forms.functions.jacobi import Jacobi, SeriesFunctions, jacobi
-from polhode.numbers.mpmath_context import mpmath
-from polhode.numbers.scalars import Scalar
-
-
-class HalvesPoint(NamedTuple):
-    """Everything that the state is made of, at one time; u, v and root may be negative together."""
-
-    u: Scalar
-    v: Scalar
-    root: Scalar  # sqrt(uv)
-    shares: tuple[Scalar, Scalar, Scalar]  # u, v and root over u + v, which may be 0
-    xi: tuple[Scalar, Scalar]  # sin and cos of xi/2
-    et: tuple[Scalar, Scalar]
-    turning: Scalar  # chi', the rate at which the angular momentum turns in space
+from polhode.closed_forms.balls.core import ball, root
+from polhode.closed_forms.balls.jacobi import Jacobi, carlson_rf
+from polhode.closed_forms.balls.quadrature import square
+from polhode.closed_forms.goryachev_chaplygin import regimes
+from polhode.closed_forms.goryachev_chaplygin.axes import GoryachevStart
+from polhode.closed_forms.goryachev_chaplygin.separated import Point, positive, sines
+from polhode.numbers.exact import Exact
+from polhode.scenes.body import is_zero
 
 
-@dataclass(frozen=True)
-class Libration:
+class Swinging:
+    """What |H| < 2a and H > 2a have in common: the modulus, and y from the angles fu and fv.
+
+    F(fu|m) and F(fv|m) grow evenly, both by ``rate``; y is their mean.
+    """
+
+    def __init__(self, m: Exact, m1: Exact, rate: arb) -> None:
+        self._m, self._m1, self._rate = ball(m), ball(m1), rate
+        self._elliptic, self._y0 = Jacobi(self._m, self._m1), arb(0)
+
+    def _begin(self, fu: arb, fv: arb) -> None:
+        """y from the angles at t = 0."""
+        self._y0 = (self._first(fu) + self._first(fv)) / 2
+
+    def _first(self, f: arb) -> arb:
+        """F(f|m), -pi/2 < f < pi (DLMF 19.25(i))."""
+        sin, cos = f.sin_cos()
+        value = sin * carlson_rf(square(cos), self._depth(cos))
+        return value if cos.mid() >= 0 else 2 * self._elliptic.K - value
+
+    def _depth(self, cos: arb) -> arb:
+        """m1 + m cos^2."""
+        return self._m1 + self._m * square(cos)
+
+    def _functions(self, t: arb) -> tuple[arb, arb, arb]:
+        """sn, cn and dn of y at a time."""
+        place = self._elliptic.at(self._y0 + self._rate * t)
+        return place.side * place.sn, place.side * place.cn, place.dn
+
+
+class Libration(Swinging):
     """|H| < 2a: the body swings; from rest it comes back to rest on the same path."""
 
-    elliptic: Jacobi
-    m: Scalar
-    m1: Scalar
-    a: Scalar
-    l: Scalar
-    y0: Scalar
-    rate: Scalar
+    def __init__(self, start: GoryachevStart) -> None:
+        a, H = start.a, start.H
+        super().__init__((2 * a + H) / (4 * a), (2 * a - H) / (4 * a), root(a) / 2)
+        self._a = ball(a)
+        self.period: arb = 4 * self._elliptic.K / self._rate
+        if is_zero(start.omega):
+            _, g2, g3 = start.gamma
+            size = root(g2 * g2 + g3 * g3)
+            # l and sqrt(1 - l^2); y0 = 0
+            self._l, self._across = -ball(g2) / size, abs(ball(g3)) / size
+            return
+        angles = []
+        for z, sin in sines(start):
+            cosine = (self._m1 + z * z / (4 * self._a)).sqrt()
+            angles.append(arb.atan2(z / (2 * (self._a * self._m1).sqrt()), sin / (2 * cosine)))
+        fu, fv = angles
+        mean = ((fu + fv) / 2).sin()
+        self._l, self._across = ((fu - fv) / 2).sin() / mean, (fu.sin() * fv.sin()).sqrt() / mean
+        self._begin(fu, fv)
 
-    def at(self, t: Scalar, fn: SeriesFunctions) -> HalvesPoint:
-        """The motion at t."""
-        m, m1, l, a = self.m, self.m1, self.l, self.a
-        sn, cn, dn = _functions(self.elliptic, self.y0 + self.rate * t, fn)
-        inner = dn * dn + l * l * m * sn * sn * cn * cn  # n^2
-        n = fn.sqrt(inner)
-        SF, CF = sn * dn / n, cn * fn.sqrt(dn * dn + l * l * m * sn * sn) / n
+    def at(self, t: arb) -> Point:
+        """The point at a time."""
+        m, m1, l, across = self._m, self._m1, self._l, self._across
+        sn, cn, dn = self._functions(t)
+        swing = square(dn) + m * square(l * sn)
+        n = (square(dn) + m * square(l * sn * cn)).sqrt()
+        SF, CF = sn * dn / n, cn * swing.sqrt() / n
         SP = l * SF
-        CP = fn.sqrt(dn * dn * (1 - l * l * sn * sn) + l * l * m * sn * sn * cn * cn) / n
-        su, cu, sv, cv = SF * CP + CF * SP, CF * CP - SF * SP, SF * CP - CF * SP, CF * CP + SF * SP
-        Du, Dv = fn.sqrt(m1 + m * cu * cu), fn.sqrt(m1 + m * cv * cv)
-        size, across = 2 * fn.sqrt(a * m * m1), fn.sqrt(1 - l * l)
-        one, two, both = (CP + l * CF) / Du, (CP - l * CF) / Dv, across / fn.sqrt(Du * Dv)
+        CP = (swing * square(cn) + square(dn * across * sn)).sqrt() / n
+        su, cu, sv, cv = _sums(SF, CF, SP, CP)
+        Du, Dv = self._depth(cu).sqrt(), self._depth(cv).sqrt()
+        size = 2 * (self._a * m * m1).sqrt()
+        one, two, both = (CP + l * CF) / Du, (CP - l * CF) / Dv, across / (Du * Dv).sqrt()
         total = one + two
-        root = fn.sqrt(m), fn.sqrt(m1)
-        return HalvesPoint(
+        return Point(
             size * su / Du,
             size * sv / Dv,
             size * SF * both,
             (one / total, two / total, both / total),
-            (root[0] * cu / Du, root[1] / Du),
-            (root[0] * cv / Dv, root[1] / Dv),
-            2 * fn.sqrt(a) * l * across * SF / (fn.sqrt(Du * Dv) ** 3 * total * total),
+            (m.sqrt() * cu / Du, m1.sqrt() / Du),
+            (m.sqrt() * cv / Dv, m1.sqrt() / Dv),
         )
 
-    @property
-    def period(self) -> Scalar:
-        """8K/sqrt(a)."""
-        return 4 * self.elliptic.K / self.rate
 
-    def floats(self) -> Libration:
-        """The same in doubles."""
-        rest = (float(x) for x in (self.m, self.m1, self.a, self.l, self.y0, self.rate))
-        return Libration(self.elliptic.floats(), *rest)
-
-
-@dataclass(frozen=True)
-class Rotation:
+class Rotation(Swinging):
     """H > 2a: u and v never vanish."""
 
-    elliptic: Jacobi
-    m: Scalar
-    m1: Scalar
-    a: Scalar
-    size: Scalar  # sqrt(H - 2a)
-    P: tuple[Scalar, Scalar]  # SP and CP
-    y0: Scalar
-    rate: Scalar
+    def __init__(self, start: GoryachevStart) -> None:
+        a, H = start.a, start.H
+        super().__init__(4 * a / (H + 2 * a), (H - 2 * a) / (H + 2 * a), root(H + 2 * a) / 4)
+        self.period: arb = 2 * self._elliptic.K / self._rate
+        self._size = root(H - 2 * a)
+        angles = []
+        for z, sin in sines(start):
+            cos = (z * z - ball(H)) / (2 * ball(a))
+            # Of either sign: where the larger half is positive no angle is near the cut.
+            larger = ((1 + abs(cos)) / 2).sqrt()
+            smaller = sin / (2 * larger)
+            s, c = (larger, smaller) if cos.mid() < 0 else (smaller, larger)
+            angles.append(arb.atan2(c / self._m1.sqrt(), s))
+        fu, fv = angles
+        self._sin, self._cos = ((fu - fv) / 2).sin_cos()
+        self._begin(fu, fv)
 
-    def at(self, t: Scalar, fn: SeriesFunctions) -> HalvesPoint:
-        """The motion at t."""
-        m, m1, (SP, CP) = self.m, self.m1, self.P
-        sn, cn, dn = _functions(self.elliptic, self.y0 + self.rate * t, fn)
-        SF = sn * fn.sqrt(m1 + m * CP * CP * cn * cn) / dn
-        CF = cn * fn.sqrt(dn * dn + m * SP * SP * sn * sn) / dn
-        su, cu, sv, cv = SF * CP + CF * SP, CF * CP - SF * SP, SF * CP - CF * SP, CF * CP + SF * SP
-        Du, Dv = fn.sqrt(m1 + m * cu * cu), fn.sqrt(m1 + m * cv * cv)
-        small = fn.sqrt(m1)
-        xi, et = (cu / Du, small * su / Du), (cv / Dv, small * sv / Dv)
-        return positive(self.size / Du, self.size / Dv, xi, et, self.a, fn)
-
-    @property
-    def period(self) -> Scalar:
-        """8K/sqrt(H + 2a)."""
-        return 2 * self.elliptic.K / self.rate
-
-    def floats(self) -> Rotation:
-        """The same in doubles."""
-        SP, CP = self.P
-        m, m1, a, size, y0, rate = (
-            float(x) for x in (self.m, self.m1, self.a, self.size, self.y0, self.rate)
-        )
-        return Rotation(self.elliptic.floats(), m, m1, a, size, (float(SP), float(CP)), y0, rate)
+    def at(self, t: arb) -> Point:
+        """The point at a time."""
+        m, m1, SP, CP = self._m, self._m1, self._sin, self._cos
+        sn, cn, dn = self._functions(t)
+        SF = sn * (m1 + m * square(CP * cn)).sqrt() / dn
+        CF = cn * (square(dn) + m * square(SP * sn)).sqrt() / dn
+        su, cu, sv, cv = _sums(SF, CF, SP, CP)
+        Du, Dv = self._depth(cu).sqrt(), self._depth(cv).sqrt()
+        xi, et = (cu / Du, m1.sqrt() * su / Du), (cv / Dv, m1.sqrt() * sv / Dv)
+        return positive(self._size / Du, self._size / Dv, xi, et)
 
 
-@dataclass(frozen=True)
 class Separatrix:
     """H = 2a: the body tends to rest upright, before and after."""
 
-    a: Scalar
-    dl: Scalar
-    y0: Scalar
-    rate: Scalar
     period = None
 
-    def at(self, t: Scalar, fn: SeriesFunctions) -> HalvesPoint:
-        """The motion at t."""
-        cosh, sinh = fn.cosh_sinh(self.y0 + self.rate * t)
-        # sinh and cosh of b, sinh b = dl/cosh y; then of y + b and y - b.
-        sb = self.dl / cosh
-        cb = fn.sqrt(1 + sb * sb)
-        found = []
+    def __init__(self, start: GoryachevStart) -> None:
+        self._a, self._rate = ball(start.a), root(start.a) / 2
+        # cos^2(xi/2) = u^2/4a, and -tan(xi/2) is sinh of y0 + b0; with v, of y0 - b0
+        one, other = (-2 * self._a * sin / (z * z) for z, sin in sines(start))
+        self._y0 = (one.asinh() + other.asinh()) / 2
+        self._apart = (one - other) / 2
+
+    def at(self, t: arb) -> Point:
+        """The point at a time: sinh b = apart/cosh y."""
+        sinh, cosh = (self._y0 + self._rate * t).sinh_cosh()
+        sb = self._apart / cosh
+        cb = (1 + square(sb)).sqrt()
+        halves = []
         for side in (1, -1):
             up = cosh * cb + side * sinh * sb
-            found.append((1 / up, -(sinh * cb + side * cosh * sb) / up))
-        (cx, sx), (ce, se) = found
-        size = 2 * fn.sqrt(self.a)
-        return positive(size * cx, size * ce, (sx, cx), (se, ce), self.a, fn)
-
-    def floats(self) -> Separatrix:
-        """The same in doubles."""
-        return Separatrix(*(float(x) for x in (self.a, self.dl, self.y0, self.rate)))
+            halves.append((-(sinh * cb + side * cosh * sb) / up, 1 / up))
+        xi, et = halves
+        size = 2 * self._a.sqrt()
+        return positive(size * xi[1], size * et[1], xi, et)
 
 
-def positive(
-    u: Scalar,
-    v: Scalar,
-    xi: tuple[Scalar, Scalar],
-    et: tuple[Scalar, Scalar],
-    a: Scalar,
-    fn: SeriesFunctions,
-) -> HalvesPoint:
-    """A point with u, v > 0; chi' = 2a sqrt(uv) sin((et - xi)/2)/(u + v)^2."""
-    root, total = fn.sqrt(u * v), u + v
-    turning = 2 * a * root * (et[0] * xi[1] - et[1] * xi[0]) / (total * total)
-    return HalvesPoint(u, v, root, (u / total, v / total, root / total), xi, et, turning)
+def explicit(start: GoryachevStart, regime: str) -> Libration | Rotation | Separatrix:
+    """The motion of a start with G = 0, at the precision in force."""
+    if regime == regimes.LIBRATING:
+        return Libration(start)
+    return Rotation(start) if regime == regimes.ROTATING else Separatrix(start)
 
 
-def _functions(j: Jacobi, y: Scalar, fn: SeriesFunctions) -> tuple[Scalar, Scalar, Scalar]:
-    waves = j.waves(y, fn)
-    sn, cn, dn = j.functions(waves)
-    side = 1 - 2 * (waves.turns % 2)
-    return side * sn, side * cn, dn
-
-
-def libration(
-    a: Scalar, H: Scalar, start: tuple[Scalar, Scalar, Scalar, Scalar, Scalar | None]
-) -> Libration:
-    """From u, v, xi, et and l (of a start from rest; else None) at the precision in force."""
-    u, v, xi, et, l = start
-    m, m1 = (2 * a + H) / (4 * a), (2 * a - H) / (4 * a)
-    y0 = mpmath.mpf(0)
-    if l is None:
-        size = 2 * mpmath.sqrt(a * m1)
-        fu, fv = (mpmath.atan2(z / size, mpmath.sin(x / 2)) for z, x in ((u, xi), (v, et)))
-        l = mpmath.sin((fu - fv) / 2) / mpmath.sin((fu + fv) / 2)
-        y0 = (_first(fu, m, m1) + _first(fv, m, m1)) / 2
-    return Libration(jacobi(m, m1), m, m1, a, l, y0, mpmath.sqrt(a) / 2)
-
-
-def rotation(a: Scalar, H: Scalar, start: tuple[Any, Any, Any, Any, Any]) -> Rotation:
-    """From u, v, xi, et at the precision in force."""
-    _, _, xi, et, _ = start
-    m, m1 = 4 * a / (H + 2 * a), (H - 2 * a) / (H + 2 * a)
-    fu, fv = (
-        mpmath.atan2(mpmath.cos(x / 2) / mpmath.sqrt(m1), mpmath.sin(x / 2)) for x in (xi, et)
-    )
-    cos, sin = mpmath.cos_sin((fu - fv) / 2)
-    y0 = (_first(fu, m, m1) + _first(fv, m, m1)) / 2
-    size, rate = mpmath.sqrt(H - 2 * a), mpmath.sqrt(H + 2 * a) / 4
-    return Rotation(jacobi(m, m1), m, m1, a, size, (sin, cos), y0, rate)
-
-
-def separatrix(a: Scalar, H: Scalar, start: tuple[Any, Any, Any, Any, Any]) -> Separatrix:
-    """From xi, et at the precision in force."""
-    _, _, xi, et, _ = start
-    one, other = (-mpmath.tan(x / 2) for x in (xi, et))  # sinh of y0 + b0 and of y0 - b0
-    y0 = (mpmath.asinh(one) + mpmath.asinh(other)) / 2
-    return Separatrix(a, (one - other) / 2, y0, mpmath.sqrt(a) / 2)
-
-
-def _first(f: Scalar, m: Scalar, m1: Scalar) -> Scalar:
-    """F(f|m), f in [-pi, pi] (DLMF 19.25(i))."""
-    cos, sin = mpmath.cos_sin(f)
-    found = sin * mpmath.elliprf(cos * cos, m1 + m * cos * cos, 1)
-    if cos < 0:
-        K = mpmath.pi / (2 * mpmath.agm(1, mpmath.sqrt(m1)))
-        found = (-2 if sin < 0 else 2) * K - found
-    return found
+def _sums(SF: arb, CF: arb, SP: arb, CP: arb) -> tuple[arb, arb, arb, arb]:
+    """su, cu, sv and cv: sines and cosines of a sum and of a difference."""
+    return SF * CP + CF * SP, CF * CP - SF * SP, SF * CP - CF * SP, CF * CP + SF * SP

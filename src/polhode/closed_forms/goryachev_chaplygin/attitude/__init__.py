@@ -1,1 +1,0 @@
-"""The attitude of Goryachev and Chaplygin's case."""
