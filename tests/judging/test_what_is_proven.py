@@ -31,6 +31,7 @@ SAID: list[tuple[str | polhode.Scene, bool | tuple[str, ...]]] = [
     ("kovalevskaya/asymptotic", False),
     ("hess/loxodrome", True),
     (IRRATIONAL, (FORMULA, ZERO)),
+    ("goryachev-chaplygin/inner-band", ("the attitude by an enclosure",)),
 ]
 
 

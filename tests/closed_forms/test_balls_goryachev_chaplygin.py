@@ -1,0 +1,202 @@
+"""Goryachev and Chaplygin's case in balls: random starts, degenerate ones, bounds by force."""
+
+import cmath
+import math
+from fractions import Fraction
+from random import Random
+
+import pytest
+from flint import arb
+
+import polhode
+from polhode.closed_forms.balls import panels
+from polhode.closed_forms.balls.core import TooFewBits, ball
+from polhode.closed_forms.families import closed_form
+from polhode.common.errors import BadInput
+from polhode.judging.references import reference
+from polhode.numbers import exact
+from polhode.numbers.flint_context import ctx
+from polhode.numbers.mpmath_context import mpf, mpmath
+from shared import fast_series, members
+
+F = Fraction
+NAME = "goryachev-chaplygin"
+FEW_BITS = 24, 33, 45, 60, 85, 130, 330, 200
+TIMES, SOON = (F(7), F(-(10**6))), F(3, 2)
+GAPS = F(1, 10**8), F(1, 10**20), F(1, 10**40)
+
+
+def motion_of(plain):
+    moments, torque, omega, gamma = plain
+    scene = polhode.Scene(polhode.Body.of_moments(moments, torque, 1), omega, gamma)
+    kind, motion = closed_form(scene, NAME)
+    assert kind == NAME
+    return motion
+
+
+def row_at(motion, t, bits):
+    """The balls of so many bits, whatever their radii; None where they do not tell."""
+    with ctx.workprec(bits):
+        try:
+            return motion.row_at(ball(t), attitude=False)[0]
+        except TooFewBits:
+            return None
+
+
+def missed(motion, many, times=TIMES, few=FEW_BITS):
+    """How many finite balls there are, and how many of them do not hold what many bits tell."""
+    finite = wrong = 0
+    for t in times:
+        sure = row_at(motion, t, many)
+        assert all(x.is_finite() and x.rad() < arb("1e-12") for x in sure)
+        for bits in few:
+            for x, y in zip(row_at(motion, t, bits) or (), sure, strict=False):
+                finite += bool(x.is_finite())
+                wrong += x.is_finite() and not x.overlaps(y)
+    return finite, wrong
+
+
+def off_the_series(motion, plain):
+    """The largest difference from power series, over the size of w or 1."""
+    (row,) = motion.at([SOON], 34)
+    with mpmath.workdps(60):
+        given = [[mpf(exact.rounded(x, mpmath.prec)) for x in vector] for vector in plain]
+        (right,) = fast_series.integrate(*given, [mpf(3) / 2], 34)
+        size = max(1, *(abs(x) for x in right[:3]))
+        return max(abs(x - y) for x, y in zip(row, right, strict=True)) / size
+
+
+@pytest.mark.sample(4, first=2, slow=24, rest="campaign")
+@pytest.mark.parametrize("seed", range(240))
+def test_random_starts(seed):
+    plain, _ = members.start(NAME, seed)
+    motion = motion_of(plain)
+    finite, wrong = missed(motion, 420)
+    assert wrong == 0
+    assert finite >= 36
+    assert off_the_series(motion, plain) < mpf("1e-32")
+
+
+NEAR = {name: start for name, start in members.NEAR.items() if name != "D+"} | {
+    "separatrix": lambda gap: members.on_cubics(F(3, 2), F(5, 4), F(1), F(2), gap),
+    "separatrix, H": lambda gap: members.on_cubics(F(3, 2), F(5, 4), F(1), F(2) + gap, gap),
+    "D+": lambda gap: members.on_cubics(F(3, 2), 1 + gap / 4, F(1), F(1) + gap * gap, F(1, 2)),
+}
+
+
+@pytest.mark.parametrize(
+    ("kind", "gap"),
+    [
+        pytest.param(kind, gap, marks=[] if gap == GAPS[(n + 2) % 3] else pytest.mark.slow)
+        for n, kind in enumerate(NEAR)
+        for gap in GAPS
+    ],
+)
+def test_next_to_a_degenerate_motion(kind, gap):
+    """Answered at once, although two roots differ by the gap or its square root."""
+    plain = NEAR[kind](gap)
+    motion = motion_of(plain)
+    finite, wrong = missed(motion, 400 if gap > GAPS[2] else 550, few=FEW_BITS[::2])
+    assert wrong == 0
+    assert finite >= 12
+    assert off_the_series(motion, plain) < mpf("1e-32")
+
+
+@pytest.mark.parametrize("kind", ["D- from above", "G, rotating"])
+def test_the_motion_next_to_a_degenerate_one_is_nearly_it(kind):
+    """Another way of computing: v constant or asymptotic, G = 0."""
+    one, other = (motion_of(NEAR[kind](gap)) for gap in (F(1, 10**40), F(0)))
+    assert one.regime != other.regime
+    rows = [motion.at([F(3)], 30)[0] for motion in (one, other)]
+    assert max(abs(x - y) for x, y in zip(*rows, strict=True)) < mpf("1e-29")
+
+
+def test_a_rule_for_a_larger_ellipse_than_f_is_bounded_on_misses(monkeypatch):
+    """Gauss's rule with the points that are enough for 12 half panels in place of 3."""
+    plain = NEAR["D- from above"](GAPS[0])
+    sure, wrong = row_at(motion_of(plain), F(7), 400), []
+    for ratio in (panels.RATIO, 12):
+        monkeypatch.setattr(panels, "RATIO", ratio)
+        monkeypatch.setattr(panels, "_PART", 2 * ratio - 1)
+        row = row_at(motion_of(plain), F(7), 200)
+        wrong.append(sum(not x.overlaps(y) for x, y in zip(row, sure, strict=True)))
+    assert wrong == [0, 6]
+
+
+@pytest.mark.parametrize(
+    ("kind", "function"),
+    [
+        (panels.Oscillating, lambda x: cmath.sin(x / 2) ** 2),
+        (panels.Tending, lambda x: 1 / cmath.cosh(x) ** 2),
+    ],
+)
+def test_a_variable_stays_within_its_reach_and_nearly_reaches_it(kind, function):
+    pick, shares = Random(1), []
+    variable = kind.__new__(kind)
+    variable.width = arb(1)
+    for _ in range(2000):
+        x, radius = 3 * pick.random(), 1.4 * pick.random()
+        moved = function(x + cmath.rect(radius, 2 * math.pi * pick.random())) - function(x)
+        shares.append(abs(moved) / float(variable.reach(arb(x), arb(radius))))
+    assert 0.95 < max(shares) < 1
+
+
+#: Exact and awkward: at a turning point of u, with an irrational centre, in units of 1e30.
+CASES = {
+    "from rest": (F(0), F(0), F(0)),
+    "nearly from rest": (F(1, 10**30), F(0), F(-4 * 2, 6 * 10**30)),
+}
+
+
+@pytest.mark.parametrize("unit", [F(1), F(1, 10**30), F(10**30)])
+@pytest.mark.parametrize("name", CASES)
+def test_released(name, unit):
+    """gamma3 = 6/7; a centre at sqrt 2 from the fixed point, in any direction of the plane."""
+    omega = tuple(unit * x for x in CASES[name])
+    torque = unit * unit * exact.sqrt(F(2)) * F(3, 5), unit * unit * exact.sqrt(F(2)) * F(4, 5), 0
+    motion = motion_of((members.BODY, torque, omega, (F(2, 7), F(3, 7), F(6, 7))))
+    times = [F(10) / unit, F(-(10**12)) / unit]
+    rows, more = motion.at(times, 20), motion.at(times, 40)
+    for row, right in zip(rows, more, strict=True):
+        off = [abs(x - y) for x, y in zip(row, right, strict=True)]
+        assert max(off[:3]) < mpf("1e-20") * 3 * float(unit)
+        assert max(off[3:]) < mpf("1e-20")
+    assert (motion.period(20) is None) == name.startswith("nearly")
+
+
+def test_the_attitude_is_enclosed_where_the_state_has_a_formula():
+    truth = polhode.reference("goryachev-chaplygin/two-frequencies")
+    motion = closed_form(truth.scene)[1]
+    for refused in (motion.attitude, motion.angles):
+        with pytest.raises(ValueError, match=r"reference\.kind = certified"):
+            refused([F(1)], 20)
+    (q,), (row,) = truth.attitude([3], 20), truth.at([3], 20)
+    a, b, c, d = q
+    vertical = 2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d
+    assert 0 < max(abs(x - y) for x, y in zip(vertical, row[3:], strict=True)) < 1e-20
+    assert truth.proven == "states are proven by the closed form, the attitude by an enclosure"
+
+
+def test_angles_at_the_start_and_past_a_pole():
+    """From rest they are the start's; where axis 3 passes the vertical, the attitude judges."""
+    truth = polhode.reference("goryachev-chaplygin/released")
+    (angles,), (q,) = truth.angles([0], 20), truth.attitude([0], 20)
+    assert angles[0] == 0
+    assert abs(math.tan(angles[2]) - 2 / 3) < 1e-15
+    assert q[0] > 0
+    moments, torque, omega, gamma = members.MOTIONS[NAME]["v constant, et = 0"]
+    body = polhode.Body.of_moments(moments, torque, 1)
+    scene = polhode.Scene(body, omega, gamma, outputs=("angles",))
+    with pytest.raises(BadInput, match=r"psi and phi are lost at t = 3"):
+        polhode.reference(scene).angles([4], 15)
+    judged = polhode.compare(polhode.integrate(scene, at=[1, 4]))
+    assert 12 < min(judged.part_digits["angles"]) < 17
+
+
+@pytest.mark.parametrize(("t", "why"), [(10**9, "300000 steps"), (10**3, "at most 1 s .* about 3")])
+def test_an_attitude_too_far_away_is_refused_before_it_is_begun(t, why, monkeypatch):
+    monkeypatch.setattr(reference, "_FORETOLD_SECONDS", 1)
+    truth = polhode.reference("goryachev-chaplygin/two-frequencies")
+    assert len(truth.at([t], 20)[0]) == 6
+    with pytest.raises(BadInput, match=f"{why}.*has the state alone, attitude is enclosed"):
+        truth.attitude([t], 20)
