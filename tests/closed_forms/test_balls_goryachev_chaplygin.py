@@ -124,6 +124,23 @@ def test_a_rule_for_a_larger_ellipse_than_f_is_bounded_on_misses(monkeypatch):
 
 
 @pytest.mark.parametrize(
+    ("constant", "plain"),
+    [
+        ("_SPARE", NEAR["D- from above"](GAPS[0])),
+        ("_WAY", members.MOTIONS[NAME]["asymptotic, from below"]),
+    ],
+)
+def test_what_few_points_and_a_short_way_leave_out_is_in_the_radius(constant, plain, monkeypatch):
+    """60 less than rounding leaves, on panels and on the way to a double root."""
+    motion = motion_of(plain)
+    sure = row_at(motion, F(100), 400)
+    monkeypatch.setattr(panels, constant, -60)
+    row = row_at(motion, F(100), 200)
+    assert all(x.overlaps(y) for x, y in zip(row, sure, strict=True))
+    assert arb("1e-36") < max(x.rad() for x in row) < arb("1e-3")
+
+
+@pytest.mark.parametrize(
     ("kind", "function"),
     [
         (panels.Oscillating, lambda x: cmath.sin(x / 2) ** 2),

@@ -42,6 +42,7 @@ _PART = 2 * RATIO - 1  # the same of a part of a panel that is not longer than i
 _SHARE = 0.7  # of the distance to the nearest root that z may move on a disc
 _SHRINK = 0.8
 _SPARE = 10  # nats beyond the bits in force
+_WAY = 10  # of the phase towards a double root, beyond what rounding leaves
 _ROUGH_POINTS = 12
 _MOST_PANELS = 5_000
 
@@ -336,7 +337,7 @@ class Tending(Panels):
 
     def __init__(self, limit: arb, last: arb, factors: Factors) -> None:
         self.limit, self.width, self.factors = limit, last - limit, factors
-        self.end = arb(math.ceil(ctx.prec * math.log(2) / 2) + _SPARE)
+        self.end = arb(math.ceil(ctx.prec * math.log(2) / 2) + _WAY)
         self._prepare()
         end = self.variable(self.end)
         beyond = limit.union(end)
