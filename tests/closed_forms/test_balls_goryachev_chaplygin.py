@@ -102,6 +102,35 @@ def test_next_to_a_degenerate_motion(kind, gap):
     assert off_the_series(motion, plain) < mpf("1e-32")
 
 
+#: At a turning point of u, and G = 0 with both halves of the angles of either sign.
+STARTS = {
+    "u at its largest": members.on_cubics(F(2), F(1), F(1), F(3, 2), F(1, 4)),
+    "librating": members.on_cubics(F(5, 4), F(2, 3), F(1), F(1), F(0), (-1, 1)),
+    "rotating": members.on_cubics(F(3, 2), F(5, 4), F(1), F(3), F(0), (-1, 1)),
+    "rotating back": members.on_cubics(F(3, 2), F(5, 4), F(1), F(3), F(0), (1, -1)),
+    "separatrix": members.on_cubics(F(3, 2), F(5, 4), F(1), F(2), F(0), (-1, -1)),
+}
+
+
+@pytest.mark.parametrize("name", STARTS)
+def test_starts(name):
+    motion = motion_of(STARTS[name])
+    assert missed(motion, 300)[1] == 0
+    assert off_the_series(motion, STARTS[name]) < mpf("1e-32")
+
+
+def test_a_place_that_is_not_near_the_solution_proves_nothing():
+    begin = motion_of(members.on_cubics(F(2), F(1), F(1), F(3, 2), F(1, 4)))
+    with ctx.workprec(200):
+        path = begin._solution().path
+        x, y = path._phases(arb(1))
+        clocks = path._u.clock, path._v.clock
+        points = [clock.at(z.mid()) for clock, z in zip(clocks, (x, y), strict=True)]
+        steps = arb("1e-20"), arb("1e-20")
+        with pytest.raises(TooFewBits):
+            path._proven((x.mid(), y.mid()), points, steps, (arb("1e-9"), arb(0)))
+
+
 @pytest.mark.parametrize("kind", ["D- from above", "G, rotating"])
 def test_the_motion_next_to_a_degenerate_one_is_nearly_it(kind):
     """Another way of computing: v constant or asymptotic, G = 0."""
