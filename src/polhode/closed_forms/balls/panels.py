@@ -120,11 +120,6 @@ class Standing:
         del x
         return arb(1), self.z
 
-    def scale(self, x: arb) -> arb:
-        """Infinite: f and z are the same at all phases."""
-        del x
-        return arb.pos_inf()
-
     @property
     def mean(self) -> arb:
         """The mean of z over S."""

@@ -197,14 +197,17 @@ class Separated:
             first, second = one.at(x, rough=rough), other.at(y, rough=rough)
             miss, late = first.S - second.S - c, first.U + second.U - now
             dx, dy = _step(first, second, miss, late)
-            size = max(abs(dx.mid()) / one.scale(x), abs(dy.mid()) / other.scale(y))
+            (along, size), (across, other_size) = (
+                _moved(clock, z, place.f, step)
+                for clock, z, place, step in ((one, x, first, dx), (other, y, second, dy))
+            )
+            size = max(size, other_size)
             if not size.is_finite():
                 raise TooFewBits
             if not rough and size < small:
                 return self._proven((x, y), (first, second), (dx, dy), (miss, late))
-            share = 1 if size < 1 else 1 / size
             rough = rough and size > _ROUGH
-            x, y = (x - share * dx).mid(), (y - share * dy).mid()
+            x, y = (x - along).mid(), (y - across).mid()
         raise TooFewBits
 
     def _proven(
@@ -256,6 +259,18 @@ class Separated:
             moved = new
         x, y = at(moved)[2]
         return x.mid(), y.mid()
+
+
+def _moved(clock: Clock, x: arb, f: arb, step: arb) -> tuple[arb, arb]:
+    """A step that leads not farther than f is known, whole turns apart, and its size by that."""
+    if isinstance(clock, Standing):
+        return step.mid(), arb(0)
+    part = clock.split((f * step).mid())
+    rest, scale = (step - part.S / f).mid(), clock.scale(x)
+    size = abs(rest) / scale
+    if size > 1:
+        rest = rest / size
+    return part.phase + rest, size if part.phase.is_zero() else size.max(arb(1))
 
 
 def _step(one: Place, other: Place, miss: arb, late: arb) -> tuple[arb, arb]:
