@@ -3,6 +3,8 @@
 With al = q0 + i q3 and bt = q1 + i q2, psi and phi are the sum and the difference of arg al and
 arg bt, and theta = 2 atan2(|bt|, |al|).  The arguments are known modulo 2 pi from the numbers at
 the time; how often they went round is known from a growth that is right to less than half a turn.
+After a period of w and gamma the body has turned about the vertical, and both arguments have grown
+by the same as in any other period: what is counted through one is known of all.
 """
 
 from __future__ import annotations
@@ -14,7 +16,15 @@ from typing import NamedTuple, Protocol, TypeAlias
 from flint import acb, arb
 
 from polhode.closed_forms._engine.initial_attitude import start_angles
-from polhode.closed_forms.balls.core import Refused, Row, TooFewBits, ball, number, until_sure
+from polhode.closed_forms.balls.core import (
+    Refused,
+    Row,
+    TooFewBits,
+    ball,
+    nearest_integer,
+    number,
+    until_sure,
+)
 from polhode.closed_forms.balls.frames import Turn
 from polhode.closed_forms.balls.winding import Grown, counted
 from polhode.closed_forms.functions.rounding import shortened
@@ -47,8 +57,17 @@ class Turning(Protocol):
         """Whether the growth of the two arguments is known at any time; else it is counted."""
         ...
 
+    @property
+    def passes_poles(self) -> bool:
+        """Whether the third axis is exactly vertical again and again: no bits count past that."""
+        ...
+
     def arguments_at(self, t: arb) -> Arguments:
         """That growth from 0 to a time, at the precision in force."""
+        ...
+
+    def repeats(self) -> arb | None:
+        """The period of w and gamma, at the precision in force; None where none is known."""
         ...
 
     def speed_bound(self) -> arb:
@@ -82,10 +101,13 @@ def angle_rows(
 
 
 class _Count(NamedTuple):
-    """The growth of both arguments to a time, and the attitude there, in balls of so many bits."""
+    """The growth of both arguments to a time, and the attitude there, in balls of so many bits.
+
+    None for the attitude where a period was not walked through, but known.
+    """
 
     growth: Grown
-    attitude: Turn
+    attitude: Turn | None
     bits: int
 
 
@@ -151,19 +173,10 @@ def _counts(motion: Turning, start: _Start, times: Sequence[Exact]) -> list[_Cou
 
 
 def _counted(motion: Turning, start: _Start, times: Sequence[Exact], sense: int) -> list[_Count]:
-    for bits in _COUNTING_BITS:
+    for bits in _COUNTING_BITS[: 1 if motion.passes_poles else None]:
         with ctx.workprec(bits):
             try:
-                moments = [ball(t) for t in times]
-                attitudes: dict[int, Turn] = {}
-
-                def at(t: arb, attitudes: dict[int, Turn] = attitudes) -> Turn:
-                    attitudes[id(t)] = motion.quaternion_at(t)
-                    return attitudes[id(t)]
-
-                growths = counted(at, motion.speed_bound(), start.soon(sense), moments)
-                both = zip(growths, moments, strict=True)
-                return [_Count(growth, attitudes[id(t)], bits) for growth, t in both]
+                return _growths(motion, start.soon(sense), [ball(t) for t in times], sense)
             except TooFewBits:
                 continue
     raise Refused(
@@ -171,12 +184,41 @@ def _counted(motion: Turning, start: _Start, times: Sequence[Exact], sense: int)
     )
 
 
+def _growths(motion: Turning, begin: arb, times: Sequence[arb], sense: int) -> list[_Count]:
+    """The growth from ``begin`` to each of the times, counted through one period at most."""
+    attitudes: dict[int, Turn] = {}
+
+    def at(t: arb) -> Turn:
+        attitudes[id(t)] = motion.quaternion_at(t)
+        return attitudes[id(t)]
+
+    period, ends, whole = motion.repeats(), [*times], [0] * len(times)
+    if period is not None:
+        whole = [max(0, nearest_integer(abs(t - begin) / period - arb(0.5))) for t in times]
+        ends = [t - sense * n * period if n else t for t, n in zip(times, whole, strict=True)]
+        ends.append(begin + sense * period)
+    order = sorted(range(len(ends)), key=lambda k: float(abs(ends[k] - begin)))
+    if not any(whole):  # nothing past the first period is asked for
+        order = [k for k in order if k < len(times)]
+    grown = counted(at, motion.speed_bound(), begin, [ends[k] for k in order])
+    known = dict(zip(order, grown, strict=True))
+    one, two = known.get(len(times), (arb(0), arb(0)))
+    return [
+        _Count(
+            (known[k][0] + n * one, known[k][1] + n * two),
+            None if n else attitudes[id(ends[k])],
+            ctx.prec,
+        )
+        for k, n in enumerate(whole)
+    ]
+
+
 def _row(start: _Start, t: Exact, count: _Count | None, digits: int) -> list[mpf | None]:
     """psi, theta and phi; only theta where al or bt is 0, or is not told from it."""
 
     def whole() -> Row:
         moment = ball(t)
-        if count is not None and ctx.prec <= count.bits:
+        if count and count.attitude and ctx.prec <= count.bits:
             z = start.signed(count.attitude)
         else:
             z = start.parameters(moment)

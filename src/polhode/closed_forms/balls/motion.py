@@ -67,6 +67,8 @@ class BallMotion(ClosedForm, Generic[S]):
     proven: bool | str = True
     #: Whether :meth:`_arguments` tells the turns of psi and phi at any time; set in ``_set_up``.
     knows_turns = False
+    #: Whether the third axis is exactly vertical again and again; set in ``_set_up``.
+    passes_poles = False
 
     def __init__(
         self,
@@ -181,6 +183,10 @@ class BallMotion(ClosedForm, Generic[S]):
     def arguments_at(self, t: arb) -> Arguments:
         """The growth of the arguments of the attitude's two parameters, where it is known."""
         return self._arguments(t)
+
+    def repeats(self) -> arb | None:
+        """The period of w and gamma, at the precision in force; None where none is known."""
+        return None
 
     def speed_bound(self) -> arb:
         """A bound of |w|, at the precision in force."""

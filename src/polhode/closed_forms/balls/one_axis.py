@@ -1,4 +1,4 @@
-"""Turns about an axis that is fixed in the body and in space: psi and phi at any angle.
+"""Turns about an axis that is fixed in the body and in space, and psi and phi at any angle.
 
 After a turn by 2x about the unit vector n the attitude is q cos x + q (0, n) sin x, so that each of
 al = q0 + i q3 and bt = q1 + i q2 runs on an ellipse z0 cos x + z1 sin x, anticlockwise, clockwise
@@ -10,6 +10,8 @@ and al1, bt1 are those of the half turn about n, which takes g to 2(n.g) n - g.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 from flint import acb, arb
 
@@ -48,6 +50,31 @@ class OneAxis:
             )
         )
         return al, bt
+
+
+class Permanent:
+    """A state that stays: rest, or a rotation about an axis that is vertical."""
+
+    def __init__(self, state: Sequence[arb]) -> None:
+        self._state = state
+        p, q, r = state[:3]
+        self._still = all(x.is_zero() for x in state[:3])
+        #: |w|, 1 at rest.
+        self.speed = arb(1) if self._still else (p * p + q * q + r * r).sqrt()
+        self.period = None
+
+    def at(self, t: arb) -> Sequence[arb]:
+        """The same at all times."""
+        del t
+        return self._state
+
+    def turn(self, t: arb, state: Sequence[arb]) -> Turn:
+        """The turn about w by |w| t."""
+        if self._still:
+            return arb(1), arb(0), arb(0), arb(0)
+        sin, cos = (self.speed * t / 2).sin_cos()
+        x, y, z = (sin * w / self.speed for w in state[:3])
+        return cos, x, y, z
 
 
 def _present(g: Vector) -> tuple[bool, bool]:

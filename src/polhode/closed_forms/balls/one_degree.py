@@ -27,6 +27,7 @@ from dataclasses import dataclass
 from flint import acb, arb
 
 from polhode.closed_forms.balls.core import Refused, nearest_integer
+from polhode.closed_forms.balls.power_sum import PowerSum
 from polhode.closed_forms.balls.quadrature import (
     InverseRoots,
     Linear,
@@ -35,6 +36,7 @@ from polhode.closed_forms.balls.quadrature import (
     square,
     strip,
 )
+from polhode.common.cached_property import cached_property
 from polhode.numbers.flint_context import ctx
 
 _MOST_TERMS = 1 << 15
@@ -53,14 +55,11 @@ class SineSeries:
 
     def at(self, x: arb) -> arb:
         """The value."""
-        powers = [acb(1), acb(0, x).exp()]
-        # As products of halves: a chain of single factors would widen the balls by sqrt 2 each.
-        for k in range(2, len(self.terms) + 1):
-            powers.append(powers[k // 2] * powers[k - k // 2])
-        total = self.mean * x + self.error
-        for a, power in zip(self.terms, powers[1:], strict=True):
-            total += a * power.imag
-        return total
+        return self.mean * x + self._sum.at(acb(0, x).exp()).imag + self.error
+
+    @cached_property
+    def _sum(self) -> PowerSum:
+        return PowerSum([acb(0), *map(acb, self.terms)])
 
 
 class OneDegree:

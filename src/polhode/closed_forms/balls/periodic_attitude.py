@@ -1,20 +1,24 @@
 """The attitude of a motion whose w and gamma repeat after T, in balls, at any time.
 
-u is an axis of the body that is never vertical.  Its azimuth about the vertical grows by
+The motion is given as a function of a phase s, which is time or grows by S in T.  u is an axis of
+the body that is never vertical.  Its azimuth about the vertical grows with s by
 
-    F = (w.g - (w.u)(u.g))/(1 - (u.g)^2),    of period T.
+    F = dt/ds (w.g - (w.u)(u.g))/(1 - (u.g)^2),    of period S.
 
-F is analytic where |Im t| <= eta T, and |F| <= M there: both proven on discs that cover a period of
+F is analytic where |Im s| <= eta S, and |F| <= M there: both proven on discs that cover a period of
 the strip, on each from the state in its middle and a bound of how far the equations let it move.
 With its 2n samples and their Fourier sums below n, the integral of F is off by at most
 
-    4 M T exp(-2 pi eta n)/(1 - exp(-2 pi eta))    for 0 <= t <= T
+    4 M S exp(-2 pi eta n)/(1 - exp(-2 pi eta))    for 0 <= s <= S
 
 (what the samples cannot tell from lower frequencies, and what is left out).  The horizontal part of
 u, its cross product and g make a matrix, and that a quaternion up to its sign.  The sign is that of
 the nearest of some moments so close that |w| h <= 1: between two of them the quaternion moves by
 less than 1/2.  After a whole period it has been multiplied by z = q(T)/q(0), a turn about the
 vertical, and after n of them by z^n: not by its angle, which may be pi.
+
+Of a motion that is known at real times only nothing is proven: samples are doubled until their last
+Fourier sums vanish.
 """
 
 from __future__ import annotations
@@ -23,35 +27,126 @@ import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any, Protocol
 
 from flint import acb, arb
 
 from polhode.closed_forms.balls.core import Refused, TooFewBits, nearest_integer
 from polhode.closed_forms.balls.frames import Turn, conjugate, product
+from polhode.closed_forms.balls.power_sum import PowerSum
+from polhode.closed_forms.balls.quadrature import around
 from polhode.closed_forms.functions.quaternion import of_matrix
 from polhode.common.cached_property import cached_property
 from polhode.numbers.flint_context import ctx
 
-#: Of complex time: w and the vertical, of any length, six numbers.
-ComplexState: TypeAlias = Callable[[acb], Sequence[acb]]
-
-#: How far each number moves from a state within a complex time; None where no bound is known.
-Growth: TypeAlias = Callable[[Sequence[acb], float], Sequence[float] | None]
-
 _AXES = tuple(v for v in itertools.product((1, 0, -1), repeat=3) if v > (0, 0, 0))
 _LOOKS = 60  # moments at which an axis is chosen
+_SMALL = 1e-4  # of the largest Fourier sum
 _BOUND_BITS = 64
-_FIRST_ETA, _LESS, _LEAST_ETA = 0.1, 1.7, 1e-4
+_MOST_ETA, _LESS, _LEAST_ETA = 0.1, 1.7, 1e-4
+_SHARE = 0.45  # of the eta that Fourier sums seem to have
 _NARROW = 2e-4  # of a period: boxes are cut no further
-_MOST_BOXES = 2_000
+_MOST_BOXES = 1_500
 _MOST_RISE = 20  # of |F| in the strip over its largest value on the line
 _SIGN_BITS = 96
+_TRIALS = 4  # of radii within which a state is to stay
+_FEWEST, _MOST_SAMPLES = 16, 1 << 13
+
+
+class PeriodicOrbit(Protocol):
+    """w and the vertical as functions of a phase s, at the precision in force."""
+
+    @property
+    def period(self) -> arb:
+        """T, of time."""
+        ...
+
+    @property
+    def cycle(self) -> arb:
+        """S, by which the phase grows in T."""
+        ...
+
+    @property
+    def begin(self) -> arb:
+        """The time from s = 0 to the start."""
+        ...
+
+    def phase(self, t: arb) -> arb:
+        """s at a time since s = 0."""
+        ...
+
+    def pace(self, s: acb) -> acb:
+        """dt/ds."""
+        ...
+
+    def state(self, s: acb) -> Sequence[acb]:
+        """p, q, r, and the vertical, of any length."""
+        ...
+
+
+@dataclass(frozen=True)
+class InTime:
+    """An orbit whose phase is the time since the start."""
+
+    state: Callable[[acb], Sequence[acb]]
+    period: arb
+
+    @property
+    def cycle(self) -> arb:
+        """The period."""
+        return self.period
+
+    @property
+    def begin(self) -> arb:
+        """0."""
+        return arb(0)
+
+    def phase(self, t: arb) -> arb:
+        """The time."""
+        return t
+
+    def pace(self, s: acb) -> acb:
+        """1."""
+        del s
+        return acb(1)
+
+
+@dataclass(frozen=True)
+class Equations:
+    """Euler's and Poisson's equations of a body, I w' + w x I w = g x T, g' = g x w."""
+
+    moments: Sequence[arb]
+    torque: Sequence[arb]
+
+    def rates(self, state: Sequence[acb]) -> list[acb]:
+        """w' and g'."""
+        w, g = state[:3], state[3:]
+        spin = [a * x for a, x in zip(self.moments, w, strict=True)]
+        moved = zip(_cross(g, self.torque), _cross(w, spin), self.moments, strict=True)
+        return [*((x - y) / a for x, y, a in moved), *_cross(g, w)]
+
+    def moves(self, state: Sequence[acb], reach: arb) -> list[arb] | None:
+        """How far each number moves at most within a complex time; None where nothing is proven.
+
+        A solution stays within radii that its rates there, over that time, do not fill (Picard).
+        """
+        radii = [reach * 2 * abs(x).abs_upper() for x in self.rates(state)]
+        for _ in range(_TRIALS):
+            wide = [x + around(r) for x, r in zip(state, radii, strict=True)]
+            moved = [(reach * abs(x)).abs_upper() for x in self.rates(wide)]
+            if all(x.is_finite() for x in moved):
+                if all(x <= r for x, r in zip(moved, radii, strict=True)):
+                    return moved
+                radii = [(2 * x).max(r) for x, r in zip(moved, radii, strict=True)]
+        return None
 
 
 @dataclass(frozen=True)
 class Strip:
-    """An axis of the body that is never vertical, and M where |Im t| <= eta T; at any precision."""
+    """An axis of the body that is never vertical, and M where |Im s| <= eta S; at any precision.
+
+    ``eta`` is 0 where no strip is proven.
+    """
 
     axis: tuple[int, int, int]
     eta: float
@@ -61,47 +156,48 @@ class Strip:
 class PeriodicAttitude:
     """The turn since t = 0, at the precision in force.
 
-    ``growth`` bounds how far the numbers of a state move within a complex time of ``reach``; None
-    where it tells nothing.  ``size``: the length of the vertical in the state; ``speed``: a proven
-    bound of |w|; ``strip``: that of another precision.
+    ``size``: the length of the vertical in the state; ``speed``: a proven bound of |w|;
+    ``equations``: those of the body, None where the orbit is known at real times only; ``strip``:
+    that of another precision.
     """
 
     def __init__(
         self,
-        state: ComplexState,
-        growth: Growth,
-        period: arb,
+        orbit: PeriodicOrbit,
         size: arb,
         speed: arb,
+        equations: Equations | None,
         strip: Strip | None = None,
     ) -> None:
-        self._state, self._growth = state, growth
-        self._period, self._size = period, size
+        self._orbit, self._size, self._equations = orbit, size, equations
+        self._period, self._cycle = orbit.period, orbit.cycle
         self._axis = strip.axis if strip else self._never_vertical()
         self._square = sum(x * x for x in self._axis)
         #: What need not be found again at another precision.
-        self.strip = strip or Strip(self._axis, *self._found_strip(float(speed.abs_upper())))
-        eta, most = self.strip.eta, arb(self.strip.most)
-        nats = ctx.prec * math.log(2) + max(0.0, float(most.log().mid()))
-        n = math.ceil(nats / (2 * math.pi * eta)) + 4
-        samples = [acb(self._rate(self._at(period * k / (2 * n))).real) for k in range(2 * n)]
-        self._sums = [x / (2 * n) for x in acb.dft(samples)[:n]]
-        wide = 2 * arb.pi() * arb(eta)
-        error = 4 * most * period * (-wide * n).exp() / (1 - (-wide).exp())
-        self._error = arb(0, error.abs_upper())
-        steps = max(8, math.ceil(float((period * speed).abs_upper())))
+        self.strip = strip or Strip(self._axis, *self._found_strip(speed))
+        sums, self._error = self._proven_sums() if equations else self._settled_sums()
+        terms = [acb(0), *(x / k for k, x in enumerate(sums[1:], 1))]
+        self._mean, self._waves = sums[0].real, PowerSum(terms)
+        steps = max(8, math.ceil(float((self._period * speed).abs_upper())))
         with ctx.workprec(_SIGN_BITS):
             self._table = self._signed(steps)
 
     def turn(self, t: arb, state: Sequence[arb]) -> Turn:
         """The turn of the axes until t; ``state`` is not asked."""
         del state
+        return product(conjugate(self._first), self._from_zero(t + self._orbit.begin))
+
+    @cached_property
+    def _first(self) -> Turn:
+        return self._from_zero(self._orbit.begin)
+
+    def _from_zero(self, t: arb) -> Turn:
+        """The attitude at a time since s = 0, up to a turn about the vertical."""
         n = nearest_integer(t / self._period - arb(0.5))
         q = self._within(t - n * self._period)
         z = self._whole if n >= 0 else 1 / self._whole
         z = z ** abs(n)
-        whole = z.real, arb(0), arb(0), z.imag
-        return product(conjugate(self._within(arb(0))), product(whole, q))
+        return product((z.real, arb(0), arb(0), z.imag), q)
 
     @cached_property
     def _whole(self) -> acb:
@@ -109,21 +205,49 @@ class PeriodicAttitude:
         w, _, _, z = product(self._within(self._period), conjugate(self._within(arb(0))))
         return acb(w, z)
 
-    def _at(self, t: arb) -> Sequence[acb]:
-        return self._state(acb(t))
+    def _proven_sums(self) -> tuple[list[acb], arb]:
+        """Fourier sums of F, and what they leave out of its integral (a ball)."""
+        eta, most = self.strip.eta, arb(self.strip.most)
+        nats = ctx.prec * math.log(2) + max(0.0, float(most.log().mid()))
+        n = math.ceil(nats / (2 * math.pi * eta)) + 4
+        wide = 2 * arb.pi() * arb(eta)
+        error = 4 * most * self._cycle * (-wide * n).exp() / (1 - (-wide).exp())
+        return self._fourier(n), around(error).real
 
-    def _rate(self, state: Sequence[acb]) -> Any:
+    def _settled_sums(self) -> tuple[list[acb], arb]:
+        """The same, estimated."""
+        n = _FEWEST
+        while True:
+            sums = self._fourier(n)
+            sizes = [abs(x).abs_upper() for x in sums]
+            last, largest = max(sizes[-n // 4 :]), max(sizes)
+            if last < largest * arb(2) ** (8 - ctx.prec):
+                return sums, around(4 * n * last * self._cycle).real
+            n *= 2
+            if n > _MOST_SAMPLES:
+                raise TooFewBits
+
+    def _fourier(self, n: int) -> list[acb]:
+        """The sums below n of 2n samples of F."""
+        places = [self._cycle * k / (2 * n) for k in range(2 * n)]
+        samples = [acb(self._rate(self._at(s), acb(s)).real) for s in places]
+        return [x / (2 * n) for x in acb.dft(samples)[:n]]
+
+    def _at(self, s: arb) -> Sequence[acb]:
+        return self._orbit.state(acb(s))
+
+    def _rate(self, state: Sequence[acb], s: acb) -> Any:
         """F."""
         w, g, u = state[:3], [x / self._size for x in state[3:]], self._axis
         along = _dot(u, g)
         above = _dot(w, g) * self._square - _dot(w, u) * along
-        return above / (self._square - along * along)
+        return above / (self._square - along * along) * self._orbit.pace(s)
 
     def _never_vertical(self) -> tuple[int, int, int]:
         """The axis that keeps farthest from the vertical, by doubles."""
         rows = []
         for k in range(_LOOKS):
-            g = [float(x.real.mid()) for x in self._at(self._period * k / _LOOKS)[3:]]
+            g = [float(x.real.mid()) for x in self._at(self._cycle * k / _LOOKS)[3:]]
             size = math.sqrt(sum(x * x for x in g))
             rows.append([x / size for x in g])
 
@@ -136,22 +260,29 @@ class PeriodicAttitude:
         a, b, c = max(_AXES, key=tilt)
         return a, b, c
 
-    def _found_strip(self, speed: float) -> tuple[float, float]:
+    def _found_strip(self, speed: arb) -> tuple[float, float]:
         """eta and M."""
+        if self._equations is None:
+            return 0.0, 0.0
         with ctx.workprec(_BOUND_BITS):
-            length = float(self._period.abs_upper()) * (1 + 1e-9)
-            peaks = [
-                abs(self._rate(self._at(self._period * k / _LOOKS))).abs_upper()
-                for k in range(_LOOKS)
-            ]
-            limit = _MOST_RISE * max(*(float(x) for x in peaks), speed)
-            eta = _FIRST_ETA
+            length = float(self._cycle.abs_upper()) * (1 + 1e-9)
+            places = [self._cycle * k / _LOOKS for k in range(_LOOKS)]
+            peaks = [abs(self._rate(self._at(s), acb(s))).abs_upper() for s in places]
+            mean = (speed * self._period / self._cycle).abs_upper()
+            limit = _MOST_RISE * max(*(float(x) for x in peaks), float(mean))
+            eta = min(_MOST_ETA, _SHARE * self._seeming_eta())
             while eta > _LEAST_ETA:
                 most = self._bound(length, eta, limit)
                 if most is not None:
                     return eta, most
                 eta /= _LESS
         raise Refused("the attitude of this periodic motion is not bounded next to real times")
+
+    def _seeming_eta(self) -> float:
+        """How the Fourier sums fall, from a few samples; nothing rests on it."""
+        sizes = [float(abs(x).abs_upper()) for x in self._fourier(_LOOKS)]
+        last = max(k for k, x in enumerate(sizes) if x >= _SMALL * max(sizes))
+        return -math.log(_SMALL) / (2 * math.pi * max(1, last))
 
     def _bound(self, length: float, eta: float, limit: float) -> float | None:
         """A bound of |F| in the strip, which is symmetric; None where none below the limit is told.
@@ -168,10 +299,11 @@ class PeriodicAttitude:
             asked += 1
             if asked > _MOST_BOXES:
                 return None
-            state = self._state(acb(x, y))
-            if abs(self._rate(state)) > limit:
+            middle = acb(x, y)
+            state = self._orbit.state(middle)
+            if abs(self._rate(state, middle)) > limit:
                 return None
-            value = abs(self._on_disc(state, math.hypot(dx, dy) * (1 + 1e-9)))
+            value = abs(self._on_disc(state, middle, math.hypot(dx, dy) * (1 + 1e-9)))
             if value.is_finite() and value < limit:
                 worst = max(worst, float(value.abs_upper()))
                 continue
@@ -183,49 +315,44 @@ class PeriodicAttitude:
                 boxes += [(x, y + i * dy / 2, dx, dy / 2) for i in (-1, 1)]
         return worst * (1 + 1e-9)
 
-    def _on_disc(self, state: Sequence[acb], reach: float) -> acb:
+    def _on_disc(self, state: Sequence[acb], middle: acb, reach: float) -> acb:
         """F on a disc, from the state in its middle."""
-        radii = self._growth(state, reach)
+        assert self._equations is not None
+        disc = middle + around(arb(reach))
+        pace = abs(self._orbit.pace(disc))
+        radii = self._equations.moves(state, reach * pace.abs_upper())
         if radii is None:
             return acb(arb.nan())
-        wide = (acb(arb(0, r), arb(0, r)) for r in radii)
-        return acb(self._rate([x + r for x, r in zip(state, wide, strict=True)]))
+        wide = [x + around(r) for x, r in zip(state, radii, strict=True)]
+        return acb(self._rate(wide, disc))
 
-    def _azimuth(self, t: arb) -> arb:
-        """The integral of F from 0 to t, 0 <= t <= T."""
-        wave = acb(0, 2 * arb.pi() * t / self._period).exp()
-        total = arb(0)
-        # As products of halves: a chain of single factors would widen the balls by sqrt 2 each.
-        powers = [acb(1), wave]
-        for k, x in enumerate(self._sums[1:], 1):
-            if k > 1:
-                powers.append(powers[k // 2] * powers[k - k // 2])
-            total += (x * (powers[k] - 1)).imag / k
-        return self._sums[0].real * t + total * self._period / arb.pi() + self._error
+    def _azimuth(self, s: arb) -> arb:
+        """The integral of F to 0 <= s <= S, up to a constant."""
+        wave = acb(0, 2 * arb.pi() * s / self._cycle).exp()
+        waves = self._waves.at(wave).imag * self._cycle / arb.pi()
+        return self._mean * s + waves + self._error
 
-    def _plain(self, t: arb) -> Turn:
-        """The attitude at 0 <= t <= T up to its sign; u begins with the azimuth 0."""
-        g = [x.real / self._size for x in self._at(t)[3:]]
+    def _plain(self, s: arb) -> Turn:
+        """The attitude at 0 <= s <= S up to its sign and a turn about the vertical."""
+        g = [x.real / self._size for x in self._at(s)[3:]]
         along = _dot(self._axis, g)
         flat = [x - along * y for x, y in zip(self._axis, g, strict=True)]
         size = _dot(flat, flat).sqrt()
         one = [x / size for x in flat]
-        (a, b, c), (d, e, f) = g, one
-        two = [b * f - c * e, c * d - a * f, a * e - b * d]
-        sin, cos = (self._azimuth(t) / 2).sin_cos()
-        return product((cos, arb(0), arb(0), sin), of_matrix([one, two, g], arb.sqrt))
+        sin, cos = (self._azimuth(s) / 2).sin_cos()
+        return product((cos, arb(0), arb(0), sin), of_matrix([one, _cross(g, one), g], arb.sqrt))
 
     def _within(self, t: arb) -> Turn:
-        """The attitude at 0 <= t <= T, continuous."""
+        """The attitude at 0 <= t <= T from s = 0 on, up to a turn about the vertical."""
         steps = len(self._table) - 1
         k = min(steps, max(0, nearest_integer(t / self._period * steps)))
-        return _alike(self._plain(t), self._table[k])
+        return _alike(self._plain(self._orbit.phase(t)), self._table[k])
 
     def _signed(self, steps: int) -> list[Turn]:
         """Middles of the continuous attitude at ``steps`` equal steps through a period."""
         table: list[Turn] = []
         for k in range(steps + 1):
-            q = self._plain(self._period * k / steps)
+            q = self._plain(self._orbit.phase(self._period * k / steps))
             a, b, c, d = (x.mid() for x in (_alike(q, table[-1]) if table else q))
             table.append((a, b, c, d))
         return table
@@ -244,3 +371,8 @@ def _dot(one: Sequence[Any], other: Sequence[Any]) -> Any:
     for x, y in zip(one[1:], other[1:], strict=True):
         total = total + x * y
     return total
+
+
+def _cross(one: Sequence[Any], other: Sequence[Any]) -> list[Any]:
+    (a, b, c), (d, e, f) = one, other
+    return [b * f - c * e, c * d - a * f, a * e - b * d]

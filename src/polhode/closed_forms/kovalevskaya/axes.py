@@ -18,7 +18,6 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 
-from polhode.closed_forms._engine.axes import principal
 from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.closed_forms.balls.frames import Frame
 from polhode.closed_forms.functions.rounding import log2
@@ -111,7 +110,7 @@ class KovalevskayaAxes:
 
     def principal(self, vector: Vector) -> Vector:
         """From the scene's axes to the principal ones in the top's order, exactly."""
-        v = principal(self.rows, vector)
+        v = Frame(within=self.rows).into(vector)
         x, y, z = (v[i] for i in self.order)
         return x, y, z
 

@@ -39,29 +39,6 @@ def speed_bound(start: KovalevskayaStart) -> arb:
     return (2 * (ball(start.H) + ball(start.a2).sqrt())).sqrt()
 
 
-class Steady:
-    """Rest, or a permanent rotation about the vertical."""
-
-    def __init__(self, start: KovalevskayaStart) -> None:
-        self._state = [ball(x) for x in (*start.omega, *start.G)]
-        p, q, r = self._state[:3]
-        still = all(x.is_zero() for x in (p, q, r))
-        self.speed = arb(1) if still else (p * p + q * q + r * r).sqrt()
-
-    def at(self, t: arb) -> Sequence[arb]:
-        """The same at all times."""
-        del t
-        return self._state
-
-    def turn(self, t: arb, state: Sequence[arb]) -> Turn:
-        """The turn about w by |w| t."""
-        sin, cos = (self.speed * t / 2).sin_cos()
-        x, y, z = (sin * w / self.speed for w in state[:3])
-        if all(w.is_zero() for w in state[:3]):
-            return arb(1), x, y, z
-        return cos, x, y, z
-
-
 class TopMotion:
     """What a :class:`polhode.closed_forms.balls.motion.BallMotion` asks, at one precision."""
 

@@ -13,7 +13,6 @@ y'^2 = [E (1 + y^2)^2 - 2 xh ro (1 - y^4) - xh^2 (1 - y^2)^2]/4.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
@@ -30,8 +29,6 @@ from polhode.numbers.exact import ZERO, Exact, exact, sign, sqrt
 ComplexState: TypeAlias = Callable[[acb], Sequence[acb]]
 
 _I = acb(0, 1)
-_ROUNDING = 1e-9  # of doubles in bounds
-_MOST_GROWTH = 0.25
 
 
 class Periodic:
@@ -54,24 +51,6 @@ class Periodic:
     def at(self, t: arb) -> Sequence[arb]:
         """p, q, r, G1, G2, G3."""
         return [x.real for x in self.complex_state(acb(t))]
-
-
-def growth(state: Sequence[acb], reach: float) -> Sequence[float] | None:
-    """How far p, q, r, G1, G2, G3 move at most within a complex time of ``reach``.
-
-    nu = max(|p|, |q|, |r|, sqrt|G_i|) has nu' <= nu^2 by the equations, so that it stays below
-    nu/(1 - nu reach); |p'| <= nu^2/2, |q'|, |r'| <= nu^2, |G_i'| <= 2 nu^3.
-    """
-    sizes = [abs(x).abs_upper() for x in state]
-    if not all(x.is_finite() for x in sizes):
-        return None
-    nu = max(*(float(x) for x in sizes[:3]), *(math.sqrt(float(x)) for x in sizes[3:]))
-    nu *= 1 + _ROUNDING
-    if nu * reach > _MOST_GROWTH:
-        return None
-    nu /= 1 - nu * reach
-    way = nu * nu * reach * (1 + _ROUNDING)
-    return [way / 2, way, way, *[2 * nu * way] * 3]
 
 
 def quartic(start: KovalevskayaStart, name: str) -> Quartic:

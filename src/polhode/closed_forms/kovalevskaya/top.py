@@ -20,14 +20,14 @@ from polhode.closed_forms.balls.angles import Arguments
 from polhode.closed_forms.balls.core import Kept, Refused, ball
 from polhode.closed_forms.balls.frames import Turn, halves, quaternion
 from polhode.closed_forms.balls.motion import BallMotion
-from polhode.closed_forms.balls.one_axis import OneAxis
-from polhode.closed_forms.balls.periodic_attitude import PeriodicAttitude, Strip
+from polhode.closed_forms.balls.one_axis import OneAxis, Permanent
+from polhode.closed_forms.balls.periodic_attitude import Equations, InTime, PeriodicAttitude, Strip
 from polhode.closed_forms.kovalevskaya import regimes
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart, top_axes
 from polhode.closed_forms.kovalevskaya.branch_points import branch_points, discriminant
-from polhode.closed_forms.kovalevskaya.motion import Steady, TopMotion, TurningMotion
+from polhode.closed_forms.kovalevskaya.motion import TopMotion, TurningMotion
 from polhode.closed_forms.kovalevskaya.neighbours import Neighbours, NeighboursAttitude
-from polhode.closed_forms.kovalevskaya.periodic import Periodic, growth, quartic
+from polhode.closed_forms.kovalevskaya.periodic import Periodic, quartic
 from polhode.closed_forms.kovalevskaya.theta.cycles import rates
 from polhode.closed_forms.kovalevskaya.theta.theta_attitude import ThetaAttitude
 from polhode.closed_forms.kovalevskaya.theta.theta_state import ThetaState
@@ -38,6 +38,8 @@ from polhode.scenes.body import Vector
 
 #: Radians at the bound of |w| up to which a motion that tends to a steady one has an attitude.
 _SEPARATRIX_REACH = 300.0
+#: In the top's axes and units.
+_EQUATIONS = Equations((arb(2), arb(2), arb(1)), (arb(1), arb(0), arb(0)))
 
 
 class KovalevskayaTop(BallMotion[TopMotion]):
@@ -69,7 +71,7 @@ class KovalevskayaTop(BallMotion[TopMotion]):
         start, regime = self.begin, self.regime
         made = partial(TopMotion, start, self._axes.frame, self._start())
         if regime in regimes.STEADY:
-            steady = Steady(start)
+            steady = Permanent([ball(x) for x in (*start.omega, *start.G)])
             return made(steady, lambda: steady)
         if regime in regimes.DEGENERATE:
             near = Neighbours(start)
@@ -86,9 +88,8 @@ class KovalevskayaTop(BallMotion[TopMotion]):
             near = Neighbours(self.begin)
             return NeighboursAttitude(near, self._first_turn(), _SEPARATRIX_REACH)
         size = ball(self.begin.a2).sqrt()
-        attitude = PeriodicAttitude(
-            motion.complex_state, growth, motion.period, size, motion.speed, self._strip
-        )
+        orbit = InTime(motion.complex_state, motion.period)
+        attitude = PeriodicAttitude(orbit, size, motion.speed, _EQUATIONS, self._strip)
         self._strip = attitude.strip
         return attitude
 
@@ -112,6 +113,10 @@ class KovalevskayaTop(BallMotion[TopMotion]):
         w = motion.row(t, attitude=False)[:3]
         x, y, z = (v / motion.speed for v in w)
         return self._axis.arguments(start, (x, y, z), motion.speed * t / 2)
+
+    def repeats(self) -> arb | None:
+        """The period, of w and gamma."""
+        return self._period_ball()
 
     def _period_ball(self) -> arb | None:
         """The period of w and gamma; None for a motion of two frequencies, or without any."""
