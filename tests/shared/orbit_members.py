@@ -185,6 +185,8 @@ def chaplygin(pick):
     """5/2 < B/C < 2.6765: 1 < j < 1.137."""
     j, B1 = 1 + F(pick.randint(1, 130), 1000), F(pick.randint(2, 40), 10)
     C, signs = F(pick.randint(5, 20), 10), sides(pick)
+    if 9 * j * j + 14 * j > 27:  # A + C < B
+        raise ValueError
     return chaplygin_start(j, B1, C, F(pick.randint(-60, 60), 50), signs)
 
 

@@ -59,12 +59,7 @@ class Circle:
     @property
     def period(self) -> Scalar:
         """Of w and gamma."""
-        return 2 * mpmath.pi / self.fastest
-
-    @property
-    def fastest(self) -> Scalar:
-        """The rate of the phase."""
-        return abs(self.s)
+        return 2 * mpmath.pi / abs(self.s)
 
     def at(self, t: Scalar) -> Sequence[Scalar]:
         """p, q, r, gamma1, gamma2, gamma3."""

@@ -12,10 +12,9 @@ from collections.abc import Iterator
 from fractions import Fraction
 
 from polhode.closed_forms._engine.closed_form import ClosedForm
-from polhode.closed_forms._engine.family import Family, orbit_family
+from polhode.closed_forms._engine.family import Family
 from polhode.closed_forms._engine.misfit import Misfit
 from polhode.closed_forms._engine.normal_form import Condition, Placed, equal, positive
-from polhode.closed_forms._engine.orbit_motion import Orbit, OrbitMotion
 from polhode.closed_forms._engine.principal_scene import PrincipalScene, in_principal_axes
 from polhode.closed_forms._one_orbit import (
     bobylev_steklov,
@@ -26,6 +25,8 @@ from polhode.closed_forms._one_orbit import (
     staude,
     steklov,
 )
+from polhode.closed_forms._one_orbit.orbit_family import orbit_family
+from polhode.closed_forms._one_orbit.orbit_motion import Orbit, OrbitMotion
 from polhode.closed_forms.euler import family as euler
 from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.goryachev_chaplygin import family as goryachev_chaplygin

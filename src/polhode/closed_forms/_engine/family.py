@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from typing import Protocol
 
 from polhode.closed_forms._engine.closed_form import ClosedForm, Rows
 from polhode.closed_forms._engine.misfit import Misfit
-from polhode.closed_forms._engine.normal_form import placed_in, shortfall
-from polhode.closed_forms._engine.orbit_motion import OrbitMotion
 from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.numbers.exact import Exact
 from polhode.scenes.body import Vector
@@ -46,12 +43,3 @@ class Family:
     fits: Callable[[PrincipalScene], bool]
     misfit: Callable[[PrincipalScene], Misfit | None]
     closed_form: Callable[[], Maker]
-
-
-def orbit_family(name: str, motion: type[OrbitMotion]) -> Family:
-    """A family that its conditions in the normal axes decide."""
-
-    def fits(scene: PrincipalScene) -> bool:
-        return placed_in(motion.conditions, scene) is not None
-
-    return Family(name, fits, partial(shortfall, motion.conditions), lambda: motion)

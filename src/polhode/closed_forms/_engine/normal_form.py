@@ -11,7 +11,6 @@ import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from polhode.closed_forms._engine.misfit import Misfit, leading
 from polhode.closed_forms._engine.principal_scene import PrincipalScene
@@ -44,17 +43,6 @@ class NormalAxes:
         """An axial vector, from principal axes to the normal ones."""
         x, y, z = (self.determinant * u for u in self.polar(v))
         return x, y, z
-
-    def polar_back(self, v: Sequence[Scalar]) -> list[Scalar]:
-        """A polar vector, from the normal axes to the principal ones."""
-        found: list[Any] = [None] * 3
-        for s, i, x in zip(self.signs, self.order, v, strict=True):
-            found[i] = s * x
-        return found
-
-    def axial_back(self, v: Sequence[Scalar]) -> list[Scalar]:
-        """An axial vector, from the normal axes to the principal ones."""
-        return [self.determinant * x for x in self.polar_back(v)]
 
     def placed(self, moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> Placed:
         """A scene, given in principal axes, in these."""

@@ -19,30 +19,21 @@ Ga = 1 is asymptotic to the rotation p about the upright axis 1: r = +-sqrt(R1) 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterator, Sequence
 
-from polhode.closed_forms._engine.family import Family, orbit_family
-from polhode.closed_forms._engine.normal_form import (
-    Condition,
-    Placed,
-    equal,
-    moving,
-    on_axis_1,
-)
-from polhode.closed_forms._engine.orbit_motion import Orbit, OrbitMotion
-from polhode.closed_forms._one_orbit.orbits import EllipticOrbit
-from polhode.closed_forms._winding.euler_angles import Attitude
-from polhode.closed_forms._winding.winding_number import bisected
-from polhode.closed_forms.functions.elliptic import elliptic
-from polhode.closed_forms.functions.jacobi import SeriesFunctions
-from polhode.closed_forms.functions.quaternion import Quaternion, product
-from polhode.closed_forms.functions.rounding import number
+from flint import acb, arb
+
+from polhode.closed_forms._engine.family import Family
+from polhode.closed_forms._engine.normal_form import Condition, Placed, equal, moving, on_axis_1
+from polhode.closed_forms._one_orbit.orbit_family import orbit_family
+from polhode.closed_forms._one_orbit.orbits import EllipticTime, Formula
+from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
+from polhode.closed_forms.balls.core import ball, root
+from polhode.closed_forms.balls.frames import Turn, conjugate, product, quaternion
+from polhode.closed_forms.balls.jacobi import Jacobi
+from polhode.closed_forms.balls.weierstrass import complex_functions
 from polhode.common.cached_property import cached_property
-from polhode.numbers.exact import ZERO, sign, sqrt
-from polhode.numbers.mpmath_context import mpc, mpf, mpmath
-from polhode.numbers.scalars import Scalar
+from polhode.numbers.exact import ZERO, Exact, sign, sqrt
 
 
 def conditions(scene: Placed) -> Iterator[Condition]:
@@ -57,66 +48,36 @@ def conditions(scene: Placed) -> Iterator[Condition]:
     yield moving(scene)
 
 
-@dataclass(frozen=True)
 class Asymptotic:
-    """The quaternion body -> space as a function of time, at one precision.
+    """The motion that tends to the rotation p, at one precision; r = 2 side nu sech v."""
 
-    ``placed`` takes an axial vector from the normal axes to the scene's.
-    """
+    period = None
 
-    start: Quaternion
-    placed: Callable[[Scalar], list[Scalar]]
-    determinant: int
-    p: Scalar
-    nu: Scalar
-    v0: Scalar
-    positive: bool  # s = 1
+    def __init__(self, clock: EllipticTime, formula: Formula, p: arb, side: int) -> None:
+        self._functions, self._formula = Jacobi(arb(1), arb(0)), formula
+        self._nu, self._p, self._side = root(clock.rate2), p, side
+        self._v0 = clock.phase(self._functions)
+        self._first = conjugate(self._place(self._v0, arb(0)))
 
-    def at(self, t: Scalar, fn: SeriesFunctions) -> Quaternion:
-        """The attitude at t, continuous in t."""
-        del fn
-        return self._seen(self.v0 + self.nu * t, self.p * t / 2) if t else self.start
+    def at(self, t: arb) -> Sequence[arb]:
+        """p, q, r, gamma1, gamma2, gamma3."""
+        v = acb(self._v0 + self._nu * t)
+        return [x.real for x in self._formula(*complex_functions(self._functions, v))]
 
-    def _seen(self, v: Scalar, turned: Scalar) -> Quaternion:
-        """The attitude at v, with ``turned`` in place of p t/2."""
-        w, x, y, z = self._place(self.v0, mpf(0))
-        c, *axis = product((w, -x, -y, -z), self._place(v, turned))
-        second, third, first = axis
-        x, y, z = self.placed((first, second, third))
-        return product(self.start, (c, x, y, z))
+    def turn(self, t: arb, state: Sequence[arb]) -> Turn:
+        """The turn since t = 0."""
+        del state
+        c, two, three, one = product(
+            self._first, self._place(self._v0 + self._nu * t, self._p * t / 2)
+        )
+        return c, one, two, three
 
-    def _place(self, v: Scalar, turned: Scalar) -> Quaternion:
-        root = mpmath.sqrt(self.p**2 + self.nu**2)
-        phase = mpmath.expj(turned) / root
-        al = mpc(self.p, self.nu * mpmath.tanh(v)) * phase
-        bt = self.nu * mpmath.sech(v) * phase
-        if not self.positive:
-            bt = -bt
-        return al.real, bt.real, bt.imag, al.imag
-
-    def arguments(self, t: Scalar) -> tuple[Scalar, Scalar]:
-        """The growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0 to t.
-
-        Without their common turn about the vertical the two parameters move at most at sqrt(2) in
-        x = atan(sinh v), dx = sech v dv; from |v| = ``last`` on their directions stay.
-        """
-        last = mpmath.prec * mpmath.ln2 / 3
-
-        def moved(v: Scalar) -> Scalar:
-            return 3 * mpmath.atan(mpmath.sinh(min(max(v, -last), last)))
-
-        def fine(x: Scalar) -> tuple[Scalar, Scalar]:
-            q0, q1, q2, q3 = self._seen(mpmath.asinh(mpmath.tan(x / 3)), mpf(0))
-            return mpc(q0, q3), mpc(q1, q2)
-
-        turned = self.determinant * self.p * t / 2
-        one, other = bisected(fine, moved(self.v0), moved(self.v0 + self.nu * t))
-        return turned + one, turned + other
-
-    @property
-    def speed(self) -> Any:
-        """An upper bound of |w|."""
-        return abs(self.p) + 2 * self.nu
+    def _place(self, v: arb, turned: arb) -> Turn:
+        """A quaternion of axes 2, 3, 1 that solves the equations, the turns about axis 1 apart."""
+        phase = acb(0, turned).exp() / (self._p * self._p + self._nu * self._nu).sqrt()
+        return quaternion(
+            acb(self._p, self._nu * v.tanh()) * phase, self._side * self._nu * v.sech() * phase
+        )
 
 
 SWINGING = "Bobylev-Steklov, r changes its sign"
@@ -124,66 +85,52 @@ TURNING = "Bobylev-Steklov, r keeps its sign"
 ASYMPTOTIC = "Bobylev-Steklov, asymptotic to a rotation about the vertical"
 
 
-class BobylevSteklov(OrbitMotion):
+class BobylevSteklov(PlacedMotion):
     """One motion of Bobylev and Steklov."""
 
     conditions = staticmethod(conditions)
 
     def _regime(self) -> str:
-        return (ASYMPTOTIC, SWINGING, TURNING)[self._exact["side"]]
+        return (ASYMPTOTIC, SWINGING, TURNING)[sign(1 - self._level * self._level)]
 
     @cached_property
-    def _exact(self) -> dict[str, Any]:
-        """The constants, each without cancellation; "side" is the sign of 1 - Ga^2."""
-        scene = self.normal
-        k = scene.torque[0] / scene.moments[2]
-        p, _, r = scene.omega
-        Ga = scene.gamma[0] + r * r / (2 * k)
+    def _k(self) -> Exact:
+        return self.normal.torque[0] / self.normal.moments[2]
+
+    @cached_property
+    def _level(self) -> Exact:
+        """Ga."""
+        r = self.normal.omega[2]
+        return self.normal.gamma[0] + r * r / (2 * self._k)
+
+    def _motion(self) -> NormalMotion:
+        """The constants are exact, each without cancellation."""
+        p, _, r = self.normal.omega
+        Ga, k = self._level, self._k
         b, e = 2 * (k * Ga - p * p), 4 * k * k * (1 - Ga * Ga)
-        side, root = sign(e), sqrt(b * b + e)
-        R1 = b + root if sign(b) > 0 else e / (root - b)
+        side, width, up = sign(e), sqrt(b * b + e), sign(self.normal.gamma[1]) or 1
+        R1 = b + width if sign(b) > 0 else e / (width - b)
         R2 = -e / R1 if side else ZERO
-        found = {"side": side, "k": k, "p": p, "Ga": Ga, "R1": R1}
-        up = sign(scene.gamma[1]) or 1
         if side > 0:
-            cn2 = r * r / R1
-            found |= {"m": R1 / (2 * root), "m1": -R2 / (2 * root), "nu2": root / 2}
-            found |= {"sn2": 1 - cn2, "cn2": cn2, "sn": up, "cn": sign(r), "scale": 1}
-            return found | {"dn2": found["m1"] + found["m"] * cn2}
-        found |= {"m": 2 * root / R1, "m1": R2 / R1, "nu2": R1 / 4, "dn2": r * r / R1}
-        found |= {"sn2": (R1 - r * r) / (2 * root), "cn2": (r * r - R2) / (2 * root)}
-        return found | {"sn": up * sign(r), "cn": 1, "scale": sign(r)}
+            m, m1, cn2 = R1 / (2 * width), -R2 / (2 * width), r * r / R1
+            squares = 1 - cn2, cn2, m1 + m * cn2
+            clock = EllipticTime(m, m1, (up, sign(r)), squares, width / 2)
+        else:
+            m, m1 = 2 * width / R1, R2 / R1
+            squares = (R1 - r * r) / (2 * width), (r * r - R2) / (2 * width), r * r / R1
+            clock = EllipticTime(m, m1, (up * sign(r), 1), squares, R1 / 4)
+        scale = root(R1) * (1 if side > 0 else sign(r))
+        p0, g, k0, fall = ball(p), ball(Ga), ball(k), -scale * root(clock.rate2)
+        m0 = ball(m)
 
-    def _orbit(self, bits: int) -> Orbit:
-        x = {name: number(value, bits) for name, value in self._exact.items()}
-        sn, cn = (x[name] * mpmath.sqrt(x[name + "2"]) for name in ("sn", "cn"))
-        functions = elliptic(x["m"], x["m1"])
-        swinging, nu = x["side"] > 0, mpmath.sqrt(x["nu2"])
-        scale = x["scale"] * mpmath.sqrt(x["R1"])
-        k, p, Ga, m = (x[name] for name in ("k", "p", "Ga", "m"))
+        def state(sn: acb, cn: acb, dn: acb) -> Sequence[acb]:
+            r, slope = (cn, sn * dn) if side > 0 else (dn, m0 * sn * cn)
+            r, slope = scale * r, fall * slope
+            return acb(p0), acb(0), r, g - r * r / (2 * k0), -slope / k0, p0 * r / k0
 
-        def state(sn: Scalar, cn: Scalar, dn: Scalar) -> tuple[Scalar, ...]:
-            if swinging:
-                r, slope = scale * cn, -scale * nu * sn * dn
-            else:
-                r, slope = scale * dn, -scale * nu * m * sn * cn
-            return p, 0 * r, r, Ga - r * r / (2 * k), -slope / k, p * r / k
-
-        phase = functions.phase(sn, cn, mpmath.sqrt(x["dn2"]))
-        return EllipticOrbit(functions, phase, nu, state, 4 if swinging else 2)
-
-    def _turned(self, start: Quaternion, rate: Scalar, bits: int) -> Attitude:
-        motion = self._made(bits)
-        assert isinstance(motion, EllipticOrbit)
-        if motion.period is not None:
-            return super()._turned(start, rate, bits)
-        rows = self._scene_axes(bits)
-
-        def placed(v: tuple[Scalar, Scalar, Scalar]) -> list[Scalar]:
-            return rows.scene(self._axes.axial_back(v))
-
-        p, positive = number(self._exact["p"], bits), self._exact["scale"] > 0
-        return Asymptotic(start, placed, self._axes.determinant, p, motion.nu, motion.v0, positive)
+        if side:
+            return self._on(clock.orbit(state, 4 if side > 0 else 2))
+        return Asymptotic(clock, state, p0, sign(r))
 
 
 FAMILY: Family = orbit_family("bobylev-steklov", BobylevSteklov)

@@ -12,15 +12,17 @@ r = z Z,
     c gamma3 = (A - C) p r + B (B - C)(b2 p r + B1 Z/3)/A
 
 (S. A. Chaplygin 1904).  The orbit passes w = 0 regularly.  Time is a Fourier series in an angle
-(:mod:`..functions.one_degree`).
+(:mod:`..balls.one_degree`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from polhode.closed_forms._engine.family import Family, orbit_family
+from flint import acb
+
+from polhode.closed_forms._engine.family import Family
 from polhode.closed_forms._engine.normal_form import (
     Condition,
     Placed,
@@ -29,13 +31,11 @@ from polhode.closed_forms._engine.normal_form import (
     on_axis_1,
     positive,
 )
-from polhode.closed_forms._engine.orbit_motion import Orbit, OrbitMotion
+from polhode.closed_forms._one_orbit.orbit_family import orbit_family
 from polhode.closed_forms._one_orbit.orbits import FlowOrbit
-from polhode.closed_forms.functions.quadrature_1dof import one_degree
-from polhode.closed_forms.functions.rounding import number
-from polhode.numbers.exact import ONE, ZERO, Exact, power, sign
-from polhode.numbers.mpmath_context import mpf
-from polhode.numbers.scalars import Scalar
+from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
+from polhode.closed_forms.balls.core import ball
+from polhode.numbers.exact import ONE, ZERO, Exact, power, sign, sqrt
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ def _at_rest(scene: Placed, x: Coefficients) -> Iterator[Condition]:
 REGIME = "Chaplygin 1904"
 
 
-class Chaplygin(OrbitMotion):
+class Chaplygin(PlacedMotion):
     """One motion of Chaplygin."""
 
     conditions = staticmethod(conditions)
@@ -124,35 +124,36 @@ class Chaplygin(OrbitMotion):
     def _regime(self) -> str:
         return REGIME
 
-    def _start(self) -> tuple[Exact, Exact, Exact]:
+    def _begin(self, x: Coefficients) -> tuple[Exact, Exact, Exact]:
         """z, Y, Z at t = 0."""
         (A, B, C), (p, q, r) = self.normal.moments, self.normal.omega
         if sign(p):
             root = power(abs(p), ONE / 3)
             z = root if sign(p) > 0 else -root
             return z, q / z, r / z
-        x, c = coefficients(self.normal), self.normal.torque[0]
         _, g2, g3 = self.normal.gamma
-        lever = 3 * A * c / ((B - C) * x.B1)
+        lever = 3 * A * self.normal.torque[0] / ((B - C) * x.B1)
         return ZERO, -lever * g2 / (C * x.ratio), lever * g3 / B
 
-    def _orbit(self, bits: int) -> Orbit:
-        A, B, C = self.normal.moments
-        lever = number((B - C) / (3 * A), bits)
-        x, none = coefficients(self.normal), mpf(0)
-        b2, c2, B1, C1 = (number(y, bits) for y in (x.b2, x.c2, x.B1, x.ratio * x.B1))
-        z, Y, Z = (number(y, bits) for y in self._start())
-        flow = one_degree((B1, none, none, none, b2), (C1, none, none, none, c2), lever, (z, Y, Z))
-        A, B, C = (number(y, bits) for y in self.normal.moments)
-        c = number(self.normal.torque[0], bits)
+    def _motion(self) -> NormalMotion:
+        x = coefficients(self.normal)
+        scale = sqrt(x.B1)  # of Y and Z, the square of that of z
+        z, Y, Z = self._begin(x)
+        A, B, C = (ball(y) for y in self.normal.moments)
+        c, k = ball(self.normal.torque[0]), (B - C) / (3 * A)
+        b2, c2, B1, ratio, size = (ball(y) for y in (x.b2, x.c2, x.B1, x.ratio, scale))
+        width = size.sqrt()
 
-        def state(z: Scalar, Y: Scalar, Z: Scalar) -> tuple[Scalar, ...]:
+        def state(z: acb, Y: acb, Z: acb) -> Sequence[acb]:
+            z, Y, Z = width * z, size * Y, size * Z
             p, q, r = z * z * z, z * Y, z * Z
-            two = (A - B) * p * q - C * (B - C) * (c2 * p * q + C1 * Y / 3) / A
+            two = (A - B) * p * q - C * (B - C) * (c2 * p * q + ratio * B1 * Y / 3) / A
             three = (A - C) * p * r + B * (B - C) * (b2 * p * r + B1 * Z / 3) / A
             return p, q, r, -(A * p * p + B * q * q + C * r * r) / (2 * c), two / c, three / c
 
-        return FlowOrbit(flow, state)
+        quartics = (ONE, ZERO, ZERO, ZERO, x.b2), (x.ratio, ZERO, ZERO, ZERO, x.c2)
+        start = z / sqrt(scale), Y / scale, Z / scale
+        return self._on(FlowOrbit(quartics, k * size * width, start, state))
 
 
 FAMILY: Family = orbit_family("chaplygin", Chaplygin)

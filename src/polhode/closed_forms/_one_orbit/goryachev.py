@@ -16,9 +16,11 @@ Mg r0 = (c, 0, 0), c > 0, A (9B - 8C) = 16 C (B - C), 2C < B < 8C/3; with D = 9B
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
-from polhode.closed_forms._engine.family import Family, orbit_family
+from flint import acb
+
+from polhode.closed_forms._engine.family import Family
 from polhode.closed_forms._engine.normal_form import (
     Condition,
     Placed,
@@ -27,15 +29,12 @@ from polhode.closed_forms._engine.normal_form import (
     on_axis_1,
     positive,
 )
-from polhode.closed_forms._engine.orbit_motion import Orbit, OrbitMotion
-from polhode.closed_forms._one_orbit.orbits import EllipticOrbit
-from polhode.closed_forms.functions.elliptic import elliptic
+from polhode.closed_forms._one_orbit.orbit_family import orbit_family
+from polhode.closed_forms._one_orbit.orbits import EllipticTime
+from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
+from polhode.closed_forms.balls.core import ball, root
 from polhode.closed_forms.functions.gamma_from_omega import Frame, frame
-from polhode.closed_forms.functions.rounding import number
-from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import ZERO, Exact, sign, sqrt
-from polhode.numbers.mpmath_context import mpmath
-from polhode.numbers.scalars import Scalar
 
 
 def coefficients(scene: Placed) -> dict[str, Exact]:
@@ -74,58 +73,36 @@ def conditions(scene: Placed) -> Iterator[Condition]:
 REGIME = "Goryachev"
 
 
-class Goryachev(OrbitMotion):
+class Goryachev(PlacedMotion):
     """One motion of Goryachev."""
 
     conditions = staticmethod(conditions)
+    axis_1_passes_the_vertical = True  # where p = 0
 
     def _regime(self) -> str:
         return REGIME
 
-    @cached_property
-    def _exact(self) -> dict[str, Exact]:
-        """The constants; squares of sn, cn, dn at t = 0."""
-        (A, B, C), (p, q, _) = self.normal.moments, self.normal.omega
+    def _motion(self) -> NormalMotion:
+        (A, B, C), (p, q, r) = self.normal.moments, self.normal.omega
         x = coefficients(self.normal)
-        root = sqrt(x["c2"] * x["c2"] - 4 * x["c0"] * x["c4"])
-        X2, d, X3 = (
-            (root + x["c2"]) / (-2 * x["c4"]),
-            (root - x["c2"]) / (-2 * x["c4"]),
-            -x["b0"] / x["b2"],
-        )
-        total = X2 + d
+        gamma = frame_of(self.normal, x).mapped(ball).gamma
+        middle = sqrt(x["c2"] * x["c2"] - 4 * x["c0"] * x["c4"])
+        X2, d = ((middle + side * x["c2"]) / (-2 * x["c4"]) for side in (1, -1))
+        X3, total, a1 = -x["b0"] / x["b2"], X2 + d, (B - C) / A
         E = d * total / (p * p + d)
         m, m1 = X2 * (X3 + d) / (X3 * total), d * (X3 - X2) / (X3 * total)
-        a1 = (B - C) / A
-        return x | {
-            "X2": X2,
-            "d": d,
-            "nu2": a1 * a1 * x["b2"] * x["c4"] * X3 * total,
-            "m": m,
-            "m1": m1,
-            "sn2": p * p * E / (X2 * d),
-            "cn2": (E - d) / X2,
-            "dn2": q * q * E / (x["b0"] * total),
-        }
+        squares = p * p * E / (X2 * d), (E - d) / X2, q * q * E / (x["b0"] * total)
+        sides = sign(p), sign(q) * sign(r)
+        clock = EllipticTime(m, m1, sides, squares, a1 * a1 * x["b2"] * x["c4"] * X3 * total)
+        P, Q = root(X2 * d), sign(q) * root(x["b0"] * total)
+        R, d0, X0 = sign(q) * root(x["c0"]) * ball(total), ball(d), ball(X2)
 
-    def _orbit(self, bits: int) -> Orbit:
-        x = {name: number(value, bits) for name, value in self._exact.items()}
-        p, q, r = self.normal.omega
-        s = sign(q)
-        functions = elliptic(x["m"], x["m1"])
-        sn, cn, dn = (mpmath.sqrt(x[name]) for name in ("sn2", "cn2", "dn2"))
-        made = frame_of(self.normal, coefficients(self.normal)).mapped(lambda y: number(y, bits))
-        X2, d, total = x["X2"], x["d"], x["d"] + x["X2"]
+        def state(sn: acb, cn: acb, dn: acb) -> Sequence[acb]:
+            over = (d0 + X0 * cn * cn).rsqrt()
+            p, q, r = P * over * sn, Q * over * dn, R * over * over * cn
+            return p, q, r, *gamma(p, q, r)
 
-        def state(sn: Scalar, cn: Scalar, dn: Scalar) -> tuple[Scalar, ...]:
-            over = 1 / (d + X2 * cn * cn)
-            p = mpmath.sqrt(X2 * d * over) * sn
-            q = s * mpmath.sqrt(x["b0"] * total * over) * dn
-            r = s * mpmath.sqrt(x["c0"]) * total * over * cn
-            return p, q, r, *made.gamma(p, q, r)
-
-        phase = functions.phase(sign(p) * sn, s * sign(r) * cn, dn)
-        return EllipticOrbit(functions, phase, mpmath.sqrt(x["nu2"]), state)
+        return self._on(clock.orbit(state))
 
 
 FAMILY: Family = orbit_family("goryachev", Goryachev)

@@ -16,7 +16,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from polhode.closed_forms._engine.family import Family, orbit_family
+from flint import arb
+
+from polhode.closed_forms._engine.family import Family
 from polhode.closed_forms._engine.normal_form import (
     Condition,
     Placed,
@@ -24,15 +26,11 @@ from polhode.closed_forms._engine.normal_form import (
     matching,
     positive,
 )
-from polhode.closed_forms._engine.orbit_motion import Orbit, OrbitMotion
-from polhode.closed_forms._engine.periodic_attitude import OneOrbit
-from polhode.closed_forms._winding.euler_angles import Attitude
-from polhode.closed_forms.functions.quaternion import Quaternion, product
-from polhode.closed_forms.functions.rounding import number, vector
-from polhode.common.cached_property import cached_property
+from polhode.closed_forms._one_orbit.orbit_family import orbit_family
+from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
+from polhode.closed_forms.balls.core import ball
+from polhode.closed_forms.balls.frames import Turn, product
 from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt
-from polhode.numbers.mpmath_context import mpmath
-from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import Vector, dot, scaled
 
 
@@ -86,40 +84,38 @@ def conditions(scene: Placed) -> Iterator[Condition]:
 REGIME = "Grioli's regular precession"
 
 
-@dataclass(frozen=True)
-class _Motion:
-    """The orbit at one precision."""
+class _Precession:
+    """The motion in the normal axes, at the precision in force."""
 
-    e1: Sequence[Scalar]
-    e2: Sequence[Scalar]
-    I11: Scalar
-    J: Scalar
-    n: Scalar
-    share: Scalar  # n^2/P
-    phase: Scalar
+    def __init__(self, x: SpinFrame, omega: Vector) -> None:
+        self._e1, self._e2 = ([ball(y) for y in row] for row in (x.e1, x.e2))
+        self._I11, self._J, self._n = ball(x.I11), ball(x.J), ball(x.n)
+        self._share = self._n * self._n / ball(x.P)
+        self._first = ball(x.cos), ball(x.sin)
+        self._still = [ball(w / x.n - e) for w, e in zip(omega, x.e1, strict=True)]
+        self.period = 2 * arb.pi() / abs(self._n)
 
-    @property
-    def period(self) -> Scalar:
-        """Of w and gamma."""
-        return 2 * mpmath.pi / abs(self.n)
-
-    @property
-    def fastest(self) -> Scalar:
-        """The rate of the phase."""
-        return abs(self.n)
-
-    def at(self, t: Scalar) -> tuple[Scalar, ...]:
+    def at(self, t: arb) -> Sequence[arb]:
         """p, q, r, gamma1, gamma2, gamma3."""
-        c, s = mpmath.cos_sin(self.phase + self.n * t)
-        (x1, _, z1), (x2, _, z2), n = self.e1, self.e2, self.n
-        one, two = -self.share * self.J * c, self.share * (self.I11 * c - self.J * s * s)
+        (cos, sin), (s, c) = self._first, (self._n * t).sin_cos()
+        c, s = cos * c - sin * s, sin * c + cos * s
+        (x1, _, z1), (x2, _, z2), n = self._e1, self._e2, self._n
+        I11, J, share = self._I11, self._J, self._share
+        one, two = -share * J * c, share * (I11 * c - J * s * s)
         return (
             *(n * (x1 + c * x2), n * s, n * (z1 + c * z2)),
-            *(one * x1 + two * x2, self.share * s * (self.I11 + self.J * c), one * z1 + two * z2),
+            *(one * x1 + two * x2, share * s * (I11 + J * c), one * z1 + two * z2),
         )
 
+    def turn(self, t: arb, state: Sequence[arb]) -> Turn:
+        """Two uniform turns: about the axis fixed in space, then about e1 in the body."""
+        del state
+        s, c = (self._n * t / 2).sin_cos()
+        (a, b, d), (x, y, z) = self._still, self._e1
+        return product((c, s * a, s * b, s * d), (c, s * x, s * y, s * z))
 
-class Grioli(OrbitMotion):
+
+class Grioli(PlacedMotion):
     """One precession of Grioli."""
 
     conditions = staticmethod(conditions)
@@ -127,42 +123,8 @@ class Grioli(OrbitMotion):
     def _regime(self) -> str:
         return REGIME
 
-    @cached_property
-    def _exact(self) -> SpinFrame:
-        return spin_frame(self.normal)
-
-    def _orbit(self, bits: int) -> Orbit:
-        x = self._exact
-        return _Motion(
-            vector(x.e1, bits),
-            vector(x.e2, bits),
-            number(x.I11, bits),
-            number(x.J, bits),
-            number(x.n, bits),
-            number(x.n * x.n / x.P, bits),
-            mpmath.atan2(number(x.sin, bits), number(x.cos, bits)),
-        )
-
-    def _turned(self, start: Quaternion, rate: Scalar, bits: int) -> Attitude:
-        """Two uniform turns: about the axis fixed in space, then about e1 in the body."""
-        rows, n = self._scene_axes(bits), number(self._exact.n, bits)
-        spin = self._exact.e1
-        still = tuple(w / self._exact.n - e for w, e in zip(self.normal.omega, spin, strict=True))
-        in_space, in_body = (
-            rows.scene([number(x, bits) for x in self._axes.axial_back(v)]) for v in (still, spin)
-        )
-
-        def turn(t: Scalar) -> Quaternion:
-            c, s = mpmath.cos_sin(n * t / 2)
-            one, other = ((c, *(s * x for x in axis)) for axis in (in_space, in_body))
-            return product(product(start, _four(one)), _four(other))
-
-        return OneOrbit(start, turn, rate, self._made(bits).period)
-
-
-def _four(row: Sequence[Scalar]) -> Quaternion:
-    a, b, c, d = row
-    return a, b, c, d
+    def _motion(self) -> NormalMotion:
+        return _Precession(spin_frame(self.normal), self.normal.omega)
 
 
 FAMILY: Family = orbit_family("grioli", Grioli)

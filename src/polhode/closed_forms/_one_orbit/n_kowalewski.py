@@ -5,14 +5,17 @@ Mg r0 = (c, 0, 0), c > 0, A (10B - 9C) = 18 C (B - C); x = B/C, D = 10x - 9, c3 
     q^2 = b0 + b1 p + b2 p^2,    r^2 = c0 + c1 p + c2 p^2 + c3 p^3,    p' = (B - C) q r/A
 
 (N. Kowalewski, Math. Ann. 65 (1908) 528), the coefficients in :func:`.conditions.frame_of`.  Time
-is a Fourier series in an angle between two zeros of Q R (:mod:`..functions.one_degree`).
+is a Fourier series in an angle between two zeros of Q R (:mod:`..balls.one_degree`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
-from polhode.closed_forms._engine.family import Family, orbit_family
+from flint import acb
+
+from polhode.closed_forms._engine.family import Family
 from polhode.closed_forms._engine.normal_form import (
     Condition,
     Placed,
@@ -21,20 +24,25 @@ from polhode.closed_forms._engine.normal_form import (
     on_axis_1,
     positive,
 )
-from polhode.closed_forms._engine.orbit_motion import Orbit, OrbitMotion
+from polhode.closed_forms._one_orbit.orbit_family import orbit_family
 from polhode.closed_forms._one_orbit.orbits import FlowOrbit
+from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
+from polhode.closed_forms.balls.core import ball
 from polhode.closed_forms.functions.gamma_from_omega import Frame, frame
-from polhode.closed_forms.functions.quadrature_1dof import one_degree
-from polhode.closed_forms.functions.rounding import number
-from polhode.numbers.exact import sqrt
-from polhode.numbers.scalars import Scalar
+from polhode.numbers.exact import ONE, Exact, sqrt
 
 
-def frame_of(scene: Placed) -> Frame:
-    """gamma, q^2 and r^2 as polynomials in p, of a body that fits.
+class Coefficients(NamedTuple):
+    """h, Q and R of a body that fits, for C = c3 = 1, and c3."""
 
-    The coefficients are those for C = c3 = 1 times powers of c3, which |gamma| = 1 gives.
-    """
+    h: Exact
+    Q: Sequence[Exact]
+    R: Sequence[Exact]
+    c3: Exact
+
+
+def coefficients(scene: Placed) -> Coefficients:
+    """Of a body that fits; |gamma| = 1 gives c3."""
     (A, B, C), c = scene.moments, scene.torque[0]
     x = B / C
     D, three, two = 10 * x - 9, 4 * x - 3, 2 * x - 3
@@ -49,9 +57,16 @@ def frame_of(scene: Placed) -> Frame:
     h = 1458 * three**2 * two**3 * cubic / (x * x * D**6)
     level, lever = h - (x * b0 + c0) / 2, (x - 1) * C / (2 * A)
     K = level**2 + b0 * (lever * c1) ** 2 + c0 * (x * lever * b1) ** 2
-    c3 = sqrt(sqrt(K * C * C / (c * c)))
-    Q, R = (b0 / c3**2, b1 / c3, b2), (c0 / c3**2, c1 / c3, c2, c3)
-    return frame(scene.moments, c, C * h / c3**2, Q, R)
+    return Coefficients(h, (b0, b1, b2), (c0, c1, c2, ONE), sqrt(sqrt(K * C * C / (c * c))))
+
+
+def frame_of(scene: Placed, known: Coefficients) -> Frame:
+    """gamma, q^2 and r^2 as polynomials in p."""
+    h, Q, R, c3 = known
+    Q, R = (
+        [x * s for x, s in zip(row, (1 / c3**2, 1 / c3, ONE, c3), strict=False)] for row in (Q, R)
+    )
+    return frame(scene.moments, scene.torque[0], scene.moments[2] * h / c3**2, Q, R)
 
 
 def conditions(scene: Placed) -> Iterator[Condition]:
@@ -60,14 +75,14 @@ def conditions(scene: Placed) -> Iterator[Condition]:
     yield from on_axis_1(scene)
     yield equal("A (10B - 9C) = 18 C (B - C)", A * (10 * B - 9 * C), 18 * C * (B - C))
     yield positive("B > 3C/2", 2 * B - 3 * C)
-    found = frame_of(scene)
+    found = frame_of(scene, coefficients(scene))
     yield from matching(scene, found.gamma(*scene.omega), found.squares(scene.omega[0]))
 
 
 REGIME = "N. Kowalewski"
 
 
-class NKowalewski(OrbitMotion):
+class NKowalewski(PlacedMotion):
     """One motion of N. Kowalewski."""
 
     conditions = staticmethod(conditions)
@@ -75,15 +90,17 @@ class NKowalewski(OrbitMotion):
     def _regime(self) -> str:
         return REGIME
 
-    def _orbit(self, bits: int) -> Orbit:
-        A, B, C = self.normal.moments
-        p, q, r = (number(x, bits) for x in self.normal.omega)
-        found = frame_of(self.normal).mapped(lambda x: number(x, bits))
+    def _motion(self) -> NormalMotion:
+        (A, B, C), known = self.normal.moments, coefficients(self.normal)
+        gamma, over = frame_of(self.normal, known).mapped(ball).gamma, 1 / ball(known.c3)
+        p, q, r = (known.c3 * x for x in self.normal.omega)
 
-        def state(p: Scalar, q: Scalar, r: Scalar) -> tuple[Scalar, ...]:
-            return p, q, r, *found.gamma(p, q, r)
+        def state(p: acb, q: acb, r: acb) -> Sequence[acb]:
+            p, q, r = over * p, over * q, over * r
+            return p, q, r, *gamma(p, q, r)
 
-        return FlowOrbit(one_degree(found.Q, found.R, number((B - C) / A, bits), (p, q, r)), state)
+        k = ball((B - C) / A) * over
+        return self._on(FlowOrbit((known.Q, known.R), k, (p, q, r), state))
 
 
 FAMILY: Family = orbit_family("n-kowalewski", NKowalewski)

@@ -1,74 +1,206 @@
-"""Orbits whose time is an elliptic argument, or a Fourier series in an angle."""
+"""Orbits in balls whose time is an elliptic argument, or a Fourier series in an angle."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
-from polhode.closed_forms.functions.elliptic import Elliptic
-from polhode.closed_forms.functions.quadrature_1dof import OneDegree
-from polhode.numbers.mpmath_context import mpmath
-from polhode.numbers.scalars import Scalar
+from flint import acb, acb_poly, arb
+
+from polhode.closed_forms.balls.core import TooFewBits, ball, root
+from polhode.closed_forms.balls.jacobi import Jacobi
+from polhode.closed_forms.balls.one_degree import OneDegree
+from polhode.closed_forms.balls.periodic_attitude import InTime
+from polhode.closed_forms.balls.quadrature import Linear
+from polhode.closed_forms.balls.weierstrass import complex_functions
+from polhode.numbers.exact import Exact, sign
+from polhode.numbers.flint_context import ctx
 
 #: p, q, r, gamma1, gamma2, gamma3 of sn, cn, dn, or of the three numbers of a flow.
-Formula = Callable[[Scalar, Scalar, Scalar], Sequence[Scalar]]
+Formula = Callable[[acb, acb, acb], Sequence[acb]]
+
+_SPARE = 20  # bits of zeros of polynomials
 
 
 @dataclass(frozen=True)
-class EllipticOrbit:
-    """The state in sn, cn and dn of v = v0 + nu t; ``quarters``: periods K after which it repeats.
+class EllipticTime:
+    """sn, cn, dn at t = 0 by the signs of the first two and all their squares, and the rate of v.
 
-    Without period where the modulus is 1.
+    ``m`` and ``m1`` are the parameter and its complement, each exact.
     """
 
-    elliptic: Elliptic
-    v0: Scalar
-    nu: Scalar
-    formula: Formula
-    quarters: int = 4
+    m: Exact
+    m1: Exact
+    sides: tuple[int, int]
+    squares: tuple[Exact, Exact, Exact]
+    rate2: Exact
 
-    @property
-    def period(self) -> Scalar | None:
-        """Of w and gamma."""
-        if not mpmath.isfinite(self.elliptic.K):
-            return None
-        return self.quarters * self.elliptic.K / self.nu
+    def orbit(self, formula: Formula, quarters: int = 4) -> InTime:
+        """The orbit, which repeats after so many quarter periods, at the precision in force."""
+        functions, rate = Jacobi(ball(self.m), ball(self.m1)), root(self.rate2)
+        v0 = self.phase(functions)
 
-    @property
-    def fastest(self) -> Scalar:
-        """The rate of the phase."""
-        return self.nu
+        def state(t: acb) -> Sequence[acb]:
+            return formula(*complex_functions(functions, v0 + rate * t))
 
-    def at(self, t: Scalar) -> Sequence[Scalar]:
-        """p, q, r, gamma1, gamma2, gamma3."""
-        return self.formula(*self.elliptic.at(self.v0 + self.nu * t))
+        return InTime(state, quarters * functions.K / rate)
+
+    def phase(self, functions: Jacobi) -> arb:
+        """v at t = 0, in (-2K, 2K]."""
+        (sine, cosine), (sn2, cn2, dn2) = self.sides, self.squares
+        v = functions.phase(sine * root(sn2), ball(cn2), ball(dn2))
+        if cosine >= 0:
+            return v
+        return (2 if sine >= 0 else -2) * functions.K - v
 
 
-@dataclass(frozen=True)
+class _Factor:
+    """Q or R between z1 and z2, without those of its zeros that they are."""
+
+    def __init__(self, zeros: Sequence[acb], lead: arb, low: arb, high: arb) -> None:
+        scale, wide = abs(lead), high - low
+        self.linear = []
+        for zero in zeros:
+            if not zero.imag.is_zero():
+                # 1 at one end: on an ellipse without its zero the principal root is then smooth.
+                first = low - zero
+                scale *= abs(first)
+                self.linear.append(Linear(acb(1), (high - zero) / first, wide / first))
+            elif low > zero.real:
+                self.linear.append(Linear(low - zero, high - zero, acb(wide)))
+            else:
+                self.linear.append(Linear(zero - low, zero - high, acb(-wide)))
+        self.linear.append(Linear(acb(scale), acb(scale), acb(0)))
+
+    def root(self, y: acb) -> acb:
+        """The square root at z1 + (z2 - z1) y."""
+        value = acb(1)
+        for factor in self.linear:
+            value *= (factor.first + factor.slope * y).sqrt()
+        return value
+
+
 class FlowOrbit:
-    """The state in the three numbers of a flow with one degree of freedom."""
+    """The state in z, y, w of z' = k y w, y^2 = Q(z), w^2 = R(z), at the precision in force.
 
-    flow: OneDegree
-    formula: Formula
+    Between two neighbouring zeros of QR, z = z1 + (z2 - z1) sin^2(x/2), and the angle x is the
+    phase; y and w have the factors sin(x/2), cos(x/2) of the zeros that are theirs.  ``start``
+    is z, y, w at t = 0; coefficients stand from the constant one up.  Numbers are of order 1.
+    """
 
-    @property
-    def period(self) -> Scalar:
-        """Of w and gamma."""
-        return self.flow.period
+    def __init__(
+        self,
+        polynomials: tuple[Sequence[Exact], Sequence[Exact]],
+        k: arb,
+        start: tuple[Exact, Exact, Exact],
+        formula: Formula,
+    ) -> None:
+        self._formula, self._pace = formula, 1 / abs(k)
+        z0, (y0, w0) = ball(start[0]), (sign(x) for x in start[1:])
+        known = [zeros(polynomial) for polynomial in polynomials]
+        low, high = _ends(known, polynomials, z0, (y0, w0))
+        self._low, self._wide = low.place, high.place - low.place
+        self._ends = [(low.which == n, high.which == n) for n in (0, 1)]
+        self._factors = []
+        for n, polynomial in enumerate(polynomials):
+            rest = [z for z in known[n] if z is not low.zero and z is not high.zero]
+            lead = ball(polynomial[-1])
+            self._factors.append(_Factor(rest, lead, low.place, high.place))
+        speed = Linear(acb(k * k), acb(k * k), acb(0))
+        self._flow = OneDegree([speed, *self._factors[0].linear, *self._factors[1].linear])
+        sense = 1 if k > 0 else -1
+        side = sense * y0 * w0 or 1  # of sin(x/2); cos(x/2) is not negative
+        y_side, w_side = (side if mine else 1 for mine, _ in self._ends)
+        first = y0 * y_side or sense * w0 * w_side
+        self._sides = first, sense * first
+        sine, cosine = (abs(z0 - low.place).sqrt(), abs(high.place - z0).sqrt())
+        self.begin = self._flow.time.at(2 * arb.atan2(side * sine, cosine))
+        turns = 1 if any(one == other for one, other in self._ends) else 2
+        self.period, self.cycle = turns * self._flow.period, 2 * turns * arb.pi()
 
-    @property
-    def fastest(self) -> Scalar:
-        """The rate of the phase."""
-        return self.flow.fastest
+    def phase(self, t: arb) -> arb:
+        """x at a time since x = 0."""
+        return self._flow.phase(t)
 
-    def at(self, t: Scalar) -> Sequence[Scalar]:
+    def pace(self, s: acb) -> acb:
+        """dt/dx."""
+        sine = (s / 2).sin()
+        one, other = (factor.root(sine * sine) for factor in self._factors)
+        return self._pace / (one * other)
+
+    def state(self, s: acb) -> Sequence[acb]:
         """p, q, r, gamma1, gamma2, gamma3."""
-        return self.formula(*self.flow.at(t))
+        sine, cosine = (s / 2).sin(), (s / 2).cos()
+        size, y = self._wide.sqrt(), sine * sine
+        roots = []
+        for side, factor, (low, high) in zip(self._sides, self._factors, self._ends, strict=True):
+            value = side * factor.root(y)
+            value = value * size * sine if low else value
+            roots.append(value * size * cosine if high else value)
+        return self._formula(self._low + self._wide * y, *roots)
 
-    def clock(self, t: Scalar) -> Scalar:
-        """The angle x of the flow."""
-        return self.flow.clock(t)
 
-    def along(self, s: Scalar) -> tuple[Sequence[Scalar], Scalar]:
-        """The state at the angle, and dt/dx."""
-        return self.formula(*self.flow.along(s)), self.flow.pace(s)
+class _End(NamedTuple):
+    """A real zero, of which polynomial it is, and the ball that it was."""
+
+    place: arb
+    which: int
+    zero: acb
+
+
+def _ends(
+    known: Sequence[Sequence[acb]],
+    polynomials: Sequence[Sequence[Exact]],
+    z0: arb,
+    sides: Sequence[int],
+) -> tuple[_End, _End]:
+    """The zeros next to z0, below and above; z0 itself where its root is exactly 0 there."""
+    below: list[_End] = []
+    above: list[_End] = []
+    for which, row in enumerate(known):
+        for zero in row:
+            end = _End(zero.real, which, zero)
+            if not zero.imag.is_zero():
+                continue
+            if zero.real < z0:
+                below.append(end)
+            elif zero.real > z0:
+                above.append(end)
+            elif sides[which]:
+                raise TooFewBits
+            else:
+                # The motion is on the side on which the polynomial is positive.
+                slope = acb_poly([ball(x) for x in polynomials[which]]).derivative()(acb(z0)).real
+                if slope.contains(0):
+                    raise TooFewBits
+                (below if slope > 0 else above).append(end._replace(place=z0))
+    return _last(below, 1), _last(above, -1)
+
+
+def _last(ends: Sequence[_End], side: int) -> _End:
+    """The one that is proven to be farthest on a side."""
+    for one in ends:
+        if all(one is other or side * (one.place - other.place) > 0 for other in ends):
+            return one
+    raise TooFewBits
+
+
+def zeros(polynomial: Sequence[Exact]) -> list[acb]:
+    """The zeros of a real polynomial with simple ones; real ones have the imaginary part 0."""
+    bits = ctx.prec
+    with ctx.workprec(2 * bits + 64):
+        try:
+            found = acb_poly([ball(x) for x in polynomial]).roots(tol=arb(2) ** -(bits + _SPARE))
+        except ValueError:
+            raise TooFewBits from None
+    return [_real_or_not(z, found) for z in found]
+
+
+def _real_or_not(z: acb, zeros: Sequence[acb]) -> acb:
+    """The conjugate of a zero is one: where no other ball holds it, it is the zero itself."""
+    if not z.imag.contains(0):
+        return z
+    if sum(z.conjugate().overlaps(other) for other in zeros) > 1:
+        raise TooFewBits
+    return acb(z.real)

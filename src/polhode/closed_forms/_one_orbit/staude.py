@@ -9,24 +9,19 @@ State and theta, phi stay, psi' = om.  Whether the rotation is stable is decided
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import Any
 
-from polhode.closed_forms._engine.family import Family, orbit_family
-from polhode.closed_forms._engine.normal_form import (
-    Condition,
-    Placed,
-    equal,
-)
-from polhode.closed_forms._engine.orbit_motion import Orbit, OrbitMotion
-from polhode.closed_forms._winding.euler_angles import Attitude
-from polhode.closed_forms.functions.jacobi import SeriesFunctions
-from polhode.closed_forms.functions.quaternion import Quaternion, product
+from flint import arb
+
+from polhode.closed_forms._engine.family import Family
+from polhode.closed_forms._engine.normal_form import Condition, Placed, equal
+from polhode.closed_forms._one_orbit.orbit_family import orbit_family
+from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
+from polhode.closed_forms.balls.angles import Arguments
+from polhode.closed_forms.balls.core import ball, root
+from polhode.closed_forms.balls.one_axis import Permanent
 from polhode.closed_forms.functions.rotation_stability import Stability, spectrum
-from polhode.closed_forms.functions.rounding import number
 from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import sign, sqrt
-from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import cross, dot, is_zero, minus
 
 
@@ -45,46 +40,11 @@ HANGING, UPRIGHT = "rest, hanging", "rest, upright"
 ROTATION = "permanent rotation"
 
 
-@dataclass(frozen=True)
-class _Constant:
-    """The state that stays."""
-
-    state: tuple[Any, ...]
-    fastest: Any
-    period: None = None
-
-    def at(self, t: Any) -> tuple[Any, ...]:
-        """The state, at any time."""
-        del t
-        return self.state
-
-
-@dataclass(frozen=True)
-class _Uniform:
-    """A uniform turn about the vertical, ``om`` its rate."""
-
-    start: Quaternion
-    om: Any
-
-    def at(self, t: Any, fn: SeriesFunctions) -> Quaternion:
-        """The attitude at t, continuous in t."""
-        c, s = fn.cos_sin(self.om * t / 2)
-        return product((c, 0 * c, 0 * c, s), self.start) if t else self.start
-
-    def arguments(self, t: Any) -> tuple[Any, Any]:
-        """The growth of arg(q0 + i q3) and arg(q1 + i q2) from time 0 to t."""
-        return self.om * t / 2, self.om * t / 2
-
-    @property
-    def speed(self) -> Any:
-        """|w|."""
-        return abs(self.om)
-
-
-class Staude(OrbitMotion):
+class Staude(PlacedMotion):
     """One permanent rotation, or rest."""
 
     conditions = staticmethod(conditions)
+    knows_turns = True
 
     @cached_property
     def stability(self) -> Stability:
@@ -98,23 +58,25 @@ class Staude(OrbitMotion):
             return UPRIGHT if sign(dot(scene.torque, scene.gamma)) > 0 else HANGING
         return f"{ROTATION}, {self.stability.verdict}"
 
-    def _rates(self, bits: int) -> Mapping[str, Scalar]:
+    def _speed(self) -> arb:
+        """|w|, 1 at rest."""
+        omega = self.normal.omega
+        return arb(1) if is_zero(omega) else root(dot(omega, omega))
+
+    def _motion(self) -> NormalMotion:
+        return Permanent([ball(x) for x in (*self.normal.omega, *self.normal.gamma)])
+
+    def _rate_balls(self) -> Mapping[str, arb]:
         """ "precession": psi', the rate about the vertical; none at rest."""
-        return {} if is_zero(self.normal.omega) else {"precession": number(self._rotation, bits)}
+        if is_zero(self._omega):
+            return {}
+        return {"precession": ball(dot(self._omega, self._gamma))}
 
-    @property
-    def _rotation(self) -> Any:
-        """w.gamma, of which a reflection changes the sign."""
-        return self._axes.determinant * dot(self.normal.omega, self.normal.gamma)
-
-    def _orbit(self, bits: int) -> Orbit:
-        scene = self.normal
-        state = tuple(number(x, bits) for x in (*scene.omega, *scene.gamma))
-        return _Constant(state, abs(number(self._rotation, bits)))
-
-    def _turned(self, start: Quaternion, rate: Any, bits: int) -> Attitude:
-        del rate
-        return _Uniform(start, number(self._rotation, bits))
+    def _arguments(self, t: arb) -> Arguments:
+        if all(sign(x) == 0 for x in self._gamma[:2]):
+            return None, None
+        half = ball(dot(self._omega, self._gamma)) * t / 2
+        return half, half
 
 
 FAMILY: Family = orbit_family("staude", Staude)

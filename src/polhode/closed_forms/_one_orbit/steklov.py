@@ -14,9 +14,11 @@ v = v0 + nu t; the signs of p and r are those that p' = a1 q r asks for, r keeps
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
-from polhode.closed_forms._engine.family import Family, orbit_family
+from flint import acb
+
+from polhode.closed_forms._engine.family import Family
 from polhode.closed_forms._engine.normal_form import (
     Condition,
     Placed,
@@ -24,14 +26,11 @@ from polhode.closed_forms._engine.normal_form import (
     on_axis_1,
     positive,
 )
-from polhode.closed_forms._engine.orbit_motion import Orbit, OrbitMotion
-from polhode.closed_forms._one_orbit.orbits import EllipticOrbit
-from polhode.closed_forms.functions.elliptic import elliptic
-from polhode.closed_forms.functions.rounding import number
-from polhode.common.cached_property import cached_property
+from polhode.closed_forms._one_orbit.orbit_family import orbit_family
+from polhode.closed_forms._one_orbit.orbits import EllipticTime
+from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
+from polhode.closed_forms.balls.core import ball, root
 from polhode.numbers.exact import Exact, exact, sign
-from polhode.numbers.mpmath_context import mpmath
-from polhode.numbers.scalars import Scalar
 
 
 def coefficients(scene: Placed) -> dict[str, Exact]:
@@ -70,51 +69,38 @@ REGIMES = {
 }
 
 
-class Steklov(OrbitMotion):
+class Steklov(PlacedMotion):
     """One motion of Steklov."""
 
     conditions = staticmethod(conditions)
+    axis_1_passes_the_vertical = True  # where p = 0
 
     def _regime(self) -> str:
         A, B, _ = self.normal.moments
         return REGIMES[sign(A - B)]
 
-    @cached_property
-    def _exact(self) -> dict[str, Exact]:
-        """The constants; squares of amplitudes, and of sn, cn, dn at t = 0."""
+    def _motion(self) -> NormalMotion:
         (A, B, C), (p, q, r) = self.normal.moments, self.normal.omega
         x, c = coefficients(self.normal), self.normal.torque[0]
+        sine, s = sign(A - B) > 0, sign(r)
         p2, q2 = -x["b0"] / x["b2"], x["b0"]
-        if sign(A - B) > 0:
+        one, other = (sign(p) * (s if sine else -s), p * p / p2), (sign(q), q * q / q2)
+        if sine:
             r2, nu2 = x["c0"], c / (A - B)
             m, m1 = (A - B) / (A - C), (B - C) / (A - C)
-            sn2, cn2 = p * p / p2, q * q / q2
         else:
+            one, other = other, one
             r2, nu2 = x["c0"] * (B - C) / (A - C), c * (B - C) / ((B - A) * (A - C))
             m, m1 = (B - A) / (B - C), (A - C) / (B - C)
-            sn2, cn2 = q * q / q2, p * p / p2
-        x |= {"p2": p2, "q2": q2, "r2": r2, "nu2": nu2, "m": m, "m1": m1}
-        return x | {"sn2": sn2, "cn2": cn2, "dn2": r * r / r2}
+        squares = one[1], other[1], r * r / r2
+        P, Q, R = root(p2) * (s if sine else -s), root(q2), s * root(r2)
+        e, M, N, G = (ball(x[name]) for name in ("e", "M", "N", "G"))
 
-    def _orbit(self, bits: int) -> Orbit:
-        A, B, _ = self.normal.moments
-        p, q, r = self.normal.omega
-        x = {name: number(value, bits) for name, value in self._exact.items()}
-        sine, s = sign(A - B) > 0, sign(r)
-        along, across = (s if sine else -s) * sign(p), sign(q)
-        first, second = (along, across) if sine else (across, along)
-        functions = elliptic(x["m"], x["m1"])
-        sn, cn, dn = (mpmath.sqrt(x[name]) for name in ("sn2", "cn2", "dn2"))
-        P, Q, R = (mpmath.sqrt(x[name]) for name in ("p2", "q2", "r2"))
-        P, R = (P if sine == (s > 0) else -P), (R if s > 0 else -R)
+        def state(sn: acb, cn: acb, dn: acb) -> Sequence[acb]:
+            p, q, r = P * (sn if sine else cn), Q * (cn if sine else sn), R * dn
+            return p, q, r, e + G * p * p, M * p * q, N * p * r
 
-        def state(sn: Scalar, cn: Scalar, dn: Scalar) -> tuple[Scalar, ...]:
-            one, two = (sn, cn) if sine else (cn, sn)
-            p, q, r = P * one, Q * two, R * dn
-            return p, q, r, x["e"] + x["G"] * p * p, x["M"] * p * q, x["N"] * p * r
-
-        phase = functions.phase(first * sn, second * cn, dn)
-        return EllipticOrbit(functions, phase, mpmath.sqrt(x["nu2"]), state)
+        return self._on(EllipticTime(m, m1, (one[0], other[0]), squares, nu2).orbit(state))
 
 
 FAMILY: Family = orbit_family("steklov", Steklov)

@@ -170,6 +170,7 @@ class PeriodicAttitude:
         strip: Strip | None = None,
     ) -> None:
         self._orbit, self._size, self._equations = orbit, size, equations
+        self._speed = speed
         self._period, self._cycle = orbit.period, orbit.cycle
         self._axis = strip.axis if strip else self._never_vertical()
         self._square = sum(x * x for x in self._axis)
@@ -219,10 +220,11 @@ class PeriodicAttitude:
         n = _FEWEST
         while True:
             sums = self._fourier(n)
-            sizes = [abs(x).abs_upper() for x in sums]
-            last, largest = max(sizes[-n // 4 :]), max(sizes)
-            if last < largest * arb(2) ** (8 - ctx.prec):
-                return sums, around(4 * n * last * self._cycle).real
+            last = [abs(x) for x in sums[-n // 4 :]]
+            small = abs(sums[0]).max(self._speed) * arb(2) ** (8 - ctx.prec)
+            if all(x.abs_lower() < small for x in last):
+                wide = sum((x.abs_upper() for x in last), small)
+                return sums, around(4 * wide * self._cycle).real
             n *= 2
             if n > _MOST_SAMPLES:
                 raise TooFewBits

@@ -19,12 +19,6 @@ def number(x: Exact, bits: int) -> mpf:
     return mpmath.make_mpf(libmp.from_man_exp(*rounded(x, bits)))
 
 
-def vector(row: Sequence[Exact], bits: int) -> tuple[Scalar, Scalar, Scalar]:
-    """Three exact numbers, rounded to ``bits`` bits."""
-    a, b, c = (number(x, bits) for x in row)
-    return a, b, c
-
-
 def log2(x: Exact) -> float:
     """log2 |x|, to a bit; -inf at 0."""
     mantissa, exponent = rounded(x, 8)

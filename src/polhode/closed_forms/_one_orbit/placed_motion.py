@@ -1,0 +1,176 @@
+"""What the families with one orbit a body share: their axes, the conditions, the rows.
+
+    I w' + w x I w = Mg gamma x r0,    gamma' = gamma x w        (Yehia 3.13-3.17)
+
+A family says in which axes it has its normal form (:mod:`.._engine.normal_form`) and gives w,
+gamma and the turn of the body there.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable, Iterator, Sequence
+from typing import Protocol
+
+from flint import acb, arb
+
+from polhode.closed_forms._engine.closed_form import Rows
+from polhode.closed_forms._engine.normal_form import Condition, Placed, placed_in
+from polhode.closed_forms._engine.principal_scene import PrincipalScene
+from polhode.closed_forms.balls.core import ball, root
+from polhode.closed_forms.balls.frames import Frame, Turn, product
+from polhode.closed_forms.balls.motion import BallMotion
+from polhode.closed_forms.balls.periodic_attitude import (
+    Equations,
+    PeriodicAttitude,
+    PeriodicOrbit,
+    Strip,
+)
+from polhode.common.cached_property import cached_property
+from polhode.numbers.exact import ONE, ZERO, noted, sign, sqrt
+from polhode.scenes.body import Vector, dot
+
+
+class NormalMotion(Protocol):
+    """The motion in the axes of the normal form, at one precision."""
+
+    @property
+    def period(self) -> arb | None:
+        """Of w and gamma; None where there is none."""
+        ...
+
+    def at(self, t: arb) -> Sequence[arb]:
+        """p, q, r, gamma1, gamma2, gamma3."""
+        ...
+
+    def turn(self, t: arb, state: Sequence[arb]) -> Turn:
+        """How far the axes have turned since t = 0; ``state`` is that at t."""
+        ...
+
+
+class OnOrbit:
+    """A periodic motion, from its orbit at complex phases; its attitude is made when asked for."""
+
+    def __init__(self, orbit: PeriodicOrbit, attitude: Callable[[], PeriodicAttitude]) -> None:
+        self._orbit, self._attitude = orbit, attitude
+        self.period = orbit.period
+
+    def at(self, t: arb) -> Sequence[arb]:
+        """p, q, r, gamma1, gamma2, gamma3."""
+        s = self._orbit.phase(t + self._orbit.begin)
+        return [x.real for x in self._orbit.state(acb(s))]
+
+    def turn(self, t: arb, state: Sequence[arb]) -> Turn:
+        """The turn since t = 0."""
+        return self._turning.turn(t, state)
+
+    @cached_property
+    def _turning(self) -> PeriodicAttitude:
+        return self._attitude()
+
+
+class PlacedSolution:
+    """The motion in the scene's axes, at one precision; ``speed`` is a bound of |w|.
+
+    ``frame``: right-handed axes, which are those of the normal form or, where ``mirrored``, their
+    opposites: w has the same components in both.
+    """
+
+    def __init__(
+        self, motion: NormalMotion, frame: Frame, mirrored: bool, start: Turn | None, speed: arb
+    ) -> None:
+        self.motion, self.speed = motion, speed
+        self._frame, self._mirrored, self._start = frame, mirrored, start
+
+    def row(self, t: arb, attitude: bool) -> Sequence[arb]:
+        """p q r gamma1 gamma2 gamma3 [q0 q1 q2 q3]."""
+        state = self.motion.at(t)
+        up = [-x for x in state[3:]] if self._mirrored else state[3:]
+        row = [*self._frame.back(state[:3]), *self._frame.back(up)]
+        if attitude:
+            assert self._start is not None
+            row += product(self._start, self._frame.turn(self.motion.turn(t, state)))
+        return row
+
+
+class PlacedMotion(BallMotion[PlacedSolution]):
+    """The motion of one heavy body from one start in a family's closed form.
+
+    A family says its conditions in the axes of its normal form, the name of the motion, and the
+    motion there, a periodic one by :meth:`_on`.
+    """
+
+    #: The scene in the axes of the normal form.
+    normal: Placed
+    #: Whether axis 1 of the normal form is exactly vertical again and again.
+    axis_1_passes_the_vertical = False
+
+    def _set_up(self, moments: Vector, torque: Vector, omega: Vector, axes: Rows | None) -> None:
+        within = Frame(within=axes)
+        scene = PrincipalScene(moments, torque, within.into(omega), within.into(self._gamma))
+        with noted():  # what is decided of other axes does not matter
+            found = placed_in(type(self).conditions, scene)
+        if found is None:
+            raise ValueError(f"not a motion of {type(self).__name__}")
+        place, self.normal = found
+        side = place.determinant
+        self._mirrored = side < 0
+        self._frame = Frame.signed(place.order, [side * s for s in place.signs], within=axes)
+        x, y, _ = self._frame.out((ONE, ZERO, ZERO))
+        self.passes_poles = self.axis_1_passes_the_vertical and sign(x) == 0 == sign(y)
+        self._held = tuple(
+            condition.text for condition in self.conditions(self.normal) if condition.holds
+        )
+        self.regime = self._regime()
+        # |w|^2 <= 2 (H + P)/I_min with P = |Mg r0|
+        weight = sqrt(dot(torque, torque))
+        self._speed2 = 2 * (self.normal.energy + weight) / min(moments)
+        self._strip: Strip | None = None
+
+    @staticmethod
+    @abstractmethod
+    def conditions(scene: Placed) -> Iterator[Condition]:
+        """What the family asks of a scene in the axes of its normal form, in order."""
+
+    @property
+    def held(self) -> tuple[str, ...]:
+        """The family's conditions, all of which hold."""
+        return self._held
+
+    @abstractmethod
+    def _regime(self) -> str:
+        """The name of the motion."""
+
+    @abstractmethod
+    def _motion(self) -> NormalMotion:
+        """The motion in the normal axes, at the precision in force."""
+
+    def _solved(self) -> PlacedSolution:
+        start = self._start().attitude
+        return PlacedSolution(self._motion(), self._frame, self._mirrored, start, self._speed())
+
+    def _speed(self) -> arb:
+        """A bound of |w|; positive, 1 at rest."""
+        return root(self._speed2) if sign(self._speed2) else arb(1)
+
+    def repeats(self) -> arb | None:
+        """The period, of w and gamma."""
+        return self._period_ball()
+
+    def _period_ball(self) -> arb | None:
+        return self._solution().motion.period
+
+    def _on(self, orbit: PeriodicOrbit) -> NormalMotion:
+        """The motion on an orbit that solves the equations."""
+        return OnOrbit(orbit, lambda: self._turned(orbit))
+
+    def _turned(self, orbit: PeriodicOrbit) -> PeriodicAttitude:
+        equations, speed = self._equations(), self._speed()
+        attitude = PeriodicAttitude(orbit, arb(1), speed, equations, self._strip)
+        self._strip = attitude.strip
+        return attitude
+
+    def _equations(self) -> Equations | None:
+        """The body's, at the precision in force."""
+        moments, torque = ([ball(x) for x in v] for v in (self.normal.moments, self.normal.torque))
+        return Equations(moments, torque)

@@ -1,0 +1,307 @@
+"""The families with one orbit a body, in balls: random members, and by force."""
+
+from dataclasses import replace
+from fractions import Fraction
+from itertools import pairwise
+
+import pytest
+from flint import acb, arb
+
+import polhode
+from polhode.closed_forms._one_orbit import orbits, placed_motion
+from polhode.closed_forms._one_orbit.orbits import zeros
+from polhode.closed_forms.balls import periodic_attitude
+from polhode.closed_forms.balls.core import Refused, TooFewBits, ball
+from polhode.closed_forms.balls.periodic_attitude import Equations, PeriodicAttitude
+from polhode.closed_forms.balls.power_sum import PowerSum
+from polhode.closed_forms.families import mpmath
+from polhode.numbers import exact
+from polhode.numbers.flint_context import ctx
+from polhode.numbers.mpmath_context import mpf
+from shared import steady_precession
+from shared.ball_checks import agrees_with_taylor, every_ball_holds_its_value, made, row_at
+from shared.closed_form_motions import relabel
+from shared.members import start
+from shared.orbit_members import MEMBERS, MOTIONS, steklov_start
+
+F = Fraction
+#: Of which a row with attitude costs little.
+QUICK = "staude", "grioli", "bobylev-steklov", "steklov"
+FEW = 30, 43, 60, 85, 128, 200, 260
+
+
+def of(family, seed=1):
+    return made(family, start(family, seed)[0])
+
+
+@pytest.mark.parametrize(
+    ("family", "seed"),
+    [
+        *((family, 0) for family in QUICK),
+        *(
+            pytest.param(family, seed, marks=pytest.mark.slow if seed < 2 else pytest.mark.campaign)
+            for family in MEMBERS | {"staude": None}
+            for seed in range(20)
+            if seed or family not in QUICK
+        ),
+    ],
+)
+def test_random_members(family, seed):
+    plain, pick = start(family, seed)
+    signs = [pick.choice((1, -1)) for _ in range(3)]
+    plain = relabel(plain, pick.sample(range(3), 3), signs)
+    motion = made(family, plain)
+    assert every_ball_holds_its_value(motion, (F(3, 2), F(-7)), FEW, 330) > 60
+    if max(map(abs, plain[1])) < 1000 * min(plain[0]):  # else the run itself loses digits
+        agrees_with_taylor(motion, plain)
+    assert motion.proven is True
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("family", ["n-kowalewski", "chaplygin"])
+def test_flows_from_turning_points(family):
+    """Where one of the roots is exactly 0 at t = 0, and next to it."""
+    for name, plain in MOTIONS[family].items():
+        motion = made(family, plain)
+        assert every_ball_holds_its_value(motion, (F(3, 2), F(-7)), FEW, 330) > 60, name
+
+
+def test_next_to_where_the_modulus_is_1():
+    """Steklov's A next to 2B and 2C next to A: b0 and c0 large, and the period long."""
+    for off in (F(1, 10**6), F(1, 10**12)):
+        plain = steklov_start(F(2) - off, F(1), F(1) - off, F(13, 10), F(1, 3))
+        motion = made("steklov", plain)
+        (few,), (many,) = motion.at([F(7)], 20), motion.at([F(7)], 50)
+        with mpmath.workdps(60):
+            speed = max(abs(x) for x in many[:3])
+            assert max(abs(x - y) for x, y in zip(few, many, strict=True)) < speed * mpf("1e-20")
+
+
+@pytest.mark.parametrize("factor", [6, pytest.param(4, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("family", ["steklov", pytest.param("goryachev", marks=pytest.mark.slow)])
+def test_by_force_a_strip_too_wide_misses(family, factor, monkeypatch):
+    """At 200 bits: fewer samples, and the bound of the proper strip."""
+    fine = row_at(of(family), F(-7), 330)
+    proper = PeriodicAttitude._proven_sums
+
+    def fewer(self):
+        self.strip = replace(self.strip, eta=factor * self.strip.eta)
+        return proper(self)
+
+    monkeypatch.setattr(PeriodicAttitude, "_proven_sums", fewer)
+    wrong = row_at(of(family), F(-7), 200)
+    assert all(x.overlaps(y) for x, y in zip(wrong[:6], fine, strict=False))
+    assert not all(x.overlaps(y) for x, y in zip(wrong, fine, strict=True))
+
+
+@pytest.mark.parametrize("place", [1, 9])
+def test_by_force_a_term_of_the_azimuth_left_out(place, monkeypatch):
+    fine = row_at(of("steklov"), F(-7), 330)
+    proper = PowerSum.__init__
+    monkeypatch.setattr(
+        PowerSum,
+        "__init__",
+        lambda self, terms: proper(self, [x * (k != place) for k, x in enumerate(terms)]),
+    )
+    wrong = row_at(of("steklov"), F(-7), 200)
+    assert not all(x.overlaps(y) for x, y in zip(wrong, fine, strict=True))
+
+
+@pytest.mark.parametrize("family", ["steklov", "bobylev-steklov"])
+def test_by_force_the_phase_at_the_start_off_by_1e_50(family, monkeypatch):
+    fine = row_at(of(family), F(-7), 330)
+    proper = orbits.EllipticTime.phase
+    off = arb(10) ** -50
+    monkeypatch.setattr(orbits.EllipticTime, "phase", lambda *a: proper(*a) + off)
+    wrong = row_at(of(family), F(-7), 200)
+    assert not all(x.overlaps(y) for x, y in zip(wrong[:6], fine, strict=False))
+
+
+def test_how_far_a_state_moves_is_bounded_and_not_by_much():
+    """Beside the motion itself at a complex time; half of the bound is passed."""
+    motion = of("goryachev", 2)
+    with ctx.workprec(100):
+        orbit = motion._solution().motion._orbit
+        equations = motion._equations()
+        now, reach = acb(arb("0.3"), arb("0.1")), arb("1e-4")
+        moves = equations.moves(orbit.state(now), reach)
+        halved = 0
+        for way in (1, acb(0, 1), -1):
+            there = orbit.state(now + way * reach)
+            for x, y, most in zip(there, orbit.state(now), moves, strict=True):
+                assert abs(x - y) <= most
+                halved += abs(x - y) > most / 2
+        assert halved > 10
+        assert equations.moves(orbit.state(now), arb(100)) is None
+
+
+def test_a_body_without_moment_is_the_free_one():
+    """w' = 0 where w is along an axis, and the vertical turns: a bound that starts from 0."""
+    with ctx.workprec(64):
+        still = [acb(x) for x in (1, 0, 0, 0, 0, 1)]
+        moves = Equations([arb(3), arb(2), arb(1)], [arb(0)] * 3).moves(still, arb("0.01"))
+        assert [bool(x == 0) for x in moves] == [True] * 4 + [False] * 2
+        assert 0.0099 < moves[4] < 0.0103
+
+
+def test_zeros_of_a_polynomial_are_real_or_not():
+    with ctx.workprec(120):
+        found = zeros([exact.exact(x) for x in (-6, 11, -6, 1)])
+        assert sorted(round(float(z.real)) for z in found) == [1, 2, 3]
+        assert all(z.imag.is_zero() and z.real.rad() < arb(2) ** -118 for z in found)
+        pair = zeros([exact.exact(x) for x in (2, 0, 3, 0, 1)])  # (z^2 + 1)(z^2 + 2)
+        assert not any(z.imag.contains(0) for z in pair)
+    near = [F(-1, 10**40), F(0), F(1)]
+    with ctx.workprec(64):  # +-1e-20, which 192 bits tell apart
+        assert sorted(float(z.real) for z in zeros(near)) == pytest.approx([-1e-20, 1e-20])
+    with ctx.workprec(64), pytest.raises(TooFewBits):
+        zeros([F(1), F(2), F(1)])  # double
+    wide, beside = (acb(arb(x, 1e-10), arb(0, 1e-10)) for x in (0, 1e-10))
+    with pytest.raises(TooFewBits):
+        orbits._real_or_not(wide, [wide, beside])
+
+
+def test_roots_of_a_factor_are_smooth_up_to_its_zero():
+    """On an ellipse about the way that ends before 0.8 + 0.3i: the principal root would jump."""
+    with ctx.workprec(60):
+        pair = [acb("0.8", "0.3"), acb("0.8", "-0.3")]
+        factor = orbits._Factor(pair, arb(2), arb(0), arb(1))
+        places = [acb(0.5, h / 100) for h in range(33)]
+        roots = [factor.root(y) for y in places]
+        for y, root in zip(places, roots, strict=True):
+            assert abs(root * root - 2 * (y - pair[0]) * (y - pair[1])) < 1e-14
+        assert max(abs(b - a) for a, b in pairwise(roots)) < 0.05
+
+
+@pytest.mark.parametrize("count", [1, 2, 7, 100])
+def test_sums_of_powers(count):
+    with ctx.workprec(300):
+        terms = [acb(k + 1, -k) / (k * k + 1) for k in range(count)]
+        w, right = acb(0, 1).exp(), acb(0)
+        for x in reversed(terms):
+            right = right * w + x
+    with ctx.workprec(100):
+        found = PowerSum(terms).at(w)
+        assert abs(found - right) < arb(10) ** -26
+        assert found.real.rad() < arb(10) ** -26
+
+
+@pytest.mark.parametrize(
+    "name", ["steklov/upper", "grioli/precession", "kovalevskaya/bobylev-steklov"]
+)
+def test_turns_after_a_period_are_those_that_are_counted(name, monkeypatch):
+    """Through a period they are counted once; the same without."""
+    scene = polhode.load(name)
+    told = polhode.reference(scene)
+    period = told.period
+    times = [F(n) * F(str(period)) + F(1, 3) for n in (0, 4, -5)]
+    known = told.angles([*times, 10**9], 20)
+    counted = polhode.reference(scene)
+    monkeypatch.setattr(type(counted._motion), "repeats", lambda self: None)
+    for row, right in zip(known, counted.angles(times, 20), strict=False):
+        for x, y in zip(row, right, strict=True):
+            assert abs(x - y) < mpf("1e-19")
+    with pytest.raises(polhode.BadInput, match="not counted so far"):
+        counted.angles([10**9], 20)
+    assert known[-1][0] is not None
+
+
+@pytest.mark.parametrize(
+    "family", ["steklov", pytest.param("goryachev", marks=pytest.mark.slow), "bobylev-steklov"]
+)
+def test_past_a_pole_that_it_passes_exactly_nothing_is_counted(family):
+    """Axis 1 of the first two is vertical where p = 0: here it is the third one."""
+    (A, B, C), (c, _, _), (p, q, r), (g1, g2, g3) = start(family, 4)[0]
+    motion = made(family, ((B, C, A), (F(0), F(0), c), (q, r, p), (g2, g3, g1)))
+    assert motion.passes_poles == (family != "bobylev-steklov")
+    assert not made(family, start(family, 4)[0]).passes_poles
+    if motion.passes_poles:
+        with pytest.raises(Refused, match="not counted past a pole"):
+            motion.angles([F(1000)], 20)
+    assert len(motion.attitude([F(1000)], 20)[0]) == 4
+
+
+def test_a_strip_that_is_not_proven_is_refused(monkeypatch):
+    monkeypatch.setattr(periodic_attitude, "_LEAST_ETA", 0.2)
+    with pytest.raises(Refused, match=r"Steklov.*not bounded next to real times"):
+        of("steklov").attitude([F(1)], 20)
+
+
+class Wrong(steady_precession.SteadyPrecession):
+    """Of another start."""
+
+    def _orbit(self, bits):
+        return replace(super()._orbit(bits), n=mpf(3))
+
+
+class Endless(steady_precession.SteadyPrecession):
+    """Without period."""
+
+    def _orbit(self, bits):
+        proper = super()._orbit(bits)
+
+        class Orbit:
+            period = None
+            at = staticmethod(proper.at)
+
+        return Orbit()
+
+
+class Rough(steady_precession.SteadyPrecession):
+    """Its rate is right to half of the bits only."""
+
+    def _orbit(self, bits):
+        proper = super()._orbit(bits)
+        return replace(proper, s=proper.s * (1 + mpmath.ldexp(1, -bits // 2)))
+
+
+STEADY = (
+    (F(1), F(1), F(2)),
+    (F(0), F(0), F(4)),
+    (F(6, 5), F(0), F(9, 5)),
+    (F(3, 5), F(0), F(4, 5)),
+)
+
+
+def test_an_orbit_of_ones_own_is_reproduced_not_proven():
+    top = steady_precession.SteadyPrecession(*STEADY)
+    assert (top.proven, top.radii([F(1)], 20)) == (False, None)
+    for far in (F(10**12) + F(1, 7), F(10**40, 7)):
+        (few,), (many,) = top.at([far], 20), top.at([far], 60)
+        assert max(abs(x - y) for x, y in zip(few, many, strict=True)) < mpf("2e-20")
+    assert top.error(20, [F(1)]) < mpf("1e-20")
+    (turn,), (finer,) = top.attitude([F(10**6)], 20), top.attitude([F(10**6)], 40)
+    assert max(abs(x - y) for x, y in zip(turn, finer, strict=True)) < mpf("2e-20")
+    rough = Rough(*STEADY)
+    (other,) = rough.at([F(10**40, 7)], 30)
+    assert max(abs(x - y) for x, y in zip(other, many, strict=True)) < mpf("2e-30")
+
+
+def test_what_an_orbit_of_ones_own_may_lack():
+    with pytest.raises(ArithmeticError, match="does not reproduce the start"):
+        Wrong(*STEADY).at([F(1)], 20)
+    endless = Endless(*STEADY)
+    assert endless.period(20) is None
+    assert len(endless.at([F(1)], 20)[0]) == 6
+    with pytest.raises(Refused, match="without period has no attitude"):
+        endless.attitude([F(1)], 20)
+
+
+def test_irrational_bodies_tell_what_is_called_0(monkeypatch):
+    """A = 2C by sqrt 2 sqrt 3 = sqrt 6; what is asked of other axes is not told."""
+    C = exact.sqrt(F(6))
+    A = 2 * exact.sqrt(F(2)) * exact.sqrt(F(3))
+    gamma = F(16, 25), F(12, 25), F(3, 5)
+    torque, p, r = (2 * C, F(0), F(0)), F(6, 5), F(1)
+    plain = (A, F(13, 10) * C, C), torque, (p, F(0), r), gamma
+    motion = made("bobylev-steklov", plain)
+    assert motion.assumed
+    assert all(ball(x).is_zero() for x in motion.assumed)
+    proper = placed_motion.placed_in
+
+    def asks(*given):
+        assert exact.sign(A - 2 * C) == 0
+        return proper(*given)
+
+    monkeypatch.setattr(placed_motion, "placed_in", asks)
+    assert made("bobylev-steklov", start("bobylev-steklov", 3)[0]).assumed == ()
