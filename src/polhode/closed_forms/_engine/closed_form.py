@@ -34,7 +34,7 @@ class ClosedForm(ABC):
     attitude without gamma) raises ValueError, numbers that contradict each other ArithmeticError.
 
     A family gives :meth:`_set_up`, the precision that times and digits need (:meth:`_bits`), the
-    period, and the answers, most of them by :mod:`.from_attitude`.
+    period, and the answers.
     """
 
     regime: str

@@ -61,9 +61,3 @@ def turned_back(turn: Quaternion, g: AnyVector) -> AnyVector:
         g[1] - 2 * (c * u2 - z * u1 + x * u3),
         g[2] - 2 * (c * u3 - x * u2 + y * u1),
     )
-
-
-def direction(z: Scalar) -> Scalar:
-    """arg z, the negative axis counted as +pi even where rounding put z just below it."""
-    angle = mpmath.arg(z)
-    return angle + 2 * mpmath.pi if angle < -mpmath.pi * (1 - mpmath.ldexp(1, -50)) else angle

@@ -1,1 +1,0 @@
-"""Turns of psi and phi: all counting that families share."""
