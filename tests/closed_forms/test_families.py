@@ -10,9 +10,9 @@ import pytest
 
 import polhode
 from polhode.closed_forms import families
-from polhode.closed_forms._engine.misfit import Misfit
-from polhode.closed_forms._engine.principal_scene import in_principal_axes
 from polhode.closed_forms.families import FAMILIES, Family, closed_form, closed_forms
+from polhode.closed_forms.membership.misfit import Misfit
+from polhode.closed_forms.membership.principal_scene import in_principal_axes
 from polhode.common.errors import BadInput
 from polhode.judging.references.reference import reference
 from polhode.scenes import added_families, scene_file

@@ -6,8 +6,8 @@ from flint import arb
 
 import polhode
 from polhode.closed_forms.balls.core import TooFewBits, ball
+from polhode.closed_forms.balls.frames import conjugate, product
 from polhode.closed_forms.families import closed_form
-from polhode.closed_forms.functions.quaternion import conjugate, product
 from polhode.numbers import exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf, mpmath

@@ -11,11 +11,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from fractions import Fraction
 
-from polhode.closed_forms._engine.closed_form import ClosedForm
-from polhode.closed_forms._engine.family import Family
-from polhode.closed_forms._engine.misfit import Misfit
-from polhode.closed_forms._engine.normal_form import Condition, Placed, equal, positive
-from polhode.closed_forms._engine.principal_scene import PrincipalScene, in_principal_axes
 from polhode.closed_forms._one_orbit import (
     bobylev_steklov,
     chaplygin,
@@ -27,13 +22,18 @@ from polhode.closed_forms._one_orbit import (
 )
 from polhode.closed_forms._one_orbit.orbit_family import orbit_family
 from polhode.closed_forms._one_orbit.orbit_motion import Orbit, OrbitMotion
+from polhode.closed_forms.closed_form import ClosedForm
 from polhode.closed_forms.euler import family as euler
-from polhode.closed_forms.functions.rounding import number
 from polhode.closed_forms.goryachev_chaplygin import family as goryachev_chaplygin
 from polhode.closed_forms.hess import family as hess
 from polhode.closed_forms.kovalevskaya import family as kovalevskaya
 from polhode.closed_forms.lagrange import family as lagrange
+from polhode.closed_forms.membership.family import Family
+from polhode.closed_forms.membership.misfit import Misfit
+from polhode.closed_forms.membership.normal_form import Condition, Placed, equal, positive
+from polhode.closed_forms.membership.principal_scene import PrincipalScene, in_principal_axes
 from polhode.closed_forms.pendulum import family as pendulum
+from polhode.closed_forms.rounding import number
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
 from polhode.numbers.mpmath_context import mpmath

@@ -22,8 +22,12 @@ from dataclasses import dataclass
 
 from flint import acb
 
-from polhode.closed_forms._engine.family import Family
-from polhode.closed_forms._engine.normal_form import (
+from polhode.closed_forms._one_orbit.orbit_family import orbit_family
+from polhode.closed_forms._one_orbit.orbits import FlowOrbit
+from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
+from polhode.closed_forms.balls.core import ball
+from polhode.closed_forms.membership.family import Family
+from polhode.closed_forms.membership.normal_form import (
     Condition,
     Placed,
     equal,
@@ -31,10 +35,6 @@ from polhode.closed_forms._engine.normal_form import (
     on_axis_1,
     positive,
 )
-from polhode.closed_forms._one_orbit.orbit_family import orbit_family
-from polhode.closed_forms._one_orbit.orbits import FlowOrbit
-from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
-from polhode.closed_forms.balls.core import ball
 from polhode.numbers.exact import ONE, ZERO, Exact, power, sign, sqrt
 
 

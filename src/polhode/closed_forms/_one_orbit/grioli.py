@@ -18,18 +18,18 @@ from dataclasses import dataclass
 
 from flint import arb
 
-from polhode.closed_forms._engine.family import Family
-from polhode.closed_forms._engine.normal_form import (
+from polhode.closed_forms._one_orbit.orbit_family import orbit_family
+from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
+from polhode.closed_forms.balls.core import ball
+from polhode.closed_forms.balls.frames import Turn, product
+from polhode.closed_forms.membership.family import Family
+from polhode.closed_forms.membership.normal_form import (
     Condition,
     Placed,
     equal,
     matching,
     positive,
 )
-from polhode.closed_forms._one_orbit.orbit_family import orbit_family
-from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
-from polhode.closed_forms.balls.core import ball
-from polhode.closed_forms.balls.frames import Turn, product
 from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt
 from polhode.scenes.body import Vector, dot, scaled
 

@@ -4,7 +4,7 @@ Mg r0 = (c, 0, 0), c > 0, A (10B - 9C) = 18 C (B - C); x = B/C, D = 10x - 9, c3 
 
     q^2 = b0 + b1 p + b2 p^2,    r^2 = c0 + c1 p + c2 p^2 + c3 p^3,    p' = (B - C) q r/A
 
-(N. Kowalewski, Math. Ann. 65 (1908) 528), the coefficients in :func:`.conditions.frame_of`.  Time
+(N. Kowalewski, Math. Ann. 65 (1908) 528), the coefficients in :func:`frame_of`.  Time
 is a Fourier series in an angle between two zeros of Q R (:mod:`..balls.one_degree`).
 """
 
@@ -15,8 +15,13 @@ from typing import NamedTuple
 
 from flint import acb
 
-from polhode.closed_forms._engine.family import Family
-from polhode.closed_forms._engine.normal_form import (
+from polhode.closed_forms._one_orbit.gamma_from_omega import Frame, frame
+from polhode.closed_forms._one_orbit.orbit_family import orbit_family
+from polhode.closed_forms._one_orbit.orbits import FlowOrbit
+from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
+from polhode.closed_forms.balls.core import ball
+from polhode.closed_forms.membership.family import Family
+from polhode.closed_forms.membership.normal_form import (
     Condition,
     Placed,
     equal,
@@ -24,11 +29,6 @@ from polhode.closed_forms._engine.normal_form import (
     on_axis_1,
     positive,
 )
-from polhode.closed_forms._one_orbit.orbit_family import orbit_family
-from polhode.closed_forms._one_orbit.orbits import FlowOrbit
-from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
-from polhode.closed_forms.balls.core import ball
-from polhode.closed_forms.functions.gamma_from_omega import Frame, frame
 from polhode.numbers.exact import ONE, Exact, sqrt
 
 

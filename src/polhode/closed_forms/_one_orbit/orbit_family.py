@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from functools import partial
 
-from polhode.closed_forms._engine.family import Family
-from polhode.closed_forms._engine.normal_form import placed_in, shortfall
-from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.closed_forms._one_orbit.placed_motion import PlacedMotion
+from polhode.closed_forms.membership.family import Family
+from polhode.closed_forms.membership.normal_form import placed_in, shortfall
+from polhode.closed_forms.membership.principal_scene import PrincipalScene
 
 
 def orbit_family(name: str, motion: type[PlacedMotion]) -> Family:

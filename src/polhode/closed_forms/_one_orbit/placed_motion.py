@@ -2,7 +2,7 @@
 
     I w' + w x I w = Mg gamma x r0,    gamma' = gamma x w        (Yehia 3.13-3.17)
 
-A family says in which axes it has its normal form (:mod:`.._engine.normal_form`) and gives w,
+A family says in which axes it has its normal form (:mod:`..membership.normal_form`) and gives w,
 gamma and the turn of the body there.
 """
 
@@ -14,9 +14,6 @@ from typing import Protocol
 
 from flint import acb, arb
 
-from polhode.closed_forms._engine.closed_form import Rows
-from polhode.closed_forms._engine.normal_form import Condition, Placed, placed_in
-from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.closed_forms.balls.core import ball, root
 from polhode.closed_forms.balls.frames import Frame, Turn, product
 from polhode.closed_forms.balls.motion import BallMotion
@@ -26,6 +23,9 @@ from polhode.closed_forms.balls.periodic_attitude import (
     PeriodicOrbit,
     Strip,
 )
+from polhode.closed_forms.closed_form import Rows
+from polhode.closed_forms.membership.normal_form import Condition, Placed, placed_in
+from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import ONE, ZERO, noted, sign, sqrt
 from polhode.scenes.body import Vector, dot

@@ -3,7 +3,7 @@
 
 All right-hand sides of the six equations vanish: w = om gamma and om^2 I gamma - Mg r0 = mu gamma.
 State and theta, phi stay, psi' = om.  Whether the rotation is stable is decided exactly
-(:mod:`polhode.closed_forms.functions.rotation_stability`).
+(:mod:`polhode.closed_forms.rotation_stability`).
 """
 
 from __future__ import annotations
@@ -12,14 +12,14 @@ from collections.abc import Iterator, Mapping
 
 from flint import arb
 
-from polhode.closed_forms._engine.family import Family
-from polhode.closed_forms._engine.normal_form import Condition, Placed, equal
 from polhode.closed_forms._one_orbit.orbit_family import orbit_family
 from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
 from polhode.closed_forms.balls.angles import Arguments
 from polhode.closed_forms.balls.core import ball, root
 from polhode.closed_forms.balls.one_axis import Permanent
-from polhode.closed_forms.functions.rotation_stability import Stability, spectrum
+from polhode.closed_forms.membership.family import Family
+from polhode.closed_forms.membership.normal_form import Condition, Placed, equal
+from polhode.closed_forms.rotation_stability import Stability, spectrum
 from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import sign, sqrt
 from polhode.scenes.body import cross, dot, is_zero, minus

@@ -18,18 +18,18 @@ from collections.abc import Iterator, Sequence
 
 from flint import acb
 
-from polhode.closed_forms._engine.family import Family
-from polhode.closed_forms._engine.normal_form import (
+from polhode.closed_forms._one_orbit.orbit_family import orbit_family
+from polhode.closed_forms._one_orbit.orbits import EllipticTime
+from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
+from polhode.closed_forms.balls.core import ball, root
+from polhode.closed_forms.membership.family import Family
+from polhode.closed_forms.membership.normal_form import (
     Condition,
     Placed,
     matching,
     on_axis_1,
     positive,
 )
-from polhode.closed_forms._one_orbit.orbit_family import orbit_family
-from polhode.closed_forms._one_orbit.orbits import EllipticTime
-from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
-from polhode.closed_forms.balls.core import ball, root
 from polhode.numbers.exact import Exact, exact, sign
 
 

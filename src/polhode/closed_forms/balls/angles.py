@@ -15,7 +15,6 @@ from typing import NamedTuple, Protocol, TypeAlias
 
 from flint import acb, arb
 
-from polhode.closed_forms._engine.initial_attitude import start_angles
 from polhode.closed_forms.balls.core import (
     Refused,
     Row,
@@ -27,7 +26,6 @@ from polhode.closed_forms.balls.core import (
 )
 from polhode.closed_forms.balls.frames import Turn
 from polhode.closed_forms.balls.winding import Grown, counted
-from polhode.closed_forms.functions.rounding import shortened
 from polhode.numbers.exact import EQUAL_BITS, Exact, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf
@@ -92,9 +90,7 @@ def angle_rows(
     rows = []
     for t, count in zip(times, counts, strict=True):
         if sign(t) == 0:
-            bits = int(3.33 * digits) + 40
-            begin = start_angles(gamma, psi, bits)
-            rows.append([shortened([x], digits, absolute=True)[0] for x in begin])
+            rows.append(_first_row(gamma, psi, digits))
         else:
             rows.append(_row(start, t, count, digits))
     return rows
@@ -211,6 +207,18 @@ def _growths(motion: Turning, begin: arb, times: Sequence[arb], sense: int) -> l
         )
         for k, n in enumerate(whole)
     ]
+
+
+def _first_row(gamma: Sequence[Exact], psi: Exact, digits: int) -> list[mpf | None]:
+    """psi, theta and phi = atan2(g1, g2) at t = 0; only theta at a pole."""
+
+    def angles() -> Row:
+        g1, g2, g3 = (ball(x) for x in gamma)
+        across = ball(gamma[0] * gamma[0] + gamma[1] * gamma[1]).sqrt()
+        return [ball(psi), arb.atan2(across, g3), arb.atan2(g1, g2)], [arb(1)] * 3
+
+    row = [number(x, digits, absolute=True) for x in until_sure(angles, digits)]
+    return [None, row[1], None] if sign(gamma[0]) == 0 == sign(gamma[1]) else [*row]
 
 
 def _row(start: _Start, t: Exact, count: _Count | None, digits: int) -> list[mpf | None]:

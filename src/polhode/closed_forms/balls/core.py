@@ -20,10 +20,10 @@ from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import Generic, TypeAlias, TypeVar
 
-from flint import arb, fmpq
+from flint import acb, arb, fmpq
 from mpmath import libmp
 
-from polhode.closed_forms.functions.rounding import SPARE
+from polhode.closed_forms.rounding import SPARE
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf, mpmath
@@ -36,7 +36,7 @@ Row: TypeAlias = tuple[Sequence[arb], Sequence[arb]]
 GUARD = 40  # bits beyond the digits at first
 _SLACK = 16  # bits beyond what the last precision is known to have lacked
 _MOST_BITS = 20_000
-_HALF = arb(0.5)
+_HALF, _I = arb(0.5), acb(0, 1)
 
 
 class TooFewBits(ArithmeticError):
@@ -64,6 +64,11 @@ def enclosed(x: Exact | int) -> arb:
 def root(x: Exact | int) -> arb:
     """The square root of an exact number that is not negative."""
     return ball(x).sqrt()
+
+
+def either_root(z: acb) -> acb:
+    """A square root of either sign, of a ball anywhere but around 0."""
+    return (-z).sqrt() * _I if z.real.mid() < 0 else z.sqrt()
 
 
 def nearest_integer(x: arb) -> int:

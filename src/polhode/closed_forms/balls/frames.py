@@ -18,21 +18,9 @@ from typing import TypeAlias
 from flint import acb, arb
 
 from polhode.closed_forms.balls.core import Kept, ball, enclosed
-from polhode.closed_forms.functions.quaternion import conjugate, product, turned_back
+from polhode.numbers import exact
 from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt, total
 from polhode.scenes.body import IDENTITY, Vector
-
-__all__ = [
-    "Frame",
-    "Start",
-    "Turn",
-    "conjugate",
-    "halves",
-    "product",
-    "quaternion",
-    "start_attitude",
-    "turned_back",
-]
 
 #: Rows of components in the scene's axes.
 Rows: TypeAlias = Sequence[Sequence[Exact]]
@@ -130,6 +118,50 @@ def quaternion(al: acb, bt: acb) -> Turn:
     return al.real, bt.real, bt.imag, al.imag
 
 
+def product(a: Turn, b: Turn) -> Turn:
+    """The product of two quaternions."""
+    a0, a1, a2, a3 = a
+    b0, b1, b2, b3 = b
+    return (
+        a0 * b0 - a1 * b1 - a2 * b2 - a3 * b3,
+        a0 * b1 + a1 * b0 + a2 * b3 - a3 * b2,
+        a0 * b2 - a1 * b3 + a2 * b0 + a3 * b1,
+        a0 * b3 + a1 * b2 - a2 * b1 + a3 * b0,
+    )
+
+
+def conjugate(a: Turn) -> Turn:
+    """The inverse turn."""
+    return a[0], -a[1], -a[2], -a[3]
+
+
+def of_matrix(rows: Sequence[Sequence[arb]]) -> Turn:
+    """The quaternion of a rotation matrix, of either sign (Shepperd 1978)."""
+    (a, b, c), (d, e, f), (g, h, i) = rows
+    squares = [1 + a + e + i, 1 + a - e - i, 1 - a + e - i, 1 - a - e + i]
+    best = max(range(4), key=lambda n: squares[n].mid())
+    square = squares[best]
+    parts = (
+        (square, h - f, c - g, d - b),
+        (h - f, square, b + d, c + g),
+        (c - g, b + d, square, f + h),
+        (d - b, c + g, f + h, square),
+    )[best]
+    w, x, y, z = (n / (2 * square.sqrt()) for n in parts)
+    return w, x, y, z
+
+
+def turned_back(turn: Turn, g: Sequence[arb]) -> tuple[arb, arb, arb]:
+    """A vector fixed in space, g in body axes before the turn, in body axes after it."""
+    c, x, y, z = turn
+    u1, u2, u3 = y * g[2] - z * g[1], z * g[0] - x * g[2], x * g[1] - y * g[0]
+    return (
+        g[0] - 2 * (c * u1 - y * u3 + z * u2),
+        g[1] - 2 * (c * u2 - z * u1 + x * u3),
+        g[2] - 2 * (c * u3 - x * u2 + y * u1),
+    )
+
+
 @dataclass(frozen=True)
 class Start:
     """gamma and the attitude at t = 0 in the scene's axes; both None where gamma is not known."""
@@ -141,8 +173,7 @@ class Start:
         """p q r [gamma1 gamma2 gamma3 q0 q1 q2 q3] after a turn from the start."""
         if self.gamma is None or self.attitude is None:
             return omega
-        g1, g2, g3 = self.gamma
-        return (*omega, *turned_back(turn, (g1, g2, g3)), *product(self.attitude, turn))
+        return (*omega, *turned_back(turn, self.gamma), *product(self.attitude, turn))
 
 
 def halves(gamma: Sequence[Exact], psi: Exact) -> tuple[acb, acb]:
@@ -159,7 +190,25 @@ def halves(gamma: Sequence[Exact], psi: Exact) -> tuple[acb, acb]:
     return cos * (_I * (turn + phi) / 2).exp(), sin * (_I * (turn - phi) / 2).exp()
 
 
+def start_sign(gamma: Sequence[Exact], psi: Exact) -> int:
+    """The factor by which the first component of :func:`halves` that is not 0 is positive.
+
+    Signs of exact numbers, at any precision the same: no rounding of a component that is 0 decides.
+    """
+    pole = sign(gamma[0]) == 0 == sign(gamma[1])
+    phi = ZERO if pole else exact.arctan2(gamma[0], gamma[1])
+    cos = not pole or sign(gamma[2]) > 0  # of theta/2, where it is not 0
+    sin = not pole or sign(gamma[2]) < 0
+    parts = (
+        (cos, exact.cos, psi + phi),
+        (sin, exact.cos, psi - phi),
+        (sin, exact.sin, psi - phi),
+        (cos, exact.sin, psi + phi),
+    )
+    return next(side for there, f, x in parts if there and (side := sign(f(x / 2))))
+
+
 def start_attitude(gamma: Sequence[Exact], psi: Exact, side: int) -> Turn:
-    """The quaternion at t = 0, ``side`` from :func:`..initial_attitude.start_sign`."""
+    """The quaternion at t = 0, ``side`` from :func:`start_sign`."""
     q0, q1, q2, q3 = quaternion(*halves(gamma, psi))
     return side * q0, side * q1, side * q2, side * q3

@@ -9,7 +9,6 @@ from typing import Generic, Protocol, TypeVar
 
 from flint import arb
 
-from polhode.closed_forms._engine.closed_form import ClosedForm, Rows
 from polhode.closed_forms.balls.angles import Arguments, angle_rows
 from polhode.closed_forms.balls.core import (
     Kept,
@@ -21,8 +20,10 @@ from polhode.closed_forms.balls.core import (
     sure_rows,
     until_sure,
 )
-from polhode.closed_forms.balls.frames import Start, Turn, start_attitude
-from polhode.closed_forms.functions.rounding import SPARE
+from polhode.closed_forms.balls.frames import Start, Turn, start_attitude, start_sign
+from polhode.closed_forms.closed_form import ClosedForm, Rows
+from polhode.closed_forms.rounding import SPARE
+from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import ZERO, Exact, Irrational, noted
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf
@@ -69,6 +70,7 @@ class BallMotion(ClosedForm, Generic[S]):
     knows_turns = False
     #: Whether the third axis is exactly vertical again and again; set in ``_set_up``.
     passes_poles = False
+    _body = "body"  # the name of the frequency of a motion that has a period
 
     def __init__(
         self,
@@ -90,6 +92,11 @@ class BallMotion(ClosedForm, Generic[S]):
     @abstractmethod
     def _solved(self) -> S:
         """The motion at the precision in force."""
+
+    @cached_property
+    def _sign(self) -> int:
+        """Of the attitude against the Euler angles at t = 0."""
+        return start_sign(self._gamma, self._psi)
 
     def _period_ball(self) -> arb | None:
         """The period of omega at the precision in force; None where none is known."""
@@ -143,7 +150,7 @@ class BallMotion(ClosedForm, Generic[S]):
         rows = self._rows(times, digits, attitude=False)
         return [[error_of(x, digits) for x in row[: self._width]] for row in rows]
 
-    def error(self, digits: int, times: Sequence[Exact]) -> mpf | None:
+    def error(self, digits: int, times: Sequence[Exact]) -> mpf:
         """A bound of the error of :meth:`at`, of w over its largest modulus, with the rounding."""
         rows = [row[: self._width] for row in self._rows(times, digits, attitude=False)]
         with ctx.workprec(_ERROR_BITS):

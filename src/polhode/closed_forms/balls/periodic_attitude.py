@@ -32,10 +32,9 @@ from typing import Any, Protocol
 from flint import acb, arb
 
 from polhode.closed_forms.balls.core import Refused, TooFewBits, nearest_integer
-from polhode.closed_forms.balls.frames import Turn, conjugate, product
+from polhode.closed_forms.balls.frames import Turn, conjugate, of_matrix, product
 from polhode.closed_forms.balls.power_sum import PowerSum
 from polhode.closed_forms.balls.quadrature import around
-from polhode.closed_forms.functions.quaternion import of_matrix
 from polhode.common.cached_property import cached_property
 from polhode.numbers.flint_context import ctx
 
@@ -342,7 +341,7 @@ class PeriodicAttitude:
         size = _dot(flat, flat).sqrt()
         one = [x / size for x in flat]
         sin, cos = (self._azimuth(s) / 2).sin_cos()
-        return product((cos, arb(0), arb(0), sin), of_matrix([one, _cross(g, one), g], arb.sqrt))
+        return product((cos, arb(0), arb(0), sin), of_matrix([one, _cross(g, one), g]))
 
     def _within(self, t: arb) -> Turn:
         """The attitude at 0 <= t <= T from s = 0 on, up to a turn about the vertical."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from polhode.closed_forms._engine.misfit import Misfit
-from polhode.closed_forms._engine.principal_scene import PrincipalScene
+from polhode.closed_forms.membership.misfit import Misfit
+from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.numbers.exact import sqrt
 from polhode.scenes.body import dot, is_zero
 

@@ -15,12 +15,12 @@ from typing import TypeAlias
 
 from flint import arb
 
-from polhode.closed_forms._engine.closed_form import Rows
 from polhode.closed_forms.balls.angles import Arguments
 from polhode.closed_forms.balls.core import ball, root
 from polhode.closed_forms.balls.frames import Frame
 from polhode.closed_forms.balls.motion import BallMotion
 from polhode.closed_forms.balls.one_axis import OneAxis
+from polhode.closed_forms.closed_form import Rows
 from polhode.closed_forms.euler.motion import PermanentRotation, Polhode
 from polhode.closed_forms.euler.regimes import is_permanent, numbered, numbers, regime
 from polhode.scenes.body import Vector, dot, is_zero

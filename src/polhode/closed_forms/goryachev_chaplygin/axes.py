@@ -18,14 +18,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from polhode.closed_forms._engine.misfit import Misfit, leading
-from polhode.closed_forms._engine.principal_scene import (
+from polhode.closed_forms.balls.frames import Frame
+from polhode.closed_forms.membership.misfit import Misfit, leading
+from polhode.closed_forms.membership.principal_scene import (
     PrincipalScene,
     Rows,
     squared_momentum_of_weight,
 )
-from polhode.closed_forms.balls.frames import Frame
-from polhode.closed_forms.functions.rounding import log2
+from polhode.closed_forms.rounding import log2
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt
 from polhode.scenes.body import Vector, is_zero

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.closed_forms.goryachev_chaplygin.axes import failure
+from polhode.closed_forms.membership.principal_scene import PrincipalScene
 
 
 def fits(scene: PrincipalScene) -> bool:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from polhode.closed_forms._engine.family import Family, Maker
 from polhode.closed_forms.goryachev_chaplygin.axes import failure
 from polhode.closed_forms.goryachev_chaplygin.conditions import fits
+from polhode.closed_forms.membership.family import Family, Maker
 
 
 def _maker() -> Maker:

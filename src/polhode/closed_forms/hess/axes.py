@@ -15,14 +15,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from polhode.closed_forms._engine.misfit import Misfit, leading
-from polhode.closed_forms._engine.principal_scene import (
+from polhode.closed_forms.balls.frames import Frame
+from polhode.closed_forms.membership.misfit import Misfit, leading
+from polhode.closed_forms.membership.principal_scene import (
     PrincipalScene,
     Rows,
     of_start,
     squared_momentum_of_weight,
 )
-from polhode.closed_forms.balls.frames import Frame
 from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt, total
 from polhode.scenes.body import Vector, cross, dot, is_zero
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from polhode.closed_forms._engine.family import Family, Maker
 from polhode.closed_forms.hess.axes import failure, fits
+from polhode.closed_forms.membership.family import Family, Maker
 
 
 def _maker() -> Maker:

@@ -25,10 +25,10 @@ from typing import Protocol, TypeAlias
 
 from flint import acb, arb
 
-from polhode.closed_forms.balls.core import TooFewBits, ball, enclosed
+from polhode.closed_forms.balls.core import TooFewBits, ball, either_root, enclosed
 from polhode.closed_forms.balls.frames import Frame, Start, Turn, product
 from polhode.closed_forms.hess.axes import HessStart
-from polhode.closed_forms.hess.period_map import PeriodMap, either_root
+from polhode.closed_forms.hess.period_map import PeriodMap
 from polhode.closed_forms.lagrange.motion import Nutating, Seen, Steady, own_start
 from polhode.closed_forms.lagrange.regimes import Constants, constants
 from polhode.closed_forms.pendulum.conditions import axis_of

@@ -30,7 +30,7 @@ from typing import Any
 
 from flint import acb, acb_mat, acb_poly, arb
 
-from polhode.closed_forms.balls.core import TooFewBits, nearest_integer
+from polhode.closed_forms.balls.core import TooFewBits, either_root, nearest_integer
 from polhode.closed_forms.balls.quadrature import around
 from polhode.closed_forms.lagrange.motion import Nutating
 from polhode.common.cached_property import cached_property
@@ -164,11 +164,6 @@ def tail(a12: arb, x: arb, n: int) -> acb:
     for k in range(n):
         term *= x * (a12 + k) / (k + 1)
     return around(term / (1 - ratio))
-
-
-def either_root(z: acb) -> acb:
-    """A square root of either sign, of a ball anywhere but around 0."""
-    return (-z).sqrt() * _I if z.real.mid() < 0 else z.sqrt()
 
 
 def _product(a: Sequence[Any], back: Sequence[Any]) -> Any:

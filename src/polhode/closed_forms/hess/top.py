@@ -13,9 +13,9 @@ from collections.abc import Mapping
 
 from flint import arb
 
-from polhode.closed_forms._engine.closed_form import Rows
 from polhode.closed_forms.balls.core import TooFewBits, ball
 from polhode.closed_forms.balls.motion import BallMotion
+from polhode.closed_forms.closed_form import Rows
 from polhode.closed_forms.hess import axes as surface
 from polhode.closed_forms.hess import motion as kinds
 from polhode.closed_forms.hess.motion import ConeSpin, HessMotion

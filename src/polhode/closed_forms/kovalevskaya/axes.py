@@ -18,9 +18,9 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 
-from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.closed_forms.balls.frames import Frame
-from polhode.closed_forms.functions.rounding import log2
+from polhode.closed_forms.membership.principal_scene import PrincipalScene
+from polhode.closed_forms.rounding import log2
 from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import ONE, ZERO, Exact, binary, exact, rounded, sign, sqrt
 from polhode.scenes.body import Vector

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from polhode.closed_forms._engine.family import Family, Maker
 from polhode.closed_forms.kovalevskaya.axes import fits
 from polhode.closed_forms.kovalevskaya.conditions import misfit
+from polhode.closed_forms.membership.family import Family, Maker
 
 
 def _maker() -> Maker:

@@ -15,13 +15,13 @@ from functools import partial
 
 from flint import arb
 
-from polhode.closed_forms._engine.closed_form import Rows
 from polhode.closed_forms.balls.angles import Arguments
 from polhode.closed_forms.balls.core import Kept, Refused, ball
 from polhode.closed_forms.balls.frames import Turn, halves, quaternion
 from polhode.closed_forms.balls.motion import BallMotion
 from polhode.closed_forms.balls.one_axis import OneAxis, Permanent
 from polhode.closed_forms.balls.periodic_attitude import Equations, InTime, PeriodicAttitude, Strip
+from polhode.closed_forms.closed_form import Rows
 from polhode.closed_forms.kovalevskaya import regimes
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart, top_axes
 from polhode.closed_forms.kovalevskaya.branch_points import branch_points, discriminant

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.closed_forms.balls.frames import Frame, Rows
+from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.numbers.exact import Exact, sign, sqrt
 from polhode.scenes import body
 from polhode.scenes.body import Vector, cross, dot

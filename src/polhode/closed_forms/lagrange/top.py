@@ -14,10 +14,10 @@ from collections.abc import Mapping
 
 from flint import arb
 
-from polhode.closed_forms._engine.closed_form import Rows
 from polhode.closed_forms.balls.angles import Arguments
 from polhode.closed_forms.balls.core import ball
 from polhode.closed_forms.balls.motion import BallMotion
+from polhode.closed_forms.closed_form import Rows
 from polhode.closed_forms.lagrange.axes import top_axes
 from polhode.closed_forms.lagrange.motion import LagrangeMotion, Nutating, Seen, Steady, own_start
 from polhode.closed_forms.lagrange.regimes import constants, regime

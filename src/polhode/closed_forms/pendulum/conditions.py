@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from polhode.closed_forms._engine.misfit import Misfit
-from polhode.closed_forms._engine.normal_form import Condition, Placed, equal, shortfall
-from polhode.closed_forms._engine.principal_scene import PrincipalScene
+from polhode.closed_forms.membership.misfit import Misfit
+from polhode.closed_forms.membership.normal_form import Condition, Placed, equal, shortfall
+from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.numbers.exact import ZERO, sign, sqrt
 from polhode.scenes.body import Vector, cross, dot, is_zero
 

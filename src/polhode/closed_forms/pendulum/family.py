@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from polhode.closed_forms._engine.family import Family, Maker
+from polhode.closed_forms.membership.family import Family, Maker
 from polhode.closed_forms.pendulum.conditions import fits, misfit
 
 

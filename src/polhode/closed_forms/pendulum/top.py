@@ -26,13 +26,13 @@ from __future__ import annotations
 
 from flint import arb
 
-from polhode.closed_forms._engine.closed_form import Rows
-from polhode.closed_forms._engine.principal_scene import PrincipalScene
 from polhode.closed_forms.balls.angles import Arguments
 from polhode.closed_forms.balls.core import ball
 from polhode.closed_forms.balls.frames import Frame
 from polhode.closed_forms.balls.motion import BallMotion
 from polhode.closed_forms.balls.one_axis import OneAxis
+from polhode.closed_forms.closed_form import Rows
+from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.closed_forms.pendulum.conditions import axis_of, fits
 from polhode.closed_forms.pendulum.motion import (
     HANGING,

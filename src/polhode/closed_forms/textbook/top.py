@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 
-from polhode.closed_forms._engine.principal_scene import PrincipalScene, in_principal_axes
-from polhode.closed_forms.functions.rounding import number, shortened
+from polhode.closed_forms.membership.principal_scene import PrincipalScene, in_principal_axes
+from polhode.closed_forms.rounding import SPARE, number
 from polhode.closed_forms.textbook import euler, kovalevskaya, lagrange
 from polhode.closed_forms.textbook.legendre import TooFewDigits
 from polhode.closed_forms.textbook.vectors import Row, along, axis, back, cross, dot, unit
@@ -42,9 +43,16 @@ def states(
                 before, why = None, str(fault)
                 continue
             if before is not None and _agree(before, rows, mpmath.mpf(10) ** -(digits + 1)):
-                return [shortened(row, digits, absolute=True) for row in rows]
+                return [_shortened(row, digits) for row in rows]
             before = rows
     raise ArithmeticError(f"{_TRIES} working precisions, {why}")
+
+
+def _shortened(row: Row, digits: int) -> Row:
+    """Rounded to the digits after the units' place of the largest and a little more."""
+    bits = math.ceil(digits * math.log2(10)) + SPARE
+    with mpmath.workprec(bits + max([0, *(mpmath.mag(x) for x in row if x)])):
+        return [+x for x in row]
 
 
 def _rows(

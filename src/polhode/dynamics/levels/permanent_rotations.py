@@ -28,7 +28,7 @@ from typing import NamedTuple
 
 from flint import arb, fmpq_poly
 
-from polhode.closed_forms.functions.rotation_stability import spectrum
+from polhode.closed_forms.rotation_stability import spectrum
 from polhode.common.cached_property import cached_property
 from polhode.dynamics.levels.rotation_arcs import (
     BITS,

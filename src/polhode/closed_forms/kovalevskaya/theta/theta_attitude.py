@@ -24,11 +24,11 @@ from typing import TypeAlias
 
 from flint import acb, acb_mat, arb
 
-from polhode.closed_forms.balls.core import TooFewBits, ball
+from polhode.closed_forms.balls.core import TooFewBits, ball, either_root
 from polhode.closed_forms.balls.frames import Turn, conjugate, product
 from polhode.closed_forms.balls.quadrature import Pair
 from polhode.closed_forms.balls.theta2 import Theta2, added
-from polhode.closed_forms.kovalevskaya.theta.theta_state import ThetaState, Values, dot, either_root
+from polhode.closed_forms.kovalevskaya.theta.theta_state import ThetaState, Values, dot
 
 _HALVES = ((0, 0), (0, 1), (1, 0), (1, 1))
 _TIMES = (Fraction(0), Fraction(7, 10), Fraction(19, 10), Fraction(31, 10))  # |w| t, at most

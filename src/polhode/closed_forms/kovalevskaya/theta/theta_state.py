@@ -24,7 +24,7 @@ from typing import TypeAlias
 
 from flint import acb, arb
 
-from polhode.closed_forms.balls.core import TooFewBits, ball
+from polhode.closed_forms.balls.core import TooFewBits, ball, either_root
 from polhode.closed_forms.balls.quadrature import Pair
 from polhode.closed_forms.balls.theta2 import Theta2, added
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
@@ -216,8 +216,3 @@ def _share(values: Values, i: int) -> arb:
     for value, _ in values:
         size = size.max(abs(value).mid())
     return (abs(values[0][0]) * abs(values[i][0])).mid() / (size * size).mid()
-
-
-def either_root(z: acb) -> acb:
-    """A square root, of either sign; no ball lies across its cut."""
-    return _I * (-z).sqrt() if z.real.mid() < 0 else z.sqrt()

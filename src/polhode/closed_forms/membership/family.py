@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
-from polhode.closed_forms._engine.closed_form import ClosedForm, Rows
-from polhode.closed_forms._engine.misfit import Misfit
-from polhode.closed_forms._engine.principal_scene import PrincipalScene
+from polhode.closed_forms.closed_form import ClosedForm, Rows
+from polhode.closed_forms.membership.misfit import Misfit
+from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.numbers.exact import Exact
 from polhode.scenes.body import Vector
 

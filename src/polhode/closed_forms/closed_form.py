@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TypeAlias
 
-from polhode.closed_forms._engine.initial_attitude import start_quaternion, start_sign
-from polhode.closed_forms.functions.quaternion import Quaternion
-from polhode.closed_forms.functions.rounding import shortened
-from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import ZERO, Exact, Irrational
-from polhode.numbers.mpmath_context import mpf, mpmath
-from polhode.numbers.scalars import Scalar
+from polhode.numbers.mpmath_context import mpf
 from polhode.scenes.body import Vector
 
 #: rows[i] is the unit vector of principal axis i in the scene's axes; None: the same axes.
@@ -33,8 +28,7 @@ class ClosedForm(ABC):
     answer (a time beyond what its turns can be counted to, digits lost to an asymptotic motion, an
     attitude without gamma) raises ValueError, numbers that contradict each other ArithmeticError.
 
-    A family gives :meth:`_set_up`, the precision that times and digits need (:meth:`_bits`), the
-    period, and the answers.
+    A family gives :meth:`_set_up` and the answers.
     """
 
     regime: str
@@ -46,7 +40,6 @@ class ClosedForm(ABC):
     #: Whether it has the attitude too; else :meth:`attitude` and :meth:`angles` raise ValueError
     #: but at t = 0, and a reference encloses them.
     has_attitude = True
-    _body = "body"  # the name of the frequency of a motion that has a period
 
     def __init__(
         self,
@@ -63,19 +56,6 @@ class ClosedForm(ABC):
     @abstractmethod
     def _set_up(self, moments: Vector, torque: Vector, omega: Vector, axes: Rows | None) -> None:
         """Put the start into the motion's axes and name its regime; ValueError where it misses."""
-
-    def _bits(self, times: Sequence[Exact], digits: int) -> int:
-        """The working precision: the digits, what phases cost, a guard; a multiple of 64."""
-        raise NotImplementedError
-
-    def _period(self, bits: int) -> Scalar | None:
-        """The period of omega at the precision in force; None where none is known."""
-        raise NotImplementedError
-
-    def _rates(self, bits: int) -> Mapping[str, Scalar]:
-        """The frequencies of a motion without period, at the precision in force."""
-        del bits
-        return {}
 
     @property
     def held(self) -> tuple[str, ...]:
@@ -108,33 +88,24 @@ class ClosedForm(ABC):
         grows with time, and beyond a limit ValueError is raised.
         """
 
+    @abstractmethod
     def period(self, digits: int) -> mpf | None:
         """The least period of omega in the body, in the scene's unit of time; None without any."""
-        bits = self._bits((), digits)
-        with mpmath.workprec(bits):
-            period = self._period(bits)
-        return shortened([period], digits)[0]
 
+    @abstractmethod
     def frequencies(self, digits: int) -> dict[str, mpf]:
         """The motion's frequencies by name, radians a unit of time; 2 pi over a period is "body".
 
-        What else there is, the table of the guide's page on closed forms says.
+        What else there is, a table of the guide's page on closed forms says.
         """
-        period = self.period(digits + 5)
-        bits = self._bits((), digits)
-        with mpmath.workprec(bits):
-            found = self._rates(bits) if period is None else {self._body: 2 * mpmath.pi / period}
-        return dict(zip(found, shortened(list(found.values()), digits), strict=True))
 
-    def error(self, digits: int, times: Sequence[Exact]) -> mpf | None:
-        """Its own estimate of the error of :meth:`at`; None where it makes none."""
-        del digits, times
-        return None
+    @abstractmethod
+    def error(self, digits: int, times: Sequence[Exact]) -> mpf:
+        """A bound of the error of :meth:`at`, or its estimate where nothing is proven."""
 
+    @abstractmethod
     def radii(self, times: Sequence[Exact], digits: int) -> list[list[mpf]] | None:
         """Proven bounds of the errors of :meth:`at`, number by number; None where it has none."""
-        del times, digits
-        return None
 
     @property
     def assumed(self) -> tuple[Irrational, ...]:
@@ -157,12 +128,3 @@ class ClosedForm(ABC):
         if self._known_gamma is None:
             raise ValueError("this motion was given without gamma: only its omega is known")
         return self._known_gamma
-
-    @cached_property
-    def _sign(self) -> int:
-        """Of the attitude against the Euler angles at t = 0."""
-        return start_sign(self._gamma, self._psi)
-
-    def _first_quaternion(self, bits: int) -> Quaternion:
-        """The attitude at t = 0."""
-        return start_quaternion(self._gamma, self._psi, self._sign, bits)

@@ -12,8 +12,8 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
-from polhode.closed_forms._engine.misfit import Misfit, leading
-from polhode.closed_forms._engine.principal_scene import PrincipalScene
+from polhode.closed_forms.membership.misfit import Misfit, leading
+from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.numbers.exact import ONE, ZERO, Exact, exact, log10, sign, sqrt, total
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import Vector, cross, dot, is_zero, minus

@@ -1,1 +1,0 @@
-"""What every family shares: axes, precision, attitude, angles."""

@@ -1,1 +1,0 @@
-"""Special functions that the closed forms share, to any precision."""

@@ -1,0 +1,1 @@
+"""Which scenes belong to a family of closed forms, and why others do not."""
