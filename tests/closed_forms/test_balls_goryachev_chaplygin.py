@@ -10,71 +10,39 @@ from flint import arb
 
 import polhode
 from polhode.closed_forms.balls import panels
-from polhode.closed_forms.balls.core import TooFewBits, ball
+from polhode.closed_forms.balls.core import TooFewBits
 from polhode.closed_forms.families import closed_form
 from polhode.common.errors import BadInput
 from polhode.judging.references import reference
 from polhode.numbers import exact
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.mpmath_context import mpf, mpmath
-from shared import fast_series, members
+from polhode.numbers.mpmath_context import mpf
+from shared import members
+from shared.ball_checks import agrees_with_taylor, every_ball_holds_its_value, made, row_at
 
 F = Fraction
 NAME = "goryachev-chaplygin"
 FEW_BITS = 24, 33, 45, 60, 85, 130, 330, 200
-TIMES, SOON = (F(7), F(-(10**6))), F(3, 2)
+TIMES = F(7), F(-(10**6))
 GAPS = F(1, 10**8), F(1, 10**20), F(1, 10**40)
 
 
 def motion_of(plain):
-    moments, torque, omega, gamma = plain
-    scene = polhode.Scene(polhode.Body.of_moments(moments, torque, 1), omega, gamma)
-    kind, motion = closed_form(scene, NAME)
-    assert kind == NAME
-    return motion
+    return made(NAME, plain)
 
 
-def row_at(motion, t, bits):
-    """The balls of so many bits, whatever their radii; None where they do not tell."""
-    with ctx.workprec(bits):
-        try:
-            return motion.row_at(ball(t), attitude=False)[0]
-        except TooFewBits:
-            return None
-
-
-def missed(motion, many, times=TIMES, few=FEW_BITS):
-    """How many finite balls there are, and how many of them do not hold what many bits tell."""
-    finite = wrong = 0
-    for t in times:
-        sure = row_at(motion, t, many)
-        assert all(x.is_finite() and x.rad() < arb("1e-12") for x in sure)
-        for bits in few:
-            for x, y in zip(row_at(motion, t, bits) or (), sure, strict=False):
-                finite += bool(x.is_finite())
-                wrong += x.is_finite() and not x.overlaps(y)
-    return finite, wrong
-
-
-def off_the_series(motion, plain):
-    """The largest difference from power series, over the size of w or 1."""
-    (row,) = motion.at([SOON], 34)
-    with mpmath.workdps(60):
-        given = [[mpf(exact.rounded(x, mpmath.prec)) for x in vector] for vector in plain]
-        (right,) = fast_series.integrate(*given, [mpf(3) / 2], 34)
-        size = max(1, *(abs(x) for x in right[:3]))
-        return max(abs(x - y) for x, y in zip(row, right, strict=True)) / size
+def finite_of(plain, many, few=FEW_BITS):
+    """How many balls of few bits are finite: they hold their values, and a run's are the same."""
+    motion = motion_of(plain)
+    agrees_with_taylor(motion, plain, 32)
+    return every_ball_holds_its_value(motion, TIMES, few, many, "1e-12")
 
 
 @pytest.mark.sample(4, first=2, slow=24, rest="campaign")
 @pytest.mark.parametrize("seed", range(240))
 def test_random_starts(seed):
     plain, _ = members.start(NAME, seed)
-    motion = motion_of(plain)
-    finite, wrong = missed(motion, 420)
-    assert wrong == 0
-    assert finite >= 36
-    assert off_the_series(motion, plain) < mpf("1e-32")
+    assert finite_of(plain, 420) >= 36
 
 
 NEAR = {name: start for name, start in members.NEAR.items() if name != "D+"} | {
@@ -94,12 +62,7 @@ NEAR = {name: start for name, start in members.NEAR.items() if name != "D+"} | {
 )
 def test_next_to_a_degenerate_motion(kind, gap):
     """Answered at once, although two roots differ by the gap or its square root."""
-    plain = NEAR[kind](gap)
-    motion = motion_of(plain)
-    finite, wrong = missed(motion, 400 if gap > GAPS[2] else 550, few=FEW_BITS[::2])
-    assert wrong == 0
-    assert finite >= 12
-    assert off_the_series(motion, plain) < mpf("1e-32")
+    assert finite_of(NEAR[kind](gap), 400 if gap > GAPS[2] else 550, FEW_BITS[::2]) >= 12
 
 
 #: At a turning point of u, and G = 0 with both halves of the angles of either sign.
@@ -118,9 +81,7 @@ STARTS = {
 
 @pytest.mark.parametrize("name", STARTS)
 def test_starts(name):
-    motion = motion_of(STARTS[name])
-    assert missed(motion, 424)[1] == 0
-    assert off_the_series(motion, STARTS[name]) < mpf("1e-32")
+    assert finite_of(STARTS[name], 424) > 0
 
 
 def test_a_place_that_is_not_near_the_solution_proves_nothing():

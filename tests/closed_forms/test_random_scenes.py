@@ -12,6 +12,14 @@ import pytest
 
 import polhode
 from polhode.numbers.mpmath_context import mpf, mpmath
+from shared import orbit_members
+from shared.ball_checks import (
+    FEW_BITS,
+    TIMES,
+    agrees_with_taylor,
+    every_ball_holds_its_value,
+    made,
+)
 from shared.closed_form_motions import (
     IDENTITY,
     Motion,
@@ -29,6 +37,39 @@ from shared.closed_form_motions import (
 from shared.members import MEMBERS, rotation, start
 
 F = Fraction
+#: Fast seeds, slow ones and all of them; bits and times of rough balls, and bits of sure ones.
+ROUGH = {
+    "euler": (4, 8, 100, FEW_BITS, TIMES, 900),
+    "lagrange": (4, 8, 100, FEW_BITS, TIMES, 900),
+    "pendulum": (4, 8, 100, FEW_BITS, TIMES, 900),
+    "hess": (3, 20, 240, FEW_BITS[::2], TIMES, 280),
+    **dict.fromkeys(("staude", *orbit_members.MEMBERS), (1, 2, 20, FEW_BITS[1:-1], TIMES[:2], 330)),
+}
+#: Of which a row with attitude costs seconds.
+DEAR = "goryachev", "n-kowalewski", "chaplygin"
+
+
+def seeds():
+    """Families and seeds, few of them fast."""
+    for family, (fast, slow, count, *_) in ROUGH.items():
+        for seed in range(count):
+            quick = seed < fast and family not in DEAR
+            marks = [] if quick else pytest.mark.slow if seed < slow else pytest.mark.campaign
+            yield pytest.param(family, seed, marks=marks)
+
+
+@pytest.mark.parametrize(("family", "seed"), [*seeds()])
+def test_every_ball_holds_its_value(family, seed):
+    """However few its bits; and the motion is that of power series."""
+    plain, pick = start(family, seed)
+    plain = relabel(plain, pick.sample(range(3), 3), [pick.choice((1, -1)) for _ in range(3)])
+    motion, (few, times, many) = made(family, plain), ROUGH[family][3:]
+    assert every_ball_holds_its_value(motion, times, few, many) > 20
+    if max(map(abs, plain[2])) < 20 and max(map(abs, plain[1])) < 1000 * min(plain[0]):
+        agrees_with_taylor(motion, plain)
+    assert motion.proven is True
+
+
 QUICK = "euler", "lagrange", "pendulum", "staude", "grioli", "hess"
 #: In units of the time in which the numbers of a start are of order 1.
 NEAR, FAR = F(3, 4), F(30)
