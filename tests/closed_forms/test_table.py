@@ -331,7 +331,8 @@ def test_the_error_told_is_above_the_true_one(motion):
     rows, better = top.at(times, 30), top.at(times, 60)
     bound = top.error(times, 30)
     assert bound < mpf("1e-30")
-    assert bound > table_gap(rows, better, motion.rate) / 4 or is_still(motion)
+    assert bound > mpf("1e-42") or is_still(motion)
+    assert bound >= table_gap(rows, better, motion.rate) or is_still(motion)
 
 
 def test_the_curve_of_a_kovalevskaya_top_is_shown():

@@ -11,7 +11,6 @@ import pytest
 
 import polhode
 from polhode.equations import integrals
-from polhode.judging import correct_digits
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import number_types
 from polhode.numbers.mpmath_context import mpmath
@@ -177,19 +176,6 @@ def test_the_closed_form_gives_the_digits_asked_for_and_not_many_more(digits):
     with mpmath.workprec(number_types.bits_for(digits + 80)):
         error = max(abs(x - y) for x, y in zip(few, many, strict=True))
     assert digits < -mpmath.log10(error) < digits + 8
-
-
-@pytest.mark.sample(3, slow=1)
-@pytest.mark.parametrize("name", ["euler/separatrix", "lagrange/cusped", "kovalevskaya/type-e-ee"])
-@pytest.mark.parametrize("digits", [20, 50])
-def test_the_error_estimate_bounds_the_true_error_and_is_not_slack(name, digits):
-    truth = polhode.reference(name)
-    estimate = truth.error([1, 7], digits)
-    rows, finer = truth.at([1, 7], digits), truth.at([1, 7], digits + 30)
-    rate = correct_digits.log10_rate(finer, truth.scene)
-    true = mpmath.mpf(10) ** max(correct_digits.log10_errors(rows, finer, rate))
-    assert true <= estimate * (1 + mpmath.mpf(10) ** -6)
-    assert mpmath.mpf(10) ** (-digits - 12) < estimate < mpmath.mpf(10) ** -digits
 
 
 def test_the_curve_of_a_kovalevskaya_top_is_shown(monkeypatch):
