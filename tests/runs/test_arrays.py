@@ -319,9 +319,11 @@ def test_a_member_of_an_array_is_an_exact_scene_when_asked_for(body):
                 assert abs(x - y) <= (1e-3 if body == "turned" else 1e-9) * y + 1e-25
 
 
-def test_the_drift_of_members_about_irrational_axes_is_told():
+@pytest.mark.parametrize("body", [BODIES["turned"], {"moments": ["sqrt(10)", 2, "sqrt(2)"]}])
+@pytest.mark.parametrize("column", [{"start.omega[1]": ["1/3"]}, {"start.omega": np.eye(3)}])
+def test_the_drift_of_members_with_irrational_moments_is_told(body, column):
     """It gave a traceback: of irrational moments times columns of rationals."""
-    many = polhode.integrate_many(scene(**BODIES["turned"]), {"start.omega[1]": ["1/3"]}, at=[1])
+    many = polhode.integrate_many(scene(**body), column, at=[1])
     assert 0 < many.drift[0, 0] < 8 * EPS
 
 
