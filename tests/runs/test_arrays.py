@@ -192,6 +192,7 @@ def test_ctrl_c_ends_many_rows_and_leaves_the_propagator_usable(end, count):
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
+    assert (go.outcome, go.outcomes) == (go.outcome.INTERRUPTED, (go.outcome.INTERRUPTED,))
     assert np.array_equal(go(rows[:9], t=3.0), right)
 
 
@@ -327,6 +328,17 @@ def test_the_drift_of_members_with_irrational_moments_is_told(body, column):
     assert 0 < many.drift[0, 0] < 8 * EPS
 
 
+def test_a_sweep_of_arrays_is_saved_as_it_is_also_one_of_nothing(tmp_path):
+    for rows in (starts(3), starts(3, kind=np.longdouble), np.empty((0, 6))):
+        number = "extended" if rows.dtype != np.float64 else "double"
+        many = polhode.integrate_many(scene(), starts=rows, at=[0, 2], number=number)
+        many.save(tmp_path / "x.npz")
+        back = polhode.load_result(tmp_path / "x.npz")
+        assert (back.varied, back.outcomes) == (many.varied, many.outcomes)
+        assert [column.values.dtype for column in back.varied.rows.columns] == [rows.dtype] * 6
+        assert np.array_equal(back.states, many.states)
+
+
 def test_extended_arrays_stay_extended():
     rows = starts(9, kind=np.longdouble)
     many = polhode.integrate_many(scene(), starts=rows, at=[0, 2], number="extended")
@@ -421,6 +433,10 @@ VARIED = [
     ({"start.omega[1]": np.zeros((5, 2))}, r"start.omega\[1\] = .*expected shape \(N, 1\)"),
     (OMEGA | {"body.weight": [1, 2]}, r"body.weight = \[1, 2\]: expected an array with a row for "),
     (OMEGA | {"body.weight": "0:1:5"}, "body.weight = 0:1:5: .* never every combination"),
+    (
+        OMEGA | {"start.omega[2]": np.ones(5)},
+        r"start.omega\[2\], given twice: expected each",
+    ),
     (OMEGA | {"body.weight": np.ones(4)}, "4 rows: expected 5 rows, as many as start.omega has"),
     (OMEGA | {"start.omga": np.ones((5, 1))}, "vary = start.omga: expected a number of the scene"),
     (OMEGA | {"body.weight": np.full((5, 1), np.nan)}, "body.weight, row 1 = .nan.: expected fin"),
