@@ -13,6 +13,8 @@ import polhode
 from polhode.equations import integrals
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.taylor import lanes
+from polhode.taylor.backend import defaults
+from polhode.taylor.batches.compiled_batch import CompiledBatch
 
 EPS = 2.0**-52
 BODY = {"moments": [3, 2, 1.5], "centre": [0.25, 0.125, 0.5], "weight": 4}
@@ -153,6 +155,19 @@ def test_a_row_that_does_not_arrive_is_nan_and_harms_no_other():
     assert go.outcome is polhode.Outcome.STEP_LIMIT
     assert np.array_equal(go(rows[~lost], t=4.0), right[~lost, 1])
     assert go.outcome.done
+
+
+def test_rows_that_never_arrive_are_given_up_at_once(monkeypatch):
+    """They took all steps that are allowed, a hundred million; a start alone is given up early."""
+    usual, blocks = defaults.TABLE["double"], []
+    monkeypatch.setitem(defaults.TABLE, "double", usual._replace(chunk=2000))
+    to = CompiledBatch.to
+    monkeypatch.setattr(CompiledBatch, "to", lambda *x: blocks.append(x) or to(*x))
+    go, rows, _ = of("plain")
+    go._most = 10**5
+    assert np.isnan(go(rows[:3], t=1e12)).all()
+    assert {*go.outcomes} == {polhode.Outcome.STEP_LIMIT}
+    assert len(blocks) == 1
 
 
 @pytest.mark.parametrize("sure", [lanes._SURE, np.inf], ids=["expected", "not expected"])
