@@ -13,6 +13,8 @@ import polhode
 from polhode.equations import integrals
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.taylor import lanes
+from polhode.taylor.backend import defaults
+from polhode.taylor.batches.compiled_batch import CompiledBatch
 
 EPS = 2.0**-52
 BODY = {"moments": [3, 2, 1.5], "centre": [0.25, 0.125, 0.5], "weight": 4}
@@ -155,6 +157,19 @@ def test_a_row_that_does_not_arrive_is_nan_and_harms_no_other():
     assert go.outcome.done
 
 
+def test_rows_that_never_arrive_are_given_up_at_once(monkeypatch):
+    """They took all steps that are allowed, a hundred million; a start alone is given up early."""
+    usual, blocks = defaults.TABLE["double"], []
+    monkeypatch.setitem(defaults.TABLE, "double", usual._replace(chunk=2000))
+    to = CompiledBatch.to
+    monkeypatch.setattr(CompiledBatch, "to", lambda *x: blocks.append(x) or to(*x))
+    go, rows, _ = of("plain")
+    go._most = 10**5
+    assert np.isnan(go(rows[:3], t=1e12)).all()
+    assert {*go.outcomes} == {polhode.Outcome.STEP_LIMIT}
+    assert len(blocks) == 1
+
+
 @pytest.mark.parametrize("sure", [lanes._SURE, np.inf], ids=["expected", "not expected"])
 def test_a_row_that_is_not_finite_stops_no_other(sure, monkeypatch):
     """heyoka stops all lanes with the first that is not finite, and says success of the others."""
@@ -192,6 +207,7 @@ def test_ctrl_c_ends_many_rows_and_leaves_the_propagator_usable(end, count):
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
+    assert (go.outcome, go.outcomes) == (go.outcome.INTERRUPTED, (go.outcome.INTERRUPTED,))
     assert np.array_equal(go(rows[:9], t=3.0), right)
 
 
@@ -319,10 +335,23 @@ def test_a_member_of_an_array_is_an_exact_scene_when_asked_for(body):
                 assert abs(x - y) <= (1e-3 if body == "turned" else 1e-9) * y + 1e-25
 
 
-def test_the_drift_of_members_about_irrational_axes_is_told():
+@pytest.mark.parametrize("body", [BODIES["turned"], {"moments": ["sqrt(10)", 2, "sqrt(2)"]}])
+@pytest.mark.parametrize("column", [{"start.omega[1]": ["1/3"]}, {"start.omega": np.eye(3)}])
+def test_the_drift_of_members_with_irrational_moments_is_told(body, column):
     """It gave a traceback: of irrational moments times columns of rationals."""
-    many = polhode.integrate_many(scene(**BODIES["turned"]), {"start.omega[1]": ["1/3"]}, at=[1])
+    many = polhode.integrate_many(scene(**body), column, at=[1])
     assert 0 < many.drift[0, 0] < 8 * EPS
+
+
+def test_a_sweep_of_arrays_is_saved_as_it_is_also_one_of_nothing(tmp_path):
+    for rows in (starts(3), starts(3, kind=np.longdouble), np.empty((0, 6))):
+        number = "extended" if rows.dtype != np.float64 else "double"
+        many = polhode.integrate_many(scene(), starts=rows, at=[0, 2], number=number)
+        many.save(tmp_path / "x.npz")
+        back = polhode.load_result(tmp_path / "x.npz")
+        assert (back.varied, back.outcomes) == (many.varied, many.outcomes)
+        assert [column.values.dtype for column in back.varied.rows.columns] == [rows.dtype] * 6
+        assert np.array_equal(back.states, many.states)
 
 
 def test_extended_arrays_stay_extended():
@@ -419,6 +448,10 @@ VARIED = [
     ({"start.omega[1]": np.zeros((5, 2))}, r"start.omega\[1\] = .*expected shape \(N, 1\)"),
     (OMEGA | {"body.weight": [1, 2]}, r"body.weight = \[1, 2\]: expected an array with a row for "),
     (OMEGA | {"body.weight": "0:1:5"}, "body.weight = 0:1:5: .* never every combination"),
+    (
+        OMEGA | {"start.omega[2]": np.ones(5)},
+        r"start.omega\[2\], given twice: expected each",
+    ),
     (OMEGA | {"body.weight": np.ones(4)}, "4 rows: expected 5 rows, as many as start.omega has"),
     (OMEGA | {"start.omga": np.ones((5, 1))}, "vary = start.omga: expected a number of the scene"),
     (OMEGA | {"body.weight": np.full((5, 1), np.nan)}, "body.weight, row 1 = .nan.: expected fin"),

@@ -165,6 +165,12 @@ def test_a_time_is_not_rounded():
     assert np.abs(there - here - middle).max() < 4e-15
 
 
+def test_a_time_that_the_type_does_not_hold_is_refused():
+    run = polhode.integrate(heavy("1", "2"))
+    with pytest.raises(polhode.BadInput, match=r"t = 1\.0+e-400: expected a time that do"):
+        run("1e-400")
+
+
 def test_output_times_far_out_are_counted_from_the_exact_time():
     """On a grid that no double holds, rounded once: as good as at times that are alone."""
     grid = [Fraction(500) + Fraction(k, 7000) for k in range(2000)]

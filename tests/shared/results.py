@@ -27,6 +27,7 @@ MAKERS: dict[str, Callable[[], Result]] = {
     "EventTimes": lambda: polhode.integrate(watched(), at=[10], number="extended").events[0],
     "Judgement": lambda: polhode.compare(polhode.integrate("euler/separatrix", at=[1, 20])),
     "Ensemble": lambda: polhode.integrate_many(TOP, {"start.omega[3]": "2:4:3"}, at=[0, 1]),
+    "Ensemble of arrays": lambda: polhode.integrate_many(TOP, starts=[[1, 0, 2, 0, 0, 1]], at=[1]),
     "Reductions": lambda: polhode.reduce_many(
         TOP, {"start.omega[3]": "2:4:3"}, keep=["final"], number="extended"
     ),

@@ -256,11 +256,15 @@ NO_STARTS = [
     (["--starts", "text.npy"], "text.npy: file: expected an array that NumPy wrote"),
     (["--starts", "objects.npy"], "objects.npy: file: expected an array that NumPy wrote"),
     (["--starts", "short.npy"], "short.npy: file: expected an array that NumPy wrote (it is not"),
+    (["--starts", "two.npy"], "two.npy: file: expected an array that NumPy wrote (it is not as lo"),
     (["--starts", "three.npy"], "starts = an array of shape (2, 3): expected shape (N, 6)"),
     (["--starts", "wide.csv"], "wide.csv: line 1 = 1,2,3,4,5,6,7: expected 6 numbers p,q,r,gamma1"),
     (["--starts", "names.csv"], "names.csv: line 1 = p,q,r,gamma1,gamma2,t: expected 6 numbers"),
     (["--starts", "word.csv"], "word.csv: line 3 = 1,2,3,0,0,one: expected 6 numbers"),
     (["--starts", "grouped.csv"], "grouped.csv: line 1 = 1_0,2,3,0,0,1: expected 6 numbers"),
+    (["--starts", "tiny.csv"], "tiny.csv: line 2 = 1e-320,2,3,0,0,1: expected 6 numbers"),
+    (["--starts", "none.csv"], "none.csv: line 1 = 1e-400,2,3,0,0,1: expected 6 numbers"),
+    (["--starts", "other.csv"], "other.csv: line 1 = \u0661,2,3,0,0,1: expected 6 numbers"),
     (["--starts", "nan.csv"], "starts, row 2 = [nan, 2.0, 3.0, 0.0, 0.0, 1.0]: expected finite nu"),
     (["--starts", "long.csv"], "start.gamma, row 2 = [0.0, 0.0, 2.0]: expected gamma of length 1"),
     (["--starts", "rows.csv", "--number", "quad"], "number = quad: expected double or extended"),
@@ -281,11 +285,15 @@ def test_what_holds_no_starts_is_refused_in_one_line(scene, capsys, tmp_path, op
         "names.csv": "p,q,r,gamma1,gamma2,t\n" + good,
         "word.csv": good + "\n" + "1,2,3,0,0,one\n",
         "grouped.csv": "1_0,2,3,0,0,1\n",
+        "tiny.csv": "0.0e-400,2,3,0,0,1\n1e-320,2,3,0,0,1\n",
+        "none.csv": "1e-400,2,3,0,0,1\n",
+        "other.csv": "\u0661,2,3,0,0,1\n",
         "nan.csv": good + "nan,2,3,0,0,1\n",
         "long.csv": good + "1,2,3,0,0,2\n",
     }
     for name, text in texts.items():
-        (tmp_path / name).write_text(text)
+        (tmp_path / name).write_text(text, "utf-8")
+    (tmp_path / "two.npy").write_bytes(2 * (tmp_path / "three.npy").read_bytes())
     (tmp_path / "short.npy").write_bytes((tmp_path / "three.npy").read_bytes()[:-8])
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
     code, out, err = run(capsys, scene, *options)

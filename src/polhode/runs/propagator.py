@@ -201,11 +201,12 @@ class Propagator:
         times, several = self._times(t)
         what = f"{len(rows)} starts at {len(times)} times"
         refuse_too_much(name, "start", what, rows.size * len(times), _BYTES, _SPLIT)
-        self.steps, self.outcome, self._ended = None, _REACHED_END, len(rows)
+        self.steps, self.outcome = None, Outcome.INTERRUPTED  # what Ctrl-C leaves
         if self.number.name == "double" and self._every is None:
             states, ended = self._arrays.states(rows, times, self._most, workers)
         else:
             states, ended = self._one_by_one(rows, t, len(times))
+        self.steps, self.outcome, self._ended = None, _REACHED_END, len(rows)
         if ended is not None:
             self._ended = ended
             self.outcome = OUTCOMES[ended[ended != code(_REACHED_END)][0]]
@@ -220,7 +221,6 @@ class Propagator:
         for k, row in enumerate(rows):
             states[k] = self(row, t=t)
             ended[k] = code(self.outcome)
-        self.steps, self.outcome, self._ended = None, _REACHED_END, len(rows)
         return states, ended if (ended != code(_REACHED_END)).any() else None
 
     @cached_property

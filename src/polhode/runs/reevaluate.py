@@ -22,6 +22,7 @@ from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
+from polhode.taylor.backend.heyoka_numbers import OutOfRange
 
 
 def at_times(run: Trajectory, what: str, t: AnyNumber | Iterable[AnyNumber]) -> Reread:
@@ -67,7 +68,11 @@ def _rows(run: Trajectory, what: str, times: list[Fraction]) -> Sequence[GivenRo
         rows, outcome, reached = getattr(again, what), again.outcome, again.reached
     else:
         motion = _motion(run, what)
-        raw, outcome, reached = motion.at(times)
+        try:
+            raw, outcome, reached = motion.at(times)
+        except OutOfRange as fault:
+            told = f"a time that {run.number.name} holds ({fault})"
+            raise BadInput(run.scene.name, "t", shown(times[0]), told) from None
         rows = [_read(motion.read, what, row) for row in raw]
     if len(rows) < len(times):  # angles are singular where the state is not
         expected = f"a time at which there are {what}; {outcome.cause} at t = {shown(reached)}"

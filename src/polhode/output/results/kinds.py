@@ -29,6 +29,7 @@ Value: TypeAlias = Any
 
 #: Where each class is: a document names nothing else.
 HOMES = {
+    "ArrayColumn": "scenes.variation.array_columns",
     "BallMatrix": "enclosures.variations.flow_derivative",
     "BinaryTimes": "scenes.output_times",
     "Bifurcation": "dynamics.periodic_orbits.families",
@@ -94,6 +95,7 @@ _LEFT_OUT = {
 }
 #: The fields of classes that declare none; a word stands for one of these classes.
 _FIELDS: dict[str, dict[str, Value]] = {
+    "ArrayColumn": {"values": np.ndarray},
     "BinaryTimes": {"values": np.ndarray},
     "Certified": {"scene": "Scene"},
     "EvenTimes": {"end": Exact, "samples": int},
@@ -177,8 +179,13 @@ def _check_counts(word: str, values: Sequence[Value]) -> None:
         columns, product = values
         sizes = [len(column) for column in columns]
         count = math.prod(sizes) if product else max(sizes, default=0)
-        if not 1 <= count <= MAX_MEMBERS or not (product or len(set(sizes)) == 1):
+        least = 0 if {type(column).__name__ for column in columns} == {"ArrayColumn"} else 1
+        if not least <= count <= MAX_MEMBERS or not (product or len(set(sizes)) == 1):
             raise ValueError(f"{word}: columns of {sizes[:4]} values")
+    if word == "ArrayColumn":
+        (floats,) = values
+        if floats.ndim != 1 or floats.dtype.kind != "f" or not np.isfinite(floats).all():
+            raise ValueError(f"{word}: no column of finite floats")
     if word == "NumberType":
         name, bits = values
         known = {x.name: x.bits for x in (SINGLE, *map(named, NAMES[:3]))}
@@ -212,7 +219,7 @@ def _check_shapes(word: str, found: Value) -> None:
         if members.scene != scene or members.varied != found.varied:
             raise ValueError(f"{word}.members: of another scene")
         sizes["m"] = len(members)
-        for k in (0, -1):  # which refuse keys that the scene does not have
+        for k in (0, -1) if sizes["m"] else ():  # which refuse keys that the scene does not have
             members[k]
         if not (found.endings < len(OUTCOMES)).all():
             raise ValueError(f"{word}.endings: unknown")

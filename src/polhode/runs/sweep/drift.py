@@ -27,7 +27,7 @@ from polhode.equations.integrals import (
     first_integrals,
 )
 from polhode.numbers.double_double import Pairs, pairs, sqrt
-from polhode.numbers.exact import sign
+from polhode.numbers.exact import Irrational, sign
 from polhode.numbers.rationals import Rationals
 from polhode.numbers.rows import Doubles
 from polhode.runs.sweep.columns import blocks
@@ -49,7 +49,7 @@ def drifts(members: Members, states: Stack, one: Callable[[int], Drift]) -> Doub
     for given in blocks(members):
         block, unit = given.exact(), not given.arrays
         here = slice(block.first, block.last)
-        columns = states.dtype != object and block.axes.trivial
+        columns = states.dtype != object and block.axes.trivial and not _irrational(block)
         alone = block.left.copy() if columns else np.ones(len(block), dtype=bool)
         for which in _alike(block, ~alone) if not alone.all() else []:
             at = block.first + which
@@ -68,6 +68,12 @@ def drifts(members: Members, states: Stack, one: Callable[[int], Drift]) -> Doub
         drift[:, 3] = np.where(np.isnan(drift[:, 3]), drift[:, 1], drift[:, 3])
         drift[:, 1] = np.nan
     return drift
+
+
+def _irrational(block: Block) -> bool:
+    """Whether members have an irrational number in common: with columns it has no arithmetic."""
+    numbers = (*block.moments, *block.torque, *block.omega, *(block.gamma or ()))
+    return any(isinstance(x, Irrational) for x in numbers)
 
 
 def _alike(block: Block, which: npt.NDArray[np.bool_]) -> list[npt.NDArray[np.int64]]:

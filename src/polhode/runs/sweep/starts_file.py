@@ -36,7 +36,7 @@ def _array(path: Path, data: bytes) -> npt.NDArray[Any]:
 
     try:
         dtype, count, begin = npy_header(io.BytesIO(data))
-        if begin + count * dtype.itemsize > len(data):
+        if begin + count * dtype.itemsize != len(data):
             raise ValueError("it is not as long as it says")
         found: npt.NDArray[Any] = np.load(io.BytesIO(data), allow_pickle=False)
     except _FAULTS as fault:
@@ -63,9 +63,20 @@ def _table(path: Path, data: bytes, scene: Scene, extended: bool) -> npt.NDArray
     found = np.empty((len(rows), len(columns)), kind)
     for k, (line, cells) in enumerate(rows):
         try:
-            if len(cells) != len(columns) or any("_" in cell for cell in cells):
+            if len(cells) != len(columns) or any("_" in x or not x.isascii() for x in cells):
                 raise ValueError
             found[k] = [kind(cells[i]) for i in order]
+            if any(_lost(cells[i], x) for i, x in zip(order, found[k], strict=True)):
+                raise ValueError
         except ValueError:
             raise BadInput(name, f"line {line}", ",".join(cells), expected) from None
     return found
+
+
+def _lost(cell: str, rounded: Any) -> bool:
+    """Whether a decimal that is not 0 is one too small for the type to have its digits."""
+    import numpy as np
+
+    if abs(rounded) >= np.finfo(type(rounded)).smallest_normal:
+        return False
+    return any(digit in "123456789" for digit in cell.lower().partition("e")[0])

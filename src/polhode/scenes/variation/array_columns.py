@@ -89,7 +89,11 @@ def row_by_row(vary: Mapping[str, Any], name: str) -> tuple[tuple[str, ...], lis
             raise BadInput(name, key, plain(given), expected)
         width = _WIDTHS.get(key, 1)
         table = rows_of(name, key, given if key in rows else _standing(given), width)
-        keys += [key] if width == 1 else [f"{key}[{i + 1}]" for i in range(width)]
+        own = [key] if width == 1 else [f"{key}[{i + 1}]" for i in range(width)]
+        twice = [number for number in own if number in keys]
+        if twice:
+            raise BadInput(name, key, f"{twice[0]}, given twice", "each number in one array")
+        keys += own
         columns += [ArrayColumn(column) for column in table.T]
         if len(columns[-1]) != len(columns[0]):
             expected = f"{len(columns[0])} rows, as many as {next(iter(vary))} has"

@@ -174,9 +174,15 @@ class _Way:
             kept = stretch.last - stretch.first
             if kept:  # a single target's row serves as the one output that there is
                 states[stretch.first : stretch.last] = rows if stretch.grid is None else rows[:kept]
+            if self._hopeless(max(steps), stretch.to):  # of some: each motion by itself tells
+                return None
             n += 1
             stretch = None if stretch.last == len(states) else self.stretches.at(n)
         return steps
+
+    def _hopeless(self, steps: int, reached: Fraction) -> bool:
+        """Whether a motion that goes on like this ends at its limit long before the last time."""
+        return steps * abs(self.job.times[-1] / reached) > 10 * self.job.max_steps
 
     def _further(self, ready: CompiledBatch, stretch: Stretch, left: int) -> list[int] | None:
         """On to a stretch's end in blocks of steps; None where not all lanes arrive."""
@@ -211,7 +217,7 @@ class _Way:
             if outcome is not Outcome.REACHED_END:
                 break
             reached = stretch.to
-            if steps * abs(self.job.times[-1] / reached) > 10 * most:  # hopeless
+            if self._hopeless(steps, reached):
                 outcome = Outcome.STEP_LIMIT
                 break
         self.found.outcomes[k], self.found.steps[k] = code(outcome), steps

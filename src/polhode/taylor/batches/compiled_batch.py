@@ -12,16 +12,12 @@ from polhode.common.progress import Stop
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Array, Doubles
-from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.step_outcomes import ending
 from polhode.taylor.backend.types import HeyokaNumber
 from polhode.taylor.batches import step_blocks
 from polhode.taylor.integrator.prepared import Prepared
 
 T = TypeVar("T", bound=np.generic)
-
-_REACHED = hy.taylor_outcome.time_limit
-
 
 #: How many systems of doubles one step advances.  Where the machine's own lanes are four, eight
 #: are faster still and give the same bits.
@@ -60,16 +56,13 @@ class CompiledBatch(Prepared):
         """All lanes at time 0 where they stand."""
         self.heyoka.set_time(0.0)
 
-    def to(self, ends: float | Sequence[float], most: int | None = None) -> Doubles:
-        """Every lane to one end, or one of its own, in one go of at most so many steps; states."""
-        if most is None:  # an option takes as long as the shortest way
-            self.heyoka.propagate_until(ends)
-        else:
-            self.heyoka.propagate_until(ends, max_steps=most)
+    def to(self, end: float, most: int) -> Doubles:
+        """All lanes to one end in one go of at most so many steps; states."""
+        self.heyoka.propagate_until(end, max_steps=most)
         found: Doubles = self.state
         return found
 
-    def rows(self, times: Doubles, most: int = 0) -> Doubles:
+    def rows(self, times: Doubles, most: int) -> Doubles:
         """States at times, a column for each lane, after the first time, in one such go."""
         found: Doubles = self.heyoka.propagate_grid(times, max_steps=most)[1][1:]
         return found
@@ -105,9 +98,3 @@ class CompiledBatch(Prepared):
     def outcomes(self) -> list[Outcome]:
         """How the last go ended for each lane."""
         return [ending(result[0]) for result in self.heyoka.propagate_res]
-
-    @property
-    def arrived(self) -> bool:
-        """Whether the last go brought every lane to its end."""
-        results = self.heyoka.propagate_res
-        return [result[0] for result in results] == [_REACHED] * len(results)
