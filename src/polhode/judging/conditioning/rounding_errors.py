@@ -244,7 +244,10 @@ class _Clearing:
     def _values(self, states: Doubles) -> Doubles:
         """The integrals, a row each, at states, one a row."""
         found = self._known.values([*states.T], self._k, 0.0)
-        return np.array([np.broadcast_to(x, len(states)) for x in found])
+        rows = np.empty((len(found), len(states)))
+        for row, values in zip(rows, found, strict=True):
+            row[:] = values
+        return rows
 
 
 class _Rests:
