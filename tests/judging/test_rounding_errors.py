@@ -121,6 +121,30 @@ def test_a_projection_rounds_the_state_once_more():
     assert np.trace(spread(n)) < np.trace(steps)
 
 
+def test_a_projection_leaves_what_no_integral_sees():
+    """Gradients by hand: of the energy and of G² by w, of G·gamma by both, of gamma²."""
+    along = passage(polhode.load("euler/largest-axis").at((F(1),)))
+    (stretch,) = along.stretches
+    moments = np.array([float(x) for x in along.scene.body.moments])
+    w, gamma, none = stretch.state[:3], stretch.state[3:], np.zeros(3)
+    gradients = [
+        *([*(moments * w), *none], [*(moments**2 * w), *none]),
+        *([*(moments * gamma), *(moments * w)], [*none, *gamma]),
+    ]
+    keep = rounding_errors._Clearing(along, 1).removed(stretch.state)
+    assert np.trace(keep) == pytest.approx(2, abs=1e-12)
+    for row in gradients:
+        assert np.linalg.norm(keep @ row) < 1e-8 * np.linalg.norm(row)
+
+
+def test_a_run_without_digits_says_so_and_after_which_time():
+    scene = polhode.load("euler/separatrix").at((F(10), F(120)))
+    judged = polhode.compare(polhode.integrate(scene, number="double"))
+    assert judged.state_worst < 1
+    assert judged.lost == "no digits left after t = 100"
+    assert not polhode.compare(polhode.integrate(scene.at((F(10),)), number="double")).lost
+
+
 def test_a_spin_that_stands_still_is_put_back_on_average_alone():
     """lagrange/nutation in extended: its rounded spin stays through the first projections.
 

@@ -111,11 +111,14 @@ class _Top:
         return Place(self._start.y + share / one.real, self._start.x + share / two.real)
 
     def _solution(self, place: Place, t: mpf) -> Place:
-        """Where Abel's sums are 0 and t, by Newton's method from a place near it."""
+        """Where Abel's sums are 0 and t, by Newton's method from a place near it.
+
+        From step to step the integrals grow by those over the step alone, which are short.
+        """
         enough = mpmath.ldexp(1, -(2 * mpmath.prec) // 3)
+        one = integral(self._first, self._start.y, place.y, self._pieces)
+        two = integral(self._second, self._start.x, place.x, self._pieces)
         for _ in range(_MOST):
-            one = integral(self._first, self._start.y, place.y, self._pieces)
-            two = integral(self._second, self._start.x, place.x, self._pieces)
             F, G = two.real - one.real, two.imag - one.imag - t
             first, second = self._first(place.y), self._second(place.x)
             determinant = second.real * first.imag - first.real * second.imag
@@ -123,9 +126,11 @@ class _Top:
             dx = (first.real * G - first.imag * F) / determinant
             size = max(abs(dy), abs(dx))
             damping = max(1, size)
-            place = Place(place.y + dy / damping, place.x + dx / damping)
+            before, place = place, Place(place.y + dy / damping, place.x + dx / damping)
             if size < enough:
                 return place
+            one += integral(self._first, before.y, place.y, self._pieces)
+            two += integral(self._second, before.x, place.x, self._pieces)
         raise ArithmeticError("Newton's method does not converge")
 
     def _place(self, state: Row, later: Row) -> Place:

@@ -147,21 +147,20 @@ def scatter(along: Passage, every: int) -> Iterator[Scaled]:
     """
     clear, variances = _Clearing(along, every), StepRounding(along)
     found = Scaled(np.zeros((6, 6)), 0)
-    before, time = six(along.plain.start), 0.0
-    for stretch in along.stretches:
-        x, step = stretch.state, (stretch.time - time) / (stretch.steps or 1.0)
-        one, other, once = (
-            np.diag(np.ldexp(variances(at, by), -found.exponent))
-            for at, by in ((before, step), (x, step), (x, 0.0))
-        )
+    ends = np.array([stretch.state for stretch in along.stretches]).reshape(-1, 6)
+    starts = np.vstack([six(along.plain.start), ends])[:-1]
+    lengths = np.diff([0.0, *(stretch.time for stretch in along.stretches)])
+    steps = lengths / [stretch.steps or 1.0 for stretch in along.stretches]
+    each = variances(starts, steps), variances(ends, steps), variances(ends, 0.0)
+    for stretch, *rounded in zip(along.stretches, *each, strict=True):
+        one, other, once = (np.diag(np.ldexp(x, -found.exponent)) for x in rounded)
         half = stretch.steps / 2
         values = stretch.carried @ (found.values + half * one) @ stretch.carried.T + half * other
         if (count := clear.made(stretch.steps)) > 0:
-            keep = clear.removed(x)
+            keep = clear.removed(stretch.state)
             values = keep @ (values + (count - 1) * once) @ keep.T + once
         found = Scaled(values, found.exponent).normalised()
         yield found
-        before, time = x, stretch.time
 
 
 def amplification(along: Passage, until: int) -> float:
@@ -233,21 +232,22 @@ class _Clearing:
 
         By the least change of the state in the unit of time of a run, as the run does it.
         """
-        x = state[: self._columns]
-        gradients = []
-        for i in range(self._columns):
-            step = np.zeros(self._columns)
-            step[i] = _STEP * self._sizes[i]
-            ahead, behind = (
-                np.array(self._known.values([float(c) for c in y], self._k, 0.0))
-                for y in (x + step, x - step)
-            )
-            gradients.append((ahead - behind) / (2 * step[i]))
-        _, strengths, rows = np.linalg.svd(np.array(gradients).T, full_matrices=False)
+        x, steps = state[: self._columns], _STEP * self._sizes
+        ahead, behind = (self._values(x + y) for y in (np.diag(steps), np.diag(-steps)))
+        gradients = (ahead - behind) / (2 * steps)
+        _, strengths, rows = np.linalg.svd(gradients, full_matrices=False)
         rows = rows[strengths > 1e-7 * strengths[0]]
         keep = np.eye(6)
         keep[: self._columns, : self._columns] -= rows.T @ rows
         return keep
+
+    def _values(self, states: Doubles) -> Doubles:
+        """The integrals, a row each, at states, one a row."""
+        found = self._known.values([*states.T], self._k, 0.0)
+        rows = np.empty((len(found), len(states)))
+        for row, values in zip(rows, found, strict=True):
+            row[:] = values
+        return rows
 
 
 class _Rests:

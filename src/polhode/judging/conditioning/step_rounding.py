@@ -70,18 +70,20 @@ class StepRounding:
         held, still = kept_at_zero(along.scene), at_rest(along.scene).state
         self._free = np.array([not still and i not in held for i in range(len(STATE))])
 
-    def __call__(self, state: Doubles, step: float) -> Doubles:
-        """At a state, in a step of this length; 0: of the state alone."""
-        x = np.append(state, 1.0)
-        products = self._by * x[self._left] * x[self._right]
-        rates = self._summed(products)
-        squares = spacing(state) ** 2 + INCREMENT * spacing(step * rates) ** 2
-        squares += self._summed(self._made * spacing(step * products) ** 2)
+    def __call__(self, states: Doubles, steps: npt.ArrayLike) -> Doubles:
+        """At states, shape (..., 6), in steps of these lengths; 0: of the states alone."""
+        x = np.concatenate([states, np.ones((*states.shape[:-1], 1))], axis=-1)
+        products = self._by * x[..., self._left] * x[..., self._right]
+        rates, lengths = self._summed(products), np.asarray(steps)[..., None]
+        squares = spacing(states) ** 2 + INCREMENT * spacing(lengths * rates) ** 2
+        squares += self._summed(self._made * spacing(lengths * products) ** 2)
         found: Doubles = VARIANCE * np.where(self._free & (rates != 0), squares, 0.0)
         return found
 
     def _summed(self, of_products: Doubles) -> Doubles:
-        found: Doubles = np.bincount(self._rates, of_products, len(STATE)).astype(np.float64)
+        found = np.zeros((*of_products.shape[:-1], len(STATE)))
+        for k, rate in enumerate(self._rates):
+            found[..., rate] += of_products[..., k]
         return found
 
 

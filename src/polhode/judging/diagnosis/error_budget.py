@@ -99,7 +99,7 @@ def is_thin(body: Body) -> bool:
 
 def is_lost(digits: float | None, expected: Band | None) -> bool:
     """Whether no digit is expected there, and none was found either."""
-    return expected is not None and expected.middle == 0 and digits is not None and digits < 1
+    return expected is not None and expected.middle == 0 and digits is not None and digits < LAST
 
 
 def shown_digits(digits: float | None, expected: Band | None) -> str:

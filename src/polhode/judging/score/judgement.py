@@ -293,6 +293,8 @@ class Judgement(Result, ByValue):
     @property
     def lost(self) -> str:
         """That no digits are left, and after which time; empty where some are left throughout."""
+        if not any(x is not None and x < LAST for x in self.digits):
+            return ""  # what was to be expected need not be known, which is dear
         gone = any(map(is_lost, self.digits, self.expected))
         return next((part.lost for part in self.conditionings if gone and part.lost), "")
 
