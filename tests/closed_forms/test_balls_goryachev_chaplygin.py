@@ -152,6 +152,29 @@ def test_a_variable_stays_within_its_reach_and_nearly_reaches_it(kind, function)
     assert 0.95 < max(shares) < 1
 
 
+def test_far_from_0_the_integrals_hold_what_f_is_all_over_the_ball_of_a_turn():
+    """Panels of 120 bits asked in 53: a turn is then known no better than f is narrow."""
+
+    def variable(bits):
+        near = panels.Factors(((1, -(arb(10) ** -12)), (-1, arb(2))))
+        with ctx.workprec(bits):
+            return panels.Oscillating(arb(0), arb(1), near)
+
+    pick, few, many, finite, wrong = Random(1), variable(120), variable(300), 0, 0
+    for _ in range(80):
+        turns, off = pick.randrange(10**9, 10**11), 10.0 ** -pick.uniform(3, 9)
+        with ctx.workprec(53):
+            x = (2 * turns * arb.pi() + off).mid()
+            place = few.at(x)
+        with ctx.workprec(300):
+            right = many.at(x)
+        for one, other in zip(place[:2], right[:2], strict=True):
+            finite += bool(one.is_finite())
+            wrong += one.is_finite() and not one.overlaps(other)
+    assert finite > 10
+    assert wrong == 0
+
+
 #: Exact and awkward: at a turning point of u, with an irrational centre, in units of 1e30.
 CASES = {
     "from rest": (F(0), F(0), F(0)),
