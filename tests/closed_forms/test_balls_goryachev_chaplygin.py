@@ -14,6 +14,7 @@ from polhode.closed_forms.balls.core import TooFewBits
 from polhode.closed_forms.families import closed_form
 from polhode.common.errors import BadInput
 from polhode.judging.references import reference
+from polhode.judging.score import answers
 from polhode.numbers import exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf
@@ -234,3 +235,19 @@ def test_an_attitude_too_far_away_is_refused_before_it_is_begun(t, why, monkeypa
     assert len(truth.at([t], 20)[0]) == 6
     with pytest.raises(BadInput, match=f"{why}.*has the state alone, attitude is enclosed"):
         truth.attitude([t], 20)
+
+
+def test_one_enclosure_goes_through_all_rows_of_a_table(monkeypatch):
+    """Its forecast and its limit on the time are then those of the whole table."""
+    proofs, certified = [], reference.Certified
+
+    def counted(*given, **options):
+        proofs.append(given)
+        return certified(*given, **options)
+
+    monkeypatch.setattr(reference, "Certified", counted)
+    monkeypatch.setattr(answers, "_PIECE", 2)
+    truth, times = polhode.reference("goryachev-chaplygin/released"), [F(k, 9) for k in range(7)]
+    table = answers.Answers(truth, times, True, None)
+    assert len(table.rows("attitude", 15)) == len(table.rows("at", 15)) == 7
+    assert len(proofs) == 1
