@@ -14,6 +14,7 @@ from polhode.closed_forms.balls.core import TooFewBits
 from polhode.closed_forms.families import closed_form
 from polhode.common.errors import BadInput
 from polhode.judging.references import reference
+from polhode.judging.score import answers
 from polhode.numbers import exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf
@@ -152,6 +153,29 @@ def test_a_variable_stays_within_its_reach_and_nearly_reaches_it(kind, function)
     assert 0.95 < max(shares) < 1
 
 
+def test_far_from_0_the_integrals_hold_what_f_is_all_over_the_ball_of_a_turn():
+    """Panels of 120 bits asked in 53: a turn is then known no better than f is narrow."""
+
+    def variable(bits):
+        near = panels.Factors(((1, -(arb(10) ** -12)), (-1, arb(2))))
+        with ctx.workprec(bits):
+            return panels.Oscillating(arb(0), arb(1), near)
+
+    pick, few, many, finite, wrong = Random(1), variable(120), variable(300), 0, 0
+    for _ in range(80):
+        turns, off = pick.randrange(10**9, 10**11), 10.0 ** -pick.uniform(3, 9)
+        with ctx.workprec(53):
+            x = (2 * turns * arb.pi() + off).mid()
+            place = few.at(x)
+        with ctx.workprec(300):
+            right = many.at(x)
+        for one, other in zip(place[:2], right[:2], strict=True):
+            finite += bool(one.is_finite())
+            wrong += one.is_finite() and not one.overlaps(other)
+    assert finite > 10
+    assert wrong == 0
+
+
 #: Exact and awkward: at a turning point of u, with an irrational centre, in units of 1e30.
 CASES = {
     "from rest": (F(0), F(0), F(0)),
@@ -211,3 +235,19 @@ def test_an_attitude_too_far_away_is_refused_before_it_is_begun(t, why, monkeypa
     assert len(truth.at([t], 20)[0]) == 6
     with pytest.raises(BadInput, match=f"{why}.*has the state alone, attitude is enclosed"):
         truth.attitude([t], 20)
+
+
+def test_one_enclosure_goes_through_all_rows_of_a_table(monkeypatch):
+    """Its forecast and its limit on the time are then those of the whole table."""
+    proofs, certified = [], reference.Certified
+
+    def counted(*given, **options):
+        proofs.append(given)
+        return certified(*given, **options)
+
+    monkeypatch.setattr(reference, "Certified", counted)
+    monkeypatch.setattr(answers, "_PIECE", 2)
+    truth, times = polhode.reference("goryachev-chaplygin/released"), [F(k, 9) for k in range(7)]
+    table = answers.Answers(truth, times, True, None)
+    assert len(table.rows("attitude", 15)) == len(table.rows("at", 15)) == 7
+    assert len(proofs) == 1

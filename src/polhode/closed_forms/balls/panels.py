@@ -289,11 +289,12 @@ class Oscillating(Panels):
         """S, U, f and z; S(x + 2 pi) = S(x) + 2 S(pi), both odd."""
         n = nearest_integer(x / (2 * arb.pi()))
         rest = x - 2 * n * arb.pi()
-        middle = abs(rest.mid())
-        s, u = self._inner(min(middle, arb.pi().mid()), rough)
+        middle = min(abs(rest.mid()), arb.pi().mid())
+        s, u = self._inner(middle, rough)
         side = -1 if rest.mid() < 0 else 1
-        moved = rest - side * min(middle, arb.pi().mid())
-        f, z = self.slope(x)
+        moved = rest - side * middle
+        # All the way from there: far from 0 a turn is known less well than an exact x.
+        f, z = self.slope(rest.union(side * middle))
         return Place(
             2 * n * self.S[-1] + side * s + moved * f,
             2 * n * self.U[-1] + side * u + moved * f * z,

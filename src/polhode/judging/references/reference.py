@@ -169,6 +169,11 @@ class Reference(Result):
         return f"{how}; {told}" if isinstance(how, str) else told
 
     @property
+    def encloses_attitude(self) -> bool:
+        """Whether the closed form has the state alone: attitude and angles are then enclosed."""
+        return not self._motion.has_attitude
+
+    @property
     def is_dear(self) -> bool:
         """Whether a row costs so much that of a table of very many only some are judged."""
         return self._motion.is_dear

@@ -32,8 +32,10 @@ class Answers:
         progress: Progress | None,
     ) -> None:
         self._reference, self._times, self._progress = reference, times, progress
-        both = attitude and isinstance(reference, Reference)
-        self._together = ("attitude", "at") if both else ()
+        enclosed = not isinstance(reference, Reference) or reference.encloses_attitude
+        self._together = ("attitude", "at") if attitude and not enclosed else ()
+        # turns are counted from t = 0 on, and a proof goes through all times: not in pieces
+        self._whole = ("angles", "attitude") if enclosed else ("angles",)
         self._known: dict[tuple[str, int], Answer | ValueError] = {}
 
     def rows(self, word: str, digits: int) -> Answer:
@@ -62,8 +64,7 @@ class Answers:
         rows: dict[str, dict[Fraction, list[Scalar]]] = {name: {} for name in questions}
         faults: dict[str, ValueError] = {}
         done, count = 0, len({*self._times})
-        # turns are counted from t = 0 on, and a proof goes through all times: not in pieces
-        whole = questions == ("angles",) or not isinstance(self._reference, Reference)
+        whole = questions[0] in self._whole or not isinstance(self._reference, Reference)
         for part in by_sign(self._times):
             size = len(part) if whole else _PIECE
             for piece in (part[k : k + size] for k in range(0, len(part), size)):
