@@ -153,6 +153,33 @@ def test_the_farthest_row_may_be_one_of_angles_and_whole_turns_put_none_far(monk
     assert 7.9 < found.worst < 8.1
 
 
+@pytest.mark.parametrize(
+    ("outputs", "columns", "change"),
+    [
+        ("attitude", ATTITUDE, lambda x: -x),
+        ("angles", ("psi",), lambda x: x + 2 * math.pi),
+        ("angles", ("phi",), lambda x: x - 4 * math.pi),
+    ],
+)
+def test_a_sign_or_a_turn_of_a_row_between_the_judged_ones_is_told(
+    monkeypatch, outputs, columns, change
+):
+    monkeypatch.setattr(row_selection, "MOST_DEAR", SPREAD)
+    table = right("kovalevskaya/generic", [Fraction(k, 50) for k in range(DEAR)], "at", outputs)
+    table["p"][20] += 1e-9  # the farthest row otherwise
+    spread = polhode.compare(table, "kovalevskaya/generic").rows_judged
+    for name in columns:
+        table[name][ODD] = change(table[name][ODD])
+    told = polhode.compare(table, "kovalevskaya/generic")
+    assert told.rows_judged == spread + 1
+    if outputs == "attitude":
+        assert told.part_digits[outputs][ODD] == 0
+        assert float(told.worst_time) == ODD / 50
+    else:
+        assert "read as psi and phi up to whole turns" in str(told)
+        assert "angles as it stands: 0.00 digits" in str(told)
+
+
 def test_an_attitude_that_is_refused_leaves_the_states(monkeypatch):
     """They are asked for together, piece by piece; an enclosure then judges the attitude."""
 

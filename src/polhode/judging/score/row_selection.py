@@ -2,14 +2,17 @@
 
 A row of such a closed form takes milliseconds.  Of more than :data:`MOST_DEAR` rows so many are
 judged, evenly spread, the first and the last among them; and the one that is farthest from a run in
-extended precision, which takes microseconds a row.
+extended precision, which takes microseconds a row.  How far is told up to the quaternion's sign and
+whole turns of psi and phi, which a table may have its own way; so a row that has them otherwise
+than the judged ones on both sides of it is judged, too.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from polhode.common.text_tables import few
 from polhode.judging.diagnosis.motion_in_double import integrated
@@ -20,6 +23,8 @@ from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.number_types import EXTENDED
 from polhode.numbers.rows import Doubles, Given
 from polhode.scenes.scene import Scene
+
+Indices: TypeAlias = npt.NDArray[np.int64]
 
 MOST_DEAR = 5000  # rows of a dear closed form that are asked for
 
@@ -45,19 +50,18 @@ def selection(subject: Subject, reference: AnyReference) -> RowSelection | None:
     if count <= MOST_DEAR or not (isinstance(reference, Reference) and reference.is_dear):
         return None
     rows = {*few(count, MOST_DEAR), *few(count, SHOWN)}
-    farthest = _farthest(subject, reference.scene)
-    if farthest is not None:
-        rows.add(farthest)
-    return RowSelection(tuple(sorted(rows)), farthest is not None)
+    far = _far(subject, reference.scene, np.array(sorted(rows)))
+    return RowSelection(tuple(sorted({*rows, *far})), bool(far))
 
 
-def _farthest(subject: Subject, scene: Scene) -> int | None:
-    """The row whose numbers are farthest from a run; None where there is none."""
+def _far(subject: Subject, scene: Scene, spread: Indices) -> tuple[int, ...]:
+    """The row whose numbers are farthest from a run, and strays; none where there is no run."""
     turning = subject.attitude is not None or subject.angles is not None
     run = integrated(scene, subject.times, turning, EXTENDED)
     if run is None:
-        return None
+        return ()
     away = [np.zeros(len(subject.times))]
+    strays: list[int] = []
     if subject.columns:
         scale = np.ones(len(scene.columns))
         scale[:3] = np.max(np.linalg.norm(run.states[:, :3], axis=1)) or 1.0
@@ -65,10 +69,22 @@ def _farthest(subject: Subject, scene: Scene) -> int | None:
     if run.attitude is not None and subject.attitude is not None:
         own = _doubles(subject.attitude)
         away.append(np.fmin(*(_largest(side * own - run.attitude) for side in (1, -1))))
+        strays += _stray(np.sign(np.sum(own * run.attitude, axis=1, keepdims=True)), spread)
     if run.attitude is not None and subject.angles is not None:
-        turns = np.exp(1j * (_doubles(subject.angles) - _angles(run.attitude)))
-        away.append(_largest(np.angle(turns)))
-    return int(np.argmax(np.fmax.reduce(away)))
+        beside = _doubles(subject.angles) - np.unwrap(_angles(run.attitude), axis=0)
+        away.append(_largest(np.angle(np.exp(1j * beside))))
+        strays += _stray(np.rint(beside / (2 * np.pi)), spread)
+    return int(np.argmax(np.fmax.reduce(away))), *strays
+
+
+def _stray(ways: Doubles, spread: Indices) -> list[int]:
+    """The first row with a number that neither the spread row before nor the one after has."""
+    rows = np.arange(len(ways))
+    before = ways[spread[np.searchsorted(spread, rows, side="right") - 1]]
+    after = ways[spread[np.searchsorted(spread, rows)]]
+    alone = (np.abs(ways - before) > 0) & (np.abs(ways - after) > 0)  # nan is not above 0
+    first: list[int] = np.flatnonzero(alone.any(axis=1))[:1].tolist()
+    return first
 
 
 def _angles(attitude: Doubles) -> Doubles:
