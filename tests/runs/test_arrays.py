@@ -14,6 +14,7 @@ from polhode.equations import integrals
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.taylor import lanes
 from polhode.taylor.backend import defaults
+from polhode.taylor.batches import step_blocks
 from polhode.taylor.batches.compiled_batch import CompiledBatch
 
 EPS = 2.0**-52
@@ -168,6 +169,25 @@ def test_rows_that_never_arrive_are_given_up_at_once(monkeypatch):
     assert np.isnan(go(rows[:3], t=1e12)).all()
     assert {*go.outcomes} == {polhode.Outcome.STEP_LIMIT}
     assert len(blocks) == 1
+
+
+@pytest.mark.parametrize("t", [3.0, [1, 3]], ids=["one time", "times"])
+def test_a_row_that_is_far_too_fast_is_given_up_within_its_stretch(t, monkeypatch):
+    """It would have taken the whole limit, twice: minutes."""
+    monkeypatch.setattr(step_blocks, "BLOCK", 500)
+    usual = defaults.TABLE["double"]
+    monkeypatch.setitem(defaults.TABLE, "double", usual._replace(chunk=500))
+    go, rows, _ = of("plain", 21)
+    go._most = 5 * 10**6  # steps; some 10^10 would be needed
+    right = go(rows, t=t)
+    rows[9, :3] = 1e9
+    found, others = go(rows, t=t), np.arange(21) != 9
+    assert np.array_equal(found[others], right[others])
+    assert np.isnan(found[9]).all()
+    assert go.outcomes[9] is go.outcome is polhode.Outcome.STEP_LIMIT
+    many = polhode.integrate_many(go.scene, starts=rows, at=[1, 3])
+    assert many.outcomes[9] is polhode.Outcome.STEP_LIMIT
+    assert many.steps[9] <= 2000
 
 
 @pytest.mark.parametrize("sure", [lanes._SURE, np.inf], ids=["expected", "not expected"])

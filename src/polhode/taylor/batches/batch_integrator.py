@@ -188,7 +188,7 @@ class _Way:
         """On to a stretch's end in blocks of steps; None where not all lanes arrive."""
         if stretch.grid is not None or left <= 0 or Outcome.NON_FINITE in ready.outcomes:
             return None
-        ended = ready.in_blocks([stretch.targets[0]] * LANES, left, self.stop)
+        ended = ready.in_blocks([stretch.targets[0]] * LANES, left, self.stop, give_up=True)
         there = all(outcome is Outcome.REACHED_END for outcome in ended.outcomes)
         return ended.steps.tolist() if there else None
 
@@ -234,7 +234,7 @@ class _Way:
         ready, rest, steps = self.ready, list(stretch.targets), 0
         rows: list[Array] = []
         if len(rest) == 1 and isinstance(ready, CompiledBatch):  # no dense output, as with others
-            ended = ready.in_blocks(rest * LANES, limit, self.stop)
+            ended = ready.in_blocks(rest * LANES, limit, self.stop, give_up=True)
             outcome, steps = ended.outcomes[0], int(ended.steps[0])
             if outcome is Outcome.REACHED_END:
                 rows.append(ready.row.copy())
@@ -253,9 +253,9 @@ class _Way:
                     del rest[0]
                 if rest and self._stopped():
                     return None
-                if rest:
-                    continue
-                outcome = Outcome.REACHED_END
+                if rest and steps * abs(rest[-1]) <= 10.0 * limit * abs(ready.now):
+                    continue  # else it would need ten times the limit
+                outcome = Outcome.STEP_LIMIT if rest else Outcome.REACHED_END
             if outcome not in (Outcome.REACHED_END, Outcome.NON_FINITE):
                 outcome = Outcome.STEP_LIMIT
             return self._told(rows), steps, outcome

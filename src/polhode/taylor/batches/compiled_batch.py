@@ -84,10 +84,14 @@ class CompiledBatch(Prepared):
         return found
 
     def in_blocks(
-        self, ends: Sequence[float], most: int | None = None, stop: Stop | None = None
+        self,
+        ends: Sequence[float],
+        most: int | None = None,
+        stop: Stop | None = None,
+        give_up: bool = False,
     ) -> step_blocks.Ended:
         """Every lane to an end of its own, see :mod:`polhode.taylor.batches.step_blocks`."""
-        return step_blocks.until(self.heyoka, ends, most, stop)
+        return step_blocks.until(self.heyoka, ends, most, stop, give_up)
 
     @property
     def taken(self) -> list[int]:
