@@ -11,7 +11,7 @@ import pytest
 
 import polhode
 
-MOST_SECONDS = 0.3  # of the processor
+MOST_SECONDS = 3.0  # of the processor; what was not refused at once took minutes
 GIVEN = {"moments": [2, 2, 1], "centre": [1, 0, 0], "weight": 1, "end": 1}
 START = {"omega": ["0.3", 0.2, 1.1], "gamma": ["3/5", 0, "4/5"]}
 SCENE = polhode.top(**GIVEN, **START)

@@ -26,6 +26,7 @@ def polhode(arguments, cwd, cache, before=(), limit=None, **environment):
             resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 
     kept = {k: v for k, v in os.environ.items() if k != "HEYOKA_CACHE_DIR"}
+    kept["PYTHONDONTWRITEBYTECODE"] = "1"  # cut off at the limit, it would stay for all that follow
     if cache is not None:
         environment["HEYOKA_CACHE_DIR"] = str(cache)
     return subprocess.run(

@@ -59,8 +59,9 @@ def test_what_gets_lost_on_a_full_disk_is_no_success(words):
         "plot lagrange/nutation --what error -o x.png",
     ],
 )
-def test_a_full_disk_is_one_line_and_leaves_nothing(words):
+def test_a_full_disk_is_one_line_and_leaves_nothing(monkeypatch, words):
     """As a limit on the size of files, which the system meets with the same kind of fault."""
+    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")  # cut off, it would stay for all that follow
 
     def full() -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))

@@ -27,7 +27,6 @@ from polhode.numbers.number_types import LEAST_MP_BITS, MAX_DIGITS, NAMES, Numbe
 from polhode.numbers.rows import Given, Row, read_only
 from polhode.output.json_object import JsonObject
 from polhode.output.json_results import as_json
-from polhode.runs.reevaluate import made_again
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import scene_file
 from polhode.scenes.scene import Scene
@@ -281,6 +280,8 @@ class _Again:
     def dense(self) -> Interpolant:
         """The dense output of the run made once more."""
         if self.made is None:
+            from polhode.runs.reevaluate import made_again  # heyoka: a file is read without
+
             run = self.run
             again = made_again(run, run.scene)
             kept = len(run.times)

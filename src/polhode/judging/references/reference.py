@@ -6,7 +6,7 @@ Both answer the same questions; ``kind`` says which it is, and nothing else is c
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
@@ -91,7 +91,8 @@ class Reference(Result):
 
     def _turned(self, word: str, times: Iterable[AnyNumber], digits: int) -> list[list[Any]]:
         """Attitude or angles: the closed form's, or enclosed where that has the state alone."""
-        times = [*times]
+        if isinstance(times, Iterator):  # asked twice
+            times = list(times)
         at_start = all(exact.sign(t) == 0 for t in _times(self.scene, times))
         if self._motion.has_attitude or at_start:
             return self._asked(getattr(self._motion, word), times, digits)
