@@ -69,7 +69,7 @@ def without_seconds(text: str) -> str:
 def commanded(command: str) -> str:
     """What a command prints on both streams, cut by ``| head -N``; a file that printf writes."""
     if command.startswith("printf "):
-        return subprocess.run(command, shell=True, check=True, capture_output=True, text=True).stdout
+        return subprocess.check_output(command, shell=True, text=True)
     command, _, cut = command.partition(" | head -")
     program, *arguments = shlex.split(command)
     assert Path(program).name == "polhode"
