@@ -11,7 +11,7 @@ import pytest
 
 import polhode
 
-MOST_SECONDS = 3.0  # of the processor; what was not refused at once took minutes
+MOST_SECONDS = 0.3  # of the processor
 GIVEN = {"moments": [2, 2, 1], "centre": [1, 0, 0], "weight": 1, "end": 1}
 START = {"omega": ["0.3", 0.2, 1.1], "gamma": ["3/5", 0, "4/5"]}
 SCENE = polhode.top(**GIVEN, **START)
@@ -75,11 +75,14 @@ def _limit_of_python(request):
 @pytest.mark.parametrize("door", DOORS)
 def test_a_number_that_is_too_large_is_refused_at_once(door):
     for kind, giant in GIANTS.items():
-        began = time.process_time()
-        with pytest.raises(polhode.BadInput) as fault:
-            DOORS[door](giant)
         most = MOST_SECONDS if kind != "Decimal" else 10 * MOST_SECONDS  # the first imports
-        assert time.process_time() - began < most, kind
+        taken = []
+        while not taken or (taken[-1] >= most and len(taken) < 3):  # garbage is collected at times
+            began = time.process_time()
+            with pytest.raises(polhode.BadInput) as fault:
+                DOORS[door](giant)
+            taken.append(time.process_time() - began)
+        assert min(taken) < most, kind
         assert len(str(fault.value)) < 400
         assert "TOML" not in str(fault.value), "none speaks of a file where none was given"
 

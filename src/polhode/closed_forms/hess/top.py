@@ -30,8 +30,6 @@ HELD = ("r0 at right angles to the middle axis", "(B/C - 1) T1^2 = (1 - B/A) T3^
 class HessTop(BallMotion[HessMotion]):
     """One motion on Hess's surface from one start."""
 
-    is_dear = True
-
     def _set_up(self, moments: Vector, torque: Vector, omega: Vector, axes: Rows | None) -> None:
         self._begin = surface.start(moments, torque, omega, self._gamma, axes)
         self._sphere = kinds.sphere(self._begin)

@@ -1,10 +1,10 @@
 """The rows of a table that are judged: all, or some of very many whose reference is dear.
 
-A row of such a closed form takes milliseconds.  Of more than :data:`MOST_DEAR` rows so many are
-judged, evenly spread, the first and the last among them; and the one that is farthest from a run in
-extended precision, which takes microseconds a row.  How far is told up to the quaternion's sign and
-whole turns of psi and phi, which a table may have its own way; so a row that has them otherwise
-than the judged ones on both sides of it is judged, too.
+A row of such a closed form takes up to milliseconds.  Of more than :data:`MOST_DEAR` rows so many
+are judged, evenly spread, the first and the last among them; and the one that is farthest from a
+run in extended precision, which takes microseconds a row.  How far is told up to the quaternion's
+sign and whole turns of psi and phi, which a table may have its own way; so a row that has them
+otherwise than the judged ones on both sides of it is judged, too.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class RowSelection(NamedTuple):
         if self.has_farthest:
             chosen += ", with the one that is farthest from a run in extended precision"
         left = count - len(self.rows)
-        return f"{left} of {count} rows, for each takes milliseconds; judged were {chosen}"
+        return f"{left} of {count} rows, for their closed form is dear; judged were {chosen}"
 
 
 def selection(subject: Subject, reference: AnyReference) -> RowSelection | None:
