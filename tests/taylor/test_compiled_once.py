@@ -16,7 +16,7 @@ from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
 from polhode.scenes.event import Event
 from polhode.taylor.backend.integrator_pool import Pool
-from polhode.taylor.integrator import compiled
+from polhode.taylor.integrator import engine
 from shared.policies import change_policy
 
 NAME = "lagrange/nutation"
@@ -42,7 +42,7 @@ def never_seen() -> dict[str, list[Fraction]]:
 @pytest.fixture
 def built(monkeypatch) -> list:
     """The integrators that heyoka makes from now on, none being idle."""
-    monkeypatch.setattr(compiled, "POOL", Pool())
+    monkeypatch.setattr(engine, "POOL", Pool())
     found: list = []
     make = hy.taylor_adaptive
 
@@ -143,13 +143,13 @@ def alone(monkeypatch) -> list:
     """Two bodies of one pattern, each with its states where no other has used an integrator."""
     times, found = [*range(11)], []
     for body in (ORDINARY, SPECIAL):
-        monkeypatch.setattr(compiled, "POOL", Pool())
+        monkeypatch.setattr(engine, "POOL", Pool())
         scene = top(**body)
         run = polhode.integrate(scene, at=times)
         fine = np.array(polhode.integrate(scene, "quad", at=times).states, float)
         assert np.abs(run.states - fine).max() < 1e-13
         found.append((scene.at(times), run.states, run(["1/3", "19/2"])))
-    monkeypatch.setattr(compiled, "POOL", Pool())
+    monkeypatch.setattr(engine, "POOL", Pool())
     return found
 
 
@@ -196,7 +196,7 @@ def test_another_start_in_an_idle_integrator_has_the_bits_of_a_new_one(number, o
     assert idle.events[0].times
     for t, row in zip(idle.events[0].times, idle.events[0].states, strict=True):
         assert abs(exactly(row[5]) - Fraction(1, 2) - t / 200) < 2 * idle.number.eps
-    compiled.POOL = Pool()
+    engine.POOL = Pool()
     fresh = polhode.integrate(other, number, project=7)
     assert fresh == idle
     assert polhode.integrate(one, number, project=7) == first

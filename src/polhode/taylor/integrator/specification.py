@@ -22,7 +22,6 @@ import numpy as np
 from polhode.common.cached_property import cached_property
 from polhode.equations.forms import principal
 from polhode.equations.system import System
-from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE, NumberType
 from polhode.scenes.vocabulary import ANGLE_VARIABLES
 from polhode.taylor.backend.engine import hy
@@ -73,7 +72,7 @@ class Equations:
     number: NumberType = DOUBLE
     tolerance: Fraction | None = None
     form: str = "principal"
-    constants: tuple[tuple[str, Exact], ...] = ()
+    constants: tuple[tuple[str, Fraction], ...] = ()
     still: bool = False
     cyclic: int = 0
     lanes: int = 0
@@ -91,7 +90,7 @@ class Equations:
             number,
             tolerance,
             form,
-            () if plain else tuple(known.items()),
+            () if plain else tuple((name, number.rounded(x)) for name, x in known.items()),
             system.still,
             len(ANGLE_VARIABLES) if "angles" in system.outputs else 0,
         )
