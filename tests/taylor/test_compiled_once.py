@@ -120,6 +120,46 @@ def test_what_differs_in_type_tolerance_outputs_events_or_pattern_is_built(built
             assert len(built) - before == count * again, (scene.name, options)
 
 
+FORMS = ("general", "momentum", "inertia-axes", "quaternion", "hamiltonian", "routhian")
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_forms_whose_coefficients_are_constants_have_engines_of_their_own(form, built):
+    """Another body builds one; the same again none, and it has the bits of a new one."""
+    bodies = [replace(top(**body), form=form) for body in (ORDINARY, SPECIAL)]
+    first = [polhode.integrate(scene, at=[3]) for scene in bodies]
+    assert len(built) == 2
+    again = [polhode.integrate(scene, at=[3]) for scene in bodies]
+    assert len(built) == 2
+    assert first == again
+    for run, scene in zip(again, bodies, strict=True):
+        plain = polhode.integrate(replace(scene, form="principal"), at=[3])
+        assert np.abs(run.states - plain.states).max() < 1e-13
+
+
+def test_a_run_that_ended_at_a_singular_set_leaves_no_trace(built):
+    """Its engine goes on to the next run, as that of a run that came to its end does."""
+    swing = {"moments": [1, 1, 2], "centre": [0, 0, 1], "omega": [1, 0, 0]}
+    through = replace(top(**{**swing, "gamma": [0, "0.6", "0.8"]}), form="routhian")
+    beside = replace(top(**{**swing, "gamma": ["0.6", 0, "0.8"]}), form="routhian")
+    alone = polhode.integrate(beside)
+    runs = [polhode.integrate(through) for _ in range(3)]
+    assert runs[0].outcome is Outcome.SINGULAR
+    assert runs[0] == runs[1] == runs[2]
+    assert polhode.integrate(beside) == alone
+    assert alone.outcome is Outcome.REACHED_END
+    assert len(built) == 2
+
+
+def test_a_propagator_leaves_its_engine_to_the_next_body(built):
+    """It has the bits of one whose engine is new."""
+    for body in (ORDINARY, SPECIAL, ORDINARY):
+        there = polhode.propagator(top(**body))(t=3.0)
+        fresh = polhode.integrate(top(**body), at=[3], project=False)
+        assert np.array_equal(there, fresh.states[0])
+    assert len(built) == 1
+
+
 @pytest.mark.parametrize("number", ["double", "extended"])
 def test_a_coefficient_that_underflows_is_no_zero(number, built):
     """Refused, whichever integrators are idle, and before anything is compiled."""

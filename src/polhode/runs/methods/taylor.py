@@ -216,7 +216,7 @@ class TaylorMotion:
             self.reached = last if problem.unit == 1 else last * problem.unit
             if self._watch is not None:
                 self._working = integrator  # its events are told first
-            elif outcome.done:
+            elif outcome.done or outcome is Outcome.SINGULAR:
                 integrator.release()
         if self._watch is not None and self._watch.stop is not None:
             self.reached = self.number.rounded(self._watch.stop) * problem.unit
