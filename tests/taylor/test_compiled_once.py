@@ -152,12 +152,16 @@ def test_a_run_that_ended_at_a_singular_set_leaves_no_trace(built):
 
 
 def test_a_propagator_leaves_its_engine_to_the_next_body(built):
-    """It has the bits of one whose engine is new."""
-    for body in (ORDINARY, SPECIAL, ORDINARY):
-        there = polhode.propagator(top(**body))(t=3.0)
-        fresh = polhode.integrate(top(**body), at=[3], project=False)
-        assert np.array_equal(there, fresh.states[0])
+    """And to that alone: of two at a time each has its own."""
+    scenes = [top(**body) for body in (ORDINARY, SPECIAL)]
+    runs = [polhode.integrate(scene, at=[3], project=False).states[0] for scene in scenes]
+    for scene, state in zip(scenes, runs, strict=True):
+        assert np.array_equal(polhode.propagator(scene)(t=3.0), state)
     assert len(built) == 1
+    goes = [polhode.propagator(scene) for scene in scenes]
+    assert len(built) == 2
+    for go, state in zip(goes, runs, strict=True):
+        assert np.array_equal(go(t=3.0), state)
 
 
 @pytest.mark.parametrize("number", ["double", "extended"])
