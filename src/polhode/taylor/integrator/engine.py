@@ -8,6 +8,7 @@ user.  That may be of another body: whoever takes one tells it all coefficients,
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable
+from contextlib import nullcontext
 from typing import Self, TypeVar
 
 from polhode.common.locks import Lock, Place
@@ -127,14 +128,15 @@ class Engine:
 E = TypeVar("E", bound=Engine)
 
 
-def lent(key: Hashable, build: Callable[[], E]) -> E:
+def lent(key: Hashable, build: Callable[[], E], wait: bool = True) -> E:
     """An engine of what a key tells from others, built where none is idle.
 
-    One thread at a time builds, since the code that heyoka has compiled serves the others.
+    One thread at a time builds, since the code that heyoka has compiled serves the others; not so
+    without ``wait``, for those that may hold a precision.
     """
     found: E | None = POOL.take(key)
     if found is None:
-        with _COMPILING.held():
+        with _COMPILING.held() if wait else nullcontext():
             found = POOL.take(key) or build()
         found.key = key
     return found

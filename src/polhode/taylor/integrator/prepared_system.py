@@ -71,7 +71,7 @@ class PreparedSystem:
         """
         start, coefficients, equations = self.state, self.coefficients, self.equations
         key = equations if watcher is None else (equations, watcher.key)
-        found = lent(key, lambda: built(equations, Engine, self.system, watcher))
+        found = lent(key, lambda: built(equations, Engine, self.system, watcher), wait=False)
         if watcher is not None:
             damping = array(scalars(watcher.damping, self.number), self.number)
             asked = found.parameters[CLOCK : found.first]  # as many as the events need
