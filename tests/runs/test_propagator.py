@@ -208,14 +208,46 @@ def test_an_interrupted_call_leaves_it_usable(project):
 
 def test_what_was_not_reached_is_nan_and_said():
     go = polhode.propagator(scene())
-    go._most = 10  # of steps, to be quick about it
-    go._chunk = 10
-    assert np.isnan(go(t=1000.0)).all()
+    near = go(t=0.125).tolist()
+    assert np.isnan(go(t=1e300)).all()
     assert go.outcome is polhode.Outcome.STEP_LIMIT
-    rows = go(t=[0.125, 1000.0])
-    assert np.isfinite(rows[0]).all()
+    assert go.steps <= 200_000  # it is told early that the limit will not do
+    rows = go(t=np.array([0.125, 1e300]))
+    assert rows[0].tolist() == near
     assert np.isnan(rows[1]).all()
-    assert not go.outcome.done
+    assert go.outcome is polhode.Outcome.STEP_LIMIT
+
+
+@pytest.mark.parametrize("number", ["double", "extended"])
+@pytest.mark.parametrize(
+    "end", [0.5, -40.0, 2.5e4]
+)  # the last one's bound is above what goes at once
+def test_a_call_without_a_limit_makes_the_steps_of_a_run(end, number):
+    if number == "extended":
+        end = math.copysign(min(abs(end), 3e3), end)
+    for case, (more, start) in CASES.items():
+        go = polhode.propagator(scene(**more), number=number)
+        way = end * 2.0**go.scene.time_unit
+        found, steps = go(start, t=way), go.steps
+        assert found.tolist() == go(start, t=[way])[0].tolist(), case
+        assert (go.steps, go.outcome.done) == (steps, True)
+
+
+@pytest.mark.parametrize("where", range(3))
+@pytest.mark.parametrize(
+    ("number", "size"),
+    [("double", 1e154), ("double", 1e308), ("extended", 1e308), ("extended", "1e4000")],
+)
+def test_a_start_that_is_far_too_fast_is_given_up_and_the_next_is_right(number, where, size):
+    go = polhode.propagator(scene(), number=number)
+    start = np.array([0, 0, 0, 0, 0, 1], go(t=0.0).dtype)
+    start[where] = np.longdouble(size)
+    right = go(t=1.0).tolist()
+    for given in (start, [*start]):
+        for t in (1.0, [1.0], np.array([0.5, 1.0])):
+            assert np.isnan(go(given, t=t)).any()
+            assert not go.outcome.done
+    assert go(t=1.0).tolist() == right
 
 
 @pytest.mark.parametrize("t", [1e308, [1e308], -1e308])

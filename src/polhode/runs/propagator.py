@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from fractions import Fraction
+from math import isfinite
 from pathlib import Path
 from threading import get_ident
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 from weakref import finalize
 
 import numpy as np
@@ -15,26 +16,31 @@ from polhode.common.arguments import rows_of, unit_rows, whole
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, plain
 from polhode.common.memory import refuse_too_much
+from polhode.equations.forms import principal
 from polhode.motion.outcomes import OUTCOMES, Outcome, code
+from polhode.numbers.conversion import to_double
+from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Doubles, Extendeds, Flat, flat
+from polhode.numbers.rows import Doubles, Extendeds, Flat, doubles, flat
 from polhode.numbers.scalars import AnyNumber, numbers_given
-from polhode.runs.array_motions import ArrayMotions, turned
 from polhode.runs.methods.output_loop import march
 from polhode.runs.problem.options import cadence, choose_number, corrections, rounded_tolerance
 from polhode.runs.problem.problem import Problem, problem
 from polhode.scenes import library
+from polhode.scenes.body import scaled
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
 from polhode.taylor.backend.heyoka_numbers import OutOfRange
-from polhode.taylor.backend.step_outcomes import TIME_LIMIT, ending
+from polhode.taylor.backend.step_outcomes import TIME_LIMIT
 from polhode.taylor.corrections.integral_projection import Projector, StartTarget
 from polhode.taylor.integrator.stepping import Integrator
+from polhode.taylor.lanes import STEPS, Lanes
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-_REACHED_END, _STEP_LIMIT = Outcome.REACHED_END, Outcome.STEP_LIMIT
+_REACHED_END = Outcome.REACHED_END
+_THERE = TIME_LIMIT.value
 _UNIT = 8  # |gamma|² is 1 to so many eps
 _BYTES = 24  # of a number of the states of many starts, while they are put in order
 _SPLIT = "numbers of states; fewer times, or starts in parts"
@@ -84,25 +90,38 @@ class Propagator:
 
     def __init__(self, problem: Problem, every: int | None) -> None:
         self.scene, self.number = problem.scene, problem.number
-        self.outcome, self.steps = Outcome.REACHED_END, 0
-        self._ended: npt.NDArray[np.uint8] | int | None = None  # of the last call's array of starts
+        self.outcome, self.steps = _REACHED_END, 0
+        self._ended: npt.NDArray[np.uint8] | None = None  # how the last array's starts did
         self._problem, self._every = problem, every
         self._owner = get_ident()
         self._engine = problem.prepared().engine()
         finalize(self, self._engine.release).atexit = False  # another body's from then on
-        self._heyoka, self._state = self._engine.heyoka, self._engine.state
+        self._state, self._until = self._engine.state, self._engine.heyoka.propagate_until
+        self._begin = self._engine.begin
+        self._memory: Any = memoryview(self._state)  # which takes an array of its own kind alone
         self._first: Flat = self._state.copy()
-        self._kind = self._first.dtype
-        self._shape = (len(self.scene.columns),)
+        self._kind, self._shape = self._first.dtype, self._first.shape
+        self._long = self.number.name == "extended"
         self._slack = _UNIT * float(self.number.eps)
         self._turn: Extendeds | None = problem.turn
         unit = np.ldexp(self._kind.type(1), self.scene.time_unit)
-        self._scale = np.array([unit] * 3 + [1] * (self._shape[0] - 3), self._kind)
+        self._scale = np.ones(self._shape, self._kind)
+        self._scale[:3] = unit
         self._back = 1 / self._scale
-        self._plain = unit == 1
+        self._plain = unit == 1 and self._turn is None
         self._unit = (1 / unit).item()  # Python's own number: a product too large is inf, unsaid
         choices = defaults.of(self.number)
         self._chunk, self._most = choices.chunk, choices.max_steps
+        #: (rate t)**2 of a call that needs no limit; none is, where the state is projected
+        self._sure = (choices.chunk / STEPS) ** 2 if every is None else 0.0
+        body = self.scene.body
+        self._moments, torque = _doubles(body.moments), _doubles(body.torque)
+        with np.errstate(all="ignore"):  # inf or nan of a body beyond the range: never sure
+            bound = np.array([self._moments.max(), 5 * np.sqrt((torque**2).sum())])
+            self._spin, self._weight = (bound / self._moments.min()).tolist()
+        self._weight = max(self._weight, float(self._unit * self._unit) * 2.0**-900)
+        omega = self._first[:3] * self._back[:3]
+        self._rate = self._spin * float(omega @ omega) + self._weight
 
     def __call__(
         self,
@@ -147,46 +166,50 @@ class Propagator:
         """
         if get_ident() != self._owner:
             raise self._bad("thread", "another one", "its own, or a copy.copy of the propagator")
-        self._ended = None
-        if start is not None and (
-            start.ndim > 1 if type(start) is np.ndarray else _rows_given(start)
-        ):
-            return self._many(start, t, workers)
-        self._stand(start)
-        if self._every is not None or type(t) is not float:
-            grid = self._grid(t)
-            if grid is not None:
-                found = self._on_grid(grid, len(cast(Flat, t)))
-                if found is not None:
-                    return found
-                self._stand(start)  # what is wrong with the times is told below
-            given, several = numbers_given(t)
-            rows = self._at_times(cast(Sequence[AnyNumber], given))
-            return rows if several else rows[0]
-        if t - t != 0:
-            raise self._bad("t", t, "a finite number")
-        end = t * self._unit
-        if end - end != 0:  # beyond the type in the run's own unit
-            return flat(self._at_times([t])[0])
-        ended, _, _, self.steps, _, _ = self._heyoka.propagate_until(end, max_steps=self._chunk)
-        if ended == TIME_LIMIT:
-            self.outcome = _REACHED_END
+        if start is None:
+            rate = self._rate
+            self._state[...] = self._first
         else:
-            self.outcome = ending(ended)
-            if self.outcome is _STEP_LIMIT:  # a long way: from here on chunk by chunk, as a run
-                return flat(self._at_times([t], self.steps)[0])
-            return np.full(self._shape, np.nan, self._kind)
-        if self._turn is None:
-            return flat(self._state.copy() if self._plain else self._state * self._back)  # exact
-        return flat(self._read(self._state[None])[0])
+            if type(start) is not np.ndarray:
+                if _rows_given(start):
+                    return self._many(start, t, workers)
+                start = self._array(start)
+            try:
+                self._memory[:] = start
+            except (ValueError, NotImplementedError):  # of another type or shape
+                if start.ndim > 1:
+                    return self._many(start, t, workers)
+                start = self._array(start)
+                self._memory[:] = start
+            numbers = start.tolist()
+            p, q, r, a, b, c = numbers if len(numbers) == 6 else (*numbers, 1.0, 0.0, 0.0)
+            if not -self._slack <= a * a + b * b + c * c - 1.0 <= self._slack:
+                raise self._bad("start", plain(start), "gamma of length 1, to 8 eps")
+            if self._long:
+                p, q, r = float(p), float(q), float(r)  # whose squares are inf, unsaid
+            rate = self._spin * (p * p + q * q + r * r) + self._weight
+            if not self._plain:
+                self._state[...] = self._inside(start)
+        self._begin()
+        if type(t) is float:
+            if t * t * rate < self._sure:  # not where any of them is not finite
+                ended, _, _, self.steps, _, _ = self._until(t * self._unit)
+                if ended.value == _THERE:
+                    self.outcome = _REACHED_END
+                    return self._state.copy() if self._plain else self._read(self._state)
+        elif (grid := self._grid(t)) is not None:
+            found = self._on_grid(grid, len(cast(Flat, t)), rate)
+            if found is not None:
+                return found
+        several = numbers_given(t)[1]
+        rows = self._at_times(start, cast(Sequence[AnyNumber], t if several else [t]))
+        return rows if several else rows[0]
 
     @property
     def outcomes(self) -> tuple[Outcome, ...]:
         """How each start of the last call ended."""
-        if self._ended is None:
+        if self.steps is not None or self._ended is None:
             return (self.outcome,)
-        if isinstance(self._ended, int):
-            return (Outcome.REACHED_END,) * self._ended
         return tuple(OUTCOMES[k] for k in self._ended.tolist())
 
     def _many(
@@ -203,45 +226,41 @@ class Propagator:
         what = f"{len(rows)} starts at {len(times)} times"
         refuse_too_much(name, "start", what, rows.size * len(times), _BYTES, _SPLIT)
         self.steps, self.outcome = None, Outcome.INTERRUPTED  # what Ctrl-C leaves
-        if self.number.name == "double" and self._every is None:
-            states, ended = self._arrays.states(rows, times, self._most, workers)
+        self._ended = None
+        ended = np.full(len(rows), code(_REACHED_END), dtype=np.uint8)
+        if not self._long and self._every is None:
+            inside = rows if self._plain else self._inside(rows)
+            found, some = self._lanes.states(doubles(inside), doubles(times), self._most, workers)
+            states = found if self._plain else self._read(found)
+            ended = ended if some is None else some
         else:
-            states, ended = self._one_by_one(rows, t, len(times))
-        self.steps, self.outcome, self._ended = None, _REACHED_END, len(rows)
-        if ended is not None:
-            self._ended = ended
-            self.outcome = OUTCOMES[ended[ended != code(_REACHED_END)][0]]
+            states = np.empty((len(rows), len(times), width), self._kind)
+            for k, row in enumerate(rows):
+                states[k] = self(row, t=t)
+                ended[k] = code(self.outcome)
+        self.steps, self.outcome, self._ended = None, _REACHED_END, ended
+        short = ended[ended != code(_REACHED_END)]
+        if len(short):
+            self.outcome = OUTCOMES[short[0]]
         return states if several else states[:, 0]
 
-    def _one_by_one(
-        self, rows: Flat, t: AnyNumber | npt.ArrayLike, count: int
-    ) -> tuple[Flat, npt.NDArray[np.uint8] | None]:
-        """States of starts that do not go in lanes, and how they ended where not all arrived."""
-        states = np.empty((len(rows), count, *self._shape), self._kind)
-        ended = np.full(len(rows), code(_REACHED_END), dtype=np.uint8)
-        for k, row in enumerate(rows):
-            states[k] = self(row, t=t)
-            ended[k] = code(self.outcome)
-        return states, ended if (ended != code(_REACHED_END)).any() else None
-
     @cached_property
-    def _arrays(self) -> ArrayMotions:
-        return ArrayMotions(self._problem, self._scale)
+    def _lanes(self) -> Lanes:
+        k = principal.coefficients(self.scene.body, self.scene.time_unit)
+        numbers = {name: to_double(k[name]) for name in sorted(k)}
+        torque = self._problem.form.axes.components(self.scene.body.torque)
+        moment = _doubles(scaled(Fraction(4) ** self.scene.time_unit, torque))
+        return Lanes(numbers, self._shape[0], self._moments, moment, self._problem.tolerance)
 
     def _times(self, t: AnyNumber | npt.ArrayLike) -> tuple[Flat, bool]:
         """Times in the run's own unit as an array, and whether several were given."""
-        if type(t) is float and t - t == 0:
-            end = t * self._unit
-            if end - end == 0:
-                return np.array([end], self._kind), False
-        grid = self._grid(t)
-        if grid is not None:
-            times = grid[len(grid) - len(cast(Flat, t)) :]
-            if (np.diff(times) * np.sign(times[-1]) > 0).all():
-                return times, True
-        given, several = numbers_given(t)  # other numbers; or what is wrong with them is told
+        single = type(t) is float
+        grid = self._grid(np.array([t], self._kind) if single else t)
+        if grid is not None and (np.diff(grid) * np.sign(grid[-1]) > 0).all():
+            return grid[-1 if single else len(grid) - len(cast(Flat, t)) :], not single
+        several = numbers_given(t)[1]  # other numbers; or what is wrong with them is told
         try:
-            scene = self.scene.at(cast(Sequence[AnyNumber], given))
+            scene = self.scene.at(cast(Sequence[AnyNumber], t if several else [t]))
             return flat(self._problem.schedule(scene).inside.grid), several
         except OutOfRange as fault:
             raise _too_wide(self.scene, self.number, fault) from None
@@ -252,43 +271,31 @@ class Propagator:
         None for other times, and those that do not lead away from 0; heyoka itself refuses those
         between the first and the last that are not in order.
         """
-        if self._every is not None or type(t) is not np.ndarray:
-            return None
-        if t.dtype != self._kind or t.ndim != 1 or len(t) == 0:
+        if type(t) is not np.ndarray or t.dtype != self._kind or t.ndim != 1 or len(t) == 0:
             return None
         first, last = t.item(0), t.item(-1)
         if not (0 <= first <= last or 0 >= first >= last) or last == 0:
             return None
-        if not math.isfinite(last * self._unit):  # beyond the type in the run's own unit
+        if not isfinite(last * self._unit):  # beyond the type in the run's own unit
             return None
-        if first == 0:
-            return flat(t if self._plain else t * self._unit)
-        grid = np.empty(len(t) + 1, self._kind)
-        grid[0] = 0
-        np.multiply(t, self._unit, grid[1:])
+        grid = np.zeros(len(t) + (first != 0), self._kind)
+        np.multiply(t, self._unit, grid[len(grid) - len(t) :])
         return grid
 
-    def _on_grid(self, grid: Flat, count: int) -> Flat | None:
-        """States at the last ``count`` times of a grid; None where heyoka refuses the grid."""
+    def _on_grid(self, grid: Flat, count: int, rate: float) -> Flat | None:
+        """States at the last ``count`` times of a grid; None where they go the careful way."""
+        end = float(grid[-1] / self._unit)
+        if not end * end * rate < self._sure:
+            return None
         try:
-            ended, _, _, self.steps, _, rows = self._heyoka.propagate_grid(
-                grid, max_steps=self._chunk
-            )
+            ended, _, _, self.steps, _, rows = self._engine.heyoka.propagate_grid(grid)
         except ValueError:  # not in order, or not finite
             return None
-        self.outcome = _REACHED_END if ended == TIME_LIMIT else ending(ended)
-        if len(rows) == len(grid) and self._turn is None:
-            rows = rows[len(rows) - count :]
-            if not self._plain:
-                np.multiply(rows, self._back, rows)  # exact: powers of two
-            return flat(rows)
-        rows = rows[len(grid) - count :]
-        found = np.full((count, *self._shape), np.nan, self._kind)
-        found[: len(rows)] = rows * self._back if self._turn is None else self._read(rows)
-        if self.outcome is _STEP_LIMIT:  # a long way: from here on chunk by chunk, as a run goes
-            rest = grid[len(grid) - count + len(rows) :] * self._scale[0]
-            found[len(rows) :] = self._at_times(rest.tolist(), self.steps)
-        return found
+        if ended.value != _THERE:
+            return None
+        self.outcome = _REACHED_END
+        rows = flat(rows[len(rows) - count :])
+        return rows if self._plain else self._read(rows)
 
     def __copy__(self) -> Propagator:
         return Propagator(self._problem, self._every)
@@ -302,29 +309,16 @@ class Propagator:
     def _bad(self, key: str, value: object, expected: str) -> BadInput:
         return BadInput(self.scene.name, key, value, expected)
 
-    def _stand(self, start: npt.ArrayLike | None) -> None:
-        """Put heyoka's integrator at a start, which is checked, at time 0."""
-        if start is None:
-            self._state[:] = self._first
-            self._engine.begin()
-            return
-        row = start if type(start) is np.ndarray else self._array(start)
-        if row.dtype != self._kind or row.shape != self._shape:
-            row = self._array(row)
-        p, q, r, *gamma = row.tolist()
-        if p - p + q - q + r - r != 0:  # nan is not 0, either
-            raise self._bad("start", plain(start), "finite numbers")
-        if gamma:
-            a, b, c = gamma
-            if not -self._slack <= a * a + b * b + c * c - 1.0 <= self._slack:
-                raise self._bad("start", plain(start), "gamma of length 1, to 8 eps")
-        if self._turn is not None:
-            row = turned(row, self._turn)
-        if self._plain:
-            self._state[:] = row
-        else:
-            np.multiply(row, self._scale, self._state)
-        self._engine.begin()
+    def _inside(self, rows: Flat) -> Flat:
+        """Rows in principal axes and the run's own unit."""
+        return (rows if self._turn is None else turned(rows, self._turn)) * self._scale
+
+    def _read(self, rows: Flat) -> Flat:
+        """Rows of any shape back in the scene's axes and units."""
+        if self._turn is None:
+            return rows * self._back  # exact: powers of two
+        found = flat(self._problem.read.states(rows.reshape(-1, len(self._scale))))
+        return found.reshape(rows.shape)
 
     def _array(self, start: npt.ArrayLike) -> Flat:
         """A start as an array of the propagator's type and shape; raises BadInput."""
@@ -343,14 +337,12 @@ class Propagator:
             raise self._bad("start", plain(start), narrower)  # numpy rounds long integers silently
         return found
 
-    def _read(self, rows: Flat) -> Flat:
-        return flat(self._problem.read.states(rows))
-
-    def _at_times(self, given: Sequence[AnyNumber], taken: int = 0) -> Flat:
-        """States at several times, or with corrections: as a run has them.
-
-        ``taken``: the steps from the start to where heyoka's integrator stands.
-        """
+    def _at_times(self, start: Flat | None, given: Sequence[AnyNumber]) -> Flat:
+        """States at several times, or with corrections: as a run has them."""
+        if start is not None and not np.isfinite(start).all():
+            raise self._bad("start", plain(start), "finite numbers")
+        self._state[...] = self._first if start is None else self._inside(start)
+        self._begin()
         scene = self.scene.at(given)
         times = self._problem.schedule(scene).inside
         corrector = None
@@ -358,7 +350,6 @@ class Propagator:
             onto = StartTarget(self._problem.target, self._state.copy())
             corrector = Projector(onto, self._every)
         integrator = Integrator(self._problem.prepared(), corrector=corrector, engine=self._engine)
-        integrator.steps = taken
         rows = self._state[None].copy()[: times[0] == 0]
         try:
             found, self.outcome = march(integrator, times, rows, self._most, self._chunk, None)
@@ -370,6 +361,18 @@ class Propagator:
         if self.outcome is Outcome.INTERRUPTED:
             raise KeyboardInterrupt
         return states
+
+
+def turned(rows: Flat, turn: Extendeds) -> Flat:
+    """Rows in principal axes, each number rounded once."""
+    wide = rows.astype(np.longdouble).reshape(-1, 3)
+    principal_rows = (wide @ turn.T).reshape(rows.shape)
+    return doubles(principal_rows) if rows.dtype == np.float64 else principal_rows
+
+
+def _doubles(values: Iterable[Exact]) -> Doubles:
+    """The nearest doubles."""
+    return np.array([to_double(x) for x in values])
 
 
 def _rows_given(start: npt.ArrayLike) -> bool:

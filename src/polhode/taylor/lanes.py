@@ -26,7 +26,7 @@ from polhode.taylor.batches.compiled_batch import LANES, in_lanes
 from polhode.taylor.batches.jobs import BatchJob, Columns, Solved
 from polhode.taylor.batches.time_slices import longest
 
-_STEPS = 4.0  # a radian of the fastest rate takes fewer, at the type's own tolerance
+STEPS = 4.0  # a radian of the fastest rate takes fewer, at the type's own tolerance
 _SURE = 20_000.0  # steps that need no limit: 20 ms of a batch
 _UNCUT = float(longest(DOUBLE))  # the longest way that is one stretch
 _ALONE = 16  # batches that are not worth a second thread, however long they take
@@ -86,12 +86,12 @@ class Lanes:
             return np.empty((0, len(times), self.columns)), None
         fastest, end = rates(starts, self.inertia, self.moment), abs(float(times[-1]))
         order = np.argsort(fastest)
-        steps = _STEPS * end * float(fastest[order[-1]])  # nan, if a start is so large
+        steps = STEPS * end * float(fastest[order[-1]])  # nan, if a start is so large
         sure = steps < min(_SURE, max_steps) and end <= _UNCUT
         way = _Rows(self, starts, order, times)
         if not sure:
             return way.carefully(np.arange(len(starts)), max_steps, workers)
-        work = _STEPS / 2 * end * fastest.sum() / LANES
+        work = STEPS / 2 * end * fastest.sum() / LANES
         if len(way.lanes) < _ALONE or work < _SHARED or workers == 1:
             way.part(range(len(way.lanes)))
         else:
