@@ -161,7 +161,7 @@ class Readout:
             turned[0] = self._psi(rows, states, turned[0])
         fn = AngleFunctions(np.hypot, np.arctan2, pi, np.rint, np.where)
         gamma = states[:, 3:].T.astype(np.longdouble)
-        found = np.stack(angles([*gamma], [*turned], fn), axis=1)
+        found = np.array(angles([*gamma], [*turned], fn)).T
         listed: Gapped = found.astype(self._kind).tolist()
         return listed
 
@@ -196,7 +196,7 @@ class Readout:
             listed: list[Real | None] = ordinary([+x for x in found])
             return listed
 
-    @property
+    @cached_property
     def _kind(self) -> type[np.floating[Any]]:
         import numpy as np
 

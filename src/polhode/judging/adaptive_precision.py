@@ -171,7 +171,8 @@ def integrate(
     >>> run.checked_by, 30 <= run.correct_digits < 35
     ('closed form', True)
     """
-    refuse_unknown("integrate", integrate, unknown, **_OF_THE_SCENE)
+    if unknown:
+        refuse_unknown("integrate", integrate, unknown, **_OF_THE_SCENE)
     if isinstance(progress, bool):
         asked_for = locals().items()
         asked = {k: value for k, value in asked_for if k not in ("progress", "unknown")}
@@ -187,7 +188,7 @@ def integrate(
     elif proved is not None:
         raise BadInput(scene.name, "proved", proved, "digits given, for their check")
     if digits is None:
-        chosen, free, need = choose_number(scene, number, None), False, Need(0.0, math.inf)
+        chosen, free, need = choose_number(scene, number, None), False, _ANY
     else:
         chosen, free, need = _chosen(scene, number, digits, tol is None and inputs is None)
     given = Options(method, max_steps, project, None, inputs, digits)
@@ -220,7 +221,7 @@ def _chosen(
     A motion that multiplies errors beyond what can be computed gets the type of the digits alone.
     """
     if not open_to_choice or number not in (None, "mp"):
-        return choose_number(scene, number, digits), False, Need(0.0, math.inf)
+        return choose_number(scene, number, digits), False, _ANY
     need = needed(scene, digits)
     if need.lost > need.most:
         return number_types.for_digits(digits, 0.0), False, need
@@ -234,6 +235,9 @@ class Need(NamedTuple):
     most: float
 
 
+_ANY = Need(0.0, math.inf)
+
+
 def needed(scene: Scene, digits: int) -> Need:
     """What ``digits`` of them ask for beside: see :mod:`polhode.taylor.variations.error_growth`.
 
@@ -243,7 +247,7 @@ def needed(scene: Scene, digits: int) -> Need:
     from polhode.taylor.variations.error_growth import LED_FROM, growth
 
     if not scene.times:
-        return Need(0.0, math.inf)  # refused by whoever integrates
+        return _ANY  # refused by whoever integrates
     found = growth(scene, trusted=math.inf)
     most = _affordable(found.steps) - digits
     lost = max(found.lost)

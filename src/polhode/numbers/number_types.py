@@ -32,7 +32,7 @@ class NumberType:
     name: str
     bits: int
 
-    @property
+    @cached_property
     def flat(self) -> bool:
         """Whether numpy holds its numbers as they are: double and extended; mpmath those above."""
         return self.name in ("double", "extended")

@@ -5,7 +5,8 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Callable, Iterator, Mapping
-from typing import TypeAlias, cast
+from functools import partial
+from typing import TypeAlias
 
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
@@ -56,11 +57,12 @@ def solve(
         if outcome is Outcome.INTERRUPTED and not interruptible:
             raise KeyboardInterrupt
         seconds, building = time.perf_counter() - began, motion.build_seconds
-        _LOG.info(
-            "%s: %s (%d bits), %s after %d steps, %.3g s of which %.3g s compiling",
-            *(scene.name, number.name, number.bits, outcome.value, motion.steps),
-            *(seconds, building),
-        )
+        if _LOG.isEnabledFor(logging.INFO):
+            _LOG.info(
+                "%s: %s (%d bits), %s after %d steps, %.3g s of which %.3g s compiling",
+                *(scene.name, number.name, number.bits, outcome.value, motion.steps),
+                *(seconds, building),
+            )
         parts = {"build": building, "run": seconds - building}
         read, times = motion.read, schedule.exact
         states = read.states(rows)
@@ -77,9 +79,11 @@ def solve(
             outcome=outcome,
             steps=motion.steps,
             reached=motion.reached,
-            tolerance=float(options.tolerance or number.eps),
+            tolerance=float(options.tolerance or 2.0 ** (1 - number.bits)),
             digits=options.digits,
-            provenance=_made_of(scene, parts, {**failed, **motion.remarks}),
+            provenance=partial(  # type: ignore[arg-type]  # which may wait
+                _made_of, scene, parts, {**failed, **motion.remarks}
+            ),
             dense=motion,
             method=motion.method,
             errors=motion.errors,
@@ -106,8 +110,4 @@ def _made_of(
     scene: Scene, seconds: Mapping[str, float], more: Mapping[str, str]
 ) -> Mapping[str, object]:
     """A trajectory's provenance, made when it is wanted: it takes as long as a short run."""
-
-    def found() -> dict[str, object]:
-        return {**scene.provenance(), "seconds": seconds, **more}
-
-    return cast(Mapping[str, object], found)
+    return {**scene.provenance(), "seconds": seconds, **more}

@@ -103,7 +103,7 @@ class PrincipalAxes:
     directions: Matrix
     squares: Vector
 
-    @property
+    @cached_property
     def trivial(self) -> bool:
         """Whether these are the body axes themselves."""
         return self.directions == IDENTITY

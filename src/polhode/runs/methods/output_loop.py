@@ -23,14 +23,14 @@ def march(
     progress: Progress | None,
 ) -> tuple[Rows, Outcome]:
     """Advance chunk by chunk; ``rows`` and one more for each time reached, and the outcome."""
-    end, parts, done = times[-1], [rows], len(rows)
+    end, parts, done = times.end, [rows], len(rows)
     try:
         while done < len(times):
             steps = min(chunk, limit - integrator.steps)
             if steps <= 0:
                 outcome = Outcome.STEP_LIMIT
                 break
-            found, outcome = integrator.chunk(times[done:], steps)
+            found, outcome = integrator.chunk(times[done:] if done else times, steps)
             if outcome is Outcome.NON_FINITE:
                 finite = [k for k, row in enumerate(found) if all(x - x == 0 for x in row)]
                 found = [found[k] for k in finite] if isinstance(found, list) else found[finite]

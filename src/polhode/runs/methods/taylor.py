@@ -123,24 +123,16 @@ class TaylorMotion:
             watch.muted = True
         return watch
 
-    def _next_leg(
-        self, what: System, origin: Fraction, watch: Watch | None, corrector: Corrector | None
-    ) -> Integrator:
-        """The integrator of the next leg."""
-        built = self._built(what, origin, watch, corrector)
-        self._legs.append(Leg(what, origin, built.anchors))
-        return built
-
     def advance(
         self, times: Sequence[Fraction], progress: Progress | None = None
     ) -> tuple[Rows, Outcome]:
         """Rows at the times, in the run's own unit, as far as they were reached; the outcome."""
-        from polhode.taylor.backend import heyoka_numbers
+        from polhode.taylor.backend.heyoka_numbers import OutOfRange
 
         try:
-            watch = self._watch = self._new_watch()
+            watch = self._watch = self._new_watch() if self.scene.events else None
             rows, outcome = self._to(Times.of(times, self.number), progress)
-        except heyoka_numbers.OutOfRange as fault:
+        except OutOfRange as fault:
             expected = f"a type of wider range ({fault})"
             raise BadInput(self.scene.name, "number", self.number.name, expected) from None
         if watch is not None:
@@ -157,7 +149,7 @@ class TaylorMotion:
             self._working.release()
         self._working = None
 
-    @property
+    @cached_property
     def _prepared(self) -> PreparedSystem:
         return self.problem.prepared(self.scene.modelled)
 
@@ -167,7 +159,7 @@ class TaylorMotion:
             return self._stand_still(times, progress)
         began = time.perf_counter()
         prepared = self._prepared
-        whole, rows = prepared.system, prepared.first[: times[0] == 0]
+        whole, rows = prepared.system, prepared.first[: times.now]
         self.build_seconds += time.perf_counter() - began
         if len(rows) == len(times):
             return rows, Outcome.REACHED_END
@@ -179,7 +171,9 @@ class TaylorMotion:
             if not isinstance(rows, list):  # a motion that stays at the pole has no angles
                 rows = rows[:, : len(whole.start)]
         rows, outcome = self._advanced(whole, origin, times, rows, progress)
-        return rows[: self._before_stop(times, len(rows))], outcome
+        if self._watch is not None:
+            rows = rows[: self._before_stop(times, len(rows))]
+        return rows, outcome
 
     def _before_stop(self, times: Sequence[Fraction], count: int) -> int:
         """How many of the first times are not beyond an event that ended the run."""
@@ -197,11 +191,12 @@ class TaylorMotion:
     ) -> tuple[Rows, Outcome]:
         """Integrate a system that stands at time ``origin``; ``rows`` and those to come."""
         problem = self.problem
-        outcome = Outcome.STOPPED_AT_EVENT
-        if not self._stopped:
-            corrector = self._corrector(whole.form, self._watch)
-            integrator = self._next_leg(whole, origin, self._watch, corrector)
-            self._refuse_what_never_moves()
+        watch, outcome = self._watch, Outcome.STOPPED_AT_EVENT
+        if watch is None or watch.stop is None:
+            corrector = self._corrector(whole.form, watch)
+            integrator = self._built(whole, origin, watch, corrector)
+            if watch is not None:
+                self._refuse_what_never_moves(watch)
             choices = defaults.of(self.number)
             most = self.options.max_steps
             limit = choices.max_steps if most is None else most
@@ -212,25 +207,25 @@ class TaylorMotion:
             self.steps += integrator.steps
             # the end itself, not its rounding relative to where the last chunk began
             done = outcome is Outcome.REACHED_END
-            last = times[-1] if done else integrator.time
-            self.reached = last if problem.unit == 1 else last * problem.unit
-            if self._watch is not None:
+            last = times.end if done else integrator.time
+            self.reached = last * problem.unit if self.scene.time_unit else last
+            if watch is not None:
                 self._working = integrator  # its events are told first
             elif outcome.done or outcome is Outcome.SINGULAR:
                 integrator.release()
-        if self._watch is not None and self._watch.stop is not None:
-            self.reached = self.number.rounded(self._watch.stop) * problem.unit
+        if watch is not None and watch.stop is not None:
+            self.reached = self.number.rounded(watch.stop) * problem.unit
         return rows, outcome
 
     def _stand_still(self, times: Times, progress: Progress | None) -> tuple[Rows, Outcome]:
         """Rows of a state that never changes; only its events, those of t, need an integrator."""
         unit, prepared = self.problem.unit, self._prepared
         rows = self._at_rest([t * unit for t in times])
-        outcome, self.reached = Outcome.REACHED_END, times[-1] * unit
+        outcome, self.reached = Outcome.REACHED_END, times.end * unit
         if self._watch is None or self.reached == 0:
             return rows, outcome
         whole = replace(system(self.scene, ()), still=True)
-        passed = [row[: len(whole.start)] for row in rows[: times[0] == 0]]
+        passed = [row[: len(whole.start)] for row in rows[: times.now]]
         watched, outcome = self._advanced(whole, ZERO, times, prepared.rows(passed), progress)
         return rows[: self._before_stop(times, len(watched))], outcome
 
@@ -265,10 +260,9 @@ class TaylorMotion:
     def _stopped(self) -> bool:
         return self._watch is not None and self._watch.stop is not None
 
-    def _refuse_what_never_moves(self) -> None:
+    def _refuse_what_never_moves(self, watch: Watch) -> None:
         """Refuse an event that is zero all along the motion: in this type, and to 200 digits."""
-        watch = self._watch
-        suspects = watch.still() if watch is not None and not watch.muted else []
+        suspects = [] if watch.muted else watch.still()
         if not suspects:
             return
         from polhode.taylor.events.rules import Rules
@@ -293,7 +287,7 @@ class TaylorMotion:
         watch: Watch | None,
         corrector: Corrector | None,
     ) -> Integrator:
-        """An integrator that stands at the start of a system."""
+        """The integrator of the next leg, at the start of its system."""
         from polhode.taylor.integrator.prepared_system import PreparedSystem
         from polhode.taylor.integrator.stepping import Integrator
 
@@ -301,6 +295,8 @@ class TaylorMotion:
         if what is not prepared.system:
             prepared = PreparedSystem(what, self.number, self.problem.tolerance)
         built = Integrator(prepared, origin, watch, corrector, anchored=self._anchored)
+        if self._anchored:
+            self._legs.append(Leg(what, origin, built.anchors))
         self.build_seconds += time.perf_counter() - began
         return built
 
@@ -313,8 +309,9 @@ class TaylorMotion:
         first = next(t for t in self.problem.schedule(self.scene).inside if t)
         moment = max(-_OFF_THE_POLE, min(_OFF_THE_POLE, first / 2))
         bridge = self.problem.system(("attitude",))
-        leading = self._next_leg(bridge, Fraction(0), self._watch, None)
-        self._refuse_what_never_moves()
+        leading = self._built(bridge, Fraction(0), self._watch, None)
+        if self._watch is not None:
+            self._refuse_what_never_moves(self._watch)
         found, outcome = leading.chunk([moment], 10**6)
         self.steps += leading.steps
         if self._watch is None and outcome.done:

@@ -53,8 +53,8 @@ def checked_options(
 
 def check_method(scene: Scene, method: str) -> None:
     """Raise BadInput for a method that is none."""
-    of_kind(scene.name, "method", method, str, ", ".join(METHODS))
     if method not in METHODS:
+        of_kind(scene.name, "method", method, str, ", ".join(METHODS))
         raise BadInput(scene.name, "method", method, nearest(method, list(METHODS)))
 
 

@@ -13,7 +13,7 @@ from polhode.equations.form import Form, equations
 from polhode.equations.readout import Readout
 from polhode.equations.system import System, system
 from polhode.numbers.conversion import to_extended
-from polhode.numbers.exact import Exact, sign
+from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Extendeds
 from polhode.numbers.scalars import EXACT
@@ -159,7 +159,7 @@ def problem(
 
     Not by those that go the other way in time: events count what crosses on the way.
     """
-    key = (number, tolerance, inputs, sign(scene.end) >= 0)
+    key = (number, tolerance, inputs, scene.output_times.forwards)
 
     def made() -> Problem:
         return Problem(scene.apart(), number, tolerance, inputs)

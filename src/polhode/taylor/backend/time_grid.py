@@ -53,6 +53,16 @@ class Times(Sequence[Fraction]):
         unit = Fraction(2) ** exponent
         return cls([t * unit for t in times], number)
 
+    @cached_property
+    def now(self) -> int:
+        """How many of them are no way ahead: 1 where the first is 0, else 0."""
+        return int(self[0] == 0)
+
+    @cached_property
+    def end(self) -> Fraction:
+        """The last of them."""
+        return self[-1]
+
     def __len__(self) -> int:
         return len(self._exact if "_exact" in self.__dict__ else self.grid)
 

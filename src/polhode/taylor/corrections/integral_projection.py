@@ -26,7 +26,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache
-from typing import cast
 
 from polhode.common.cached_property import cached_property
 from polhode.equations.forms import principal
@@ -176,8 +175,10 @@ class Projector:
     def found(self) -> Projection:
         """What was corrected so far."""
         target = self.target  # a short run need not know its integrals
-        onto = cast(tuple[str, ...], lambda: target.integrals.onto)
-        return Projection(onto, self.every, self.count, self.largest, self.sum)
+        return Projection(
+            lambda: target.integrals.onto,  # type: ignore[arg-type]  # which may wait
+            *(self.every, self.count, self.largest, self.sum),
+        )
 
     def correct(self, state: Array) -> bool:
         """Correct a state where it stands, in heyoka's numbers; False: try again a step later."""

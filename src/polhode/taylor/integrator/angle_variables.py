@@ -39,11 +39,18 @@ class Cyclic:
         self._fine = 2 * number.bits + 64  # bits behind the point of the offsets, which are ints
         whole = [number.rounded(x) for x in start]
         self._grown = [(x.numerator << self._fine) // x.denominator for x in whole]
+        self._parts = self._split() if number.flat else []
+
+    def at_start(self) -> Cyclic:
+        """One of a run's own, at the start where this one stands."""
+        found = object.__new__(Cyclic)
+        found.__dict__.update(self.__dict__)
+        return found
 
     def set_back(self, state: Array) -> None:
         """Move what the cyclic variables of a state have grown by to their offsets."""
         first = len(state) - len(self._grown)
-        self._grown = [self._whole(i, x) for i, x in enumerate(state[first:])]
+        self.stand_at([self._whole(i, x) for i, x in enumerate(state[first:])])
         for i in range(first, len(state)):
             state[i] = scalar(0, self.number)
 
@@ -54,19 +61,26 @@ class Cyclic:
 
     def stand_at(self, grown: Sequence[int]) -> None:
         """Have these offsets."""
-        self._grown = [*grown]
+        self._grown, self._parts = [*grown], []
+
+    def _split(self) -> list[tuple[HeyokaNumber, HeyokaNumber]]:
+        """Each offset as two numbers of the type."""
+        found = []
+        for grown in self._grown:
+            whole = Fraction(grown, 1 << self._fine)
+            high = self.number.rounded(whole)
+            low = self.number.rounded(whole - high)
+            found.append((scalar(high, self.number), scalar(low, self.number)))
+        return found
 
     def completed(self, rows: Array) -> Array:
         """Rows of heyoka's numbers, now with the whole of the cyclic variables."""
         if self.number.flat:
-            table = rows
-            for i, grown in enumerate(self._grown, -len(self._grown)):
-                whole = Fraction(grown, 1 << self._fine)
-                high = self.number.rounded(whole)
-                low = scalar(self.number.rounded(whole - high), self.number)
-                near, rest = exact_sum(scalar(high, self.number), table[:, i] * self._divisor)
-                table[:, i] = near + (rest + low)
-            return table
+            self._parts = self._parts or self._split()
+            for i, (high, low) in enumerate(self._parts, -len(self._parts)):
+                near, rest = exact_sum(high, rows[:, i] * self._divisor)
+                rows[:, i] = near + (rest + low)
+            return rows
         for row in rows:
             for i, x in enumerate(row[len(row) - len(self._grown) :], -len(self._grown)):
                 row[i] = scalar(Fraction(self._whole(i, x), 1 << self._fine), self.number)

@@ -14,6 +14,7 @@ from polhode.numbers.conversion import number_value
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Array, Row, Rows, flat
 from polhode.taylor.backend.heyoka_numbers import OutOfRange, array, scalars
+from polhode.taylor.integrator.angle_variables import Cyclic
 from polhode.taylor.integrator.engine import Engine, lent
 from polhode.taylor.integrator.protocols import Watcher
 from polhode.taylor.integrator.specification import CLOCK, Equations, built
@@ -41,6 +42,12 @@ class PreparedSystem:
         start, cyclic = self.system.start, self.equations.cyclic
         values = [*start[: len(start) - cyclic], *[Fraction(0)] * cyclic]
         return array(scalars(values, self.number), self.number)
+
+    @cached_property
+    def cyclic(self) -> Cyclic | None:
+        """The cyclic variables at the start, for runs to copy; None without any."""
+        start, count = self.system.start, self.equations.cyclic
+        return Cyclic(start[len(start) - count :], self.number) if count else None
 
     @cached_property
     def coefficients(self) -> Array:

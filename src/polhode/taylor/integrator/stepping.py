@@ -13,13 +13,12 @@ import numpy as np
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import joined
 from polhode.numbers.exact import ZERO
-from polhode.numbers.rows import Array, Numbers, Row, Rows, flat
+from polhode.numbers.rows import Array, Numbers, Row, Rows
 from polhode.taylor.backend.defaults import first_step_offset
 from polhode.taylor.backend.heyoka_numbers import array, as_fraction, as_mpf, scalar
 from polhode.taylor.backend.step_outcomes import ending
 from polhode.taylor.backend.time_grid import Times
 from polhode.taylor.backend.types import HeyokaNumber, HeyokaOutcome
-from polhode.taylor.integrator.angle_variables import Cyclic
 from polhode.taylor.integrator.engine import Engine
 from polhode.taylor.integrator.prepared_system import PreparedSystem
 from polhode.taylor.integrator.protocols import Corrector, Watcher
@@ -72,8 +71,11 @@ class Integrator:
         self.steps = 0
         self._due = 0 if corrector is None else corrector.every
         self._reach = math.inf
-        start, cyclic = what.system.start, what.equations.cyclic
-        self._cyclic = Cyclic(start[len(start) - cyclic :], what.number) if cyclic else None
+        self._cyclic = None if what.cyclic is None else what.cyclic.at_start()
+        #: heyoka's options of all steps
+        self._options: dict[str, Any] = {}
+        if watcher is not None and not watcher.any_step:
+            self._options["max_delta_t"] = scalar(_LONGEST, what.number)
         self.anchors: list[Anchor] = []
         self.engine = engine or what.engine(watcher)
         self.heyoka, self.state = self.engine.heyoka, self.engine.state
@@ -105,13 +107,15 @@ class Integrator:
         if self.heyoka.time:
             self.offset = self.time
             self.heyoka.time = scalar(0, self.number)
-        self._tell_offset()
-        grid = Times.of(times, self.number).since(self.offset)
-        rows, ended = self._through(grid, steps)
-        if self._stopped and ended not in (Outcome.NON_FINITE, Outcome.SINGULAR):
-            ended = Outcome.STOPPED_AT_EVENT
-        elif ended is Outcome.STOPPED_AT_EVENT and not self._stopped:
-            ended = Outcome.NON_FINITE  # the steps stand still: an event's expression has a pole
+        if self.watcher is not None:
+            self.watcher.counts_from(self.offset, self.heyoka)
+        rows, ended = self._through(Times.of(times, self.number).since(self.offset), steps)
+        if self.watcher is not None:
+            if self.watcher.stop is None:
+                if ended is Outcome.STOPPED_AT_EVENT:
+                    ended = Outcome.NON_FINITE  # steps stand still: an expression has a pole
+            elif ended not in (Outcome.NON_FINITE, Outcome.SINGULAR):
+                ended = Outcome.STOPPED_AT_EVENT
         return rows, ended
 
     def at(self, anchor: Anchor, t: Fraction) -> tuple[Row, Fraction]:
@@ -123,7 +127,8 @@ class Integrator:
         for i, x in enumerate(anchor.state):
             self.state[i] = x
         self.engine.tell_kept()
-        self._tell_offset()
+        if self.watcher is not None:
+            self.watcher.counts_from(self.offset, self.heyoka)
         ahead = scalar(self.number.rounded(t - anchor.offset), self.number)
         self.heyoka.propagate_until(ahead, **self._options)
         row = self.state[None].copy()
@@ -135,7 +140,11 @@ class Integrator:
 
     def _through(self, grid: Numbers, steps: int) -> tuple[Rows, Outcome]:
         """A chunk's steps, with its corrections; rows of the run's numbers, and how it ended."""
-        ahead = joined([grid[:1], grid], self.number)
+        if isinstance(grid, list):
+            ahead: Numbers = [grid[0], *grid]
+        else:
+            ahead = np.empty(len(grid) + 1, grid.dtype)
+            ahead[1:] = grid
         if self.corrector is None and self._cyclic is None:
             rows, ended = self._onwards(ahead, steps)
             return self._rows([rows]), ended
@@ -273,26 +282,10 @@ class Integrator:
             ended, taken = ending(result[0]), taken + int(result[3])
         return (*result[:3], taken)
 
-    @property
-    def _options(self) -> dict[str, Any]:
-        """heyoka's options of all steps."""
-        if self.watcher is None or self.watcher.any_step:
-            return {}
-        return {"max_delta_t": scalar(_LONGEST, self.number)}
-
-    @property
-    def _stopped(self) -> bool:
-        """Whether an event has ended the run."""
-        return self.watcher is not None and self.watcher.stop is not None
-
-    def _tell_offset(self) -> None:
-        if self.watcher is not None:
-            self.watcher.counts_from(self.offset, self.heyoka)
-
     def _rows(self, parts: Sequence[Array]) -> Rows:
         if self.number.flat:
-            found: list[Rows] = [flat(part) for part in parts] or [self.state[None][:0]]
-            return joined(found, self.number)
+            found: Rows = joined(parts or [self.state[None][:0]], self.number)
+            return found
         return [as_mpf(row, self.number) for part in parts for row in part]
 
     def _exactly(self, value: HeyokaNumber) -> Fraction:
