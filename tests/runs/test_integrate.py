@@ -303,3 +303,22 @@ def test_threads_that_run_at_once_get_what_each_would_get_alone():
     with ThreadPoolExecutor(4) as pool:
         runs = [pool.submit(polhode.integrate, scenes[k % 4]) for k in range(24)]
     assert all(one.result() == wanted[k % 4] for k, one in enumerate(runs))
+
+
+@pytest.mark.parametrize("number", ["double", "quad"])
+def test_runs_of_one_scene_forwards_and_back_are_those_of_scenes_of_their_own(number):
+    """They share what does not depend on the way; events count what crosses on it."""
+
+    def scene(end):
+        event = {"name": "up", "zero": "gamma3 - 0.7", "direction": "rising"}
+        start = {"omega": [0.5, -0.25, 1], "gamma": [0.6, 0, "0.8"], "normalise": True}
+        body = {"moments": [3, 2, 1], "centre": [0.3, 0.1, 0.2], "weight": 4}
+        return polhode.top(**body, **start, at=[end], events=[event], outputs=["angles"])
+
+    shared = scene(8)
+    for end in (8, -8, 8):
+        one, own = (polhode.integrate(s, number) for s in (shared.at([end]), scene(end)))
+        assert one.events[0].times == own.events[0].times
+        assert (one.states == own.states).all()
+        assert one.angles == own.angles
+        assert own.events[0].times

@@ -233,6 +233,18 @@ def test_a_call_without_a_limit_makes_the_steps_of_a_run(end, number):
         assert (go.steps, go.outcome.done) == (steps, True)
 
 
+def test_a_motion_that_overflows_on_a_short_way_keeps_what_it_had():
+    go = polhode.propagator(scene())
+    start = np.array([1e100, 1e100, 0, 0, 0, 1])
+    for times in ([0, 1e-97], np.array([0, 1e-97])):  # few radians; their powers are no doubles
+        rows = go(start, t=times)
+        assert rows[0].tolist() == start.tolist()
+        assert np.isnan(rows[1]).all()
+        assert not go.outcome.done
+    assert np.isnan(go(start, t=1e-97)).all()
+    assert go.outcomes == (go.outcome,)
+
+
 @pytest.mark.parametrize("where", range(3))
 @pytest.mark.parametrize(
     ("number", "size"),

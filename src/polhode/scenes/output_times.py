@@ -77,11 +77,6 @@ class OutputTimes(Sequence[Time]):
     def __radd__(self, other: tuple[Exact, ...]) -> tuple[Exact, ...]:
         return (*other, *self.exact)
 
-    @cached_property
-    def forwards(self) -> bool:
-        """Whether they do not lead back, before 0."""
-        return not len(self) or sign(self[-1]) >= 0
-
     def misplaced(self) -> int | None:
         """The place of the first that does not lead further away from 0; None where all do.
 

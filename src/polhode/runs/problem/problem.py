@@ -155,11 +155,8 @@ def problem(
     tolerance: Fraction | None = None,
     inputs: NumberType | None = None,
 ) -> Problem:
-    """The problem of such runs, shared by scenes that differ in their times alone.
-
-    Not by those that go the other way in time: events count what crosses on the way.
-    """
-    key = (number, tolerance, inputs, scene.output_times.forwards)
+    """The problem of such runs, shared by scenes that differ in their times alone."""
+    key = (number, tolerance, inputs)
 
     def made() -> Problem:
         return Problem(scene.apart(), number, tolerance, inputs)
