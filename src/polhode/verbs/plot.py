@@ -275,7 +275,7 @@ def _of_file(options: Namespace) -> Samples:
 
 def _table(options: Namespace, scene: Scene | None, number: NumberType | None) -> Table:
     """The table of a file, in the conventions that were told."""
-    from polhode.judging.diagnosis.convention_words import table_as_told
+    from polhode.judging.diagnosis.told_readings import table_as_told
     from polhode.judging.references.reference import reference
     from polhode.judging.tables.array_file import ENDINGS, read_arrays
     from polhode.judging.tables.csv_file import read_table

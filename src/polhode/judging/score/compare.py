@@ -14,8 +14,8 @@ from polhode.common.progress import Progress
 from polhode.common.text_tables import few
 from polhode.judging.clock import unknown_clock
 from polhode.judging.conditioning.conditioning import Conditioning
-from polhode.judging.diagnosis.convention_words import read_as_told
 from polhode.judging.diagnosis.time_unit import time_unit
+from polhode.judging.diagnosis.told_readings import read_as_told
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import AnyReference, Reference, Remembered, reference
 from polhode.judging.score.judgement import Judgement
@@ -112,8 +112,8 @@ def compare(
         Judge the numbers in the conventions of the scene alone.  Otherwise another convention that
         makes a part right is applied, and ``reading`` says which.
     read : str, optional
-        Conventions to read a table in, whatever digits they give, separated by commas, in the words
-        of a judgement's reading: "degrees, scalar-last, y up".
+        Readings to apply to a table, whatever digits they give, in the words of a judgement's
+        ``reading``: "omega degrees; attitude scalar-last".
     max_seconds : float, optional
         A limit on proofs, if there is no closed form.
     forecast : callable, optional

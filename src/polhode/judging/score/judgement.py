@@ -32,12 +32,12 @@ from polhode.judging.diagnosis.error_budget import (
     limit,
     selected,
 )
-from polhode.judging.diagnosis.time_rounding import explained, reading
+from polhode.judging.diagnosis.time_rounding import explained
 from polhode.judging.references.reference import AnyReference, by_sign
 from polhode.judging.score.part_digits import PartDigits, RowDigits, fewest
 from polhode.judging.score.report_text import SHOWN, table, together
 from polhode.judging.score.score import HeldAgainst
-from polhode.judging.tables.candidate import Subject, of_table
+from polhode.judging.tables.candidate import Subject
 from polhode.judging.tables.reading import TURNS, WRONG, Reading
 from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import exactly, to_double
@@ -426,23 +426,14 @@ class Judgement(Result, ByValue):
         """Those that are not applied, of a table."""
         from polhode.judging.diagnosis.conventions import readings
 
-        source = self.subject.source
-        if self.as_it_stands or not isinstance(source, Table):
+        if self.as_it_stands or not isinstance(self.subject.source, Table):
             return ()
         wrong = {name for name, digits in self.parts.items() if digits < WRONG}
         if self.digits and self.state_worst < WRONG:
             wrong |= {"omega", "gamma"}
         if wrong and self.offered is not None:
             return self.offered
-        if wrong or not self.digits:
-            return tuple(readings(self.subject, self.reference, wrong)) if wrong else ()
-        at, worst, scene = self._lowest, self.state_worst, self.reference.scene
-
-        def judged(table: Table) -> float:
-            return Judgement(of_table(table, scene), self.reference).state_worst
-
-        found = reading(source, scene, at, worst, 10.0**-worst, judged)
-        return () if found is None else (found,)
+        return tuple(readings(self.subject, self.reference, wrong)) if wrong else ()
 
     @cached_property
     def causes(self) -> tuple[Cause, ...]:
