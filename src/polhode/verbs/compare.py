@@ -56,7 +56,7 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--read",
         metavar="WORDS",
-        help="readings to apply, in the words that tell them: 'omega degrees; attitude scalar-last'",
+        help="readings to apply, in their words: 'omega degrees; attitude scalar-last'",
     )
     parser.add_argument(
         "--columns",

@@ -80,7 +80,7 @@ def table_options(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--read",
         metavar="WORDS",
-        help="for a FILE: the conventions to read it in, as for compare: 'degrees, scalar-last'",
+        help="for a FILE: the conventions to read it in, as for compare: 'omega degrees'",
     )
     parser.add_argument(
         "--columns",
