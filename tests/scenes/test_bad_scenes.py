@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import polhode
 from polhode.common.errors import BadInput
 from polhode.scenes import scene_file
-
-MAX_SECONDS = 1.0  # of the processor
 
 FREE = {"moments": [1, 2, 2.5], "omega": [0.1, 1, 0]}
 ROD = {"shape": "rod", "mass": 1, "height": 1}
@@ -291,60 +285,3 @@ def test_what_is_not_a_scene_file_is_refused(tmp_path):
     for absent in (tmp_path, tmp_path / "none.toml"):
         with pytest.raises(BadInput, match="readable"):
             scene_file.read(absent)
-
-
-# -- random texts -----------------------------------------------------------------------------
-
-
-def scene_or_one_line(text: str) -> None:
-    began = time.process_time()
-    try:
-        scene_file.parse(text, "top.toml")
-    except BadInput as fault:
-        line = str(fault)
-    else:
-        line = "top.toml: expected"
-    assert time.process_time() - began < MAX_SECONDS
-    assert line.startswith("top.toml: ")
-    assert line.isprintable()
-    assert "expected" in line
-
-
-_NUMBERS = st.one_of(
-    st.integers().map(str),
-    st.floats().map(str),
-    st.sampled_from(["nan", "-inf", "1e400", "-1e-4000", "1e99999", "9" * 4299, "9" * 5000]),
-    st.sampled_from(["'1/3'", "'sqrt(2)'", "'pi'", "'1/0'", "'x'", "''", "0x" + "f" * 4000]),
-)
-_WORDS = ["true", "1979-05-27", "07:32:00", '"\\u0000\\n"', "'euler'", "'p*q'"]
-_VALUES = st.recursive(
-    _NUMBERS | st.sampled_from(_WORDS),
-    lambda inner: st.one_of(
-        st.lists(inner, max_size=4).map(lambda items: f"[{', '.join(items)}]"),
-        st.lists(_NUMBERS, min_size=3, max_size=3).map(lambda items: f"[{', '.join(items)}]"),
-        inner.map("{{ a = {} }}".format),
-    ),
-    max_leaves=8,
-)
-_KEYS = [
-    *("schema", "title", "tags", "cite", "body", "moments", "inertia", "centre", "weight"),
-    *("omega", "momentum", "gamma", "normalise", "psi", "angles", "rates", "end", "samples", "at"),
-    *("form", "outputs", "name", "zero", "direction", "stop", "t", "quantity", "value", "right"),
-    *("kind", "double", "mp", "moment", "'\\u2028'", "a.b.c"),
-]
-_PAIRS = st.tuples(st.sampled_from(_KEYS), _VALUES).map(" = ".join)
-_HEADS = ["[body]", "[start]", "[run]", "[[events]]", "[[published]]", "[expect]", "[reference]"]
-_LINES = st.lists(_PAIRS | st.sampled_from(_HEADS), max_size=12).map("\n".join)
-_LAST = st.lists(_PAIRS.filter(lambda pair: not pair.startswith("samples")), min_size=1, max_size=3)
-
-
-@settings(max_examples=2 * settings.default.max_examples)
-@given(st.one_of(st.text(max_size=200), _LINES, _LINES.map("schema = 1\n{}".format)))
-def test_random_documents_are_a_scene_or_refused_in_one_line(text: str) -> None:
-    scene_or_one_line(text)
-
-
-@settings(max_examples=2 * settings.default.max_examples)
-@given(st.sampled_from(["schema", "moments", "omega", "gamma", "end"]), _LAST)
-def test_a_good_scene_with_random_lines_is_a_scene_or_refused(key: str, lines: list[str]) -> None:
-    scene_or_one_line(base(**{key: "\n".join(lines)}))

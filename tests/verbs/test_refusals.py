@@ -274,41 +274,6 @@ def test_what_a_name_stands_for_is_a_verb():
         assert words[0] in (*cli.VERBS, "--help", "--version"), name
 
 
-HEAD = "t,p,q,r,gamma1,gamma2,gamma3\n"
-
-#: Tables of others that cannot be read, and a part of what is said of them.
-TABLES = {
-    "": "a header line",
-    "\n\n# nothing\n": "a header line",
-    HEAD: "at least one line of numbers",
-    "p,q\n1,2\n": "a column t",
-    "0,0.3,-0.4,1.1,0.6,0,0.8\n": "a column t",
-    "t,p,p\n1,2,3\n": "header = p: expected each column once",
-    "t,t\n1,2\n": "header = t: expected each column once",
-    "t,p\n0,1\n\n# x\n1,abc\n": "foreign.csv:5: p = abc: expected a finite decimal",
-    "t,p\n0,inf\n": "foreign.csv:2: p = inf",
-    "t,p\n0,1/3\n": "foreign.csv:2: p = 1/3",
-    "t,p\n0,1d5\n": "foreign.csv:2: p = 1d5",
-    "t,p\n0,_1\n": "foreign.csv:2: p = _1",
-    "t,p\n0,1e99999\n": "foreign.csv:2: p = 1e99999",
-    "t,p\n,1\n": "foreign.csv:2: t",
-    "t,p\n0,1,2\n": "foreign.csv:2: line = 0,1,2: expected 2 values",
-    "t,p\n0\n": "foreign.csv:2: line = 0",
-    "t;p\n0;1,5\n1;2.5\n": "foreign.csv:2: p = 1,5",
-    b"\xff\xfe\x00": "readable CSV",
-    b"t,p\n\x00,1\n": "foreign.csv",
-    "x" * 3_000_000: "foreign.csv",
-    "t,p\n" + "1," * 300_000 + "\n": "expected 2 values",
-    "t,p\n0,'" + '"' * 999 + "\n": "foreign.csv",
-}
-
-
-@pytest.mark.parametrize("content", TABLES, ids=lambda content: ascii(content[:20]))
-def test_a_table_that_cannot_be_read_is_refused_with_its_line(content, capsys):
-    Path("foreign.csv").write_bytes(content if isinstance(content, bytes) else content.encode())
-    assert TABLES[content] in refusal(capsys, "compare", "foreign.csv", "top.toml")
-
-
 @pytest.mark.parametrize(
     ("command", "variable", "value", "expected"),
     [
