@@ -197,12 +197,12 @@ def test_no_digits_left_is_said_where_kappa_eats_them_all():
 
 
 @pytest.mark.parametrize(("spin", "end"), [("3", 1), ("3", 40), ("1.1", 40)])
-def test_the_bound_is_of_rounded_inputs_and_rounded_time(spin, end):
-    """kappa eps, and what the motion does in half a unit of the time's last place."""
+def test_the_bound_is_kappa_eps(spin, end):
+    """And the inputs of one type cost no more."""
     found = conditioning(asymmetric(spin, [end]))
     ((least,), (inputs,)) = found.digits_bound(), found.inputs()
     eps = 52 * math.log10(2)
-    assert 0 <= eps - found.log10_kappa[0] - least < 1.5
+    assert least == pytest.approx(eps - found.log10_kappa[0], abs=1e-9)
     assert least < inputs <= DOUBLE.most_digits
     assert found.digits_bound("extended")[0] == pytest.approx(least + 11 * math.log10(2), abs=1e-9)
 
