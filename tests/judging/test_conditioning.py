@@ -222,6 +222,8 @@ def test_a_run_is_limited_by_what_its_problem_allows():
     apart = polhode.compare(polhode.integrate("euler/separatrix"))
     assert apart.limit == "conditioning"
     assert apart.expected[-1].least < apart.worst < apart.expected[-1].most < 14
+    known = conditioning("euler/separatrix")  # who gives it is told the same, from one band
+    assert polhode.compare(apart.subject.run, known=known).limit == "conditioning"
     loose = polhode.compare(polhode.integrate("euler/largest-axis", at=[10], tol=1e-7))
     assert loose.limit == "method (tolerance 1.0e-07)"
     assert min(loose.inputs) > loose.worst + 3
