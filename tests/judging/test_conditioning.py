@@ -100,6 +100,12 @@ def test_kappa_in_turned_axes_is_judged_on_the_components_of_the_scene():
     assert conditioning(own).kappa != conditioning(turned).kappa
 
 
+def test_kappa_of_a_body_without_some_coefficients_has_the_others():
+    """A symmetric top in principal axes has five of nine: the first, and two of the weight's."""
+    scene = polhode.load("lagrange/nutation").at((Fraction(2),))
+    assert np.allclose(conditioning(scene).kappa, differences(scene), rtol=1e-6)
+
+
 @pytest.mark.slow
 def test_kappa_beyond_what_a_double_can_follow_is_the_scenes_own():
     """kappa 1.2e15 at t = 300: the motion in double is another one by then."""
