@@ -95,6 +95,10 @@ def test_the_least_of_several_calls_next_to_a_level_is_told(monkeypatch):
     ((_, tol, digits, least),) = held.told()[OURS]
     assert (tol, least) == (1e-9, 1.0)
     assert digits > 15
+    entered = {}
+    for seconds in (2.0, 1.0, 3.0):  # of three processes, by the fastest
+        cells._enter(entered, {OURS: [[0, tol, digits, seconds]]})
+    assert entered == {OURS: {(0, tol): (digits, 1.0)}}
 
 
 # rows
