@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
+    from polhode.numbers.exact_sequences import Floats
     from polhode.runs.sweep.ensemble import Ensemble
-    from polhode.scenes.variation.array_columns import ArrayColumn
     from polhode.scenes.variation.vary import Grid
 
 
@@ -173,11 +173,11 @@ def values(varied: Grid) -> Iterator[list[str]]:
     yield from map(list, itertools.product(*([value_text(x) for x in c] for c in rows.columns)))
 
 
-def array_columns(varied: Grid) -> list[ArrayColumn]:
+def array_columns(varied: Grid) -> list[Floats]:
     """The columns, where the members are the rows of arrays; else none of them."""
-    from polhode.scenes.variation.array_columns import ArrayColumn
+    from polhode.numbers.exact_sequences import Floats
 
-    found = [column for column in varied.rows.columns if isinstance(column, ArrayColumn)]
+    found = [column for column in varied.rows.columns if isinstance(column, Floats)]
     return found if len(found) == len(varied.keys) else []
 
 

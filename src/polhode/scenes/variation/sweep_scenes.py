@@ -13,10 +13,10 @@ from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, FileName, nearest, say_change
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
+from polhode.numbers.exact_sequences import Floats
 from polhode.scenes import keys, scene_file
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
-from polhode.scenes.variation.array_columns import ArrayColumn
 from polhode.scenes.variation.vary import Grid
 from polhode.scenes.vocabulary import CENTRE
 
@@ -92,7 +92,7 @@ class Members(Sequence[Scene]):
         """The notes of the scene, and what was changed of the first members, as of one of them."""
         varied = {key.partition("[")[0] for key in self.varied.keys}
         each = zip(self.varied.keys, self.varied.rows.columns, strict=True)
-        as_is = any(k.startswith("start.") for k, x in each if isinstance(x, ArrayColumn))
+        as_is = any(k.startswith("start.") for k, x in each if isinstance(x, Floats))
         if as_is:  # members begin at the numbers of the arrays
             varied = {key for key in varied if key.startswith("body.")}
         if not varied & _MAY_BE_ROUNDED:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
-from fractions import Fraction
 from typing import Any, NamedTuple, overload
 
 from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput, plain, say_doubt
 from polhode.numbers import exact
 from polhode.numbers.exact import ZERO, Exact
+from polhode.numbers.exact_sequences import Spaced
 from polhode.numbers.expression import ExpressionError
 from polhode.numbers.scalars import numbers_given
 from polhode.scenes.body_and_start import THETA, doubtful_theta
@@ -25,37 +25,6 @@ MAX_MEMBERS = 10_000_000
 #: is a member; or arrays with a row for each member; or the members one by one, each with the same
 #: keys.
 Vary = Mapping[str, Any] | Sequence[Mapping[str, Any]]
-
-
-class Spaced(Sequence[Exact]):
-    """So many numbers from ``first`` to ``last``, evenly spaced, ends included; made when asked."""
-
-    def __init__(self, first: Exact, last: Exact, count: int) -> None:
-        self.first, self.last, self._count = first, last, count
-
-    def __len__(self) -> int:
-        return self._count
-
-    @overload
-    def __getitem__(self, index: int) -> Exact: ...
-    @overload
-    def __getitem__(self, index: slice) -> Sequence[Exact]: ...
-    def __getitem__(self, index: int | slice) -> Exact | Sequence[Exact]:
-        where = range(self._count)[index]
-        if isinstance(where, range):
-            return [self[k] for k in where]
-        step = Fraction(where, max(1, self._count - 1))
-        return self.first + (self.last - self.first) * step
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Sequence):
-            return NotImplemented
-        return len(self) == len(other) and all(a == b for a, b in zip(self, other, strict=True))
-
-    __hash__ = None  # type: ignore[assignment]
-
-    def __repr__(self) -> str:
-        return f"Spaced({self.first!r}, {self.last!r}, {self._count})"
 
 
 class Rows(Sequence[tuple[Exact, ...]]):
