@@ -31,6 +31,11 @@ class Event(NamedTuple):
     stop: bool = False
 
     @property
+    def table(self) -> dict[str, object]:
+        """Its keys in a scene file; None for a zero that its name says."""
+        return self._asdict() | {"zero": self.zero or None}
+
+    @property
     def expression(self) -> str | None:
         """What vanishes, as text; None for w along the middle principal axis."""
         if self.zero:

@@ -167,7 +167,7 @@ class _File(Reading):
             raise self.bad("run.end", run["end"], "a time other than 0")
         samples = self.given("run", run, "samples")
         if not is_int(samples) or not 2 <= samples <= MAX_SAMPLES:
-            raise self.bad("run.samples", samples, f"an integer from 2 to {MAX_SAMPLES}")
+            raise self.bad("run.samples", samples, f"a whole number from 2 to {MAX_SAMPLES}")
         return even_times(end, samples)
 
     def event(self, index: int, table: Mapping[str, Any]) -> Event:
@@ -219,7 +219,7 @@ class _File(Reading):
             raise self.bad("section.extremum", extremum, nearest(extremum, [*EXTREMA]))
         crossings = self.given("section", table, "crossings")
         if not is_int(crossings) or not 1 <= crossings <= MAX_SAMPLES:
-            raise self.bad("section.crossings", crossings, f"an integer from 1 to {MAX_SAMPLES}")
+            raise self.bad("section.crossings", crossings, f"a whole number from 1 to {MAX_SAMPLES}")
         starts = []
         rows = self.array("section.starts", self.given("section", table, "starts"))
         for k, row in enumerate(rows):

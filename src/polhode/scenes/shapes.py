@@ -8,7 +8,7 @@ theorem, I = I_c + m (|c|² 1 - c cᵀ).
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from polhode.common.arguments import each, of_kind
@@ -178,6 +178,11 @@ class Part:
         if any(isinstance(x, str) and in_units(x) for x in values):
             object.__setattr__(self, "units", "SI")
         return each("Part", key, values, reader("SI", "kg" if key == "mass" else "m"), "numbers")
+
+    @property
+    def table(self) -> dict[str, object]:
+        """Its keys in a scene file; None for a length that it has not."""
+        return {f.name: getattr(self, f.name) for f in fields(self) if f.init}
 
     @property
     def lengths(self) -> dict[str, Exact | tuple[Exact, ...]]:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any, TypeGuard
 
 from polhode.common.errors import BadInput, nearest, plain
 from polhode.numbers import exact, expression
+from polhode.numbers.conversion import derived_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
@@ -81,7 +81,7 @@ class Reading:
     def word(self, key: str, value: object) -> str:
         """A text."""
         if not is_expression(value):
-            raise self.bad(key, value, "a string")
+            raise self.bad(key, value, "a text")
         return value
 
     def words(self, key: str, value: object) -> tuple[str, ...]:
@@ -113,9 +113,9 @@ class Reading:
                 found, in_units = number_in_text(value, key)
                 self.in_si |= in_units
                 return found
-            if isinstance(value, (Fraction, exact.Irrational)):  # a varied number
-                return value
-        except ExpressionError as fault:
+            if hasattr(value, "__float__") and not isinstance(value, bool):  # given in Python
+                return derived_number(value)
+        except ValueError as fault:
             if isinstance(value, str) and any(mark in value for mark in PLUS_MINUS):
                 expected = "a number; intervals are allowed in start.omega, for proofs only: "
                 raise self.bad(key, value, expected + "reference --certified") from None
@@ -168,21 +168,22 @@ def as_written(value: object, depth: int = 4) -> Any:
         return "{" + ", ".join(f"{key} = {_shown(item, depth)}" for key, item in items) + "}"
     if isinstance(value, bool):
         return "true" if value else "false"
-    if isinstance(value, (Fraction, exact.Irrational)):
+    if isinstance(value, exact.Irrational):
         return shown(value)
-    if isinstance(value, Literal) and len(value) > _LONG:
+    if isinstance(value, Fraction) or (isinstance(value, Literal) and len(value) > _LONG):
         return _as_double(value)
     return value
 
 
-def _as_double(value: Literal) -> str:
-    """A decimal that is a double in full as Python prints that one; any other as it is."""
-    near = float(value)
+def _as_double(value: Literal | Fraction) -> str:
+    """A number that is a double as Python prints that one; any other as it is."""
     try:
-        same = math.isfinite(near) and expression.decimal(value) == Fraction(near)
-    except ExpressionError:
-        return value
-    return repr(near) if same else value
+        given = expression.decimal(value) if isinstance(value, str) else value
+        if given == Fraction(near := float(given)):
+            return repr(near).removesuffix(".0")
+    except (ExpressionError, OverflowError):
+        pass
+    return value if isinstance(value, str) else shown(value)
 
 
 def _shown(item: object, depth: int) -> str:
