@@ -21,8 +21,9 @@ from polhode.equations.pole_passage import departure, phi_leaving_the_pole
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, noted, sign
 from polhode.numbers.expression import ExpressionError
+from polhode.numbers.vectors import Vector, dot
 from polhode.scenes import scene_file
-from polhode.scenes.body import Vector, dot, principal
+from polhode.scenes.body import principal
 from polhode.scenes.scene import Scene
 from polhode.scenes.validation import Literal, number_in_text
 

@@ -15,9 +15,7 @@ from fractions import Fraction
 from polhode.numbers import exact
 from polhode.numbers.decimals import brief
 from polhode.numbers.exact import ZERO, Exact, Irrational, sign
-
-Vector = tuple[Exact, Exact, Exact]
-Matrix = tuple[Vector, Vector, Vector]
+from polhode.numbers.vectors import Matrix, Vector
 
 #: What is forgiven, relative to the largest number.
 GRACE = 8 * Fraction(sys.float_info.epsilon)

@@ -10,15 +10,8 @@ from polhode.numbers import exact
 from polhode.numbers.decimals import brief
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.rounding import is_unit_but_for_rounding
-from polhode.scenes.body import (
-    MATRIX,
-    Body,
-    Matrix,
-    UnphysicalBody,
-    Vector,
-    diagonal,
-    scaled,
-)
+from polhode.numbers.vectors import Matrix, Vector, scaled
+from polhode.scenes.body import MATRIX, Body, UnphysicalBody, diagonal
 from polhode.scenes.given_numbers import in_units
 from polhode.scenes.level_start import omega_on_level
 from polhode.scenes.shapes import Part, carried

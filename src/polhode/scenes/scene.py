@@ -24,7 +24,8 @@ from polhode.numbers.conversion import derived_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.scalars import AnyNumber
-from polhode.scenes.body import Body, Vector, dot, exact_vector, scaled
+from polhode.numbers.vectors import Vector, dot, scaled
+from polhode.scenes.body import Body, exact_vector
 from polhode.scenes.event import Event, check_event
 from polhode.scenes.output_times import OutputTimes, listed_times
 from polhode.scenes.vocabulary import COLUMNS, FORMS, STATE, UNITS

@@ -13,8 +13,9 @@ from polhode.common.files import called, read_whole
 from polhode.numbers import expression
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.expression import ExpressionError
+from polhode.numbers.vectors import Vector
 from polhode.scenes import added_families
-from polhode.scenes.body import Body, Vector
+from polhode.scenes.body import Body
 from polhode.scenes.body_and_start import body_of, start_of
 from polhode.scenes.event import Event
 from polhode.scenes.output_times import even_times
@@ -219,7 +220,9 @@ class _File(Reading):
             raise self.bad("section.extremum", extremum, nearest(extremum, [*EXTREMA]))
         crossings = self.given("section", table, "crossings")
         if not is_int(crossings) or not 1 <= crossings <= MAX_SAMPLES:
-            raise self.bad("section.crossings", crossings, f"a whole number from 1 to {MAX_SAMPLES}")
+            raise self.bad(
+                "section.crossings", crossings, f"a whole number from 1 to {MAX_SAMPLES}"
+            )
         starts = []
         rows = self.array("section.starts", self.given("section", table, "starts"))
         for k, row in enumerate(rows):

@@ -15,10 +15,8 @@ from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput, nearest
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.scalars import AnyNumber, AnyVector
+from polhode.numbers.vectors import Matrix, Vector
 from polhode.scenes.given_numbers import in_units, reader
-
-Vector = tuple[Exact, Exact, Exact]
-Matrix = tuple[Vector, Vector, Vector]
 
 AXES = ("z", "x", "y", "-z", "-x", "-y")
 _LENGTHS = ("size", "semi_axes", "radius", "height", "inner")

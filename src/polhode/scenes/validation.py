@@ -12,8 +12,8 @@ from polhode.numbers.conversion import derived_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
+from polhode.numbers.vectors import Vector
 from polhode.scenes import keys
-from polhode.scenes.body import Vector
 
 _LONG = 24  # characters: no double is printed with more
 

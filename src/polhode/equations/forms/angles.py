@@ -19,7 +19,7 @@ from polhode.equations.forms.natural_units import PRINCIPAL, OwnUnits
 from polhode.numbers import exact
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.scalars import Functions, Scalar, combination
-from polhode.scenes.body import Vector, cross, dot
+from polhode.numbers.vectors import Vector, cross, dot
 from polhode.scenes.scene import Scene
 
 #: Variables' names, other than those of the psi and phi that an output may add.

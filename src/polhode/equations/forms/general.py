@@ -16,6 +16,7 @@ from polhode.equations.form import Form
 from polhode.equations.forms import matrices
 from polhode.equations.forms.matrices import GAMMA, OMEGA
 from polhode.numbers.scalars import Functions, Scalar
+from polhode.numbers.vectors import inverse
 from polhode.scenes.body import OWN_AXES, PrincipalAxes
 from polhode.scenes.scene import Scene
 
@@ -33,7 +34,7 @@ class General(Form):
         terms = matrices.products(OMEGA, omega)
         terms |= dict(zip(GAMMA, gamma, strict=False))
         rates = matrices.rates(OMEGA, terms, k, fn.zero)
-        return rates + matrices.gamma_rates(gamma, omega) if gamma else rates
+        return rates + matrices.turning_rates(gamma, omega) if gamma else rates
 
     def state(
         self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
@@ -50,7 +51,7 @@ def for_scene(scene: Scene) -> General:
 def in_axes(scene: Scene, axes: PrincipalAxes) -> General:
     """The equations of a scene in these axes."""
     inertia = scene.body.inertia
-    solved = matrices.along(axes, matrices.inverse(inertia))
+    solved = matrices.along(axes, inverse(inertia))
     spin = matrices.product(solved, matrices.turning(matrices.along(axes, inertia)))
     k = matrices.named(OMEGA, matrices.product_names(OMEGA), [[-x for x in row] for row in spin])
     weight = matrices.product(solved, matrices.across(matrices.torque(scene, axes)))

@@ -17,7 +17,8 @@ from polhode.equations.forms.matrices import GAMMA, OMEGA
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact
 from polhode.numbers.scalars import Functions, Scalar
-from polhode.scenes.body import OWN_AXES, PrincipalAxes, scaled
+from polhode.numbers.vectors import inverse, scaled
+from polhode.scenes.body import OWN_AXES, PrincipalAxes
 from polhode.scenes.scene import Scene
 
 SOURCE = "3.36–3.37"
@@ -36,7 +37,7 @@ class Momentum(Form):
         terms = matrices.products(MOMENTUM, momentum)
         terms |= dict(zip(GAMMA, gamma, strict=False))
         rates = matrices.rates(MOMENTUM, terms, k, fn.zero)
-        return rates + matrices.gamma_rates(gamma, omega) if gamma else rates
+        return rates + matrices.turning_rates(gamma, omega) if gamma else rates
 
     def state(
         self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
@@ -55,7 +56,7 @@ def in_axes(scene: Scene, axes: PrincipalAxes) -> Momentum:
     """The equations of a scene in these axes."""
     body = scene.body
     unit = _unit(sum((body.inertia[i][i] for i in (1, 2)), body.inertia[0][0]))
-    gyration = [scaled(unit, row) for row in matrices.along(axes, matrices.inverse(body.inertia))]
+    gyration = [scaled(unit, row) for row in matrices.along(axes, inverse(body.inertia))]
     a, b, c = gyration
     k = matrices.named(MOMENTUM, matrices.product_names(MOMENTUM), matrices.turning((a, b, c)))
     weight = scaled(1 / unit, matrices.torque(scene, axes))

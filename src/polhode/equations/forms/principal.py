@@ -12,10 +12,11 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
 from polhode.equations.form import Form
-from polhode.equations.forms.matrices import omega_and_gamma
+from polhode.equations.forms.matrices import omega_and_gamma, turning_rates
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.scalars import Functions, Scalar, combination
-from polhode.scenes.body import Body, scaled
+from polhode.numbers.vectors import scaled
+from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 
 SOURCE = "3.29–3.30"
@@ -114,5 +115,5 @@ def field(state: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> li
         combination(k, fn.zero, ("r.pq", p * q), ("r.gamma1", g1), ("r.gamma2", g2)),
     ]
     if len(state) > 3:
-        rates += [r * g2 - q * g3, p * g3 - r * g1, q * g1 - p * g2]
+        rates += turning_rates(state[3:], state[:3])
     return rates

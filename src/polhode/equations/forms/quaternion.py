@@ -17,6 +17,7 @@ from polhode.equations.form import Form
 from polhode.equations.forms import principal
 from polhode.equations.forms.matrices import omega_and_gamma
 from polhode.numbers.scalars import Functions, Scalar
+from polhode.numbers.vectors import vertical
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ATTITUDE
 
@@ -41,13 +42,7 @@ class Quaternion(Form):
         self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
     ) -> tuple[list[Scalar], list[Scalar]]:
         """omega, and gamma from the quaternion as it is."""
-        q0, q1, q2, q3 = values[self.unit]
-        gamma = [
-            2 * (q1 * q3 - q0 * q2),
-            2 * (q2 * q3 + q0 * q1),
-            q0 * q0 - q1 * q1 - q2 * q2 + q3 * q3,
-        ]
-        return list(values[:3]), gamma
+        return list(values[:3]), list(vertical(values[self.unit]))
 
 
 def for_scene(scene: Scene) -> Quaternion:
