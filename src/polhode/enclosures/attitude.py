@@ -32,7 +32,7 @@ from polhode.equations.pole_passage import departure, phi_leaving_the_pole
 from polhode.numbers.exact import arctan2
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.rows import Complexes, Doubles
-from polhode.numbers.vectors import joined
+from polhode.numbers.vectors import quaternion_product
 
 
 class Pose(NamedTuple):
@@ -164,7 +164,7 @@ class Watch:
             vector = turned[1:]
             if self._axes is not None:
                 vector = [sum(self._axes[i][j] * vector[i] for i in range(3)) for j in range(3)]
-            found = joined(self._start, [turned[0], *vector])
+            found = quaternion_product(self._start, [turned[0], *vector])
             off = arb(0, radius) * arb((1, -noise))
             return [x + off for x in found]
 
@@ -179,8 +179,8 @@ def two_numbers(
     """
     powers = np.vander(nodes, max(len(vertical), len(turn)), increasing=True)
     gammas = powers[:, : len(vertical)] @ vertical @ axes
-    turned = np.array(joined(before, (powers[:, : len(turn)] @ turn).T))
-    q = joined(first, [turned[0], *(axes.T @ turned[1:])])
+    turned = np.array(quaternion_product(before, (powers[:, : len(turn)] @ turn).T))
+    q = quaternion_product(first, [turned[0], *(axes.T @ turned[1:])])
     psi = third_axis(q)
     return np.array([1j * psi[0] - psi[1], gammas[:, 1] + 1j * gammas[:, 0]])
 

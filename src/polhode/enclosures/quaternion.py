@@ -30,7 +30,7 @@ from polhode.enclosures.step_bound import TINY, Bounds
 from polhode.enclosures.taylor_polynomials import Pieces, improved
 from polhode.enclosures.zonotope import Step
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.vectors import joined
+from polhode.numbers.vectors import quaternion_product
 
 _MOST_WIDTH = 10_000
 _ROOT_OF_3 = 1.7320508076  # above it
@@ -72,11 +72,11 @@ class Turned:
             unit = arb((1, -turns.level))
             v = [arb_poly(x)(tau) * unit for x in turns.rows[n]]
             before = [arb((int(x), -self.problem.fine)) for x in self.centre]
-            return joined(before, v), self._after(float(turns.miss[n]))
+            return quaternion_product(before, v), self._after(float(turns.miss[n]))
 
     def step(self, turns: Turns, n: int) -> None:
         """To the end of step n, the centre rounded to 2**-fine."""
-        exact = joined(self.centre, [x(1) for x in turns.rows[n]])
+        exact = quaternion_product(self.centre, [x(1) for x in turns.rows[n]])
         half = fmpz(1) << (turns.level - 1)
         self.centre = tuple((x + half) >> turns.level for x in exact)  # off by 1/2 each, 1 in all
         lost = math.ldexp(1.0, self.problem.noise - self.problem.fine)

@@ -53,7 +53,7 @@ TRUSTED = (
         for name in (
             *("exact", "ball_rules", "expression", "conversion", "decimals", "flint_context"),
             *("rationals", "quantity", "number_types", "rows", "row_formulas", "scalars"),
-            *("mpmath_context", "lossless_mpf", "rounding"),
+            *("mpmath_context", "lossless_mpf", "rounding", "vectors", "exact_sequences"),
         )
     ),
     *(

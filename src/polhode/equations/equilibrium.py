@@ -13,7 +13,16 @@ from typing import NamedTuple
 from polhode.equations import kinematics
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact
-from polhode.numbers.vectors import Vector, cross, dot, is_zero, joined, minus, parallel, scaled
+from polhode.numbers.vectors import (
+    Vector,
+    cross,
+    dot,
+    is_zero,
+    minus,
+    parallel,
+    quaternion_product,
+    scaled,
+)
 from polhode.scenes.scene import Scene
 
 
@@ -71,4 +80,4 @@ def _turned(quaternion: tuple[Exact, ...], omega: Vector, t: Fraction) -> tuple[
         return quaternion
     rate = exact.sqrt(dot(omega, omega))
     half = rate * t / 2
-    return joined(quaternion, (exact.cos(half), *scaled(exact.sin(half) / rate, omega)))
+    return quaternion_product(quaternion, (exact.cos(half), *scaled(exact.sin(half) / rate, omega)))

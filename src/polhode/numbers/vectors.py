@@ -8,11 +8,13 @@ to space.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TypeAlias, overload
+from typing import TypeAlias, TypeVar, overload
 
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.rows import GivenRow
 from polhode.numbers.scalars import Scalar
+
+T = TypeVar("T")
 
 #: Three exact numbers, and three rows of them.
 Vector: TypeAlias = tuple[Exact, Exact, Exact]
@@ -23,7 +25,7 @@ Quadruple: TypeAlias = tuple[Scalar, Scalar, Scalar, Scalar]
 
 
 @overload
-def dot(a: Vector, b: Vector) -> Exact: ...
+def dot(a: Sequence[T], b: Sequence[T]) -> T: ...
 @overload
 def dot(a: GivenRow, b: GivenRow) -> Scalar: ...
 def dot(a: GivenRow, b: GivenRow) -> Scalar:
@@ -73,7 +75,7 @@ def parallel(a: Vector, b: Vector) -> bool:
     return all(sign(a[i] * b[j] - a[j] * b[i]) == 0 for i, j in ((1, 2), (2, 0), (0, 1)))
 
 
-def joined(a: GivenRow, b: GivenRow) -> Quadruple:
+def quaternion_product(a: GivenRow, b: GivenRow) -> Quadruple:
     """The quaternion a ⊗ b: first b's turn, then a's."""
     a0, a1, a2, a3 = a
     b0, b1, b2, b3 = b
@@ -103,6 +105,6 @@ def upright(q: GivenRow, gamma: GivenRow, root: Callable[[Scalar], Scalar]) -> l
     turn of gamma to q's own vertical; ``root``: the square root.
     """
     own = vertical(q)
-    found = joined(q, (1 + dot(gamma, own), *cross(gamma, own)))
+    found = quaternion_product(q, (1 + dot(gamma, own), *cross(gamma, own)))
     length = root(sum((x * x for x in found[1:]), found[0] * found[0]))
     return [x / length for x in found]

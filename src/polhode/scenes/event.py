@@ -70,4 +70,5 @@ def check_event(event: Event, scene: str, key: str) -> None:
             check(event.expression, names)
         except ValueError as fault:
             expected = f"an expression in {' '.join(names)} ({fault})"
-            raise BadInput(scene, f"{key}.zero", event.expression, expected) from None
+            word = "zero" if event.zero or event.needs_zero else "name"
+            raise BadInput(scene, f"{key}.{word}", event.expression, expected) from None

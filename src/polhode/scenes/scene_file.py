@@ -22,7 +22,6 @@ from polhode.scenes.output_times import even_times
 from polhode.scenes.scene import Published, Scene, SectionPlan
 from polhode.scenes.validation import Literal, Reading, is_int
 from polhode.scenes.vocabulary import (
-    DIRECTIONS,
     EXTREMA,
     FORMER_REFERENCES,
     READY_MADE,
@@ -178,19 +177,10 @@ class _File(Reading):
         if "zero" not in table and Event(name).needs_zero:
             known = nearest(name, [*READY_MADE, f"{SECTION}<expression>"])
             raise self.bad(f"{key}.zero", None, f"an expression, or one of the names {known}")
-        if "zero" in table:
-            zero = self.word(f"{key}.zero", table.get("zero"))
-            self.readable(f"{key}.zero", zero, (*STATE, "t"))
-        else:
-            zero = ""
-            if name.startswith(SECTION):
-                self.readable(f"{key}.name", name.removeprefix(SECTION), (*STATE, "t"))
+        zero = self.word(f"{key}.zero", table.get("zero", ""))
         direction = self.word(f"{key}.direction", self.given("events", table, "direction"))
-        if direction not in DIRECTIONS:
-            known = nearest(direction, [*DIRECTIONS])
-            raise self.bad(f"{key}.direction", direction, known)
         stop = self.truth(f"{key}.stop", self.given("events", table, "stop"))
-        return Event(name, zero, direction, stop)
+        return Event(name, zero, direction, stop)  # the scene checks what they say
 
     def published(self, index: int, table: Mapping[str, Any]) -> Published:
         """One of the tables [[published]]."""

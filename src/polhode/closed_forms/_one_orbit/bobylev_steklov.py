@@ -34,7 +34,7 @@ from polhode.closed_forms.membership.family import Family
 from polhode.closed_forms.membership.normal_form import Condition, Placed, equal, moving, on_axis_1
 from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import ZERO, Exact, sign, sqrt
-from polhode.numbers.vectors import joined
+from polhode.numbers.vectors import quaternion_product
 
 
 def conditions(scene: Placed) -> Iterator[Condition]:
@@ -68,7 +68,7 @@ class Asymptotic:
     def turn(self, t: arb, state: Sequence[arb]) -> Turn:
         """The turn since t = 0."""
         del state
-        c, two, three, one = joined(
+        c, two, three, one = quaternion_product(
             self._first, self._place(self._v0 + self._nu * t, self._p * t / 2)
         )
         return c, one, two, three

@@ -31,7 +31,7 @@ from polhode.closed_forms.membership.normal_form import (
     positive,
 )
 from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt
-from polhode.numbers.vectors import Vector, dot, joined, scaled
+from polhode.numbers.vectors import Vector, dot, quaternion_product, scaled
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ class _Precession:
         del state
         s, c = (self._n * t / 2).sin_cos()
         (a, b, d), (x, y, z) = self._still, self._e1
-        return joined((c, s * a, s * b, s * d), (c, s * x, s * y, s * z))
+        return quaternion_product((c, s * a, s * b, s * d), (c, s * x, s * y, s * z))
 
 
 class Grioli(PlacedMotion):

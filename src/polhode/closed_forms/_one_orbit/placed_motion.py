@@ -28,7 +28,7 @@ from polhode.closed_forms.membership.normal_form import Condition, Placed, place
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import ONE, ZERO, noted, sign, sqrt
-from polhode.numbers.vectors import Vector, dot, joined
+from polhode.numbers.vectors import Vector, dot, quaternion_product
 
 
 class NormalMotion(Protocol):
@@ -89,7 +89,7 @@ class PlacedSolution:
         row = [*self._frame.back(state[:3]), *self._frame.back(up)]
         if attitude:
             assert self._start is not None
-            row += joined(self._start, self._frame.turn(self.motion.turn(t, state)))
+            row += quaternion_product(self._start, self._frame.turn(self.motion.turn(t, state)))
         return row
 
 

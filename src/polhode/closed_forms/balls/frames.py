@@ -20,7 +20,7 @@ from flint import acb, arb
 from polhode.closed_forms.balls.core import Kept, ball, enclosed
 from polhode.numbers import exact
 from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt
-from polhode.numbers.vectors import Vector, dot, joined
+from polhode.numbers.vectors import Vector, dot, quaternion_product
 from polhode.scenes.body import IDENTITY
 
 #: Rows of components in the scene's axes.
@@ -158,7 +158,7 @@ class Start:
         """p q r [gamma1 gamma2 gamma3 q0 q1 q2 q3] after a turn from the start."""
         if self.gamma is None or self.attitude is None:
             return omega
-        return (*omega, *turned_back(turn, self.gamma), *joined(self.attitude, turn))
+        return (*omega, *turned_back(turn, self.gamma), *quaternion_product(self.attitude, turn))
 
 
 def halves(gamma: Sequence[Exact], psi: Exact) -> tuple[acb, acb]:

@@ -37,7 +37,7 @@ from polhode.closed_forms.balls.power_sum import PowerSum
 from polhode.closed_forms.balls.quadrature import around
 from polhode.common.cached_property import cached_property
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.vectors import cross, dot, joined
+from polhode.numbers.vectors import cross, dot, quaternion_product
 
 _AXES = tuple(v for v in itertools.product((1, 0, -1), repeat=3) if v > (0, 0, 0))
 _LOOKS = 60  # moments at which an axis is chosen
@@ -186,7 +186,7 @@ class PeriodicAttitude:
     def turn(self, t: arb, state: Sequence[arb]) -> Turn:
         """The turn of the axes until t; ``state`` is not asked."""
         del state
-        return joined(conjugate(self._first), self._from_zero(t + self._orbit.begin))
+        return quaternion_product(conjugate(self._first), self._from_zero(t + self._orbit.begin))
 
     @cached_property
     def _first(self) -> Turn:
@@ -198,12 +198,12 @@ class PeriodicAttitude:
         q = self._within(t - n * self._period)
         z = self._whole if n >= 0 else 1 / self._whole
         z = z ** abs(n)
-        return joined((z.real, arb(0), arb(0), z.imag), q)
+        return quaternion_product((z.real, arb(0), arb(0), z.imag), q)
 
     @cached_property
     def _whole(self) -> acb:
         """q(T)/q(0), a turn about the vertical."""
-        w, _, _, z = joined(self._within(self._period), conjugate(self._within(arb(0))))
+        w, _, _, z = quaternion_product(self._within(self._period), conjugate(self._within(arb(0))))
         return acb(w, z)
 
     def _proven_sums(self) -> tuple[list[acb], arb]:
@@ -342,7 +342,7 @@ class PeriodicAttitude:
         size = dot(flat, flat).sqrt()
         one = [x / size for x in flat]
         sin, cos = (self._azimuth(s) / 2).sin_cos()
-        return joined((cos, arb(0), arb(0), sin), of_matrix([one, cross(g, one), g]))
+        return quaternion_product((cos, arb(0), arb(0), sin), of_matrix([one, cross(g, one), g]))
 
     def _within(self, t: arb) -> Turn:
         """The attitude at 0 <= t <= T from s = 0 on, up to a turn about the vertical."""

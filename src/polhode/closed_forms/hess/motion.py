@@ -34,7 +34,7 @@ from polhode.closed_forms.lagrange.regimes import Constants, constants
 from polhode.closed_forms.pendulum.conditions import axis_of
 from polhode.closed_forms.pendulum.motion import Numbers, Swing, numbers
 from polhode.numbers.exact import ZERO, Exact, sign
-from polhode.numbers.vectors import Vector, joined
+from polhode.numbers.vectors import Vector, quaternion_product
 
 _I = acb(0, 1)
 _STILL: Turn = (arb(1), arb(0), arb(0), arb(0))
@@ -117,12 +117,12 @@ class HessMotion:
         back = (y * y).conjugate()
         w, g = acb(p, q) * back, acb(g1, g2) * back
         s0, s1, s2, s3 = turn
-        body = joined((s0, s1, s2, s3), (y.real, arb(0), arb(0), y.imag))
+        body = quaternion_product((s0, s1, s2, s3), (y.real, arb(0), arb(0), y.imag))
         assert self._scene.attitude is not None
         return (
             *self._frame.back((w.real, w.imag, self._a12 * w.real)),
             *self._frame.back((g.real, g.imag, g3)),
-            *joined(self._scene.attitude, self._frame.turn(body)),
+            *quaternion_product(self._scene.attitude, self._frame.turn(body)),
         )
 
 

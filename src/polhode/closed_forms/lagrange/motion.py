@@ -36,7 +36,7 @@ from polhode.closed_forms.lagrange.regimes import Constants
 from polhode.closed_forms.lagrange.roots import Distances, gaps
 from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import ZERO, sign
-from polhode.numbers.vectors import Vector, joined
+from polhode.numbers.vectors import Vector, quaternion_product
 
 _I = acb(0, 1)
 
@@ -60,11 +60,11 @@ class Seen:
         q = q0, q1, q2, q3 = quaternion(al, bt)
         up = q0 * q0 + q3 * q3 - q1 * q1 - q2 * q2
         assert self.start.attitude is not None
-        turn = self.frame.turn(joined(self._begin, q))
+        turn = self.frame.turn(quaternion_product(self._begin, q))
         return (
             *self.frame.back((xi.real, xi.imag, self.r)),
             *self.frame.back((across.real, across.imag, up)),
-            *joined(self.start.attitude, turn),
+            *quaternion_product(self.start.attitude, turn),
         )
 
     @cached_property
