@@ -81,7 +81,6 @@ BESIDE = {
     "output/notebook": "how a scene is shown",
     "scenes/column_expressions": "whether an expression of a run can be read",
     "scenes/variation": "scenes of a sweep, as text",
-    "numbers/double_double": "columns of tables",
 }
 
 

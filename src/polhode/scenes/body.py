@@ -197,15 +197,21 @@ class Body:
 
     @classmethod
     def about_centre(
-        cls, inertia: Iterable[AnyVector], centre: AnyVector, mass: AnyNumber, weight: AnyNumber = 0
+        cls,
+        inertia: Iterable[AnyVector],
+        centre: AnyVector,
+        mass: AnyNumber,
+        weight: AnyNumber = 0,
+        rounded: bool | None = None,
     ) -> Body:
         """A body given by its inertia matrix about its centre of mass (Huygens and Steiner)."""
-        own = cls(inertia)  # type: ignore[arg-type]
+        own = cls(inertia, rounded=rounded)  # type: ignore[arg-type]
         place = exact_vector(centre, key="centre")
         (of_mass,) = each("Body", "mass", (mass,), exact_number, "a number")
         if sign(of_mass) <= 0:
             raise BadInput("Body", "mass", mass, "a mass above 0")
-        found = cls(carried(own.inertia, of_mass, place), place, weight)  # type: ignore[arg-type]
+        moved = carried(own.inertia, of_mass, place)
+        found = cls(moved, place, weight, rounded=rounded)  # type: ignore[arg-type]
         object.__setattr__(found, "change", own.change)
         return found
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,7 +11,7 @@ from typing import Any, NamedTuple
 from polhode.scenes import vocabulary
 from polhode.scenes.shapes import AXES, SHAPES
 
-WORD, WORDS = "text", "list of texts"
+NUMBER, VECTOR, WORD, WORDS = "number", "three numbers", "text", "list of texts"
 WHOLE, TRUTH, TABLE, TABLES = "whole number", "true or false", "table", "tables"
 
 _INDEX = re.compile(r"\[[0-9]+\]")
@@ -73,18 +72,19 @@ def words(section: str) -> set[str]:
     return {key.name for key in KEYS[section] if key.kind in (WORD, WORDS, TRUTH, WHOLE)}
 
 
-def unit(key: str) -> str:
-    """The unit of a key's numbers; ``key`` in full, as ``body.parts[1].size``; "" for none."""
-    section, _, name = _INDEX.sub("", key).rpartition(".")
-    return next((x.unit for x in KEYS.get(section, ()) if x.name == name), "")
-
-
-def given(section: str, table: Mapping[str, Any], name: str) -> Any:
-    """What a table holds under a key, or the key's default."""
-    return table[name] if name in table else _default(section, name)
+def unit(full: str) -> str:
+    """The unit of a key's numbers; ``full``: the key as ``body.parts[1].size``; "" for none."""
+    section, _, name = _INDEX.sub("", full).rpartition(".")
+    return key(section, name).unit if section in KEYS and name in names(section) else ""
 
 
 @cache
-def _default(section: str, name: str) -> Any:
-    (key,) = (key for key in KEYS[section] if key.name == name)
-    return tomllib.loads(f"x = {key.default}")["x"]
+def key(section: str, name: str) -> Key:
+    """A key by its name."""
+    return next(x for x in KEYS[section] if x.name == name)
+
+
+@cache
+def default(section: str, name: str) -> Any:
+    """What leaving out a key means; None where it has no default."""
+    return tomllib.loads(f"x = {text}")["x"] if (text := key(section, name).default) else None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 from typing import Any, TypeGuard
 
@@ -19,6 +19,10 @@ _LONG = 24  # characters: no double is printed with more
 
 #: Between the middle and the radius of an interval, which proofs alone take.
 PLUS_MINUS = ("\u00b1", "+-", "+/-")
+
+
+#: Output times, or crossings of an orbit.
+MAX_SAMPLES = 1_000_000
 
 
 class Literal(str):
@@ -68,14 +72,43 @@ class Reading:
             self.known(section, table, f"{section}[{index + 1}]")
         return tables
 
-    def given(self, section: str, table: Mapping[str, Any], name: str) -> Any:
-        """What a section holds under a key, or the key's default."""
-        return keys.given(section, table, name)
+    def alone(
+        self, section: str, table: Mapping[str, Any], others: Iterable[str], expected: str
+    ) -> None:
+        """Refuse the first of some keys that the section has all the same."""
+        for key in others:
+            if key in table:
+                raise self.bad(f"{section}.{key}", table[key], expected)
+
+    def read(self, section: str, table: Mapping[str, Any], name: str, where: str = "") -> Any:
+        """What a section holds under a key, or the key's default, read as its kind says.
+
+        ``where``: the table of several, as ``events[1]``.
+        """
+        key = keys.key(section, name)
+        readers: dict[str, Callable[[str, Any], Any]] = {
+            keys.NUMBER: self.number,
+            keys.VECTOR: self.vector,
+            keys.WORD: self.word,
+            keys.WORDS: self.words,
+            keys.TRUTH: self.truth,
+        }
+        full = ".".join(filter(None, (where or section, name)))
+        value = table[name] if name in table else keys.default(section, name)
+        return readers[key.kind](full, value)
 
     def truth(self, key: str, value: object) -> bool:
         """True or false."""
         if not isinstance(value, bool):
             raise self.bad(key, value, "true or false")
+        return value
+
+    def whole(self, section: str, table: Mapping[str, Any], name: str, least: int) -> int:
+        """What a section holds under a key, or its default: a whole number up to a million."""
+        value = table.get(name, keys.default(section, name))
+        if not is_int(value) or not least <= value <= MAX_SAMPLES:
+            expected = f"a whole number from {least} to {MAX_SAMPLES}"
+            raise self.bad(f"{section}.{name}", value, expected)
         return value
 
     def word(self, key: str, value: object) -> str:
@@ -152,7 +185,7 @@ def is_expression(value: object) -> TypeGuard[str]:
     return isinstance(value, str) and not isinstance(value, Literal)
 
 
-def is_int(value: object) -> bool:
+def is_int(value: object) -> TypeGuard[int]:
     """Whether a value is a whole number of the file."""
     return isinstance(value, int) and not isinstance(value, bool)
 

@@ -22,7 +22,7 @@ from polhode.numbers.exact_sequences import Floats, Spaced
 from polhode.numbers.number_types import NAMES, SINGLE, named
 from polhode.numbers.scalars import Real
 from polhode.output.archive import MOST_BITS
-from polhode.scenes.scene_file import MAX_SAMPLES
+from polhode.scenes.validation import MAX_SAMPLES
 from polhode.scenes.variation.vary import MAX_MEMBERS
 
 #: Whatever a result holds, and what JSON makes of it.
