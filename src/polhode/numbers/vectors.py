@@ -8,13 +8,11 @@ to space.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TypeAlias, TypeVar, overload
+from typing import TypeAlias, overload
 
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.rows import GivenRow
 from polhode.numbers.scalars import Scalar
-
-T = TypeVar("T")
 
 #: Three exact numbers, and three rows of them.
 Vector: TypeAlias = tuple[Exact, Exact, Exact]
@@ -25,7 +23,7 @@ Quadruple: TypeAlias = tuple[Scalar, Scalar, Scalar, Scalar]
 
 
 @overload
-def dot(a: Sequence[T], b: Sequence[T]) -> T: ...
+def dot(a: Vector, b: Vector) -> Exact: ...
 @overload
 def dot(a: GivenRow, b: GivenRow) -> Scalar: ...
 def dot(a: GivenRow, b: GivenRow) -> Scalar:

@@ -106,7 +106,7 @@ def _part(reading: Reading, index: int, table: dict[str, Any]) -> Part:
 def _mass(reading: Reading, table: Mapping[str, Any]) -> Exact | None:
     if "mass" not in table:
         return None
-    mass = reading.read("body", table, "mass")
+    mass: Exact = reading.read("body", table, "mass")
     if sign(mass) <= 0:
         raise reading.bad("body.mass", table["mass"], "a mass above 0")
     return mass
@@ -117,7 +117,7 @@ def _weight(reading: Reading, table: Mapping[str, Any], mass: Exact | None) -> E
         if mass is None:
             raise reading.bad("body.mass", None, "a number, with g")
         reading.alone("body", table, ["weight"], "only one of weight and g")
-        return mass * reading.read("body", table, "g")
+        return mass * reading.number("body.g", table["g"])
     if mass is not None and "weight" not in table:
         raise reading.bad("body.g", None, "g or weight together with mass; 0 for none")
     weight: Exact = reading.read("body", table, "weight")

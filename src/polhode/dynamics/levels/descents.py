@@ -146,7 +146,7 @@ class Descents:
     def _end(self, g: Vector, lower: Sequence[tuple[int, Critical]], value: arb) -> int:
         for _ in range(_MOST):
             for k, other in lower:
-                chord = minus(g, other.gamma)
+                chord: Vector = minus(g, other.gamma)
                 # the arc is at most pi/2 times the chord: half its square below 5/4 of the chord's
                 if bool(self._second * dot(chord, chord) * 5 / 4 < value - other.value):
                     return k

@@ -10,9 +10,7 @@ do so exactly, before any rounding.  Variables: p q r [gamma1 gamma2 gamma3] in 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-
-from polhode.equations.form import Form
+from polhode.equations.form import Coefficients, Form, OmegaAndGamma, Values
 from polhode.equations.forms import matrices
 from polhode.equations.forms.matrices import GAMMA, OMEGA
 from polhode.numbers.scalars import Functions, Scalar
@@ -26,9 +24,7 @@ SOURCE = "3.16–3.17"
 class General(Form):
     """The equations of one scene in some axes."""
 
-    def field(
-        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
-    ) -> list[Scalar]:
+    def field(self, values: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
         """The rates of p q r [gamma1 gamma2 gamma3]."""
         omega, gamma = values[:3], values[3:]
         terms = matrices.products(OMEGA, omega)
@@ -36,9 +32,7 @@ class General(Form):
         rates = matrices.rates(OMEGA, terms, k, fn.zero)
         return rates + matrices.turning_rates(gamma, omega) if gamma else rates
 
-    def state(
-        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
-    ) -> tuple[list[Scalar], list[Scalar]]:
+    def state(self, values: Values, k: Coefficients, fn: Functions) -> OmegaAndGamma:
         """omega and gamma: the variables themselves."""
         return list(values[:3]), list(values[3:6])
 

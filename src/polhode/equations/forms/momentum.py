@@ -8,10 +8,9 @@ near the largest, so that G is of the size of w.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
-from polhode.equations.form import Form
+from polhode.equations.form import Coefficients, Form, OmegaAndGamma, Values
 from polhode.equations.forms import matrices
 from polhode.equations.forms.matrices import GAMMA, OMEGA
 from polhode.numbers import exact
@@ -28,9 +27,7 @@ MOMENTUM = ("P", "Q", "R")
 class Momentum(Form):
     """The equations of one scene in some axes."""
 
-    def field(
-        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
-    ) -> list[Scalar]:
+    def field(self, values: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
         """The rates of P Q R [gamma1 gamma2 gamma3]."""
         momentum = values[:3]
         omega, gamma = self.state(values, k, fn)
@@ -39,9 +36,7 @@ class Momentum(Form):
         rates = matrices.rates(MOMENTUM, terms, k, fn.zero)
         return rates + matrices.turning_rates(gamma, omega) if gamma else rates
 
-    def state(
-        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
-    ) -> tuple[list[Scalar], list[Scalar]]:
+    def state(self, values: Values, k: Coefficients, fn: Functions) -> OmegaAndGamma:
         """omega = A G, and gamma."""
         momentum = dict(zip(MOMENTUM, values[:3], strict=True))
         return matrices.rates(OMEGA, momentum, k, fn.zero), list(values[3:6])

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
-from polhode.equations.form import Form
+from polhode.equations.form import Coefficients, Form, OmegaAndGamma, Values
 from polhode.equations.forms.matrices import omega_and_gamma, turning_rates
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.scalars import Functions, Scalar, combination
@@ -27,15 +27,11 @@ class Principal(Form):
 
     plain = True
 
-    def field(
-        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
-    ) -> list[Scalar]:
+    def field(self, values: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
         """The rates of p q r [gamma1 gamma2 gamma3]."""
         return field(values, k, fn)
 
-    def state(
-        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
-    ) -> tuple[list[Scalar], list[Scalar]]:
+    def state(self, values: Values, k: Coefficients, fn: Functions) -> OmegaAndGamma:
         """omega and gamma: the variables themselves."""
         return list(values[:3]), list(values[3:6])
 

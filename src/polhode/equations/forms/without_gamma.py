@@ -17,10 +17,12 @@ with |n|² |gamma|² = u² + b² |N|² + |n|² d D, the integral that is left.  
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from polhode.common.errors import BadInput
+from polhode.equations.form import Coefficients, Form, OmegaAndGamma, Values
 from polhode.equations.forms.matrices import turning_rates
 from polhode.equations.forms.natural_units import PRINCIPAL, OwnUnits, own_units, present
 from polhode.numbers.exact import Exact, sign, sqrt
@@ -94,10 +96,22 @@ def gamma(it: Parts, k: Mapping[str, Scalar], fn: Functions) -> list[Scalar]:
     ]
 
 
-def distance(G: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> Scalar:
-    """|r0 × G|² over |r0|² and a bound of |G|² that the energy sets: 0 to 1."""
-    N = lever(G, k, fn)
-    return k["nearness"] * dot(N, N)
+class WithoutGamma(Form):
+    """A form in w or G alone, with D as the fourth variable."""
+
+    @abstractmethod
+    def turning(self, values: Values, k: Coefficients) -> tuple[list[Scalar], list[Scalar]]:
+        """w and G."""
+
+    def state(self, values: Values, k: Coefficients, fn: Functions) -> OmegaAndGamma:
+        """Components of w and of gamma."""
+        omega, G = self.turning(values, k)
+        return omega, gamma(parts(omega, G, values[3], k, fn), k, fn)
+
+    def distance(self, values: Values, k: Coefficients, fn: Functions) -> Scalar:
+        """|r0 × G|² over |r0|² and a bound of |G|² that the energy sets: 0 to 1."""
+        N = lever(self.turning(values, k)[1], k, fn)
+        return k["nearness"] * dot(N, N)
 
 
 def starting(scene: Scene, form: str) -> tuple[OwnUnits, dict[str, Exact]]:
@@ -115,4 +129,5 @@ def starting(scene: Scene, form: str) -> tuple[OwnUnits, dict[str, Exact]]:
         raise refused("at the start the momentum I w is parallel to the centre r0, or 0")
     bound = 2 * max(own.moments) * (own.energy + sqrt(n2))  # |G|² <= 2 A T, T <= h + |n|
     k = own.coefficients() | {"h": own.energy, "f.n2": own.area * n2}
-    return own, present(k | {"n2": n2, "1/n2": 1 / n2, "nearness": 1 / (n2 * bound)})
+    found = present(k | {"n2": n2, "1/n2": 1 / n2, "nearness": 1 / (n2 * bound)})
+    return own, found | {f"1/{name}": 1 / x for name, x in zip("ABC", own.moments, strict=True)}
