@@ -157,7 +157,7 @@ class Watch:
         ]
         return Pace(speed, max(factors[:3]), 1.7321 * 2.0 * max(factors[3:]))
 
-    def _scene(self, turned: list[Any], radius: float) -> list[Any]:
+    def _scene(self, turned: Sequence[Any], radius: float) -> list[Any]:
         """The attitude of the scene from the turn since the start and its distance from that."""
         noise = self.problem.noise
         with ctx.workprec(noise + 104):

@@ -24,8 +24,9 @@ from polhode.numbers.expression import ExpressionError
 from polhode.numbers.vectors import Vector, dot
 from polhode.scenes import scene_file
 from polhode.scenes.body import principal
+from polhode.scenes.given_numbers import number_in_text
 from polhode.scenes.scene import Scene
-from polhode.scenes.validation import Literal, number_in_text
+from polhode.scenes.validation import Literal
 
 NUMBERS = "which numbers under a root, and which of the weight and the centre, are 0"
 AXES = "which principal moments are equal, and which of their axes are the body's"

@@ -5,10 +5,11 @@ They are equal to any sequence of the same numbers.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from operator import index
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, TypeVar, overload
 
 from polhode.numbers.conversion import exactly, to_double, to_extended
 from polhode.numbers.exact import Exact
@@ -17,10 +18,39 @@ from polhode.numbers.number_types import extended_here
 if TYPE_CHECKING:
     from polhode.numbers.rows import Doubles, Flat
 
+T = TypeVar("T")
+
 _FEW = 16  # numbers, which take no longer one by one
 
 
-class Spaced(Sequence[Exact]):
+class LazySequence(Sequence[T], ABC):
+    """A sequence whose elements are made when asked for; equal to any other of the same."""
+
+    @abstractmethod
+    def at(self, k: int) -> T:
+        """The element of a place, 0 or more."""
+
+    @overload
+    def __getitem__(self, k: int) -> T: ...
+    @overload
+    def __getitem__(self, k: slice) -> Sequence[T]: ...
+    def __getitem__(self, k: int | slice) -> T | Sequence[T]:
+        if isinstance(k, slice):
+            return tuple(self.at(i) for i in range(len(self))[k])
+        return self.at(range(len(self))[index(k)])  # one of numpy's would overflow in a Fraction
+
+    def __iter__(self) -> Iterator[T]:
+        return map(self.at, range(len(self)))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Sequence):
+            return NotImplemented
+        return len(self) == len(other) and all(a == b for a, b in zip(self, other, strict=True))
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+class Spaced(LazySequence[Exact]):
     """So many numbers from ``first`` to ``last``, evenly spaced, ends included.
 
     >>> times = Spaced(Fraction(0), Fraction(1), 4)
@@ -34,14 +64,8 @@ class Spaced(Sequence[Exact]):
     def __len__(self) -> int:
         return self.size
 
-    @overload
-    def __getitem__(self, k: int) -> Exact: ...
-    @overload
-    def __getitem__(self, k: slice) -> tuple[Exact, ...]: ...
-    def __getitem__(self, k: int | slice) -> Exact | tuple[Exact, ...]:
-        if isinstance(k, slice):
-            return tuple(self[i] for i in range(self.size)[k])
-        k = range(self.size)[index(k)]  # one of numpy's would overflow in the Fraction
+    def at(self, k: int) -> Exact:
+        """The number of a place."""
         if k == self.size - 1 > 0:
             return self.last
         return self.first + (self.last - self.first) * Fraction(k, max(1, self.size - 1))
@@ -50,7 +74,7 @@ class Spaced(Sequence[Exact]):
         if isinstance(other, Spaced):
             held = (other.first, other.last, other.size)
             return (self.first, self.last, self.size) == held
-        return _same(self, other)
+        return super().__eq__(other)
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -80,7 +104,7 @@ class Spaced(Sequence[Exact]):
         return near
 
 
-class Floats(Sequence[Fraction]):
+class Floats(LazySequence[Fraction]):
     """The floats of an array (n,) that nobody writes to from now on."""
 
     def __init__(self, values: Flat) -> None:
@@ -95,14 +119,21 @@ class Floats(Sequence[Fraction]):
     @overload
     def __getitem__(self, k: slice) -> Floats: ...
     def __getitem__(self, k: int | slice) -> Fraction | Floats:
-        return Floats(self.values[k]) if isinstance(k, slice) else exactly(self.values[k])
+        return Floats(self.values[k]) if isinstance(k, slice) else super().__getitem__(k)
+
+    def at(self, k: int) -> Fraction:
+        """The number of a place."""
+        return exactly(self.values[k])
 
     def __eq__(self, other: object) -> bool:
         if isinstance(other, Floats) and self.values.dtype == other.values.dtype:
             return len(self) == len(other) and bool((self.values == other.values).all())
-        return _same(self, other)
+        return super().__eq__(other)
 
     __hash__ = None  # type: ignore[assignment]
+
+    def __iter__(self) -> Iterator[Fraction]:
+        return map(exactly, self.values.tolist())
 
     def __repr__(self) -> str:
         """With a digest of the numbers: it tells one array from another."""
@@ -124,10 +155,3 @@ class Floats(Sequence[Fraction]):
         if self.values.dtype == np.float64:
             return [repr(x) for x in self.values.tolist()]
         return [np.format_float_scientific(x, trim="0") for x in self.values]
-
-
-def _same(one: Sequence[Exact], other: object) -> bool:
-    """Whether another sequence has the same numbers; NotImplemented for what is none."""
-    if not isinstance(other, Sequence):
-        return NotImplemented  # type: ignore[no-any-return]
-    return len(one) == len(other) and all(a == b for a, b in zip(one, other, strict=True))

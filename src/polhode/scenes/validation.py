@@ -14,6 +14,7 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
 from polhode.numbers.vectors import Vector
 from polhode.scenes import keys
+from polhode.scenes.given_numbers import number_in_text
 
 _LONG = 24  # characters: no double is printed with more
 
@@ -143,7 +144,7 @@ class Reading:
                     raise ExpressionError("too large")
                 return Fraction(value)
             if isinstance(value, str):
-                found, in_units = number_in_text(value, key)
+                found, in_units = number_in_text(value, keys.unit(key))
                 self.in_si |= in_units
                 return found
             if hasattr(value, "__float__") and not isinstance(value, bool):  # given in Python
@@ -163,21 +164,6 @@ class Reading:
             check(text, names)
         except ExpressionError as fault:
             raise self.bad(key, text, f"an expression in {' '.join(names)} ({fault})") from None
-
-
-def number_in_text(text: str, key: str) -> tuple[Exact, bool]:
-    """The value of an expression for a key, and whether its units make it a number in SI.
-
-    Those of an angle do not: it is the same number in any units.  Raises ExpressionError.
-    """
-    try:
-        return expression.number(text), False
-    except ExpressionError:
-        from polhode.numbers.quantity import in_unit, is_angle, mentions_unit
-
-        if not mentions_unit(text):
-            raise
-        return in_unit(text, keys.unit(key)), not is_angle(text)
 
 
 def is_expression(value: object) -> TypeGuard[str]:

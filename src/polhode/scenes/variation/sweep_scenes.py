@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import re
 import threading
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from typing import Any, overload
+from typing import Any
 
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, FileName, nearest, say_change
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
-from polhode.numbers.exact_sequences import Floats
+from polhode.numbers.exact_sequences import Floats, LazySequence
 from polhode.scenes import keys, scene_file
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
@@ -29,7 +29,7 @@ _KEY = re.compile(r"(body|start)\.[a-z]+(\[[1-9]\d*\](\.[a-z_]+)?)*")
 _WORDS = keys.words("body") | keys.words("body.parts") | keys.words("start")
 
 
-class Members(Sequence[Scene]):
+class Members(LazySequence[Scene]):
     """The scenes of a sweep, without output times; each made, and checked, when it is asked for."""
 
     def __init__(self, scene: Scene, varied: Grid) -> None:
@@ -39,21 +39,12 @@ class Members(Sequence[Scene]):
     def __len__(self) -> int:
         return len(self.varied.rows)
 
-    @overload
-    def __getitem__(self, index: int) -> Scene: ...
-    @overload
-    def __getitem__(self, index: slice) -> Sequence[Scene]: ...
-    def __getitem__(self, index: int | slice) -> Scene | Sequence[Scene]:
-        where = range(len(self))[index]
-        if isinstance(where, range):
-            return [self[k] for k in where]
+    def at(self, k: int) -> Scene:
+        """The scene of a member."""
         reading: _Reading | None = getattr(self._mine, "reading", None)
         if reading is None:
             reading = self._mine.reading = _Reading(self.scene, self.varied)
-        return reading.member(where)
-
-    def __iter__(self) -> Iterator[Scene]:
-        return (self[k] for k in range(len(self)))
+        return reading.member(k)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Members):
