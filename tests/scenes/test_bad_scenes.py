@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from decimal import Decimal
 
 import numpy as np
 import pytest
@@ -65,6 +66,11 @@ NUMBERS = [
     ({"title": "x" * 20_000}, "expected a text of at most 10000 whole"),
     ({"at": (k for k in (2, 1))}, "run.at[2] = 1: expected times of one sign"),
     ({"moment": [2, 2, 1]}, "moment = [2, 2, 1]: ; did you mean 'moments'"),
+    ({"events": [{"name": "x", "zero": "p", "stopp": True}]}, "events[1].stopp; mean 'stop'"),
+    ({"events": [polhode.Event("section:gama1")]}, "events[1].name = gama1: ; mean 'gamma1'"),
+    ({"events": [3]}, "events[1] = 3: expected an Event, or a mapping of its keys"),
+    ({"omega": [None, 0, 1]}, "start.omega = None: expected a value"),
+    ({"samples": Decimal("3.5"), "end": 1}, "run.samples = 3.5: expected a whole number from 2"),
     # more than rounding, with its amount
     (inertia(SYMMETRIC), "[1][2] and [2][1] differ by 1e-14"),
     (inertia(["2", "0.1", 0], ["0.1+1e-17", "2", 0]), "differ by 1e-17"),

@@ -76,7 +76,7 @@ class Spaced(LazySequence[Exact]):
             return (self.first, self.last, self.size) == held
         return super().__eq__(other)
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = None
 
     def __repr__(self) -> str:
         return f"Spaced({self.first!r}, {self.last!r}, {self.size})"
@@ -130,7 +130,7 @@ class Floats(LazySequence[Fraction]):
             return len(self) == len(other) and bool((self.values == other.values).all())
         return super().__eq__(other)
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = None
 
     def __iter__(self) -> Iterator[Fraction]:
         return map(exactly, self.values.tolist())

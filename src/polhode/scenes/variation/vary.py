@@ -54,7 +54,7 @@ class Rows(LazySequence[tuple[Exact, ...]]):
             return self.columns == other.columns
         return super().__eq__(other)
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = None
 
     def __repr__(self) -> str:
         return f"Rows({self.columns!r}, {self.product})"
