@@ -51,7 +51,7 @@ class Members(LazySequence[Scene]):
             return NotImplemented
         return self.scene == other.scene and self.varied == other.varied
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = None
 
     def __getstate__(self) -> tuple[Scene, Grid]:
         return self.scene, self.varied
