@@ -13,7 +13,7 @@ from hypothesis import strategies as some
 import polhode
 from polhode.common.errors import BadInput
 from polhode.numbers.exact import sqrt
-from polhode.numbers.exact_sequences import Floats
+from polhode.numbers.exact_sequences import Floats, Spaced
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.numbers.rows import Flat
 from polhode.scenes.output_times import OutputTimes, even_times
@@ -31,6 +31,7 @@ def exactly(end: Fraction, samples: int) -> tuple[Fraction, ...]:
     samples=some.integers(2, 400),
 )
 @example(end=Fraction(2**53 + 1, 7), samples=20_001)
+@example(end=Fraction(781754121068286797, 731314540741666), samples=2001)  # k = 933
 def test_doubles_of_even_times_are_rounded_once(end: Fraction, samples: int) -> None:
     true = [float(t) for t in exactly(end, samples)]
     assert even_times(end, samples).doubles().tolist() == true
@@ -109,6 +110,12 @@ WRONG = [
 def test_wrong_times_are_refused(scene: Scene, times: list[float], place: int, kind: type) -> None:
     with pytest.raises(BadInput, match=rf"at\[{place}\]"):
         scene.at(kind(times))
+
+
+def test_spaced_times_from_another_one_than_zero_are_told() -> None:
+    assert OutputTimes(Spaced(Fraction(-1), Fraction(1), 3)).misplaced() == 0
+    assert OutputTimes(Spaced(Fraction(1), Fraction(2), 3)).misplaced() is None
+    assert even_times(Fraction(-2), 3).misplaced() is None
 
 
 @pytest.fixture
