@@ -12,7 +12,8 @@ from polhode.numbers import exact
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.expression import number
 from polhode.numbers.mpmath_context import mpmath
-from polhode.scenes.body import OWN_AXES, Body, Matrix, UnphysicalBody, Vector, cross, diagonal, dot
+from polhode.numbers.vectors import Matrix, Vector, cross, dot
+from polhode.scenes.body import OWN_AXES, Body, UnphysicalBody, diagonal
 from polhode.scenes.shapes import Part
 from shared.examples import examples
 from shared.members import rotation

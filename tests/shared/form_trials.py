@@ -12,7 +12,8 @@ from polhode.numbers.conversion import to_mpf
 from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.numbers.number_types import mp
 from polhode.numbers.scalars import Functions
-from polhode.scenes.body import OWN_AXES, Body, cross
+from polhode.numbers.vectors import cross
+from polhode.scenes.body import OWN_AXES, Body
 from polhode.scenes.scene import Scene
 from shared import members
 

@@ -10,7 +10,7 @@ import pytest
 
 from polhode.equations.integrals import departures
 from polhode.judging.references.reference import reference
-from polhode.scenes.body import dot
+from polhode.numbers.vectors import dot
 from polhode.studies.ensembles import random_scene
 from polhode.studies.long_run import growth, late_time, page
 from polhode.studies.long_run import rows as long_run

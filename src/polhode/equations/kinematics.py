@@ -18,7 +18,8 @@ from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.exact import ONE, Exact, sign
 from polhode.numbers.rows import GivenRow
 from polhode.numbers.scalars import Scalar, combination
-from polhode.scenes.body import PrincipalAxes, Vector
+from polhode.numbers.vectors import Vector
+from polhode.scenes.body import PrincipalAxes
 
 
 def starting_attitude(gamma: Vector, psi: Exact) -> tuple[Exact, ...]:

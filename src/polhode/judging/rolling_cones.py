@@ -11,7 +11,8 @@ from polhode.equations.hodographs import turned
 from polhode.numbers.conversion import mpf_row, to_mpf
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.row_formulas import GUARD_BITS
-from polhode.scenes.body import Body, cross, dot, minus
+from polhode.numbers.vectors import cross, dot, minus
+from polhode.scenes.body import Body
 
 if TYPE_CHECKING:
     from polhode.runs.trajectory import Trajectory
@@ -43,10 +44,10 @@ def omega_rate(body: Body, omega: Sequence[Any], gamma: Sequence[Any], bits: int
     with mpmath.workprec(bits):
         x, y, z = ([to_mpf(entry, bits) for entry in row] for row in body.inertia)
         torque = [to_mpf(entry, bits) for entry in body.torque]
-        momentum = [dot(row, omega) for row in (x, y, z)]  # type: ignore[arg-type]
-        moment = minus(cross(gamma, torque), cross(omega, momentum))  # type: ignore[arg-type]
-        adjugate = cross(y, z), cross(z, x), cross(x, y)  # type: ignore[arg-type]
-        determinant: Any = dot(x, adjugate[0])  # type: ignore[arg-type]
+        momentum = [dot(row, omega) for row in (x, y, z)]
+        moment = minus(cross(gamma, torque), cross(omega, momentum))
+        adjugate = cross(y, z), cross(z, x), cross(x, y)
+        determinant: Any = dot(x, adjugate[0])
         return [dot(row, moment) / determinant for row in adjugate]
 
 

@@ -10,8 +10,8 @@ import numpy as np
 from polhode.equations.forms import principal
 from polhode.numbers.conversion import to_double
 from polhode.numbers.rows import Doubles, Extendeds, Flat, doubles, flat
+from polhode.numbers.vectors import scaled
 from polhode.runs.problem.problem import Problem
-from polhode.scenes.body import scaled
 from polhode.taylor.lanes import Lanes
 
 if TYPE_CHECKING:

@@ -49,7 +49,8 @@ from polhode.judging.tables.reading import WRONG, Reading, TimeChange
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles
-from polhode.scenes.body import Body, Matrix, exact_vector
+from polhode.numbers.vectors import Matrix
+from polhode.scenes.body import Body, exact_vector
 from polhode.scenes.scene import Scene
 
 _FARTHEST = 3e3  # radians or so, to which times of another unit are tried

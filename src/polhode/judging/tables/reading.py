@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from polhode.equations.quaternion_products import product
 from polhode.judging.tables.table import radians
 from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import brief
+from polhode.numbers.vectors import quaternion_product
 
 #: Digits: below the first a part is wrong as it stands, the second is what a reading must add.
 WRONG, GAIN = 3.0, 3.0
@@ -49,7 +49,9 @@ class Change(NamedTuple):
             if len(held) < len(turned):
                 return [None] * len(turned)
             by = 1 / (_length(self.space) * _length(self.body))
-            return [by * x for x in product(product(self.space, held), self.body)]
+            return [
+                by * x for x in quaternion_product(quaternion_product(self.space, held), self.body)
+            ]
         return [radians(x * self.degrees) if x and self.degrees else x for x in turned]
 
 

@@ -11,13 +11,13 @@ from polhode.common.arguments import unit_rows
 from polhode.common.errors import BadInput
 from polhode.common.memory import refuse_too_much
 from polhode.numbers.exact import Exact
+from polhode.numbers.exact_sequences import Floats
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber
 from polhode.runs.problem.options import choose_number, rounded_times, rounded_tolerance
 from polhode.runs.sweep.columns import Fastest, columns_of
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation import vary
-from polhode.scenes.variation.array_columns import ArrayColumn
 from polhode.scenes.variation.sweep_scenes import Members
 from polhode.taylor.backend import defaults
 
@@ -115,7 +115,7 @@ def _check_arrays(name: str, varied: vary.Grid, number: NumberType) -> None:
     import numpy as np
 
     each = zip(varied.keys, varied.rows.columns, strict=True)
-    arrays = {key: column.values for key, column in each if isinstance(column, ArrayColumn)}
+    arrays = {key: column.values for key, column in each if isinstance(column, Floats)}
     if not arrays:
         return
     if not number.flat:
