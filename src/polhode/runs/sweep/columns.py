@@ -19,6 +19,7 @@ from polhode.numbers.exact import ZERO, Exact
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rationals import Rationals
 from polhode.numbers.rows import Booleans, Doubles, Flat, kind_of
+from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import PrincipalAxes
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation.sweep_scenes import Members
@@ -27,12 +28,11 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from polhode.numbers.double_double import Pairs
-    from polhode.scenes.variation.sweep_columns import Block, Column, Vector
+    from polhode.scenes.variation.sweep_columns import Block, Vector
     from polhode.taylor.batches.jobs import Columns
 
-#: Numbers of all members, or one that they have in common.
-Numbers: TypeAlias = "Column | Pairs"
+#: Numbers of all members, pairs too, or one that they have in common.
+Numbers: TypeAlias = Scalar
 
 BLOCK = 1 << 16  # members that are read at once: a bound on what planning holds
 _NEXT_POWER = 1 - 2.0**-9  # from this part of a power of two on, eight bits round to it

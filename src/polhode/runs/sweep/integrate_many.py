@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable
 from concurrent.futures import Executor
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import TYPE_CHECKING
 
 from polhode.common.arguments import steps, whole
 from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.errors import BadInput
 from polhode.common.jobs import carried_out
-from polhode.common.progress import Progress, bar
+from polhode.common.progress import Progress, Stop, bar
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber
 from polhode.runs.problem.options import check_method
-from polhode.runs.sweep import results, wide_members
+from polhode.runs.sweep import flat_members, results, wide_members
 from polhode.runs.sweep.array_starts import from_starts
 from polhode.runs.sweep.ensemble import Ensemble
+from polhode.runs.sweep.flat_members import FlatJob
 from polhode.runs.sweep.plan import Plan, planned
-from polhode.runs.sweep.results import StepJob
 from polhode.runs.sweep.wide_members import WideJob
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
@@ -29,13 +28,9 @@ from polhode.scenes.variation import vary
 from polhode.taylor.backend import defaults
 
 if TYPE_CHECKING:
-    import numpy as np
     import numpy.typing as npt
 
-    from polhode.common.jobs import Solver
     from polhode.taylor.batches.jobs import Solved
-
-J = TypeVar("J")
 
 _JOBS = 16, 1024  # so many at least and at most: each costs a fraction of a millisecond
 _JOB = 0.05  # seconds that one should take
@@ -156,20 +151,27 @@ def integrate_many(
         scene, vary = from_starts(scene, starts, vary)
     elif vary is None:
         raise BadInput(scene.name, "vary", None, "numbers to vary, or starts")
+    from polhode.taylor.batches.compiled_batch import width
+
     plan = planned(scene, vary, number, digits, tol, max_steps)
     prepared = time.perf_counter()
-    work = _work(plan, method)
-    key = (scene.text, method, plan.varied, plan.number, plan.tolerance, plan.max_steps, plan.times)
-    sizes = [len(group) for group in work.groups]
-    kept = JobCheckpoint.at(parts, "sweep", *key, *work.groups)
+    groups = list(plan.groups(width(plan.number), _most_jobs(plan)))
+    key = scene.text, plan.times, method, plan.varied, plan.number, plan.tolerance, plan.max_steps
+    kept = JobCheckpoint.at(parts, "sweep", *key, *groups)
+    jobs: list[FlatJob | WideJob] = [
+        flat_members.job_of(plan, group)
+        if plan.number.flat
+        else wide_members.job_of(plan, group, method)
+        for group in groups
+    ]
     began = time.perf_counter()
-    if executor is None and work.jobs:
-        work.prepare(work.jobs[0])
+    if executor is None and jobs:
+        jobs[0].prepare()
     build = time.perf_counter() - began
     finished = carried_out(
-        work.solve,
-        work.jobs,
-        sizes,
+        _solved,
+        jobs,
+        [len(group) for group in groups],
         workers,
         executor,
         kept,
@@ -177,7 +179,7 @@ def integrate_many(
         lambda held: results.unpacked(held, plan.number),
         progress,
     )
-    found, told = results.put_together(plan, work.groups, finished.results)
+    found, told = results.put_together(plan, groups, finished.results)
     seconds = {
         "scenes": prepared - asked,
         "build": build,
@@ -202,41 +204,9 @@ def integrate_many(
     )
 
 
-@dataclass(frozen=True)
-class _Work(Generic[J]):
-    """A sweep's members as jobs of one kind; ``groups``: the members of each job."""
-
-    groups: list[npt.NDArray[np.int64]]
-    jobs: Sequence[J]
-    solve: Solver[J, Solved]
-    prepare: Callable[[J], None]
-
-
-def _work(plan: Plan, method: str) -> _Work[StepJob] | _Work[WideJob]:
-    """The jobs of a sweep; raises BadInput for a member that cannot be integrated."""
-    from polhode.taylor.batches.compiled_batch import width
-    from polhode.taylor.batches.jobs import BatchJob
-
-    groups = list(plan.groups(width(plan.number), _most_jobs(plan)))
-    if not plan.number.flat:
-        wide = wide_members.jobs_of(plan, groups, method)
-        return _Work(groups, wide, wide_members.solve, wide_members.prepare)
-    jobs = [
-        StepJob(
-            BatchJob(
-                plan.names,
-                plan.number,
-                plan.tolerance,
-                plan.max_steps,
-                plan.times,
-                int(plan.time_units[group[0]]),
-                plan.motions.some(group),
-            ),
-            results.reader(plan, group),
-        )
-        for group in groups
-    ]
-    return _Work(groups, jobs, results.solve, results.prepare)
+def _solved(job: FlatJob | WideJob, stop: Stop | None = None) -> Solved:
+    """A job's members; with ``stop`` some may be undone."""
+    return job.solved(stop)
 
 
 def _most_jobs(plan: Plan) -> int:

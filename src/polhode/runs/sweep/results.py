@@ -1,101 +1,27 @@
-"""What became of the members of a sweep: read in the scene's axes, kept in files, put together."""
+"""What became of the members of a sweep: put together, and as arrays that a file keeps."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from polhode.common.checkpoint import Arrays
-from polhode.common.progress import Stop
-from polhode.equations.readout import Readout
 from polhode.motion.outcomes import OUTCOMES, Outcome, code
 from polhode.numbers.conversion import number_value
 from polhode.numbers.decimals import strings
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Stack, flat, kind_of
 from polhode.runs.sweep.plan import Plan
-from polhode.scenes.scene import Scene
 
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from polhode.taylor.batches.jobs import BatchJob, Solved
+    from polhode.taylor.batches.jobs import Solved
 
 K = TypeVar("K", bound="np.generic")
-
-
-@dataclass(frozen=True, eq=False)
-class Reader:
-    """Reads rows of some members in scene axes and units: plain data, to be sent anywhere.
-
-    ``bodies``: members that have principal axes in common, with a scene of such; none where axes
-    need no turn.  ``unit``: the exponent of the unit of time that all of them have.
-    """
-
-    number: NumberType
-    unit: int
-    bodies: tuple[tuple[npt.NDArray[np.int64], Scene], ...]
-
-    def states(self, rows: Stack) -> Stack:
-        """States, not a number where a member did not come; of flat types.
-
-        ``rows``: (members, times, columns) in principal axes and the run's units.
-        """
-        import numpy as np
-
-        states = flat(rows).copy()
-        for alike, one in self.bodies:  # one readout reads all of them
-            at = np.zeros(rows.shape[:2], dtype=bool)
-            at[alike] = ~np.isnan(rows[alike, :, 0])
-            if at.any():
-                read = flat(Readout(one, self.number).states(flat(rows[at])))
-                read[:, :3] = np.ldexp(read[:, :3], one.time_unit)
-                states[at] = read
-        states[:, :, :3] = np.ldexp(states[:, :, :3], -self.unit)
-        return states
-
-
-def reader(plan: Plan, members: npt.NDArray[np.int64]) -> Reader:
-    """What reads the rows of some members of a sweep that have a unit of time in common."""
-    import numpy as np
-
-    unit, base = int(plan.time_units[members[0]]), plan.members.scene
-    if not plan.members.axes_stay:
-        _, first, alike = np.unique(
-            np.stack(plan.bodies(members), axis=1), axis=0, return_index=True, return_inverse=True
-        )
-        own = [plan.members[int(members[k])] for k in first]
-        sets = [(np.flatnonzero(alike == n), one) for n, one in enumerate(own)]
-    else:  # a reading knows the axes alone
-        sets = [] if base.body.axes.trivial else [(np.arange(len(members)), base)]
-    bodies = tuple((these, replace(one, form="principal")) for these, one in sets)
-    return Reader(plan.number, unit, bodies)
-
-
-class StepJob(NamedTuple):
-    """Members of a flat type that have a unit of time in common, and what reads their rows."""
-
-    steps: BatchJob
-    read: Reader
-
-
-def solve(job: StepJob, stop: Stop | None = None) -> Solved:
-    """What became of the members, in the scene's axes and units; ``stop`` ends it on the way."""
-    from polhode.taylor.batches import batch_integrator
-
-    solved = batch_integrator.solve(job.steps, stop)
-    return replace(solved, states=job.read.states(solved.states))
-
-
-def prepare(job: StepJob) -> None:
-    """Compile what the members share: once, before threads ask for it."""
-    from polhode.taylor.batches import batch_integrator
-
-    batch_integrator.prepare(job.steps)
 
 
 def no_states(number: NumberType, shape: tuple[int, ...]) -> Stack:
@@ -109,21 +35,26 @@ def no_states(number: NumberType, shape: tuple[int, ...]) -> Stack:
     return np.full(shape, ordinary(mpmath.nan), dtype=object)
 
 
-def put_together(
-    plan: Plan, groups: Sequence[npt.NDArray[np.int64]], found: Sequence[Solved | None]
-) -> tuple[Solved, dict[int, tuple[float | None, ...]]]:
-    """The results of all members in their order, and the errors of those that have any."""
+def none_of(number: NumberType, members: int, times: int, columns: int) -> Solved:
+    """Nothing done yet."""
     import numpy as np
 
     from polhode.taylor.batches.jobs import Solved
 
-    count = len(plan.members)
-    whole = Solved(
-        no_states(plan.number, (count, len(plan.times), len(plan.members.scene.columns))),
-        np.full(count, code(Outcome.NOT_RUN), dtype=np.uint8),
-        np.zeros(count, dtype=np.int64),
-        np.full(count, Fraction(0), dtype=object),
+    return Solved(
+        no_states(number, (members, times, columns)),
+        np.full(members, code(Outcome.NOT_RUN), dtype=np.uint8),
+        np.zeros(members, dtype=np.int64),
+        np.full(members, Fraction(0), dtype=object),
     )
+
+
+def put_together(
+    plan: Plan, groups: Sequence[npt.NDArray[np.int64]], found: Sequence[Solved | None]
+) -> tuple[Solved, dict[int, tuple[float | None, ...]]]:
+    """The results of all members in their order, and the errors of those that have any."""
+    columns = len(plan.members.scene.columns)
+    whole = none_of(plan.number, len(plan.members), len(plan.times), columns)
     errors: dict[int, tuple[float | None, ...]] = {}
     for group, some in zip(groups, found, strict=True):
         if some is not None:
