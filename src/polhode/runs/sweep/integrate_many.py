@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from polhode.common.arguments import steps, whole
 from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.errors import BadInput
+from polhode.common.interrupts import Delay
 from polhode.common.jobs import carried_out
 from polhode.common.progress import Progress, Stop, bar
 from polhode.numbers.number_types import NumberType
@@ -179,7 +180,9 @@ def integrate_many(
         lambda held: results.unpacked(held, plan.number),
         progress,
     )
-    found, told = results.put_together(plan, groups, finished.results)
+    with Delay() as delay:  # what is finished is not lost
+        found, told = results.put_together(plan, groups, finished.results)
+        delay.forget()
     seconds = {
         "scenes": prepared - asked,
         "build": build,

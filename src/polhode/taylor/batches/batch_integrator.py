@@ -174,10 +174,12 @@ class _Way:
             kept = stretch.last - stretch.first
             if kept:  # a single target's row serves as the one output that there is
                 states[stretch.first : stretch.last] = rows if stretch.grid is None else rows[:kept]
+            if stretch.last == len(states):
+                break
             if self._hopeless(max(steps), stretch.to):  # of some: each motion by itself tells
                 return None
             n += 1
-            stretch = None if stretch.last == len(states) else self.stretches.at(n)
+            stretch = self.stretches.at(n)
         return steps
 
     def _hopeless(self, steps: int, reached: Fraction) -> bool:
