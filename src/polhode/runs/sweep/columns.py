@@ -129,10 +129,8 @@ class _Made:
                 self.rates[here] = _rates(block, torque, starts)
             except (OverflowError, ZeroDivisionError):  # beyond doubles, here or on the way
                 return np.ones(len(block), dtype=bool)
-            for n in np.unique(units).tolist():
-                alike = slice(None) if (units == n).all() else units == n
-                starts[alike, :3] = np.ldexp(starts[alike, :3], n)
-                coefficients[alike, 3:] = np.ldexp(coefficients[alike, 3:], 2 * n)
+            starts[:, :3] = np.ldexp(starts[:, :3], units[:, None])
+            coefficients[:, 3:] = np.ldexp(coefficients[:, 3:], 2 * units[:, None])
             left: npt.NDArray[np.bool_] = block.left | unsure | _out_of_range(starts, coefficients)
         self.units[here] = units
         return left

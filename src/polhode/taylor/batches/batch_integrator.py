@@ -19,7 +19,6 @@ import numpy as np
 from polhode.common.progress import Stop
 from polhode.equations.forms import principal
 from polhode.motion.outcomes import Outcome, code
-from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Array, Doubles, Stack, doubles
 from polhode.taylor.backend import defaults, heyoka_numbers
@@ -196,11 +195,10 @@ class _Way:
 
     def _alone(self, k: int) -> None:
         """One motion; left as if it had not begun where it is stopped."""
-        ready, number = self.ready, self.job.number
+        ready = self.ready
         for into, row in ((ready.state, self.starts[k]), (ready.parameters, self.pars[k])):
-            numbers = row if number.flat else heyoka_numbers.scalars([*row], number)
-            into[:] = row[:, None] if isinstance(ready, CompiledBatch) else numbers
-        self.found.states[k] = np.nan if number.flat else None
+            into[:] = row[:, None] if isinstance(ready, CompiledBatch) else row
+        self.found.states[k] = np.nan
         steps, most, reached, outcome = 0, self.job.max_steps, Fraction(0), Outcome.REACHED_END
         for stretch in self.stretches:
             if steps >= most:
@@ -209,7 +207,7 @@ class _Way:
             ready.begin()
             advanced = self._in_blocks(stretch, most - steps)
             if advanced is None:
-                self.found.states[k] = np.nan if number.flat else None
+                self.found.states[k] = np.nan
                 return
             rows, taken, outcome = advanced
             steps += taken
@@ -219,6 +217,8 @@ class _Way:
             if outcome is not Outcome.REACHED_END:
                 break
             reached = stretch.to
+            if stretch.last == len(self.job.times):
+                break
             if self._hopeless(steps, reached):
                 outcome = Outcome.STEP_LIMIT
                 break
@@ -227,7 +227,7 @@ class _Way:
 
     def _in_blocks(
         self, stretch: Stretch, limit: int
-    ) -> tuple[Stack | list[Array], int, Outcome] | None:
+    ) -> tuple[list[Array], int, Outcome] | None:
         """Rows of one motion at times, its steps, its ending; None where it is stopped.
 
         A stretch that goes as foreseen is one block of steps.  One whose motion turns out faster by
@@ -243,6 +243,10 @@ class _Way:
             elif outcome is not Outcome.NON_FINITE:
                 outcome = Outcome.STEP_LIMIT
             return None if ended.stopped else (rows, steps, outcome)
+        if len(rest) == 1:  # a state at the end alone needs no dense output
+            outcome, steps = ready.until(rest[0], min(self.block, limit), self.block)
+            if outcome is not Outcome.STEP_LIMIT or steps == limit:
+                return ([ready.row.copy()] * outcome.done, steps, outcome)
         while True:
             most = min(self.block, limit - steps)
             met, took, outcome = ready.grid([ready.now, *rest], most)
@@ -260,14 +264,4 @@ class _Way:
                 outcome = Outcome.STEP_LIMIT if rest else Outcome.REACHED_END
             if outcome not in (Outcome.REACHED_END, Outcome.NON_FINITE):
                 outcome = Outcome.STEP_LIMIT
-            return self._told(rows), steps, outcome
-
-    def _told(self, rows: list[Array]) -> Stack | list[Array]:
-        """Rows as results have them: above extended of Fractions."""
-        number = self.job.number
-        if number.flat:
-            return rows
-        found: Stack = np.empty((len(rows), self.job.columns), dtype=object)
-        for i, row in enumerate(rows):
-            found[i] = [exactly(x) for x in heyoka_numbers.numbers(row.tolist(), number)]
-        return found
+            return rows, steps, outcome
