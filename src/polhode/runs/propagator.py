@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from polhode.common.arguments import rows_of, unit_rows, whole
+from polhode.common.arguments import not_taken, rows_of, unit_rows, whole
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, plain
 from polhode.common.memory import refuse_too_much
@@ -332,14 +332,14 @@ class Propagator:
             given = np.asarray(start)
         except ValueError:  # rows of different lengths
             given = np.empty(0)
-        if given.shape != self._shape or np.any(getattr(start, "mask", False)):
+        if given.shape != self._shape:
             raise self._bad("start", plain(start), f"the {self._shape[0]} numbers {widths}")
         narrower = f"numbers of {self.number.name} or narrower"
         if not np.can_cast(given.dtype, self._kind, "safe"):
             raise self._bad("start", plain(start), narrower)
         found: Flat = given.astype(self._kind)
-        if given.dtype.kind in "iu" and [*map(int, found)] != given.tolist():
-            raise self._bad("start", plain(start), narrower)  # numpy rounds long integers silently
+        if not_taken(start, found).any():
+            raise self._bad("start", plain(start), narrower)
         return found
 
     def _read(self, rows: Flat) -> Flat:

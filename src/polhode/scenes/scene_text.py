@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 from fractions import Fraction
 from typing import Any, TypeGuard
 
@@ -228,10 +228,10 @@ def _escaped(x: str) -> str:
 
 
 def _several(value: object) -> TypeGuard[Iterable[object]]:
-    """Whether a value is a list of values; an array of no dimension is a number."""
+    """Whether a value is a list of values; an array of no dimension is a number, a set no list."""
     if isinstance(value, (list, tuple)):  # the question after Iterable takes ten times as long
         return True
-    listed = isinstance(value, Iterable) and not isinstance(value, (str, bytes, Mapping))
+    listed = isinstance(value, Iterable) and not isinstance(value, (str, bytes, Mapping, Set))
     return listed and getattr(value, "ndim", 1) > 0
 
 

@@ -225,9 +225,7 @@ class _Way:
         self.found.outcomes[k], self.found.steps[k] = code(outcome), steps
         self.found.reached[k] = reached
 
-    def _in_blocks(
-        self, stretch: Stretch, limit: int
-    ) -> tuple[list[Array], int, Outcome] | None:
+    def _in_blocks(self, stretch: Stretch, limit: int) -> tuple[list[Array], int, Outcome] | None:
         """Rows of one motion at times, its steps, its ending; None where it is stopped.
 
         A stretch that goes as foreseen is one block of steps.  One whose motion turns out faster by
