@@ -125,6 +125,36 @@ def test_in_wider_types_too(case, number):
     assert_own_runs(many, turned=not scene.body.axes.trivial)
 
 
+@pytest.mark.parametrize("at", [[3], [0, "1/3", 20]])
+@pytest.mark.parametrize(
+    ("number", "tol", "method"),
+    [
+        *(("extended", None, "auto"), ("extended", "1e-15", "auto"), ("quad", None, "taylor")),
+        *(("quad", None, "auto"), ("quad", "1e-25", "auto"), ("mp", None, "auto")),
+    ],
+)
+def test_members_of_wider_types_are_their_runs_to_the_bit(number, tol, method, at):
+    """Also one about turned axes, and one that stands still."""
+    cases = [
+        (LAGRANGE, {"start.omega[3]": [3, "4.1"]}),
+        (MATRIX["rational"], [{"start.omega[1]": "1/3"}, {"start.omega[1]": 2}]),
+    ]
+    if number != "extended":  # where what stands still is integrated as all others are
+        cases.append(("staude/stable", {"start.psi": [0]}))
+    methods = set()
+    for scene, varied in cases:
+        many = polhode.integrate_many(scene, varied, at=at, number=number, tol=tol, method=method)
+        for k, member in enumerate(many.members):
+            told = {"tol": tol, "method": many[k].method, "project": False}
+            alone = polhode.integrate(replace(member, form="principal").at(at), number, **told)
+            assert np.array_equal(alone.states, many.states[k])
+            assert (alone.outcome, alone.reached) == (many.outcomes[k], many.reached[k])
+            assert alone.steps == many.steps[k]
+            methods.add(many[k].method)
+    assert ("refined" in methods) == ((number, tol, method) == ("quad", None, "auto"))
+    assert "taylor" in methods
+
+
 @pytest.mark.parametrize(
     ("scene", "given"),
     [

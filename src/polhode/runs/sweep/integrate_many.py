@@ -92,7 +92,7 @@ def integrate_many(
     workers : int, optional
         Threads; by default as many as there are cores.
     parts : Path, optional
-        A folder to which finished members are written about once a second, so that the same call
+        A folder to which finished jobs are written about once a second, so that the same call
         continues from there after a kill, with the same results to the bit.  It is made if the
         sweep takes longer than that, and kept until ``ensemble.parts.remove()``.
     method : {"auto", "taylor", "refined"}
@@ -104,19 +104,23 @@ def integrate_many(
     -------
     Ensemble
         The members in the order of ``vary``: states in the scene's body axes and units, and outputs
-        of the scene that are made of states alone.  Ctrl-C keeps the members that are finished; the
-        others have the outcome NOT_RUN.
+        of the scene that are made of states alone.  Ctrl-C keeps the members whose jobs, of a
+        fraction of a second, are finished; the others have the outcome NOT_RUN.
 
     Raises
     ------
     BadInput
         Before anything is integrated: an impossible member, a scene with events, too many numbers
-        for the memory, or ``parts`` with anything but parts of the same sweep.  Arrays with a row
+        for the memory, or ``parts`` with anything but jobs of the same call.  Arrays with a row
         that is not finite, of another width or a wider type, or whose gamma is no unit vector, in
         quad or mp, or beside values that are no arrays.
 
     Notes
     -----
+    Members in quad and mp are runs of their scenes, to the bit what :func:`polhode.integrate` gives
+    with the same method and ``project=False``; those in extended, too, unless they stand still or
+    turn by more than some thousand radians.
+
     Members begin at the floats of an array.  ``ensemble[k]`` and ``ensemble.members`` make exact
     scenes of them when asked for: there gamma, which is a unit vector to rounding alone, is divided
     by its length.  The equations are (3.29) of Yehia, *Rigid Body Dynamics: A Lagrangian Approach*.
