@@ -17,7 +17,6 @@ from polhode.runs.sweep.columns import exact_numbers, refuse_out_of_range
 from polhode.runs.sweep.plan import Plan
 from polhode.runs.sweep.results import none_of
 from polhode.scenes.scene import Scene
-from polhode.taylor.integrator.compiled import Compiled
 
 if TYPE_CHECKING:
     import numpy as np
@@ -37,8 +36,7 @@ class WideJob(NamedTuple):
         """Compile, or load, what the members share: once, before threads ask for it."""
         first = self.members[0]
         if _method(first, self.number, self.options) == "taylor":
-            ready = problem(first, self.number, self.options.tolerance).prepared()
-            Compiled(ready.blueprint).release()
+            problem(first, self.number, self.options.tolerance).prepared().engine().release()
             return
         from polhode.refined.errors import CannotRefine
         from polhode.refined.self_test import trusted_kernels
