@@ -194,6 +194,20 @@ def test_the_unit_of_time_next_to_a_power_of_two():
     assert plan.time_units.tolist() == [m.time_unit for m in plan.members]
 
 
+@pytest.mark.parametrize("number", ["double", "extended"])
+def test_what_cancels_along_turned_axes_is_exactly_nothing(number):
+    """In pairs of doubles 3/5 of -4/3 and 4/5 of 1 leave 1e-33."""
+    inertia = [["66/25", "-12/25", 0], ["-12/25", "59/25", 0], [0, 0, 4]]
+    scene = polhode.top(inertia=inertia, omega=[1, 1, 1], end=1)
+    plan = sweep_plan.planned(scene, {"start.omega[1]": ["-4/3", "4/3"]}, number, None, None, None)
+    exact = [member.body.axes.components(member.omega) for member in plan.members]
+    unit = Fraction(2) ** int(plan.time_units[0])
+    assert [[x == 0 for x in row] for row in exact] == (plan.motions.starts == 0).tolist()
+    assert (plan.motions.starts[0] == 0).any()
+    near = [[float(x * unit) for x in row] for row in exact]
+    assert np.array_equal(plan.motions.starts.astype(float), near)
+
+
 def test_members_are_as_right_as_their_closed_forms_say():
     """A Lagrange top spun at sixteen speeds: digits of every member by its closed form."""
     scene = polhode.top(

@@ -86,7 +86,7 @@ def test_every_program_finds_the_motions_of_many_starts(program):
     assert np.array_equal(few.start, many.start[:20])
     true, times = draws.truth("asymmetric", 2, 1, many=True), np.array([0.0, 1.0])
     run = program.prepared(draws.present("asymmetric"), many=True)
-    found = run(few.top, few.start.copy(), times, 1e-13)
+    found = np.array(run(few.top, few.start.copy(), times, 1e-13))  # JAX's cannot be written to
     assert found.shape == (20, 6)
     assert 11 < draws.median_digits(found[: draws.MANY_JUDGED], true) <= 15.96
     back = run(few.top, few.start[::-1].copy(), times, 1e-13)

@@ -333,7 +333,7 @@ class Propagator:
             given = np.asarray(start)
         except ValueError:  # rows of different lengths
             given = np.empty(0)
-        if given.shape != self._shape:
+        if given.shape != self._shape or np.any(getattr(start, "mask", False)):
             raise self._bad("start", plain(start), f"the {self._shape[0]} numbers {widths}")
         narrower = f"numbers of {self.number.name} or narrower"
         if not np.can_cast(given.dtype, self._kind, "safe"):
