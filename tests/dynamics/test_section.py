@@ -12,6 +12,7 @@ import pytest
 
 import polhode
 from polhode.cli import main
+from polhode.common import checkpoint
 from polhode.common.checkpoint import JobCheckpoint
 from polhode.dynamics.sections import coordinates as geometry
 from polhode.dynamics.sections import jobs as section_jobs
@@ -207,6 +208,7 @@ def test_an_executor_and_parts_give_the_same(tmp_path, monkeypatch):
     with ThreadPoolExecutor(1) as pool:
         assert (polhode.section(GENERIC, executor=pool, **asked).states == plain.states).all()
     folder = tmp_path / "x.npz.parts"
+    monkeypatch.setattr(checkpoint, "EVERY", 0.0)
     polhode.section(GENERIC, parts=folder, **asked)
     jobs = sorted(folder.glob("job-*.npz"))
     assert len(jobs) == 2
@@ -275,6 +277,7 @@ def test_no_two_commands_share_a_folder(tmp_path):
     """The second one is refused while the first is at work, and not after it."""
     one = JobCheckpoint(tmp_path / "jobs", "section", "key")
     one.save(0, {"x": np.zeros(1)})
+    one.write_waiting()
     with pytest.raises(polhode.BadInput, match="no other command running in this folder"):
         JobCheckpoint(tmp_path / "jobs", "section", "key")
     one.release()

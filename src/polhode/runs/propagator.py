@@ -11,7 +11,7 @@ from weakref import finalize
 
 import numpy as np
 
-from polhode.common.arguments import rows_of, unit_rows, whole
+from polhode.common.arguments import not_taken, rows_of, unit_rows, whole
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, plain
 from polhode.common.memory import refuse_too_much
@@ -339,8 +339,8 @@ class Propagator:
         if not np.can_cast(given.dtype, self._kind, "safe"):
             raise self._bad("start", plain(start), narrower)
         found: Flat = given.astype(self._kind)
-        if given.dtype.kind in "iu" and [*map(int, found)] != given.tolist():
-            raise self._bad("start", plain(start), narrower)  # numpy rounds long integers silently
+        if not_taken(start, found).any():
+            raise self._bad("start", plain(start), narrower)
         return found
 
     def _read(self, rows: Flat) -> Flat:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 from fractions import Fraction
 from typing import Any
 
@@ -114,7 +114,7 @@ def owned(value: Any, name: str, key: str = "") -> Any:
     if isinstance(value, Mapping):
         each = ((word, x) for word, x in value.items() if x is not None)
         return {word: owned(x, name, f"{key}.{word}".lstrip(".")) for word, x in each}
-    if isinstance(value, Iterable) and not isinstance(value, bytes):
+    if isinstance(value, Iterable) and not isinstance(value, (bytes, Set)):  # a set has no order
         listed = enumerate(value, 1)
         return [owned(x, name, f"{key}[{k}]" if isinstance(x, Mapping) else key) for k, x in listed]
     if not hasattr(value, "__float__"):

@@ -18,8 +18,9 @@ from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles, doubles
 from polhode.runs.problem.options import Options
 from polhode.runs.solve import solve as solve_one
+from polhode.runs.sweep import flat_members
+from polhode.runs.sweep.flat_members import FlatJob, Reader, reader
 from polhode.runs.sweep.plan import Plan
-from polhode.runs.sweep.results import Reader, reader
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation.sweep_scenes import Members
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from polhode.taylor.batches.jobs import BatchJob, Columns
+    from polhode.taylor.batches.jobs import Columns
     from polhode.taylor.events.batch_first_crossings import FirstJob
     from polhode.taylor.variations.tangent_batches import TangentJob
 
@@ -55,16 +56,9 @@ def job_of(
     scene: Scene, plan: Plan, which: tuple[Reduction, ...], group: npt.NDArray[np.int64]
 ) -> Job:
     """The job of some members that have a unit of time in common."""
-    from polhode.taylor.batches.jobs import BatchJob
-
     read, n = reader(plan, group), int(plan.time_units[group[0]])
-    motions = plan.motions.some(group)
-    states = None
-    if any(what.kind not in (FIRST, LYAPUNOV) for what in which):
-        job = BatchJob(
-            plan.names, plan.number, plan.tolerance, plan.max_steps, plan.times, n, motions
-        )
-        states = job, read
+    motions, told = plan.motions.some(group), {what.kind for what in which}
+    states = flat_members.job_of(plan, group) if told - {FIRST, LYAPUNOV} else None
     end = float(plan.times[-1] / Fraction(2) ** n)
     firsts = tuple(
         (what, *_of_event(scene, plan, event_of(scene, what.of), group, end), read)
@@ -161,7 +155,7 @@ class Job(NamedTuple):
 
     which: tuple[Reduction, ...]
     columns: tuple[str, ...]
-    states: tuple[BatchJob, Reader] | None
+    states: FlatJob | None
     firsts: tuple[tuple[Reduction, FirstJob, Singles, Reader], ...]
     exponents: Exponents | None
     time_unit: int
@@ -211,14 +205,12 @@ def _parts(job: Job, stop: Stop | None) -> Iterator[Reduced]:
     import numpy as np
 
     if job.states is not None:
-        from polhode.taylor.batches import batch_integrator
-
-        steps, read = job.states
+        steps = job.states.steps
         solved_at = np.array([number_value(t, steps.number) for t in steps.times], np.longdouble)
         times = solved_at.astype(np.float64) if steps.number.name == "double" else solved_at
-        solved = batch_integrator.solve(steps, stop)
+        solved = job.states.solved(stop)
         told = [what for what in job.which if what.kind not in (FIRST, LYAPUNOV)]
-        numbers = extremes(told, read.states(solved.states), times, job.columns, steps.number)
+        numbers = extremes(told, solved.states, times, job.columns, steps.number)
         yield Reduced(solved.outcomes, solved.steps, numbers)
     for what, first, singles, read in job.firsts:
         yield _first(what, first, singles, read, stop)

@@ -22,6 +22,7 @@ from polhode.scenes.vocabulary import CENTRE
 
 _BODIES = 1024  # that are remembered
 _LOOKED_AT = 64  # members, for notes
+_NEAR_FLAT = Fraction(1, 1 << 40)
 _MAY_BE_ROUNDED = {"body.moments", "body.inertia", "start.gamma", "start.quaternion"}
 
 _SECTIONS = ("body", "start")
@@ -88,10 +89,18 @@ class Members(LazySequence[Scene]):
             varied = {key for key in varied if key.startswith("body.")}
         if not varied & _MAY_BE_ROUNDED:
             return self.scene.notes
-        few = (self[k] for k in range(min(len(self), _LOOKED_AT)))
-        of_members = ([*filter(None, [x.body.change])] if as_is else x.changes for x in few)
+        starts = any(key.startswith("start.") for key in varied & _MAY_BE_ROUNDED)
+        few = range(min(len(self), _LOOKED_AT))
+        members = (self[k] for k in few if starts or self._body_may_be_changed(k))
+        of_members = ([*filter(None, [x.body.change])] if as_is else x.changes for x in members)
         changes = next(filter(None, of_members), ())
         return (*self.scene.notes, *(f"members: {text}" for text in changes))
+
+    def _body_may_be_changed(self, index: int) -> bool:
+        """Not where three moments vary and are far from those of a flat body."""
+        each = zip(self.varied.keys, self.varied.rows[index], strict=True)
+        moments = [x for key, x in each if key.startswith("body.moments")]
+        return len(moments) < 3 or 2 * max(moments) > sum(moments) * (1 - _NEAR_FLAT)
 
     def provenance(self) -> dict[str, object]:
         """Where a result comes from, see :meth:`Scene.provenance`; members' notes are said, too."""
