@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Never, TypedDict
@@ -22,13 +21,12 @@ from polhode.judging.score.judgement import Judgement
 from polhode.judging.score.report_text import SHOWN
 from polhode.judging.score.score import does_not_answer
 from polhode.judging.score.table_reading import as_meant, with_unit_quaternions
-from polhode.judging.tables.array_file import ENDINGS, read_arrays
+from polhode.judging.tables.array_file import ENDINGS
 from polhode.judging.tables.candidate import Subject, of_run, of_table
-from polhode.judging.tables.column_aliases import Column
-from polhode.judging.tables.csv_file import open_table
-from polhode.judging.tables.csv_layout import Naming, naming
+from polhode.judging.tables.naming import PLAIN, Naming, naming
 from polhode.judging.tables.reading import LENGTH
 from polhode.judging.tables.table import Table, table_of_columns, table_of_rows
+from polhode.judging.tables.table_file import read_table
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.runs.problem.options import choose_number
@@ -49,7 +47,6 @@ class _Limits(TypedDict, total=False):
 
 
 _TABLES = (".csv", ".tsv", *ENDINGS)
-_FIRST = 5  # rows that tell whether the times have another unit
 MANY = 1000  # rows of a table that has a first answer
 
 
@@ -104,7 +101,7 @@ def compare(
         The scene's conditioning, to spare its computation.
     first : callable, optional
         Called with a judgement of a few rows of a table of more than a thousand, and how many rows
-        there are, before the others are judged by a closed form; of a file, before they are read.
+        there are, before the others are judged by a closed form.
     progress : callable, optional
         Called with the fraction of the reference's rows that are computed, and how many (of a
         proof, with the fraction of the time, and the steps), if that takes long.
@@ -178,23 +175,15 @@ def compare(
         if digits is not None and number is None:
             raise BadInput(scene.name, "digits", digits, "number given with it: mp")
         kind = None if number is None else choose_number(scene, number, digits)
-        if isinstance(what, (str, Path)) and Path(what).suffix.lower() in ENDINGS:
-            what = read_arrays(Path(what), kind, _naming(columns))
-        elif isinstance(what, (str, Path)):
-            file = open_table(Path(what), kind, _naming(columns))
-            some = None if first is None else file.some(SHOWN)
-            with suppress(BadInput):  # first what is wrong with the file, if anything is
-                if some is not None and _is_told(first, *some, against):
-                    first = None
-            what = file.table
+        if isinstance(what, (str, Path)):
+            what = read_table(Path(what), kind, _naming(columns))
         elif hasattr(what, "keys"):
-            what = table_of_columns(what, kind, meaning=_meaning(columns))
+            what = table_of_columns(what, kind, names=_naming(columns, of_file=False))
         elif not isinstance(what, Table):
             named = scene.columns if columns is None else columns
             what = table_of_rows(what, at, named, kind)
-        count = len(what.times)
-        _is_told(first, what.some(few(count, SHOWN)), count, against)
         subject = of_table(what, scene)
+        _tell_first(first, subject, against)
     if not (subject.columns or subject.angles or subject.attitude or subject.derived):
         expected = f"columns of {', '.join(against.scene.columns)}, angles or attitude"
         raise BadInput(subject.name, "header", None, expected)
@@ -225,20 +214,15 @@ def compare(
     return found
 
 
-def _naming(columns: Sequence[str] | None) -> Naming | None:
-    """What columns of a file are called, where that was told."""
+def _naming(columns: Sequence[str] | None, of_file: bool = True) -> Naming:
+    """What columns are called, where that was told; of a file it may be all of them."""
     if columns is None:
-        return None
-    return naming(",".join(each("compare", "columns", columns, str, "a list of names")))
-
-
-def _meaning(columns: Sequence[str] | None) -> Callable[[Sequence[str]], list[Column]]:
-    """What the names of columns mean, where some were told."""
-    names = _naming(columns) or Naming()
-    if names.header:
+        return PLAIN
+    names = naming(",".join(each("compare", "columns", columns, str, "a list of names")))
+    if names.header and not of_file:
         expected = "NAME=COLUMN of each, for these columns have names"
         raise BadInput("compare", "columns", ",".join(names.header), expected)
-    return names.columns
+    return names
 
 
 def _unit(subject: Subject, scene: Scene) -> str:
@@ -247,18 +231,18 @@ def _unit(subject: Subject, scene: Scene) -> str:
     return "" if unit is None else unit.name
 
 
-def _is_told(
-    first: Callable[[Judgement, int], None] | None, some: Table, count: int, against: AnyReference
-) -> bool:
-    """Whether ``first`` was called with some of so many rows."""
+def _tell_first(
+    first: Callable[[Judgement, int], None] | None, subject: Subject, against: AnyReference
+) -> None:
+    """Call ``first`` with some of many rows, if a closed form judges them."""
+    count = len(subject.times)
     if first is None or count <= MANY or isinstance(against, Certified):
-        return False
-    brief = Judgement(of_table(some, against.scene), against)
+        return
+    brief = Judgement(subject.some(few(count, SHOWN)), against)
     try:
         _ = brief.digits
     except BadInput as refused:
         if does_not_answer(against, refused):
-            return False
+            return
         raise
     first(brief, count)
-    return True

@@ -14,7 +14,7 @@ from polhode.common.errors import UNREADABLE, BadInput
 from polhode.common.files import npy_header, read_npz, read_whole
 from polhode.judging.tables.column_aliases import columns
 from polhode.judging.tables.csv_file import MAX_BYTES
-from polhode.judging.tables.csv_layout import Naming
+from polhode.judging.tables.naming import Naming
 from polhode.judging.tables.table import Table, table_of_columns
 from polhode.numbers.conversion import exactly
 from polhode.numbers.expression import decimal
@@ -33,14 +33,16 @@ _AXES = {3: "xyz", 4: "wxyz"}
 Arrays: TypeAlias = "Mapping[str, object] | pd.DataFrame"
 
 
-def read_arrays(path: Path, number: NumberType | None, names: Naming | None = None) -> Table:
-    """A file of arrays as a table; raises BadInput.  ``number``: of its numbers, where given."""
-    names = names or Naming()
-    held, own = arrays(path, names)
-    return table_of_columns(held, number or own, str(path), names.columns)
+def read_arrays(path: Path, number: NumberType | None, names: Naming) -> Table:
+    """A file of arrays as a table; raises BadInput.
+
+    ``number``: of its numbers, where given.  ``names``: columns that were named beside it.
+    """
+    held, own = _arrays(path, names)
+    return table_of_columns(held, number or own, str(path), names)
 
 
-def arrays(path: Path, names: Naming) -> tuple[Arrays, NumberType | None]:
+def _arrays(path: Path, names: Naming) -> tuple[Arrays, NumberType | None]:
     """The columns of a file, and the type of their numbers where it says it; raises BadInput."""
     data = read_whole(path, MAX_BYTES, "a readable file of arrays")
     if path.suffix.lower() == ".parquet":

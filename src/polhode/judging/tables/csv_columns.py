@@ -1,4 +1,4 @@
-"""The cells of a file's columns as exact numbers, a column at a time.
+"""The cells of a file as exact numbers, and how they are printed.
 
 A decimal that stands for a double is the double nearest to it, which Python's ``float`` gives; all
 others are read exactly and rounded once.
@@ -12,41 +12,45 @@ from fractions import Fraction
 from polhode.numbers import expression
 from polhode.numbers.number_types import DOUBLE, NumberType
 
+_EMPTY = ("", "nan", "na", "n/a", "nat", "null", "none")
 _PLAIN = "0123456789+-.eE"
 _LONGEST = 60  # characters of a cell that is read as a double at once
 _LEAST, _MOST = 1e-290, 1e290  # within them a double has all its bits
 
 
-def values(cells: Sequence[str], number: NumberType | None) -> list[Fraction | None]:
-    """Exact values, rounded to a type's numbers where one is given; None for an empty cell.
+def is_empty(cell: str) -> bool:
+    """Whether a cell has no number, as programs write it: nothing, or ``nan`` and its like.
+
+    >>> is_empty("NaN"), is_empty("-nan"), is_empty("inf")
+    (True, True, False)
+    """
+    return len(cell) < 5 and cell.lstrip("+-").lower() in _EMPTY
+
+
+def value(cell: str, number: NumberType | None) -> Fraction:
+    """A decimal's exact value, rounded to a number of a type where one is given.
 
     Raises ExpressionError for what is no finite decimal number.
     """
-
-    def exactly(cell: str) -> Fraction | None:
-        if not cell:
-            return None
-        value = expression.decimal(cell)
-        return value if number is None else number.rounded(value)
-
-    if number is None or number.bits != DOUBLE.bits or "".join(cells).strip(_PLAIN):
-        return [exactly(cell) for cell in cells]
-    found = []
-    for cell in cells:
+    if number is None:
+        return expression.decimal(cell)
+    if number.bits == DOUBLE.bits and len(cell) < _LONGEST and not cell.strip(_PLAIN):
         try:
-            x = float(cell) if len(cell) < _LONGEST else 0.0
+            x = float(cell)
         except ValueError:
             x = 0.0
-        found.append(Fraction(x) if _LEAST < abs(x) < _MOST else exactly(cell))
-    return found
+        if _LEAST < abs(x) < _MOST:
+            return Fraction(x)
+    return number.rounded(expression.decimal(cell))
 
 
-def most_printed(cells: Sequence[str], least: int) -> int:
-    """The most significant digits of any cell, or ``least`` where none has more."""
-    found = least
-    for cell in cells:
-        if len(cell) > found and len(cell.lstrip("+-0.")) > found:  # else it has no more digits
-            found = max(found, _significant(cell))
+def most_printed(columns: Sequence[Sequence[str]]) -> int:
+    """The most significant digits of any cell, 1 or more."""
+    found = 1
+    for cells in columns:
+        for cell in cells:
+            if len(cell) > found and len(cell.lstrip("+-0.")) > found:  # else it has no more digits
+                found = max(found, _significant(cell))
     return found
 
 
