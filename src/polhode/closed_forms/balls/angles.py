@@ -158,14 +158,12 @@ def _counts(motion: Turning, start: _Start, times: Sequence[Exact]) -> list[_Cou
     """The growth of both arguments at each time, where the motion does not tell it."""
     if motion.knows_turns:
         return [None] * len(times)
-    found: dict[int, _Count] = {}
+    found: dict[Exact, _Count] = {}
     for sense in (1, -1):
-        order = [n for n, t in enumerate(times) if sign(t) == sense]
-        order.sort(key=lambda n: abs(times[n]))
+        order = sorted({t for t in times if sign(t) == sense}, key=abs)  # each time once
         if order:
-            counts = _counted(motion, start, [times[n] for n in order], sense)
-            found |= dict(zip(order, counts, strict=True))
-    return [found.get(n) for n in range(len(times))]
+            found |= dict(zip(order, _counted(motion, start, order, sense), strict=True))
+    return [found.get(t) for t in times]
 
 
 def _counted(motion: Turning, start: _Start, times: Sequence[Exact], sense: int) -> list[_Count]:

@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 
 from polhode.common.progress import Progress
 from polhode.judging.references.derived import column_of
-from polhode.judging.references.reference import AnyReference, Reference, by_sign
+from polhode.judging.references.reference import AnyReference, Reference
 from polhode.numbers.scalars import Scalar
 
 #: Rows of a reference, one a time; the number of a cell, or None where the motion has none.
@@ -61,23 +61,20 @@ class Answers:
 
     def _found(self, questions: Sequence[str], digits: int) -> dict[str, Answer | ValueError]:
         """Answers to questions that are asked together, of each or why there is none."""
-        rows: dict[str, dict[Fraction, list[Scalar]]] = {name: {} for name in questions}
+        rows: dict[str, Answer] = {name: [] for name in questions}
         faults: dict[str, ValueError] = {}
-        done, count = 0, len({*self._times})
         whole = questions[0] in self._whole or not isinstance(self._reference, Reference)
-        for part in by_sign(self._times):
-            size = len(part) if whole else _PIECE
-            for piece in (part[k : k + size] for k in range(0, len(part), size)):
-                for name in questions:
-                    try:
-                        if name not in faults:
-                            answer = getattr(self._reference, name)(piece, digits)
-                            rows[name] |= zip(piece, answer, strict=True)
-                    except ValueError as fault:  # BadInput is one
-                        faults[name] = fault
-                done += len(piece)
-                if self._progress is not None and len(piece) < count:
-                    self._progress(done / count, done)
-        return {
-            name: faults.get(name) or [rows[name][t] for t in self._times] for name in questions
-        }
+        count = len(self._times)
+        size = count if whole else _PIECE
+        for begin in range(0, count, size):
+            piece = self._times[begin : begin + size]
+            for name in questions:
+                try:
+                    if name not in faults:
+                        rows[name] += getattr(self._reference, name)(piece, digits)
+                except ValueError as fault:  # BadInput is one
+                    faults[name] = fault
+            done = begin + len(piece)
+            if self._progress is not None and size < count:
+                self._progress(done / count, done)
+        return {name: faults.get(name) or rows[name] for name in questions}

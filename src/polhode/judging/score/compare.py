@@ -16,7 +16,7 @@ from polhode.judging.conditioning.conditioning import Conditioning
 from polhode.judging.diagnosis.convention_words import read_as_told
 from polhode.judging.diagnosis.time_unit import time_unit
 from polhode.judging.references.certified import Certified
-from polhode.judging.references.reference import AnyReference, Reference, Remembered, reference
+from polhode.judging.references.reference import AnyReference, Reference, reference
 from polhode.judging.score.judgement import Judgement
 from polhode.judging.score.report_text import SHOWN
 from polhode.judging.score.score import does_not_answer
@@ -148,7 +148,7 @@ def compare(
         if not isinstance(what, Trajectory):
             raise BadInput("compare", "against", None, "a reference, or a scene")
         against = what.scene
-    kinds = (Reference, Certified, Remembered, Scene, str, Path)
+    kinds = (Reference, Certified, Scene, str, Path)
     of_kind("compare", "against", against, kinds, "a reference, or a scene")
     limits: _Limits = {"progress": progress, "max_seconds": max_seconds}
     if forecast is not None:
