@@ -8,8 +8,6 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
@@ -40,7 +38,7 @@ from polhode.judging.score.score import HeldAgainst
 from polhode.judging.tables.candidate import Subject, of_table
 from polhode.judging.tables.reading import TURNS, WRONG, Reading
 from polhode.judging.tables.table import Table
-from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.conversion import doubles
 from polhode.numbers.decimals import brief
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DIGITS_HELD
@@ -359,7 +357,7 @@ class Judgement(Result, ByValue):
         worst = selected(count)
         return explained(
             scene,
-            np.array([[to_double(exactly(x)) for x in row] for row in states]),
+            doubles(states),
             [about.time_errors[k] for k in kept],
             [about.held if (d := digits[k]) is None else d for k in kept],
             [about.held if (e := self.expected[k]) is None else e.least - worst for k in kept],

@@ -11,6 +11,8 @@ import math
 from contextlib import suppress
 from dataclasses import replace
 
+import numpy as np
+
 from polhode.common.errors import BadInput
 from polhode.judging.clock import clock, unknown_clock
 from polhode.judging.diagnosis.conventions import readings, right_at, whole_parts
@@ -25,7 +27,7 @@ from polhode.judging.score.judgement import Judgement
 from polhode.judging.tables.attitude_forms import lengths, of_length_one
 from polhode.judging.tables.candidate import Subject
 from polhode.judging.tables.reading import GAIN, LENGTH, WRONG, Reading, TimeChange
-from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.conversion import doubles
 from polhode.numbers.decimals import brief
 
 PARTS = ("omega", "gamma", "attitude", "angles")  # that may have a convention
@@ -154,13 +156,8 @@ def _as_they_stand(rows: Subject, against: AnyReference) -> float:
         digits = _digits(rows, against) or {}
         found = [d for name, d in digits.items() if name in ("attitude", "angles")]
         if rows.states is not None:
-            off = [
-                abs(to_double(exactly(x)) - y)
-                for row, true in zip(rows.states, plain.states.tolist(), strict=True)
-                for x, y in zip(row, true, strict=True)
-                if x is not None
-            ]
-            found.append(max(0.0, -math.log10(max([1e-16, *off]))))
+            off = np.nanmax(np.abs(doubles(rows.states) - plain.states), initial=1e-16)
+            found.append(max(0.0, -math.log10(off)))
         return min(found, default=0.0)
     with suppress(BadInput):
         return Judgement(rows, against).worst
