@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
 from polhode.equations.hodographs import turned
-from polhode.judging.finite_differences import derivative_weights
 from polhode.numbers.conversion import mpf_row, to_mpf
 from polhode.numbers.row_formulas import GUARD_BITS
 from polhode.scenes.body import Body, cross, dot, minus
@@ -35,7 +34,7 @@ class Rolling(NamedTuple):
     arc: float
 
 
-def omega_rate(body: Body, omega: Sequence[Any], gamma: Sequence[Any], bits: int) -> list[Any]:
+def _omega_rate(body: Body, omega: Sequence[Any], gamma: Sequence[Any], bits: int) -> list[Any]:
     """w' = I⁻¹ (gamma × Mg r0 - w × I w) in scene axes, to so many bits (3.16).
 
     Written in vectors, apart from the forms that are integrated.
@@ -50,6 +49,22 @@ def omega_rate(body: Body, omega: Sequence[Any], gamma: Sequence[Any], bits: int
         adjugate = cross(y, z), cross(z, x), cross(x, y)  # type: ignore[arg-type]
         determinant: Any = dot(x, adjugate[0])  # type: ignore[arg-type]
         return [dot(row, moment) / determinant for row in adjugate]
+
+
+def _derivative_weights(nodes: Sequence[Any]) -> list[Any]:
+    """Weights of the derivative at the middle node of the polynomial through all of them (mpf)."""
+    from polhode.numbers.mpmath_context import mpmath
+
+    middle = len(nodes) // 2
+    scale = [
+        1 / mpmath.fprod(x - y for j, y in enumerate(nodes) if j != i) for i, x in enumerate(nodes)
+    ]
+    weights = [
+        mpmath.mpf(0) if i == middle else scale[i] / scale[middle] / (nodes[middle] - x)
+        for i, x in enumerate(nodes)
+    ]
+    weights[middle] = -mpmath.fsum(weights)
+    return weights
 
 
 def rolling(run: Trajectory) -> Rolling:
@@ -102,10 +117,10 @@ def rolling(run: Trajectory) -> Rolling:
         space = [mpf_row(row, bits) for row in curves.space]
         for k in range(HALF_WINDOW, len(times) - HALF_WINDOW):
             window = slice(k - HALF_WINDOW, k + HALF_WINDOW + 1)
-            weights = derivative_weights(times[window])
+            weights = _derivative_weights(times[window])
             slope = [mpmath.fdot(weights, column) for column in zip(*space[window], strict=True)]
             state = mpf_row(run.states[k], bits)
-            rate = omega_rate(run.scene.body, state[:3], state[3:], bits)
+            rate = _omega_rate(run.scene.body, state[:3], state[3:], bits)
             expected = turned(mpf_row(attitude[k], bits), rate)
             worst = max(worst, _length([a - b for a, b in zip(slope, expected, strict=True)]))
             speeds = _length(rate), _length(slope)
