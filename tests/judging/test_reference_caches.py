@@ -18,3 +18,11 @@ def test_a_proof_to_more_digits_is_not_made_again(word: str) -> None:
     assert ask([1], 50) != rows
     assert proven.agreement >= 50
     assert ask([2], 20) != rows
+
+
+def test_a_time_may_be_irrational() -> None:
+    proven = polhode.Certified(polhode.load("euler/largest-axis"))
+    exact = polhode.reference("euler/largest-axis").at(["sqrt(2)"], 30)
+    rows = proven.at(["sqrt(2)"], 20)
+    assert max(abs(x - y) for x, y in zip(rows[0], exact[0], strict=True)) < 1e-19
+    assert proven.at(["sqrt(2)"], 20) == rows

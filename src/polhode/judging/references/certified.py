@@ -62,7 +62,7 @@ class Certified(Result):
         self.regime = kind_of_body(scene.body)
         self.agreement, self._states_asked = math.nan, False
         self.frequencies: dict[str, Real] = {}
-        self._known: dict[tuple[tuple[Exact, ...], tuple[str, ...]], Enclosure] = {}
+        self._proofs: list[tuple[tuple[Exact, ...], tuple[str, ...], Enclosure]] = []
 
     def __eq__(self, other: object) -> bool:
         return self.scene == other.scene if isinstance(other, Certified) else NotImplemented
@@ -93,8 +93,9 @@ class Certified(Result):
 
         digits = whole(self.scene.name, "digits", digits, 1, MOST_DIGITS)
         asked = each(self.scene.name, "t", times, reader(self.scene.units, TIME), "a list of times")
-        found = self._known.get((asked, outputs))
-        if found is None or found.asked < digits:
+        known = (x for at, of, x in self._proofs if at == asked and of == outputs)
+        found = next((proof for proof in known if proof.asked >= digits), None)
+        if found is None:
             progress, forecast = self._told
             left = None if self._most is None else max(1e-3, self._deadline - time.monotonic())
             found = certify(
@@ -111,7 +112,7 @@ class Certified(Result):
                 raise BadInput(self.scene.name, "max_seconds", self._most, expected)
             if not found.outcome.done:
                 raise KeyboardInterrupt
-            self._known[asked, outputs] = found
+            self._proofs.append((asked, outputs, found))
         self.agreement = found.proven
         return found
 
