@@ -194,7 +194,7 @@ def compare(
         subject, as_it_stands = read_as_told(subject, against, read), True
     elif reads:
         subject, offered = as_meant(given, against)
-    found = Judgement(subject, against, known, progress, as_it_stands, offered)
+    found = Judgement(subject, against, progress, as_it_stands, known, offered)
     try:
         _ = found.digits  # what cannot be judged is refused here
     except BadInput as refused:
