@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Never, TypedDict
+from typing import TYPE_CHECKING, Never
 
 from polhode.common.arguments import each, of_kind, refuse_unknown
 from polhode.common.errors import BadInput
@@ -36,14 +37,6 @@ from polhode.scenes.scene import Scene
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
-
-
-class _Limits(TypedDict, total=False):
-    """What a proof is told and allowed."""
-
-    progress: Progress | None
-    max_seconds: float | None
-    forecast: Callable[[float], None]
 
 
 _TABLES = (".csv", ".tsv", *ENDINGS)
@@ -150,9 +143,12 @@ def compare(
         against = what.scene
     kinds = (Reference, Certified, Scene, str, Path)
     of_kind("compare", "against", against, kinds, "a reference, or a scene")
-    limits: _Limits = {"progress": progress, "max_seconds": max_seconds}
-    if forecast is not None:
-        limits["forecast"] = lambda seconds: forecast(seconds, _unit(subject, scene))
+
+    def foretold(seconds: float) -> None:
+        if forecast is not None:
+            forecast(seconds, _unit(subject, scene))
+
+    proof = partial(Certified, progress=progress, max_seconds=max_seconds, forecast=foretold)
     if isinstance(against, (str, Path)) and Path(against).suffix.lower() in _TABLES:
         expected = (
             "a scene, a case's name or a .toml file: a table is judged by a motion, and not by "
@@ -164,7 +160,7 @@ def compare(
     if isinstance(against, (Scene, str, Path)):
         against = reference(against)
         if isinstance(against, Certified):
-            against = Certified(against.scene, **limits)
+            against = proof(against.scene)
     scene = against.scene
     if isinstance(what, Trajectory):
         if not what.times:
@@ -206,7 +202,7 @@ def compare(
                 expected = "; ".join([refused.expected, *hints])
                 raise BadInput(refused.source, "t", refused.value, expected) from None
             raise
-        proven = Certified(scene, **limits)
+        proven = proof(scene)
         if reads:
             subject, offered = as_meant(given, proven)
         found = replace(found, subject=subject, reference=proven, offered=offered)
