@@ -93,15 +93,14 @@ def _sheet(lines: Sequence[str], names: Naming) -> _Sheet:
     first = next((k for k, line in enumerate(plain) if line.strip(_BLANK)), None)
     if first is None:
         return _Sheet((), [], False)
-    separator = _separator(plain[first])
+    commas = ";" in plain[first] and _have_decimal_commas(plain[first:])
+    separator = ";" if commas else _separator(plain[first])
     top, *rows = _rows(plain[first:], separator, first)
     header: Sequence[str] = names.header
-    if _are_numbers(top[1], separator):
+    if _are_numbers(top[1], commas):
         rows = [top, *rows]
         header = header or _commented(lines[:first], len(top[1]), names)
     header = header or top[1]
-    marked = [cell for _, row in rows for cell in row if "," in cell or "." in cell]
-    commas = separator == ";" and bool(marked) and all(map(_WITH_COMMA.fullmatch, marked))
     if commas:
         rows = [(line, [cell.replace(",", ".") for cell in row]) for line, row in rows]
     return _Sheet(header, rows, commas)
@@ -119,11 +118,19 @@ def _separator(line: str) -> str:
     return next((mark for mark in _SEPARATORS if mark in line), " " if " " in line.strip() else ",")
 
 
-def _are_numbers(row: Sequence[str], separator: str) -> bool:
-    """Whether cells are numbers, so that they are no header."""
+def _have_decimal_commas(lines: Sequence[str]) -> bool:
+    """Whether cells between semicolons are numbers with a comma, or have neither comma nor point,
+    and one has a comma; the first line may be a header."""
+    cells = (cell.strip() for line in lines[1:] or lines for cell in line.split(";"))
+    marked = [cell for cell in cells if "," in cell or "." in cell]
+    return bool(marked) and all(map(_WITH_COMMA.fullmatch, marked))
+
+
+def _are_numbers(row: Sequence[str], commas: bool) -> bool:
+    """Whether cells are numbers, with decimal commas perhaps, so that they are no header."""
     cells = [cell for cell in row if not is_empty(cell)]
     return bool(cells) and all(
-        _is_decimal(cell) or (separator == ";" and _WITH_COMMA.fullmatch(cell)) for cell in cells
+        _is_decimal(cell.replace(",", ".") if commas else cell) for cell in cells
     )
 
 
