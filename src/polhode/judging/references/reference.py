@@ -16,6 +16,7 @@ from polhode.closed_forms.families import ClosedForm, closed_form, misfit
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
 from polhode.common.result import Result
+from polhode.equations.hodographs import Hodographs, hodographs
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.derived import column_of
 from polhode.numbers import exact, number_types
@@ -119,6 +120,12 @@ class Reference(Result):
         What is derived is the same formula as a run's, of rows right to so many digits.
         """
         return column_of(partial(getattr, self), self.scene, word, times, digits)
+
+    def hodographs(self, times: Iterable[AnyNumber], digits: int = 50) -> Hodographs:
+        """Rows of omega in the body and in space, right to so many digits of the largest |w|."""
+        times = _times(self.scene, times)
+        rows, attitude = self.at(times, digits), self.attitude(times, digits + 1)
+        return hodographs(rows, attitude, number_types.mp(digits + 1))
 
     def error(self, times: Iterable[AnyNumber], digits: int = 50) -> Real:
         """A bound of the error of :meth:`at`, of w over its largest modulus, or of gamma.
