@@ -7,7 +7,7 @@ import re
 
 import pytest
 
-from polhode.judging.tables.csv_columns import most_printed, value
+from polhode.judging.tables.csv_file import most_printed, value
 from polhode.numbers import expression
 from polhode.numbers.number_types import DOUBLE, EXTENDED, NumberType
 

@@ -40,6 +40,8 @@ class Certified(Result):
     """
 
     is_closed_form = False
+    is_dear = False
+    encloses_attitude = True
     proven = True
     kind = "certified"
     period = None

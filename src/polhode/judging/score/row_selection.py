@@ -17,7 +17,7 @@ import numpy.typing as npt
 from polhode.common.text_tables import few
 from polhode.equations.kinematics import principal_angles
 from polhode.judging.diagnosis.motion_in_double import integrated
-from polhode.judging.references.reference import AnyReference, Reference
+from polhode.judging.references.reference import AnyReference
 from polhode.judging.score.report_text import SHOWN
 from polhode.judging.tables.candidate import Subject
 from polhode.numbers.conversion import doubles
@@ -48,7 +48,7 @@ class RowSelection(NamedTuple):
 def selection(subject: Subject, reference: AnyReference) -> RowSelection | None:
     """The rows that are judged; None for all of them."""
     count = len(subject.times)
-    if count <= MOST_DEAR or not (isinstance(reference, Reference) and reference.is_dear):
+    if count <= MOST_DEAR or not reference.is_dear:
         return None
     rows = {*few(count, MOST_DEAR), *few(count, SHOWN)}
     far = _far(subject, reference.scene, np.array(sorted(rows)))

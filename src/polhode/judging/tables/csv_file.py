@@ -3,6 +3,9 @@
 Separators are comma, semicolon, tab, or blanks, as the first line of the table has them.  Between
 semicolons the numbers may have decimal commas, if none has a point.  A header may stand in a
 comment (``# t p q r``, as NumPy writes it), or be given.
+
+A decimal that stands for a double is the double nearest to it, which Python's ``float`` gives; all
+others are read exactly and rounded once.
 """
 
 from __future__ import annotations
@@ -21,7 +24,6 @@ from polhode.common.errors import BadInput
 from polhode.common.files import STDIN, called, read_stdin, read_whole
 from polhode.judging.tables.attitude_forms import Cells
 from polhode.judging.tables.column_aliases import Column
-from polhode.judging.tables.csv_columns import is_empty, last_place, most_printed, value
 from polhode.judging.tables.naming import Naming
 from polhode.judging.tables.sidecar import Sidecar, beside
 from polhode.judging.tables.table import Table, refuse_names, table_of_cells
@@ -33,6 +35,10 @@ from polhode.numbers.number_types import DIGITS_HELD, DOUBLE, NumberType
 
 MAX_BYTES = 1 << 30
 MAX_LINE = 1_000_000  # characters
+_EMPTY = ("", "nan", "na", "n/a", "nat", "null", "none")
+_PLAIN = "0123456789+-.eE"
+_LONGEST = 60  # characters of a cell that is read as a double at once
+_LEAST, _MOST = 1e-290, 1e290  # within them a double has all its bits
 _SEPARATORS = ",;\t"
 _BLANK = _SEPARATORS + string.whitespace
 _WITH_COMMA = re.compile(r"[+-]?(?:\d+,\d*|,\d+)(?:[eE][+-]?\d+)?")
@@ -225,3 +231,55 @@ def _time_errors(
         return rounded
     doubles = of_type(times, DOUBLE)
     return tuple(map(max, doubles, rounded)) if rounded else doubles
+
+
+def is_empty(cell: str) -> bool:
+    """Whether a cell has no number, as programs write it: nothing, or ``nan`` and its like.
+
+    >>> is_empty("NaN"), is_empty("-nan"), is_empty("inf")
+    (True, True, False)
+    """
+    return len(cell) < 5 and cell.lstrip("+-").lower() in _EMPTY
+
+
+def value(cell: str, number: NumberType | None) -> Fraction:
+    """A decimal's exact value, rounded to a number of a type where one is given.
+
+    Raises ExpressionError for what is no finite decimal number.
+    """
+    if number is None:
+        return expression.decimal(cell)
+    if number.bits == DOUBLE.bits and len(cell) < _LONGEST and not cell.strip(_PLAIN):
+        try:
+            x = float(cell)
+        except ValueError:
+            x = 0.0
+        if _LEAST < abs(x) < _MOST:
+            return Fraction(x)
+    return number.rounded(expression.decimal(cell))
+
+
+def most_printed(columns: Sequence[Sequence[str]]) -> int:
+    """The most significant digits of any cell, 1 or more."""
+    found = 1
+    for cells in columns:
+        for cell in cells:
+            if len(cell) > found and len(cell.lstrip("+-0.")) > found:  # else it has no more digits
+                found = max(found, _significant(cell))
+    return found
+
+
+def last_place(cells: Sequence[str]) -> Fraction:
+    """The least unit of a cell's last place."""
+    return Fraction(10) ** min(map(_place, cells))
+
+
+def _place(cell: str) -> int:
+    """The power of ten of a decimal's last place."""
+    mantissa, _, power = cell.lower().partition("e")
+    return int(power or 0) - len(mantissa.partition(".")[2])
+
+
+def _significant(cell: str) -> int:
+    mantissa = cell.lower().partition("e")[0].lstrip("+-0.")
+    return len(mantissa) - ("." in mantissa)
