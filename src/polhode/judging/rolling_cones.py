@@ -35,7 +35,7 @@ class Rolling(NamedTuple):
     arc: float
 
 
-def _omega_rate(body: Body, omega: Sequence[Any], gamma: Sequence[Any], bits: int) -> list[Any]:
+def omega_rate(body: Body, omega: Sequence[Any], gamma: Sequence[Any], bits: int) -> list[Any]:
     """w' = I⁻¹ (gamma × Mg r0 - w × I w) in scene axes, to so many bits (3.16).
 
     Written in vectors, apart from the forms that are integrated.
@@ -48,22 +48,6 @@ def _omega_rate(body: Body, omega: Sequence[Any], gamma: Sequence[Any], bits: in
         adjugate = cross(y, z), cross(z, x), cross(x, y)  # type: ignore[arg-type]
         determinant: Any = dot(x, adjugate[0])  # type: ignore[arg-type]
         return [dot(row, moment) / determinant for row in adjugate]
-
-
-def _derivative_weights(nodes: Sequence[Any]) -> list[Any]:
-    """Weights of the derivative at the middle node of the polynomial through all of them (mpf)."""
-    from polhode.numbers.mpmath_context import mpmath
-
-    middle = len(nodes) // 2
-    scale = [
-        1 / mpmath.fprod(x - y for j, y in enumerate(nodes) if j != i) for i, x in enumerate(nodes)
-    ]
-    weights = [
-        mpmath.mpf(0) if i == middle else scale[i] / scale[middle] / (nodes[middle] - x)
-        for i, x in enumerate(nodes)
-    ]
-    weights[middle] = -mpmath.fsum(weights)
-    return weights
 
 
 def rolling(run: Trajectory) -> Rolling:
@@ -118,7 +102,7 @@ def rolling(run: Trajectory) -> Rolling:
             weights = _derivative_weights(times[window])
             slope = [mpmath.fdot(weights, column) for column in zip(*space[window], strict=True)]
             state = mpf_row(run.states[k], bits)
-            rate = _omega_rate(run.scene.body, state[:3], state[3:], bits)
+            rate = omega_rate(run.scene.body, state[:3], state[3:], bits)
             expected = turned(mpf_row(attitude[k], bits), rate)
             worst = max(worst, _length([a - b for a, b in zip(slope, expected, strict=True)]))
             speeds = _length(rate), _length(slope)

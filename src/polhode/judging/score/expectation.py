@@ -53,12 +53,12 @@ class Expectation:
     @cached_property
     def bands(self) -> tuple[Band | None, ...]:
         """The digits of runs that round once a step of the subject's type."""
-        return self._told(lambda known: known.expected(self.subject.number, self._every))
+        return self._told(lambda known: known.expected(self.subject.number, self.every))
 
     @cached_property
     def inputs(self) -> tuple[float | None, ...]:
         """The digits that rounding the scene's numbers to the subject's type leaves."""
-        return self._told(lambda known: known.inputs(self.subject.number, self._every))
+        return self._told(lambda known: known.inputs(self.subject.number, self.every))
 
     @cached_property
     def amplification(self) -> tuple[float | None, ...]:
@@ -67,7 +67,7 @@ class Expectation:
         return tuple(None if x is None else 10.0**x if x < 308 else math.inf for x in found)
 
     @property
-    def _every(self) -> int:
+    def every(self) -> int:
         """Steps between two projections of the run; 0 where there are none."""
         run = self.subject.run
         return 0 if run is None or run.projection is None else run.projection.every

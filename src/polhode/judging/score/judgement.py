@@ -172,7 +172,9 @@ class Judgement(Result, Scores):
             return cheap
         at, times = self._lowest, self.rows_judged
         known, inputs = self.known, self.inputs[at]
-        expected = known.band(at, about.number, self._every) if known else self.expected[at]
+        expected = (
+            known.band(at, about.number, self._expectation.every) if known else self.expected[at]
+        )
         thin = is_thin(self.reference.scene.body)
         found = limit(worst, held, expected, inputs, agreement, steps, times, thin)
         moved = self._time_rounding if found.startswith("method") else None
