@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import polhode
 from polhode.cli import main
-from polhode.judging.tables.csv_file import read_table
+from polhode.judging.tables.table_file import read_table
 from polhode.numbers.decimals import decimal_string, shortest
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, mp
 

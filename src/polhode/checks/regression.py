@@ -15,7 +15,7 @@ from polhode.checks.textbook_digits import WANTED, textbook_digits
 from polhode.common import executors as of_work
 from polhode.common.errors import BadInput, nearest
 from polhode.judging.conditioning.conditioning import Conditioning, conditioning
-from polhode.judging.references.reference import Remembered
+from polhode.judging.references.reference import AnyReference
 from polhode.judging.references.reference import reference as reference_of
 from polhode.judging.score.compare import compare
 from polhode.judging.score.judgement import Judgement
@@ -131,10 +131,10 @@ def check(
 def check_scene(scene: Scene, numbers: Sequence[str] = ()) -> Report:
     """The checks of one case: of its states, by runs without outputs and events."""
     reference = reference_of(scene)
-    kept, wanted = Remembered(reference), [*(numbers or scene.expect)]
+    wanted = [*(numbers or scene.expect)]
     widest = sorted(wanted, key=number_types.NAMES.index, reverse=True)
     known = conditioning(scene, number=number_types.named(widest[0])) if widest else None
-    made = {number: _line(scene, kept, number, known) for number in widest}
+    made = {number: _line(scene, reference, number, known) for number in widest}
     lines = [made[number] for number in wanted]
     return Report(
         scene,
@@ -146,7 +146,7 @@ def check_scene(scene: Scene, numbers: Sequence[str] = ()) -> Report:
     )
 
 
-def _line(scene: Scene, reference: Remembered, number: str, known: Conditioning | None) -> Line:
+def _line(scene: Scene, reference: AnyReference, number: str, known: Conditioning | None) -> Line:
     band = scene.expect.get(number)
     digits = number_types.DEFAULT_MP_DIGITS if number == "mp" else None
     # up to quad the bands are those of heyoka's own steps; mp as users get it, refined if faster

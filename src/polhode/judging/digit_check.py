@@ -12,7 +12,7 @@ from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.text_tables import few
 from polhode.judging.correct_digits import worst_digits
-from polhode.judging.references.reference import reference, rows
+from polhode.judging.references.reference import reference
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import wider
 from polhode.numbers.rows import Given
@@ -75,7 +75,7 @@ def _closed_form(run: Trajectory, scene: Scene, times: Sequence[Fraction]) -> _J
     if not against.is_closed_form:
         return None
     try:
-        return _Judge(rows(against.at, times, math.ceil(run.number.most_digits) + 6), CLOSED_FORM)
+        return _Judge(against.at(times, math.ceil(run.number.most_digits) + 6), CLOSED_FORM)
     except BadInput:  # digits that this closed form does not have
         return None
 

@@ -277,14 +277,11 @@ def _table(options: Namespace, scene: Scene | None, number: NumberType | None) -
     """The table of a file, in the conventions that were told."""
     from polhode.judging.diagnosis.told_readings import table_as_told
     from polhode.judging.references.reference import reference
-    from polhode.judging.tables.array_file import ENDINGS, read_arrays
-    from polhode.judging.tables.csv_file import read_table
-    from polhode.judging.tables.csv_layout import naming
+    from polhode.judging.tables.naming import PLAIN, naming
+    from polhode.judging.tables.table_file import read_table
 
     path = Path(options.what_of)
-    names = None if options.columns is None else naming(options.columns)
-    read = read_arrays if path.suffix.lower() in ENDINGS else read_table
-    found = read(path, number, names)
+    found = read_table(path, number, naming(options.columns) if options.columns else PLAIN)
     if options.read is None:
         return found
     if scene is None:

@@ -43,7 +43,7 @@ from polhode.judging.diagnosis.ways import (
     ways,
 )
 from polhode.judging.references.certified import Certified
-from polhode.judging.references.reference import AnyReference, rows
+from polhode.judging.references.reference import AnyReference
 from polhode.judging.tables.candidate import Subject
 from polhode.judging.tables.reading import WRONG, Reading, TimeChange
 from polhode.numbers.conversion import exactly, to_double
@@ -299,7 +299,7 @@ def right_at(
 
     def asked(question: Callable[..., Any]) -> Any:
         try:
-            return np.array([[float(x) for x in row] for row in rows(question, times, 18)])
+            return np.array([[float(x) for x in row] for row in question(times, 18)])
         except (TypeError, ValueError):  # no closed form for it, a pole
             return None
 
