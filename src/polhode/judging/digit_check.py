@@ -115,5 +115,5 @@ def _second(run: Trajectory, scene: Scene, progress: Progress | None) -> Traject
     """The same motion otherwise: refined over other intervals to more digits, or by other steps."""
     plain = replace(scene, events=(), outputs=(), form="principal", reference="auto")
     longer = max(10 * run.steps, 1000)
-    method = "auto" if run.method == "refined" else "taylor"
+    method = "auto" if run.method == "refined" or scene.events else "taylor"
     return solve(plain, wider(run.number), Options(method, longer, other=True), progress)
