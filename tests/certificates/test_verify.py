@@ -169,6 +169,9 @@ def test_a_ball_at_the_start_holds_the_start_or_is_refused(small):
     assert holds(given)
     for k in range(6):
         assert not holds(moved_off(given, 0, "balls", k))
+    for radius, inside in (("5e-31", True), ("2e-30", False)):  # of the start itself
+        wide = altered(given, "scene omega 0", lambda x, r=radius: [x, r])
+        assert holds(wide) == inside
 
 
 def minus(x):

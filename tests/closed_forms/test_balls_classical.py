@@ -25,8 +25,6 @@ from shared.ball_checks import (
     made,
     row_at,
 )
-from shared.closed_form_motions import number
-from shared.members import start
 
 F = Fraction
 FAMILIES = "euler", "lagrange", "pendulum"
@@ -126,31 +124,6 @@ def test_starts_at_exceptional_places(name):
     assert every_ball_holds_its_value(motion, few=FEW_BITS[3:]) > 100
     agrees_with_taylor(motion, plain)
     assert motion.assumed == ()
-
-
-@pytest.mark.parametrize("power", [30, -30])
-@pytest.mark.parametrize("family", FAMILIES)
-def test_units_of_any_size(family, power):
-    """The same motion in units of time and mass of 1e30 and 1e-30."""
-    plain, _ = start(family, 3)
-    unit, mass = F(10) ** power, F(10) ** -power
-    moments, torque, omega, gamma = plain
-    other = (
-        tuple(mass * x for x in moments),
-        tuple(mass * unit * unit * x for x in torque),
-        tuple(unit * x for x in omega),
-        gamma,
-    )
-    here, there = made(family, plain), made(family, other)
-    times = [F(7), F(-1, 3)]
-    (one, two), (three, four) = here.at(times, 30), there.at([t / unit for t in times], 30)
-    with mpmath.workdps(60):
-        largest = max(abs(x) for x in (*one[:3], *two[:3])) or mpf(1)
-        for a, b in ((one, three), (two, four)):
-            for x, y in zip(a[:3], b[:3], strict=True):
-                assert abs(x - y / number(unit)) < largest * mpf("1e-29")
-            for x, y in zip(a[3:], b[3:], strict=True):
-                assert abs(x - y) < mpf("1e-29")
 
 
 def test_irrational_data_tell_what_is_assumed():

@@ -39,13 +39,6 @@ def finite_of(plain, many, few=FEW_BITS):
     return every_ball_holds_its_value(motion, TIMES, few, many, "1e-12")
 
 
-@pytest.mark.sample(4, first=2, slow=24, rest="campaign")
-@pytest.mark.parametrize("seed", range(240))
-def test_random_starts(seed):
-    plain, _ = members.start(NAME, seed)
-    assert finite_of(plain, 420) >= 36
-
-
 NEAR = {name: start for name, start in members.NEAR.items() if name != "D+"} | {
     "separatrix": lambda gap: members.on_cubics(F(3, 2), F(5, 4), F(1), F(2), gap),
     "separatrix, H": lambda gap: members.on_cubics(F(3, 2), F(5, 4), F(1), F(2) + gap, gap),

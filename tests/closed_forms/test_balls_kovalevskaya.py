@@ -38,28 +38,6 @@ def test_balls_of_all_precisions_overlap(name):
     assert every_ball_holds_its_value(top, [F(3)], (30, 43, 60, 85, 130), 260) >= 20
 
 
-#: Released from rest, from a pole, with q = 0, m = 0, b = 0, G along axis 3, next to those.
-STARTS = {
-    "at rest": ((0, 0, 0), ("3/5", "12/25", "16/25")),
-    "at rest, level": ((0, 0, 0), (0, "3/5", "4/5")),
-    "q = 0": (("-3/5", 0, "-12/5"), ("1/3", "2/3", "-2/3")),
-    "q = 1e-20": (("-3/5", "1e-20", "-12/5"), ("1/3", "2/3", "-2/3")),
-    "pole": (("1/2", "1/3", "3/2"), (0, 0, -1)),
-    "m = 0": (("4/5", "3/5", "7/10"), ("3/5", "-4/5", 0)),
-}
-
-
-@pytest.mark.parametrize("name", STARTS)
-def test_starts(name):
-    top = top_of(*STARTS[name])
-    begin = time.process_time()
-    one = [*top.at([F(2)], 20)[0], *top.attitude([F(2)], 20)[0]]
-    assert time.process_time() - begin < 5
-    other = [*top.at([F(2)], 40)[0], *top.attitude([F(2)], 40)[0]]
-    with mpmath.workdps(50):
-        assert max(abs(a - b) for a, b in zip(one, other, strict=True)) < mpf("3e-20")
-
-
 def test_a_gap_of_1e_28_to_a_degenerate_curve():
     """The nearest branch point by balls: doubles tie, and no number of bits helped."""
     turn = F(1, 10**28)

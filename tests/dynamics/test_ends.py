@@ -18,9 +18,10 @@ from polhode.dynamics.levels import rotation_arcs
 from polhode.dynamics.levels.rotation_arcs import RationalBody, Reach
 from polhode.dynamics.sections import coordinates, jobs
 from polhode.dynamics.sections.starts import asked_of
+from polhode.scenes.vocabulary import STATE
 from polhode.taylor.batches import step_blocks
-from polhode.taylor.events import batch_crossings as taylor
-from polhode.taylor.events import batch_first_crossings
+from polhode.taylor.events import batch_search as taylor
+from polhode.taylor.events.batch_zeros import Watched
 from polhode.taylor.variations import tangent_batches
 
 REGULAR = "general/asymmetric-regular"
@@ -100,12 +101,8 @@ def section_job():
 
 def first_job(job, zero, end):
     """The first crossing of an expression by a section's first start."""
-    names, numbers = zip(*job.coefficients, strict=True)
-    columns = ("p", "q", "r", "gamma1", "gamma2", "gamma3")
-    own = np.array([numbers])
-    return batch_first_crossings.FirstJob(
-        names, columns, zero, 128.0, 0, 10**9, end, 0, own, job.starts[:1], None
-    )
+    watched = Watched(job.watched.names, STATE, zero, 128.0)
+    return taylor.SearchJob(watched, 0, 1, end, 32.0, job.coefficients[:1], job.starts[:1])
 
 
 def test_jobs_look_between_blocks_whether_to_stop(monkeypatch, section_job):
@@ -120,22 +117,21 @@ def test_jobs_look_between_blocks_whether_to_stop(monkeypatch, section_job):
     assert taylor.solve(section_job, stop).outcomes == (taylor.STOPPED,)
     assert len(asked) == 3
     asked.clear()
-    names, numbers = zip(*section_job.coefficients, strict=True)
-    own, tangent = np.array([numbers]), np.ones((1, 6))
+    names, own, tangent = section_job.watched.names, section_job.coefficients[:1], np.ones((1, 6))
     far = tangent_batches.TangentJob(
         names, own, section_job.starts[:1], tangent, 1e9, 1, None, (), 1.0
     )
     assert tangent_batches.solve(far, stop).last.tolist() == [0]
     asked.clear()
-    first = batch_first_crossings.solve(first_job(section_job, "q-100", 1e9), stop)
+    first = taylor.solve(first_job(section_job, "q-100", 1e9), stop)
     assert np.isnan(first.times).all()
     assert len(asked) == 3
 
 
 def test_a_first_crossing_beyond_a_pole_is_left_to_a_run(section_job):
     """The steps were zero for ever, a hundred million of them."""
-    found = batch_first_crossings.solve(first_job(section_job, "1/q", 64.0))
-    assert found.unsure.tolist() == [True]
+    found = taylor.solve(first_job(section_job, "1/q", 64.0))
+    assert found.outcomes == (taylor.UNSURE,)
 
 
 # -- sizes ----------------------------------------------------------------------------------------

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import polhode
+from polhode.dynamics.observables import jobs as observable_jobs
 from polhode.dynamics.observables import reduce_many as module
 from polhode.motion.outcomes import Outcome
 from polhode.scenes import scene_file
-from polhode.taylor.events import batch_first_crossings
 from shared.motions import heavy
 
 VARIED = {"start.omega[3]": "0.5:4:5", "body.weight": ["1/2", 1, 3]}
@@ -66,7 +66,7 @@ def test_states_and_extremes_are_those_of_kept_states_to_the_bit(number, turned)
 @pytest.mark.parametrize("turned", [False, True])
 def test_first_events_are_the_first_of_each_run(end, turned, monkeypatch):
     """Times and states to a few eps (times of a double end at eps t; errors grow with t)."""
-    monkeypatch.setattr(batch_first_crossings, "STRETCH", 3.0)  # more than one stretch
+    monkeypatch.setattr(observable_jobs, "STRETCH", 3.0)  # more than one stretch
     scene = scene_file.parse(TURNED.format(end=end)) if turned else heavy(end)
     varied = {"start.omega[1]": [1, 20], "body.inertia[1][2]": ["0.5", 0]} if turned else VARIED
     scene = replace(scene, events=EVENTS)

@@ -12,13 +12,14 @@ import pytest
 
 import polhode
 from polhode.cli import main
+from polhode.common import checkpoint
 from polhode.common.checkpoint import JobCheckpoint
 from polhode.dynamics.sections import coordinates as geometry
 from polhode.dynamics.sections import jobs as section_jobs
 from polhode.dynamics.sections import starts as section_starts
 from polhode.output import sections as output
 from polhode.scenes import scene_file
-from polhode.taylor.events import batch_crossings
+from polhode.taylor.events import batch_search, batch_zeros
 
 EPS = 2.0**-52
 GENERIC = polhode.load("general/asymmetric-chaotic")
@@ -161,12 +162,49 @@ def test_a_crossing_at_the_seam_of_two_chunks_counts_once():
     states = geometry.momentum_states(on, *geometry.cells(4, 3), True).states
     zero = section_jobs.zero_of(GENERIC, on, "momentum")
     (job,) = section_jobs.jobs_of(asked, on, zero, -1, 4, states)
-    plain = batch_crossings.solve(job)
+    plain = batch_search.solve(job)
     for k in range(len(states)):
         for moved in (-1e-14, -1e-15, 0, 1e-15, 1e-14):
             chunk = float(plain.times[k, 0]) * (1 + moved)
-            other = batch_crossings.solve(job._replace(chunk=chunk, starts=states[k : k + 1]))
+            other = batch_search.solve(
+                job._replace(
+                    stretch=chunk, coefficients=job.coefficients[:1], starts=states[k : k + 1]
+                )
+            )
             assert np.abs(other.times[0] + other.rests[0] - plain.times[k]).max() < 1e-11
+
+
+def test_flat_crossings_count_and_contacts_do_not():
+    """Where q vanishes q**3 has a triple zero, and gamma3 q**2 touches zero."""
+    for by, plain, off in (("q**3", "q", 1e-6), ("gamma3*q**2", "gamma3", 1e-11)):
+        asked = {"starts": "scene", "crossings": 8}
+        flat, found = (polhode.section(GENERIC, by=x, **asked) for x in (by, plain))
+        assert np.abs(flat.times - found.times).max() < off
+
+
+@pytest.mark.parametrize("lost", [3, 4])
+def test_a_crossing_that_heyoka_loses_is_found_again(lost, monkeypatch):
+    """One that is asked for, and one of the other direction: the signs at the ends tell."""
+    asked = section_starts.asked_of(GENERIC, "momentum", "max", 3, Fraction(1, 2))
+    on = geometry.ground(GENERIC, asked.h, asked.f)
+    states = geometry.momentum_states(on, *geometry.cells(4, 3), True).states[:1]
+    zero = section_jobs.zero_of(GENERIC, on, "momentum")
+    (job,) = section_jobs.jobs_of(asked, on, zero, -1, 6, states)
+    plain = batch_search.solve(job)
+    first = job._replace(watched=job.watched._replace(constants=()), most=1, end=64.0, level=None)
+    told, met = [], batch_zeros.Met.__call__
+
+    def losing(self, ta, time, sign, lane):
+        told.append(time)
+        if len(told) != lost:
+            met(self, ta, time, sign, lane)
+
+    monkeypatch.setattr(batch_zeros.Met, "__call__", losing)
+    found = batch_search.solve(job)
+    assert found.outcomes == plain.outcomes == (batch_search.DONE,)
+    assert np.abs(found.times + found.rests - plain.times - plain.rests).max() < 1e-11
+    told.clear()
+    assert batch_search.solve(first).outcomes == (batch_search.UNSURE,)
 
 
 def test_no_crossing_is_missed():
@@ -207,6 +245,7 @@ def test_an_executor_and_parts_give_the_same(tmp_path, monkeypatch):
     with ThreadPoolExecutor(1) as pool:
         assert (polhode.section(GENERIC, executor=pool, **asked).states == plain.states).all()
     folder = tmp_path / "x.npz.parts"
+    monkeypatch.setattr(checkpoint, "EVERY", 0.0)
     polhode.section(GENERIC, parts=folder, **asked)
     jobs = sorted(folder.glob("job-*.npz"))
     assert len(jobs) == 2
@@ -215,7 +254,7 @@ def test_an_executor_and_parts_give_the_same(tmp_path, monkeypatch):
     again = polhode.section(GENERIC, parts=folder, **asked)
     assert (again.states == plain.states).all()
     with monkeypatch.context() as patch:
-        patch.setattr(batch_crossings, "solve", None)  # nothing is left to be done
+        patch.setattr(batch_search, "solve", None)  # nothing is left to be done
         assert (polhode.section(GENERIC, parts=folder, **asked).states == plain.states).all()
     with pytest.raises(polhode.BadInput, match="the jobs of the same command"):
         polhode.section(GENERIC, parts=folder, grid=(9, 8), crossings=3, **LEVEL)
@@ -275,6 +314,7 @@ def test_no_two_commands_share_a_folder(tmp_path):
     """The second one is refused while the first is at work, and not after it."""
     one = JobCheckpoint(tmp_path / "jobs", "section", "key")
     one.save(0, {"x": np.zeros(1)})
+    one.write_waiting()
     with pytest.raises(polhode.BadInput, match="no other command running in this folder"):
         JobCheckpoint(tmp_path / "jobs", "section", "key")
     one.release()

@@ -31,6 +31,7 @@ from polhode.enclosures.fixed_point_problem import Refused
 from polhode.enclosures.quaternion import Turned, Turns
 from polhode.enclosures.result import Part
 from polhode.judging.adaptive_precision import integrate
+from polhode.numbers import vectors
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
 from polhode.scenes.scene import Scene
@@ -152,7 +153,7 @@ def _by_rounding() -> float:
         unit = [Fraction(1 - size, 1 + size), *(Fraction(2 * x, 1 + size) for x in (a, b, c))]
         v = [round(x * 2**level) for x in unit]
         turned.step(Turns([[fmpz_poly([x]) for x in v]], level, np.zeros(1)), 0)
-        true = quaternion.product(true, [Fraction(x, 2**level) for x in v])
+        true = vectors.quaternion_product(true, [Fraction(x, 2**level) for x in v])
     centre = [Fraction(int(x), 1 << problem.fine) for x in turned.centre]
     return _off(centre, true) / (turned.radius * 2.0**-problem.noise)
 
@@ -301,8 +302,8 @@ def _lost(size: float, rng: random.Random) -> float:
             [sum(Fraction(x) * tau**k for k, x in enumerate(row)) for row in rows.T]
             for rows in (turn, vertical)
         ]
-        one = quaternion.product([Fraction(x) for x in before], at[0])
-        q = quaternion.product([Fraction(x) for x in first], [one[0], *turned(one[1:])])
+        one = vectors.quaternion_product([Fraction(x) for x in before], at[0])
+        q = vectors.quaternion_product([Fraction(x) for x in first], [one[0], *turned(one[1:])])
         axis, gammas = attitude.third_axis(q), turned(at[1])
         true = (-axis[1], axis[0]), (gammas[1], gammas[0])
         for mine, (real, imaginary) in zip(found[:, n], true, strict=True):

@@ -270,7 +270,7 @@ def test_a_file_is_shown_in_the_conventions_that_are_told(tmp_path, capsys):
     run = polhode.integrate(replace(scene, outputs=("attitude",)))
     t, w, q = np.array(run.t, dtype=float), run.states[:, :3], np.array(run.attitude, dtype=float)
     tables = {"t": np.c_[t, w, q], "clock": np.c_[1000 * t, np.degrees(w), np.roll(q, -1, 1)]}
-    read = ["--read", "degrees, scalar-last", "--columns", "clock=t*1e-3"]
+    read = ["--read", "omega degrees; attitude scalar-last", "--columns", "clock=t*1e-3"]
     shown = []
     for name, rows in tables.items():
         table, page = tmp_path / f"{name}.csv", tmp_path / f"{name}.html"

@@ -20,9 +20,9 @@ import polhode
 from fuzz import values
 from fuzz.cases import Case, mangled, of, several
 from polhode import cli
+from polhode.common import checkpoint
 from polhode.common.checkpoint import Checkpoint
 from polhode.output.results import document
-from polhode.runs.sweep import sweep_checkpoint
 from shared.results import CERTIFIED, result_of_kind
 
 Arrays = dict[str, np.ndarray]
@@ -143,7 +143,7 @@ def pieces(verb: str) -> tuple[dict[str, bytes], dict[str, Any]]:
     """The pieces that a verb keeps until it ends, by name, and what it gives."""
     path = Path(f"{verb}.npz")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sweep_checkpoint, "EVERY", 0.0)
+        patch.setattr(checkpoint, "EVERY", 0.0)
         patch.setattr(Checkpoint, "remove", Checkpoint.release)
         assert cli.main([*KEEPERS[verb].split(), "-o", str(path), "--json"]) == 0
     folder = Path(f"{path}.parts")

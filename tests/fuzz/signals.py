@@ -35,9 +35,9 @@ OBEYED = (signal.SIGINT, signal.SIGTERM)
 TOLD = """
 import os, sys
 from polhode import cli
-from polhode.runs.sweep import sweep_checkpoint
+from polhode.common import checkpoint
 from polhode.verbs import terminal
-sweep_checkpoint.EVERY = 0.02
+checkpoint.EVERY = 0.02
 prepare = terminal.prepare
 def told():
     prepare()

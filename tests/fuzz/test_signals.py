@@ -191,14 +191,13 @@ def test_ctrl_c_waits_until_files_are_whole(monkeypatch, tmp_path):
 
 
 def test_ctrl_c_while_a_sweep_is_read_out_loses_nothing(monkeypatch):
-    read = results.Reader.states
+    put_together = results.put_together
 
     def interrupted(*given):
-        monkeypatch.setattr(results.Reader, "states", read)
         interrupt()
-        return read(*given)
+        return put_together(*given)
 
-    monkeypatch.setattr(results.Reader, "states", interrupted)
+    monkeypatch.setattr(results, "put_together", interrupted)
     many = polhode.integrate_many("euler/sphere", {"start.omega[1]": [1, "1.1"]}, at=[0])
     assert many.done
 

@@ -80,6 +80,13 @@ BAD = [
     (header("stamp,p"), {"columns": ["=t"]}, "NAME=COLUMN"),
     (csv(b"t,p\n0,\xff\n"), {}, "x.csv: file: expected a readable CSV file (not a CSV text)"),
     (csv(""), {}, "expected a header"),
+    (csv("t,p\n"), {}, "at least one line of numbers"),
+    (csv("t,p\n0,1,2\n"), {}, "x.csv:2: line = 0,1,2: expected 2 values"),
+    (csv("t,p\n,1\n"), {}, "x.csv:2: t"),
+    (csv("t,p\n0,1/3\n"), {}, "x.csv:2: p = 1/3"),
+    (csv("x" * 3_000_000), {}, "x.csv"),
+    (csv("t,p\n" + "1," * 300_000 + "\n"), {}, "expected 2 values"),
+    (csv("t,p\n0,'" + '"' * 999 + "\n"), {}, "x.csv"),
     (csv("t,p\n0,1\n1,x\n"), {}, "x.csv:3: p = x: expected a finite"),
     (csv('t,p,note\n0,1,"a\nb"\n1,x,2\n'), {}, "x.csv:4: p = x"),
     (csv("0,1\n1,x\n"), {"columns": ["t", "p"]}, "x.csv:2: p = x"),
@@ -109,8 +116,8 @@ BAD = [
     (lambda _: [[1, 2, 3]], {"at": [1]}, "6 numbers in each row"),
     (lambda _: [[1, 2, 3]], {"at": [1, 2]} | PQR, "a time for each of 1 rows"),
     (lambda _: [[1, 2, 3]], PQR, "a time for each of 1 rows"),
-    (lambda _: [["x", 2, 3]], {"at": [1]} | PQR, NUMBERS),
-    (lambda _: [[math.inf, 2, 3]], {"at": [1]} | PQR, NUMBERS),
+    (lambda _: [["x", 2, 3]], {"at": [1]} | PQR, "p[1] = x; a number"),
+    (lambda _: [[math.inf, 2, 3]], {"at": [1]} | PQR, "p[1] = inf; a number"),
     (lambda _: [[1]], {"at": [1], "columns": ["s"]}, "columns = s"),
     (lambda _: 3, {"at": [1]}, NUMBERS),
     (lambda _: mapping(), {"against": None}, "a reference, or a scene"),
@@ -276,4 +283,4 @@ def test_fewer_digits_than_wanted_end_with_three(tmp_path, capsys):
         turns[name] = np.remainder(turns[name] + np.pi, 2 * np.pi) - np.pi
     through("csv", turns, tmp_path)
     assert cli.main([*command, "12"]) == 3
-    assert cli.main([*command, "12", "--read", "whole turns"]) == 0
+    assert cli.main([*command, "12", "--read", "psi and phi up to whole turns"]) == 0

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode import cli
 from shared.tables import of_run, text, through
 
 SCENE = "lagrange/nutation"
@@ -135,13 +134,3 @@ def test_rows_of_no_time_are_refused_a_clock_soon(scene):
         assert said in str(found)
         assert found.reading is None
     assert time.process_time() - begun < 8  # it was 31 s
-
-
-def test_the_command_reads_a_clock_and_says_so(tmp_path, capsys):
-    columns = table([Fraction(3) + Fraction(k, 7) for k in range(6)], later=1700000000)
-    path = tmp_path / "x.csv"
-    path.write_text(text(columns))
-    assert cli.main(["compare", str(path), SCENE]) == 0
-    out = capsys.readouterr().out
-    assert "read as t of another clock: rows belong to t - 1700000000" in out
-    assert "limited by rounding (of the times, by up to 2e-07)" in out

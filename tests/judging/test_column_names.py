@@ -180,7 +180,7 @@ def test_a_quaternion_of_another_length_is_said_to_be(tmp_path, length, door):
     assert found.worst > 14
     assert found.reading == "attitude of length 1"
     assert "the quaternion's length is " in str(found)
-    assert polhode.compare(table, SCENE, read="of length 1").worst == found.worst
+    assert polhode.compare(table, SCENE, read="attitude of length 1").worst == found.worst
     strict = polhode.compare(table, SCENE, as_it_stands=True)
     assert strict.worst < 1
     assert "the quaternion's length is " in str(strict)

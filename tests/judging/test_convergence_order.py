@@ -155,4 +155,4 @@ def test_orders_that_cannot_be_told_are_refused(more, said, tmp_path, capsys):
 def test_files_at_rounding_have_no_order(tmp_path, capsys):
     files = [written(tmp_path / f"{h}.csv", rk4, h, 100) for h in (0.0005, 0.00025)]
     assert main(["compare", *files, SCENE, "--orders"]) == 2
-    assert "common ones at which the files have 1.5 to" in capsys.readouterr().err
+    assert "2 or more that give 1.5 to" in capsys.readouterr().err

@@ -1,4 +1,4 @@
-"""Cells of a file read a column at a time: what reading them one by one gives."""
+"""Cells of a file: as exact decimals, rounded once, whatever way is taken."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import re
 
 import pytest
 
-from polhode.judging.tables.csv_columns import most_printed, values
+from polhode.judging.tables.csv_file import most_printed, value
 from polhode.numbers import expression
 from polhode.numbers.number_types import DOUBLE, EXTENDED, NumberType
 
@@ -24,12 +24,11 @@ def printed(count: int) -> list[str]:
 
 
 @pytest.mark.parametrize("number", [None, DOUBLE, EXTENDED, NumberType("mp", 53)])
-def test_a_column_is_what_its_cells_are(number):
+def test_a_cell_is_its_decimal_rounded_once(number):
     cells = [*printed(2000), *ODD, HALFWAY, HALFWAY + "1", "0." + "3" * 70, "1_000.5"]
-    one_by_one = [expression.decimal(cell) for cell in cells]
-    for some in (slice(None), slice(-1)):  # an underscore makes the whole column slow
-        expected = [x if number is None else number.rounded(x) for x in one_by_one[some]]
-        assert values(cells[some], number) == expected
+    for cell in cells:
+        decimal = expression.decimal(cell)
+        assert value(cell, number) == (decimal if number is None else number.rounded(decimal))
 
 
 def test_the_most_significant_digits():
@@ -39,4 +38,4 @@ def test_the_most_significant_digits():
 
     cells = [*printed(500), "-0.00120", "100.", "1e-30", "+12345678901234567890.5", "0"]
     for k in range(1, len(cells)):
-        assert most_printed(cells[:k], 1) == max(map(significant, cells[:k]))
+        assert most_printed([cells[:k]]) == max(map(significant, cells[:k]))

@@ -1,31 +1,28 @@
-"""Rows that a reference keeps for several runs: those of it, in another process as well."""
+"""What a reference keeps: a proof to more digits serves a question for fewer."""
 
 from __future__ import annotations
 
-import pickle
-from typing import Any
-
-import mpmath
 import pytest
 
 import polhode
-from polhode.judging.references.reference import Remembered
-
-CASES = ["euler/separatrix-irrational", "kovalevskaya/anchor", "bobylev-steklov/cn"]
 
 
-def _sent(value: Any) -> Any:
-    """As another process takes it up."""
-    with mpmath.workprec(53):
-        return pickle.loads(pickle.dumps(value))
+@pytest.mark.parametrize("word", ["at", "attitude"])
+def test_a_proof_to_more_digits_is_not_made_again(word: str) -> None:
+    proven = polhode.Certified(polhode.load("general/asymmetric-regular"))
+    ask = getattr(proven, word)
+    rows, agreement = ask([1], 30), proven.agreement
+    assert 30 <= agreement < 45
+    assert ask([1], 20) == rows  # a proof to 20 digits has other midpoints
+    assert proven.agreement == agreement
+    assert ask([1], 50) != rows
+    assert proven.agreement >= 50
+    assert ask([2], 20) != rows
 
 
-@pytest.mark.parametrize("case", CASES)
-def test_rows_keep_all_their_digits_on_the_way_to_another_process(case: str) -> None:
-    kept = Remembered(polhode.reference(case))
-    times = [kept.scene.end / 3]
-    rows = kept.at(times, 60)
-    sent = _sent(kept)
-    assert [x._mpf_ for x in sent.at(times, 60)[0]] == [x._mpf_ for x in rows[0]]
-    assert sent._kept.keys() == kept._kept.keys()  # nothing was asked for again
-    assert sent.at(times, 70) != rows  # more digits than are kept are
+def test_a_time_may_be_irrational() -> None:
+    proven = polhode.Certified(polhode.load("euler/largest-axis"))
+    exact = polhode.reference("euler/largest-axis").at(["sqrt(2)"], 30)
+    rows = proven.at(["sqrt(2)"], 20)
+    assert max(abs(x - y) for x, y in zip(rows[0], exact[0], strict=True)) < 1e-19
+    assert proven.at(["sqrt(2)"], 20) == rows

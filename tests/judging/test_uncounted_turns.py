@@ -31,3 +31,12 @@ def test_angles_that_are_refused_are_judged_up_to_whole_turns():
 
 def test_at_a_pole_psi_and_phi_are_not_judged():
     assert principal_angles([[1, 0, 0, 0], [0, 0.6, 0.8, 0]], 60)[0] == [None, 0, None]
+
+
+@pytest.mark.parametrize("case", ["euler/dzhanibekov", "kovalevskaya/generic", SCENE])
+def test_a_time_that_is_asked_for_twice_has_its_turns_counted_once(case):
+    reference = polhode.reference(case)
+    one, two = reference.angles([1, 2], 20)
+    assert reference.angles([1, 2, 1, 1], 20) == [one, two, one, one]
+    found = polhode.compare([one, two, one], case, at=[1, 2, 1], columns=("psi", "theta", "phi"))
+    assert found.parts["angles"] > 15

@@ -19,6 +19,7 @@ WIDTH = 118
 #: Where each part stands.
 PLACES = {
     "ahead": ROOT / "README.md",
+    "many": ROOT / "README.md",
     "speed": ROOT / "src/polhode/guide/measured.md",
     "far": ROOT / "src/polhode/guide/measured.md",
     "proofs": ROOT / "src/polhode/guide/measured.md",
@@ -31,6 +32,7 @@ def parts() -> dict[str, str]:
     far = far_table(report.results(ROOT / "reports", "long-run"))
     return {
         "ahead": ahead,
+        "many": _paragraph("speed", "From an array of 100"),
         "speed": f"{ahead}\n\n{_paragraph('speed', 'In quad a refined run takes')}",
         "far": far._replace(again="").markdown,
         "proofs": _paragraph("proofs", "tops are proved"),
@@ -38,9 +40,9 @@ def parts() -> dict[str, str]:
 
 
 def _paragraph(study: str, words: str) -> str:
-    """The paragraph of a study's page that has these words."""
+    """The paragraph of a study's page that has these words; nothing where its rows are missing."""
     page = report.page(report.results(ROOT / "reports", study))
-    (found,) = [text for text in page.split("\n\n") if words in " ".join(text.split())]
+    found = "".join(x for x in page.split("\n\n") if words in " ".join(x.split()))
     return fill(" ".join(found.split()), WIDTH, break_long_words=False, break_on_hyphens=False)
 
 
@@ -50,7 +52,7 @@ def put_in(text: str, path: Path) -> str:
         if PLACES[name] != path:
             continue
         pattern = rf"(<!-- {name}: [^>]*-->\n).*?(<!-- end -->)"
-        made = f"{part}\n"
+        made = f"{part}\n" if part else ""
         text, count = re.subn(pattern, lambda m, p=made: m[1] + p + m[2], text, flags=re.DOTALL)
         if count != 1:
             raise ValueError(f"{path.name} has {count} places for {name}")

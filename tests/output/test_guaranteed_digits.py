@@ -10,7 +10,8 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.numbers.conversion import exactly
+from polhode.numbers.conversion import exactly, to_mpf
+from polhode.output.guaranteed_digits import right_rows
 
 
 @pytest.mark.parametrize(
@@ -39,3 +40,14 @@ def test_the_last_printed_digit_is_right(name, at, capsys):
                 continue
             unit = Fraction(10) ** printed.as_tuple().exponent
             assert abs(Fraction(printed) - right) <= Fraction(501, 1000) * unit
+
+
+def test_an_answer_right_to_what_was_asked_and_no_more_is_printed_right():
+    """A ten-thousandth of the last place beside the half that rounding takes."""
+    third = Fraction(1, 3)
+
+    def ask(times, digits):
+        return [[to_mpf(third + Fraction(1, 10**digits), 200)] for _ in times]
+
+    ((found,),) = right_rows(ask, [Fraction(1)], 20)
+    assert 0 < exactly(found) - third < Fraction(11, 10**25)

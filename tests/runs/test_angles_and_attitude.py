@@ -11,8 +11,8 @@ import pytest
 
 import polhode
 from polhode.closed_forms.families import FAMILIES
-from polhode.equations import quaternion_products
 from polhode.motion.outcomes import Outcome
+from polhode.numbers import vectors
 from polhode.numbers.conversion import exactly
 from polhode.scenes import library
 from shared.policies import change_policy
@@ -116,7 +116,7 @@ def test_attitude_and_angles_are_as_good_as_the_state(number, what):
     assert {type(x) for row in run.angles for x in row} == {kind}
     lengths = (run.attitude**2).sum(axis=1)
     assert max(abs(x - 1) for x in lengths) < (8 if run.number.flat else 64) * eps
-    vertical = quaternion_products.vertical(run.attitude.T)
+    vertical = vectors.vertical(run.attitude.T)
     assert max(abs(a - b).max() for a, b in zip(vertical, run.gamma.T, strict=True)) < 300 * eps
     middle = run.times[-1] * Fraction(2, 3)
     assert error([run(middle)], [alone(middle)], True) <= 4 * (state + plain)

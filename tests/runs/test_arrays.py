@@ -408,7 +408,8 @@ def changed(row: int, column: int, x: float):
     return found
 
 
-LONG = 2**53 + 1
+LONG, LONGER = 2**53 + 1, 2**63 + 1
+MASKED = np.ma.array([1.0, 0, 0, 0, 0, 1], mask=[0, 1, 0, 0, 0, 0])
 ROWS = [
     (changed(3, 1, np.nan), "row 4 = .*: expected finite numbers"),
     (changed(8, 5, np.inf), "row 9 = .*: expected finite numbers"),
@@ -419,6 +420,10 @@ ROWS = [
     (starts(9).astype(str), "numbers of <U32: expected float64 or narrower"),
     (starts(9).astype(object), "numbers of object: expected float64 or narrower"),
     ([[LONG, 0, 0, 0, 0, 1]], f"row 1 = .{LONG}, .*: expected finite numbers that float64 holds"),
+    ([[1, 0.5, 0, 0, 0, 1], [LONG, 0.5, 0, 0, 0, 1]], f"row 2 = .{LONG}, 0.5, .*: expected fin"),
+    ([[LONGER, 0, 0, 0, 0, 1]], f"row 1 = .{LONGER}, 0, .*: expected finite numbers that float64"),
+    ([[2**52, -(2**53), 0, 0, 0, 1], [LONGER, -1, 0, 0, 0, 1]], f"row 2 = .{LONGER}, -1, .*: exp"),
+    ([MASKED.data, MASKED], r"row 2 = .1.0, None, .*: expected finite numbers that float64 h"),
     (starts(9)[:, :5], r"shape \(9, 5\): expected shape \(N, 6\)"),
     (starts(9)[:, :3], r"shape \(9, 3\): expected shape \(N, 6\)"),
     (starts(9)[None], r"shape \(1, 9, 6\): expected shape \(N, 6\)"),
@@ -454,6 +459,23 @@ def test_gamma_is_of_length_1_to_8_eps_exactly():
             for call in (go, lambda x, t: polhode.integrate_many(scene(), starts=x, at=[t])):
                 with pytest.raises(polhode.BadInput, match="gamma of length 1, to 8 eps"):
                     call(rows, t=0.0)
+
+
+@pytest.mark.parametrize("times", [{1, 2}, frozenset({1, 2}), {1: 2}, {1: 2}.keys()])
+def test_times_without_an_order_are_refused_in_one_line(times):
+    go = polhode.propagator(scene())
+    doors = {
+        "propagator": lambda: go(t=times),
+        "rows": lambda: go(starts(3), t=times),
+        "integrate_many": lambda: polhode.integrate_many(scene(), starts=starts(3), at=times),
+        "top": lambda: scene(end=None, at=times),
+        "a run": lambda: polhode.integrate(scene())(times),
+        "values": lambda: polhode.integrate_many(scene(), {"body.weight": times}, at=[1]),
+    }
+    for call in doors.values():
+        with pytest.raises(polhode.BadInput) as fault:
+            call()
+        assert "\n" not in str(fault.value)
 
 
 TWO = np.linspace(0, 1, 5)

@@ -125,6 +125,36 @@ def test_in_wider_types_too(case, number):
     assert_own_runs(many, turned=not scene.body.axes.trivial)
 
 
+@pytest.mark.parametrize("at", [[3], [0, "1/3", 20]])
+@pytest.mark.parametrize(
+    ("number", "tol", "method"),
+    [
+        *(("extended", None, "auto"), ("extended", "1e-15", "auto"), ("quad", None, "taylor")),
+        *(("quad", None, "auto"), ("quad", "1e-25", "auto"), ("mp", None, "auto")),
+    ],
+)
+def test_members_of_wider_types_are_their_runs_to_the_bit(number, tol, method, at):
+    """Also one about turned axes, and one that stands still."""
+    cases = [
+        (LAGRANGE, {"start.omega[3]": [3, "4.1"]}),
+        (MATRIX["rational"], [{"start.omega[1]": "1/3"}, {"start.omega[1]": 2}]),
+    ]
+    if number != "extended":  # where what stands still is integrated as all others are
+        cases.append(("staude/stable", {"start.psi": [0]}))
+    methods = set()
+    for scene, varied in cases:
+        many = polhode.integrate_many(scene, varied, at=at, number=number, tol=tol, method=method)
+        for k, member in enumerate(many.members):
+            told = {"tol": tol, "method": many[k].method, "project": False}
+            alone = polhode.integrate(replace(member, form="principal").at(at), number, **told)
+            assert np.array_equal(alone.states, many.states[k])
+            assert (alone.outcome, alone.reached) == (many.outcomes[k], many.reached[k])
+            assert alone.steps == many.steps[k]
+            methods.add(many[k].method)
+    assert ("refined" in methods) == ((number, tol, method) == ("quad", None, "auto"))
+    assert "taylor" in methods
+
+
 @pytest.mark.parametrize(
     ("scene", "given"),
     [
@@ -162,6 +192,21 @@ def test_the_unit_of_time_next_to_a_power_of_two():
     assert_own_runs(many)
     plan = sweep_plan.planned(scene, {"start.omega[1]": rates}, None, None, None, None)
     assert plan.time_units.tolist() == [m.time_unit for m in plan.members]
+
+
+@pytest.mark.parametrize("number", ["double", "extended"])
+def test_what_cancels_along_turned_axes_is_exactly_nothing(number):
+    """In pairs of doubles 3/5 of -20/51 and 4/5 of 5/17 leave 3e-33."""
+    inertia = [["66/25", "-12/25", 0], ["-12/25", "59/25", 0], [0, 0, 4]]
+    scene = polhode.top(inertia=inertia, omega=[1, "5/17", 1], end=1)
+    given = {"start.omega[1]": ["-20/51", "4/3"]}
+    plan = sweep_plan.planned(scene, given, number, None, None, None)
+    exact = [member.body.axes.components(member.omega) for member in plan.members]
+    assert [[x == 0 for x in row] for row in exact] == (plan.motions.starts == 0).tolist()
+    assert (plan.motions.starts[0] == 0).any()
+    units = [Fraction(2) ** int(n) for n in plan.time_units]
+    near = [[float(x * unit) for x in row] for row, unit in zip(exact, units, strict=True)]
+    assert np.array_equal(plan.motions.starts.astype(float), near)
 
 
 def test_members_are_as_right_as_their_closed_forms_say():

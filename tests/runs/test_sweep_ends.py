@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -21,7 +22,6 @@ import polhode
 from polhode.common import checkpoint
 from polhode.common.value_semantics import same
 from polhode.motion.outcomes import Outcome
-from polhode.runs.sweep import sweep_checkpoint
 from polhode.taylor.batches import batch_integrator
 from shared.motions import heavy
 
@@ -215,7 +215,7 @@ def test_an_interrupted_sweep_goes_on_and_ends_as_an_undisturbed_one(number, tmp
         first = interrupted(folder, number)
         assert first.interrupted
         assert 0 < first.outcomes.count(Outcome.NOT_RUN) < len(whole)
-    assert sorted(path.name for path in folder.iterdir())[0] == "manifest.json"
+    assert (folder / "manifest.json").is_file()
     again = swept(folder, number, progress=lambda _, done: seen.append(done))
     assert alike(again, whole)
     assert seen[0] > len(whole) - first.outcomes.count(Outcome.NOT_RUN)
@@ -248,21 +248,21 @@ def test_a_sweep_over_arrays_goes_on_to_the_same_bits(tmp_path):
     assert alike(polhode.integrate_many("lagrange/nutation", **asked), whole)
     other[199, 1] += 2.0**-50
     for changed in ({"starts": other}, {"vary": {"start.psi": np.ones((200, 1))}}):
-        with pytest.raises(polhode.BadInput, match="same sweep"):
+        with pytest.raises(polhode.BadInput, match="same command"):
             polhode.integrate_many("lagrange/nutation", **asked | changed)
 
 
-def first_part(folder: Path) -> Path:
-    return min(folder.glob("part-*"))
+def first_job(folder: Path) -> Path:
+    return min(folder.glob("job-*"))
 
 
 def written(data: bytes) -> Callable[[Path], object]:
-    return lambda folder: first_part(folder).write_bytes(data)
+    return lambda folder: first_job(folder).write_bytes(data)
 
 
 def changed(**arrays: Any) -> Callable[[Path], object]:
     def change(folder: Path) -> None:
-        path = first_part(folder)
+        path = first_job(folder)
         with np.load(path) as file:
             held = {name: file[name] for name in file.files}
         np.savez(path, **held | arrays)
@@ -274,10 +274,9 @@ DAMAGES = {
     "empty": written(b""),
     "a zip's beginning": written(b"PK\x03\x04"),
     "nonsense": written(b"nonsense" * 100),
-    "cut short": lambda folder: written(first_part(folder).read_bytes()[:-300])(folder),
-    "another one's": lambda folder: written(max(folder.glob("part-*")).read_bytes())(folder),
-    "members": changed(members=np.array([[0]])),
-    "other members": changed(members=np.array([10**6])),
+    "cut short": lambda folder: written(first_job(folder).read_bytes()[:-300])(folder),
+    "another one's": lambda folder: written(max(folder.glob("job-*")).read_bytes())(folder),
+    "an array more": changed(more=np.array([10**6])),
     "states": changed(states=np.zeros((1, 3, 6))),
     "flat states": changed(states=np.zeros(3)),
     "outcomes": changed(outcomes=np.array(["arrived"])),
@@ -293,7 +292,7 @@ def test_a_part_that_somebody_damaged_is_made_again(damage, tmp_path):
     """It gave tracebacks, or its numbers went into the result."""
     folder = tmp_path / "x.parts"
     interrupted(folder)
-    interrupted(folder)  # two parts
+    interrupted(folder)  # two more jobs
     DAMAGES[damage](folder)
     assert alike(swept(folder), swept(None))
 
@@ -304,15 +303,20 @@ def test_a_folder_of_anything_else_is_refused_and_stays(tmp_path):
     interrupted(folder)
     held = {path.name: path.read_bytes() for path in folder.iterdir()}
     for other in ({"at": ["0", "0.3", 2]}, {"tol": "1e-10"}):
-        with pytest.raises(polhode.BadInput, match=r"same sweep.*remove the folder to start again"):
+        with pytest.raises(polhode.BadInput, match=r"same command.*remove the folder to st"):
             swept(folder, **other)
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == held
     (folder / "manifest.json").write_text("[" * 100_000)
     with pytest.raises(polhode.BadInput, match="remove the folder to start again"):
         swept(folder)
+    older = {"parts of": "polhode sweep", "sweep": "0" * 64, "versions": {}}  # of sweeps before
+    (folder / "manifest.json").write_text(json.dumps(older))
+    with pytest.raises(polhode.BadInput, match="remove the folder to start again") as refusal:
+        swept(folder)
+    assert "\n" not in str(refusal.value)
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine/mine.txt").write_text("x")
-    with pytest.raises(polhode.BadInput, match="parts of the same sweep"):
+    with pytest.raises(polhode.BadInput, match="jobs of the same command"):
         swept(tmp_path / "mine")
     assert [path.name for path in (tmp_path / "mine").iterdir()] == ["mine.txt"]
 
@@ -330,32 +334,29 @@ def test_two_sweeps_do_not_share_a_folder(tmp_path):
             tried.append(str(refusal.value))
 
     assert swept(folder, progress=progress).done
-    assert "no other sweep running in this folder" in tried[0]
+    assert "no other command running in this folder" in tried[0]
 
 
 def test_a_disk_that_fills_ends_the_sweep_and_keeps_what_was_written(tmp_path, monkeypatch):
     folder, whole, write = tmp_path / "parts", swept(None), checkpoint.write_whole
 
     def full(texts: Any) -> None:
-        if any(path.name == "part-00001.npz" for path in texts):
+        if any(path.name == "job-00001.npz" for path in texts):
             raise polhode.BadInput("part", "file", None, "a place to write to (No space left)")
         write(texts)
 
-    monkeypatch.setattr(sweep_checkpoint, "EVERY", 0.0)
+    monkeypatch.setattr(checkpoint, "EVERY", 0.0)
     monkeypatch.setattr(checkpoint, "write_whole", full)
     with pytest.raises(polhode.BadInput, match="No space left"):
         swept(folder)
-    assert [path.name for path in sorted(folder.iterdir())] == ["manifest.json", "part-00000.npz"]
+    assert [path.name for path in sorted(folder.iterdir())] == ["job-00000.npz", "manifest.json"]
     monkeypatch.setattr(checkpoint, "write_whole", write)
     assert alike(swept(folder), whole)
 
 
 ARGUMENTS = ["sweep", "lagrange/nutation", "--vary", "start.omega[3]=1:4:400", "--at", "0,100"]
 ARGUMENTS += ["--workers", "1", "-o", "x.npz"]
-EAGER = (
-    "from polhode import cli; from polhode.runs.sweep import sweep_checkpoint; "
-    "sweep_checkpoint.EVERY = 0.0; "
-)
+EAGER = "from polhode import cli; from polhode.common import checkpoint; checkpoint.EVERY = 0.0; "
 COMMAND = [sys.executable, "-c", f"{EAGER}raise SystemExit(cli.main({ARGUMENTS}))"]
 
 
@@ -371,11 +372,11 @@ def test_a_killed_command_goes_on(tmp_path):
     subprocess.run(COMMAND, cwd=cold, check=True, capture_output=True)
     with subprocess.Popen(COMMAND, cwd=killed, stderr=subprocess.DEVNULL) as sweep:
         folder = killed / "x.npz.parts"
-        while not list(folder.glob("part-*.npz")) and sweep.poll() is None:
+        while not list(folder.glob("job-*.npz")) and sweep.poll() is None:
             time.sleep(0.02)
         sweep.kill()
     assert not (killed / "x.npz").exists()
-    assert list(folder.glob("part-*.npz"))
+    assert list(folder.glob("job-*.npz"))
     subprocess.run(COMMAND, cwd=killed, check=True, capture_output=True)
     assert arrays(killed / "x.npz") == arrays(cold / "x.npz")
     assert [path.name for path in killed.iterdir()] == ["x.npz"]

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import time
+from decimal import Decimal
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import polhode
 from polhode.common.errors import BadInput
 from polhode.scenes import scene_file
-
-MAX_SECONDS = 1.0  # of the processor
 
 FREE = {"moments": [1, 2, 2.5], "omega": [0.1, 1, 0]}
 ROD = {"shape": "rod", "mass": 1, "height": 1}
@@ -54,17 +50,22 @@ NUMBERS = [
     ({"quaternion": [1, 0, 0, 0], "psi": 1}, "start.psi = 1: expected no value together with qu"),
     ({"omega": [1, 2, "x"]}, "start.omega = x: expected a number"),
     ({"omega": [1, 2, float("inf")]}, "start.omega = inf: expected a number"),
-    ({"omega": np.array(3.0)}, "start.omega = 3: expected an array of 3 numbers"),
+    ({"omega": np.array(3.0)}, "start.omega = 3.0: expected an array of 3 numbers"),
     ({"samples": 3.5, "end": 1}, "run.samples = 3.5: expected a whole number"),
     ({"events": [3]}, "events[1] = 3: expected an Event, or a mapping of its keys"),
     ({"outputs": [3]}, "run.outputs = 3: expected a text"),
     ({"normalise": np.zeros(3)}, "start.normalise = [0. 0. 0.]: expected True or False"),
     ({"name": 3}, "top: name = 3: expected text"),
     ({"title": np.array(3.0)}, "title = 3.0: expected a text"),
-    ({"title": "\ud800"}, "expected TOML"),
-    ({"title": "x" * 20_000}, "lines of at most 10000"),
+    ({"title": "\ud800"}, "title = ?: expected a text of at most 10000 whole"),
+    ({"title": "x" * 20_000}, "expected a text of at most 10000 whole"),
     ({"at": (k for k in (2, 1))}, "run.at[2] = 1: expected times of one sign"),
     ({"moment": [2, 2, 1]}, "moment = [2, 2, 1]: ; did you mean 'moments'"),
+    ({"events": [{"name": "x", "zero": "p", "stopp": True}]}, "events[1].stopp; mean 'stop'"),
+    ({"events": [polhode.Event("section:gama1")]}, "events[1].name = gama1: ; mean 'gamma1'"),
+    ({"events": [3]}, "events[1] = 3: expected an Event, or a mapping of its keys"),
+    ({"omega": [None, 0, 1]}, "start.omega = None: expected a value"),
+    ({"samples": Decimal("3.5"), "end": 1}, "run.samples = 3.5: expected a whole number from 2"),
     # more than rounding, with its amount
     (inertia(SYMMETRIC), "[1][2] and [2][1] differ by 1e-14"),
     (inertia(["2", "0.1", 0], ["0.1+1e-17", "2", 0]), "differ by 1e-17"),
@@ -193,8 +194,8 @@ FILES = [
     ({"schema": ""}, "schema; 1"),
     ({"schema": "schema = 2"}, "schema = 2: expected 1"),
     (of_schema("titel = 'x'"), "titel = x; did you mean 'title'"),
-    (of_schema("title = 3"), "title = 3; a string"),
-    (of_schema("tags = [0.50]"), "tags = 0.50; a string"),
+    (of_schema("title = 3"), "title = 3; a text"),
+    (of_schema("tags = [0.50]"), "tags = 0.50; a text"),
     (of_schema("events = 3"), "events = 3; [[events]]"),
     (of_schema("moments = [1]"), "moments = [1]: expected no such key here: it belongs in [body]"),
     (of_schema("omega = [1]"), "omega = [1]: expected no such key here: it belongs in [start]"),
@@ -230,8 +231,8 @@ FILES = [
     ({"end": "end = 0"}, "run.end = 0; other than 0"),
     ({"end": "samples = 3"}, "run.end; samples"),
     (more("samples = 1"), "run.samples = 1; from 2"),
-    (more("samples = true"), "run.samples = true; integer"),
-    (more("samples = 10.0"), "run.samples = 10.0; integer"),
+    (more("samples = true"), "run.samples = true; a whole number"),
+    (more("samples = 10.0"), "run.samples = 10.0; a whole number"),
     (more("at = [1]"), "run.end = 1; no value together with at"),
     ({"end": "at = []"}, "run.at = []; at least one"),
     ({"end": "at = [1, 2, 2]"}, "run.at[3] = 2; monotone"),
@@ -243,7 +244,7 @@ FILES = [
     (more("[[events]]\nzero = 'gama1'"), "events[1].zero = gama1; 'gamma1'"),
     (more("[[events]]\nzero = 'p/0'"), "events[1].zero = p/0; division"),
     (more("[[events]]\nzero = 'p'\ndirection = 'fall'"), "direction = fall; mean 'falling'"),
-    (more("[[published]]\nt = 1"), "published[1].quantity; a string"),
+    (more("[[published]]\nt = 1"), "published[1].quantity; a text"),
     (more("[reference]\nkind = 'eular'"), "reference.kind = eular; 'euler'"),
     (more("[reference]\nkind = 'two-precisions'"), "two-precisions: expected auto, or certified"),
     (more("[expect]\ndoubel = [1, 2]"), "expect.doubel; mean 'double'"),
@@ -259,7 +260,7 @@ FILES = [
     (level("f = 0.5"), "start.h: expected a number"),
     (level("h = 3"), "start.f: expected a number"),
     (level("h = 3\nf = 0.5\nsign = 'plus'"), "start.sign = plus: expected + or -"),
-    (level("h = 3\nf = 0.5\nsign = 1"), "start.sign = 1: expected a string"),
+    (level("h = 3\nf = 0.5\nsign = 1"), "start.sign = 1: expected a text"),
     (level("h = 3\nf = 0.5\nomega = [1, 0, 0]"), "start.omega = [1, 0, 0]: expected no value"),
     (level("h = 3\nf = 0.5\nangles = [0, 1, 0]"), "start.angles; no value together with gamma"),
     (level("h = 3\nf = 0.5", ""), "start.gamma: expected a unit vector, since"),
@@ -291,60 +292,3 @@ def test_what_is_not_a_scene_file_is_refused(tmp_path):
     for absent in (tmp_path, tmp_path / "none.toml"):
         with pytest.raises(BadInput, match="readable"):
             scene_file.read(absent)
-
-
-# -- random texts -----------------------------------------------------------------------------
-
-
-def scene_or_one_line(text: str) -> None:
-    began = time.process_time()
-    try:
-        scene_file.parse(text, "top.toml")
-    except BadInput as fault:
-        line = str(fault)
-    else:
-        line = "top.toml: expected"
-    assert time.process_time() - began < MAX_SECONDS
-    assert line.startswith("top.toml: ")
-    assert line.isprintable()
-    assert "expected" in line
-
-
-_NUMBERS = st.one_of(
-    st.integers().map(str),
-    st.floats().map(str),
-    st.sampled_from(["nan", "-inf", "1e400", "-1e-4000", "1e99999", "9" * 4299, "9" * 5000]),
-    st.sampled_from(["'1/3'", "'sqrt(2)'", "'pi'", "'1/0'", "'x'", "''", "0x" + "f" * 4000]),
-)
-_WORDS = ["true", "1979-05-27", "07:32:00", '"\\u0000\\n"', "'euler'", "'p*q'"]
-_VALUES = st.recursive(
-    _NUMBERS | st.sampled_from(_WORDS),
-    lambda inner: st.one_of(
-        st.lists(inner, max_size=4).map(lambda items: f"[{', '.join(items)}]"),
-        st.lists(_NUMBERS, min_size=3, max_size=3).map(lambda items: f"[{', '.join(items)}]"),
-        inner.map("{{ a = {} }}".format),
-    ),
-    max_leaves=8,
-)
-_KEYS = [
-    *("schema", "title", "tags", "cite", "body", "moments", "inertia", "centre", "weight"),
-    *("omega", "momentum", "gamma", "normalise", "psi", "angles", "rates", "end", "samples", "at"),
-    *("form", "outputs", "name", "zero", "direction", "stop", "t", "quantity", "value", "right"),
-    *("kind", "double", "mp", "moment", "'\\u2028'", "a.b.c"),
-]
-_PAIRS = st.tuples(st.sampled_from(_KEYS), _VALUES).map(" = ".join)
-_HEADS = ["[body]", "[start]", "[run]", "[[events]]", "[[published]]", "[expect]", "[reference]"]
-_LINES = st.lists(_PAIRS | st.sampled_from(_HEADS), max_size=12).map("\n".join)
-_LAST = st.lists(_PAIRS.filter(lambda pair: not pair.startswith("samples")), min_size=1, max_size=3)
-
-
-@settings(max_examples=2 * settings.default.max_examples)
-@given(st.one_of(st.text(max_size=200), _LINES, _LINES.map("schema = 1\n{}".format)))
-def test_random_documents_are_a_scene_or_refused_in_one_line(text: str) -> None:
-    scene_or_one_line(text)
-
-
-@settings(max_examples=2 * settings.default.max_examples)
-@given(st.sampled_from(["schema", "moments", "omega", "gamma", "end"]), _LAST)
-def test_a_good_scene_with_random_lines_is_a_scene_or_refused(key: str, lines: list[str]) -> None:
-    scene_or_one_line(base(**{key: "\n".join(lines)}))

@@ -12,9 +12,11 @@ from polhode.numbers import exact
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.expression import number
 from polhode.numbers.mpmath_context import mpmath
-from polhode.scenes.body import OWN_AXES, Body, Matrix, UnphysicalBody, Vector, cross, diagonal, dot
+from polhode.numbers.vectors import Matrix, Vector, cross, dot
+from polhode.scenes.body import OWN_AXES, Body, UnphysicalBody, diagonal
 from polhode.scenes.shapes import Part
 from shared.examples import examples
+from shared.members import rotation
 
 small = st.integers(-6, 6)
 entries = st.fractions(min_value=-3, max_value=3, max_denominator=12)
@@ -24,13 +26,8 @@ entries = st.fractions(min_value=-3, max_value=3, max_denominator=12)
 def rotations(draw: st.DrawFn) -> Matrix:
     """The rotation of a rational quaternion: rows of rational numbers, exactly orthonormal."""
     w, x, y, z = (Fraction(draw(small)) for _ in range(4))
-    n = w * w + x * x + y * y + z * z
-    assume(n)
-    return (
-        ((w * w + x * x - y * y - z * z) / n, 2 * (x * y - w * z) / n, 2 * (x * z + w * y) / n),
-        (2 * (x * y + w * z) / n, (w * w - x * x + y * y - z * z) / n, 2 * (y * z - w * x) / n),
-        (2 * (x * z - w * y) / n, 2 * (y * z + w * x) / n, (w * w - x * x - y * y + z * z) / n),
-    )
+    assume(w or x or y or z)
+    return rotation(w, x, y, z)
 
 
 @st.composite

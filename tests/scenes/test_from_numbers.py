@@ -15,8 +15,6 @@ import polhode
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import noted
 from polhode.scenes import keys, library, scene_file
-from polhode.scenes import scene as scene_module
-from polhode.scenes.scene import sure_time_unit
 
 EPS = np.finfo(float).eps
 FREE = {"moments": [1, 2, 2.5], "omega": [0.1, 1, 0]}
@@ -266,23 +264,6 @@ def test_every_title_is_read_as_it_was_given(title):
     assert (scene.title, type(scene.title)) == (title, str)
     assert scene_file.parse(scene.source, "top") == scene
     assert polhode.as_toml(replace(scene, psi=1)).count(chr(10)) > 5
-
-
-def test_the_unit_of_time_is_the_one_of_the_exact_numbers(monkeypatch):
-    """Doubles decide where they are sure of it; next to a power of two they are not."""
-    near = [1 + Fraction(k, 2**n) for k in (-3, -1, 0, 1, 3) for n in (9, 10, 11, 40, 60)]
-    sizes = np.exp(np.random.default_rng(7).uniform(-90, 90, 60))
-    scenes = []
-    for rate in [Fraction(float(x)) for x in sizes] + near + [x / 2**41 for x in near]:
-        start = {"omega": [rate, 0, 0], "gamma": [0, 0, 1]}
-        scenes.append(polhode.top(moments=[1, 2, 2], **start))
-        heavy = {"moments": [1, 1, 1], "centre": [0, 0, 1], "weight": rate**2}
-        scenes.append(polhode.top(**heavy, omega=[0, 0, 0], gamma=[0, 1, 0]))
-    found = [scene.time_unit for scene in scenes]
-    sure = sum(sure_time_unit(x.omega, x.body) is not None for x in scenes)
-    monkeypatch.setattr(scene_module, "sure_time_unit", lambda omega, body: None)
-    assert found == [replace(scene, name="again").time_unit for scene in scenes]
-    assert 100 < sure < len(scenes)
 
 
 @pytest.mark.parametrize("gamma", [[0.6, 0, 0.8], [0.6, 0.48, 0.64]])

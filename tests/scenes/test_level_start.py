@@ -8,8 +8,8 @@ import pytest
 
 import polhode
 from polhode.numbers.exact import sign
+from polhode.numbers.vectors import cross, dot
 from polhode.scenes import scene_file
-from polhode.scenes.body import cross, dot
 from polhode.scenes.variation import vary
 from polhode.scenes.variation.sweep_scenes import Members
 

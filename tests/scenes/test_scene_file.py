@@ -11,8 +11,8 @@ from test_bad_scenes import BASE, base
 from polhode.numbers import exact
 from polhode.numbers.exact import sign
 from polhode.numbers.expression import number
+from polhode.numbers.vectors import dot
 from polhode.scenes import scene_file
-from polhode.scenes.body import dot
 from polhode.scenes.scene import Scene
 
 FULL = """

@@ -6,10 +6,11 @@ from flint import arb
 
 import polhode
 from polhode.closed_forms.balls.core import TooFewBits, ball
-from polhode.closed_forms.balls.frames import conjugate, product
+from polhode.closed_forms.balls.frames import conjugate
 from polhode.closed_forms.families import closed_form
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.vectors import quaternion_product
 from shared import fast_series
 from shared.closed_form_motions import number
 
@@ -62,7 +63,7 @@ def agrees_with_taylor(motion, plain, digits=28):
         largest = max([mpf(1), *(abs(x) for x in right[:3])])
         if motion.has_attitude:
             q0, q = motion.attitude([0, t], digits + 4)
-            row = [*row, *product(conjugate(q0), q)]
+            row = [*row, *quaternion_product(conjugate(q0), q)]
         sizes = [*[largest] * 3, *[1] * (kept - 3)]
         off = [abs(x - y) / size for x, y, size in zip(row, right[:kept], sizes, strict=True)]
         assert max(off) < mpf(10) ** -digits

@@ -12,8 +12,10 @@ from polhode.numbers.conversion import to_mpf
 from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.numbers.number_types import mp
 from polhode.numbers.scalars import Functions
-from polhode.scenes.body import OWN_AXES, Body, cross
+from polhode.numbers.vectors import cross
+from polhode.scenes.body import OWN_AXES, Body
 from polhode.scenes.scene import Scene
+from shared import members
 
 DIGITS = 50
 WORKING = 140  # a central difference over 1e-40 leaves errors of 1e-80 and 1e-100
@@ -37,14 +39,7 @@ def unit_vectors(draw):
 @st.composite
 def rotations(draw):
     """A rational rotation, from an integer quaternion."""
-    a, b, c, d = draw(st.tuples(*[st.integers(-4, 4)] * 4).filter(any))
-    n = a * a + b * b + c * c + d * d
-    rows = (
-        (a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)),
-        (2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)),
-        (2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d),
-    )
-    return [[Fraction(x, n) for x in row] for row in rows]
+    return members.rotation(*draw(st.tuples(*[st.integers(-4, 4)] * 4).filter(any)))
 
 
 def turned(rotation, vector):

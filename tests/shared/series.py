@@ -1,9 +1,9 @@
 """An integration that shares nothing with the package: power series of the motion, in plain mpmath.
 
-    I w' + w x I w = Mg gamma x r0,    gamma' = gamma x w,    psi' = (p g1 + q g2)/(g1^2 + g2^2)
+    I w' + w x I w = Mg gamma x r0,    gamma' = gamma x w
 
 for any inertia matrix in any body axes, with the attitude quaternion (body -> space, scalar first)
-and psi where asked for.  Every step sums the Taylor series of the solution to an order and over a
+where asked for.  Every step sums the Taylor series of the solution to an order and over a
 length chosen so that the last terms are below the working precision; the working precision carries
 20 digits more than are asked for, and the test of the series is that two precisions agree.
 """
@@ -30,16 +30,15 @@ def integrate(
     *,
     torque: Sequence[Any] = (0, 0, 0),
     quaternion: Sequence[Any] | None = None,
-    psi: Any | None = None,
 ) -> list[list[mpf]]:
-    """Rows p, q, r, g1, g2, g3 [, q0, q1, q2, q3] [, psi], one a time; the times go away from 0.
+    """Rows p, q, r, g1, g2, g3 [, q0, q1, q2, q3], one a time; the times go away from 0.
 
     ``inertia`` is three principal moments or a 3x3 matrix, ``torque`` is Mg r0.  Numbers are
     anything exact: ints, Fractions, decimal strings, or mpf.  The error is about 10^-digits while
-    the motion does not amplify errors by more than 10^10.  About principal axes, without psi and
+    the motion does not amplify errors by more than 10^10.  About principal axes and
     with numbers of order 1, the same series are summed in integers (:mod:`.fast_series`).
     """
-    if psi is None and not isinstance(inertia[0], (list, tuple)):
+    if not isinstance(inertia[0], (list, tuple)):
         with mpmath.workdps(digits + 40):
             given = [[number(x) for x in row] for row in (inertia, torque, omega, gamma, times)]
             turn = None if quaternion is None else [number(x) for x in quaternion]
@@ -51,7 +50,6 @@ def integrate(
         state = [number(x) for x in (*omega, *gamma)]
         if quaternion is not None:
             state += [number(x) for x in quaternion]
-        angle = None if psi is None else number(psi)
         if not isinstance(inertia[0], (list, tuple)):
             inertia = [[x if i == j else 0 for j in range(3)] for i, x in enumerate(inertia)]
         tensor = mpmath.matrix([[number(x) for x in row] for row in inertia])
@@ -60,16 +58,12 @@ def integrate(
         now, rows = mpf(0), []
         for time in map(number, times):
             while now != time:
-                series, turn = _series(state, body, order, angle is not None)
+                series = _series(state, body, order)
                 step, left = length(mpmath, series), time - now
-                if turn is not None:
-                    step = min(step, length(mpmath, [[mpf(1), *turn[1:]]]))
                 step = left if abs(left) <= step else mpmath.sign(left) * step
                 state = [total(row, step) for row in series]
-                if turn is not None:
-                    angle += total(turn, step)
                 now = time if step == left else now + step
-            rows.append([*state] + ([] if angle is None else [angle]))
+            rows.append([*state])
     with mpmath.workdps(digits + 5):
         return [[+x for x in row] for row in rows]
 
@@ -88,14 +82,11 @@ def number(x: Any) -> mpf:
     return mpf(x)
 
 
-def _series(state: list[mpf], body: Any, order: int, with_psi: bool) -> tuple[list[Any], Any]:
+def _series(state: list[mpf], body: Any, order: int) -> list[Any]:
     """Taylor coefficients of every component, by Cauchy products."""
     inertia, inverse, torque = body
     x: list[list[mpf]] = [[c] for c in state]
     momentum: list[list[mpf]] = [[], [], []]
-    across: list[mpf] = []  # g1^2 + g2^2
-    above: list[mpf] = []  # p g1 + q g2
-    rate: list[mpf] = []
     heavy = any(torque)
 
     def times(a: list[mpf], b: list[mpf], n: int) -> mpf:
@@ -119,15 +110,9 @@ def _series(state: list[mpf], body: Any, order: int, with_psi: bool) -> tuple[li
                 (times(q[0], w[1], n) + times(q[3], w[0], n) - times(q[1], w[2], n)) / 2,
                 (times(q[0], w[2], n) + times(q[1], w[1], n) - times(q[2], w[0], n)) / 2,
             ]
-        if with_psi:
-            above.append(times(w[0], g[0], n) + times(w[1], g[1], n))
-            across.append(times(g[0], g[0], n) + times(g[1], g[1], n))
-            known = mpmath.fdot(rate, across[:0:-1]) if n else mpf(0)
-            rate.append((above[n] - known) / across[0])
         for row, c in zip(x, new, strict=True):
             row.append(c / (n + 1))
-    turn = [mpf(0), *(c / (n + 1) for n, c in enumerate(rate))] if with_psi else None
-    return x, turn
+    return x
 
 
 CYCLE = ((1, 2), (2, 0), (0, 1))

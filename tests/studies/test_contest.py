@@ -77,6 +77,26 @@ def test_every_program_that_is_here_finds_the_motion(program):
             assert 8 < draws.digits(draws.judged(found, outputs), true) <= 15.96
 
 
+@pytest.mark.parametrize("program", [costs(programs.BY_NAME[name]) for name in programs.MANY])
+def test_every_program_finds_the_motions_of_many_starts(program):
+    """The same starts, however many; as right as a start alone, and in their order."""
+    if any(find_spec(need) is None for need in program.needs):
+        pytest.skip(f"without {program.needs}")
+    few, many = (draws.draw("asymmetric", 2, 1, 2, n) for n in (20, 100))
+    assert np.array_equal(few.start, many.start[:20])
+    true, times = draws.truth("asymmetric", 2, 1, many=True), np.array([0.0, 1.0])
+    run = program.prepared(draws.present("asymmetric"), many=True)
+    found = np.array(run(few.top, few.start.copy(), times, 1e-13))  # JAX's cannot be written to
+    assert found.shape == (20, 6)
+    assert 11 < draws.median_digits(found[: draws.MANY_JUDGED], true) <= 15.96
+    back = run(few.top, few.start[::-1].copy(), times, 1e-13)
+    assert np.abs(back[::-1] - found).max() < 1e-11
+    found[: draws.MANY_JUDGED // 2, 0] += 1e-3  # fewer than half: the median is another one's
+    assert draws.median_digits(found[: draws.MANY_JUDGED], true) > 11
+    found[: draws.MANY_JUDGED // 2 + 1, 0] += 1e-3
+    assert draws.median_digits(found[: draws.MANY_JUDGED], true) < 4
+
+
 def test_a_start_that_is_none_is_refused():
     one = draws.draw("lagrange", 1, 10, 11)
     with pytest.raises(polhode.BadInput):
@@ -95,6 +115,10 @@ def test_the_least_of_several_calls_next_to_a_level_is_told(monkeypatch):
     ((_, tol, digits, least),) = held.told()[OURS]
     assert (tol, least) == (1e-9, 1.0)
     assert digits > 15
+    entered = {}
+    for seconds in (2.0, 1.0, 3.0):  # of three processes, by the fastest
+        cells._enter(entered, {OURS: [[0, tol, digits, seconds]]})
+    assert entered == {OURS: {(0, tol): (digits, 1.0)}}
 
 
 # rows
@@ -184,13 +208,20 @@ def test_what_the_page_counts_follows_from_the_rows(factor):
     told = page.facts(found)
     words = {2.0: "ahead", 0.5: "behind", 1.0: "even"}
     for part, lengths in (("far", range(100, 10**6)), ("near", range(11))):
-        held = [x for cell in found["cells"] if cell["end"] in lengths for x in stands(cell)]
+        single = [x for x in found["cells"] if x["end"] in lengths and not x["starts"]]
+        held = [x for cell in single for x in stands(cell)]
         assert held
         assert told[part]["compared"] == len(held)
         assert told[part][words[factor]] == len(held)
         assert sum(told[part][word] for word in page.WORDS) == len(held)
     assert (f"({PEER} 0.50)" in told["losses"]) == (factor == 0.5)
     assert (told["losses"] == "–") == (factor != 0.5)
+    many = 3 * len(draws.MANY_ENDS) * len(draws.MANY_STARTS)
+    assert told["of_many"] == dict.fromkeys(page.WORDS, 0) | {words[factor]: many, "compared": many}
+    assert (f"({PEER} 0.50)" in told["many_losses"]) == (factor == 0.5)
+    lines = page.tables(found)["many"].markdown.splitlines()
+    assert sum("starts=100 " in line for line in lines) == 9
+    assert "starts" not in page.tables(found)["short"].markdown
     assert told["engine"].startswith("1.00 (at most 1.00) at t = 1")
 
 
@@ -208,6 +239,19 @@ def test_a_program_that_is_not_there_ends_the_study_unless_it_is_left_out(monkey
         speed.taking_part(False, ("nothing",))
     with pytest.raises(polhode.BadInput, match="runs polhode alone"):
         report.part("accuracy", ["euler"], without=["CyRK"])
+
+
+@pytest.mark.slow
+def test_a_small_contest_of_many_starts_from_end_to_end():
+    found = speed.rows(quick=True, only=Only(("asymmetric t=1 starts=100",)))
+    (cell,) = found["cells"]
+    assert (cell["starts"], cell["faults"]) == (100, {})
+    for level in cell["levels"]:
+        reached = {one["program"]: one["reached"] for one in level["programs"]}
+        assert reached == dict.fromkeys((OURS, RUN, ENGINE), 8)
+        seconds = {one["program"]: one["seconds"] for one in level["programs"]}
+        assert seconds[ENGINE] < 10 * seconds[OURS]  # a hundred times as many would be a loop
+    assert "t=1 starts=100" in page.tables(found)["many"].markdown
 
 
 @pytest.mark.slow

@@ -8,11 +8,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from polhode.equations.integrals import departures, drift
-from polhode.judging.adaptive_precision import integrate
-from polhode.judging.conditioning.conditioning import conditioning
+from polhode.equations.integrals import departures
 from polhode.judging.references.reference import reference
-from polhode.scenes.body import dot
+from polhode.numbers.vectors import dot
 from polhode.studies.ensembles import random_scene
 from polhode.studies.long_run import growth, late_time, page
 from polhode.studies.long_run import rows as long_run
@@ -89,12 +87,6 @@ def test_a_bias_is_told_from_a_random_walk():
     assert pulls_of([leaning])["euler", "h"] > 4
 
 
-def test_mean_and_deviation_are_those_of_a_sample():
-    members = [[1.0, 5.0], [2.0, 5.0], [6.0, 5.0]]
-    assert growth.means(members) == [3.0, 5.0]
-    assert growth.deviations(members) == pytest.approx([7**0.5, 0])
-
-
 def test_departures_have_signs():
     """A free body that turns faster by a part in 1e10, or slower, or whose vertical is longer."""
     scene = random_scene("euler", 0, (Fraction(1),))
@@ -125,36 +117,6 @@ def test_starts_are_exact_alike_every_time_and_all_different(top):
         truth = reference(scene)
         assert truth.is_closed_form
         assert truth.kind == top
-
-
-def test_one_member_followed():
-    start = long_run.RunStart("kovalevskaya", 3, (Fraction(10), Fraction(50)), ("double",))
-    found = long_run.follow(start)
-    assert list(found.errors) == ["double"]
-    assert all(1e-18 < error < 1e-12 for error in found.errors["double"])
-    assert all(0 < drift < 1e-14 for drift in found.drift)
-    assert found.projection is None
-    assert found.inputs == []
-    assert [*found.departures] == ["h", "f", "|gamma|^2", "K^2"]
-    run = integrate(start.scene, "double", project=False)
-    told = drift(start.scene, run.states, 53)
-    assert max(found.drift) == max(told)
-    assert max(abs(x) for x in found.departures["h"]) == told.h
-
-
-def test_a_projected_member_beside_what_rounding_its_inputs_leaves():
-    """Exact inputs leave nothing; the others an error that the run's own is of the size of."""
-    start = long_run.RunStart(
-        "lagrange", 2, tuple(map(Fraction, (100, 300))), (long_run.PROJECTED,)
-    )
-    found = long_run.follow(start)
-    assert found.departures == {}
-    assert len(found.inputs) == 2
-    assert all(1e-17 < x < 1e-13 for x in found.inputs)
-    every = integrate(start.scene, "double").projection.every
-    left = conditioning(start.scene).inputs("double", every)
-    assert found.inputs == [10.0**-x for x in left]
-    assert left != conditioning(start.scene).inputs("double")
 
 
 # the study

@@ -14,8 +14,8 @@ from polhode.judging.diagnosis.error_budget import selected
 from polhode.numbers import exact, number_types
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
+from polhode.numbers.vectors import scaled
 from polhode.scenes import library
-from polhode.scenes.body import scaled
 from polhode.studies.stability import hard_cases, limits, rows, symmetries
 from shared.reports import committed
 

@@ -11,7 +11,6 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.judging.references.reference import Remembered
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import DOUBLE
 from polhode.scenes import library
@@ -130,7 +129,7 @@ LOSES = {"steklov/upper": 0.55}
 @pytest.mark.parametrize("name", library.names())
 def test_no_case_loses_digits(name):
     scene = polhode.load(name)
-    truth = Remembered(polhode.reference(scene))
+    truth = polhode.reference(scene)
     for number in [n for n in ("extended", "double") if n in scene.expect]:
         bare, often = (
             min(polhode.compare(polhode.integrate(scene, number, project=p), truth).digits)

@@ -52,7 +52,6 @@ REFUSED = {
     f"run {CASE} and more": "expected nothing more",
     f"run {CASE} 'a\nb'": "a b",
     f"run {CASE} --digts 3": "did you mean '--digits'?",
-    f"run {CASE} --numbr=quad": "option = --numbr:",
     f"run {CASE} --output x.csv": "option = --output: expected -o, as it is called here",
     f"run {CASE} --rtol 1e-9": "option = --rtol: expected --tol, as it",
     f"run {CASE} --dt 0.1": "option = --dt: expected --every, as it",
@@ -65,13 +64,11 @@ REFUSED = {
     "about x": "argument = x: expected nothing more",
     # -- scenes
     "run euler/separatrx": "did you mean 'euler/separatrix'",
-    "show euler/separatix": "did you mean 'euler/separatrix'?",
     "show looping": "did you mean 'lagrange/looping'?",
     "run nutation.toml": "(did you mean 'lagrange/nutation'?)",
     "run mine": "did you mean the file mine.toml?",
     "run nosuch.toml": "a path",
     "run 'x\0y'": "a path",
-    "run 'no\nsuch'": "no such",
     "run .": "directory",
     "show table.csv": TABLE,
     "run table.npz": TABLE,
@@ -81,22 +78,17 @@ REFUSED = {
     "show /dev/zero": "at most 100000 bytes",
     "list --tag kovalevski": "did you mean 'kovalevskaya'?",
     "list --tag nope": "one of the tags angles, ",
-    "list --tag=": "one of the tags angles, ",
     # -- numbers and words
     f"run {CASE} --number duoble": "did you mean 'double'",
     f"run {CASE} --number": "expected",
-    f"run {CASE} --number --": "expected",
     f"run {CASE} --digits 0": "digits = 0",
     f"run {CASE} --digits 1.5": "--digits = 1.5: expected a whole number\n",
     f"run {CASE} --digits many": "--digits = many: expected a whole number\n",
     f"run {CASE} --digits {'9' * 20}": f"--digits = {'9' * 20}: expected a whole number of at most",
     f"run {CASE} --digits {'1' * 17}": f"digits = {'1' * 17}: expected a whole number, 1 to 4000",
-    f"run {CASE} --digits {'9' * 5000}": "whole number",
     f"run {CASE} --digits 30 --number double": "quad",
     f"run {CASE} --tol 1e-30": "tol = 1e-30: expected between eps",
-    f"run {CASE} --tol -1e-3": "tol = -1e-3",
     f"run {CASE} --tol soon": "tol = soon",
-    f"run {CASE} --tol --": "expected",
     f"run {CASE} --max-steps 0": "--max-steps = 0: expected 1 or more\n",
     f"run {CASE} --max-steps many": "whole number",
     f"run {CASE} --form principle": "did you mean 'principal'",
@@ -114,13 +106,11 @@ REFUSED = {
     "guide xyzzy": "expected",
     "guide ../cli": "expected jobs, commands, scene",
     f"guide {'1' * 5000}": "polhode: guide",
-    "guide ''": "expected jobs, commands, scene",
     "guide api integrat": "did you mean 'integrate'?",
     "compare table.csv top.toml --digits 30": "digits",
     "compare table.csv other.csv": "a table is judged by a motion",
     # -- times
     f"run {CASE} --at": "expected",
-    f"run {CASE} --at --": "expected",
     f"run {CASE} --at ''": "--at",
     f"run {CASE} --at 1,,2": "--at",
     f"run {CASE} --at 1,soon": "--at = soon",
@@ -130,9 +120,7 @@ REFUSED = {
     f"run {CASE} --at 1e400": "wider range",
     f"run {CASE} --at 0:1": "--at = 0:1: expected FROM:TO:N with N from 1",
     f"run {CASE} --at 0:1:0": "expected FROM:TO:N with N from 1",
-    f"run {CASE} --at 0:1:2:3": "expected FROM:TO:N",
     f"run {CASE} --at 0:1:99999999": "FROM:TO:N with N from 1 to 10000000",
-    f"run {CASE} --at 0:1:x": "expected FROM:TO:N",
     f"run {CASE} --at 0:x:3": "unknown name 'x'",
     f"run {CASE} --at 1,2 --end 5": "--end = 5: expected no value together with --at",
     f"run {CASE} --at 1,2 --every 5": "--every = 5: expected no value together with --at",
@@ -148,17 +136,13 @@ REFUSED = {
     f"run {CASE} --every 1 --samples 3": "--samples: not allowed with argument --every",
     f"view {CASE} --end -1,2 -o x.html": "end",
     f"orbit {GENERAL} --h 1e400": f"polhode: {GENERAL}",
-    f"orbit {GENERAL} --h -1e400": f"polhode: {GENERAL}",
     f"prove orbit {GENERAL} --h 1e400": f"polhode: {GENERAL}",
     f"frequencies {GENERAL} --end 1e308": f"polhode: {GENERAL}",
-    f"frequencies {GENERAL} --end -1e400": f"polhode: {GENERAL}",
     # -- members of a sweep, numbers kept of them
-    "sweep heavy.toml -o x.npz": "--vary: expected numbers to vary or --starts FILE, one of them",
     "sweep heavy.toml --vary body.weight=1:2:0": "body.weight = 1:2:0: expected FROM:TO:N with N",
     "sweep heavy.toml --vary body.wieght=1": "did you mean 'body.weight'?",
     "sweep heavy.toml --vary body.weight": "--vary = body.weight: expected KEY=FROM:TO:N or KEY=a",
     f"sweep heavy.toml {VARY} {VARY}": "expected body.weight once",
-    "sweep heavy.toml --vary body.moments[3]=1:6:2": "member 2 (body.moments[3] = 6): body.moments",
     f"sweep heavy.toml {VARY} --number single": "number = single: expected double",
     f"sweep heavy.toml {VARY} --tol 0.5": "expected between eps",
     f"sweep heavy.toml {VARY} --workers 0": "--workers = 0: expected 1 or more",
@@ -183,11 +167,8 @@ REFUSED = {
     "plot table.csv --what error --scene top.toml -o link.svg": OTHER_FILE,
     f"run {CASE} -o x.csv": "nowhere, where this link leads",
     f"run {CASE} -o nofolder/y.csv": "existing folder",
-    f"run {CASE} -o 'no\nfolder/y.csv'": "no folder/y.csv",
     f"run {CASE} -o .": "not a folder",
     f"run {CASE} -o": "expected",
-    f"run {CASE} -o --": "expected",
-    f"run {CASE} -o y": "expected a name that ends in .csv",
     f"run {CASE} -o y.json": "expected a name that ends in .csv",
     f"run {CASE} -o y.csv.gz": "expected a name that ends in .csv",
     f"run {CASE} -o - --json": "the results as JSON go to stdout",
@@ -203,11 +184,9 @@ REFUSED = {
     "compare '' top.toml": " = : expected a name\n",
     "compare table.csv ''": " = : expected a name\n",
     f"plot '' {ANGLES}": " = : expected a name\n",
-    "plot top.toml --what angles -o ''": " = : expected a name\n",
     "check ''": " = : expected a name\n",
     f"section {GENERAL} --starts ''": " = : expected a name\n",
     "report -o ''": "a folder's name",
-    "study events -o ''": "a folder's name",
     # -- files are named as they were given, their folder too
     "run {folder}/future.toml": "polhode: {folder}/future.toml",
     "run {folder}/top.toml --at x": "polhode: {folder}/top.toml",
@@ -272,41 +251,6 @@ def test_what_a_name_stands_for_is_a_verb():
         assert name not in cli.VERBS
         words = meant.removeprefix("polhode ").replace(",", "").split()
         assert words[0] in (*cli.VERBS, "--help", "--version"), name
-
-
-HEAD = "t,p,q,r,gamma1,gamma2,gamma3\n"
-
-#: Tables of others that cannot be read, and a part of what is said of them.
-TABLES = {
-    "": "a header line",
-    "\n\n# nothing\n": "a header line",
-    HEAD: "at least one line of numbers",
-    "p,q\n1,2\n": "a column t",
-    "0,0.3,-0.4,1.1,0.6,0,0.8\n": "a column t",
-    "t,p,p\n1,2,3\n": "header = p: expected each column once",
-    "t,t\n1,2\n": "header = t: expected each column once",
-    "t,p\n0,1\n\n# x\n1,abc\n": "foreign.csv:5: p = abc: expected a finite decimal",
-    "t,p\n0,inf\n": "foreign.csv:2: p = inf",
-    "t,p\n0,1/3\n": "foreign.csv:2: p = 1/3",
-    "t,p\n0,1d5\n": "foreign.csv:2: p = 1d5",
-    "t,p\n0,_1\n": "foreign.csv:2: p = _1",
-    "t,p\n0,1e99999\n": "foreign.csv:2: p = 1e99999",
-    "t,p\n,1\n": "foreign.csv:2: t",
-    "t,p\n0,1,2\n": "foreign.csv:2: line = 0,1,2: expected 2 values",
-    "t,p\n0\n": "foreign.csv:2: line = 0",
-    "t;p\n0;1,5\n1;2.5\n": "foreign.csv:2: p = 1,5",
-    b"\xff\xfe\x00": "readable CSV",
-    b"t,p\n\x00,1\n": "foreign.csv",
-    "x" * 3_000_000: "foreign.csv",
-    "t,p\n" + "1," * 300_000 + "\n": "expected 2 values",
-    "t,p\n0,'" + '"' * 999 + "\n": "foreign.csv",
-}
-
-
-@pytest.mark.parametrize("content", TABLES, ids=lambda content: ascii(content[:20]))
-def test_a_table_that_cannot_be_read_is_refused_with_its_line(content, capsys):
-    Path("foreign.csv").write_bytes(content if isinstance(content, bytes) else content.encode())
-    assert TABLES[content] in refusal(capsys, "compare", "foreign.csv", "top.toml")
 
 
 @pytest.mark.parametrize(

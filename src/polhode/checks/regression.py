@@ -7,7 +7,7 @@ yardstick is slack.  Published figures are held against the reference as well.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 from polhode.checks.published_figures import PrintedFigure, figures
@@ -15,7 +15,7 @@ from polhode.checks.textbook_digits import WANTED, textbook_digits
 from polhode.common import executors as of_work
 from polhode.common.errors import BadInput, nearest
 from polhode.judging.conditioning.conditioning import Conditioning, conditioning
-from polhode.judging.references.reference import Remembered
+from polhode.judging.references.reference import AnyReference
 from polhode.judging.references.reference import reference as reference_of
 from polhode.judging.score.compare import compare
 from polhode.judging.score.judgement import Judgement
@@ -129,12 +129,12 @@ def check(
 
 
 def check_scene(scene: Scene, numbers: Sequence[str] = ()) -> Report:
-    """The checks of one case."""
+    """The checks of one case: of its states, by runs without outputs and events."""
     reference = reference_of(scene)
-    kept, wanted = Remembered(reference), [*(numbers or scene.expect)]
+    wanted = [*(numbers or scene.expect)]
     widest = sorted(wanted, key=number_types.NAMES.index, reverse=True)
     known = conditioning(scene, number=number_types.named(widest[0])) if widest else None
-    made = {number: _line(scene, kept, number, known) for number in widest}
+    made = {number: _line(scene, reference, number, known) for number in widest}
     lines = [made[number] for number in wanted]
     return Report(
         scene,
@@ -146,12 +146,13 @@ def check_scene(scene: Scene, numbers: Sequence[str] = ()) -> Report:
     )
 
 
-def _line(scene: Scene, reference: Remembered, number: str, known: Conditioning | None) -> Line:
+def _line(scene: Scene, reference: AnyReference, number: str, known: Conditioning | None) -> Line:
     band = scene.expect.get(number)
     digits = number_types.DEFAULT_MP_DIGITS if number == "mp" else None
-    # the bands are those of heyoka's own steps
-    options = Options("taylor", digits=digits)
-    run = solve(scene, choose_number(scene, number, digits), options, interruptible=False)
+    # up to quad the bands are those of heyoka's own steps; mp as users get it, refined if faster
+    options = Options("auto" if number == "mp" else "taylor", digits=digits)
+    plain = replace(scene, outputs=(), events=())  # the digits are those of the state
+    run = solve(plain, choose_number(scene, number, digits), options, interruptible=False)
     if not run.outcome.done:
         return Line(number, 0.0, band, None, run.outcome.value)
     judged = compare(run, reference, known=known)

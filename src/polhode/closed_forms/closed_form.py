@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 from polhode.numbers.exact import ZERO, Exact, Irrational
 from polhode.numbers.mpmath_context import mpf
-from polhode.scenes.body import Vector
+from polhode.numbers.vectors import Vector
 
 #: rows[i] is the unit vector of principal axis i in the scene's axes; None: the same axes.
 Rows: TypeAlias = tuple[tuple[Exact, ...], ...]

@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from polhode.common.errors import BadInput, listed, plain
 
 if TYPE_CHECKING:
+    import numpy as np
     import numpy.typing as npt
 
 T = TypeVar("T")
 
+_LONG = 2.0**53  # whole numbers that a double may not hold
 MOST_STEPS = 1 << 62  # heyoka counts in 64 bits
 
 
@@ -48,8 +50,8 @@ def rows_of(
 ) -> npt.NDArray[Any]:
     """An array (n, width) of finite floats: float64, or longdouble where it is one; or ``kind``.
 
-    Narrower numbers are converted; those that would be changed, and wider ones, are refused, with
-    the first row that is at fault.
+    Narrower numbers are converted; those that would be changed, wider and masked ones are refused,
+    with the first row that is at fault.
     """
     import numpy as np
 
@@ -65,14 +67,36 @@ def rows_of(
     if given.dtype.kind not in "fiu" or not np.can_cast(given.dtype, into, "safe"):
         raise BadInput(source, key, f"numbers of {given.dtype}", f"{into} or narrower")
     found = np.ascontiguousarray(given, dtype=into)
-    wrong = ~np.isfinite(found) | np.ma.getmaskarray(values)
-    if given.dtype.kind in "iu":  # numpy rounds long integers silently
-        wrong |= found.astype(object) != given.astype(object)
+    wrong = ~np.isfinite(found) | not_taken(values, found)
     if wrong.any():
         k = int(np.argmax(wrong.any(axis=1)))
+        told = values[k] if isinstance(values, (list, tuple)) else given[k]
+        told = told.tolist() if isinstance(told, np.ndarray) else told
         expected = f"finite numbers that {into} holds"
-        raise BadInput(source, f"{key}, row {k + 1}", plain(given[k].tolist()), expected)
+        raise BadInput(source, f"{key}, row {k + 1}", plain(told), expected)
     return found
+
+
+def not_taken(values: Any, found: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
+    """Which numbers of an array of floats are not those of the values that it was made of.
+
+    Masked ones, also in arrays inside a list; long integers, which numpy rounds silently.
+    """
+    import numpy as np
+
+    wrong = np.zeros(found.shape, dtype=bool)
+    if isinstance(values, (list, tuple)) and found.ndim > 1:
+        for k, row in enumerate(values):
+            if isinstance(row, np.ma.MaskedArray):
+                wrong[k] = np.ma.getmaskarray(row)
+    else:
+        wrong |= np.ma.getmaskarray(values)
+    for place in np.argwhere(np.isfinite(found) & (np.abs(found) >= _LONG)).tolist():
+        value: Any = values if isinstance(values, (list, tuple)) else np.asarray(values)
+        for k in place:
+            value = value[k]
+        wrong[tuple(place)] = int(value) != int(found[tuple(place)])
+    return wrong
 
 
 def unit_rows(source: str, key: str, rows: npt.NDArray[Any], eps: Fraction) -> None:
@@ -98,9 +122,11 @@ def each(
 ) -> tuple[T, ...]:
     """Each of some values read, such as the times ``at``; what ``read`` refuses is named.
 
-    A set is refused, for it has no order.
+    A set or a mapping is refused, for it has no order.
     """
-    if isinstance(values, (str, bytes, Set)) or not isinstance(values, (Iterable, Sequence)):
+    if isinstance(values, (str, bytes, Set, Mapping)) or not isinstance(
+        values, (Iterable, Sequence)
+    ):
         raise BadInput(source, key, values, expected)
     found = []
     try:

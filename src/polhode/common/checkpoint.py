@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
+import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Self, TypeAlias
@@ -28,6 +29,7 @@ Arrays: TypeAlias = "dict[str, npt.NDArray[np.generic]]"
 
 MANIFEST = "manifest.json"
 _CHECKSUM = "checksum"  # of a piece, among its arrays
+EVERY = 1.0  # seconds between two writings of finished jobs: what a kill may lose
 _SAME = ("polhode", "heyoka", "numpy")  # packages whose versions must be the same, too
 
 
@@ -153,7 +155,8 @@ class Checkpoint:
 class JobCheckpoint(Checkpoint):
     """The finished jobs of a command in ``folder``: ``job-00000.npz`` and so on, one's arrays each.
 
-    ``what``: the verb.  ``key``: all that decides the results; arrays count by their bytes."""
+    ``what``: the verb.  ``key``: all that decides the results; arrays count by their bytes.  Jobs
+    are written about once a second: a command that ends sooner makes no folder."""
 
     def __init__(self, folder: Path, what: str, *key: object) -> None:
         import numpy as np
@@ -161,6 +164,8 @@ class JobCheckpoint(Checkpoint):
         told = [x.tobytes() if isinstance(x, np.ndarray) else x for x in key]
         digest = hashlib.sha256(repr(told).encode()).hexdigest()
         super().__init__(folder, {"jobs of": f"polhode {what}", "key": digest}, ("jobs", "command"))
+        self._waiting: dict[int, Mapping[str, npt.ArrayLike]] = {}
+        self._last = time.monotonic()
 
     @classmethod
     def at(cls, folder: Path | None, what: str, *key: object) -> Self | None:
@@ -172,8 +177,20 @@ class JobCheckpoint(Checkpoint):
         return self.read(self._path(job))
 
     def save(self, job: int, arrays: Mapping[str, npt.ArrayLike]) -> None:
-        """Keep a finished job, whole; raises BadInput where that cannot be."""
-        self.write(self._path(job).name, arrays)
+        """Keep a finished job; it is written when it is time for that.
+
+        Raises BadInput where that cannot be.
+        """
+        self._waiting[job] = arrays
+        if time.monotonic() - self._last > EVERY:
+            self.write_waiting()
+
+    def write_waiting(self) -> None:
+        """Write the jobs that are not written yet, each whole; raises BadInput."""
+        for job in list(self._waiting):
+            self.write(self._path(job).name, self._waiting[job])
+            del self._waiting[job]
+        self._last = time.monotonic()
 
     def _path(self, job: int) -> Path:
         return self.folder / f"job-{job:05d}.npz"

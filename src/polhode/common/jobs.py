@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Generic, NamedTuple, Protocol, TypeVar
 
 from polhode.common import executors
 from polhode.common.checkpoint import Arrays, JobCheckpoint
+from polhode.common.interrupts import Delay
 from polhode.common.progress import Progress, Stop
 
 if TYPE_CHECKING:
@@ -71,39 +72,48 @@ def carried_out(
     found: list[T | None] = [None] * len(jobs)
     done = 0
 
-    def told(size: int) -> None:
+    def ready(k: int, result: T) -> None:
         nonlocal done
-        done += size
+        if found[k] is not None:  # handed on once more, since Ctrl-C came while it was
+            return
+        with Delay():
+            if kept is not None and packed is not None:
+                kept.save(k, packed(result))
+            found[k] = result
+            done += sizes[k]
         if progress is not None:
             progress(done / max(1, sum(sizes)), done)
-
-    def ready(at: int, result: T) -> None:
-        k = left[at]
-        found[k] = result
-        if kept is not None and packed is not None:
-            kept.save(k, packed(result))
-        told(sizes[k])
 
     whole = True
     with kept or nullcontext():
         for k in range(len(jobs)):
             if kept is not None and unpacked is not None and (held := kept.load(k)) is not None:
                 found[k] = unpacked(held)
-                told(sizes[k])
+                done += sizes[k]
         left = [k for k in range(len(jobs)) if found[k] is None]
-        waiting = [jobs[k] for k in left]
         if executor is not None:
-            whole, lost = executors.elsewhere(solve, waiting, ready, executor)
-            for at in lost:
-                ready(at, solve(waiting[at]))
-        elif processes:
+            whole, lost = executors.elsewhere(
+                solve, [jobs[k] for k in left], lambda at, result: ready(left[at], result), executor
+            )
+            left = [left[at] for at in lost]
+        waiting = [jobs[k] for k in left]
+        if processes:
             try:
                 for at, result in enumerate(executors.in_order(solve, waiting, count or 1)):
-                    ready(at, result)
+                    ready(left[at], result)
             except KeyboardInterrupt:
                 whole = False
-        else:
-            whole = executors.here(_Whole(solve), waiting, _only_whole(ready), count)
+        elif waiting:
+
+            def handed(at: int, result: T | None) -> None:
+                if result is not None:
+                    ready(left[at], result)
+
+            whole = executors.here(_Whole(solve), waiting, handed, count) and whole
+        if kept is not None and (not whole or kept.pieces()):
+            with Delay() as delay:
+                kept.write_waiting()
+                delay.forget()
     if not whole and all(result is None for result in found):
         raise KeyboardInterrupt
     return Finished(found, sizes, not whole)
@@ -118,11 +128,3 @@ class _Whole(Generic[J, T]):
     def __call__(self, job: J, stop: Stop) -> T | None:
         found = self._solve(job, stop)
         return None if stop() else found
-
-
-def _only_whole(ready: Callable[[int, T], None]) -> Callable[[int, T | None], None]:
-    def handed(at: int, result: T | None) -> None:
-        if result is not None:
-            ready(at, result)
-
-    return handed

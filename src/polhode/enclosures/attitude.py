@@ -32,6 +32,7 @@ from polhode.equations.pole_passage import departure, phi_leaving_the_pole
 from polhode.numbers.exact import arctan2
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.rows import Complexes, Doubles
+from polhode.numbers.vectors import quaternion_product
 
 
 class Pose(NamedTuple):
@@ -156,14 +157,14 @@ class Watch:
         ]
         return Pace(speed, max(factors[:3]), 1.7321 * 2.0 * max(factors[3:]))
 
-    def _scene(self, turned: list[Any], radius: float) -> list[Any]:
+    def _scene(self, turned: Sequence[Any], radius: float) -> list[Any]:
         """The attitude of the scene from the turn since the start and its distance from that."""
         noise = self.problem.noise
         with ctx.workprec(noise + 104):
             vector = turned[1:]
             if self._axes is not None:
                 vector = [sum(self._axes[i][j] * vector[i] for i in range(3)) for j in range(3)]
-            found = quaternion.product(self._start, [turned[0], *vector])
+            found = quaternion_product(self._start, [turned[0], *vector])
             off = arb(0, radius) * arb((1, -noise))
             return [x + off for x in found]
 
@@ -178,8 +179,8 @@ def two_numbers(
     """
     powers = np.vander(nodes, max(len(vertical), len(turn)), increasing=True)
     gammas = powers[:, : len(vertical)] @ vertical @ axes
-    turned = np.array(quaternion.product(before, (powers[:, : len(turn)] @ turn).T))
-    q = quaternion.product(first, [turned[0], *(axes.T @ turned[1:])])
+    turned = np.array(quaternion_product(before, (powers[:, : len(turn)] @ turn).T))
+    q = quaternion_product(first, [turned[0], *(axes.T @ turned[1:])])
     psi = third_axis(q)
     return np.array([1j * psi[0] - psi[1], gammas[:, 1] + 1j * gammas[:, 0]])
 

@@ -34,7 +34,8 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.flint_context import ctx
-from polhode.scenes.body import Body, Matrix, Vector, dot
+from polhode.numbers.vectors import Matrix, Vector, dot
+from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 
 CLOCK = 14  # times of the grid are integers times 2**-CLOCK

@@ -30,6 +30,7 @@ from polhode.enclosures.step_bound import TINY, Bounds
 from polhode.enclosures.taylor_polynomials import Pieces, improved
 from polhode.enclosures.zonotope import Step
 from polhode.numbers.flint_context import ctx
+from polhode.numbers.vectors import quaternion_product
 
 _MOST_WIDTH = 10_000
 _ROOT_OF_3 = 1.7320508076  # above it
@@ -65,17 +66,17 @@ class Turned:
         self.centre = (fmpz(1) << problem.fine, fmpz(0), fmpz(0), fmpz(0))  # times 2**-fine
         self.radius = 0.0
 
-    def at(self, turns: Turns, n: int, tau: Any) -> tuple[list[Any], float]:
+    def at(self, turns: Turns, n: int, tau: Any) -> tuple[Sequence[Any], float]:
         """The turn at tau in step n: the four balls of Q~ v(tau), and its distance from U."""
         with ctx.workprec(self.problem.noise + 104):
             unit = arb((1, -turns.level))
             v = [arb_poly(x)(tau) * unit for x in turns.rows[n]]
             before = [arb((int(x), -self.problem.fine)) for x in self.centre]
-            return product(before, v), self._after(float(turns.miss[n]))
+            return quaternion_product(before, v), self._after(float(turns.miss[n]))
 
     def step(self, turns: Turns, n: int) -> None:
         """To the end of step n, the centre rounded to 2**-fine."""
-        exact = product(self.centre, [x(1) for x in turns.rows[n]])
+        exact = quaternion_product(self.centre, [x(1) for x in turns.rows[n]])
         half = fmpz(1) << (turns.level - 1)
         self.centre = tuple((x + half) >> turns.level for x in exact)  # off by 1/2 each, 1 in all
         lost = math.ldexp(1.0, self.problem.noise - self.problem.fine)
@@ -84,16 +85,6 @@ class Turned:
     def _after(self, miss: float) -> float:
         grown = 1.0 + UP * math.ldexp(self.radius, -self.problem.noise)
         return UP * (self.radius + grown * miss) + TINY
-
-
-def product(a: Any, b: Any) -> list[Any]:
-    """The product of two quaternions, scalar first."""
-    return [
-        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
-        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
-        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
-    ]
 
 
 def turns(known: Bounds, steps: Sequence[Step], approximate: Approximation) -> Turns:

@@ -21,10 +21,12 @@ from polhode.equations.pole_passage import departure, phi_leaving_the_pole
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, noted, sign
 from polhode.numbers.expression import ExpressionError
+from polhode.numbers.vectors import Vector, dot
 from polhode.scenes import scene_file
-from polhode.scenes.body import Vector, dot, principal
+from polhode.scenes.body import principal
+from polhode.scenes.given_numbers import number_in_text
 from polhode.scenes.scene import Scene
-from polhode.scenes.validation import Literal, number_in_text
+from polhode.scenes.validation import Literal
 
 NUMBERS = "which numbers under a root, and which of the weight and the centre, are 0"
 AXES = "which principal moments are equal, and which of their axes are the body's"
@@ -52,7 +54,7 @@ TRUSTED = (
         for name in (
             *("exact", "ball_rules", "expression", "conversion", "decimals", "flint_context"),
             *("rationals", "quantity", "number_types", "rows", "row_formulas", "scalars"),
-            *("mpmath_context", "lossless_mpf", "rounding"),
+            *("mpmath_context", "lossless_mpf", "rounding", "vectors", "exact_sequences"),
         )
     ),
     *(
@@ -80,7 +82,6 @@ BESIDE = {
     "output/notebook": "how a scene is shown",
     "scenes/column_expressions": "whether an expression of a run can be read",
     "scenes/variation": "scenes of a sweep, as text",
-    "numbers/double_double": "columns of tables",
 }
 
 

@@ -13,7 +13,16 @@ from typing import NamedTuple
 from polhode.equations import kinematics
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact
-from polhode.scenes.body import cross, dot, is_zero, minus, parallel, scaled
+from polhode.numbers.vectors import (
+    Vector,
+    cross,
+    dot,
+    is_zero,
+    minus,
+    parallel,
+    quaternion_product,
+    scaled,
+)
 from polhode.scenes.scene import Scene
 
 
@@ -65,16 +74,10 @@ def variables(scene: Scene, t: Fraction) -> list[Exact]:
     return found
 
 
-def _turned(
-    quaternion: tuple[Exact, ...], omega: tuple[Exact, Exact, Exact], t: Fraction
-) -> tuple[Exact, ...]:
+def _turned(quaternion: tuple[Exact, ...], omega: Vector, t: Fraction) -> tuple[Exact, ...]:
     """A quaternion after a uniform turn with omega, body axes, for a time t."""
     if is_zero(omega) or t == 0:
         return quaternion
     rate = exact.sqrt(dot(omega, omega))
     half = rate * t / 2
-    c, turn = exact.cos(half), scaled(exact.sin(half) / rate, omega)
-    q, v = quaternion[0], quaternion[1:]
-    assert len(v) == 3
-    across = cross(v, turn)
-    return c * q - dot(v, turn), *(c * v[i] + q * turn[i] + across[i] for i in range(3))
+    return quaternion_product(quaternion, (exact.cos(half), *scaled(exact.sin(half) / rate, omega)))

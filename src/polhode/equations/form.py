@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from types import ModuleType
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
 from polhode.common.recent import Recent
 from polhode.numbers.scalars import Functions, Scalar
@@ -21,6 +21,11 @@ if TYPE_CHECKING:
     from polhode.numbers.exact import Exact
     from polhode.scenes.body import PrincipalAxes
     from polhode.scenes.scene import Scene
+
+#: The variables at one moment, or columns of them; the coefficients by name; omega and gamma.
+Values: TypeAlias = Sequence[Scalar]
+Coefficients: TypeAlias = Mapping[str, Scalar]
+OmegaAndGamma: TypeAlias = tuple[list[Scalar], list[Scalar]]
 
 
 @dataclass(frozen=True)
@@ -45,18 +50,14 @@ class Form(ABC):
     plain: ClassVar[bool] = False
 
     @abstractmethod
-    def field(
-        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
-    ) -> list[Scalar]:
+    def field(self, values: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
         """The variables' rates."""
 
     @abstractmethod
-    def state(
-        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
-    ) -> tuple[list[Scalar], list[Scalar]]:
+    def state(self, values: Values, k: Coefficients, fn: Functions) -> OmegaAndGamma:
         """omega and gamma in the form's axes; gamma [] for a scene without it."""
 
-    def distance(self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> Scalar:
+    def distance(self, values: Values, k: Coefficients, fn: Functions) -> Scalar:
         """How near the singular set is, squared: 0 on it, of order 1 away from it; None without."""
         return None
 

@@ -19,7 +19,7 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.row_formulas import mapped
 from polhode.numbers.rows import Columns, Given, GivenRow, Rows, part_of
 from polhode.numbers.scalars import Functions, Scalar
-from polhode.scenes.body import cross, dot
+from polhode.numbers.vectors import cross, dot
 
 
 class Hodographs(NamedTuple):

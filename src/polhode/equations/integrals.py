@@ -28,8 +28,8 @@ from polhode.numbers.conversion import exactly, to_extended, to_mpf
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.rows import Flat, Rows
 from polhode.numbers.scalars import Scalar, combination
+from polhode.numbers.vectors import Vector, dot, scaled
 from polhode.scenes import classification
-from polhode.scenes.body import Vector, dot, scaled
 from polhode.scenes.scene import Scene
 
 if TYPE_CHECKING:
@@ -86,13 +86,13 @@ class FirstIntegrals:
         """The integrals at one state, for any scalar: ``k`` the coefficients as such scalars."""
         omega, gamma = state[:3], state[3:6]
         momentum = [k[f"I{i}"] * omega[i] for i in range(3)]
-        found = {ENERGY: _dot(momentum, omega), MOMENTUM: _dot(momentum, momentum)}
+        found = {ENERGY: dot(momentum, omega), MOMENTUM: dot(momentum, momentum)}
         if gamma:
             torque = combination(k, zero, *((f"2m{i}", gamma[i]) for i in range(3)))
             found |= {
                 ENERGY: found[ENERGY] + torque,
-                AREA: _dot(momentum, gamma),
-                LENGTH: _dot(gamma, gamma),
+                AREA: dot(momentum, gamma),
+                LENGTH: dot(gamma, gamma),
             }
         if self.onto[-1] in _FOURTH:
             u = [omega[i] for i in self.order]
@@ -166,7 +166,7 @@ def coefficients(
     k: dict[str, Scalar] = {f"I{i}": x / largest for i, x in enumerate(moments)}
     k |= {f"2m{i}": 2 * x / largest for i, x in enumerate(torque)}
     if last == SPIN:
-        size = sqrt(_dot(torque, torque))
+        size = sqrt(dot(torque, torque))
         k |= {f"n{i}": torque[j] / size for i, j in enumerate(order)}
     elif last in (KOVALEVSKAYA, CHAPLYGIN):
         c0, c1 = (torque[i] / moments[order[2]] for i in order[:2])
@@ -271,7 +271,7 @@ def _departures(
     turn = None if axes.trivial else [[number(x) for x in row] for row in axes.rows]
 
     def principal(vector: Sequence[Scalar] | Flat) -> list[Scalar]:
-        return list(vector) if turn is None else [_dot(row, vector) for row in turn]
+        return list(vector) if turn is None else [dot(row, vector) for row in turn]
 
     zero = number(ZERO)
     answers = []
@@ -288,7 +288,9 @@ def scales(scene: Scene) -> tuple[Exact, Exact]:
     """The scales of h and f, see Drift."""
     found = scene.integrals
     area = found.area_scale
-    swing = exact.sqrt(exact.sqrt(_square(scene.body.torque)) * max(scene.body.moments))
+    swing = exact.sqrt(
+        exact.sqrt(dot(scene.body.torque, scene.body.torque)) * max(scene.body.moments)
+    )
     if sign(NEAR_REST * area - swing) < 0:
         area = swing
     return tuple(x if sign(x) else ONE for x in (found.energy_scale, area))  # type: ignore[return-value]
@@ -309,14 +311,7 @@ def _scales(scene: Scene, found: FirstIntegrals) -> list[Exact]:
     elif name not in whole:
         square = unit * unit * max(dot(scene.omega, scene.omega), scene.pendulum_rate_squared)
         rate, k = exact.sqrt(square), found.coefficients
-        around = square + exact.sqrt(_square([k.get("c0", ZERO), k.get("c1", ZERO)]))
+        c0, c1 = k.get("c0", ZERO), k.get("c1", ZERO)
+        around = square + exact.sqrt(c0 * c0 + c1 * c1)
         whole[name] = {SPIN: rate, KOVALEVSKAYA: around * around}.get(name, rate * around)
     return [whole[name] for name in found.onto]
-
-
-def _square(vector: Sequence[Exact]) -> Exact:
-    return exact.exact(sum((x * x for x in vector), ZERO))
-
-
-def _dot(a: Sequence[Scalar], b: Sequence[Scalar] | Flat) -> Scalar:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -9,16 +9,17 @@ cos theta); the unit quaternion of R, scalar first.  With w = (p, q, r) in body 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.exact import ONE, Exact, sign
 from polhode.numbers.rows import GivenRow
 from polhode.numbers.scalars import Scalar, combination
-from polhode.scenes.body import PrincipalAxes, Vector
+from polhode.numbers.vectors import Vector
+from polhode.scenes.body import PrincipalAxes
 
 
 def starting_attitude(gamma: Vector, psi: Exact) -> tuple[Exact, ...]:
@@ -111,6 +112,19 @@ def angles_off_the_pole(
         whole = 2 * (mpmath.atan2(q3, q0) if g3 > 0 else mpmath.atan2(q2, q1))
         whole += 2 * mpmath.pi * mpmath.nint((start - whole) / (2 * mpmath.pi))
         return exactly(whole - phi if g3 > 0 else whole + phi), exactly(phi)
+
+
+def principal_angles(
+    quaternion: Iterable[Any], atan2: Callable[[Any, Any], Any], hypot: Callable[[Any, Any], Any]
+) -> tuple[Any, Any, Any]:
+    """psi theta phi of a quaternion, psi and phi up to whole turns; without a meaning at a pole.
+
+    psi and phi are the sum and the difference of the arguments of q0 + i q3 and q1 + i q2.
+    ``atan2``, ``hypot``: those of the numbers.
+    """
+    q0, q1, q2, q3 = quaternion
+    one, other = atan2(q3, q0), atan2(q2, q1)
+    return one + other, 2 * atan2(hypot(q1, q2), hypot(q0, q3)), one - other
 
 
 class AngleFunctions(NamedTuple):

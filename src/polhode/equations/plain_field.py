@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from polhode.equations.forms.matrices import inverse
 from polhode.numbers.conversion import to_double
 from polhode.numbers.rows import Doubles
+from polhode.numbers.vectors import cross, inverse
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 
@@ -72,16 +72,10 @@ class _Field:
     def __call__(self, t: float, y: npt.ArrayLike) -> Doubles:
         state = np.asarray(y, dtype=np.float64)
         omega, gamma = state[:3], state[3:]
-        turning = -_cross(omega, self.inertia @ omega)
+        turning = -np.array(cross(omega, self.inertia @ omega))
         if len(gamma):
-            turning = turning + _cross(gamma, self.torque)
+            turning = turning + np.array(cross(gamma, self.torque))
         rates = [self.inverse @ turning]
         if len(gamma):
-            rates.append(_cross(gamma, omega))
+            rates.append(np.array(cross(gamma, omega)))
         return np.concatenate(rates)
-
-
-def _cross(a: Doubles, b: Doubles) -> Doubles:
-    return np.stack(
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    )

@@ -19,9 +19,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from polhode.equations.forms.matrices import apply, inverse
 from polhode.numbers.exact import sign
-from polhode.scenes.body import Vector, cross, minus
+from polhode.numbers.vectors import Vector, apply, cross, inverse, minus
 from polhode.scenes.scene import Scene
 
 

@@ -25,7 +25,8 @@ from polhode.figures.solids import solids, unit
 from polhode.figures.sphere import apex
 from polhode.numbers.conversion import to_double
 from polhode.numbers.rows import Doubles
-from polhode.scenes.body import Body, dot
+from polhode.numbers.vectors import dot
+from polhode.scenes.body import Body
 from polhode.scenes.classification import LAGRANGE, SPHERE, kind_of_body
 
 _PARTS = Path(__file__).parent / "page"

@@ -12,7 +12,7 @@ from polhode.figures.canvas.curve_sampling import Samples
 from polhode.figures.canvas.globe import facing_most
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import sign, sqrt
-from polhode.scenes.body import dot
+from polhode.numbers.vectors import dot
 from polhode.scenes.vocabulary import ATTITUDE, STATE
 
 IN_BODY, IN_SPACE = ("x", "y", "z"), ("X", "Y", "Z")

@@ -106,7 +106,7 @@ def unknown_clock(subject: Subject, scene: Scene, is_sought: bool = True) -> tup
         return ()
     began = f"t looks like a clock's ({brief(min(subject.times), 12)} to {last - first:.3g} later)"
     if not is_sought:
-        named = "--read 't - OFFSET' names one"
+        named = "--read 't of another clock: rows belong to t - OFFSET' names one"
         return (f"{began}; no other origin of t is tried here ({named})",)
     return (f"{began}, and no offset was found at which its first rows belong to the motion",)
 

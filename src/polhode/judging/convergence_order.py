@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
-from statistics import median
+from statistics import linear_regression, median
 
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput
@@ -47,9 +47,13 @@ class ObservedOrder(Result):
     @property
     def orders(self) -> tuple[float | None, ...]:
         """The order at each time."""
-        enough = min(_FEWEST, len(self.steps))
-        points = self._points
-        return tuple(_slope(here) if len(here) >= enough else None for here in points)
+        enough = self.fewest_steps
+        return tuple(_slope(here) if len(here) >= enough else None for here in self._points)
+
+    @property
+    def fewest_steps(self) -> int:
+        """The fewest that tell an order: of fewer tables all."""
+        return min(_FEWEST, len(self.steps))
 
     @property
     def order(self) -> float:
@@ -88,24 +92,23 @@ class ObservedOrder(Result):
         return [_slope(pair) for here, x in both if x is not None for pair in pairwise(here)]
 
     @property
-    def _range(self) -> str:
+    def _summary(self) -> str:
         known = sum(x is not None for x in self.orders)
         told = f"{self.least:.2f} to {self.most:.2f} between successive steps"
         return told if len(self.times) == 1 else f"{told} at {known} of {len(self.times)} times"
 
     def __repr__(self) -> str:
-        return (
-            f"<ObservedOrder {self.order:.2f}, {self._range}, {sum(self.counted)} of them counted>"
-        )
+        counted = sum(self.counted)
+        return f"<ObservedOrder {self.order:.2f}, {self._summary}, {counted} of them counted>"
 
     def __str__(self) -> str:
-        lines = []
-        names = self.names or [""] * len(self.steps)
+        names = [f", {name}" for name in self.names] or [""] * len(self.steps)
         rows = zip(self.steps, self.digits, self.counted, names, strict=True)
-        for h, digits, counts, name in rows:
-            told = f"step {h:<10.4g} {min(digits):6.2f} digits{'' if counts else ', not counted'}"
-            lines.append(f"{told}, {name}" if name else told)
-        return "\n".join([*lines, f"order {self.order:.2f}; {self._range}"])
+        lines = [
+            f"step {h:<10.4g} {min(d):6.2f} digits{'' if counts else ', not counted'}{name}"
+            for h, d, counts, name in rows
+        ]
+        return "\n".join([*lines, f"order {self.order:.2f}; {self._summary}"])
 
 
 def observed_order(
@@ -121,8 +124,8 @@ def observed_order(
         raise BadInput("order_of", "at", None, "a time other than 0")
     if steps is None:
         end = abs(max(times, key=abs))
-        steps = [to_double(end * Fraction(1, 2**k)) for k in _HALVINGS]
-    lengths = each("order_of", "steps", steps, lambda h: to_double(exact_number(h)), "numbers")
+        steps = [end * Fraction(1, 2**k) for k in _HALVINGS]
+    lengths = _lengths("order_of", steps)
     if len({*lengths}) < _FEWEST or not all(0 < h < math.inf for h in lengths):
         raise BadInput("order_of", "steps", len(lengths), f"{_FEWEST} or more, different, above 0")
     lengths = tuple(sorted(lengths, reverse=True))
@@ -130,14 +133,7 @@ def observed_order(
     judged = [
         compare(mine(h), against, at=times, columns=columns, as_it_stands=True) for h in lengths
     ]
-    found = _order(judged, lengths, judged[0].times)
-    if all(x is None for x in found.orders):
-        worst = [min(row, default=0.0) for row in found.digits]
-        told = ", ".join(f"{h:.3g}: {d:.1f}" for h, d in zip(lengths, worst, strict=True))
-        window = f"{_LEAST:g} to {found.rounding:.1f} digits"
-        expected = f"{_FEWEST} or more that give {window} (there were {told})"
-        raise BadInput("order_of", "steps", sum(found.counted), expected)
-    return found
+    return _order("order_of", judged, lengths)
 
 
 def order_between(
@@ -152,35 +148,41 @@ def order_between(
         lengths = tuple(_spacing(one) for one in judged)
         expected = f"step sizes: the rows of all files are {lengths[0]:g} apart"
     else:
-        lengths = each("orders", "steps", steps, lambda h: to_double(exact_number(h)), "numbers")
+        lengths = _lengths("orders", steps)
         expected = f"{len(judged)} different ones above 0, one a file"
     right = all(0 < h < math.inf for h in lengths)
     if not right or len(lengths) != len(judged) or len({*lengths}) < max(2, len(judged)):
         raise BadInput(", ".join(names), "steps", None, expected)
-    found = _order(judged, lengths, judged[0].times, names)
-    if all(x is None for x in found.orders):
-        told = ", ".join(f"{min(row):.1f} to {max(row):.1f}" for row in found.digits if row)
-        window = f"{_LEAST:g} to {found.rounding:.1f} digits"
-        expected = f"common ones at which the files have {window}"
-        raise BadInput(", ".join(names), "t", told or None, expected)
-    return found
+    return _order(", ".join(names), judged, lengths, names)
+
+
+def _lengths(source: str, steps: Sequence[AnyNumber]) -> tuple[float, ...]:
+    return each(source, "steps", steps, lambda h: to_double(exact_number(h)), "numbers")
 
 
 def _order(
+    source: str,
     judged: Sequence[Judgement],
     steps: tuple[float, ...],
-    times: Sequence[Fraction],
     names: tuple[str, ...] = (),
 ) -> ObservedOrder:
-    """What judgements tell at those of the times that all of them have, but t = 0."""
+    """What judgements tell at those times that all of them have, but t = 0; raises BadInput."""
     digits = [
         {_label(t): d for t, d in zip(one.times, _fewest(one), strict=True) if d is not None}
         for one in judged
     ]
+    times = judged[0].times
     common = tuple(t for t in times if t and all(_label(t) in known for known in digits))
     rows = tuple(tuple(known[_label(t)] for t in common) for known in digits)
     rounding = min(one.subject.held for one in judged) - _SPARE
-    return ObservedOrder(steps, common, rows, rounding, names)
+    found = ObservedOrder(steps, common, rows, rounding, names)
+    if all(x is None for x in found.orders):
+        both = zip(steps, rows, strict=True)
+        told = ", ".join(f"{h:.3g}: {min(row):.1f} to {max(row):.1f}" for h, row in both if row)
+        count, window = found.fewest_steps, f"{_LEAST:g} to {rounding:.1f} digits"
+        expected = f"{count} or more that give {window} at a time that all have"
+        raise BadInput(source, "steps", told or None, expected)
+    return found
 
 
 def _spacing(judged: Judgement) -> float:
@@ -194,10 +196,10 @@ def _label(t: Fraction) -> str:
     return f"{float(t):.12g}"
 
 
-def _fewest(judged: Judgement) -> list[float | None]:
+def _fewest(judged: Judgement) -> Sequence[float | None]:
     """At each time the digits of the state; of what is judged, where there is no state."""
     if judged.digits:
-        return [*judged.digits]
+        return judged.digits
     parts = [row for row in judged.part_digits.values() if row]
     return [
         min((d for d in here if d is not None), default=None) for here in zip(*parts, strict=True)
@@ -206,7 +208,5 @@ def _fewest(judged: Judgement) -> list[float | None]:
 
 def _slope(points: Sequence[tuple[float, float]]) -> float:
     """Of the least squares through log errors over log steps, of steps with their digits."""
-    logs = [(math.log10(h), -d) for h, d in points]
-    x, y = (sum(column) / len(logs) for column in zip(*logs, strict=True))
-    square = sum((a - x) ** 2 for a, _ in logs)
-    return float(sum((a - x) * (b - y) for a, b in logs) / square)
+    logs, errors = zip(*((math.log10(h), -d) for h, d in points), strict=True)
+    return linear_regression(logs, errors).slope

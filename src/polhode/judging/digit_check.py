@@ -12,7 +12,7 @@ from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.text_tables import few
 from polhode.judging.correct_digits import worst_digits
-from polhode.judging.references.reference import reference, rows
+from polhode.judging.references.reference import reference
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import wider
 from polhode.numbers.rows import Given
@@ -75,7 +75,7 @@ def _closed_form(run: Trajectory, scene: Scene, times: Sequence[Fraction]) -> _J
     if not against.is_closed_form:
         return None
     try:
-        return _Judge(rows(against.at, times, math.ceil(run.number.most_digits) + 6), CLOSED_FORM)
+        return _Judge(against.at(times, math.ceil(run.number.most_digits) + 6), CLOSED_FORM)
     except BadInput:  # digits that this closed form does not have
         return None
 
@@ -115,5 +115,5 @@ def _second(run: Trajectory, scene: Scene, progress: Progress | None) -> Traject
     """The same motion otherwise: refined over other intervals to more digits, or by other steps."""
     plain = replace(scene, events=(), outputs=(), form="principal", reference="auto")
     longer = max(10 * run.steps, 1000)
-    method = "auto" if run.method == "refined" else "taylor"
+    method = "auto" if run.method == "refined" or scene.events else "taylor"
     return solve(plain, wider(run.number), Options(method, longer, other=True), progress)

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
 from polhode.equations.hodographs import turned
-from polhode.judging.finite_differences import derivative_weights
 from polhode.numbers.conversion import mpf_row, to_mpf
+from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.row_formulas import GUARD_BITS
-from polhode.scenes.body import Body, cross, dot, minus
+from polhode.numbers.vectors import cross, dot, minus
+from polhode.scenes.body import Body
 
 if TYPE_CHECKING:
     from polhode.runs.trajectory import Trajectory
@@ -40,15 +41,13 @@ def omega_rate(body: Body, omega: Sequence[Any], gamma: Sequence[Any], bits: int
 
     Written in vectors, apart from the forms that are integrated.
     """
-    from polhode.numbers.mpmath_context import mpmath
-
     with mpmath.workprec(bits):
         x, y, z = ([to_mpf(entry, bits) for entry in row] for row in body.inertia)
         torque = [to_mpf(entry, bits) for entry in body.torque]
-        momentum = [dot(row, omega) for row in (x, y, z)]  # type: ignore[arg-type]
-        moment = minus(cross(gamma, torque), cross(omega, momentum))  # type: ignore[arg-type]
-        adjugate = cross(y, z), cross(z, x), cross(x, y)  # type: ignore[arg-type]
-        determinant: Any = dot(x, adjugate[0])  # type: ignore[arg-type]
+        momentum = [dot(row, omega) for row in (x, y, z)]
+        moment = minus(cross(gamma, torque), cross(omega, momentum))
+        adjugate = cross(y, z), cross(z, x), cross(x, y)
+        determinant: Any = dot(x, adjugate[0])
         return [dot(row, moment) / determinant for row in adjugate]
 
 
@@ -85,7 +84,6 @@ def rolling(run: Trajectory) -> Rolling:
     >>> 1e-33 < polhode.rolling(run).tangent < 1e-30
     True
     """
-    from polhode.numbers.mpmath_context import mpmath
     from polhode.runs.trajectory import Trajectory
 
     of_kind("rolling", "run", run, Trajectory, "a Trajectory")
@@ -102,7 +100,7 @@ def rolling(run: Trajectory) -> Rolling:
         space = [mpf_row(row, bits) for row in curves.space]
         for k in range(HALF_WINDOW, len(times) - HALF_WINDOW):
             window = slice(k - HALF_WINDOW, k + HALF_WINDOW + 1)
-            weights = derivative_weights(times[window])
+            weights = _derivative_weights(times[window])
             slope = [mpmath.fdot(weights, column) for column in zip(*space[window], strict=True)]
             state = mpf_row(run.states[k], bits)
             rate = omega_rate(run.scene.body, state[:3], state[3:], bits)
@@ -118,9 +116,21 @@ def rolling(run: Trajectory) -> Rolling:
         return Rolling(_relative(worst, fastest), _relative(abs(space_arc - body_arc), body_arc))
 
 
-def _length(vector: Sequence[Any]) -> Any:
-    from polhode.numbers.mpmath_context import mpmath
+def _derivative_weights(nodes: Sequence[Any]) -> list[Any]:
+    """Weights of the derivative at the middle node of the polynomial through all of them (mpf)."""
+    middle = len(nodes) // 2
+    scale = [
+        1 / mpmath.fprod(x - y for j, y in enumerate(nodes) if j != i) for i, x in enumerate(nodes)
+    ]
+    weights = [
+        mpmath.mpf(0) if i == middle else scale[i] / scale[middle] / (nodes[middle] - x)
+        for i, x in enumerate(nodes)
+    ]
+    weights[middle] = -mpmath.fsum(weights)
+    return weights
 
+
+def _length(vector: Sequence[Any]) -> Any:
     return mpmath.sqrt(mpmath.fsum(x * x for x in vector))
 
 

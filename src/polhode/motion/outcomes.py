@@ -13,7 +13,7 @@ from polhode.common.errors import nearest
 from polhode.common.result import Result
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue, may_wait
-from polhode.numbers.decimals import decimal_in_full, decimal_string, digits_of
+from polhode.numbers.decimals import decimal_string, digits_of, in_full
 from polhode.numbers.rows import States
 
 if TYPE_CHECKING:
@@ -179,7 +179,7 @@ class EventTimes(Result, ByValue):
 
     def time_strings(self) -> list[str]:
         """The times, every digit."""
-        return [decimal_in_full(t) for t in self.times]
+        return [in_full(t) for t in self.times]
 
 
 class Events(tuple[EventTimes, ...]):

@@ -21,7 +21,7 @@ from polhode.numbers.expression import (
     number,
 )
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Numbers, Rows, flat
+from polhode.numbers.rows import Doubles, Given, Numbers, Rows, flat
 from polhode.numbers.scalars import Scalar
 
 #: Rows of a run's numbers, or numbers in a row.
@@ -66,6 +66,17 @@ def to_double(x: Number) -> float:
         return math.ldexp(*exact.rounded(x, 53))
     except OverflowError:
         return math.inf
+
+
+def doubles(rows: Given) -> Doubles:
+    """Rows as doubles, shape (rows, columns); not a number where a cell is None."""
+    import numpy as np
+
+    if isinstance(rows, np.ndarray) and rows.dtype.kind == "f":
+        return rows.astype(np.float64)
+    return np.array(
+        [[math.nan if x is None else to_double(exactly(x)) for x in row] for row in rows]
+    )
 
 
 def to_extended(x: Number) -> Scalar:

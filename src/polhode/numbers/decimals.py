@@ -90,16 +90,6 @@ def significant(x: float, digits: int) -> float:
     return float(f"{x:.{digits}g}")
 
 
-def decimal_in_full(x: Fraction) -> str:
-    """All digits of a binary number (its denominator is a power of two)."""
-    places = x.denominator.bit_length() - 1
-    if x.denominator != 1 << places:
-        raise ValueError("only a binary number has finitely many digits here")
-    digits = _integer(abs(x.numerator) * 5**places).rjust(places + 1, "0")
-    head, tail = (digits[:-places], digits[-places:].rstrip("0")) if places else (digits, "")
-    return ("-" if x < 0 else "") + (f"{head}.{tail}" if tail else head)
-
-
 def shortest(x: Fraction, number: NumberType) -> str:
     """The shortest decimal that rounds to x, a number of this type; exact where that is short."""
     if number.name == "double" and 1e-4 <= abs(x) < 1e16:

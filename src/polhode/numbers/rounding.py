@@ -15,9 +15,7 @@ from fractions import Fraction
 from polhode.numbers import exact
 from polhode.numbers.decimals import brief
 from polhode.numbers.exact import ZERO, Exact, Irrational, sign
-
-Vector = tuple[Exact, Exact, Exact]
-Matrix = tuple[Vector, Vector, Vector]
+from polhode.numbers.vectors import Matrix, Vector
 
 #: What is forgiven, relative to the largest number.
 GRACE = 8 * Fraction(sys.float_info.epsilon)
@@ -39,13 +37,14 @@ def are_rounded(numbers: Iterable[object]) -> bool:
 
 
 def is_unit_but_for_rounding(numbers: Sequence[object]) -> bool:
-    """Whether exact numbers are all doubles, of length 1 to 8 eps but not exactly."""
-    doubles = [Fraction(x) for x in numbers if isinstance(x, (int, Fraction)) and _is_double(x)]
+    """Whether numbers are all doubles, of length 1 to 8 eps but not exactly."""
+    exactly = [x for x in numbers if isinstance(x, (int, float, Fraction))]
+    doubles = [Fraction(x) for x in exactly if _is_double(x)]
     square = sum((x**2 for x in doubles), Fraction(-1))
     return len(doubles) == len(numbers) and 0 < abs(square) <= GRACE
 
 
-def _is_double(x: int | Fraction) -> bool:
+def _is_double(x: float | Fraction) -> bool:
     over, under = x.as_integer_ratio()
     small = abs(over).bit_length() <= _WIDEST and under.bit_length() < _FINEST
     return small and under & (under - 1) == 0

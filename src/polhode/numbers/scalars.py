@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Set
 from typing import Any, NamedTuple, Protocol, SupportsFloat, TypeAlias
 
 from polhode.numbers import exact
@@ -43,9 +43,14 @@ class Real(Protocol):
 
 
 def numbers_given(t: object) -> tuple[list[object], bool]:
-    """What was given as one number or several: a list of them, and whether it was several."""
-    if isinstance(t, (str, bytes)) or not isinstance(t, Iterable) or getattr(t, "ndim", 1) == 0:
-        return [t], False  # an array of no dimension is a number
+    """What was given as one number or several: a list of them, and whether it was several.
+
+    What has no order, a set or a mapping, is no several numbers: whoever reads it refuses it.
+    """
+    if isinstance(t, (str, bytes, Set, Mapping)) or not isinstance(t, Iterable):
+        return [t], False
+    if getattr(t, "ndim", 1) == 0:  # an array of no dimension is a number
+        return [t], False
     return list(t), True
 
 

@@ -22,7 +22,7 @@ from polhode.common.value_semantics import same
 from polhode.motion.outcomes import Events, EventTimes, Outcome, Projection
 from polhode.motion.protocols import Interpolant, RowReader
 from polhode.numbers.conversion import number_value
-from polhode.numbers.decimals import decimal_in_full, strings
+from polhode.numbers.decimals import in_full, strings
 from polhode.numbers.number_types import LEAST_MP_BITS, MAX_DIGITS, NAMES, NumberType, named
 from polhode.numbers.rows import Given, Row, read_only
 from polhode.output.json_object import JsonObject
@@ -54,7 +54,7 @@ def arrays(run: Trajectory) -> JsonObject:
         "bits": run.number.bits,
         "outcome": run.outcome.value,
         "steps": run.steps,
-        "reached": decimal_in_full(run.reached),
+        "reached": in_full(run.reached),
         "tolerance": run.tolerance.hex(),
         "digits": run.digits,
         "method": run.method,

@@ -12,7 +12,7 @@ from polhode.judging.diagnosis.error_budget import is_lost
 from polhode.motion.outcomes import EventTimes
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly
-from polhode.numbers.decimals import decimal_in_full, in_full, is_decimal, strings
+from polhode.numbers.decimals import in_full, is_decimal, strings
 from polhode.numbers.exact import Exact
 from polhode.numbers.mpmath_context import mpmath, own
 from polhode.numbers.number_types import NumberType
@@ -80,7 +80,7 @@ def of_run(run: Trajectory, regime: str) -> JsonObject:
     answer |= {
         "drift": of_drift(run.drift),
         "outcome": run.outcome.value,
-        "reached": decimal_in_full(run.reached),
+        "reached": in_full(run.reached),
         "steps": run.steps,
         "provenance": dict(run.provenance),
     }

@@ -13,7 +13,7 @@ from polhode.common.interrupts import Delay
 from polhode.equations.integrals import Drift
 from polhode.motion.outcomes import OUTCOMES
 from polhode.numbers import decimals
-from polhode.numbers.decimals import decimal_in_full, shortest, shown, strings
+from polhode.numbers.decimals import in_full, shortest, shown, strings
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Stack
 from polhode.output import csv_tables, json_results
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
+    from polhode.numbers.exact_sequences import Floats
     from polhode.runs.sweep.ensemble import Ensemble
-    from polhode.scenes.variation.array_columns import ArrayColumn
     from polhode.scenes.variation.vary import Grid
 
 
@@ -34,7 +34,7 @@ def of_ensemble(found: Ensemble, states: bool = True) -> JsonObject:
     return {
         **_common(found),
         "columns": list(found.columns),
-        "times": [decimal_in_full(t) for t in found.times],
+        "times": [in_full(t) for t in found.times],
         "members": list(_members(found, states)),
         "provenance": dict(found.provenance),
     }
@@ -45,7 +45,7 @@ def _members(found: Ensemble, states: bool) -> Iterator[JsonObject]:
     reached: dict[Fraction, str] = {}
     for k, (varied, outcome, t, steps) in enumerate(each):
         if t not in reached:
-            reached[t] = decimal_in_full(t)
+            reached[t] = in_full(t)
         drift = (None if x != x else x for x in found.drift[k].tolist())
         member: JsonObject = {
             "values": varied,
@@ -103,7 +103,7 @@ def arrays(found: Ensemble) -> JsonObject:
 
     flat = found.number.flat
     kind = found.states.dtype.type if flat else str
-    times = [kind(decimal_in_full(t)) for t in found.times]
+    times = [kind(in_full(t)) for t in found.times]
 
     def held(rows: Stack) -> npt.NDArray[np.generic]:
         if flat:
@@ -173,11 +173,11 @@ def values(varied: Grid) -> Iterator[list[str]]:
     yield from map(list, itertools.product(*([value_text(x) for x in c] for c in rows.columns)))
 
 
-def array_columns(varied: Grid) -> list[ArrayColumn]:
+def array_columns(varied: Grid) -> list[Floats]:
     """The columns, where the members are the rows of arrays; else none of them."""
-    from polhode.scenes.variation.array_columns import ArrayColumn
+    from polhode.numbers.exact_sequences import Floats
 
-    found = [column for column in varied.rows.columns if isinstance(column, ArrayColumn)]
+    found = [column for column in varied.rows.columns if isinstance(column, Floats)]
     return found if len(found) == len(varied.keys) else []
 
 
@@ -211,7 +211,7 @@ def _texts(times: Stack) -> npt.NDArray[np.generic]:
     import numpy as np
 
     known = {id(t): t for t in times.tolist()}  # members of a job share theirs
-    texts = {key: decimal_in_full(t) for key, t in known.items()}
+    texts = {key: in_full(t) for key, t in known.items()}
     return np.array([texts[id(t)] for t in times.tolist()])
 
 
@@ -223,7 +223,7 @@ def value_text(x: Exact) -> str:
 def rows(found: Ensemble, short: bool = True) -> Iterable[list[str]]:
     """Header and a row for each member and time."""
     yield ["member", *found.varied.keys, "t", *_columns(found)]
-    times = [shortest(t, found.number) if short else decimal_in_full(t) for t in found.times]
+    times = [shortest(t, found.number) if short else in_full(t) for t in found.times]
     for k, varied in enumerate(values(found.varied)):
         for t, state in zip(times, _written(found, k), strict=False):
             yield [str(k + 1), *varied, t, *state]

@@ -54,6 +54,20 @@ def prepared(present: Sequence[bool], method: str) -> Run:
     word, _, python = method.partition(", ")
     if python:
         return _in_python(present, word)
+    from polhode.peers.numba_field import run_of
+
+    return run_of(_solver(present, method))
+
+
+def prepared_many(present: Sequence[bool], method: str) -> Run:
+    """The same function called in a loop that numba compiles."""
+    from polhode.peers.numba_field import loop_of
+
+    return loop_of(_solver(present, method))
+
+
+def _solver(present: Sequence[bool], method: str) -> Array:
+    """One solve, compiled by numba: the rows, and whether it arrived."""
     import numba
     from CyRK import nbsolve2_ivp
     from CyRK.nb.numba_solver import cyjit_sig
@@ -74,15 +88,7 @@ def prepared(present: Sequence[bool], method: str) -> Run:
         found.free()
         return rows, success
 
-    solve = numba.njit(solve_plain)
-
-    def run(top: Top, start: Array, times: Array, tol: float) -> Array:
-        rows, success = solve(top.coefficients, start, times, tol)
-        if not success:
-            raise ArithmeticError("success is False")
-        return rows
-
-    return run
+    return numba.njit(solve_plain)
 
 
 def _in_python(present: Sequence[bool], method: str) -> Run:

@@ -10,9 +10,10 @@ from collections.abc import Callable
 from functools import cache
 
 import numba
+import numpy as np
 
 from polhode.peers.field import filling
-from polhode.peers.prepared import Array
+from polhode.peers.prepared import Array, Run, Top
 
 Coefficients = tuple[float, ...]
 
@@ -31,3 +32,29 @@ def rates_time_state(c: Coefficients, signature: Array) -> Array:
 
 def _callback(field: Callable[..., None], signature: Array) -> Array:
     return numba.cfunc(signature, cache=True)(field)
+
+
+def run_of(solve: Array) -> Run:
+    """A compiled solve (coefficients, start, times, tolerance) -> (rows, whether it arrived)."""
+
+    def run(top: Top, start: Array, times: Array, tol: float) -> Array:
+        rows, success = solve(top.coefficients, start, times, tol)
+        if not success:
+            raise ArithmeticError("success is False")
+        return rows
+
+    return run
+
+
+def loop_of(solve: Array) -> Run:
+    """The same called for each of many starts, in a loop that is compiled, too; the last rows."""
+
+    def loop(coefficients: Array, starts: Array, times: Array, tol: float) -> Array:
+        ends, arrived = np.empty_like(starts), True
+        for k in range(len(starts)):
+            rows, success = solve(coefficients, starts[k], times, tol)
+            ends[k] = rows[-1]
+            arrived &= success
+        return ends, arrived
+
+    return run_of(numba.njit(loop))

@@ -8,13 +8,27 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from polhode.peers.field import of_pattern
-from polhode.peers.prepared import Array, Run, Top
+from polhode.peers.prepared import Array, Run
 
 _MOST_STEPS = 10**8
 
 
 def prepared(present: Sequence[bool], method: str) -> Run:
     """One compiled function around the solver; its limit of 10 000 steps is lifted."""
+    from polhode.peers.numba_field import run_of
+
+    return run_of(_solver(present, method))
+
+
+def prepared_many(present: Sequence[bool], method: str) -> Run:
+    """The same function called in a loop that numba compiles."""
+    from polhode.peers.numba_field import loop_of
+
+    return loop_of(_solver(present, method))
+
+
+def _solver(present: Sequence[bool], method: str) -> Array:
+    """One solve, compiled by numba: the rows, and whether it arrived."""
     import numba
     import numbalsoda
 
@@ -30,12 +44,4 @@ def prepared(present: Sequence[bool], method: str) -> Run:
     def solve_plain(coefficients: Array, start: Array, times: Array, tol: float) -> Array:
         return solver(address, start, times, coefficients, tol, tol, _MOST_STEPS)
 
-    solve = numba.njit(solve_plain)
-
-    def run(top: Top, start: Array, times: Array, tol: float) -> Array:
-        rows, success = solve(top.coefficients, start, times, tol)
-        if not success:
-            raise ArithmeticError("success is False")
-        return rows
-
-    return run
+    return numba.njit(solve_plain)

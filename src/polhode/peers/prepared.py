@@ -2,7 +2,9 @@
 
 Each program is made ready once for a pattern of the equations, which says what coefficients are
 not zero, and then called with any body of the pattern and any start: what a loop over many starts
-pays.  Its module has a function ``prepared(present, method)`` that returns a :data:`Run`.
+pays.  Its module has a function ``prepared(present, method)`` that returns a :data:`Run`.  Where a
+program has a way of its own of many starts, a loop in compiled code at the least, there is also
+``prepared_many``: a Run from starts (N, 6), times 0 and end, to the states at the end, (N, 6).
 """
 
 from __future__ import annotations

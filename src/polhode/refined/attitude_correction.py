@@ -17,9 +17,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polhode.equations import quaternion_products
 from polhode.numbers.rows import Doubles, GivenRow
 from polhode.numbers.scalars import Scalar
+from polhode.numbers.vectors import quaternion_product
 from polhode.refined.collocation_tables import Tables
 from polhode.refined.compiled_field import FIELD_SHIFT
 from polhode.refined.deferred_correction import Constants, iterated
@@ -127,7 +127,7 @@ def spun(q: Doubles, omega: Doubles) -> Doubles:
 
 def times(a: GivenRow, b: GivenRow) -> Scalar:
     """The product of quaternions, of arrays of them, or of lists of integers."""
-    found = quaternion_products.product(a, b)
+    found = quaternion_product(a, b)
     return np.array(found) if isinstance(a, np.ndarray) else found
 
 

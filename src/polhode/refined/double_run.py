@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -14,7 +14,6 @@ from polhode.motion.outcomes import Outcome
 from polhode.numbers.rows import Doubles
 from polhode.refined.collocation_tables import LARGEST_FIELD
 from polhode.refined.errors import CannotRefine
-from polhode.refined.event_candidates import Candidates, Place
 from polhode.refined.expansions import rounded
 from polhode.refined.scaled_problem import Problem, in_unit
 from polhode.scenes.vocabulary import STATE
@@ -38,7 +37,6 @@ class Base:
     start in the scene's unit.  ``edges``: of the intervals, doubles, the first one 0.
     ``polynomials``: the states at any time passed, as heyoka gives them.  ``final``: it reaches
     the end of the whole run; the last edge is then left out, what follows it is for outputs alone.
-    ``places``: where events may be.
     """
 
     unit: int
@@ -47,7 +45,6 @@ class Base:
     final: bool
     polynomials: Any
     steps: int
-    places: tuple[Place, ...] = ()
 
     def states(self, times: Doubles) -> Doubles:
         """States (6, ...) at an array of times."""
@@ -70,24 +67,18 @@ def base(
     end: Fraction,
     m: int,
     most: int = STEPS,
-    candidates: Candidates | None = None,
 ) -> Base:
     """Run in double from ``state`` at ``origin`` towards ``end`` (scene's unit), m steps a group.
 
-    ``most``: steps to take.  ``candidates``: looks for events.
-
-    Raises CannotRefine where the run does not succeed.
+    ``most``: steps to take.  Raises CannotRefine where the run does not succeed.
     """
     with principal_engine(Equations(STATE, principal.NAMES), Engine) as ready:
         unit = _first_guess(ready, problem, state, end - origin)
         for _ in range(4):
-            runs = ready if candidates is None else candidates.begin(unit, origin)
-            found, fastest = _run(runs, problem, state, origin, end, unit, m, most)
+            found, fastest = _run(ready, problem, state, origin, end, unit, m, most)
             fit = problem.unit(fastest * 2.0**unit)
             if unit - 1 <= fit <= unit:
-                if candidates is None:
-                    return found
-                return replace(found, places=candidates.places(found.polynomials))
+                return found
             unit = fit
     raise CannotRefine("no unit of time suits the motion")
 

@@ -24,12 +24,10 @@ from polhode.refined.deferred_correction import Constants, Intervals, Solved, so
 from polhode.refined.double_run import STEPS, Base, base
 from polhode.refined.error_estimate import Estimate, Side, Stretch, estimate, made
 from polhode.refined.errors import CannotRefine, TooFarOff, TooLong
-from polhode.refined.events import EventSide, Search
 from polhode.refined.expansions import Limbs
 from polhode.refined.interval_blocks import WIDTH, Block, cut
 from polhode.refined.scaled_problem import Problem, in_unit, out_of_unit, problem
 from polhode.refined.self_test import trusted_kernels, trusted_tables
-from polhode.refined.taylor_series import Series
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend.process_settings import one_blas_thread, one_thread
 
@@ -82,8 +80,7 @@ def accuracy(digits: int) -> Accuracy:
 
 QUAD = accuracy(34)
 
-INTERRUPTED, STEP_LIMIT, AT_EVENT = "interrupted", "step limit", "stopped at event"
-_SEAM = Fraction(1, 1024)  # so far past a base's end the events that it saw count
+INTERRUPTED, STEP_LIMIT = "interrupted", "step limit"
 
 
 @dataclass(frozen=True)
@@ -143,38 +140,33 @@ def refine(
     m: int = STEPS_AN_INTERVAL,
     progress: Progress | None = None,
     max_steps: int | None = None,
-    search: Search | None = None,
     following: Following | None = None,
 ) -> Motion:
     """The motion of a scene at times (its own unit), of one sign, away from 0, exact rationals.
 
     ``m``: steps of the run in double to an interval; another one gives a run to compare with.
-    ``max_steps``: of the run in double.  ``search``: gathers the scene's events.  ``following``:
-    the attitude at the start.  Ctrl-C stops the run at the block it is at.  Raises CannotRefine
-    where the motion cannot be refined, BadInput for another form than the principal one.
+    ``max_steps``: of the run in double.  ``following``: the attitude at the start.  Ctrl-C stops
+    the run at the block it is at.  Raises CannotRefine where the motion cannot be refined, BadInput
+    for another form than the principal one.
     """
     backward = times[-1] < 0
     exact = problem(scene, wanted.limbs.finest + 64, backward)
-    run = _Run(exact, [abs(t) for t in times], wanted, m, search, following)
+    run = _Run(exact, [abs(t) for t in times], wanted, m, following)
     with one_thread(), one_blas_thread():
         stopped = run.to_the_end(progress, max_steps)
     reached = run.origin if stopped else abs(times[-1])
-    if search is not None and search.stop is not None:
-        reached = abs(search.stop)
     whole = min(len(run.found), len(run.sides))  # an interrupt may have come between the two
-    asked = {abs(t) for t in times if abs(t) <= reached or not stopped}
-    kept = [i for i in range(whole) if run.times[i] in asked]
     return Motion(
-        times=tuple(times[: len(kept)]),
-        states=[_turned(run.found[i], backward) for i in kept],
+        times=tuple(times[:whole]),
+        states=[_turned(row, backward) for row in run.found[:whole]],
         bits=wanted.limbs.finest,
-        estimate=estimate(run.stretches, [run.sides[i] for i in kept], 2.0**-wanted.limbs.bits),
+        estimate=estimate(run.stretches, run.sides[:whole], 2.0**-wanted.limbs.bits),
         steps=run.steps,
         intervals=sum(len(stretch.made) for stretch in run.stretches) + whole,
         sweeps=run.sweeps / max(1, run.blocks),
         reached=-reached if backward else reached,
         stopped=stopped,
-        attitudes=None if following is None else [run.attitudes[i] for i in kept],
+        attitudes=None if following is None else run.attitudes[:whole],
         _marks=tuple(run.marks),
         _wanted=wanted,
     )
@@ -194,14 +186,11 @@ class _Run:
         times: Sequence[Fraction],
         wanted: Accuracy,
         m: int,
-        search: Search | None = None,
         following: Following | None = None,
     ) -> None:
         self.following, self.attitudes = following, list[Attitude]()
-        self.problem, self.wanted, self.m, self.search = exact, wanted, m, search
-        self.times, self._asked = list(times), frozenset(times)
-        self._sought: dict[Fraction, list[tuple[int, bool]]] = {}  # events that may be there
-        self._looked = 0
+        self.problem, self.wanted, self.m = exact, wanted, m
+        self.times = list(times)
         self.found: list[list[int]] = []
         self.stretches: list[Stretch] = []
         self.sides: list[Side] = []
@@ -221,57 +210,13 @@ class _Run:
                     return STEP_LIMIT
                 most = min(STEPS, STEPS if max_steps is None else max_steps - self.steps)
                 end = self.times[-1]
-                seen = None if self.search is None else self.search.candidates
-                now = base(self.problem, self._state, self.origin, end, self.m, most, seen)
+                now = base(self.problem, self._state, self.origin, end, self.m, most)
                 self.steps += now.steps
                 self._constants = self._in_unit(now.unit)
-                self._enlist(now)
                 self._through(now, progress)
-                if self._stopped_at_event():
-                    return AT_EVENT
         except KeyboardInterrupt:
             return INTERRUPTED
         return None
-
-    def _enlist(self, now: Base) -> None:
-        """Where a new base sees events, states are refined too; what the last one saw is dropped,
-        but for a little past its end."""
-        if self.search is None:
-            return
-        if not self.marks[1:]:
-            self.search.refuse_what_never_moves(now)
-            bits = self.wanted.limbs.finest
-            self.search.begin(self._series([round(x * (1 << bits)) for x in self.problem.state]))
-        done, seam = len(self.found), self.origin + _SEAM
-        ahead = {t for t in self.times[done:] if t in self._asked or t <= seam}
-        self.search.sides.clear()
-        for place in now.places:
-            t = now.time(place.clock)
-            if place.value:
-                self.search.sides.append(EventSide(t, place.event, place.value))
-            elif t <= self.times[-1]:
-                self._sought.setdefault(t, []).append((place.event, place.extremum))
-                ahead.add(t)
-        self.times[done:] = sorted(ahead)
-
-    def _stopped_at_event(self) -> bool:
-        """Look at the places passed since the last time; whether one of them ends the run."""
-        if self.search is None:
-            return False
-        way = -1 if self.search.backward else 1
-        for t, row in zip(self.times[self._looked :], self.found[self._looked :], strict=False):
-            if t in self._sought:
-                self.search.look(way * t, self._series(row), self._sought[t])
-        self._looked = len(self.found)
-        if self.found:
-            self.search.passed(way * self.times[self._looked - 1], self._series(self.found[-1]))
-        return self.search.stop is not None
-
-    def _series(self, row: list[int]) -> Series:
-        """The scene's motion through a state."""
-        assert self.search is not None
-        state = _turned(row, self.search.backward)
-        return Series(state, self.wanted.limbs.finest, self.problem.coefficients)
 
     def _in_unit(self, unit: int) -> Constants:
         limbs = self.wanted.limbs

@@ -12,7 +12,7 @@ from weakref import finalize
 
 import numpy as np
 
-from polhode.common.arguments import rows_of, unit_rows, whole
+from polhode.common.arguments import not_taken, rows_of, unit_rows, whole
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, plain
 from polhode.common.memory import refuse_too_much
@@ -23,11 +23,11 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Doubles, Extendeds, Flat, doubles, flat
 from polhode.numbers.scalars import AnyNumber, numbers_given
+from polhode.numbers.vectors import scaled
 from polhode.runs.methods.output_loop import march
 from polhode.runs.problem.options import cadence, choose_number, corrections, rounded_tolerance
 from polhode.runs.problem.problem import Problem, problem
 from polhode.scenes import library
-from polhode.scenes.body import scaled
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
 from polhode.taylor.backend.heyoka_numbers import OutOfRange
@@ -333,8 +333,8 @@ class Propagator:
         if not np.can_cast(given.dtype, self._kind, "safe"):
             raise self._bad("start", plain(start), narrower)
         found: Flat = given.astype(self._kind)
-        if given.dtype.kind in "iu" and [*map(int, found)] != given.tolist():
-            raise self._bad("start", plain(start), narrower)  # numpy rounds long integers silently
+        if not_taken(start, found).any():
+            raise self._bad("start", plain(start), narrower)
         return found
 
     def _at_times(self, start: Flat | None, given: Sequence[AnyNumber]) -> Flat:

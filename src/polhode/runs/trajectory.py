@@ -19,7 +19,7 @@ from polhode.equations.hodographs import Hodographs
 from polhode.equations.integrals import Drift, drift
 from polhode.motion.outcomes import NO_EVENTS, Events, Outcome, Projection
 from polhode.motion.protocols import Interpolant
-from polhode.numbers.decimals import decimal_in_full, shown, strings
+from polhode.numbers.decimals import in_full, shown, strings
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import (
     Columns,
@@ -381,7 +381,7 @@ class Trajectory(Result, ByValue, Generic[S_co]):
 
     def time_strings(self) -> list[str]:
         """The times, every digit."""
-        return [decimal_in_full(t) for t in self.times]
+        return [in_full(t) for t in self.times]
 
     def state_strings(self) -> list[list[str]]:
         """The states as decimal strings that round-trip."""

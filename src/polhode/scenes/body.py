@@ -22,10 +22,18 @@ from polhode.numbers.decimals import brief
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.rounding import are_rounded, asymmetry, excess, flattened, symmetrised
 from polhode.numbers.scalars import AnyNumber, AnyVector, numbers_given
+from polhode.numbers.vectors import (
+    Matrix,
+    Vector,
+    apply,
+    cross,
+    dot,
+    inverse,
+    is_zero,
+    minus,
+    scaled,
+)
 from polhode.scenes.shapes import Part, carried, together
-
-Vector = tuple[Exact, Exact, Exact]
-Matrix = tuple[Vector, Vector, Vector]
 
 IDENTITY: Matrix = ((ONE, ZERO, ZERO), (ZERO, ONE, ZERO), (ZERO, ZERO, ONE))
 
@@ -50,40 +58,6 @@ def exact_vector(values: object, source: str = "Body", key: str = "vector") -> V
     if len(numbers) != 3:
         raise BadInput(source, key, f"{len(numbers)} numbers", "three numbers")
     return numbers[0], numbers[1], numbers[2]
-
-
-def dot(a: Vector, b: Vector) -> Exact:
-    """The scalar product a·b."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def cross(a: Vector, b: Vector) -> Vector:
-    """The vector product a × b."""
-    return (
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    )
-
-
-def parallel(a: Vector, b: Vector) -> bool:
-    """Whether a × b is zero; the components are computed up to the first that is not."""
-    return all(sign(a[i] * b[j] - a[j] * b[i]) == 0 for i, j in ((1, 2), (2, 0), (0, 1)))
-
-
-def scaled(factor: Exact, a: Vector) -> Vector:
-    """factor·a."""
-    return factor * a[0], factor * a[1], factor * a[2]
-
-
-def minus(a: Vector, b: Vector) -> Vector:
-    """a - b."""
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
-
-
-def is_zero(a: Vector) -> bool:
-    """Whether every component is zero (by the rule for *equal*)."""
-    return all(sign(component) == 0 for component in a)
 
 
 class UnphysicalBody(BadInput):
@@ -223,15 +197,21 @@ class Body:
 
     @classmethod
     def about_centre(
-        cls, inertia: Iterable[AnyVector], centre: AnyVector, mass: AnyNumber, weight: AnyNumber = 0
+        cls,
+        inertia: Iterable[AnyVector],
+        centre: AnyVector,
+        mass: AnyNumber,
+        weight: AnyNumber = 0,
+        rounded: bool | None = None,
     ) -> Body:
         """A body given by its inertia matrix about its centre of mass (Huygens and Steiner)."""
-        own = cls(inertia)  # type: ignore[arg-type]
+        own = cls(inertia, rounded=rounded)  # type: ignore[arg-type]
         place = exact_vector(centre, key="centre")
         (of_mass,) = each("Body", "mass", (mass,), exact_number, "a number")
         if sign(of_mass) <= 0:
             raise BadInput("Body", "mass", mass, "a mass above 0")
-        found = cls(carried(own.inertia, of_mass, place), place, weight)  # type: ignore[arg-type]
+        moved = carried(own.inertia, of_mass, place)
+        found = cls(moved, place, weight, rounded=rounded)  # type: ignore[arg-type]
         object.__setattr__(found, "change", own.change)
         return found
 
@@ -294,16 +274,11 @@ class Body:
 
     def momentum(self, omega: Vector) -> Vector:
         """G = I w in body axes."""
-        a, b, c = (dot(row, omega) for row in self.inertia)
-        return a, b, c
+        return apply(self.inertia, omega)
 
     def omega(self, momentum: Vector) -> Vector:
-        """w = I⁻¹ G in body axes, by Cramer's rule."""
-        x, y, z = self.inertia
-        adjugate = cross(y, z), cross(z, x), cross(x, y)
-        determinant = dot(x, adjugate[0])
-        a, b, c = (dot(row, momentum) / determinant for row in adjugate)
-        return a, b, c
+        """w = I⁻¹ G in body axes."""
+        return apply(inverse(self.inertia), momentum)
 
     @cached_property
     def _principal(self) -> tuple[Vector, PrincipalAxes]:

@@ -3,25 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 from polhode.common.errors import BadInput
 from polhode.numbers import exact
 from polhode.numbers.decimals import brief
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.rounding import is_unit_but_for_rounding
-from polhode.scenes.body import (
-    MATRIX,
-    Body,
-    Matrix,
-    UnphysicalBody,
-    Vector,
-    diagonal,
-    scaled,
-)
+from polhode.numbers.vectors import Vector, scaled
+from polhode.scenes.body import MATRIX, Body, UnphysicalBody, diagonal
 from polhode.scenes.given_numbers import in_units
 from polhode.scenes.level_start import omega_on_level
-from polhode.scenes.shapes import Part, carried
+from polhode.scenes.shapes import Part
 from polhode.scenes.validation import Reading, as_written, is_expression
 from polhode.scenes.vocabulary import CENTRE, FIXED_POINT, SIGNS
 
@@ -47,10 +40,9 @@ def body_of(reading: Reading, table: Mapping[str, Any]) -> Body:
     if key not in table:
         expected = "moments = [A, B, C], inertia = a 3 x 3 matrix, or [[body.parts]]"
         raise reading.bad("body.moments", None, expected)
-    if other in table:
-        raise reading.bad(f"body.{other}", table[other], "only one of moments and inertia")
+    reading.alone("body", table, [other], "only one of moments and inertia")
     if key == "moments":
-        inertia = diagonal(reading.vector("body.moments", table["moments"]))
+        inertia = diagonal(reading.read("body", table, "moments"))
     else:
         rows = table["inertia"]
         if not isinstance(rows, list) or len(rows) != 3:
@@ -59,41 +51,43 @@ def body_of(reading: Reading, table: Mapping[str, Any]) -> Body:
             raise reading.bad("body.inertia", rows, "moments = [A, B, C], or " + MATRIX)
         a, b, c = (reading.vector(f"body.inertia[{i + 1}]", row) for i, row in enumerate(rows))
         inertia = (a, b, c)
-    centre = reading.vector("body.centre", table["centre"]) if "centre" in table else _NOWHERE
+    centre = reading.read("body", table, "centre") if "centre" in table else _NOWHERE
     mass = _mass(reading, table)
     weight = _weight(reading, table, mass)
     if "centre" not in table and sign(weight) != 0:
         raise reading.bad("body.centre", None, "three numbers, since weight is not 0")
-    about = reading.word("body.about", reading.given("body", table, "about"))
+    about = reading.read("body", table, "about")
     if about not in (FIXED_POINT, CENTRE):
         raise reading.bad("body.about", about, f"{FIXED_POINT!r} or {CENTRE!r}")
-    if about == CENTRE:
-        if mass is None or "centre" not in table:
-            missing = "mass" if mass is None else "centre"
-            raise reading.bad(f"body.{missing}", None, "a value, with about = 'centre'")
-        own = _physical(reading, key, table[key], inertia, _NOWHERE, ZERO)
-        body = _physical(
-            reading, key, table[key], carried(own.inertia, mass, centre), centre, weight
-        )
-        object.__setattr__(body, "change", own.change)
-        return body
-    return _physical(reading, key, table[key], inertia, centre, weight)
+    if about == CENTRE and (mass is None or "centre" not in table):
+        missing = "mass" if mass is None else "centre"
+        raise reading.bad(f"body.{missing}", None, "a value, with about = 'centre'")
+    value = table[key]
+    rounded = not any(
+        is_expression(x) for row in (value if key == "inertia" else [value]) for x in row
+    )
+    try:
+        if about == CENTRE and mass is not None:
+            return Body.about_centre(inertia, centre, mass, weight, rounded)
+        return Body(inertia, centre, weight, rounded=rounded)
+    except UnphysicalBody as fault:
+        raise reading.bad(f"body.{key}", value, fault.expected) from None
 
 
 def _of_parts(reading: Reading, table: Mapping[str, Any]) -> Body:
-    for other in ("moments", "inertia", "about", "centre", "mass"):
-        if other in table:
-            raise reading.bad(f"body.{other}", table[other], "no value together with parts")
+    others = ("moments", "inertia", "about", "centre", "mass")
+    reading.alone("body", table, others, "no value together with parts")
     given = table["parts"]
     if not isinstance(given, list) or not given or not all(isinstance(p, dict) for p in given):
         raise reading.bad("body.parts", given, "tables [[body.parts]]")
     parts = tuple(_part(reading, k, part) for k, part in enumerate(given))
     if ("g" in table) == ("weight" in table):
         raise reading.bad("body.g", table.get("g"), "one of g and weight; 0 for none")
-    if "weight" in table:
-        weight = reading.number("body.weight", table["weight"])
-        return _built(reading, parts, weight=weight)
-    return _built(reading, parts, g=reading.number("body.g", table["g"]))
+    gravity = "weight" if "weight" in table else "g"
+    try:
+        return Body.of_parts(parts, **{gravity: reading.read("body", table, gravity)})
+    except UnphysicalBody as fault:
+        raise reading.bad("body.parts", None, f"parts of {fault.expected}") from None
 
 
 def _part(reading: Reading, index: int, table: dict[str, Any]) -> Part:
@@ -102,32 +96,17 @@ def _part(reading: Reading, index: int, table: dict[str, Any]) -> Part:
     for needed in ("shape", "mass"):
         if needed not in table:
             raise reading.bad(f"{key}.{needed}", None, "a value for each part")
-    found: dict[str, Any] = {}
-    for name, value in table.items():
-        if name in ("shape", "axis"):
-            found[name] = reading.word(f"{key}.{name}", value)
-        elif name in ("size", "semi_axes", "at"):
-            found[name] = reading.vector(f"{key}.{name}", value)
-        else:
-            found[name] = reading.number(f"{key}.{name}", value)
     try:
-        return Part(**found)
+        return Part(**{name: reading.read("body.parts", table, name, key) for name in table})
     except BadInput as fault:
         shown = table.get(fault.key, fault.value)
         raise reading.bad(f"{key}.{fault.key}", shown, fault.expected) from None
 
 
-def _built(reading: Reading, parts: tuple[Part, ...], **gravity: Exact) -> Body:
-    try:
-        return Body.of_parts(parts, **gravity)
-    except UnphysicalBody as fault:
-        raise reading.bad("body.parts", None, f"parts of {fault.expected}") from None
-
-
 def _mass(reading: Reading, table: Mapping[str, Any]) -> Exact | None:
     if "mass" not in table:
         return None
-    mass = reading.number("body.mass", table["mass"])
+    mass: Exact = reading.read("body", table, "mass")
     if sign(mass) <= 0:
         raise reading.bad("body.mass", table["mass"], "a mass above 0")
     return mass
@@ -137,23 +116,12 @@ def _weight(reading: Reading, table: Mapping[str, Any], mass: Exact | None) -> E
     if "g" in table:
         if mass is None:
             raise reading.bad("body.mass", None, "a number, with g")
-        if "weight" in table:
-            raise reading.bad("body.weight", table["weight"], "only one of weight and g")
+        reading.alone("body", table, ["weight"], "only one of weight and g")
         return mass * reading.number("body.g", table["g"])
     if mass is not None and "weight" not in table:
         raise reading.bad("body.g", None, "g or weight together with mass; 0 for none")
-    return reading.number("body.weight", reading.given("body", table, "weight"))
-
-
-def _physical(
-    reading: Reading, key: str, value: object, inertia: Matrix, centre: Vector, weight: Exact
-) -> Body:
-    rows = value if key == "inertia" else [value]
-    exactly = any(is_expression(x) for row in cast(list[list[object]], rows) for x in row)
-    try:
-        return Body(inertia, centre, weight, rounded=not exactly)
-    except UnphysicalBody as fault:
-        raise reading.bad(f"body.{key}", value, fault.expected) from None
+    weight: Exact = reading.read("body", table, "weight")
+    return weight
 
 
 def start_of(
@@ -161,15 +129,13 @@ def start_of(
 ) -> tuple[Vector, Vector | None, Exact]:
     """Omega, gamma and psi of a table [start]; raises BadInput."""
     turned = [way for way in _WAYS_TO_TURN if way in table]
-    if len(turned) > 1:
-        first, other = turned[:2]
-        raise reading.bad(f"start.{other}", table[other], f"no value together with {first}")
+    if turned:
+        reading.alone("start", table, turned[1:], f"no value together with {turned[0]}")
     moved = [way for way in _WAYS_TO_MOVE if way in table]
     for whole in ("rates", "h"):
-        others = [way for way in moved if way != whole]
-        if whole in moved and others:
-            expected = f"no value together with {whole}"
-            raise reading.bad(f"start.{others[0]}", table[others[0]], expected)
+        if whole in moved:
+            others = [way for way in moved if way != whole]
+            reading.alone("start", table, others, f"no value together with {whole}")
     for idle in ("f", "sign"):
         if idle in table and "h" not in table:
             raise reading.bad("start.h", None, "a number, for a start on the level h, f")
@@ -180,14 +146,14 @@ def start_of(
         raise reading.bad("start.angles", None, "three numbers (psi, theta, phi)")
     turn = _turn(reading, table, body)
     if "omega" in table:
-        omega = reading.vector("start.omega", table["omega"])
+        omega = reading.read("start", table, "omega")
     elif "h" in table:
         omega = _on_level(reading, table, body, turn)
     elif "momentum" in table:
-        omega = body.omega(reading.vector("start.momentum", table["momentum"]))
+        omega = body.omega(reading.read("start", table, "momentum"))
     else:
         assert turn is not None
-        omega = _of_rates(turn, reading.vector("start.rates", table["rates"]))
+        omega = _of_rates(turn, reading.read("start", table, "rates"))
     return (omega, None, ZERO) if turn is None else (omega, turn.gamma, turn.psi)
 
 
@@ -197,8 +163,8 @@ def _on_level(reading: Reading, table: Mapping[str, Any], body: Body, turn: Turn
         raise reading.bad("start.gamma", None, expected)
     if "f" not in table:
         raise reading.bad("start.f", None, "a number, for a start on the level h, f")
-    h, f = (reading.number(f"start.{key}", table[key]) for key in ("h", "f"))
-    side = reading.word("start.sign", reading.given("start", table, "sign"))
+    h, f = (reading.read("start", table, key) for key in ("h", "f"))
+    side = reading.read("start", table, "sign")
     if side not in SIGNS:
         raise reading.bad("start.sign", side, " or ".join(SIGNS))
     return omega_on_level(body, turn.gamma, h, f, side == SIGNS[0], reading.name)
@@ -206,26 +172,20 @@ def _on_level(reading: Reading, table: Mapping[str, Any], body: Body, turn: Turn
 
 def _turn(reading: Reading, table: Mapping[str, Any], body: Body) -> Turn | None:
     """The orientation, None of a torque-free body of which none is given."""
-    normalise = reading.truth("start.normalise", reading.given("start", table, "normalise"))
+    normalise = reading.read("start", table, "normalise")
     if "angles" in table:
-        for other in ("psi", "normalise"):
-            if other in table:
-                expected = "no value together with angles"
-                raise reading.bad(f"start.{other}", table[other], expected)
+        reading.alone("start", table, ("psi", "normalise"), "no value together with angles")
         return _of_angles(reading, table)
     if "quaternion" in table:
-        if "psi" in table:
-            raise reading.bad("start.psi", table["psi"], "no value together with quaternion")
+        reading.alone("start", table, ["psi"], "no value together with quaternion")
         return _of_quaternion(reading, table["quaternion"], normalise)
     if "gamma" not in table:
         if not body.torque_free:
             raise reading.bad("start.gamma", None, "a unit vector, since the weight has a moment")
-        for idle in ("psi", "normalise"):
-            if idle in table:
-                raise reading.bad(f"start.{idle}", table[idle], "no value without start.gamma")
+        reading.alone("start", table, ("psi", "normalise"), "no value without start.gamma")
         return None
-    psi = reading.number("start.psi", reading.given("start", table, "psi"))
-    gamma = reading.vector("start.gamma", table["gamma"])
+    psi = reading.read("start", table, "psi")
+    gamma = reading.read("start", table, "gamma")
     square = _square(reading, "gamma", table["gamma"], gamma, normalise)
     return Turn(gamma if square == 1 else scaled(1 / exact.sqrt(square), gamma), psi)
 
@@ -253,7 +213,7 @@ def _signed(x: Exact) -> str:
 
 def _of_angles(reading: Reading, table: Mapping[str, Any]) -> Turn:
     """R = Rz(psi) Rx(theta) Rz(phi)."""
-    psi, theta, phi = reading.vector("start.angles", table["angles"])
+    psi, theta, phi = reading.read("start", table, "angles")
     given = table["angles"][1]
     if abs(theta) > 2 * exact.pi() and not (is_expression(given) and in_units(given)):
         reading.doubt = doubtful_theta(theta)

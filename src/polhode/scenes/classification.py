@@ -14,7 +14,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from polhode.numbers.exact import sign
-from polhode.scenes.body import Body, Vector, is_zero
+from polhode.numbers.vectors import Vector, is_zero
+from polhode.scenes.body import Body
 
 EULER, LAGRANGE, SPHERE = "Euler top", "Lagrange top", "Lagrange top (three equal moments)"
 KOVALEVSKAYA, CHAPLYGIN = "Kovalevskaya top", "Goryachev-Chaplygin body"

@@ -31,6 +31,11 @@ class Event(NamedTuple):
     stop: bool = False
 
     @property
+    def table(self) -> dict[str, object]:
+        """Its keys in a scene file; None for a zero that its name says."""
+        return self._asdict() | {"zero": self.zero or None}
+
+    @property
     def expression(self) -> str | None:
         """What vanishes, as text; None for w along the middle principal axis."""
         if self.zero:
@@ -65,4 +70,5 @@ def check_event(event: Event, scene: str, key: str) -> None:
             check(event.expression, names)
         except ValueError as fault:
             expected = f"an expression in {' '.join(names)} ({fault})"
-            raise BadInput(scene, f"{key}.zero", event.expression, expected) from None
+            word = "zero" if event.zero or event.needs_zero else "name"
+            raise BadInput(scene, f"{key}.{word}", event.expression, expected) from None

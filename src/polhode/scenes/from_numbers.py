@@ -6,12 +6,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Never
 
 from polhode.common.arguments import each, of_kind, refuse_unknown
-from polhode.common.errors import BadInput
+from polhode.common.errors import BadInput, plain
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes import keys, scene_file
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
-from polhode.scenes.scene_text import as_read, owned, written
+from polhode.scenes.scene_text import owned, written
 from polhode.scenes.shapes import Part
 
 
@@ -155,32 +155,29 @@ def top(
         del data["start"]["normalise"]
     if parts is not None:
         expected = "a list of Part, or of mappings"
-        data["body"]["parts"] = each(name, "body.parts", parts, lambda part: part, expected)
-    data["title"] = title
-    solids = data["body"].get("parts", ())
-    if units is None and any(isinstance(part, Part) and part.units for part in solids):
-        units = "SI"
-    if units is not None:
-        data["units"] = units
-    data["reference"] = {} if reference is None else {"kind": reference}
-    data["events"] = each(name, "events", events, lambda x: x, "events")
-    data["events"] = [_event(name, k, event) for k, event in enumerate(data["events"])]
-    if samples is not None and isinstance(samples, float):
-        raise BadInput(name, "run.samples", samples, "a whole number")
-    data = owned(data)  # read once, and written when the caller may have changed or used it up
-    try:
-        scene = scene_file.of_tables(as_read(data, name), name, lambda: written(data, name))
-    except ValueError:
-        return scene_file.parse(written(data, name), name)  # the line of a fault shows its text
+        listed = each(name, "body.parts", parts, lambda part: part, expected)
+        data["body"]["parts"] = [_table(name, "body.parts", k, x) for k, x in enumerate(listed)]
+        if units is None and any(isinstance(part, Part) and part.units for part in listed):
+            units = "SI"
+    data["events"] = [
+        _table(name, "events", k, x)
+        for k, x in enumerate(each(name, "events", events, lambda event: event, "events"))
+    ]
+    data |= {"schema": 1, "title": title, "units": units, "reference": {"kind": reference}}
+    data = owned(data, name)  # written when the caller may have changed or used it up
+    scene = scene_file.of_tables(data, name, lambda: written(data, name))
     if scene.change:  # gamma or the quaternion was brought to length 1: its text is to say so
         data["start"]["normalise"] = True
     scene.speak()
     return scene
 
 
-def _event(name: str, index: int, event: object) -> Mapping[str, Any]:
-    if isinstance(event, Event):
-        return event._asdict() | {"zero": event.zero or None}
-    if not isinstance(event, Mapping):
-        raise BadInput(name, f"events[{index + 1}]", event, "an Event, or a mapping of its keys")
-    return event
+def _table(name: str, section: str, index: int, given: object) -> Mapping[str, object]:
+    """The keys of a Part, an Event, or of a mapping; raises BadInput."""
+    if isinstance(given, (Part, Event)):
+        return given.table
+    if not isinstance(given, Mapping):
+        kind = "a Part" if section == "body.parts" else "an Event"
+        expected = f"{kind}, or a mapping of its keys"
+        raise BadInput(name, f"{section}[{index + 1}]", plain(given), expected)
+    return given

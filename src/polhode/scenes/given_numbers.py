@@ -39,14 +39,23 @@ def reader(units: str, unit: str) -> Callable[[object], Exact]:
 
 def in_text(text: str, units: str, unit: str) -> Exact:
     """The number in a text; raises ExpressionError, a ValueError."""
+    found, in_si = number_in_text(text, unit)
+    if in_si and not units:
+        raise ExpressionError(_UNITLESS)
+    return found
+
+
+def number_in_text(text: str, unit: str) -> tuple[Exact, bool]:
+    """The value of an expression, and whether its units make it a number in SI.
+
+    Those of an angle do not: it is the same number in any units.  ``unit``: as in
+    ``quantity.in_unit``.  Raises ExpressionError.
+    """
     try:
-        return expression.number(text)
+        return expression.number(text), False
     except ExpressionError:
         from polhode.numbers.quantity import in_unit, is_angle, mentions_unit
 
         if not mentions_unit(text):
             raise
-        found = in_unit(text, unit)
-        if not units and not is_angle(text):
-            raise ExpressionError(_UNITLESS) from None
-        return found
+        return in_unit(text, unit), not is_angle(text)

@@ -19,7 +19,8 @@ from polhode.common.errors import BadInput
 from polhode.numbers import exact
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
-from polhode.scenes.body import Body, Vector, cross, dot, is_zero, scaled
+from polhode.numbers.vectors import Vector, cross, dot, is_zero, scaled
+from polhode.scenes.body import Body
 
 
 def reduced_potential(body: Body, gamma: Vector, f: Exact) -> Exact:

@@ -7,10 +7,8 @@ as in Yehia, *Rigid Body Dynamics: A Lagrangian Approach*, chapter 3.  The first
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import InitVar, dataclass, field
-from fractions import Fraction
 from typing import NamedTuple
 
 from polhode.common.arguments import each, of_kind
@@ -24,7 +22,8 @@ from polhode.numbers.conversion import derived_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.scalars import AnyNumber
-from polhode.scenes.body import Body, Vector, dot, exact_vector, scaled
+from polhode.numbers.vectors import Vector, dot, scaled
+from polhode.scenes.body import Body, exact_vector
 from polhode.scenes.event import Event, check_event
 from polhode.scenes.output_times import OutputTimes, listed_times
 from polhode.scenes.vocabulary import COLUMNS, FORMS, STATE, UNITS
@@ -341,9 +340,6 @@ class Scene:
         Chosen from the fourth power of the fastest rate, a number that scales exactly with the
         unit of time, so that scaling a scene by powers of two changes no bit of a run.
         """
-        plain = sure_time_unit(self.omega, self.body)
-        if plain is not None:
-            return plain
         square = dot(self.omega, self.omega)
         fourth = max(square * square, self.body.pendulum_rate_fourth)
         if sign(fourth) == 0:
@@ -363,21 +359,3 @@ class Scene:
     def starts_at_pole(self) -> bool:
         """Whether the third axis is vertical at t = 0, where psi and phi have no meaning."""
         return self.gamma is not None and sign(self.gamma[0]) == 0 == sign(self.gamma[1])
-
-
-def sure_time_unit(omega: Vector, body: Body) -> int | None:
-    """A scene's unit of time where doubles are sure of it: no power of two is near the fourth."""
-    known = (*omega, *body.torque, *body.moments)
-    if not all(type(x) is Fraction for x in known):
-        return None
-    try:
-        p, q, r, x, y, z, *moments = map(float, known)
-    except OverflowError:
-        return None
-    square, torque, largest = p * p + q * q + r * r, x * x + y * y + z * z, max(moments)
-    within = [x == 0 or 1e-60 < x < 1e60 for x in (square, torque)]
-    if not all(within) or not 1e-60 < largest < 1e60:
-        return None  # products of others may leave the range of doubles
-    part, exponent = math.frexp(max(square * square, torque / (largest * largest)))
-    # to 8 bits the number is of this power of two, and so are its neighbours within 2**-9
-    return -((exponent - 1) // 4) if 0.5 + 2.0**-9 < part < 1 - 2.0**-8 else None

@@ -13,15 +13,15 @@ from polhode.common.files import called, read_whole
 from polhode.numbers import expression
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.expression import ExpressionError
+from polhode.numbers.vectors import Vector
 from polhode.scenes import added_families
-from polhode.scenes.body import Body, Vector
+from polhode.scenes.body import Body
 from polhode.scenes.body_and_start import body_of, start_of
 from polhode.scenes.event import Event
 from polhode.scenes.output_times import even_times
 from polhode.scenes.scene import Published, Scene, SectionPlan
 from polhode.scenes.validation import Literal, Reading, is_int
 from polhode.scenes.vocabulary import (
-    DIRECTIONS,
     EXTREMA,
     FORMER_REFERENCES,
     READY_MADE,
@@ -34,7 +34,6 @@ from polhode.scenes.vocabulary import (
 
 MAX_FILE = 100_000  # bytes
 MAX_LINE = 10_000  # characters: a TOML key of thousands of parts costs quadratic time
-MAX_SAMPLES = 1_000_000
 
 
 def read(path: Path, name: str | None = None) -> Scene:
@@ -116,13 +115,13 @@ class _File(Reading):
         omega, gamma, psi = start_of(self, self.table("start"), body)
         run = self.table("run", required=False)
         judged = self.table("reference", required=False)
-        kind = self.word("reference.kind", self.given("reference", judged, "kind"))
+        kind = self.read("reference", judged, "kind")
         if kind not in REFERENCES and kind not in (more := added_families.names()):
             expected = FORMER_REFERENCES.get(kind) or nearest(kind, [*REFERENCES, *more])
             raise self.bad("reference.kind", kind, expected)
         times = self.times(run)
         published = tuple(self.published(i, p) for i, p in enumerate(self.tables("published")))
-        units = self.word("units", self.given("", data, "units"))
+        units = self.read("", data, "units")
         return Scene(
             body=body,
             omega=omega,
@@ -130,11 +129,11 @@ class _File(Reading):
             psi=psi,
             times=times,
             name=self.name,
-            title=self.word("title", self.given("", data, "title")),
-            tags=self.words("tags", self.given("", data, "tags")),
-            cite=self.words("cite", self.given("", data, "cite")),
-            form=self.word("run.form", self.given("run", run, "form")),
-            outputs=self.words("run.outputs", self.given("run", run, "outputs")),
+            title=self.read("", data, "title"),
+            tags=self.read("", data, "tags"),
+            cite=self.read("", data, "cite"),
+            form=self.read("run", run, "form"),
+            outputs=self.read("run", run, "outputs"),
             events=tuple(self.event(i, e) for i, e in enumerate(self.tables("events"))),
             published=published,
             reference=kind,
@@ -151,9 +150,7 @@ class _File(Reading):
     def times(self, run: Mapping[str, Any]) -> Sequence[Exact]:
         """The output times of a table [run]."""
         if "at" in run:
-            for other in ("end", "samples"):
-                if other in run:
-                    raise self.bad(f"run.{other}", run[other], "no value together with at")
+            self.alone("run", run, ("end", "samples"), "no value together with at")
             values = self.array("run.at", run["at"])
             if not values:
                 raise self.bad("run.at", values, "at least one time")
@@ -165,10 +162,7 @@ class _File(Reading):
         end = self.number("run.end", run["end"])
         if sign(end) == 0:
             raise self.bad("run.end", run["end"], "a time other than 0")
-        samples = self.given("run", run, "samples")
-        if not is_int(samples) or not 2 <= samples <= MAX_SAMPLES:
-            raise self.bad("run.samples", samples, f"an integer from 2 to {MAX_SAMPLES}")
-        return even_times(end, samples)
+        return even_times(end, self.whole("run", run, "samples", 2))
 
     def event(self, index: int, table: Mapping[str, Any]) -> Event:
         """One of the tables [[events]]."""
@@ -177,27 +171,17 @@ class _File(Reading):
         if "zero" not in table and Event(name).needs_zero:
             known = nearest(name, [*READY_MADE, f"{SECTION}<expression>"])
             raise self.bad(f"{key}.zero", None, f"an expression, or one of the names {known}")
-        if "zero" in table:
-            zero = self.word(f"{key}.zero", table.get("zero"))
-            self.readable(f"{key}.zero", zero, (*STATE, "t"))
-        else:
-            zero = ""
-            if name.startswith(SECTION):
-                self.readable(f"{key}.name", name.removeprefix(SECTION), (*STATE, "t"))
-        direction = self.word(f"{key}.direction", self.given("events", table, "direction"))
-        if direction not in DIRECTIONS:
-            known = nearest(direction, [*DIRECTIONS])
-            raise self.bad(f"{key}.direction", direction, known)
-        stop = self.truth(f"{key}.stop", self.given("events", table, "stop"))
-        return Event(name, zero, direction, stop)
+        zero = self.word(f"{key}.zero", table.get("zero", ""))
+        direction, stop = (self.read("events", table, x, key) for x in ("direction", "stop"))
+        return Event(name, zero, direction, stop)  # the scene checks what they say
 
     def published(self, index: int, table: Mapping[str, Any]) -> Published:
         """One of the tables [[published]]."""
         key = f"published[{index + 1}]"
-        t = self.number(f"{key}.t", table.get("t"))
-        quantity = self.word(f"{key}.quantity", table.get("quantity"))
+        t, quantity, value, cite = (
+            self.read("published", table, x, key) for x in ("t", "quantity", "value", "cite")
+        )
         self.readable(f"{key}.quantity", quantity, (*STATE, *column_names()))
-        value = self.word(f"{key}.value", table.get("value"))
         try:
             expression.decimal(value)
         except ExpressionError as fault:
@@ -205,24 +189,18 @@ class _File(Reading):
         right = table.get("right")
         if right is not None and (not is_int(right) or not 0 <= right <= 100):
             raise self.bad(f"{key}.right", right, "how many of its digits are right")
-        return Published(t, quantity, value, self.word(f"{key}.cite", table.get("cite")), right)
+        return Published(t, quantity, value, cite, right)
 
     def section(self, table: Mapping[str, Any]) -> SectionPlan:
         """How the level is cut, of a table [section]."""
-        by, extremum = (
-            self.word(f"section.{key}", self.given("section", table, key))
-            for key in ("by", "extremum")
-        )
+        by, extremum = (self.read("section", table, x) for x in ("by", "extremum"))
         if by not in SECTIONS:
             self.readable("section.by", by, STATE)
         if extremum not in EXTREMA:
             raise self.bad("section.extremum", extremum, nearest(extremum, [*EXTREMA]))
-        crossings = self.given("section", table, "crossings")
-        if not is_int(crossings) or not 1 <= crossings <= MAX_SAMPLES:
-            raise self.bad("section.crossings", crossings, f"an integer from 1 to {MAX_SAMPLES}")
+        crossings = self.whole("section", table, "crossings", 1)
         starts = []
-        rows = self.array("section.starts", self.given("section", table, "starts"))
-        for k, row in enumerate(rows):
+        for k, row in enumerate(self.array("section.starts", table.get("starts", []))):
             key = f"section.starts[{k + 1}]"
             starts.append(tuple(self.number(key, item) for item in self.array(key, row)))
         return SectionPlan(by, extremum, crossings, tuple(starts))

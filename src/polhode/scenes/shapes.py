@@ -8,17 +8,15 @@ theorem, I = I_c + m (|c|² 1 - c cᵀ).
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput, nearest
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.scalars import AnyNumber, AnyVector
+from polhode.numbers.vectors import Matrix, Vector
 from polhode.scenes.given_numbers import in_units, reader
-
-Vector = tuple[Exact, Exact, Exact]
-Matrix = tuple[Vector, Vector, Vector]
 
 AXES = ("z", "x", "y", "-z", "-x", "-y")
 _LENGTHS = ("size", "semi_axes", "radius", "height", "inner")
@@ -178,6 +176,11 @@ class Part:
         if any(isinstance(x, str) and in_units(x) for x in values):
             object.__setattr__(self, "units", "SI")
         return each("Part", key, values, reader("SI", "kg" if key == "mass" else "m"), "numbers")
+
+    @property
+    def table(self) -> dict[str, object]:
+        """Its keys in a scene file; None for a length that it has not."""
+        return {f.name: getattr(self, f.name) for f in fields(self) if f.init}
 
     @property
     def lengths(self) -> dict[str, Exact | tuple[Exact, ...]]:

@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 from typing import Any, TypeGuard
 
 from polhode.common.errors import BadInput, nearest, plain
 from polhode.numbers import exact, expression
+from polhode.numbers.conversion import derived_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
+from polhode.numbers.vectors import Vector
 from polhode.scenes import keys
-from polhode.scenes.body import Vector
+from polhode.scenes.given_numbers import number_in_text
 
 _LONG = 24  # characters: no double is printed with more
 
 #: Between the middle and the radius of an interval, which proofs alone take.
 PLUS_MINUS = ("\u00b1", "+-", "+/-")
+
+
+#: Output times, or crossings of an orbit.
+MAX_SAMPLES = 1_000_000
 
 
 class Literal(str):
@@ -68,9 +73,30 @@ class Reading:
             self.known(section, table, f"{section}[{index + 1}]")
         return tables
 
-    def given(self, section: str, table: Mapping[str, Any], name: str) -> Any:
-        """What a section holds under a key, or the key's default."""
-        return keys.given(section, table, name)
+    def alone(
+        self, section: str, table: Mapping[str, Any], others: Iterable[str], expected: str
+    ) -> None:
+        """Refuse the first of some keys that the section has all the same."""
+        for key in others:
+            if key in table:
+                raise self.bad(f"{section}.{key}", table[key], expected)
+
+    def read(self, section: str, table: Mapping[str, Any], name: str, where: str = "") -> Any:
+        """What a section holds under a key, or the key's default, read as its kind says.
+
+        ``where``: the table of several, as ``events[1]``.
+        """
+        key = keys.key(section, name)
+        readers: dict[str, Callable[[str, Any], Any]] = {
+            keys.NUMBER: self.number,
+            keys.VECTOR: self.vector,
+            keys.WORD: self.word,
+            keys.WORDS: self.words,
+            keys.TRUTH: self.truth,
+        }
+        full = ".".join(filter(None, (where or section, name)))
+        value = table[name] if name in table else keys.default(section, name)
+        return readers[key.kind](full, value)
 
     def truth(self, key: str, value: object) -> bool:
         """True or false."""
@@ -78,10 +104,18 @@ class Reading:
             raise self.bad(key, value, "true or false")
         return value
 
+    def whole(self, section: str, table: Mapping[str, Any], name: str, least: int) -> int:
+        """What a section holds under a key, or its default: a whole number up to a million."""
+        value = table.get(name, keys.default(section, name))
+        if not is_int(value) or not least <= value <= MAX_SAMPLES:
+            expected = f"a whole number from {least} to {MAX_SAMPLES}"
+            raise self.bad(f"{section}.{name}", value, expected)
+        return value
+
     def word(self, key: str, value: object) -> str:
         """A text."""
         if not is_expression(value):
-            raise self.bad(key, value, "a string")
+            raise self.bad(key, value, "a text")
         return value
 
     def words(self, key: str, value: object) -> tuple[str, ...]:
@@ -110,12 +144,12 @@ class Reading:
                     raise ExpressionError("too large")
                 return Fraction(value)
             if isinstance(value, str):
-                found, in_units = number_in_text(value, key)
+                found, in_units = number_in_text(value, keys.unit(key))
                 self.in_si |= in_units
                 return found
-            if isinstance(value, (Fraction, exact.Irrational)):  # a varied number
-                return value
-        except ExpressionError as fault:
+            if hasattr(value, "__float__") and not isinstance(value, bool):  # given in Python
+                return derived_number(value)
+        except ValueError as fault:
             if isinstance(value, str) and any(mark in value for mark in PLUS_MINUS):
                 expected = "a number; intervals are allowed in start.omega, for proofs only: "
                 raise self.bad(key, value, expected + "reference --certified") from None
@@ -132,27 +166,12 @@ class Reading:
             raise self.bad(key, text, f"an expression in {' '.join(names)} ({fault})") from None
 
 
-def number_in_text(text: str, key: str) -> tuple[Exact, bool]:
-    """The value of an expression for a key, and whether its units make it a number in SI.
-
-    Those of an angle do not: it is the same number in any units.  Raises ExpressionError.
-    """
-    try:
-        return expression.number(text), False
-    except ExpressionError:
-        from polhode.numbers.quantity import in_unit, is_angle, mentions_unit
-
-        if not mentions_unit(text):
-            raise
-        return in_unit(text, keys.unit(key)), not is_angle(text)
-
-
 def is_expression(value: object) -> TypeGuard[str]:
     """Whether a value is a text, which holds an exact expression; a decimal of the file is none."""
     return isinstance(value, str) and not isinstance(value, Literal)
 
 
-def is_int(value: object) -> bool:
+def is_int(value: object) -> TypeGuard[int]:
     """Whether a value is a whole number of the file."""
     return isinstance(value, int) and not isinstance(value, bool)
 
@@ -168,21 +187,22 @@ def as_written(value: object, depth: int = 4) -> Any:
         return "{" + ", ".join(f"{key} = {_shown(item, depth)}" for key, item in items) + "}"
     if isinstance(value, bool):
         return "true" if value else "false"
-    if isinstance(value, (Fraction, exact.Irrational)):
+    if isinstance(value, exact.Irrational):
         return shown(value)
-    if isinstance(value, Literal) and len(value) > _LONG:
+    if isinstance(value, Fraction) or (isinstance(value, Literal) and len(value) > _LONG):
         return _as_double(value)
     return value
 
 
-def _as_double(value: Literal) -> str:
-    """A decimal that is a double in full as Python prints that one; any other as it is."""
-    near = float(value)
+def _as_double(value: Literal | Fraction) -> str:
+    """A number that is a double as Python prints that one; any other as it is."""
     try:
-        same = math.isfinite(near) and expression.decimal(value) == Fraction(near)
-    except ExpressionError:
-        return value
-    return repr(near) if same else value
+        given = expression.decimal(value) if isinstance(value, str) else value
+        if given == Fraction(near := float(given)):
+            return repr(near).removesuffix(".0")
+    except (ExpressionError, OverflowError):
+        pass
+    return value if isinstance(value, str) else shown(value)
 
 
 def _shown(item: object, depth: int) -> str:

@@ -56,7 +56,7 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--read",
         metavar="WORDS",
-        help="the conventions to read it in, in a reading's words: 'degrees, scalar-last, y up'",
+        help="readings to apply, in their words: 'omega degrees; attitude scalar-last'",
     )
     parser.add_argument(
         "--columns",

@@ -80,7 +80,7 @@ def table_options(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--read",
         metavar="WORDS",
-        help="for a FILE: the conventions to read it in, as for compare: 'degrees, scalar-last'",
+        help="for a FILE: the conventions to read it in, as for compare: 'omega degrees'",
     )
     parser.add_argument(
         "--columns",
@@ -275,16 +275,13 @@ def _of_file(options: Namespace) -> Samples:
 
 def _table(options: Namespace, scene: Scene | None, number: NumberType | None) -> Table:
     """The table of a file, in the conventions that were told."""
-    from polhode.judging.diagnosis.convention_words import table_as_told
+    from polhode.judging.diagnosis.told_readings import table_as_told
     from polhode.judging.references.reference import reference
-    from polhode.judging.tables.array_file import ENDINGS, read_arrays
-    from polhode.judging.tables.csv_file import read_table
-    from polhode.judging.tables.csv_layout import naming
+    from polhode.judging.tables.naming import PLAIN, naming
+    from polhode.judging.tables.table_file import read_table
 
     path = Path(options.what_of)
-    names = None if options.columns is None else naming(options.columns)
-    read = read_arrays if path.suffix.lower() in ENDINGS else read_table
-    found = read(path, number, names)
+    found = read_table(path, number, naming(options.columns) if options.columns else PLAIN)
     if options.read is None:
         return found
     if scene is None:

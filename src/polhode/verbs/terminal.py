@@ -25,7 +25,7 @@ from polhode.numbers.exact import Exact, sign
 from polhode.numbers.expression import ExpressionError
 from polhode.scenes.given_numbers import TIME, in_text
 from polhode.scenes.output_times import even_times
-from polhode.scenes.scene_file import MAX_SAMPLES
+from polhode.scenes.validation import MAX_SAMPLES
 from polhode.scenes.variation.vary import numbers
 
 if TYPE_CHECKING:

@@ -27,13 +27,14 @@ from polhode.closed_forms._one_orbit.orbit_family import orbit_family
 from polhode.closed_forms._one_orbit.orbits import EllipticTime, Formula
 from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
 from polhode.closed_forms.balls.core import ball, root
-from polhode.closed_forms.balls.frames import Turn, conjugate, product, quaternion
+from polhode.closed_forms.balls.frames import Turn, conjugate, quaternion
 from polhode.closed_forms.balls.jacobi import Jacobi
 from polhode.closed_forms.balls.weierstrass import complex_functions
 from polhode.closed_forms.membership.family import Family
 from polhode.closed_forms.membership.normal_form import Condition, Placed, equal, moving, on_axis_1
 from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import ZERO, Exact, sign, sqrt
+from polhode.numbers.vectors import quaternion_product
 
 
 def conditions(scene: Placed) -> Iterator[Condition]:
@@ -67,7 +68,7 @@ class Asymptotic:
     def turn(self, t: arb, state: Sequence[arb]) -> Turn:
         """The turn since t = 0."""
         del state
-        c, two, three, one = product(
+        c, two, three, one = quaternion_product(
             self._first, self._place(self._v0 + self._nu * t, self._p * t / 2)
         )
         return c, one, two, three

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 from polhode.numbers.exact import Exact
 from polhode.numbers.scalars import Scalar
-from polhode.scenes.body import Vector
+from polhode.numbers.vectors import Vector
 
 
 def value(polynomial: Sequence[Scalar], x: Scalar) -> Scalar:

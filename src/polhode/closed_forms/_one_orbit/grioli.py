@@ -21,7 +21,7 @@ from flint import arb
 from polhode.closed_forms._one_orbit.orbit_family import orbit_family
 from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
 from polhode.closed_forms.balls.core import ball
-from polhode.closed_forms.balls.frames import Turn, product
+from polhode.closed_forms.balls.frames import Turn
 from polhode.closed_forms.membership.family import Family
 from polhode.closed_forms.membership.normal_form import (
     Condition,
@@ -31,7 +31,7 @@ from polhode.closed_forms.membership.normal_form import (
     positive,
 )
 from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt
-from polhode.scenes.body import Vector, dot, scaled
+from polhode.numbers.vectors import Vector, dot, quaternion_product, scaled
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ class _Precession:
         del state
         s, c = (self._n * t / 2).sin_cos()
         (a, b, d), (x, y, z) = self._still, self._e1
-        return product((c, s * a, s * b, s * d), (c, s * x, s * y, s * z))
+        return quaternion_product((c, s * a, s * b, s * d), (c, s * x, s * y, s * z))
 
 
 class Grioli(PlacedMotion):

@@ -15,7 +15,7 @@ from typing import Protocol
 from flint import acb, arb
 
 from polhode.closed_forms.balls.core import ball, root
-from polhode.closed_forms.balls.frames import Frame, Turn, product
+from polhode.closed_forms.balls.frames import Frame, Turn
 from polhode.closed_forms.balls.motion import BallMotion
 from polhode.closed_forms.balls.periodic_attitude import (
     Equations,
@@ -28,7 +28,7 @@ from polhode.closed_forms.membership.normal_form import Condition, Placed, place
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import ONE, ZERO, noted, sign, sqrt
-from polhode.scenes.body import Vector, dot
+from polhode.numbers.vectors import Vector, dot, quaternion_product
 
 
 class NormalMotion(Protocol):
@@ -89,7 +89,7 @@ class PlacedSolution:
         row = [*self._frame.back(state[:3]), *self._frame.back(up)]
         if attitude:
             assert self._start is not None
-            row += product(self._start, self._frame.turn(self.motion.turn(t, state)))
+            row += quaternion_product(self._start, self._frame.turn(self.motion.turn(t, state)))
         return row
 
 

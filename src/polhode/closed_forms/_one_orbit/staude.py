@@ -22,7 +22,7 @@ from polhode.closed_forms.membership.normal_form import Condition, Placed, equal
 from polhode.closed_forms.rotation_stability import Stability, spectrum
 from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import sign, sqrt
-from polhode.scenes.body import cross, dot, is_zero, minus
+from polhode.numbers.vectors import cross, dot, is_zero, minus
 
 
 def conditions(scene: Placed) -> Iterator[Condition]:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
+from itertools import groupby
 from typing import NamedTuple, Protocol, TypeAlias
 
 from flint import acb, arb
@@ -158,14 +159,16 @@ def _counts(motion: Turning, start: _Start, times: Sequence[Exact]) -> list[_Cou
     """The growth of both arguments at each time, where the motion does not tell it."""
     if motion.knows_turns:
         return [None] * len(times)
-    found: dict[int, _Count] = {}
+    found: list[_Count | None] = [None] * len(times)
     for sense in (1, -1):
         order = [n for n, t in enumerate(times) if sign(t) == sense]
         order.sort(key=lambda n: abs(times[n]))
-        if order:
-            counts = _counted(motion, start, [times[n] for n in order], sense)
-            found |= dict(zip(order, counts, strict=True))
-    return [found.get(n) for n in range(len(times))]
+        alike = [[*some] for _, some in groupby(order, key=lambda n: times[n])]  # each time once
+        counts = _counted(motion, start, [times[some[0]] for some in alike], sense) if order else []
+        for some, count in zip(alike, counts, strict=True):
+            for n in some:
+                found[n] = count
+    return found
 
 
 def _counted(motion: Turning, start: _Start, times: Sequence[Exact], sense: int) -> list[_Count]:

@@ -19,8 +19,9 @@ from flint import acb, arb
 
 from polhode.closed_forms.balls.core import Kept, ball, enclosed
 from polhode.numbers import exact
-from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt, total
-from polhode.scenes.body import IDENTITY, Vector
+from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt
+from polhode.numbers.vectors import Vector, dot, quaternion_product
+from polhode.scenes.body import IDENTITY
 
 #: Rows of components in the scene's axes.
 Rows: TypeAlias = Sequence[Sequence[Exact]]
@@ -61,9 +62,9 @@ class Frame:
     def into(self, vector: Sequence[Exact]) -> Vector:
         """A vector of the scene's axes in these, exactly."""
         if self._within is not None:
-            vector = [_dot(row, vector) for row in self._within]
+            vector = [dot(row, vector) for row in self._within]
         a, b, c = (
-            _dot(row, vector) / length
+            dot(row, vector) / length
             for row, length in zip(self._directions, self._lengths, strict=True)
         )
         return a, b, c
@@ -73,7 +74,7 @@ class Frame:
         vector = [x / length for x, length in zip(vector, self._lengths, strict=True)]
         for matrix in (self._directions, self._within):
             if matrix is not None:
-                vector = [_dot(column, vector) for column in zip(*matrix, strict=True)]
+                vector = [dot(column, vector) for column in zip(*matrix, strict=True)]
         a, b, c = vector
         return a, b, c
 
@@ -101,7 +102,7 @@ class Frame:
         """The matrix that takes components back, at the precision in force."""
         within = IDENTITY if self._within is None else self._within
         columns = list(zip(*within, strict=True))
-        rows = [[_dot(row, column) for column in columns] for row in self._directions]
+        rows = [[dot(row, column) for column in columns] for row in self._directions]
         lengths = [enclosed(x) for x in self._lengths]
         return [
             [enclosed(row[j]) / length for row, length in zip(rows, lengths, strict=True)]
@@ -109,25 +110,9 @@ class Frame:
         ]
 
 
-def _dot(row: Sequence[Exact], vector: Sequence[Exact]) -> Exact:
-    return total(x * y for x, y in zip(row, vector, strict=True))
-
-
 def quaternion(al: acb, bt: acb) -> Turn:
     """The quaternion of two Cayley-Klein parameters."""
     return al.real, bt.real, bt.imag, al.imag
-
-
-def product(a: Turn, b: Turn) -> Turn:
-    """The product of two quaternions."""
-    a0, a1, a2, a3 = a
-    b0, b1, b2, b3 = b
-    return (
-        a0 * b0 - a1 * b1 - a2 * b2 - a3 * b3,
-        a0 * b1 + a1 * b0 + a2 * b3 - a3 * b2,
-        a0 * b2 - a1 * b3 + a2 * b0 + a3 * b1,
-        a0 * b3 + a1 * b2 - a2 * b1 + a3 * b0,
-    )
 
 
 def conjugate(a: Turn) -> Turn:
@@ -173,7 +158,7 @@ class Start:
         """p q r [gamma1 gamma2 gamma3 q0 q1 q2 q3] after a turn from the start."""
         if self.gamma is None or self.attitude is None:
             return omega
-        return (*omega, *turned_back(turn, self.gamma), *product(self.attitude, turn))
+        return (*omega, *turned_back(turn, self.gamma), *quaternion_product(self.attitude, turn))
 
 
 def halves(gamma: Sequence[Exact], psi: Exact) -> tuple[acb, acb]:

@@ -27,7 +27,7 @@ from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import ZERO, Exact, Irrational, noted
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf
-from polhode.scenes.body import Vector
+from polhode.numbers.vectors import Vector
 
 _ERROR_BITS = 64
 _SPARE = 5  # digits of frequencies, of which one may be much smaller than another

@@ -17,9 +17,9 @@ from flint import acb, arb
 
 from polhode.closed_forms.balls.angles import Arguments
 from polhode.closed_forms.balls.core import TooFewBits, nearest_integer
-from polhode.closed_forms.balls.frames import Turn, product
+from polhode.closed_forms.balls.frames import Turn
 from polhode.numbers.exact import sign
-from polhode.scenes.body import Vector, dot, minus, scaled
+from polhode.numbers.vectors import Vector, dot, minus, quaternion_product, scaled
 
 
 class OneAxis:
@@ -37,7 +37,7 @@ class OneAxis:
         Through 0 an argument grows by pi wherever the turn leads away from the start, and falls by
         it where the turn comes back.
         """
-        across = product(start, (arb(0), *n))
+        across = quaternion_product(start, (arb(0), *n))
         al, bt = (
             _grown(
                 acb(start[i], start[j]) if begins else None,

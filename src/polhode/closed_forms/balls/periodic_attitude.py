@@ -32,11 +32,12 @@ from typing import Any, Protocol
 from flint import acb, arb
 
 from polhode.closed_forms.balls.core import Refused, TooFewBits, nearest_integer
-from polhode.closed_forms.balls.frames import Turn, conjugate, of_matrix, product
+from polhode.closed_forms.balls.frames import Turn, conjugate, of_matrix
 from polhode.closed_forms.balls.power_sum import PowerSum
 from polhode.closed_forms.balls.quadrature import around
 from polhode.common.cached_property import cached_property
 from polhode.numbers.flint_context import ctx
+from polhode.numbers.vectors import cross, dot, quaternion_product
 
 _AXES = tuple(v for v in itertools.product((1, 0, -1), repeat=3) if v > (0, 0, 0))
 _LOOKS = 60  # moments at which an axis is chosen
@@ -121,8 +122,8 @@ class Equations:
         """w' and g'."""
         w, g = state[:3], state[3:]
         spin = [a * x for a, x in zip(self.moments, w, strict=True)]
-        moved = zip(_cross(g, self.torque), _cross(w, spin), self.moments, strict=True)
-        return [*((x - y) / a for x, y, a in moved), *_cross(g, w)]
+        moved = zip(cross(g, self.torque), cross(w, spin), self.moments, strict=True)
+        return [*((x - y) / a for x, y, a in moved), *cross(g, w)]
 
     def moves(self, state: Sequence[acb], reach: arb) -> list[arb] | None:
         """How far each number moves at most within a complex time; None where nothing is proven.
@@ -185,7 +186,7 @@ class PeriodicAttitude:
     def turn(self, t: arb, state: Sequence[arb]) -> Turn:
         """The turn of the axes until t; ``state`` is not asked."""
         del state
-        return product(conjugate(self._first), self._from_zero(t + self._orbit.begin))
+        return quaternion_product(conjugate(self._first), self._from_zero(t + self._orbit.begin))
 
     @cached_property
     def _first(self) -> Turn:
@@ -197,12 +198,12 @@ class PeriodicAttitude:
         q = self._within(t - n * self._period)
         z = self._whole if n >= 0 else 1 / self._whole
         z = z ** abs(n)
-        return product((z.real, arb(0), arb(0), z.imag), q)
+        return quaternion_product((z.real, arb(0), arb(0), z.imag), q)
 
     @cached_property
     def _whole(self) -> acb:
         """q(T)/q(0), a turn about the vertical."""
-        w, _, _, z = product(self._within(self._period), conjugate(self._within(arb(0))))
+        w, _, _, z = quaternion_product(self._within(self._period), conjugate(self._within(arb(0))))
         return acb(w, z)
 
     def _proven_sums(self) -> tuple[list[acb], arb]:
@@ -240,8 +241,8 @@ class PeriodicAttitude:
     def _rate(self, state: Sequence[acb], s: acb) -> Any:
         """F."""
         w, g, u = state[:3], [x / self._size for x in state[3:]], self._axis
-        along = _dot(u, g)
-        above = _dot(w, g) * self._square - _dot(w, u) * along
+        along = dot(u, g)
+        above = dot(w, g) * self._square - dot(w, u) * along
         return above / (self._square - along * along) * self._orbit.pace(s)
 
     def _never_vertical(self) -> tuple[int, int, int]:
@@ -336,12 +337,12 @@ class PeriodicAttitude:
     def _plain(self, s: arb) -> Turn:
         """The attitude at 0 <= s <= S up to its sign and a turn about the vertical."""
         g = [x.real / self._size for x in self._at(s)[3:]]
-        along = _dot(self._axis, g)
+        along = dot(self._axis, g)
         flat = [x - along * y for x, y in zip(self._axis, g, strict=True)]
-        size = _dot(flat, flat).sqrt()
+        size = dot(flat, flat).sqrt()
         one = [x / size for x in flat]
         sin, cos = (self._azimuth(s) / 2).sin_cos()
-        return product((cos, arb(0), arb(0), sin), of_matrix([one, _cross(g, one), g]))
+        return quaternion_product((cos, arb(0), arb(0), sin), of_matrix([one, cross(g, one), g]))
 
     def _within(self, t: arb) -> Turn:
         """The attitude at 0 <= t <= T from s = 0 on, up to a turn about the vertical."""
@@ -361,19 +362,7 @@ class PeriodicAttitude:
 
 def _alike(q: Turn, near: Turn) -> Turn:
     """q or -q, whichever is proven nearer."""
-    along = _dot(q, near)
+    along = q[0] * near[0] + dot(q[1:], near[1:])
     if not abs(along) > arb(0.7):
         raise TooFewBits
     return q if along > 0 else (-q[0], -q[1], -q[2], -q[3])
-
-
-def _dot(one: Sequence[Any], other: Sequence[Any]) -> Any:
-    total = one[0] * other[0]
-    for x, y in zip(one[1:], other[1:], strict=True):
-        total = total + x * y
-    return total
-
-
-def _cross(one: Sequence[Any], other: Sequence[Any]) -> list[Any]:
-    (a, b, c), (d, e, f) = one, other
-    return [b * f - c * e, c * d - a * f, a * e - b * d]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from polhode.closed_forms.membership.misfit import Misfit
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.numbers.exact import sqrt
-from polhode.scenes.body import dot, is_zero
+from polhode.numbers.vectors import dot, is_zero
 
 
 def fits(scene: PrincipalScene) -> bool:

@@ -21,16 +21,10 @@ from dataclasses import dataclass
 from flint import acb, arb
 
 from polhode.closed_forms.balls.core import ball, root
-from polhode.closed_forms.balls.frames import (
-    Frame,
-    Start,
-    Turn,
-    conjugate,
-    product,
-    quaternion,
-)
+from polhode.closed_forms.balls.frames import Frame, Start, Turn, conjugate, quaternion
 from polhode.closed_forms.balls.jacobi import Jacobi
 from polhode.closed_forms.euler.regimes import Numbers
+from polhode.numbers.vectors import quaternion_product
 
 _I = acb(0, 1)
 _QUARTERS = (acb(1), _I, acb(-1), -_I)
@@ -91,7 +85,7 @@ class Polhode:
         """The row at a time."""
         del attitude
         omega, place = self._place(t)
-        turn = self._frame.turn(product(self._begin, place))
+        turn = self._frame.turn(quaternion_product(self._begin, place))
         return self._start.row(self._frame.back(omega), turn)
 
     def _place(self, t: arb) -> tuple[list[arb], Turn]:

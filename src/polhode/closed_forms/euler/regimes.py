@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from polhode.numbers.exact import Exact, sign, total
-from polhode.scenes.body import Vector
+from polhode.numbers.vectors import Vector
 
 
 def is_permanent(I: Sequence[Exact], w: Sequence[Exact]) -> bool:

@@ -23,7 +23,7 @@ from polhode.closed_forms.balls.one_axis import OneAxis
 from polhode.closed_forms.closed_form import Rows
 from polhode.closed_forms.euler.motion import PermanentRotation, Polhode
 from polhode.closed_forms.euler.regimes import is_permanent, numbered, numbers, regime
-from polhode.scenes.body import Vector, dot, is_zero
+from polhode.numbers.vectors import Vector, dot, is_zero
 
 _ODD = ((0, 2, 1), (1, 0, 2), (2, 1, 0))
 

@@ -14,7 +14,6 @@ and the integrals, the second one only where f = 0,
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -28,7 +27,7 @@ from polhode.closed_forms.membership.principal_scene import (
 from polhode.closed_forms.rounding import log2
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt
-from polhode.scenes.body import Vector, is_zero
+from polhode.numbers.vectors import Vector, dot, is_zero
 
 
 def third_axis(moments: Vector, torque: Vector) -> int | None:
@@ -50,10 +49,10 @@ def failure(scene: PrincipalScene) -> Misfit | None:
         return Misfit("a weight that has a moment about the fixed point")
     k = third_axis(moments, torque)
     momentum = tuple(x * y for x, y in zip(moments, omega, strict=True))
-    area = _dot(momentum, gamma)
+    area = dot(momentum, gamma)
     failing = [] if k is not None else [_body_failure(moments, torque)]
     if sign(area) != 0:
-        size = sqrt(max(_dot(momentum, momentum), squared_momentum_of_weight(moments, torque)))
+        size = sqrt(max(dot(momentum, momentum), squared_momentum_of_weight(moments, torque)))
         failing.append(("f = Iw.gamma = 0", area / size))
     if k is None or failing:
         return leading(failing)
@@ -65,7 +64,7 @@ def failure(scene: PrincipalScene) -> Misfit | None:
 
 def _body_failure(moments: Vector, torque: Vector) -> tuple[str, Exact]:
     """The condition that a body breaks, about the axis where its worst amount is least."""
-    weight = sqrt(_dot(torque, torque))
+    weight = sqrt(dot(torque, torque))
 
     def misses(k: int) -> list[Exact]:
         i, j = (k + 1) % 3, (k + 2) % 3
@@ -75,16 +74,6 @@ def _body_failure(moments: Vector, torque: Vector) -> tuple[str, Exact]:
     names = ("A = 4C (in units of C)", "B = 4C (in units of C)", "Mg r0 at right angles to axis 3")
     worst = max(range(3), key=lambda n: abs(to_double(best[n])))
     return names[worst], best[worst]
-
-
-def _dot(*rows: Sequence[Exact]) -> Exact:
-    total: Exact = Fraction(0)
-    for parts in zip(*rows, strict=True):
-        term: Exact = Fraction(1)
-        for x in parts:
-            term = term * x
-        total = total + term
-    return total
 
 
 @dataclass(frozen=True)

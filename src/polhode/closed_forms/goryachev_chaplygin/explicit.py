@@ -20,7 +20,7 @@ from polhode.closed_forms.goryachev_chaplygin import regimes
 from polhode.closed_forms.goryachev_chaplygin.axes import GoryachevStart
 from polhode.closed_forms.goryachev_chaplygin.separated import Point, positive, sines
 from polhode.numbers.exact import Exact
-from polhode.scenes.body import is_zero
+from polhode.numbers.vectors import is_zero
 
 
 class Swinging:

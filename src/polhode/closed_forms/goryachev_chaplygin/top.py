@@ -29,7 +29,7 @@ from polhode.closed_forms.goryachev_chaplygin.explicit import explicit
 from polhode.closed_forms.goryachev_chaplygin.separated import Point, Separated
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.mpmath_context import mpf
-from polhode.scenes.body import Vector
+from polhode.numbers.vectors import Vector
 
 _ALONE = "the state has a closed form here, the attitude none: ask for reference.kind = certified"
 HELD = ("A = B = 4C", "r0 at right angles to axis 3", "f = Iw.gamma = 0")

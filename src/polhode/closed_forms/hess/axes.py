@@ -24,7 +24,7 @@ from polhode.closed_forms.membership.principal_scene import (
     squared_momentum_of_weight,
 )
 from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt, total
-from polhode.scenes.body import Vector, cross, dot, is_zero
+from polhode.numbers.vectors import Vector, cross, dot, is_zero
 
 
 def failure(scene: PrincipalScene) -> Misfit | None:

@@ -26,7 +26,7 @@ from typing import Protocol, TypeAlias
 from flint import acb, arb
 
 from polhode.closed_forms.balls.core import TooFewBits, ball, either_root, enclosed
-from polhode.closed_forms.balls.frames import Frame, Start, Turn, product
+from polhode.closed_forms.balls.frames import Frame, Start, Turn
 from polhode.closed_forms.hess.axes import HessStart
 from polhode.closed_forms.hess.period_map import PeriodMap
 from polhode.closed_forms.lagrange.motion import Nutating, Seen, Steady, own_start
@@ -34,7 +34,7 @@ from polhode.closed_forms.lagrange.regimes import Constants, constants
 from polhode.closed_forms.pendulum.conditions import axis_of
 from polhode.closed_forms.pendulum.motion import Numbers, Swing, numbers
 from polhode.numbers.exact import ZERO, Exact, sign
-from polhode.scenes.body import Vector
+from polhode.numbers.vectors import Vector, quaternion_product
 
 _I = acb(0, 1)
 _STILL: Turn = (arb(1), arb(0), arb(0), arb(0))
@@ -117,12 +117,12 @@ class HessMotion:
         back = (y * y).conjugate()
         w, g = acb(p, q) * back, acb(g1, g2) * back
         s0, s1, s2, s3 = turn
-        body = product((s0, s1, s2, s3), (y.real, arb(0), arb(0), y.imag))
+        body = quaternion_product((s0, s1, s2, s3), (y.real, arb(0), arb(0), y.imag))
         assert self._scene.attitude is not None
         return (
             *self._frame.back((w.real, w.imag, self._a12 * w.real)),
             *self._frame.back((g.real, g.imag, g3)),
-            *product(self._scene.attitude, self._frame.turn(body)),
+            *quaternion_product(self._scene.attitude, self._frame.turn(body)),
         )
 
 

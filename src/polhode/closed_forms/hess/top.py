@@ -22,7 +22,7 @@ from polhode.closed_forms.hess.motion import ConeSpin, HessMotion
 from polhode.closed_forms.hess.period_map import PeriodMap
 from polhode.closed_forms.pendulum.motion import Swing
 from polhode.numbers.mpmath_context import mpf
-from polhode.scenes.body import Vector
+from polhode.numbers.vectors import Vector
 
 HELD = ("r0 at right angles to the middle axis", "(B/C - 1) T1^2 = (1 - B/A) T3^2", "Iw.r0 = 0")
 

@@ -23,7 +23,7 @@ from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.closed_forms.rounding import log2
 from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import ONE, ZERO, Exact, binary, exact, rounded, sign, sqrt
-from polhode.scenes.body import Vector
+from polhode.numbers.vectors import Vector
 from polhode.scenes.classification import KOVALEVSKAYA, classical_top, with_last
 
 

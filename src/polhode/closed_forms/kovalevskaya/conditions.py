@@ -9,7 +9,7 @@ from polhode.closed_forms.membership.misfit import Misfit
 from polhode.closed_forms.membership.normal_form import Condition, Placed, equal, shortfall
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.numbers.exact import ZERO, sqrt
-from polhode.scenes.body import dot
+from polhode.numbers.vectors import dot
 
 
 def conditions(scene: Placed) -> Iterator[Condition]:

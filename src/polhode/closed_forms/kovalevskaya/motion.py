@@ -8,9 +8,10 @@ from typing import Protocol
 from flint import arb
 
 from polhode.closed_forms.balls.core import ball, enclosed
-from polhode.closed_forms.balls.frames import Frame, Start, Turn, product
+from polhode.closed_forms.balls.frames import Frame, Start, Turn
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.common.cached_property import cached_property
+from polhode.numbers.vectors import quaternion_product
 
 
 class StateMotion(Protocol):
@@ -68,7 +69,7 @@ class TopMotion:
         if attitude:
             assert self._scene.attitude is not None
             turn = self._frame.turn(self.turning.turn(now, state))
-            row += product(self._scene.attitude, turn)
+            row += quaternion_product(self._scene.attitude, turn)
         return row
 
     @cached_property

@@ -27,13 +27,14 @@ from fractions import Fraction
 from flint import arb
 
 from polhode.closed_forms.balls.core import Refused, TooFewBits, ball
-from polhode.closed_forms.balls.frames import Turn, product
+from polhode.closed_forms.balls.frames import Turn
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.branch_points import discriminant
 from polhode.closed_forms.kovalevskaya.motion import speed_bound
 from polhode.closed_forms.kovalevskaya.theta.theta_attitude import ThetaAttitude
 from polhode.closed_forms.kovalevskaya.theta.theta_state import ThetaState
 from polhode.numbers.flint_context import ctx
+from polhode.numbers.vectors import quaternion_product
 
 _SHARES = (1, -1, 2, -2, 4, -4)
 _MOST_SPREAD = 0.1
@@ -125,7 +126,7 @@ class NeighboursAttitude:
         for motion in motions.motions:
             least = least_turn([ball(x) for x in motion.start.G], vertical)
             self._leasts.append(least)
-            self._turnings.append(ThetaAttitude(motion, product(first, least)))
+            self._turnings.append(ThetaAttitude(motion, quaternion_product(first, least)))
 
     def turn(self, t: arb, state: Sequence[arb]) -> Turn:
         """The turn until t; ``state`` is not asked."""
@@ -136,7 +137,7 @@ class NeighboursAttitude:
             )
         states = self._neighbours.rows(t)
         both = zip(self._leasts, self._turnings, states, strict=True)
-        rows = [product(least, turning.turn(t, now)) for least, turning, now in both]
+        rows = [quaternion_product(least, turning.turn(t, now)) for least, turning, now in both]
         a, b, c, d = combined(rows, [arb(1)] * 4)
         return a, b, c, d
 

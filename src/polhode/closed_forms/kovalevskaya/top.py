@@ -34,7 +34,7 @@ from polhode.closed_forms.kovalevskaya.theta.theta_state import ThetaState
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.mpmath_context import mpc, mpf
 from polhode.numbers.scalars import Scalar
-from polhode.scenes.body import Vector
+from polhode.numbers.vectors import Vector
 
 #: Radians at the bound of |w| up to which a motion that tends to a steady one has an attitude.
 _SEPARATRIX_REACH = 300.0

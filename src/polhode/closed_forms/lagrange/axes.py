@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from polhode.closed_forms.balls.frames import Frame, Rows
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.numbers.exact import Exact, sign, sqrt
+from polhode.numbers.vectors import Vector, cross, dot
 from polhode.scenes import body
-from polhode.scenes.body import Vector, cross, dot
 from polhode.scenes.classification import LAGRANGE, SPHERE, classical_top, with_last
 
 

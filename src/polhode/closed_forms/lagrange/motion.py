@@ -30,21 +30,13 @@ from typing import TypeAlias
 from flint import acb, arb
 
 from polhode.closed_forms.balls.core import TooFewBits, ball
-from polhode.closed_forms.balls.frames import (
-    Frame,
-    Start,
-    Turn,
-    conjugate,
-    halves,
-    product,
-    quaternion,
-)
+from polhode.closed_forms.balls.frames import Frame, Start, Turn, conjugate, halves, quaternion
 from polhode.closed_forms.balls.jacobi import Jacobi, Place
 from polhode.closed_forms.lagrange.regimes import Constants
 from polhode.closed_forms.lagrange.roots import Distances, gaps
 from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import ZERO, sign
-from polhode.scenes.body import Vector
+from polhode.numbers.vectors import Vector, quaternion_product
 
 _I = acb(0, 1)
 
@@ -68,11 +60,11 @@ class Seen:
         q = q0, q1, q2, q3 = quaternion(al, bt)
         up = q0 * q0 + q3 * q3 - q1 * q1 - q2 * q2
         assert self.start.attitude is not None
-        turn = self.frame.turn(product(self._begin, q))
+        turn = self.frame.turn(quaternion_product(self._begin, q))
         return (
             *self.frame.back((xi.real, xi.imag, self.r)),
             *self.frame.back((across.real, across.imag, up)),
-            *product(self.start.attitude, turn),
+            *quaternion_product(self.start.attitude, turn),
         )
 
     @cached_property

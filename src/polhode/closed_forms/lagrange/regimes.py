@@ -18,7 +18,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from polhode.numbers.exact import Exact, sign
-from polhode.scenes.body import Vector
+from polhode.numbers.vectors import Vector
 
 
 @dataclass(frozen=True)

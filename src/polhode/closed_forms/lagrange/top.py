@@ -23,7 +23,7 @@ from polhode.closed_forms.lagrange.motion import LagrangeMotion, Nutating, Seen,
 from polhode.closed_forms.lagrange.regimes import constants, regime
 from polhode.numbers.exact import sign
 from polhode.numbers.mpmath_context import mpf
-from polhode.scenes.body import Vector
+from polhode.numbers.vectors import Vector
 
 
 class LagrangeTop(BallMotion[LagrangeMotion]):

@@ -10,7 +10,7 @@ from polhode.closed_forms.closed_form import ClosedForm, Rows
 from polhode.closed_forms.membership.misfit import Misfit
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.numbers.exact import Exact
-from polhode.scenes.body import Vector
+from polhode.numbers.vectors import Vector
 
 
 class Maker(Protocol):

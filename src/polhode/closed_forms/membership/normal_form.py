@@ -16,7 +16,7 @@ from polhode.closed_forms.membership.misfit import Misfit, leading
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.numbers.exact import ONE, ZERO, Exact, exact, log10, sign, sqrt, total
 from polhode.numbers.scalars import Scalar
-from polhode.scenes.body import Vector, cross, dot, is_zero, minus
+from polhode.numbers.vectors import Vector, cross, dot, is_zero, minus
 
 _EVEN = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple, TypeAlias
 
 from polhode.numbers.exact import Exact, sqrt
-from polhode.scenes.body import IDENTITY, Vector, dot
+from polhode.numbers.vectors import Vector, dot
+from polhode.scenes.body import IDENTITY
 from polhode.scenes.scene import Scene
 
 

@@ -8,7 +8,7 @@ from polhode.closed_forms.membership.misfit import Misfit
 from polhode.closed_forms.membership.normal_form import Condition, Placed, equal, shortfall
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.numbers.exact import ZERO, sign, sqrt
-from polhode.scenes.body import Vector, cross, dot, is_zero
+from polhode.numbers.vectors import Vector, cross, dot, is_zero
 
 
 def fits(scene: PrincipalScene) -> bool:

@@ -16,7 +16,7 @@ from polhode.closed_forms.balls.jacobi import Jacobi
 from polhode.closed_forms.pendulum.conditions import axis_of, momentum
 from polhode.numbers import exact
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
-from polhode.scenes.body import Vector, cross, dot, is_zero
+from polhode.numbers.vectors import Vector, cross, dot, is_zero
 
 HANGING, UPRIGHT = "rest, hanging", "rest, upright"
 LIBRATING, ROTATING = "pendulum, librating", "pendulum, rotating"

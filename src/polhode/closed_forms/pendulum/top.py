@@ -43,7 +43,7 @@ from polhode.closed_forms.pendulum.motion import (
     numbers,
     regime,
 )
-from polhode.scenes.body import Vector
+from polhode.numbers.vectors import Vector
 
 
 class Pendulum(BallMotion[Swing | Rest]):

@@ -19,8 +19,8 @@ from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.frequencies import naff
 from polhode.judging.references.reference import reference
-from polhode.judging.tables.csv_file import read_table
 from polhode.judging.tables.table import Table
+from polhode.judging.tables.table_file import read_table
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import DOUBLE
@@ -148,7 +148,7 @@ def frequencies(
     if isinstance(source, (str, Path)) and Path(source).suffix.lower() == ".csv":
         if end is not None:
             raise BadInput(str(source), "end", end, "no end: a file is analysed whole")
-        return _of_table(read_table(Path(source), None), of, count)
+        return _of_table(read_table(Path(source)), of, count)
     scene = library.load(source)
     names = _names(scene.name, of, scene)
     last: Exact = Fraction(LENGTH) if sign(scene.end) == 0 else scene.end

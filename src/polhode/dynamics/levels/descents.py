@@ -32,6 +32,7 @@ from flint import arb
 from polhode.dynamics.levels.rotation_arcs import RationalBody
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.polynomials import rational
+from polhode.numbers.vectors import cross, dot, minus
 
 #: A vector of balls; a direction is one whose middle is its own.
 Vector: TypeAlias = tuple[arb, arb, arb]
@@ -145,7 +146,7 @@ class Descents:
     def _end(self, g: Vector, lower: Sequence[tuple[int, Critical]], value: arb) -> int:
         for _ in range(_MOST):
             for k, other in lower:
-                chord = minus(g, other.gamma)
+                chord: Vector = minus(g, other.gamma)
                 # the arc is at most pi/2 times the chord: half its square below 5/4 of the chord's
                 if bool(self._second * dot(chord, chord) * 5 / 4 < value - other.value):
                     return k
@@ -251,28 +252,9 @@ def sum_of(terms: Iterable[arb]) -> arb:
     return found.mid()
 
 
-def dot(a: Vector, b: Vector) -> arb:
-    """a.b."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
 def weighted(moments: Vector, a: Vector, b: Vector) -> arb:
     """a.I b."""
     return moments[0] * a[0] * b[0] + moments[1] * a[1] * b[1] + moments[2] * a[2] * b[2]
-
-
-def minus(a: Vector, b: Vector) -> Vector:
-    """a - b."""
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
-
-
-def cross(a: Vector, b: Vector) -> Vector:
-    """a x b."""
-    return (
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    )
 
 
 def unit(a: Vector) -> Vector:

@@ -18,8 +18,9 @@ from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles, doubles
 from polhode.runs.problem.options import Options
 from polhode.runs.solve import solve as solve_one
+from polhode.runs.sweep import flat_members
+from polhode.runs.sweep.flat_members import FlatJob, Reader, reader
 from polhode.runs.sweep.plan import Plan
-from polhode.runs.sweep.results import Reader, reader
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation.sweep_scenes import Members
@@ -28,11 +29,12 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from polhode.taylor.batches.jobs import BatchJob, Columns
-    from polhode.taylor.events.batch_first_crossings import FirstJob
+    from polhode.taylor.batches.jobs import Columns
+    from polhode.taylor.events.batch_search import SearchJob
     from polhode.taylor.variations.tangent_batches import TangentJob
 
 _DIRECTIONS = {"falling": -1, "any": 0, "rising": 1}
+STRETCH = 32.0  # of the motions' unit of time, a radian or two, between two looks at an event
 _LOOKS = lyapunov.BLOCKS * lyapunov.LOOKS
 
 
@@ -55,16 +57,9 @@ def job_of(
     scene: Scene, plan: Plan, which: tuple[Reduction, ...], group: npt.NDArray[np.int64]
 ) -> Job:
     """The job of some members that have a unit of time in common."""
-    from polhode.taylor.batches.jobs import BatchJob
-
     read, n = reader(plan, group), int(plan.time_units[group[0]])
-    motions = plan.motions.some(group)
-    states = None
-    if any(what.kind not in (FIRST, LYAPUNOV) for what in which):
-        job = BatchJob(
-            plan.names, plan.number, plan.tolerance, plan.max_steps, plan.times, n, motions
-        )
-        states = job, read
+    motions, told = plan.motions.some(group), {what.kind for what in which}
+    states = flat_members.job_of(plan, group) if told - {FIRST, LYAPUNOV} else None
     end = float(plan.times[-1] / Fraction(2) ** n)
     firsts = tuple(
         (what, *_of_event(scene, plan, event_of(scene, what.of), group, end), read)
@@ -78,28 +73,24 @@ def job_of(
 
 def _of_event(
     scene: Scene, plan: Plan, event: Event, group: npt.NDArray[np.int64], end: float
-) -> tuple[FirstJob, Singles]:
+) -> tuple[SearchJob, Singles]:
     """The job of an event, and what it needs where lanes are not sure."""
     import math
 
-    from polhode.taylor.events.batch_first_crossings import FirstJob
+    from polhode.taylor.events.batch_search import SearchJob
+    from polhode.taylor.events.batch_zeros import Watched
     from polhode.taylor.events.magnitudes import size_of
 
     size, motions = size_of(scene, event), plan.motions.some(group)
     largest = math.frexp(max(float(size.value), float(size.rate)) or 1.0)[1]
     assert event.expression is not None
-    job = FirstJob(
-        plan.names,
-        scene.columns,
-        event.expression,
-        2.0**largest,
-        _DIRECTIONS[event.direction],
-        plan.max_steps,
-        end,
-        int(plan.time_units[group[0]]),
-        doubles(motions.coefficients),
-        doubles(motions.starts),
-        _turns(plan, group),
+    turns = _turns(plan, group)
+    watched = Watched(plan.names, scene.columns, event.expression, 2.0**largest, turns is not None)
+    job = SearchJob(
+        *(watched, _DIRECTIONS[event.direction], 1, end, STRETCH),
+        *(doubles(motions.coefficients), doubles(motions.starts)),
+        *(int(plan.time_units[group[0]]), turns),
+        max_steps=plan.max_steps,
     )
     stopping = event._replace(stop=True)
     return job, Singles(
@@ -161,8 +152,8 @@ class Job(NamedTuple):
 
     which: tuple[Reduction, ...]
     columns: tuple[str, ...]
-    states: tuple[BatchJob, Reader] | None
-    firsts: tuple[tuple[Reduction, FirstJob, Singles, Reader], ...]
+    states: FlatJob | None
+    firsts: tuple[tuple[Reduction, SearchJob, Singles, Reader], ...]
     exponents: Exponents | None
     time_unit: int
 
@@ -211,14 +202,12 @@ def _parts(job: Job, stop: Stop | None) -> Iterator[Reduced]:
     import numpy as np
 
     if job.states is not None:
-        from polhode.taylor.batches import batch_integrator
-
-        steps, read = job.states
+        steps = job.states.steps
         solved_at = np.array([number_value(t, steps.number) for t in steps.times], np.longdouble)
         times = solved_at.astype(np.float64) if steps.number.name == "double" else solved_at
-        solved = batch_integrator.solve(steps, stop)
+        solved = job.states.solved(stop)
         told = [what for what in job.which if what.kind not in (FIRST, LYAPUNOV)]
-        numbers = extremes(told, read.states(solved.states), times, job.columns, steps.number)
+        numbers = extremes(told, solved.states, times, job.columns, steps.number)
         yield Reduced(solved.outcomes, solved.steps, numbers)
     for what, first, singles, read in job.firsts:
         yield _first(what, first, singles, read, stop)
@@ -228,26 +217,28 @@ def _parts(job: Job, stop: Stop | None) -> Iterator[Reduced]:
 
 def _first(
     what: Reduction,
-    job: FirstJob,
+    job: SearchJob,
     singles: Singles,
     read: Reader,
     stop: Stop | None,
 ) -> Reduced:
     import numpy as np
 
-    from polhode.taylor.events import batch_first_crossings
+    from polhode.taylor.events import batch_search
 
-    found = batch_first_crossings.solve(job, stop)
-    times = np.ldexp(found.times, job.time_unit)
-    states = read.states(found.states[:, None])[:, 0]
-    outcomes, steps = found.outcomes.copy(), found.steps.copy()
+    found = batch_search.solve(job, stop)
+    times = np.ldexp(found.times[:, 0], job.time_unit)
+    states = read.states(found.states)[:, 0]
+    ended, steps = np.array(found.outcomes), found.steps.copy()
+    not_run, reached = code(Outcome.NOT_RUN), code(Outcome.REACHED_END)
+    outcomes = np.where(ended == batch_search.STOPPED, not_run, reached).astype(np.uint8)
 
     def heard(*_: object) -> None:
         if stop is not None and stop():
             raise KeyboardInterrupt  # the run's own way to be stopped
 
     options = Options(max_steps=singles.max_steps, project=False)
-    for k in np.flatnonzero(found.unsure).tolist():
+    for k in np.flatnonzero(ended == batch_search.UNSURE).tolist():
         if stop is not None and stop():
             break
         run = solve_one(singles.scene(k), DOUBLE, options, heard)
@@ -257,7 +248,7 @@ def _first(
         times[k] = float(met.times[-1]) if stopped else np.nan
         states[k] = met.states[-1] if stopped else np.nan
         outcomes[k] = code(Outcome.REACHED_END if run.outcome.done else run.outcome)
-    names = what.names(job.columns)
+    names = what.names(job.watched.columns)
     return Reduced(outcomes, steps, dict(zip(names, (times, *states.T), strict=True)))
 
 

@@ -22,6 +22,7 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles, GivenRow
 from polhode.numbers.scalars import FLOATS, Scalar
+from polhode.numbers.vectors import dot
 from polhode.scenes.scene import Scene
 from polhode.taylor.variations.flow_map import Flow
 
@@ -136,8 +137,4 @@ def integrals(moments: GivenRow, torque: GivenRow, state: GivenRow) -> list[Scal
     """h, f and |gamma|^2 of one state, for any scalars."""
     w, g = state[:3], state[3:]
     momentum = [a * x for a, x in zip(moments, w, strict=True)]
-    return [_dot(momentum, w) / 2 + _dot(torque, g), _dot(momentum, g), _dot(g, g)]
-
-
-def _dot(a: GivenRow, b: GivenRow) -> Scalar:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    return [dot(momentum, w) / 2 + dot(torque, g), dot(momentum, g), dot(g, g)]

@@ -14,10 +14,11 @@ from polhode.numbers.conversion import to_double, to_extended
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles, doubles
 from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import STATE
 
 if TYPE_CHECKING:
     from polhode.taylor.corrections.level_projection import Level
-    from polhode.taylor.events.batch_crossings import Crossed, CrossingJob
+    from polhode.taylor.events.batch_search import Crossed, SearchJob
 
 LANES = 64  # orbits of a job: where one is over the next takes its lane
 CHUNK = 160.0  # radians of the fastest rate between two projections
@@ -27,24 +28,28 @@ PATIENCE = 1000.0  # units of time without a crossing until an orbit is given up
 
 def jobs_of(
     asked: Asked, on: Ground, zero: SectionZero, direction: int, count: int, states: Doubles
-) -> list[CrossingJob]:
+) -> list[SearchJob]:
     """The jobs of orbits from ``states``, LANES of them each, in principal axes and inner units."""
     import numpy as np
 
     from polhode.equations.forms import principal
-    from polhode.taylor.events.batch_crossings import CrossingJob
+    from polhode.taylor.events.batch_search import SearchJob
+    from polhode.taylor.events.batch_zeros import Watched
 
     scene = asked.scene
     known = level_of(scene, asked.h, asked.f)
-    k = tuple(
-        (name, to_double(x))
-        for name, x in principal.coefficients(scene.body, scene.time_unit).items()
-    )
+    k = principal.coefficients(scene.body, scene.time_unit)
+    constants = tuple(map(to_double, k.values()))
+    own = np.tile(constants, (len(states), 1))
+    watched = Watched((*k,), STATE, zero, constants=constants)
     chunk = 2.0 ** round(np.log2(CHUNK / (on.fastest or 1.0)))
     patience = int(-(-PATIENCE // chunk))
     return [
-        CrossingJob(
-            k, zero, direction, count, np.inf, chunk, patience, known, states[first : first + LANES]
+        SearchJob(
+            *(watched, direction, count, np.inf, chunk, own[first : first + LANES]),
+            states[first : first + LANES],
+            patience=patience,
+            level=known,
         )
         for first in range(0, len(states), LANES)
     ]
@@ -99,11 +104,11 @@ def unpacked(held: Arrays) -> Crossed:
     """What a job found, from those arrays."""
     import numpy as np
 
-    from polhode.taylor.events.batch_crossings import Crossed
+    from polhode.taylor.events.batch_search import Crossed
 
     states, times, rests, slopes = (
         doubles(held[name]) for name in ("states", "times", "rests", "slopes")
     )
-    found = np.asarray(held["found"], dtype=np.int64)
+    found, steps = (np.asarray(held[name], dtype=np.int64) for name in ("found", "steps"))
     outcomes, drift = tuple(held["outcomes"].tolist()), float(held["drift"].item())
-    return Crossed(states, times, rests, slopes, found, outcomes, drift)
+    return Crossed(states, times, rests, slopes, found, steps, outcomes, drift)

@@ -33,7 +33,7 @@ from polhode.scenes.scene import Scene
 
 if TYPE_CHECKING:
     from polhode.dynamics.sections.coordinates import Ground
-    from polhode.taylor.events.batch_crossings import Crossed
+    from polhode.taylor.events.batch_search import Crossed
 
 MOST_CROSSINGS = 1_000_000
 _BYTES = 400  # of a crossing, while it is found and put in order
@@ -184,7 +184,7 @@ def section(
     """
 
     from polhode.dynamics.sections import coordinates as geometry
-    from polhode.taylor.events import batch_crossings as taylor
+    from polhode.taylor.events import batch_search
 
     scene = library.load(scene)
     plan = scene.section
@@ -218,7 +218,7 @@ def section(
     kept = JobCheckpoint.at(parts, "section", *key)
     with _refused(asked, on, kept):
         finished = carried_out(
-            taylor.solve,
+            batch_search.solve,
             jobs,
             [len(job.starts) for job in jobs],
             workers or section_jobs.worth(len(jobs), count),
@@ -229,7 +229,7 @@ def section(
             progress,
             processes=True,
         )
-    crossed = taylor.joined(finished.done)
+    crossed = batch_search.joined(finished.done)
     if asked.by not in (MOMENTUM, HEIGHT) and not crossed.found.any():
         with _refused(asked, on, kept):
             _refuse_never_zero(asked, on, zero)
@@ -241,8 +241,7 @@ def _refuse_constant(asked: Asked, on: Ground, zero: SectionZero, states: Double
     import numpy as np
 
     from polhode.equations.forms import principal
-    from polhode.taylor.corrections.level_projection import ARRAYS
-    from polhode.taylor.events import batch_crossings as taylor
+    from polhode.taylor.corrections.level_projection import ARRAYS, TINY
 
     if asked.by in (MOMENTUM, HEIGHT):
         return
@@ -253,7 +252,9 @@ def _refuse_constant(asked: Asked, on: Ground, zero: SectionZero, states: Double
     moved = states.T + 1e-3 * np.random.default_rng(0).normal(size=states.T.shape)
     try:
         with np.errstate(all="ignore"):
-            speed = taylor.slope(zero, moved, taylor.rates(k, moved))
+            rates = principal.field([*moved], k, ARRAYS)
+            ahead = np.array([x + TINY * 1j * rate for x, rate in zip(moved, rates, strict=True)])
+            speed = np.imag(zero.value([*ahead], ARRAYS)) / TINY
             value = np.real(zero.value(list(moved), ARRAYS))
             here = zero.value(list(states.T), ARRAYS) + 0 * states[:, 0]
         if not np.isfinite(here).all():
@@ -268,7 +269,7 @@ def _refuse_constant(asked: Asked, on: Ground, zero: SectionZero, states: Double
 @contextmanager
 def _refused(asked: Asked, on: Ground, kept: JobCheckpoint | None) -> Iterator[None]:
     """Leave nothing behind where the section's function is refused, on the way too."""
-    from polhode.taylor.events.batch_crossings import Singular
+    from polhode.taylor.events.batch_search import Singular
 
     try:
         try:

@@ -12,14 +12,15 @@ Singular where sin theta = 0.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 from polhode.common.errors import BadInput
+from polhode.equations.form import Coefficients, Form, Values
 from polhode.equations.forms.natural_units import PRINCIPAL, OwnUnits
 from polhode.numbers import exact
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.scalars import Functions, Scalar, combination
-from polhode.scenes.body import Vector, cross, dot
+from polhode.numbers.vectors import Vector, cross, dot
 from polhode.scenes.scene import Scene
 
 #: Variables' names, other than those of the psi and phi that an output may add.
@@ -59,6 +60,17 @@ class Turn(NamedTuple):
         s, c, sf, cf = self
         by_theta = combination(k, zero, ("x", sf * c), ("y", cf * c), ("z", -s))
         return by_theta, combination(k, zero, ("x", s * cf), ("y", -(s * sf)))
+
+
+class InAngles(Form):
+    """A form whose variables are Euler angles, ``theta`` the place of theta among them."""
+
+    theta: ClassVar[int] = 1
+
+    def distance(self, values: Values, k: Coefficients, fn: Functions) -> Scalar:
+        """sin² theta."""
+        s = fn.sin(values[self.theta])
+        return s * s
 
 
 class Start(NamedTuple):

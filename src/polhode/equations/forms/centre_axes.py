@@ -2,21 +2,10 @@
 
 from __future__ import annotations
 
-from polhode.equations.forms.matrices import apply
 from polhode.numbers import exact
 from polhode.numbers.exact import sign
-from polhode.scenes.body import (
-    IDENTITY,
-    OWN_AXES,
-    Body,
-    Matrix,
-    PrincipalAxes,
-    Vector,
-    cross,
-    dot,
-    is_zero,
-    scaled,
-)
+from polhode.numbers.vectors import Matrix, Vector, apply, cross, dot, is_zero, scaled
+from polhode.scenes.body import IDENTITY, OWN_AXES, Body, PrincipalAxes
 
 
 def centre_axes(body: Body, matrix: Matrix) -> PrincipalAxes:

@@ -10,12 +10,11 @@ do so exactly, before any rounding.  Variables: p q r [gamma1 gamma2 gamma3] in 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-
-from polhode.equations.form import Form
+from polhode.equations.form import Coefficients, Form, OmegaAndGamma, Values
 from polhode.equations.forms import matrices
 from polhode.equations.forms.matrices import GAMMA, OMEGA
 from polhode.numbers.scalars import Functions, Scalar
+from polhode.numbers.vectors import inverse
 from polhode.scenes.body import OWN_AXES, PrincipalAxes
 from polhode.scenes.scene import Scene
 
@@ -25,19 +24,15 @@ SOURCE = "3.16–3.17"
 class General(Form):
     """The equations of one scene in some axes."""
 
-    def field(
-        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
-    ) -> list[Scalar]:
+    def field(self, values: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
         """The rates of p q r [gamma1 gamma2 gamma3]."""
         omega, gamma = values[:3], values[3:]
         terms = matrices.products(OMEGA, omega)
         terms |= dict(zip(GAMMA, gamma, strict=False))
         rates = matrices.rates(OMEGA, terms, k, fn.zero)
-        return rates + matrices.gamma_rates(gamma, omega) if gamma else rates
+        return rates + matrices.turning_rates(gamma, omega) if gamma else rates
 
-    def state(
-        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
-    ) -> tuple[list[Scalar], list[Scalar]]:
+    def state(self, values: Values, k: Coefficients, fn: Functions) -> OmegaAndGamma:
         """omega and gamma: the variables themselves."""
         return list(values[:3]), list(values[3:6])
 
@@ -50,7 +45,7 @@ def for_scene(scene: Scene) -> General:
 def in_axes(scene: Scene, axes: PrincipalAxes) -> General:
     """The equations of a scene in these axes."""
     inertia = scene.body.inertia
-    solved = matrices.along(axes, matrices.inverse(inertia))
+    solved = matrices.along(axes, inverse(inertia))
     spin = matrices.product(solved, matrices.turning(matrices.along(axes, inertia)))
     k = matrices.named(OMEGA, matrices.product_names(OMEGA), [[-x for x in row] for row in spin])
     weight = matrices.product(solved, matrices.across(matrices.torque(scene, axes)))

@@ -7,8 +7,8 @@ without torque is given in its principal axes.
 from __future__ import annotations
 
 from polhode.equations.forms.centre_axes import centre_axes
-from polhode.equations.forms.matrices import inverse
 from polhode.equations.forms.momentum import Momentum, in_axes
+from polhode.numbers.vectors import inverse
 from polhode.scenes.scene import Scene
 
 SOURCE = "3.38–3.42"

@@ -14,11 +14,11 @@ H = ½ (A p² + B q² + C r²) + V, V = Mg r0·gamma, and
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
-from polhode.equations.form import Form
+from polhode.equations.form import Coefficients, OmegaAndGamma, Values
 from polhode.equations.forms import angles as euler_angles
-from polhode.equations.forms.angles import Turn
+from polhode.equations.forms.angles import InAngles, Turn
 from polhode.equations.forms.natural_units import own_units, present
 from polhode.numbers import exact
 from polhode.numbers.scalars import Functions, Scalar, combination
@@ -36,12 +36,10 @@ def _momentum(turn: Turn, momenta: Sequence[Scalar]) -> list[Scalar]:
     return [n * turn.sf + p_theta * turn.cf, n * turn.cf - p_theta * turn.sf, p_phi]
 
 
-class Hamiltonian(Form):
+class Hamiltonian(InAngles):
     """The form for one scene; momenta in its own unit of mass."""
 
-    def field(
-        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
-    ) -> list[Scalar]:
+    def field(self, values: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
         """The rates of the angles and of their momenta."""
         turn = Turn.of(values[1], values[2], fn)
         s, c, sf, cf = turn
@@ -59,19 +57,12 @@ class Hamiltonian(Form):
             combination(k, fn.zero, ("1/B-1/A", G1 * G2)) - by_phi,
         ]
 
-    def state(
-        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
-    ) -> tuple[list[Scalar], list[Scalar]]:
+    def state(self, values: Values, k: Coefficients, fn: Functions) -> OmegaAndGamma:
         """Components of w and of gamma."""
         turn = Turn.of(values[1], values[2], fn)
         names = ("1/A", "1/B", "1/C")
         momentum = _momentum(turn, values[3:])
         return [k[name] * G for name, G in zip(names, momentum, strict=True)], turn.gamma
-
-    def distance(self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> Scalar:
-        """sin² theta."""
-        s = fn.sin(values[1])
-        return s * s
 
 
 def for_scene(scene: Scene) -> Hamiltonian:

@@ -13,9 +13,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from polhode.equations.form import Form
+from polhode.equations.form import Coefficients, OmegaAndGamma, Values
 from polhode.equations.forms import angles, principal
-from polhode.equations.forms.angles import Turn
+from polhode.equations.forms.angles import InAngles, Turn
 from polhode.equations.forms.natural_units import own_units, present
 from polhode.numbers.scalars import Functions, Scalar
 from polhode.scenes.scene import Scene
@@ -37,27 +37,18 @@ def accelerations(
     return psi2, p1 * cf - q1 * sf - lifted * phi1, r1 - psi2 * c + lifted * theta1
 
 
-class Lagrangian(Form):
+class Lagrangian(InAngles):
     """The form for one scene; see :mod:`polhode.equations.forms`."""
 
-    def field(
-        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
-    ) -> list[Scalar]:
+    def field(self, values: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
         """The rates of psi theta phi psi' theta' phi'."""
         turn = Turn.of(values[1], values[2], fn)
         return [*values[3:], *accelerations(turn, values[3:], k, fn)]
 
-    def state(
-        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
-    ) -> tuple[list[Scalar], list[Scalar]]:
+    def state(self, values: Values, k: Coefficients, fn: Functions) -> OmegaAndGamma:
         """Components of w and of gamma."""
         turn = Turn.of(values[1], values[2], fn)
         return turn.omega(*values[3:]), turn.gamma
-
-    def distance(self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> Scalar:
-        """sin² theta."""
-        s = fn.sin(values[1])
-        return s * s
 
 
 def for_scene(scene: Scene) -> Lagrangian:

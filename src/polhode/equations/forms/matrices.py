@@ -8,7 +8,8 @@ from fractions import Fraction
 from polhode.numbers import exact
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.scalars import Scalar, combination
-from polhode.scenes.body import Matrix, PrincipalAxes, Vector, cross, dot, scaled
+from polhode.numbers.vectors import Matrix, Vector, apply, dot, scaled
+from polhode.scenes.body import PrincipalAxes
 from polhode.scenes.scene import Scene
 
 OMEGA = ("p", "q", "r")
@@ -29,14 +30,6 @@ def torque(scene: Scene, axes: PrincipalAxes) -> Vector:
     return scaled(Fraction(4) ** scene.time_unit, axes.components(scene.body.torque))
 
 
-def inverse(matrix: Matrix) -> Matrix:
-    """The inverse of a symmetric matrix."""
-    x, y, z = matrix
-    determinant = dot(x, cross(y, z))
-    a, b, c = (scaled(1 / determinant, v) for v in (cross(y, z), cross(z, x), cross(x, y)))
-    return a, b, c
-
-
 def along(axes: PrincipalAxes, matrix: Matrix) -> Matrix:
     """A symmetric matrix, given in body axes, along these axes."""
     if axes.trivial:
@@ -50,17 +43,11 @@ def along(axes: PrincipalAxes, matrix: Matrix) -> Matrix:
     return a, b, c
 
 
-def apply(matrix: Matrix, vector: Vector) -> Vector:
-    """matrix·vector."""
-    a, b, c = (dot(row, vector) for row in matrix)
-    return a, b, c
-
-
 def product(left: Matrix, right: Sequence[Sequence[Exact]]) -> list[list[Exact]]:
     """left·right, right of any width."""
     return [
         [
-            _sum(a * b for a, b in zip(row, column, strict=True))
+            exact.total(a * b for a, b in zip(row, column, strict=True))
             for column in zip(*right, strict=True)
         ]
         for row in left
@@ -122,17 +109,10 @@ def rates(
     return [combination(k, zero, *((f"{n}.{t}", x) for t, x in terms.items())) for n in names]
 
 
-def gamma_rates(gamma: Sequence[Scalar], omega: Sequence[Scalar]) -> list[Scalar]:
-    """gamma' = gamma × omega."""
-    (p, q, r), (g1, g2, g3) = omega, gamma
+def turning_rates(vector: Sequence[Scalar], omega: Sequence[Scalar]) -> list[Scalar]:
+    """vector × omega, the rates in body axes of what is fixed in space, as gamma is."""
+    (p, q, r), (g1, g2, g3) = omega, vector
     return [r * g2 - q * g3, p * g3 - r * g1, q * g1 - p * g2]
-
-
-def _sum(terms: Iterable[Exact]) -> Exact:
-    total: Exact = ZERO
-    for x in terms:
-        total = total + x
-    return total
 
 
 def _cleared(x: Exact) -> Exact:

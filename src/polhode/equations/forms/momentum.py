@@ -8,16 +8,16 @@ near the largest, so that G is of the size of w.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
-from polhode.equations.form import Form
+from polhode.equations.form import Coefficients, Form, OmegaAndGamma, Values
 from polhode.equations.forms import matrices
 from polhode.equations.forms.matrices import GAMMA, OMEGA
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact
 from polhode.numbers.scalars import Functions, Scalar
-from polhode.scenes.body import OWN_AXES, PrincipalAxes, scaled
+from polhode.numbers.vectors import inverse, scaled
+from polhode.scenes.body import OWN_AXES, PrincipalAxes
 from polhode.scenes.scene import Scene
 
 SOURCE = "3.36–3.37"
@@ -27,20 +27,16 @@ MOMENTUM = ("P", "Q", "R")
 class Momentum(Form):
     """The equations of one scene in some axes."""
 
-    def field(
-        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
-    ) -> list[Scalar]:
+    def field(self, values: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
         """The rates of P Q R [gamma1 gamma2 gamma3]."""
         momentum = values[:3]
         omega, gamma = self.state(values, k, fn)
         terms = matrices.products(MOMENTUM, momentum)
         terms |= dict(zip(GAMMA, gamma, strict=False))
         rates = matrices.rates(MOMENTUM, terms, k, fn.zero)
-        return rates + matrices.gamma_rates(gamma, omega) if gamma else rates
+        return rates + matrices.turning_rates(gamma, omega) if gamma else rates
 
-    def state(
-        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
-    ) -> tuple[list[Scalar], list[Scalar]]:
+    def state(self, values: Values, k: Coefficients, fn: Functions) -> OmegaAndGamma:
         """omega = A G, and gamma."""
         momentum = dict(zip(MOMENTUM, values[:3], strict=True))
         return matrices.rates(OMEGA, momentum, k, fn.zero), list(values[3:6])
@@ -55,7 +51,7 @@ def in_axes(scene: Scene, axes: PrincipalAxes) -> Momentum:
     """The equations of a scene in these axes."""
     body = scene.body
     unit = _unit(sum((body.inertia[i][i] for i in (1, 2)), body.inertia[0][0]))
-    gyration = [scaled(unit, row) for row in matrices.along(axes, matrices.inverse(body.inertia))]
+    gyration = [scaled(unit, row) for row in matrices.along(axes, inverse(body.inertia))]
     a, b, c = gyration
     k = matrices.named(MOMENTUM, matrices.product_names(MOMENTUM), matrices.turning((a, b, c)))
     weight = scaled(1 / unit, matrices.torque(scene, axes))

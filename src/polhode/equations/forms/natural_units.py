@@ -15,7 +15,7 @@ from polhode.equations.forms.matrices import omega_and_gamma
 from polhode.equations.forms.matrices import torque as torque_along
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact, sign
-from polhode.scenes.body import Vector, cross, dot, scaled
+from polhode.numbers.vectors import Vector, cross, dot, scaled
 from polhode.scenes.scene import Scene
 
 PRINCIPAL = "principal"

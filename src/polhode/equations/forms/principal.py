@@ -11,11 +11,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
-from polhode.equations.form import Form
-from polhode.equations.forms.matrices import omega_and_gamma
+from polhode.equations.form import Coefficients, Form, OmegaAndGamma, Values
+from polhode.equations.forms.matrices import omega_and_gamma, turning_rates
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.scalars import Functions, Scalar, combination
-from polhode.scenes.body import Body, scaled
+from polhode.numbers.vectors import scaled
+from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 
 SOURCE = "3.29–3.30"
@@ -26,15 +27,11 @@ class Principal(Form):
 
     plain = True
 
-    def field(
-        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
-    ) -> list[Scalar]:
+    def field(self, values: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
         """The rates of p q r [gamma1 gamma2 gamma3]."""
         return field(values, k, fn)
 
-    def state(
-        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
-    ) -> tuple[list[Scalar], list[Scalar]]:
+    def state(self, values: Values, k: Coefficients, fn: Functions) -> OmegaAndGamma:
         """omega and gamma: the variables themselves."""
         return list(values[:3]), list(values[3:6])
 
@@ -114,5 +111,5 @@ def field(state: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> li
         combination(k, fn.zero, ("r.pq", p * q), ("r.gamma1", g1), ("r.gamma2", g2)),
     ]
     if len(state) > 3:
-        rates += [r * g2 - q * g3, p * g3 - r * g1, q * g1 - p * g2]
+        rates += turning_rates(state[3:], state[:3])
     return rates

@@ -9,14 +9,13 @@ Variables: p q r q0 q1 q2 q3, in principal axes.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-
 from polhode.common.errors import BadInput
 from polhode.equations import kinematics
-from polhode.equations.form import Form
+from polhode.equations.form import Coefficients, Form, OmegaAndGamma, Values
 from polhode.equations.forms import principal
 from polhode.equations.forms.matrices import omega_and_gamma
 from polhode.numbers.scalars import Functions, Scalar
+from polhode.numbers.vectors import vertical
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ATTITUDE
 
@@ -29,25 +28,15 @@ class Quaternion(Form):
 
     unit = slice(3, 7)
 
-    def field(
-        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
-    ) -> list[Scalar]:
+    def field(self, values: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
         """The rates of p q r q0 q1 q2 q3."""
         omega, gamma = self.state(values, k, fn)
         rates = principal.field([*omega, *gamma], k, fn)[:3]
         return rates + kinematics.attitude_rates(values[self.unit], omega)
 
-    def state(
-        self, values: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
-    ) -> tuple[list[Scalar], list[Scalar]]:
+    def state(self, values: Values, k: Coefficients, fn: Functions) -> OmegaAndGamma:
         """omega, and gamma from the quaternion as it is."""
-        q0, q1, q2, q3 = values[self.unit]
-        gamma = [
-            2 * (q1 * q3 - q0 * q2),
-            2 * (q2 * q3 + q0 * q1),
-            q0 * q0 - q1 * q1 - q2 * q2 + q3 * q3,
-        ]
-        return list(values[:3]), gamma
+        return list(values[:3]), list(vertical(values[self.unit]))
 
 
 def for_scene(scene: Scene) -> Quaternion:

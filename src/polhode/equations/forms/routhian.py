@@ -12,12 +12,12 @@ have reduced equations of their own, written at each of them.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from polhode.equations.form import Form
+from polhode.equations.form import Coefficients, OmegaAndGamma, Values
 from polhode.equations.forms import angles, principal
-from polhode.equations.forms.angles import Turn
+from polhode.equations.forms.angles import InAngles, Turn
 from polhode.equations.forms.lagrangian import accelerations
 from polhode.equations.forms.natural_units import own_units, present
 from polhode.numbers.scalars import Functions, Scalar, combination
@@ -26,8 +26,6 @@ from polhode.scenes.scene import Scene
 NAME = "routhian"
 SOURCE = "3.54–3.59"
 VARIABLES = (*angles.ANGLES[1:], *angles.RATES[1:])
-
-Coefficients = Mapping[str, Scalar]
 
 
 def precession(turn: Turn, rates: Sequence[Scalar], k: Coefficients, fn: Functions) -> Scalar:
@@ -116,27 +114,21 @@ def about_second_axis(
 
 
 @dataclass(frozen=True)
-class Routhian(Form):
+class Routhian(InAngles):
     """The form for one scene; ``reduced``: its body's equations for theta'' and phi''."""
 
+    theta = 0
     reduced: Callable[[Turn, Sequence[Scalar], Coefficients, Functions], tuple[Scalar, Scalar]]
 
-    def field(self, values: Sequence[Scalar], k: Coefficients, fn: Functions) -> list[Scalar]:
+    def field(self, values: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
         """The rates of theta phi theta' phi'."""
         turn = Turn.of(values[0], values[1], fn)
         return [*values[2:], *self.reduced(turn, values[2:], k, fn)]
 
-    def state(
-        self, values: Sequence[Scalar], k: Coefficients, fn: Functions
-    ) -> tuple[list[Scalar], list[Scalar]]:
+    def state(self, values: Values, k: Coefficients, fn: Functions) -> OmegaAndGamma:
         """Components of w and of gamma."""
         turn = Turn.of(values[0], values[1], fn)
         return turn.omega(precession(turn, values[2:], k, fn), *values[2:]), turn.gamma
-
-    def distance(self, values: Sequence[Scalar], k: Coefficients, fn: Functions) -> Scalar:
-        """sin² theta."""
-        s = fn.sin(values[0])
-        return s * s
 
 
 def for_scene(scene: Scene) -> Routhian:

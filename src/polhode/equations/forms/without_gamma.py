@@ -17,14 +17,17 @@ with |n|² |gamma|² = u² + b² |N|² + |n|² d D, the integral that is left.  
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from polhode.common.errors import BadInput
+from polhode.equations.form import Coefficients, Form, OmegaAndGamma, Values
+from polhode.equations.forms.matrices import turning_rates
 from polhode.equations.forms.natural_units import PRINCIPAL, OwnUnits, own_units, present
 from polhode.numbers.exact import Exact, sign, sqrt
 from polhode.numbers.scalars import Functions, Scalar, combination
-from polhode.scenes.body import dot
+from polhode.numbers.vectors import dot
 from polhode.scenes.scene import Scene
 
 
@@ -54,8 +57,8 @@ def parts(
         combination(k, zero, ("y", N1), ("x", -N2)),
     ]
     level = combination(k, zero, *zip("xyz", G, strict=True))
-    square = _dot(N, N)
-    T = _dot(omega, G) / 2
+    square = dot(N, N)
+    T = dot(omega, G) / 2
     u = combination(k, zero, ("h", 1)) - T
     above = combination(k, zero, ("f.n2", 1)) - u * level
     b = above / square
@@ -77,11 +80,10 @@ def rates(
 ) -> list[Scalar]:
     """G' and D'."""
     it = parts(omega, G, D, k, fn)
-    (p, q, r), (G1, G2, G3) = omega, G
-    turning = (r * G2 - q * G3, p * G3 - r * G1, q * G1 - p * G2)  # G × w
+    turning = turning_rates(G, omega)
     G_rates = [it.d * it.P[i] - it.b * it.N[i] + turning[i] for i in range(3)]
     gamma_w = it.u * combination(k, fn.zero, *zip("xyz", omega, strict=True))
-    gamma_w = k["1/n2"] * (gamma_w + it.b * _dot(it.P, omega)) + it.d * _dot(it.N, omega)
+    gamma_w = k["1/n2"] * (gamma_w + it.b * dot(it.P, omega)) + it.d * dot(it.N, omega)
     swing = 2 * (it.T * it.u) + it.lean + k["n2"] * (it.d * D) - gamma_w * it.level
     return [*G_rates, swing]
 
@@ -94,10 +96,22 @@ def gamma(it: Parts, k: Mapping[str, Scalar], fn: Functions) -> list[Scalar]:
     ]
 
 
-def distance(G: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> Scalar:
-    """|r0 × G|² over |r0|² and a bound of |G|² that the energy sets: 0 to 1."""
-    N = lever(G, k, fn)
-    return k["nearness"] * _dot(N, N)
+class WithoutGamma(Form):
+    """A form in w or G alone, with D as the fourth variable."""
+
+    @abstractmethod
+    def turning(self, values: Values, k: Coefficients) -> tuple[list[Scalar], list[Scalar]]:
+        """w and G."""
+
+    def state(self, values: Values, k: Coefficients, fn: Functions) -> OmegaAndGamma:
+        """Components of w and of gamma."""
+        omega, G = self.turning(values, k)
+        return omega, gamma(parts(omega, G, values[3], k, fn), k, fn)
+
+    def distance(self, values: Values, k: Coefficients, fn: Functions) -> Scalar:
+        """|r0 × G|² over |r0|² and a bound of |G|² that the energy sets: 0 to 1."""
+        N = lever(self.turning(values, k)[1], k, fn)
+        return k["nearness"] * dot(N, N)
 
 
 def starting(scene: Scene, form: str) -> tuple[OwnUnits, dict[str, Exact]]:
@@ -115,8 +129,5 @@ def starting(scene: Scene, form: str) -> tuple[OwnUnits, dict[str, Exact]]:
         raise refused("at the start the momentum I w is parallel to the centre r0, or 0")
     bound = 2 * max(own.moments) * (own.energy + sqrt(n2))  # |G|² <= 2 A T, T <= h + |n|
     k = own.coefficients() | {"h": own.energy, "f.n2": own.area * n2}
-    return own, present(k | {"n2": n2, "1/n2": 1 / n2, "nearness": 1 / (n2 * bound)})
-
-
-def _dot(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    found = present(k | {"n2": n2, "1/n2": 1 / n2, "nearness": 1 / (n2 * bound)})
+    return own, found | {f"1/{name}": 1 / x for name, x in zip("ABC", own.moments, strict=True)}

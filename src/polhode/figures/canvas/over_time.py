@@ -17,7 +17,6 @@ from polhode.figures.canvas.curve_sampling import Samples
 from polhode.judging.correct_digits import log10_errors, log10_rate
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference
-from polhode.judging.references.reference import rows as reference_rows
 from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import to_double, to_mpf
 from polhode.numbers.number_types import NumberType
@@ -48,7 +47,7 @@ def errors_of_table(
     most = number.most_digits if number else table.printed + 2
     digits = math.ceil(min(most, 1000)) + SPARE_DIGITS
     order = in_order(table)
-    rows = reference_rows(reference.at, table.times, digits)
+    rows = reference.at(table.times, digits)
     states = [[table.columns[n][k] if n in there else None for n in scene.columns] for k in order]
     logs = _errors(states, [rows[k] for k in order], scene)
     return _samples(table.name, [table.times[k] for k in order], logs, scene, number)

@@ -30,7 +30,8 @@ from polhode.judging.tables.reading import GAIN, WRONG
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles
-from polhode.scenes.body import Body, Vector
+from polhode.numbers.vectors import Vector
+from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
 

@@ -43,13 +43,14 @@ from polhode.judging.diagnosis.ways import (
     ways,
 )
 from polhode.judging.references.certified import Certified
-from polhode.judging.references.reference import AnyReference, rows
+from polhode.judging.references.reference import AnyReference
 from polhode.judging.tables.candidate import Subject
 from polhode.judging.tables.reading import WRONG, Reading, TimeChange
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles
-from polhode.scenes.body import Body, Matrix, exact_vector
+from polhode.numbers.vectors import Matrix
+from polhode.scenes.body import Body, exact_vector
 from polhode.scenes.scene import Scene
 
 _FARTHEST = 3e3  # radians or so, to which times of another unit are tried
@@ -298,7 +299,7 @@ def right_at(
 
     def asked(question: Callable[..., Any]) -> Any:
         try:
-            return np.array([[float(x) for x in row] for row in rows(question, times, 18)])
+            return np.array([[float(x) for x in row] for row in question(times, 18)])
         except (TypeError, ValueError):  # no closed form for it, a pole
             return None
 

@@ -44,8 +44,8 @@ UNITS = (
 
 
 _TOLD = re.compile(
-    rf"(?:(?:t )?of another clock(?: in ({'|'.join(unit.name for unit in UNITS)}))?:"
-    r" rows belong to )?t ([-+]) ?(\d[\d.]*(?:e[+-]?\d\d?)?)"
+    rf"t of another clock(?: in ({'|'.join(unit.name for unit in UNITS)}))?:"
+    r" rows belong to t ([-+]) (\d+(?:\.\d+)?)"
 )
 
 
@@ -61,9 +61,9 @@ def clock_words(change: TimeChange) -> str:
 
 
 def told_clock(words: str) -> TimeChange | None:
-    """The change of times that words such as ``t - 12.5`` tell; None where they tell none.
+    """The change of times that the words of a clock tell; None where they tell none.
 
-    >>> told_clock("of another clock: rows belong to t - 12.5").of(Fraction(15))
+    >>> told_clock("t of another clock: rows belong to t - 12.5").of(Fraction(15))
     Fraction(5, 2)
     """
     found = _TOLD.fullmatch(words)

@@ -40,6 +40,8 @@ class Certified(Result):
     """
 
     is_closed_form = False
+    is_dear = False
+    encloses_attitude = True
     proven = True
     kind = "certified"
     period = None
@@ -62,7 +64,7 @@ class Certified(Result):
         self.regime = kind_of_body(scene.body)
         self.agreement, self._states_asked = math.nan, False
         self.frequencies: dict[str, Real] = {}
-        self._known: dict[tuple[tuple[Exact, ...], int, tuple[str, ...]], Enclosure] = {}
+        self._proofs: list[tuple[tuple[Exact, ...], tuple[str, ...], Enclosure]] = []
 
     def __eq__(self, other: object) -> bool:
         return self.scene == other.scene if isinstance(other, Certified) else NotImplemented
@@ -85,18 +87,22 @@ class Certified(Result):
     def enclosure(
         self, times: Iterable[AnyNumber], digits: int = 50, outputs: tuple[str, ...] = ()
     ) -> Enclosure:
-        """The balls themselves; the last request is also told in ``agreement``."""
+        """The balls themselves; the last request is also told in ``agreement``.
+
+        What was proven to as many digits or more at the same times is not proven again.
+        """
         from polhode.enclosures.certify import MOST_DIGITS, certify  # a closed form needs no heyoka
 
         digits = whole(self.scene.name, "digits", digits, 1, MOST_DIGITS)
         asked = each(self.scene.name, "t", times, reader(self.scene.units, TIME), "a list of times")
-        key = (asked, digits, outputs)
-        if key not in self._known:
+        known = (x for at, of, x in self._proofs if at == asked and of == outputs)
+        found = next((proof for proof in known if proof.asked >= digits), None)
+        if found is None:
             progress, forecast = self._told
             left = None if self._most is None else max(1e-3, self._deadline - time.monotonic())
             found = certify(
                 replace(self.scene, outputs=outputs),
-                key[0],
+                asked,
                 digits=digits,
                 progress=progress,
                 max_seconds=left,
@@ -108,9 +114,9 @@ class Certified(Result):
                 raise BadInput(self.scene.name, "max_seconds", self._most, expected)
             if not found.outcome.done:
                 raise KeyboardInterrupt
-            self._known[key] = found
-        self.agreement = self._known[key].proven
-        return self._known[key]
+            self._proofs.append((asked, outputs, found))
+        self.agreement = found.proven
+        return found
 
     def attitude(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
         """Rows q0 q1 q2 q3 as mpf, the quaternion body to space, proven to so many digits."""

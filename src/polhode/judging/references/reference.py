@@ -39,9 +39,6 @@ ROUGH = 53  # bits in which a closed form plans; it computes with more
 
 T = TypeVar("T")
 
-#: A question to a reference, at exact times of one sign: a row a time, to so many digits.
-Ask: TypeAlias = Callable[[Sequence[Fraction], int], Sequence[T]]
-
 
 class Reference(Result):
     """The closed form of a scene.
@@ -235,43 +232,8 @@ class Reference(Result):
         return found
 
 
-class Remembered:
-    """A reference whose rows are kept: a request for fewer digits at the same times costs nothing.
-
-    For judging several runs of one scene, the one with the most digits first.
-    """
-
-    def __init__(self, reference: Reference | Certified) -> None:
-        self._asked = reference
-        self._kept: dict[tuple[AnyNumber, ...], tuple[int, list[list[Real]], float]] = {}
-        self.scene, self.kind, self.regime = reference.scene, reference.kind, reference.regime
-        self.is_closed_form, self.agreement = reference.is_closed_form, reference.agreement
-
-    @property
-    def proven(self) -> bool | str:
-        """Whether every digit is proven, see :attr:`Reference.proven`."""
-        return self._asked.proven
-
-    def at(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
-        """Rows right to at least so many digits."""
-        key = tuple(times)
-        if key not in self._kept or self._kept[key][0] < digits:
-            rows = self._asked.at(key, digits)
-            self._kept[key] = digits, rows, self._asked.agreement
-        _, rows, self.agreement = self._kept[key]
-        return rows
-
-    def attitude(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
-        """Rows q0 q1 q2 q3, not kept."""
-        return self._asked.attitude(times, digits)
-
-    def angles(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real | None]]:
-        """Rows psi theta phi, not kept."""
-        return self._asked.angles(times, digits)
-
-
 #: Anything that a table or a run can be held against.
-AnyReference: TypeAlias = Reference | Certified | Remembered
+AnyReference: TypeAlias = Reference | Certified
 
 
 @overload
@@ -346,14 +308,6 @@ def _shown(x: Irrational) -> str:
     """A number that is called 0 by the rule, by the bound of it that is known."""
     top = x.enclosure(exact.EQUAL_BITS).abs_upper()
     return f"|x| < 1e{math.ceil(float(top.log()) / math.log(10))}" if top > 0 else "0"
-
-
-def rows(ask: Ask[T], times: Sequence[Fraction], digits: int) -> list[T]:
-    """Rows of a reference in the order of ``times``; those of each sign are asked for together."""
-    found: dict[Fraction, T] = {}
-    for part in by_sign(times):
-        found |= dict(zip(part, ask(part, digits), strict=True))
-    return [found[t] for t in times]
 
 
 def by_sign(times: Sequence[Fraction]) -> list[list[Fraction]]:

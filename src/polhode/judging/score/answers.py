@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, TypeAlias
 
 from polhode.common.progress import Progress
 from polhode.judging.references.derived import column_of
-from polhode.judging.references.reference import AnyReference, Reference, by_sign
+from polhode.judging.references.reference import AnyReference
 from polhode.numbers.scalars import Scalar
 
 #: Rows of a reference, one a time; the number of a cell, or None where the motion has none.
@@ -17,6 +18,7 @@ Answer: TypeAlias = list[list[Scalar]]
 _PIECE = 500  # rows asked for at once: how far it is is told between two pieces
 
 
+@dataclass(frozen=True, eq=False)
 class Answers:
     """What a reference answers at some times.
 
@@ -24,19 +26,11 @@ class Answers:
     with attitudes, so that both are asked for together.  ``progress``: told of the rows.
     """
 
-    def __init__(
-        self,
-        reference: AnyReference,
-        times: Sequence[Fraction],
-        attitude: bool,
-        progress: Progress | None,
-    ) -> None:
-        self._reference, self._times, self._progress = reference, times, progress
-        enclosed = not isinstance(reference, Reference) or reference.encloses_attitude
-        self._together = ("attitude", "at") if attitude and not enclosed else ()
-        # turns are counted from t = 0 on, and a proof goes through all times: not in pieces
-        self._whole = ("angles", "attitude") if enclosed else ("angles",)
-        self._known: dict[tuple[str, int], Answer | ValueError] = {}
+    reference: AnyReference
+    times: Sequence[Fraction]
+    attitude: bool
+    progress: Progress | None
+    _known: dict[tuple[str, int], Answer | ValueError] = field(default_factory=dict)
 
     def rows(self, word: str, digits: int) -> Answer:
         """Rows of the state ("at") or of an output, to so many digits; raises ValueError."""
@@ -46,12 +40,13 @@ class Answers:
         def ask(question: str) -> Any:
             return lambda times, more: self._asked(question, digits)
 
-        return column_of(ask, self._reference.scene, word, self._times, digits)
+        return column_of(ask, self.reference.scene, word, self.times, digits)
 
     def _asked(self, question: str, digits: int) -> Answer:
         """The answer to one question, as it was given or now."""
         if (question, digits) not in self._known:
-            group = self._together if question in self._together else (question,)
+            both = self.attitude and not self.reference.encloses_attitude
+            group = ("attitude", "at") if both and question in ("attitude", "at") else (question,)
             for name, answer in self._found(group, digits).items():
                 self._known[name, digits] = answer
         found = self._known[question, digits]
@@ -61,23 +56,22 @@ class Answers:
 
     def _found(self, questions: Sequence[str], digits: int) -> dict[str, Answer | ValueError]:
         """Answers to questions that are asked together, of each or why there is none."""
-        rows: dict[str, dict[Fraction, list[Scalar]]] = {name: {} for name in questions}
+        rows: dict[str, Answer] = {name: [] for name in questions}
         faults: dict[str, ValueError] = {}
-        done, count = 0, len({*self._times})
-        whole = questions[0] in self._whole or not isinstance(self._reference, Reference)
-        for part in by_sign(self._times):
-            size = len(part) if whole else _PIECE
-            for piece in (part[k : k + size] for k in range(0, len(part), size)):
-                for name in questions:
-                    try:
-                        if name not in faults:
-                            answer = getattr(self._reference, name)(piece, digits)
-                            rows[name] |= zip(piece, answer, strict=True)
-                    except ValueError as fault:  # BadInput is one
-                        faults[name] = fault
-                done += len(piece)
-                if self._progress is not None and len(piece) < count:
-                    self._progress(done / count, done)
-        return {
-            name: faults.get(name) or [rows[name][t] for t in self._times] for name in questions
-        }
+        # turns are counted from t = 0 on, and a proof goes through all times: not in pieces
+        enclosed = "attitude" in questions and self.reference.encloses_attitude
+        whole = enclosed or "angles" in questions or not self.reference.is_closed_form
+        count = len(self.times)
+        size = count if whole else _PIECE
+        for begin in range(0, count, size):
+            piece = self.times[begin : begin + size]
+            for name in questions:
+                try:
+                    if name not in faults:
+                        rows[name] += getattr(self.reference, name)(piece, digits)
+                except ValueError as fault:  # BadInput is one
+                    faults[name] = fault
+            done = begin + len(piece)
+            if self.progress is not None and size < count:
+                self.progress(done / count, done)
+        return {name: faults.get(name) or rows[name] for name in questions}

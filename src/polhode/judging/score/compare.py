@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Never, TypedDict
+from typing import TYPE_CHECKING, Never
 
 from polhode.common.arguments import each, of_kind, refuse_unknown
 from polhode.common.errors import BadInput
@@ -14,21 +14,20 @@ from polhode.common.progress import Progress
 from polhode.common.text_tables import few
 from polhode.judging.clock import unknown_clock
 from polhode.judging.conditioning.conditioning import Conditioning
-from polhode.judging.diagnosis.convention_words import read_as_told
 from polhode.judging.diagnosis.time_unit import time_unit
+from polhode.judging.diagnosis.told_readings import read_as_told
 from polhode.judging.references.certified import Certified
-from polhode.judging.references.reference import AnyReference, Reference, Remembered, reference
+from polhode.judging.references.reference import AnyReference, Reference, reference
 from polhode.judging.score.judgement import Judgement
 from polhode.judging.score.report_text import SHOWN
 from polhode.judging.score.score import does_not_answer
 from polhode.judging.score.table_reading import as_meant, with_unit_quaternions
-from polhode.judging.tables.array_file import ENDINGS, read_arrays
+from polhode.judging.tables.array_file import ENDINGS
 from polhode.judging.tables.candidate import Subject, of_run, of_table
-from polhode.judging.tables.column_aliases import Column
-from polhode.judging.tables.csv_file import open_table
-from polhode.judging.tables.csv_layout import Naming, naming
+from polhode.judging.tables.naming import PLAIN, Naming, naming
 from polhode.judging.tables.reading import LENGTH
 from polhode.judging.tables.table import Table, table_of_columns, table_of_rows
+from polhode.judging.tables.table_file import read_table
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.runs.problem.options import choose_number
@@ -40,16 +39,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-class _Limits(TypedDict, total=False):
-    """What a proof is told and allowed."""
-
-    progress: Progress | None
-    max_seconds: float | None
-    forecast: Callable[[float], None]
-
-
 _TABLES = (".csv", ".tsv", *ENDINGS)
-_FIRST = 5  # rows that tell whether the times have another unit
 MANY = 1000  # rows of a table that has a first answer
 
 
@@ -104,7 +94,7 @@ def compare(
         The scene's conditioning, to spare its computation.
     first : callable, optional
         Called with a judgement of a few rows of a table of more than a thousand, and how many rows
-        there are, before the others are judged by a closed form; of a file, before they are read.
+        there are, before the others are judged by a closed form.
     progress : callable, optional
         Called with the fraction of the reference's rows that are computed, and how many (of a
         proof, with the fraction of the time, and the steps), if that takes long.
@@ -112,8 +102,8 @@ def compare(
         Judge the numbers in the conventions of the scene alone.  Otherwise another convention that
         makes a part right is applied, and ``reading`` says which.
     read : str, optional
-        Conventions to read a table in, whatever digits they give, separated by commas, in the words
-        of a judgement's reading: "degrees, scalar-last, y up".
+        Readings to apply to a table, whatever digits they give, in the words of a judgement's
+        ``reading``: "omega degrees; attitude scalar-last".
     max_seconds : float, optional
         A limit on proofs, if there is no closed form.
     forecast : callable, optional
@@ -151,11 +141,14 @@ def compare(
         if not isinstance(what, Trajectory):
             raise BadInput("compare", "against", None, "a reference, or a scene")
         against = what.scene
-    kinds = (Reference, Certified, Remembered, Scene, str, Path)
+    kinds = (Reference, Certified, Scene, str, Path)
     of_kind("compare", "against", against, kinds, "a reference, or a scene")
-    limits: _Limits = {"progress": progress, "max_seconds": max_seconds}
-    if forecast is not None:
-        limits["forecast"] = lambda seconds: forecast(seconds, _unit(subject, scene))
+
+    def foretold(seconds: float) -> None:
+        if forecast is not None:
+            forecast(seconds, _unit(subject, scene))
+
+    proof = partial(Certified, progress=progress, max_seconds=max_seconds, forecast=foretold)
     if isinstance(against, (str, Path)) and Path(against).suffix.lower() in _TABLES:
         expected = (
             "a scene, a case's name or a .toml file: a table is judged by a motion, and not by "
@@ -167,7 +160,7 @@ def compare(
     if isinstance(against, (Scene, str, Path)):
         against = reference(against)
         if isinstance(against, Certified):
-            against = Certified(against.scene, **limits)
+            against = proof(against.scene)
     scene = against.scene
     if isinstance(what, Trajectory):
         if not what.times:
@@ -178,23 +171,15 @@ def compare(
         if digits is not None and number is None:
             raise BadInput(scene.name, "digits", digits, "number given with it: mp")
         kind = None if number is None else choose_number(scene, number, digits)
-        if isinstance(what, (str, Path)) and Path(what).suffix.lower() in ENDINGS:
-            what = read_arrays(Path(what), kind, _naming(columns))
-        elif isinstance(what, (str, Path)):
-            file = open_table(Path(what), kind, _naming(columns))
-            some = None if first is None else file.some(SHOWN)
-            with suppress(BadInput):  # first what is wrong with the file, if anything is
-                if some is not None and _is_told(first, *some, against):
-                    first = None
-            what = file.table
+        if isinstance(what, (str, Path)):
+            what = read_table(Path(what), kind, _naming(columns))
         elif hasattr(what, "keys"):
-            what = table_of_columns(what, kind, meaning=_meaning(columns))
+            what = table_of_columns(what, kind, names=_naming(columns, of_file=False))
         elif not isinstance(what, Table):
             named = scene.columns if columns is None else columns
             what = table_of_rows(what, at, named, kind)
-        count = len(what.times)
-        _is_told(first, what.some(few(count, SHOWN)), count, against)
         subject = of_table(what, scene)
+        _tell_first(first, subject, against)
     if not (subject.columns or subject.angles or subject.attitude or subject.derived):
         expected = f"columns of {', '.join(against.scene.columns)}, angles or attitude"
         raise BadInput(subject.name, "header", None, expected)
@@ -205,7 +190,7 @@ def compare(
         subject, as_it_stands = read_as_told(subject, against, read), True
     elif reads:
         subject, offered = as_meant(given, against)
-    found = Judgement(subject, against, known, progress, as_it_stands, offered)
+    found = Judgement(subject, against, progress, as_it_stands, known, offered)
     try:
         _ = found.digits  # what cannot be judged is refused here
     except BadInput as refused:
@@ -217,7 +202,7 @@ def compare(
                 expected = "; ".join([refused.expected, *hints])
                 raise BadInput(refused.source, "t", refused.value, expected) from None
             raise
-        proven = Certified(scene, **limits)
+        proven = proof(scene)
         if reads:
             subject, offered = as_meant(given, proven)
         found = replace(found, subject=subject, reference=proven, offered=offered)
@@ -225,20 +210,15 @@ def compare(
     return found
 
 
-def _naming(columns: Sequence[str] | None) -> Naming | None:
-    """What columns of a file are called, where that was told."""
+def _naming(columns: Sequence[str] | None, of_file: bool = True) -> Naming:
+    """What columns are called, where that was told; of a file it may be all of them."""
     if columns is None:
-        return None
-    return naming(",".join(each("compare", "columns", columns, str, "a list of names")))
-
-
-def _meaning(columns: Sequence[str] | None) -> Callable[[Sequence[str]], list[Column]]:
-    """What the names of columns mean, where some were told."""
-    names = _naming(columns) or Naming()
-    if names.header:
+        return PLAIN
+    names = naming(",".join(each("compare", "columns", columns, str, "a list of names")))
+    if names.header and not of_file:
         expected = "NAME=COLUMN of each, for these columns have names"
         raise BadInput("compare", "columns", ",".join(names.header), expected)
-    return names.columns
+    return names
 
 
 def _unit(subject: Subject, scene: Scene) -> str:
@@ -247,18 +227,18 @@ def _unit(subject: Subject, scene: Scene) -> str:
     return "" if unit is None else unit.name
 
 
-def _is_told(
-    first: Callable[[Judgement, int], None] | None, some: Table, count: int, against: AnyReference
-) -> bool:
-    """Whether ``first`` was called with some of so many rows."""
+def _tell_first(
+    first: Callable[[Judgement, int], None] | None, subject: Subject, against: AnyReference
+) -> None:
+    """Call ``first`` with some of many rows, if a closed form judges them."""
+    count = len(subject.times)
     if first is None or count <= MANY or isinstance(against, Certified):
-        return False
-    brief = Judgement(of_table(some, against.scene), against)
+        return
+    brief = Judgement(subject.some(few(count, SHOWN)), against)
     try:
         _ = brief.digits
     except BadInput as refused:
         if does_not_answer(against, refused):
-            return False
+            return
         raise
     first(brief, count)
-    return True

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from polhode.common.errors import BadInput
-from polhode.judging.references.reference import rows
 from polhode.judging.score.judgement import Judgement
 from polhode.judging.tables.table import Table
 from polhode.numbers.decimals import brief
@@ -63,7 +62,7 @@ def _gaps(judged: Judgement, table: Table, name: str) -> Iterator[tuple[int, str
     if missing and name in ANGLES:
         times, column = [judged.times[k] for k in missing], ANGLES.index(name)
         try:
-            true = rows(judged.reference.angles, times, _DIGITS)
+            true = judged.reference.angles(times, _DIGITS)
         except ValueError:  # what the motion has there is not known
             pass
         else:

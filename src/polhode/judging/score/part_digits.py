@@ -8,6 +8,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
+from polhode.equations import kinematics
 from polhode.judging.correct_digits import digits_of, largest, log10_differences, log10_sizes
 from polhode.judging.tables.reading import GAIN
 from polhode.numbers.rows import Doubles, Given
@@ -82,17 +83,17 @@ def part_digits(
     return PartDigits(found, row_digits(turned, held))
 
 
-def principal_angles(attitudes: Sequence[Sequence[Scalar]], bits: int) -> list[list[Scalar]]:
+def principal_angles(attitudes: Sequence[Sequence[Scalar]], bits: int) -> list[list[Scalar | None]]:
     """psi, theta and phi of quaternions, psi and phi up to whole turns and None at a pole."""
     from polhode.numbers.mpmath_context import mpmath, own
 
-    found = []
+    found: list[list[Scalar | None]] = []
     with mpmath.workprec(bits):
-        for q0, q1, q2, q3 in (map(own, row) for row in attitudes):
-            one, other = mpmath.atan2(q3, q0), mpmath.atan2(q2, q1)
-            cos, sin = mpmath.hypot(q0, q3), mpmath.hypot(q1, q2)
-            theta, pole = 2 * mpmath.atan2(sin, cos), min(cos, sin) < mpmath.ldexp(1, -bits // 2)
-            found.append([None if pole else one + other, theta, None if pole else one - other])
+        for row in attitudes:
+            quaternion = [own(x) for x in row]
+            psi, theta, phi = kinematics.principal_angles(quaternion, mpmath.atan2, mpmath.hypot)
+            is_pole = mpmath.sin(theta) < mpmath.ldexp(2, -bits // 2)
+            found.append([None, theta, None] if is_pole else [psi, theta, phi])
     return found
 
 

@@ -15,13 +15,14 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode.common.text_tables import few
+from polhode.equations.kinematics import principal_angles
 from polhode.judging.diagnosis.motion_in_double import integrated
-from polhode.judging.references.reference import AnyReference, Reference
+from polhode.judging.references.reference import AnyReference
 from polhode.judging.score.report_text import SHOWN
 from polhode.judging.tables.candidate import Subject
-from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.conversion import doubles
 from polhode.numbers.number_types import EXTENDED
-from polhode.numbers.rows import Doubles, Given
+from polhode.numbers.rows import Doubles
 from polhode.scenes.scene import Scene
 
 Indices: TypeAlias = npt.NDArray[np.int64]
@@ -47,7 +48,7 @@ class RowSelection(NamedTuple):
 def selection(subject: Subject, reference: AnyReference) -> RowSelection | None:
     """The rows that are judged; None for all of them."""
     count = len(subject.times)
-    if count <= MOST_DEAR or not (isinstance(reference, Reference) and reference.is_dear):
+    if count <= MOST_DEAR or not reference.is_dear:
         return None
     rows = {*few(count, MOST_DEAR), *few(count, SHOWN)}
     far = _far(subject, reference.scene, np.array(sorted(rows)))
@@ -65,13 +66,14 @@ def _far(subject: Subject, scene: Scene, spread: Indices) -> tuple[int, ...]:
     if subject.columns:
         scale = np.ones(len(scene.columns))
         scale[:3] = np.max(np.linalg.norm(run.states[:, :3], axis=1)) or 1.0
-        away.append(_largest((_doubles(subject.states) - run.states) / scale))
+        away.append(_largest((doubles(subject.states) - run.states) / scale))
     if run.attitude is not None and subject.attitude is not None:
-        own = _doubles(subject.attitude)
+        own = doubles(subject.attitude)
         away.append(np.fmin(*(_largest(side * own - run.attitude) for side in (1, -1))))
         strays += _stray(np.sign(np.sum(own * run.attitude, axis=1, keepdims=True)), spread)
     if run.attitude is not None and subject.angles is not None:
-        beside = _doubles(subject.angles) - np.unwrap(_angles(run.attitude), axis=0)
+        angles = np.stack(principal_angles(run.attitude.T, np.arctan2, np.hypot), axis=1)
+        beside = doubles(subject.angles) - np.unwrap(angles, axis=0)
         away.append(_largest(np.angle(np.exp(1j * beside))))
         strays += _stray(np.rint(beside / (2 * np.pi)), spread)
     return int(np.argmax(np.fmax.reduce(away))), *strays
@@ -87,22 +89,7 @@ def _stray(ways: Doubles, spread: Indices) -> list[int]:
     return first
 
 
-def _angles(attitude: Doubles) -> Doubles:
-    """psi, theta and phi of quaternions, up to whole turns."""
-    q0, q1, q2, q3 = attitude.T
-    one, other = np.arctan2(q3, q0), np.arctan2(q2, q1)
-    theta = 2 * np.arctan2(np.hypot(q1, q2), np.hypot(q0, q3))
-    return np.stack([one + other, theta, one - other], axis=1)
-
-
 def _largest(differences: Doubles) -> Doubles:
     """The largest of each row of those that are there; 0 where none is."""
     found: Doubles = np.fmax.reduce(np.abs(differences), axis=1, initial=0.0)
     return found
-
-
-def _doubles(rows: Given) -> Doubles:
-    """Rows as doubles, not numbers where a cell is not there."""
-    if isinstance(rows, np.ndarray) and rows.dtype.kind == "f":
-        return rows.astype(np.float64)
-    return np.array([[np.nan if x is None else to_double(exactly(x)) for x in row] for row in rows])

@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from typing import TypeVar
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from typing import NamedTuple, TypeVar
 
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
+from polhode.common.value_semantics import ByValue
+from polhode.equations.integrals import Drift
 from polhode.judging.correct_digits import log10_differences, log10_rate, scaled
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import AnyReference, Reference
@@ -25,6 +28,7 @@ from polhode.judging.score.part_digits import (
 )
 from polhode.judging.score.row_selection import RowSelection, selection
 from polhode.judging.tables.candidate import Subject
+from polhode.judging.tables.reading import TURNS, Reading
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.rows import Doubles, Given
 from polhode.scenes.vocabulary import COLUMNS, STATE
@@ -35,32 +39,54 @@ SPARE_DIGITS = 6  # of a reference beyond those that can be told
 T = TypeVar("T")
 
 
-@dataclass(frozen=True, eq=False)
-class HeldAgainst:
+STATE_PART = "state"  # omega and gamma together
+
+
+class _Worst(NamedTuple):
+    """The fewest digits, the part that has them, and its first such row."""
+
+    digits: float
+    part: str
+    row: int
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Scores(ByValue):
     """The right digits of a subject, the reference asked for no more digits than tell them.
 
-    ``progress``: told of the reference's rows where they are many.
+    ``progress``: called with the reference's rows where they are many.  ``as_it_stands``: whether
+    angles are right with their whole turns alone.
     """
 
     subject: Subject
     reference: AnyReference
-    progress: Progress | None = None
+    progress: Progress | None = field(default=None, compare=False)
+    as_it_stands: bool = False
+
+    def __getstate__(self) -> dict[str, object]:
+        """Without what is told of progress: nobody waits for it elsewhere."""
+        return super().__getstate__() | {"progress": None}
+
+    @property
+    def times(self) -> tuple[Fraction, ...]:
+        """The times judged."""
+        return self.subject.times
 
     @cached_property
-    def selected(self) -> RowSelection | None:
+    def _selected(self) -> RowSelection | None:
         """The rows that are judged; None for all of them."""
         return selection(self.subject, self.reference)
 
     @cached_property
     def _judged(self) -> Subject:
         """The rows that are judged."""
-        return self.subject if self.selected is None else self.subject.some(self.selected.rows)
+        return self.subject if self._selected is None else self.subject.some(self._selected.rows)
 
     def _everywhere(self, digits: RowDigits) -> RowDigits:
         """Digits at all rows, None where they are not judged."""
-        if self.selected is None:
+        if self._selected is None:
             return digits
-        known = dict(zip(self.selected.rows, digits, strict=True))
+        known = dict(zip(self._selected.rows, digits, strict=True))
         return tuple(known.get(k) for k in range(len(self.subject.times)))
 
     @cached_property
@@ -72,7 +98,7 @@ class HeldAgainst:
         return () if all(d is None for d in found) else self._everywhere(found)
 
     @cached_property
-    def halves(self) -> dict[str, RowDigits]:
+    def _halves(self) -> dict[str, RowDigits]:
         """Digits of omega and of gamma at each time, of what is there of them."""
         found: dict[str, RowDigits] = {}
         for name, half in (("omega", slice(0, 3)), ("gamma", slice(3, 6))):
@@ -82,7 +108,7 @@ class HeldAgainst:
         return found
 
     @cached_property
-    def parts(self) -> dict[str, PartDigits | str]:
+    def _judged_parts(self) -> dict[str, PartDigits | str]:
         """Digits of angles, attitude and derived columns, or why there are none."""
         found: dict[str, PartDigits | str] = {}
         for name in COLUMNS:
@@ -93,7 +119,7 @@ class HeldAgainst:
                 found[name] = f"none of {'them' if name == 'angles' else 'it'} has a value"
                 continue
             try:
-                found[name] = self.part(name, own)
+                found[name] = self._part(name, own)
             except ValueError as fault:  # BadInput is one
                 found[name] = str(fault)
                 if does_not_answer(self.reference, fault):
@@ -103,15 +129,15 @@ class HeldAgainst:
                             continue
                     proven = replace(self, reference=Certified(self.reference.scene))
                     with suppress(ValueError):
-                        found[name] = proven.part(name, own)
+                        found[name] = proven._part(name, own)
         return found
 
-    def part(self, name: str, own: Given) -> PartDigits:
+    def _part(self, name: str, own: Given) -> PartDigits:
         """Digits of such a part; raises ValueError."""
         held, signless = self.subject.held, self.subject.signless
 
         def judged(true: Answer) -> PartDigits:
-            return part_digits(name, own, true, held, self.bits, signless)
+            return part_digits(name, own, true, held, self._bits, signless)
 
         found = self._told(name, judged, lambda part: fewest(part.digits, held))
         turned = None if found.turned is None else self._everywhere(found.turned)
@@ -122,8 +148,8 @@ class HeldAgainst:
         held = self.subject.held
 
         def judged(true: Answer) -> RowDigits:
-            angles = principal_angles(true, self.bits)
-            return part_digits("angles", own, angles, held, self.bits).turned or ()
+            angles = principal_angles(true, self._bits)
+            return part_digits("angles", own, angles, held, self._bits).turned or ()
 
         found = self._told("attitude", judged, lambda digits: fewest(digits, held))
         digits = self._everywhere(found)
@@ -132,7 +158,7 @@ class HeldAgainst:
     @cached_property
     def _errors(self) -> Doubles:
         """log10 of the scaled errors of the state's numbers, shape (rows, columns)."""
-        start = [to_mpf(x, self.bits) for x in self.reference.scene.start]
+        start = [to_mpf(x, self._bits) for x in self.reference.scene.start]
         times, states = self._judged.times, self._judged.states
 
         def errors(true: Answer) -> Doubles:
@@ -171,9 +197,127 @@ class HeldAgainst:
         return math.ceil(self.subject.held) + SPARE_DIGITS
 
     @property
-    def bits(self) -> int:
+    def _bits(self) -> int:
         """The working precision of what is compared."""
         return math.ceil(self._wanted * math.log2(10)) + 32
+
+    @property
+    def rows_judged(self) -> int:
+        """How many rows were judged: all, or some of very many where a row of the closed form costs
+        milliseconds."""
+        selected = self._selected
+        return len(self.times) if selected is None else len(selected.rows)
+
+    @property
+    def state_worst(self) -> float:
+        """The fewest correct digits of the state; ValueError where it was not judged."""
+        return min(d for d in self.digits if d is not None)
+
+    @property
+    def worst(self) -> float:
+        """The fewest correct digits of any part that was judged; BadInput where none was."""
+        return self._worst.digits
+
+    @property
+    def worst_time(self) -> Fraction:
+        """The first time at which the digits are fewest; BadInput likewise."""
+        return self.times[self._worst.row]
+
+    @property
+    def worst_part(self) -> str:
+        """The part that has the fewest: "state", or one of ``part_digits``; BadInput likewise."""
+        return self._worst.part
+
+    @cached_property
+    def _worst(self) -> _Worst:
+        parts = {STATE_PART: self.digits, **self._others}
+        found = [
+            _Worst(d, part, k)
+            for part, digits in parts.items()
+            for k, d in enumerate(digits)
+            if d is not None
+        ]
+        if not found:
+            why = "; ".join(self._unjudged) or "all cells are empty"
+            expected = f"a number in a column that can be judged ({why})"
+            raise BadInput(self.subject.name, "columns", None, expected)
+        return min(found, key=lambda one: one.digits)
+
+    @cached_property
+    def _others(self) -> dict[str, RowDigits]:
+        """Digits of what is no column of the state, as it is read."""
+        found = {k: part for k, part in self._judged_parts.items() if isinstance(part, PartDigits)}
+        strict = not self._may_turn
+        return {
+            name: part.digits if strict or not part.is_turned else part.turned or ()
+            for name, part in found.items()
+        }
+
+    @property
+    def _may_turn(self) -> bool:
+        """Whether angles may be right up to whole turns: unless told to judge them as they are."""
+        return not self.as_it_stands or any(x.part == "angles" for x in self.subject.readings)
+
+    @property
+    def _turns(self) -> tuple[Reading, ...]:
+        """That psi and phi are read up to whole turns, where they are."""
+        angles = self._judged_parts.get("angles")
+        if not self._may_turn or not isinstance(angles, PartDigits) or not angles.is_turned:
+            return ()
+        if any(one.convention == TURNS for one in self.subject.readings):
+            return ()
+        both = angles.digits, angles.turned
+        before, now = (fewest(d or (), self.subject.held) for d in both)
+        return (Reading("angles", before, TURNS, now),)
+
+    @property
+    def reading(self) -> str | None:
+        """The convention that was applied, None where the numbers are judged as they stand."""
+        told = [*dict.fromkeys(f"{r.part} {r.convention}" for r in self.subject.readings)]
+        return "; ".join([*told, *(one.convention for one in self._turns)]) or None
+
+    @property
+    def part_digits(self) -> dict[str, RowDigits]:
+        """Correct digits of each part at each time, None where it has no value there.
+
+        omega, gamma; angles and attitude, by absolute error; derived columns, by errors relative
+        to their largest value.
+        """
+        return self._halves | self._others
+
+    @property
+    def _lowest(self) -> int:
+        """The first row at which the digits of the state are fewest."""
+        return self.digits.index(self.state_worst)
+
+    @property
+    def parts(self) -> dict[str, float]:
+        """The fewest correct digits over all times of angles, attitude and derived columns."""
+        return {name: fewest(found, self.subject.held) for name, found in self._others.items()}
+
+    @property
+    def _unjudged(self) -> list[str]:
+        """Rows, and parts beside the state, that were not judged, and why."""
+        parts, selected = self._judged_parts, self._selected
+        unjudged = [] if selected is None else [selected.note(len(self.times))]
+        unjudged += [
+            f"{name} {'were' if name == 'angles' else 'was'} not judged: {found}"
+            for name, found in parts.items()
+            if isinstance(found, str)
+        ]
+        angles = parts.get("angles")
+        if isinstance(angles, PartDigits) and angles.uncounted:
+            unjudged.append("whole turns of psi and phi: the closed form did not count them so far")
+        return unjudged
+
+    @property
+    def drift(self) -> Drift | None:
+        """Drift of the integrals; None where it says nothing, see ``notes``."""
+        return self._drift if isinstance(self._drift, Drift) else None
+
+    @cached_property
+    def _drift(self) -> Drift | str:
+        return self.subject.drift(self.reference.scene, self._bits)
 
 
 def does_not_answer(reference: AnyReference, fault: ValueError) -> bool:

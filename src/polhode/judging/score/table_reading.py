@@ -8,8 +8,12 @@ many that a file has are then judged once, as they are read.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
 
 from polhode.common.errors import BadInput
 from polhode.judging.clock import clock, unknown_clock
@@ -25,7 +29,7 @@ from polhode.judging.score.judgement import Judgement
 from polhode.judging.tables.attitude_forms import lengths, of_length_one
 from polhode.judging.tables.candidate import Subject
 from polhode.judging.tables.reading import GAIN, LENGTH, WRONG, Reading, TimeChange
-from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.conversion import doubles
 from polhode.numbers.decimals import brief
 
 PARTS = ("omega", "gamma", "attitude", "angles")  # that may have a convention
@@ -72,14 +76,13 @@ def _in_seconds(subject: Subject, against: AnyReference) -> Subject:
     unit = time_unit(subject, against.scene)
     if unit is None:
         return subject
-    first = sorted(range(len(subject.times)), key=lambda k: abs(subject.times[k]))[:_FIRST]
-    some = [k for k in first if subject.times[k] != 0]
+    some = [k for k in _earliest(subject, abs) if subject.times[k] != 0]
     return _at_other_times(subject, against, some, TimeChange(unit=unit.length), unit.name)
 
 
 def _from_the_start(subject: Subject, against: AnyReference) -> Subject:
     """A table whose earliest row is the scene's start at another time, with times from there on."""
-    some = sorted(range(len(subject.times)), key=subject.times.__getitem__)[:_FIRST]
+    some = _earliest(subject)
     first = subject.times[some[0]]
     if first == 0 or not begins_at_start(subject, some[0], against.scene):
         return subject
@@ -89,7 +92,7 @@ def _from_the_start(subject: Subject, against: AnyReference) -> Subject:
 
 def _by_the_clock(subject: Subject, against: AnyReference) -> Subject:
     """A table with the times of the scene, where its first rows belong to others."""
-    some = sorted(range(len(subject.times)), key=subject.times.__getitem__)[:_FIRST]
+    some = _earliest(subject)
     rows = subject.some(some)
     plain = _as_they_stand(rows, against)
     if plain >= WRONG or _is_explained(rows, against):
@@ -103,6 +106,12 @@ def _by_the_clock(subject: Subject, against: AnyReference) -> Subject:
         return subject
     reading = Reading("t", plain, found.words, found.digits)
     return replace(moved, readings=(*subject.readings, reading))
+
+
+def _earliest(subject: Subject, size: Callable[[Fraction], Fraction] | None = None) -> list[int]:
+    """The rows with the earliest times, or with those of the least ``size``."""
+    times = [*map(size, subject.times)] if size else subject.times
+    return sorted(range(len(times)), key=times.__getitem__)[:_FIRST]
 
 
 def _is_explained(rows: Subject, against: AnyReference) -> bool:
@@ -154,13 +163,8 @@ def _as_they_stand(rows: Subject, against: AnyReference) -> float:
         digits = _digits(rows, against) or {}
         found = [d for name, d in digits.items() if name in ("attitude", "angles")]
         if rows.states is not None:
-            off = [
-                abs(to_double(exactly(x)) - y)
-                for row, true in zip(rows.states, plain.states.tolist(), strict=True)
-                for x, y in zip(row, true, strict=True)
-                if x is not None
-            ]
-            found.append(max(0.0, -math.log10(max([1e-16, *off]))))
+            off = np.nanmax(np.abs(doubles(rows.states) - plain.states), initial=1e-16)
+            found.append(max(0.0, -math.log10(off)))
         return min(found, default=0.0)
     with suppress(BadInput):
         return Judgement(rows, against).worst

@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from polhode.common.errors import UNREADABLE, BadInput
-from polhode.common.files import npy_header, read_npz, read_whole
+from polhode.common.files import read_npz, read_whole
 from polhode.judging.tables.column_aliases import columns
 from polhode.judging.tables.csv_file import MAX_BYTES
-from polhode.judging.tables.csv_layout import Naming
+from polhode.judging.tables.naming import Naming
 from polhode.judging.tables.table import Table, table_of_columns
 from polhode.numbers.conversion import exactly
 from polhode.numbers.expression import decimal
@@ -33,21 +33,27 @@ _AXES = {3: "xyz", 4: "wxyz"}
 Arrays: TypeAlias = "Mapping[str, object] | pd.DataFrame"
 
 
-def read_arrays(path: Path, number: NumberType | None, names: Naming | None = None) -> Table:
-    """A file of arrays as a table; raises BadInput.  ``number``: of its numbers, where given."""
-    names = names or Naming()
-    held, own = arrays(path, names)
-    return table_of_columns(held, number or own, str(path), names.columns)
+def read_arrays(path: Path, number: NumberType | None, names: Naming) -> Table:
+    """A file of arrays as a table; raises BadInput.
+
+    ``number``: of its numbers, where given.  ``names``: columns that were named beside it.
+    """
+    held, own = _arrays(path, names)
+    return table_of_columns(held, number or own, str(path), names)
 
 
-def arrays(path: Path, names: Naming) -> tuple[Arrays, NumberType | None]:
+def _arrays(path: Path, names: Naming) -> tuple[Arrays, NumberType | None]:
     """The columns of a file, and the type of their numbers where it says it; raises BadInput."""
     data = read_whole(path, MAX_BYTES, "a readable file of arrays")
     if path.suffix.lower() == ".parquet":
         return _parquet(path, data), None
+    import numpy as np
+
     try:
-        packed = zipfile.is_zipfile(io.BytesIO(data))
-        held: Any = read_npz(data, most=MAX_BYTES) if packed else _one(data)
+        if zipfile.is_zipfile(io.BytesIO(data)):
+            held: Any = read_npz(data, most=MAX_BYTES)
+        else:
+            held = np.lib.format.read_array(io.BytesIO(data), allow_pickle=False)
     except _FAULTS as fault:
         expected = f"arrays of numbers that NumPy wrote ({fault})"
         raise BadInput(str(path), "file", None, expected) from None
@@ -59,16 +65,6 @@ def arrays(path: Path, names: Naming) -> tuple[Arrays, NumberType | None]:
     for name, array in held.items():
         flat |= _flat(path, name, array)
     return flat, None
-
-
-def _one(data: bytes) -> Any:
-    """The array of a file with one; raises ValueError where it is not as long as it says."""
-    import numpy as np
-
-    dtype, count, begin = npy_header(io.BytesIO(data))
-    if begin + count * dtype.itemsize > len(data):
-        raise ValueError("it is not as long as it says")
-    return np.load(io.BytesIO(data), allow_pickle=False)
 
 
 def _parquet(path: Path, data: bytes) -> pd.DataFrame:

@@ -62,7 +62,7 @@ def lengths(rows: Given) -> tuple[float, float] | None:
 def of_length_one(row: GivenRow, bits: int) -> list[Fraction | None]:
     """A quaternion over its length, as it is where it has none."""
     there = [exactly(x) for x in row if x is not None]
-    length = _root(sum((x * x for x in there), Fraction(0)), bits + GUARD)
+    length = root(sum((x * x for x in there), Fraction(0)), bits + GUARD)
     if length == 0 or len(there) < len(row):
         return [None if x is None else exactly(x) for x in row]
     return [x / length for x in there]
@@ -96,7 +96,7 @@ def _of_matrix(r: Sequence[Fraction], bits: int) -> Quaternion | None:
     if squares[k] <= 0:
         return None
     others = [(squares[0], x, y, z), (x, squares[1], xy, xz), (y, xy, squares[2], yz)]
-    twice = _root(squares[k], bits)
+    twice = root(squares[k], bits)
     return [value / (2 * twice) for value in [*others, (z, xz, yz, squares[3])][k]]
 
 
@@ -106,7 +106,7 @@ def _of_parameters(sigma: Sequence[Fraction]) -> Quaternion:
 
 
 def _of_vector(vector: Sequence[Fraction], bits: int) -> Quaternion:
-    angle = _root(sum((x * x for x in vector), Fraction(0)), bits)
+    angle = root(sum((x * x for x in vector), Fraction(0)), bits)
     if angle == 0:
         return [Fraction(1), *(x / 2 for x in vector)]
     cosine, sine = (
@@ -115,7 +115,7 @@ def _of_vector(vector: Sequence[Fraction], bits: int) -> Quaternion:
     return [cosine, *(x / angle * sine for x in vector)]
 
 
-def _root(square: Fraction, bits: int) -> Fraction:
+def root(square: Fraction, bits: int) -> Fraction:
     """The square root to so many bits."""
     size = square.denominator.bit_length() - square.numerator.bit_length()
     places = bits + max(0, size)

@@ -9,7 +9,6 @@ from fractions import Fraction
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
-from polhode.common.cached_property import cached_property
 from polhode.common.value_semantics import ByValue
 from polhode.equations.column import column, derived_words
 from polhode.equations.integrals import Drift, drift, drift_of_columns
@@ -17,7 +16,6 @@ from polhode.judging.tables.attitude_forms import lengths
 from polhode.judging.tables.column_aliases import not_judged
 from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import to_double, to_mpf
-from polhode.numbers.exact import ZERO
 from polhode.numbers.number_types import DOUBLE, NumberType, mp
 from polhode.numbers.rows import Given
 from polhode.runs.trajectory import Trajectory
@@ -26,7 +24,6 @@ from polhode.scenes.vocabulary import ANGLES, ATTITUDE, COLUMNS, STATE, column_n
 
 if TYPE_CHECKING:
     from polhode.judging.tables.reading import Reading, TimeChange
-    from polhode.numbers.double_double import Pairs
 
 MOST_DIGITS = 1000.0  # that are told of a table
 MOST_AT_ONCE = 20.0  # of a table whose drift pairs of doubles tell
@@ -101,14 +98,6 @@ class Subject(ByValue):
         """The run, where it is one."""
         return self.source if isinstance(self.source, Trajectory) else None
 
-    @cached_property
-    def pairs(self) -> list[Pairs]:
-        """The columns of the state in pairs of doubles, not a number where a cell is not there.
-
-        Raises OverflowError for a number beyond doubles.
-        """
-        return columns_in_pairs(self.states)
-
     def drift(self, scene: Scene, bits: int) -> Drift | str:
         """Drift of the integrals, or why it says nothing."""
         if self.projected:
@@ -117,35 +106,14 @@ class Subject(ByValue):
             return self.source.drift
         if len(self.columns) < len(scene.columns) or _gaps(chain(*self.states)):
             return "a column of the state is missing"
-        at_once = None
         if self.held <= MOST_AT_ONCE:
+            from polhode.numbers.double_double import of_fractions
+
             with suppress(OverflowError):  # a number beyond doubles
-                at_once = drift_of_columns(scene, self.pairs[: len(scene.columns)])
-        if at_once is not None:
-            return at_once
+                columns = [of_fractions(x) for x in zip(*self.states, strict=True)]
+                if (at_once := drift_of_columns(scene, columns)) is not None:
+                    return at_once
         return drift(scene, [[to_mpf(x, bits) for x in row] for row in self.states], bits)
-
-
-def columns_in_pairs(rows: Given) -> list[Pairs]:
-    """The columns of rows; not a number where a cell is not there.
-
-    Raises OverflowError for a number beyond doubles.
-    """
-    import numpy as np
-
-    from polhode.numbers.double_double import Pairs, of_fractions
-
-    if isinstance(rows, np.ndarray):
-        wide = rows.astype(np.float64)
-        rest = (rows - wide).astype(np.float64)
-        return [Pairs(wide[:, i], rest[:, i]) for i in range(rows.shape[1])]
-    found = []
-    for cells in zip(*rows, strict=True):
-        gaps = np.array([x is None for x in cells])
-        some = of_fractions([ZERO if x is None else x for x in cells])
-        some.hi[gaps] = np.nan
-        found.append(some)
-    return found
 
 
 def of_run(run: Trajectory) -> Subject:

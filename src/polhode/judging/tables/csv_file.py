@@ -1,32 +1,47 @@
-"""Tables in files: a CSV, and what the JSON that polhode wrote beside it says of its numbers."""
+"""Tables in CSV files, with what the JSON that polhode wrote beside one says of its numbers.
+
+Separators are comma, semicolon, tab, or blanks, as the first line of the table has them.  Between
+semicolons the numbers may have decimal commas, if none has a point.  A header may stand in a
+comment (``# t p q r``, as NumPy writes it), or be given.
+
+A decimal that stands for a double is the double nearest to it, which Python's ``float`` gives; all
+others are read exactly and rounded once.
+"""
 
 from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+import re
+import string
+from collections.abc import Sequence
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import TextIO
+from typing import NamedTuple
 
 from polhode.common.errors import BadInput
 from polhode.common.files import STDIN, called, read_stdin, read_whole
-from polhode.common.text_tables import few
-from polhode.judging.tables.attitude_forms import with_quaternions
+from polhode.judging.tables.attitude_forms import Cells
 from polhode.judging.tables.column_aliases import Column
-from polhode.judging.tables.csv_columns import last_place, most_printed, values
-from polhode.judging.tables.csv_layout import BLANK, Naming, is_empty, layout
+from polhode.judging.tables.naming import Naming
 from polhode.judging.tables.sidecar import Sidecar, beside
-from polhode.judging.tables.table import Table, added, radians, refuse_names
+from polhode.judging.tables.table import Table, refuse_names, table_of_cells
 from polhode.judging.tables.time_errors import of_decimals, of_type
 from polhode.judging.tables.type_inference import printed_type
 from polhode.numbers import expression
 from polhode.numbers.expression import ExpressionError
-from polhode.numbers.number_types import DIGITS_HELD, DOUBLE, NumberType, bits_for
+from polhode.numbers.number_types import DIGITS_HELD, DOUBLE, NumberType
 
 MAX_BYTES = 1 << 30
 MAX_LINE = 1_000_000  # characters
+_EMPTY = ("", "nan", "na", "n/a", "nat", "null", "none")
+_PLAIN = "0123456789+-.eE"
+_LONGEST = 60  # characters of a cell that is read as a double at once
+_LEAST, _MOST = 1e-290, 1e290  # within them a double has all its bits
+_SEPARATORS = ",;\t"
+_BLANK = _SEPARATORS + string.whitespace
+_WITH_COMMA = re.compile(r"[+-]?(?:\d+,\d*|,\d+)(?:[eE][+-]?\d+)?")
 _ACCEPTED = (
     "a header with a column t (or time, timestamp) and other columns, separated by commas, "
     "semicolons, tabs or blanks, also after #; or --columns t,p,q,... that names them, or "
@@ -34,204 +49,237 @@ _ACCEPTED = (
 )
 
 
-@dataclass(frozen=True, repr=False)
-class TableFile:
-    """The lines of a CSV file, comments blank, whose cells are still to be read.
+class _Sheet(NamedTuple):
+    """The cells of a file: its header, and its rows with the numbers of their lines.
 
-    ``number``: its decimals stand for numbers of it; that which the JSON that polhode wrote beside
-    it names, unless given.  ``beside``: what that JSON says.  ``separator``, ``before``, ``names``,
-    ``commas``: see :mod:`polhode.judging.tables.csv_layout`.
+    ``commas``: whether its numbers had decimal commas, which are points now.
     """
 
-    path: Path
-    lines: tuple[str, ...]
-    number: NumberType | None
-    beside: Sidecar
-    separator: str = ","
-    before: int = 0
-    names: Naming = field(default_factory=Naming)
-    commas: bool = False
-
-    @property
-    def table(self) -> Table:
-        """All the rows; raises BadInput."""
-        return self._of(self.lines)
-
-    def some(self, most: int) -> tuple[Table, int] | None:
-        """At most so many of the rows, evenly spread, and how many the file has.
-
-        None where lines are not rows, or where these cannot be read: :attr:`table` tells why.
-        """
-        header, *held = [k for k, line in enumerate(self.lines) if line.strip(BLANK)] or [0]
-        if not held or any('"' in line for line in self.lines):  # a cell may have many lines
-            return None
-        chosen = [header, *(held[k] for k in few(len(held), most))]
-        try:
-            return self._of([self.lines[k] for k in chosen]), len(held)
-        except BadInput:
-            return None
-
-    def _of(self, lines: Sequence[str]) -> Table:
-        path = self.path
-        reader = csv.reader(lines, delimiter=self.separator)
-        try:
-            rows = [
-                (reader.line_num - self.before, [cell.strip() for cell in row])
-                for row in reader
-                if any(cell.strip() for cell in row)
-            ]
-        except csv.Error:
-            raise _no_text(path) from None
-        if not rows:
-            raise BadInput(str(path), "file", None, "a header line that names the columns")
-        header = rows[0][1]
-        named = self.names.columns(header)
-        if all(found.name != "t" for found in named):
-            raise BadInput(str(path), "header", ",".join(header), _ACCEPTED)
-        refuse_names(str(path), "header", header, named)
-        if len(rows) == 1:
-            raise BadInput(str(path), "file", None, "at least one line of numbers")
-        found = _table(path, header, named, rows[1:], self.number, self.beside)
-        if self.commas:
-            found = replace(found, remarks=(*found.remarks, "read as: decimal commas"))
-        return found
+    header: Sequence[str]
+    rows: list[tuple[int, list[str]]]
+    commas: bool
 
 
-def open_table(path: Path, number: NumberType | None, names: Naming | None = None) -> TableFile:
-    """A CSV file's lines, of ``-`` those of the standard input; raises BadInput.
+def read_csv(path: Path, number: NumberType | None, names: Naming) -> Table:
+    """A CSV file as a table, of ``-`` the standard input; raises BadInput.
 
-    ``number``: see :class:`TableFile`; ``names``: columns that were named beside it.
+    ``number``: its decimals stand for numbers of it; that which the JSON beside it names, unless
+    given.  ``names``: columns that were named beside it.
     """
     piped = str(path) == "-"
     path = Path(STDIN) if piped else path
     what = "a readable CSV file"
-    found = read_stdin(MAX_BYTES, what) if piped else read_whole(path, MAX_BYTES, what)
+    content = read_stdin(MAX_BYTES, what) if piped else read_whole(path, MAX_BYTES, what)
     try:
-        lines = tuple(_lines(io.StringIO(found.decode("utf-8-sig"), newline="")))
+        sheet = _sheet([*io.StringIO(content.decode("utf-8-sig"), newline="")], names)
     except (UnicodeDecodeError, csv.Error):
-        raise _no_text(path) from None
-    names = names or Naming()
-    laid = layout(lines, names)
-    about = Sidecar() if piped else beside(path)
-    return TableFile(
-        path, laid.lines, number, about, laid.separator, laid.before, names, laid.commas
+        raise BadInput(str(path), "file", None, f"{what} (not a CSV text)") from None
+    header = sheet.header
+    if not header:
+        raise BadInput(str(path), "file", None, "a header line that names the columns")
+    named = names.columns(header)
+    if all(meant.name != "t" for meant in named):
+        raise BadInput(str(path), "header", ",".join(header), _ACCEPTED)
+    refuse_names(str(path), "header", header, named)
+    if not sheet.rows:
+        raise BadInput(str(path), "file", None, "at least one line of numbers")
+    for line, row in sheet.rows:
+        if len(row) != len(header):
+            raise BadInput(f"{path}:{line}", "line", ",".join(row), f"{len(header)} values")
+    found = _table(path, sheet, named, number, Sidecar() if piped else beside(path))
+    remarks = ("read as: decimal commas",) if sheet.commas else ()
+    return replace(found, remarks=(*found.remarks, *remarks))
+
+
+def _sheet(lines: Sequence[str], names: Naming) -> _Sheet:
+    """The cells of a file's lines; raises csv.Error for a line without end."""
+    if max(map(len, lines), default=0) > MAX_LINE:
+        raise csv.Error("a line without end")
+    plain = ["\n" if line.lstrip().startswith("#") else line for line in lines]
+    first = next((k for k, line in enumerate(plain) if line.strip(_BLANK)), None)
+    if first is None:
+        return _Sheet((), [], False)
+    commas = ";" in plain[first] and _have_decimal_commas(plain[first:])
+    separator = ";" if commas else _separator(plain[first])
+    top, *rows = _rows(plain[first:], separator, first)
+    header: Sequence[str] = names.header
+    if _are_numbers(top[1], commas):
+        rows = [top, *rows]
+        header = header or _commented(lines[:first], len(top[1]), names)
+    header = header or top[1]
+    if commas:
+        rows = [(line, [cell.replace(",", ".") for cell in row]) for line, row in rows]
+    return _Sheet(header, rows, commas)
+
+
+def _rows(lines: Sequence[str], separator: str, before: int) -> list[tuple[int, list[str]]]:
+    """Rows of cells with the numbers of their lines; ``before``: lines that stand before them."""
+    stripped = (line.strip() for line in lines) if separator == " " else lines
+    reader = csv.reader(stripped, delimiter=separator, skipinitialspace=True)
+    rows = ((before + reader.line_num, [cell.strip() for cell in row]) for row in reader)
+    return [(line, row) for line, row in rows if any(row)]
+
+
+def _separator(line: str) -> str:
+    return next((mark for mark in _SEPARATORS if mark in line), " " if " " in line.strip() else ",")
+
+
+def _have_decimal_commas(lines: Sequence[str]) -> bool:
+    """Whether cells between semicolons are numbers with a comma, or have neither comma nor point,
+    and one has a comma; the first line may be a header."""
+    cells = (cell.strip() for line in lines[1:] or lines for cell in line.split(";"))
+    marked = [cell for cell in cells if "," in cell or "." in cell]
+    return bool(marked) and all(map(_WITH_COMMA.fullmatch, marked))
+
+
+def _are_numbers(row: Sequence[str], commas: bool) -> bool:
+    """Whether cells are numbers, with decimal commas perhaps, so that they are no header."""
+    cells = [cell for cell in row if not is_empty(cell)]
+    return bool(cells) and all(
+        _is_decimal(cell.replace(",", ".") if commas else cell) for cell in cells
     )
 
 
-def read_table(path: Path, number: NumberType | None, names: Naming | None = None) -> Table:
-    """A CSV file as a table; raises BadInput.  ``number``, ``names``: see :func:`open_table`."""
-    return open_table(path, number, names).table
+def _is_decimal(cell: str) -> bool:
+    try:
+        expression.decimal(cell)
+    except ExpressionError:
+        return False
+    return True
 
 
-def _no_text(path: Path) -> BadInput:
-    return BadInput(str(path), "file", None, "a readable CSV file (not a CSV text)")
-
-
-def _lines(text: TextIO) -> Iterator[str]:
-    """The lines, each within a limit."""
-    for line in iter(lambda: text.readline(MAX_LINE + 1), ""):
-        if len(line) > MAX_LINE:
-            raise csv.Error("a line without end")
-        yield line
+def _commented(lines: Sequence[str], count: int, names: Naming) -> Sequence[str]:
+    """The last comment that names so many columns, t among them; empty where none does."""
+    for line in reversed(lines):
+        text = line.lstrip().lstrip("#")
+        for _, cells in _rows([text], _separator(text), 0):
+            if len(cells) == count and any(one.name == "t" for one in names.columns(cells)):
+                return cells
+    return ()
 
 
 def _table(
-    path: Path,
-    header: list[str],
-    named: list[Column],
-    rows: list[tuple[int, list[str]]],
-    number: NumberType | None,
-    beside: Sidecar,
+    path: Path, sheet: _Sheet, named: list[Column], number: NumberType | None, beside: Sidecar
 ) -> Table:
-    for line, cells in rows:
-        if len(cells) != len(header):
-            raise BadInput(f"{path}:{line}", "line", ",".join(cells), f"{len(header)} values")
-    columns = {
-        meant: texts if meant.name == "t" else [x if not is_empty(x) else "" for x in texts]
-        for meant, texts in zip(named, zip(*(cells for _, cells in rows), strict=True), strict=True)
-    }
-    judged = [texts for meant, texts in columns.items() if meant.name not in (None, "t")]
-    clocks = {meant: texts for meant, texts in columns.items() if meant.name == "t"}
-    printed = 1
-    for texts in judged:
-        printed = most_printed(texts, printed)
-    beside = beside.of(printed, next(iter(clocks.values())))
-    held, own, remarks = beside.number, beside.number if number is None else None, beside.remarks
-    clock = held or number
+    texts = [[*column] for column in zip(*(row for _, row in sheet.rows), strict=True)]
+    clocks = [(meant, x) for meant, x in zip(named, texts, strict=True) if meant.name == "t"]
+    judged = [
+        ["" if is_empty(cell) else cell for cell in column]
+        for meant, column in zip(named, texts, strict=True)
+        if meant.name not in (None, "t")
+    ]
+    printed = most_printed(judged)
+    beside = beside.of(printed, clocks[0][1])
+    remarks, kind = beside.remarks, number or beside.number
+    clock = beside.number or number
     if clock is None:
-        own, clock = (_inferred(texts) for texts in (judged, [*clocks.values()]))
-        if own is not None:
-            remarks = (*remarks, f"read as: numbers of {own.name}, printed to {printed} digits")
-            printed = own.printed_digits
-    found: dict[str, tuple[Fraction | None, ...]] = {}
-    for (name, degrees, factor, part), texts in columns.items():
-        if name is None:
-            continue
-        by = None if factor == 1 else factor
-        try:
-            if name == "t":
-                exact = values(texts, clock)
-                exact = [x and number.rounded(x) for x in exact] if held and number else exact
-                exact = [x and x * by for x in exact] if by else exact
-            elif degrees or by:
-                exact = [x and x * factor for x in values(texts, number)]
-                exact = [x and radians(x) for x in exact] if degrees else exact
-                exact = [x and own.rounded(x) for x in exact] if held and own else exact
-            else:
-                exact = values(texts, number or own)
-        except ExpressionError:
-            raise _first_bad(path, named, rows) from None
-        found[name] = added(found.get(name), exact) if part else tuple(exact)
-    times = tuple(t for t in found.pop("t") if t is not None)
-    if len(times) < len(rows):
-        raise _first_bad(path, named, rows)
-    ignored = tuple(text for text, known in zip(header, named, strict=True) if known.name is None)
-    found, signless = with_quaternions(found, bits_for(printed))
-    return Table(
-        called(path),
-        times,
+        kind, clock = (
+            printed_type(columns, most_printed(columns))
+            for columns in (judged, [column for _, column in clocks])
+        )
+        if kind is not None:
+            remarks = (*remarks, f"read as: numbers of {kind.name}, printed to {printed} digits")
+            printed = kind.printed_digits
+    cells = [_numbers(path, sheet, k, meant, clock, kind) for k, meant in enumerate(named)]
+    found = table_of_cells(str(path), sheet.header, named, cells, printed, kind)
+    if beside.number and number:
+        found = replace(found, times=tuple(map(number.rounded, found.times)))
+    return replace(
         found,
-        ignored,
-        printed,
-        number or own,
-        beside.projected,
-        remarks,
-        () if held else _time_errors(times, clocks, clock),
-        signless,
+        name=called(path),
+        projected=beside.projected,
+        remarks=remarks,
+        time_errors=() if beside.number else _time_errors(found.times, clocks, clock),
     )
 
 
-def _inferred(columns: Sequence[Sequence[str]]) -> NumberType | None:
-    """The type of which columns are, printed longer than it has digits."""
-    most = 1
-    for texts in columns:
-        most = most_printed(texts, most)
-    return printed_type(columns, most)
+def _numbers(
+    path: Path,
+    sheet: _Sheet,
+    place: int,
+    meant: Column,
+    clock: NumberType | None,
+    kind: NumberType | None,
+) -> Cells | None:
+    """A column's exact numbers; None where it is not known."""
+    if meant.name is None:
+        return None
+    is_time = meant.name == "t"
+    number = clock if is_time else kind
+    found: list[Fraction | None] = []
+    for line, row in sheet.rows:
+        cell = row[place]
+        try:
+            found.append(None if not is_time and is_empty(cell) else value(cell, number))
+        except ExpressionError:
+            expected = "a finite decimal number"
+            raise BadInput(f"{path}:{line}", meant.name, cell, expected) from None
+    return tuple(found)
 
 
 def _time_errors(
-    times: Sequence[Fraction], clocks: Mapping[Column, Sequence[str]], number: NumberType | None
+    times: Sequence[Fraction],
+    clocks: Sequence[tuple[Column, Sequence[str]]],
+    number: NumberType | None,
 ) -> tuple[float, ...]:
     """By how much times may be off, as they are printed; ``number``: whose values they are."""
     if number is not None:
         return of_type(times, number)
-    units = {abs(meant.factor) * last_place(texts) for meant, texts in clocks.items()}
-    rounded = of_decimals(times, min(units))
-    digits = max(most_printed(texts, 1) for texts in clocks.values())
+    rounded = of_decimals(times, min(abs(meant.factor) * last_place(x) for meant, x in clocks))
+    digits = most_printed([texts for _, texts in clocks])
     if len(clocks) > 1 or not DIGITS_HELD["double"] <= digits <= DOUBLE.printed_digits:
         return rounded
     doubles = of_type(times, DOUBLE)
     return tuple(map(max, doubles, rounded)) if rounded else doubles
 
 
-def _first_bad(path: Path, named: list[Column], rows: list[tuple[int, list[str]]]) -> BadInput:
-    """The complaint about the first cell that is no number."""
-    for line, cells in rows:
-        for (name, *_), cell in zip(named, cells, strict=True):
-            if name is None or (is_empty(cell) and name != "t"):
-                continue
-            try:
-                expression.decimal(cell)
-            except ExpressionError:
-                return BadInput(f"{path}:{line}", name, cell, "a finite decimal number")
-    raise AssertionError("each cell is a number")
+def is_empty(cell: str) -> bool:
+    """Whether a cell has no number, as programs write it: nothing, or ``nan`` and its like.
+
+    >>> is_empty("NaN"), is_empty("-nan"), is_empty("inf")
+    (True, True, False)
+    """
+    return len(cell) < 5 and cell.lstrip("+-").lower() in _EMPTY
+
+
+def value(cell: str, number: NumberType | None) -> Fraction:
+    """A decimal's exact value, rounded to a number of a type where one is given.
+
+    Raises ExpressionError for what is no finite decimal number.
+    """
+    if number is None:
+        return expression.decimal(cell)
+    if number.bits == DOUBLE.bits and len(cell) < _LONGEST and not cell.strip(_PLAIN):
+        try:
+            x = float(cell)
+        except ValueError:
+            x = 0.0
+        if _LEAST < abs(x) < _MOST:
+            return Fraction(x)
+    return number.rounded(expression.decimal(cell))
+
+
+def most_printed(columns: Sequence[Sequence[str]]) -> int:
+    """The most significant digits of any cell, 1 or more."""
+    found = 1
+    for cells in columns:
+        for cell in cells:
+            if len(cell) > found and len(cell.lstrip("+-0.")) > found:  # else it has no more digits
+                found = max(found, _significant(cell))
+    return found
+
+
+def last_place(cells: Sequence[str]) -> Fraction:
+    """The least unit of a cell's last place."""
+    return Fraction(10) ** min(map(_place, cells))
+
+
+def _place(cell: str) -> int:
+    """The power of ten of a decimal's last place."""
+    mantissa, _, power = cell.lower().partition("e")
+    return int(power or 0) - len(mantissa.partition(".")[2])
+
+
+def _significant(cell: str) -> int:
+    mantissa = cell.lower().partition("e")[0].lstrip("+-0.")
+    return len(mantissa) - ("." in mantissa)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from polhode.equations.quaternion_products import product
+from polhode.judging.tables.attitude_forms import root
 from polhode.judging.tables.table import radians
 from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import brief
+from polhode.numbers.vectors import quaternion_product
 
 #: Digits: below the first a part is wrong as it stands, the second is what a reading must add.
 WRONG, GAIN = 3.0, 3.0
@@ -21,7 +21,7 @@ TURN = "a constant rotation of "  # how a rotation of an attitude begins
 _EXACT = 12.0  # digits of a row that is right but for rounding
 LENGTH = "of length 1"  # that of quaternions which have another
 
-_ROOT_PLACES = 10**1100  # of the square root of two, as of a degree
+_ROOT_BITS = 3700  # of the square root of two, as of a degree
 
 
 class Change(NamedTuple):
@@ -49,7 +49,9 @@ class Change(NamedTuple):
             if len(held) < len(turned):
                 return [None] * len(turned)
             by = 1 / (_length(self.space) * _length(self.body))
-            return [by * x for x in product(product(self.space, held), self.body)]
+            return [
+                by * x for x in quaternion_product(quaternion_product(self.space, held), self.body)
+            ]
         return [radians(x * self.degrees) if x and self.degrees else x for x in turned]
 
 
@@ -102,7 +104,4 @@ class Reading(NamedTuple):
 def _length(q: Sequence[int]) -> Fraction:
     """The length of a quaternion of small whole numbers, to far more digits than are printed."""
     square = sum(x * x for x in q)
-    root = math.isqrt(square)
-    if root * root == square:
-        return Fraction(root)
-    return Fraction(math.isqrt(square * _ROOT_PLACES**2), _ROOT_PLACES)
+    return root(Fraction(square), _ROOT_BITS)

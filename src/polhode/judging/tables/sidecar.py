@@ -1,7 +1,7 @@
 """What the JSON that polhode wrote beside a CSV says of its numbers; anything else is no such file.
 
 Somebody's file of that name may hold anything: a regular file is read up to a limit, each field is
-checked against the others and against the cells, and what does not fit changes nothing and is told.
+checked against the others and against the cells, and a file that does not fit is ignored, and told.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 from polhode.common.errors import UNREADABLE, short
 from polhode.common.files import called
@@ -26,7 +27,7 @@ MOST_BYTES = 1 << 27
 _MOST_BITS = 4 * mp(MAX_DIGITS).bits  # of a run: the digits asked for, and those that it loses
 _ROUNDED_OFF = 3  # zeros that all numbers of a table may end with
 _CHECKED = 32  # times
-_KEYS = ("t_bits", "number", "bits", "projection")
+_KEYS = ("number", "bits", "t_bits", "projection")
 
 
 @dataclass(frozen=True)
@@ -42,19 +43,18 @@ class Sidecar:
     remarks: tuple[str, ...] = field(default=())
 
     def of(self, printed: int, times: Sequence[str]) -> Sidecar:
-        """As far as it fits the most digits that a cell has, and the decimals of t."""
-        number, remarks, told = self.number, list(self.remarks), ""
+        """What it tells if that fits the most digits that a cell has and the decimals of t."""
+        number, told = self.number, ""
         if number is None:
             return self
         if not 0 <= number.printed_digits - printed <= _ROUNDED_OFF:
-            told = f"it has {number.printed_digits} digits, and {printed} are printed"
+            told = f"has {number.printed_digits} digits, and {printed} are printed"
         elif (odd := _not_of(times, number)) is not None:
-            told = f"t = {odd} is not how it is printed"
+            told = f"does not print t as {odd}"
         if told:
-            remarks.append(f"{self.name}: {number.name} was ignored: {told}")
-            return Sidecar(self.name, remarks=tuple(remarks))
-        remarks.append(f"{self.name}: numbers and t are of {number.name} ({number.bits} bits)")
-        return replace(self, remarks=tuple(remarks))
+            return _ignored(self.name, f"{number.name} {told}")
+        told = f"{self.name}: numbers and t are of {number.name} ({number.bits} bits)"
+        return replace(self, remarks=(told,))
 
 
 def beside(path: Path) -> Sidecar:
@@ -71,35 +71,28 @@ def beside(path: Path) -> Sidecar:
     except (OSError, ValueError) as fault:
         reason = getattr(fault, "strerror", None) or "no such name"
         return Sidecar(remarks=(f"the JSON file next to it was not read: {reason}",))
-    name = called(place)
+    name = str(called(place))
     if not regular:
         return Sidecar(remarks=(f"{name} was not read: it is not a regular file",))
     found = _fields(text)
     if not found.keys() & {*_KEYS}:
-        return Sidecar(remarks=(f"{name} was not used: it does not describe the file's numbers",))
-    return _checked(str(name), found)
-
-
-def _checked(name: str, found: dict[str, object]) -> Sidecar:
-    """The fields, as far as they can stand together in a file that polhode wrote."""
-    word, bits, held = (found.get(key) for key in ("number", "bits", "t_bits"))
+        return _ignored(name, "it does not describe the file's numbers")
+    word, bits, held, projection = (found.get(key) for key in _KEYS)
     number = _type(word, bits)
     if number is None or type(held) is not int or held != number.bits:
         told = f"number = {short(word, 40)}, bits = {short(bits, 40)}, t_bits = {short(held, 40)}"
-        return Sidecar(remarks=(f"{name} was ignored: {told}, no number type of a run",))
-    projection = found.get("projection")
+        return _ignored(name, f"{told}, no number type of a run")
     if projection is None:
         return Sidecar(name, number)
-    count, onto = (
-        (projection.get("count"), projection.get("onto"))
-        if isinstance(projection, dict)
-        else (None, None)
-    )
-    if type(count) is not int or not isinstance(onto, list):
-        return Sidecar(
-            name, number, remarks=(f"{name}: projection was ignored: no count with integrals",)
-        )
-    return Sidecar(name, number, count > 0 and "h" in onto)
+    try:
+        projected = projection["count"] > 0 and "h" in projection["onto"]
+    except (TypeError, KeyError):
+        return _ignored(name, f"projection = {short(projection, 40)}, no count with integrals")
+    return Sidecar(name, number, projected)
+
+
+def _ignored(name: str, why: str) -> Sidecar:
+    return Sidecar(name, remarks=(f"{name} was ignored: {why}",))
 
 
 def _type(word: object, bits: object) -> NumberType | None:
@@ -123,7 +116,7 @@ def _not_of(times: Sequence[str], kind: NumberType) -> str | None:
     return None
 
 
-def _fields(text: str) -> dict[str, object]:
+def _fields(text: str) -> dict[str, Any]:
     """Keys and values of a JSON object; none of what is no whole one."""
     try:
         found = json.loads(text)

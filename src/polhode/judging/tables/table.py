@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence, Set
+from collections.abc import Iterable, Sequence, Set
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache
@@ -11,9 +11,9 @@ from typing import Any
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput, nearest
 from polhode.common.text_tables import counted, one_line
-from polhode.judging.tables.attitude_forms import with_quaternions
+from polhode.judging.tables.attitude_forms import Cells, with_quaternions
 from polhode.judging.tables.column_aliases import Column, known, not_judged, twice
-from polhode.judging.tables.column_aliases import columns as columns_of
+from polhode.judging.tables.naming import PLAIN, Naming
 from polhode.judging.tables.time_errors import of_decimals, of_type
 from polhode.judging.tables.type_inference import type_of
 from polhode.numbers import exact
@@ -31,7 +31,7 @@ class Table:
 
     name: str
     times: tuple[Fraction, ...]
-    columns: dict[str, tuple[Fraction | None, ...]]
+    columns: dict[str, Cells]
     ignored: tuple[str, ...]
     printed: int  # the most significant digits that any number beside t has
     number: NumberType | None = None  # whose values the numbers are; None: exact decimals
@@ -48,13 +48,6 @@ class Table:
         return (
             f"<Table {self.name}: {', '.join(self.columns)} at {counted(len(self.times), 'time')}>"
         )
-
-    def some(self, which: Sequence[int]) -> Table:
-        """Some of the rows."""
-        columns = {name: tuple(x[k] for k in which) for name, x in self.columns.items()}
-        times = tuple(self.times[k] for k in which)
-        errors = tuple(self.time_errors[k] for k in which) if self.time_errors else ()
-        return replace(self, times=times, columns=columns, time_errors=errors)
 
     def rows(self, names: Sequence[str]) -> list[list[Fraction | None]] | None:
         """Rows of these columns, None where a cell or a column is not there; None without any."""
@@ -78,9 +71,8 @@ def table_of_rows(
     at = at if at is None or hasattr(at, "dtype") or not isinstance(at, Iterable) else list(at)
     times = each("compare", "at", () if at is None else at, _exactly, "a list of times")
     try:
-        given = [row if hasattr(row, "dtype") else list(row) for row in states]
-        rows = [[_cell(x) for x in row] for row in given]
-    except (TypeError, ValueError) as fault:
+        rows = [list(row) for row in states]
+    except TypeError as fault:
         expected = f"a run, a file, columns by name or rows of finite numbers ({fault})"
         raise BadInput("compare", "states", None, expected) from None
     if at is None or len(times) != len(rows) or not rows:
@@ -92,22 +84,19 @@ def table_of_rows(
     if any(len(row) != len(columns) for row in rows):
         expected = f"{len(columns)} numbers in each row: {', '.join(columns)}"
         raise BadInput("compare", "states", None, expected)
-    number = number or type_of(given)
     named = dict(zip(columns, zip(*rows, strict=True), strict=True))
-    printed = number.printed_digits if number else MOST_PRINTED
-    errors = _errors(times, [at], {Fraction(1)})
-    return Table("states", times, named, (), printed, number, time_errors=errors)
+    return replace(table_of_columns({"t": at, **named}, number), name="states")
 
 
 def table_of_columns(
     given: Any,
     number: NumberType | None = None,
     source: str = "compare",
-    meaning: Callable[[Sequence[str]], list[Column]] = columns_of,
+    names: Naming = PLAIN,
 ) -> Table:
     """Columns by name as a table: a mapping, a pandas DataFrame, an xarray Dataset.
 
-    ``source``: what complaints name.  ``meaning``: what the names stand for.
+    ``source``: what complaints name.  ``names``: what was said of single names.
 
     Names are those of a file's header; the time may be a DataFrame's index.  Columns of floats
     are known as such; nan, NaT and None are empty cells.  Raises BadInput.
@@ -116,42 +105,67 @@ def table_of_columns(
         if not hasattr(given, "columns"):
             expected = "columns by name, t among them: a DataFrame, not one Series"
             raise BadInput(source, "columns", type(given).__name__, expected)
-        if meaning([str(given.index.name)])[0].name == "t":
+        if names.columns([str(given.index.name)])[0].name == "t":
             given = given.reset_index()
         held = {str(name): given[name].to_numpy() for name in given.columns}
     else:
-        names = [*getattr(given, "coords", ()), *given.keys()]
-        held = {str(name): getattr(given[name], "values", given[name]) for name in names}
-    named = dict(zip(held, meaning([*held]), strict=True))
-    header = ",".join(held)
-    if all(found.name != "t" for found in named.values()):
-        raise BadInput(
-            source, "columns", header, f"a column t among them, or {NAMING} that names it"
-        )
-    refuse_names(source, "columns", [*held], [*named.values()])
+        present = [*getattr(given, "coords", ()), *given.keys()]
+        held = {str(name): getattr(given[name], "values", given[name]) for name in present}
+    header = [*held]
+    named = names.columns(header)
+    clocks = [(name, one) for name, one in zip(header, named, strict=True) if one.name == "t"]
+    if not clocks:
+        expected = f"a column t among them, or {NAMING} that names it"
+        raise BadInput(source, "columns", ",".join(header), expected)
+    refuse_names(source, "columns", header, named)
     if number is None:
-        number = type_of(held[name] for name, k in named.items() if k.name not in (None, "t"))
-    found: dict[str, tuple[Fraction | None, ...]] = {}
-    for name, (known_name, degrees, factor, part) in named.items():
-        if known_name is not None:
-            cells = each(source, name, held[name], _cell, "a column of numbers")
-            cells = cells if factor == 1 else tuple(x and x * factor for x in cells)
-            cells = tuple(radians(x) if x and degrees else x for x in cells)
-            found[known_name] = added(found.get(known_name), cells) if part else cells
-    times = found.pop("t")
-    if not times or None in times or any(len(cells) != len(times) for cells in found.values()):
-        raise BadInput(source, "columns", header, "columns as long as t, with a time in each row")
+        judged = zip(header, named, strict=True)
+        number = type_of(held[name] for name, one in judged if one.name not in (None, "t"))
+    cells = [
+        None if one.name is None else each(source, name, held[name], _cell, "a column of numbers")
+        for name, one in zip(header, named, strict=True)
+    ]
     printed = number.printed_digits if number else MOST_PRINTED
-    ignored = tuple(name for name, meant in named.items() if meant.name is None)
-    called = "columns" if source == "compare" else source
-    exact_times = tuple(t for t in times if t is not None)
-    clocks = {name: meant for name, meant in named.items() if meant.name == "t"}
-    factors = {meant.factor for meant in clocks.values()}
-    errors = _errors(exact_times, [held[name] for name in clocks], factors)
+    found = table_of_cells(source, header, named, cells, printed, number)
+    factors = {one.factor for _, one in clocks}
+    errors = _errors(found.times, [held[name] for name, _ in clocks], factors)
+    return replace(found, name="columns" if source == "compare" else source, time_errors=errors)
+
+
+def table_of_cells(
+    source: str,
+    header: Sequence[str],
+    named: Sequence[Column],
+    cells: Sequence[Cells | None],
+    printed: int,
+    number: NumberType | None,
+) -> Table:
+    """What cells mean by their columns' names: in the scene's units, one column of each name.
+
+    ``cells``: of each column; None of one that is not known.  Raises BadInput for a row without a
+    time.
+    """
+    found: dict[str, Cells] = {}
+    for (name, degrees, factor, is_part), column in zip(named, cells, strict=True):
+        if name is None or column is None:
+            continue
+        if degrees or factor != 1:
+            scale = factor * _degree() if degrees else factor
+            column = tuple(x and x * scale for x in column)
+        found[name] = _sums(found[name], column) if is_part and name in found else column
+    times = [t for t in found.pop("t") if t is not None]
+    if not times or any(len(column) != len(times) for column in found.values()):
+        expected = "columns as long as t, with a time in each row"
+        raise BadInput(source, "columns", ",".join(header), expected)
+    ignored = tuple(name for name, one in zip(header, named, strict=True) if one.name is None)
     found, signless = with_quaternions(found, bits_for(printed))
-    return Table(
-        called, exact_times, found, ignored, printed, number, time_errors=errors, signless=signless
-    )
+    return Table(source, tuple(times), found, ignored, printed, number, signless=signless)
+
+
+def _sums(one: Cells, other: Cells) -> Cells:
+    """Columns that are parts of one, cell by cell."""
+    pairs = zip(one, other, strict=True)
+    return tuple(None if x is None or y is None else x + y for x, y in pairs)
 
 
 def refuse_names(source: str, key: str, header: Sequence[str], named: Sequence[Column]) -> None:
@@ -175,16 +189,6 @@ def _errors(
     if len(factors) > 1 or number is None:  # of whole seconds and nanoseconds: exact
         return of_decimals(times, min(map(abs, factors))) if min(factors) < 1 else ()
     return of_type(times, number)
-
-
-def added(
-    one: Sequence[Fraction | None] | None, other: Sequence[Fraction | None]
-) -> tuple[Fraction | None, ...]:
-    """Columns that are parts of one, cell by cell; the other alone where there is one."""
-    if one is None:
-        return tuple(other)
-    pairs = zip(one, other, strict=True)
-    return tuple(None if x is None or y is None else x + y for x, y in pairs)
 
 
 def _cell(value: Any) -> Fraction | None:

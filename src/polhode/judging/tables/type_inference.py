@@ -50,7 +50,8 @@ def _is_neutral(kind: type) -> bool:
 
 def printed_type(columns: Iterable[Sequence[str]], printed: int) -> NumberType | None:
     """The narrowest type whose numbers decimals are, printed longer than it has digits, as NumPy's
-    ``savetxt`` writes doubles; None where they are of no such type.
+    ``savetxt`` writes doubles; None where they are of no such type.  Of extended and quad numbers
+    as many digits as they have tell; shorter decimals are read as doubles anyway.
 
     ``printed``: the most significant digits of any cell.  A decimal of fewer digits than the type's
     goes with any; each other must be the decimal of a number of the type.
@@ -59,7 +60,7 @@ def printed_type(columns: Iterable[Sequence[str]], printed: int) -> NumberType |
     """
     some = [[column[k] for k in few(len(column), _LOOKED_AT)] for column in columns]
     for kind in (SINGLE, DOUBLE, EXTENDED, QUAD):
-        if printed <= kind.printed_digits:
+        if printed < _telling(kind):
             return None
         evidence = 0.0
         for cell in (cell for column in some for cell in column if cell):
@@ -73,6 +74,11 @@ def printed_type(columns: Iterable[Sequence[str]], printed: int) -> NumberType |
     return None
 
 
+def _telling(kind: NumberType) -> int:
+    """The digits from which on decimals tell of a type."""
+    return kind.printed_digits + (kind.bits <= DOUBLE.bits)
+
+
 def _told(cell: str, kind: NumberType) -> float | None:
     """How much a decimal tells for a type, as a power of ten; None where it is not of the type."""
     try:
@@ -82,7 +88,7 @@ def _told(cell: str, kind: NumberType) -> float | None:
     if not isinstance(places, int):
         return None
     short = "".join(map(str, digits)).strip("0")
-    if len(short) <= kind.printed_digits or abs(places) > _FARTHEST:
+    if len(short) < _telling(kind) or abs(places) > _FARTHEST:
         return 0.0
     x, unit = Fraction(int("".join(map(str, digits)))), Fraction(10) ** places
     size = kind.rounded(x * unit)

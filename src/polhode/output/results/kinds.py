@@ -18,10 +18,11 @@ import numpy.typing as npt
 from polhode.judging.tables.reading import Reading
 from polhode.motion.outcomes import OUTCOMES
 from polhode.numbers.exact import Exact, Irrational
+from polhode.numbers.exact_sequences import Floats, Spaced
 from polhode.numbers.number_types import NAMES, SINGLE, named
 from polhode.numbers.scalars import Real
 from polhode.output.archive import MOST_BITS
-from polhode.scenes.scene_file import MAX_SAMPLES
+from polhode.scenes.validation import MAX_SAMPLES
 from polhode.scenes.variation.vary import MAX_MEMBERS
 
 #: Whatever a result holds, and what JSON makes of it.
@@ -29,9 +30,7 @@ Value: TypeAlias = Any
 
 #: Where each class is: a document names nothing else.
 HOMES = {
-    "ArrayColumn": "scenes.variation.array_columns",
     "BallMatrix": "enclosures.variations.flow_derivative",
-    "BinaryTimes": "scenes.output_times",
     "Bifurcation": "dynamics.periodic_orbits.families",
     "Ball": "proofs.proved_orbit",
     "Body": "scenes.body",
@@ -44,12 +43,12 @@ HOMES = {
     "Curve": "dynamics.levels.levels",
     "Enclosure": "enclosures.result",
     "Ensemble": "runs.sweep.ensemble",
-    "EvenTimes": "scenes.output_times",
     "Event": "scenes.event",
     "EventTime": "enclosures.events",
     "EventTimes": "motion.outcomes",
     "FamilyPoint": "dynamics.periodic_orbits.families",
     "FlowDerivative": "enclosures.variations.flow_derivative",
+    "Floats": "numbers.exact_sequences",
     "FourthIntegral": "dynamics.levels.fourth_integral",
     "Frequencies": "dynamics.frequencies.frequencies",
     "Grid": "scenes.variation.vary",
@@ -57,7 +56,6 @@ HOMES = {
     "Judgement": "judging.score.judgement",
     "Levels": "dynamics.levels.levels",
     "Line": "dynamics.frequencies.frequencies",
-    "ListedTimes": "scenes.output_times",
     "Lyapunov": "judging.conditioning.lyapunov",
     "Mark": "dynamics.levels.levels",
     "Member": "dynamics.periodic_orbits.continuation",
@@ -67,6 +65,7 @@ HOMES = {
     "Orbit": "dynamics.periodic_orbits.orbit",
     "OrbitFamily": "dynamics.periodic_orbits.families",
     "OrbitSearch": "dynamics.periodic_orbits.search",
+    "OutputTimes": "scenes.output_times",
     "Part": "enclosures.result",
     "ProvedOrbit": "proofs.proved_orbit",
     "Published": "scenes.scene",
@@ -77,7 +76,7 @@ HOMES = {
     "Section": "dynamics.sections.section",
     "SectionPlan": "scenes.scene",
     "Solid": "scenes.shapes",
-    "Spaced": "scenes.variation.vary",
+    "Spaced": "numbers.exact_sequences",
     "Subject": "judging.tables.candidate",
     "Surface": "dynamics.periodic_orbits.level_set",
     "Table": "judging.tables.table",
@@ -95,14 +94,12 @@ _LEFT_OUT = {
 }
 #: The fields of classes that declare none; a word stands for one of these classes.
 _FIELDS: dict[str, dict[str, Value]] = {
-    "ArrayColumn": {"values": np.ndarray},
-    "BinaryTimes": {"values": np.ndarray},
     "Certified": {"scene": "Scene"},
-    "EvenTimes": {"end": Exact, "samples": int},
-    "ListedTimes": {"exact": tuple[Exact, ...]},
+    "Floats": {"values": np.ndarray},
     "Members": {"scene": "Scene", "varied": "Grid"},
+    "OutputTimes": {"numbers": tuple[Exact, ...] | Spaced | Floats},
     "Rows": {"columns": tuple[Sequence[Exact], ...], "product": bool},
-    "Spaced": {"first": Exact, "last": Exact, "_count": int},
+    "Spaced": {"first": Exact, "last": Exact, "size": int},
 }
 _Array = npt.NDArray[Value]
 #: What annotations name where it is imported for type checkers alone.
@@ -172,17 +169,18 @@ def made(word: str, values: Sequence[Value]) -> Value:
 
 def _check_counts(word: str, values: Sequence[Value]) -> None:
     """Refuse what would be made of very many numbers."""
-    most = {"EvenTimes": (2, MAX_SAMPLES), "Spaced": (1, MAX_MEMBERS)}
-    if word in most and not most[word][0] <= values[-1] <= most[word][1]:
+    if word == "Spaced" and not 1 <= values[-1] <= MAX_MEMBERS:
         raise ValueError(f"{word}: {values[-1]} numbers")
+    if word == "OutputTimes" and len(values[0]) > MAX_SAMPLES and isinstance(values[0], Spaced):
+        raise ValueError(f"{word}: {len(values[0])} numbers")
     if word == "Rows":
         columns, product = values
         sizes = [len(column) for column in columns]
         count = math.prod(sizes) if product else max(sizes, default=0)
-        least = 0 if {type(column).__name__ for column in columns} == {"ArrayColumn"} else 1
+        least = 0 if {type(column).__name__ for column in columns} == {"Floats"} else 1
         if not least <= count <= MAX_MEMBERS or not (product or len(set(sizes)) == 1):
             raise ValueError(f"{word}: columns of {sizes[:4]} values")
-    if word == "ArrayColumn":
+    if word == "Floats":
         (floats,) = values
         if floats.ndim != 1 or floats.dtype.kind != "f" or not np.isfinite(floats).all():
             raise ValueError(f"{word}: no column of finite floats")

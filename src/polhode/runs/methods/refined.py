@@ -33,8 +33,8 @@ def hindrance(scene: Scene, number: NumberType, options: Options) -> str | None:
         return "one of the forms " + ", ".join(LINEAR)
     if "angles" in scene.modelled and scene.starts_at_pole:
         return "no angles of a motion that starts at a pole"
-    if not _all_entire(scene):
-        return "events without division by a variable or a root of one"
+    if scene.events:
+        return "no events"
     if options.tolerance is not None or options.inputs is not None or options.project:
         return "no tolerance, rounded inputs or projection of its own"
     if scene.log10_angle > _MOST_LOG10_ANGLE:
@@ -53,12 +53,3 @@ def worth_it(scene: Scene, number: NumberType, loaded: bool = False) -> bool:
     if int(number.most_digits) > 34:
         least = max(least, _LEAST_ANGLE_MP)
     return bool(scene.log10_angle >= math.log10(least))
-
-
-def _all_entire(scene: Scene) -> bool:
-    """Whether all events have a value wherever the motion goes."""
-    if not scene.events:
-        return True
-    from polhode.taylor.events.callbacks import is_entire
-
-    return all(is_entire(scene, event) for event in scene.events)

@@ -21,7 +21,6 @@ from polhode.numbers.rows import Doubles, Row, Rows
 from polhode.numbers.scalars import Real, Scalar
 from polhode.refined.attitude import Attitude, Following
 from polhode.refined.errors import CannotRefine, Stalled
-from polhode.refined.events import Search
 from polhode.refined.refinement import (
     MOST_DIGITS,
     STEPS_AN_INTERVAL,
@@ -43,7 +42,7 @@ _TRIES = 3  # with more digits each, until the estimate holds those asked for
 class RefinedMotion:
     """A problem on its way by refinement, in the principal form.
 
-    What the scene wants beside the state, and its events, are refined with it.  ``errors``: largest
+    What the scene wants beside the state is refined with it; it has no events.  ``errors``: largest
     error over the columns of each state, absolute, its rounding to the number type included; None
     where the motion multiplies errors too much for an estimate.
     """
@@ -75,10 +74,10 @@ class RefinedMotion:
         wanted, digits = max(34, int(number.most_digits)), self.options.digits
         for _ in range(_TRIES):
             try:
-                search, found = self._run(times, wanted, progress)
+                found = self._run(times, wanted, progress)
             except Stalled:  # near a separatrix
                 wanted += _MORE_DIGITS
-                search, found = self._run(times, wanted, progress)
+                found = self._run(times, wanted, progress)
             told = found.estimate.errors
             if len(told) and not found.stopped and not math.isfinite(told.max()):
                 told = self._by_a_second_run(found, wanted, progress)
@@ -87,14 +86,10 @@ class RefinedMotion:
                 break
             wanted += lacking
         outcome = Outcome(found.stopped) if found.stopped else Outcome.REACHED_END
-        at_event = outcome is Outcome.STOPPED_AT_EVENT
-        last = number.rounded(found.reached) if at_event else found.reached
         self._found, self.steps = found, found.steps
-        self.reached = last * Fraction(2) ** scene.time_unit
+        self.reached = found.reached * Fraction(2) ** scene.time_unit
         rows = [found.exactly(i) for i in range(len(found.states))]
         self.errors = _errors(scene, number, told, rows)
-        if search is not None:
-            self.events = search.found()
         count = len(equations(scene).variables)
         turned: list[list[Real]] = [[]] * len(rows)
         if found.attitudes is not None:
@@ -114,24 +109,20 @@ class RefinedMotion:
         rows: list[list[Scalar]] = [[Fraction(x, 1 << bits) for x in row[:count]] for row in found]
         return rows, Outcome.REACHED_END, self.reached
 
-    def _run(
-        self, times: Sequence[Fraction], wanted: int, progress: Progress | None
-    ) -> tuple[Search | None, Motion]:
-        """One refinement to so many digits, with a search and a following of its own."""
+    def _run(self, times: Sequence[Fraction], wanted: int, progress: Progress | None) -> Motion:
+        """One refinement to so many digits, with a following of its own."""
         scene = self.scene
-        search = Search(scene, self.number) if scene.events else None
         following = None
         if scene.modelled:
             finest = accuracy(wanted).limbs.finest
             following = Following(scene, finest, "angles" in scene.modelled)
-        return search, refine(
+        return refine(
             scene,
             times,
             accuracy(wanted),
             _OTHER_INTERVALS if self.options.other else STEPS_AN_INTERVAL,
             progress=progress,
             max_steps=self.options.max_steps,
-            search=search,
             following=following,
         )
 

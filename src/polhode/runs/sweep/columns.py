@@ -1,24 +1,26 @@
 """The members of a sweep as the integrator takes them: starts, coefficients, units of time.
 
 In columns (:mod:`polhode.scenes.variation.sweep_columns`) where they can be, else member by member.
-Starts that are given as arrays go as they are; coefficients are rounded once whatever they are of.
+Starts that are given as arrays go as they are.  Other numbers are rounded once, from exact ones or
+from pairs of doubles: to a hundred bits a number tells which one of the type is the nearest, but
+for one in 2**40.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from polhode.common.errors import BadInput
 from polhode.equations.forms import principal
 from polhode.numbers.conversion import number_value, to_double
-from polhode.numbers.exact import ZERO, Exact, sign
+from polhode.numbers.exact import ZERO, Exact
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rationals import Rationals, listed
-from polhode.numbers.rows import Booleans, Doubles, Stack, kind_of
+from polhode.numbers.rationals import Rationals
+from polhode.numbers.rows import Booleans, Doubles, Flat, kind_of
 from polhode.numbers.scalars import Scalar
-from polhode.scenes.body import Body
+from polhode.scenes.body import PrincipalAxes
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation.sweep_scenes import Members
 
@@ -26,14 +28,18 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from polhode.runs.sweep.near_columns import Near
-    from polhode.scenes.variation.sweep_columns import Block, Column, Vector
+    from polhode.scenes.variation.sweep_columns import Block, Vector
     from polhode.taylor.batches.jobs import Columns
+
+#: Numbers of all members, pairs too, or one that they have in common.
+Numbers: TypeAlias = Scalar
 
 BLOCK = 1 << 16  # members that are read at once: a bound on what planning holds
 _NEXT_POWER = 1 - 2.0**-9  # from this part of a power of two on, eight bits round to it
 _UNSURE = 1e-9  # of that, in doubles
-_SMALLEST = 2.0**-1022
+_SMALLEST, _LARGEST = 2.0**-1022, 2.0**1023
+_LEAST, _MOST = 2.0**-400, 2.0**400  # between these pairs, and their quotients, hold all bits
+_CANCELLED = 2.0**-20  # of a sum's terms: what is less has lost bits
 
 
 def blocks(members: Members) -> Iterator[Block]:
@@ -51,7 +57,7 @@ def columns_of(
     """Coefficients' names, columns, units of time (exponents of two) and rates of all members.
 
     The rates are bounds, by the members' energy, in radians for each unit of the scene's time.
-    Raises BadInput for a member that the number type cannot hold.
+    ``number``: double or extended.  Raises BadInput for a member that it cannot hold.
     """
     import numpy as np
 
@@ -62,12 +68,12 @@ def columns_of(
         left = made.fill(block)
         for k in np.flatnonzero(left):
             made.one(block, int(k))
-    for unit in np.unique(made.units):
-        made.check(end / Fraction(2) ** int(unit), int(np.argmax(made.units == unit)))
+    for unit, first in zip(*np.unique(made.units, return_index=True), strict=True):
+        refuse_out_of_range(members, int(first), number, [end / Fraction(2) ** int(unit)])
     there = [i for i in range(len(principal.NAMES)) if np.any(made.coefficients[:, i] != 0)]
     there.sort(key=lambda i: principal.NAMES[i])
     names = tuple(principal.NAMES[i] for i in there)
-    coefficients: Stack = made.coefficients[:, there].copy()
+    coefficients = made.coefficients[:, there].copy()
     return names, Columns(coefficients, made.starts), made.units, made.rates
 
 
@@ -99,154 +105,170 @@ class _Made:
 
         count, kind = len(members), kind_of(number)
         self.members, self.number = members, number
-        zero = 0.0 if number.flat else ZERO
-        self.coefficients: Stack = np.full((count, len(principal.NAMES)), zero, dtype=kind)
-        self.starts: Stack = np.full((count, len(members.scene.columns)), zero, dtype=kind)
+        self.coefficients: Flat = np.zeros((count, len(principal.NAMES)), kind)
+        self.starts: Flat = np.zeros((count, len(members.scene.columns)), kind)
         self.units = np.zeros(count, dtype=np.int64)
         self.rates = np.zeros(count)
-        self._bodies: dict[tuple[int, int], tuple[Body, dict[str, Exact]]] = {}
 
     def fill(self, block: Block) -> npt.NDArray[np.bool_]:
         """Put a block of members in; which of them are left."""
         import numpy as np
 
         here = slice(block.first, block.last)
+        starts, coefficients = self.starts[here], self.coefficients[here]
         with np.errstate(all="ignore"):
             try:
                 units, unsure = _time_units(block)
-                vectors = self._turned(block)
-                if vectors is None:
-                    return np.ones(len(block), dtype=bool)
-                every = _coefficients(block.moments, vectors[0])
-                columns = [x for vector in vectors[1:] for x in vector]
-                starts = self._columns(block, columns)
-                coefficients = self._columns(block, list(every.values()))
-                for column in (*columns, *every.values()):
-                    unsure |= getattr(column, "unsure", False)
-                rates = _rates(block, vectors[0], starts)
+                torque, *start = (
+                    _along(vector, block.axes, unsure)
+                    for vector in (block.torque, block.omega, block.gamma)
+                    if vector is not None
+                )
+                self._put(starts, [x for vector in start for x in vector])
+                self._put(coefficients, _coefficients(block.moments, torque, unsure))
+                self.rates[here] = _rates(block, torque, starts)
             except (OverflowError, ZeroDivisionError):  # beyond doubles, here or on the way
                 return np.ones(len(block), dtype=bool)
-            if self.number.flat:
-                starts[:, :3] = np.ldexp(starts[:, :3], units[:, None])
-                coefficients[:, 3:] = np.ldexp(coefficients[:, 3:], 2 * units[:, None])
-            else:
-                unit = np.array([Fraction(2) ** int(n) for n in units], dtype=object)[:, None]
-                starts[:, :3] *= unit
-                coefficients[:, 3:] *= unit * unit
-            outside = self._out_of_range(starts, coefficients)
-            left: npt.NDArray[np.bool_] = block.left | unsure | outside
-        self.starts[here], self.coefficients[here], self.units[here] = starts, coefficients, units
-        self.rates[here] = rates
+            starts[:, :3] = np.ldexp(starts[:, :3], units[:, None])
+            coefficients[:, 3:] = np.ldexp(coefficients[:, 3:], 2 * units[:, None])
+            left: npt.NDArray[np.bool_] = block.left | unsure | _out_of_range(starts, coefficients)
+        self.units[here] = units
         return left
 
-    def _turned(self, block: Block) -> list[Sequence[Column | Near]] | None:
-        """Torque, omega and gamma in principal axes; None where columns do not tell them."""
-        given = [x for x in (block.torque, block.omega, block.gamma) if x is not None]
-        if block.axes.trivial:
-            return [*given]
-        if self.number.name != "double":
-            return None
-        from polhode.runs.sweep.near_columns import turned
-
-        return [turned(vector, block.axes) for vector in given]
-
-    def _columns(self, block: Block, columns: Sequence[Column | Near]) -> Stack:
-        """Columns of numbers, each rounded once."""
+    def _put(self, table: Flat, columns: Sequence[Numbers]) -> None:
+        """Columns into a table, each number rounded once."""
         import numpy as np
 
-        found = np.empty((len(block), len(columns)), dtype=self.starts.dtype)
+        from polhode.numbers.double_double import Pairs, pairs
+
         for i, column in enumerate(columns):
-            if isinstance(column, Rationals):
-                found[:, i] = self._rounded(column, len(block))
+            if isinstance(column, Exact):
+                table[:, i] = number_value(column, self.number)
             elif isinstance(column, np.ndarray):
-                found[:, i] = column
-            elif isinstance(column, Exact):
-                found[:, i] = self._value(column)
+                table[:, i] = column
+            elif isinstance(column, Pairs) or self.number.name != "double":
+                near = pairs(column)
+                table[:, i] = near.hi
+                table[:, i] += near.lo
             else:
-                found[:, i] = column.near.hi
-        return found
-
-    def _rounded(self, column: Rationals, count: int) -> Doubles | list[Scalar]:
-        if self.number.name == "double":
-            return column.doubles()
-        tops, bottoms = listed(column.top, count), listed(column.bottom, count)
-        return [self._value(Fraction(a, b)) for a, b in zip(tops, bottoms, strict=True)]
-
-    def _value(self, x: Exact) -> Scalar:
-        """The nearest number as a lane holds it: above extended a Fraction."""
-        return number_value(x, self.number) if self.number.flat else self.number.rounded(x)
-
-    def _out_of_range(self, *tables: Stack) -> Booleans | bool:
-        """Members with a number that is not 0 and not between the type's limits, or nearly so."""
-        import numpy as np
-
-        if not self.number.flat:
-            return False
-        low, high = (_SMALLEST, np.finfo(np.float64).max)
-        sizes = np.abs(np.hstack(tables))
-        if (
-            np.where(sizes == 0, 1.0, sizes).min(initial=1.0) >= low
-            and sizes.max(initial=0) <= high
-        ):
-            return False
-        found: Booleans = (((sizes < low) & (sizes != 0)) | ~(sizes <= high)).any(axis=1)
-        return found
+                table[:, i] = column.doubles()
 
     def one(self, block: Block, k: int) -> None:
         """Put a member in by its scene, and by what arrays say of its start."""
-        from polhode.taylor.backend import heyoka_numbers
-
         index = block.first + k
         member = self.members[index]
-        n, axes = member.time_unit, member.body.axes
-        unit = Fraction(2) ** n
-        key = id(member.body), n  # members share their bodies
-        if key not in self._bodies:
-            if len(self._bodies) > 1000:
-                self._bodies.clear()
-            self._bodies[key] = member.body, principal.coefficients(member.body, n)
-        coefficients = self._bodies[key][1]
-        start = [unit * w for w in axes.components(member.omega)]
-        if member.gamma is not None:
-            start += axes.components(block.given_gamma(k) or member.gamma)
-        try:
-            for x in (*start, *coefficients.values()):
-                heyoka_numbers.scalar(x, self.number)
-        except heyoka_numbers.OutOfRange as fault:
-            raise self._refusal(member, fault) from None
-        self.units[index] = n
+        start, coefficients = exact_numbers(member, block.given_gamma(k))
+        refuse_out_of_range(self.members, index, self.number, [*start, *coefficients.values()])
+        self.units[index] = member.time_unit
         self.rates[index] = 10.0 ** min(member.log10_rate, 300.0)  # about
-        self.starts[index] = [self._value(x if sign(x) else ZERO) for x in start]
+        self.starts[index] = [number_value(x, self.number) for x in start]
         self.coefficients[index] = [
-            self._value(coefficients.get(name, ZERO)) for name in principal.NAMES
+            number_value(coefficients.get(name, ZERO), self.number) for name in principal.NAMES
         ]
 
-    def check(self, end: Fraction, index: int) -> None:
-        """Refuse an end, in the run's unit, that the type cannot hold."""
-        from polhode.taylor.backend import heyoka_numbers
 
-        try:
-            heyoka_numbers.scalar(end, self.number)
-        except heyoka_numbers.OutOfRange as fault:
-            raise self._refusal(self.members[index], fault) from None
+def exact_numbers(
+    member: Scene, gamma: tuple[Exact, Exact, Exact] | None = None
+) -> tuple[list[Exact], dict[str, Exact]]:
+    """Start and coefficients of a member in principal axes and its unit of time.
 
-    def _refusal(self, member: Scene, fault: ValueError) -> BadInput:
+    ``gamma``: in the place of its own.
+    """
+    n, axes = member.time_unit, member.body.axes
+    start = [Fraction(2) ** n * w for w in axes.components(member.omega)]
+    if member.gamma is not None:
+        start += axes.components(gamma or member.gamma)
+    return start, principal.coefficients(member.body, n)
+
+
+def refuse_out_of_range(
+    members: Members, index: int, number: NumberType, values: Iterable[Exact]
+) -> None:
+    """Refuse a member's numbers that the type cannot hold; raises BadInput."""
+    from polhode.taylor.backend import heyoka_numbers
+
+    try:
+        for x in values:
+            heyoka_numbers.scalar(x, number)
+    except heyoka_numbers.OutOfRange as fault:
         expected = f"a type of wider range ({fault})"
-        return BadInput(member.name, "number", self.number.name, expected)
+        raise BadInput(members[index].name, "number", number.name, expected) from None
 
 
-def _coefficients(moments: Vector, torque: Sequence[Column | Near]) -> dict[str, Scalar]:
-    """All coefficients; of moments that are doubles to more bits than those."""
+def _along(vector: Vector, axes: PrincipalAxes, unsure: Booleans) -> Sequence[Numbers]:
+    """Components along principal axes; exact ones where all members have the vector in common.
+
+    ``unsure``: where pairs do not tell them is noted there.
+    """
     import numpy as np
 
+    from polhode.numbers.double_double import pairs
+
+    fixed = [x for x in vector if isinstance(x, Exact)]
+    if axes.trivial:
+        return vector
+    if len(fixed) == 3:
+        return axes.components((fixed[0], fixed[1], fixed[2]))
+    given = [pairs(_parted(x)) for x in vector]
+    found: list[Numbers] = []
+    for row in axes.rows:
+        a, b, c = (pairs(r) * x for r, x in zip(row, given, strict=True))
+        found.append(a + b + c)
+        size = np.abs(a.hi) + np.abs(b.hi) + np.abs(c.hi)
+        _note(unsure, size, np.abs(found[-1].hi) < _CANCELLED * size)
+    return found
+
+
+def _coefficients(
+    moments: Vector, torque: Sequence[Numbers], unsure: Booleans
+) -> Sequence[Numbers]:
+    """All coefficients; of moments that are floats in pairs, and where those do not tell noted."""
+    import numpy as np
+
+    from polhode.numbers.double_double import pairs
+
     if not any(isinstance(x, np.ndarray) for x in moments):
-        return principal.every_coefficient(moments, torque)
-    from polhode.runs.sweep.near_columns import near
+        return [*principal.every_coefficient(moments, torque).values()]
+    own, arms = ([pairs(_parted(x)) for x in vector] for vector in (moments, torque))
+    for x, y in zip(own, (*own[1:], own[0]), strict=True):
+        gap = np.abs((x - y).hi)
+        _note(unsure, np.abs(x.hi), (gap < _CANCELLED * np.abs(x.hi)) & (gap != 0))
+    for x in arms:
+        _note(unsure, np.abs(x.hi))
+    return [*principal.every_coefficient(own, arms).values()]
 
-    return principal.every_coefficient([near(x) for x in moments], [near(x) for x in torque])
+
+def _parted(x: Numbers) -> Numbers:
+    """An array's longdoubles as pairs."""
+    import numpy as np
+
+    from polhode.numbers.double_double import Pairs
+
+    if not isinstance(x, np.ndarray) or x.dtype == np.float64:
+        return x
+    high = x.astype(np.float64)
+    return Pairs(high, (x - high).astype(np.float64))
 
 
-def _rates(block: Block, torque: Sequence[Column | Near], starts: Stack) -> Doubles:
+def _note(unsure: Booleans, size: Doubles, lost: Booleans | bool = False) -> None:
+    """Note where numbers of such sizes are too large or too small for pairs, or have lost bits."""
+    unsure |= (size != 0) & (~((size > _LEAST) & (size < _MOST)) | lost)
+
+
+def _out_of_range(*tables: Flat) -> Booleans | bool:
+    """Members with a number that is not 0 and not between a double's limits, or nearly so."""
+    import numpy as np
+
+    found: Booleans | bool = False
+    for table in tables:
+        sizes = np.abs(table)
+        if sizes.max(initial=0) <= _LARGEST and (sizes[sizes < _SMALLEST] == 0).all():
+            continue
+        found |= (((sizes < _SMALLEST) & (sizes != 0)) | ~(sizes <= _LARGEST)).any(axis=1)
+    return found
+
+
+def _rates(block: Block, torque: Sequence[Numbers], starts: Flat) -> Doubles:
     """Bounds of the members' fastest rates, in the scene's unit of time."""
     from polhode.taylor.lanes import rates
 
@@ -255,7 +277,7 @@ def _rates(block: Block, torque: Sequence[Column | Near], starts: Stack) -> Doub
     return rates(starts, moments / largest, weight / largest)
 
 
-def _rows(block: Block, vector: Sequence[Scalar]) -> Doubles:
+def _rows(block: Block, vector: Sequence[Numbers]) -> Doubles:
     """A vector of all members, (3,), or a row for each."""
     import numpy as np
 
@@ -264,17 +286,17 @@ def _rows(block: Block, vector: Sequence[Scalar]) -> Doubles:
     return np.stack([_doubles(block, x) for x in vector], axis=1)
 
 
-def _doubles(block: Block, x: Scalar) -> Doubles:
+def _doubles(block: Block, x: Numbers) -> Doubles:
     import numpy as np
 
-    from polhode.runs.sweep.near_columns import Near
+    from polhode.numbers.double_double import Pairs
 
     if isinstance(x, np.ndarray):
         return x.astype(np.float64, copy=False)
     if isinstance(x, Rationals):
         return np.broadcast_to(x.doubles(), len(block))
-    if isinstance(x, Near):
-        return np.broadcast_to(x.near.hi, len(block))
+    if isinstance(x, Pairs):
+        return np.broadcast_to(x.hi, len(block))
     return np.broadcast_to(to_double(x), len(block))
 
 

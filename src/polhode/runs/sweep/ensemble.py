@@ -8,6 +8,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from polhode.common.cached_property import cached_property
+from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.text_tables import counted
 from polhode.equations.column import derived_stack, of_state_alone
 from polhode.motion.outcomes import OUTCOMES, Outcome
@@ -16,7 +17,6 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Flat, Rows, Stack, read_only
 from polhode.numbers.scalars import Real
 from polhode.runs.sweep.endings import Ended
-from polhode.runs.sweep.sweep_checkpoint import SweepCheckpoint
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation import vary
@@ -61,7 +61,7 @@ class Ensemble(Ended):
     projected: bool = False
     told: Mapping[int, tuple[float | None, ...]] = field(default_factory=dict)
     provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
-    parts: SweepCheckpoint | None = field(default=None, compare=False)
+    parts: JobCheckpoint | None = field(default=None, compare=False)
 
     def __len__(self) -> int:
         return len(self.members)

@@ -3,41 +3,37 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import TYPE_CHECKING
 
-from polhode.common import executors as crew
 from polhode.common.arguments import steps, whole
+from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.errors import BadInput
-from polhode.common.progress import Progress, bar
+from polhode.common.interrupts import Delay
+from polhode.common.jobs import carried_out
+from polhode.common.progress import Progress, Stop, bar
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber
 from polhode.runs.problem.options import check_method
-from polhode.runs.sweep import refined_members
+from polhode.runs.sweep import flat_members, results, wide_members
 from polhode.runs.sweep.array_starts import from_starts
 from polhode.runs.sweep.ensemble import Ensemble
+from polhode.runs.sweep.flat_members import FlatJob
 from polhode.runs.sweep.plan import Plan, planned
-from polhode.runs.sweep.refined_members import Job
-from polhode.runs.sweep.results import Results
-from polhode.runs.sweep.sweep_checkpoint import SweepCheckpoint
+from polhode.runs.sweep.wide_members import WideJob
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation import vary
 from polhode.taylor.backend import defaults
 
 if TYPE_CHECKING:
-    import numpy as np
     import numpy.typing as npt
 
-    from polhode.common.jobs import Solver
-    from polhode.taylor.batches.jobs import BatchJob, Solved
+    from polhode.taylor.batches.jobs import Solved
 
-J = TypeVar("J")
-
-_JOBS = 16, 256  # so many at least and at most: each costs a fraction of a millisecond
+_JOBS = 16, 1024  # so many at least and at most: each costs a fraction of a millisecond
 _JOB = 0.05  # seconds that one should take
 _STEPS_PER_RADIAN = 2.0  # about, at the fastest rate, in double
 _SHARE = 0.25  # of a scalar step that a lane's costs
@@ -96,7 +92,7 @@ def integrate_many(
     workers : int, optional
         Threads; by default as many as there are cores.
     parts : Path, optional
-        A folder to which finished members are written about once a second, so that the same call
+        A folder to which finished jobs are written about once a second, so that the same call
         continues from there after a kill, with the same results to the bit.  It is made if the
         sweep takes longer than that, and kept until ``ensemble.parts.remove()``.
     method : {"auto", "taylor", "refined"}
@@ -108,19 +104,23 @@ def integrate_many(
     -------
     Ensemble
         The members in the order of ``vary``: states in the scene's body axes and units, and outputs
-        of the scene that are made of states alone.  Ctrl-C keeps the members that are finished; the
-        others have the outcome NOT_RUN.
+        of the scene that are made of states alone.  Ctrl-C keeps the members whose jobs, of a
+        fraction of a second, are finished; the others have the outcome NOT_RUN.
 
     Raises
     ------
     BadInput
         Before anything is integrated: an impossible member, a scene with events, too many numbers
-        for the memory, or ``parts`` with anything but parts of the same sweep.  Arrays with a row
+        for the memory, or ``parts`` with anything but jobs of the same call.  Arrays with a row
         that is not finite, of another width or a wider type, or whose gamma is no unit vector, in
         quad or mp, or beside values that are no arrays.
 
     Notes
     -----
+    Members in quad and mp are runs of their scenes, to the bit what :func:`polhode.integrate` gives
+    with the same method and ``project=False``; those in extended, too, unless they stand still or
+    turn by more than some thousand radians.
+
     Members begin at the floats of an array.  ``ensemble[k]`` and ``ensemble.members`` make exact
     scenes of them when asked for: there gamma, which is a unit vector to rounding alone, is divided
     by its length.  The equations are (3.29) of Yehia, *Rigid Body Dynamics: A Lagrangian Approach*.
@@ -138,12 +138,12 @@ def integrate_many(
     (100, 2, 6)
     """
     if isinstance(progress, bool):
-        asked = {key: value for key, value in locals().items() if key != "progress"}
+        given = {key: value for key, value in locals().items() if key != "progress"}
         if not progress:
-            return integrate_many(**asked)
+            return integrate_many(**given)
         with bar(library.load(scene).name) as tell:
-            return integrate_many(**asked, progress=tell)
-    began = time.perf_counter()
+            return integrate_many(**given, progress=tell)
+    asked = time.perf_counter()
     scene = library.load(scene)
     if at is not None:
         scene = scene.at(at)
@@ -156,14 +156,39 @@ def integrate_many(
         scene, vary = from_starts(scene, starts, vary)
     elif vary is None:
         raise BadInput(scene.name, "vary", None, "numbers to vary, or starts")
+    from polhode.taylor.batches.compiled_batch import width
+
     plan = planned(scene, vary, number, digits, tol, max_steps)
     prepared = time.perf_counter()
-    kept = _opened(plan, scene, parts, method)
-    results = Results(plan, kept)
-    build = _work(plan, results, method).carried_out(results, executor, workers, progress)
-    results.end()
+    groups = list(plan.groups(width(plan.number), _most_jobs(plan)))
+    key = scene.text, plan.times, method, plan.varied, plan.number, plan.tolerance, plan.max_steps
+    kept = JobCheckpoint.at(parts, "sweep", *key, *groups)
+    jobs: list[FlatJob | WideJob] = [
+        flat_members.job_of(plan, group)
+        if plan.number.flat
+        else wide_members.job_of(plan, group, method)
+        for group in groups
+    ]
+    began = time.perf_counter()
+    if executor is None and jobs:
+        jobs[0].prepare()
+    build = time.perf_counter() - began
+    finished = carried_out(
+        _solved,
+        jobs,
+        [len(group) for group in groups],
+        workers,
+        executor,
+        kept,
+        lambda found: results.packed(found, plan.number),
+        lambda held: results.unpacked(held, plan.number),
+        progress,
+    )
+    with Delay() as delay:  # what is finished is not lost
+        found, told = results.put_together(plan, groups, finished.results)
+        delay.forget()
     seconds = {
-        "scenes": prepared - began,
+        "scenes": prepared - asked,
         "build": build,
         "run": time.perf_counter() - prepared - build,
     }
@@ -174,110 +199,29 @@ def integrate_many(
         members=plan.members,
         number=plan.number,
         times=plan.times,
-        states=results.states,
-        endings=results.outcomes,
-        counts=results.steps,
-        arrived=results.reached,
+        states=found.states,
+        endings=found.outcomes,
+        counts=found.steps,
+        arrived=found.reached,
         tolerance=float(tolerance),
         digits=digits,
-        told=results.errors,
+        told=told,
         provenance={**plan.members.provenance(), "seconds": seconds},
         parts=kept,
     )
 
 
-def _jobs(plan: Plan) -> int:
+def _solved(job: FlatJob | WideJob, stop: Stop | None = None) -> Solved:
+    """A job's members; with ``stop`` some may be undone."""
+    return job.solved(stop)
+
+
+def _most_jobs(plan: Plan) -> int:
     """In about how many jobs a sweep is cut."""
     least, most = _JOBS
-    if plan.number.name != "double":
+    if not plan.number.flat:
         return most
     radians = float(plan.rates.sum()) * abs(float(plan.times[-1]))
-    seconds = _SHARE * defaults.seconds(plan.number, _STEPS_PER_RADIAN * radians)
+    share = _SHARE if plan.number.name == "double" else 1.0
+    seconds = share * defaults.seconds(plan.number, _STEPS_PER_RADIAN * radians)
     return int(min(most, max(least, seconds / _JOB)))
-
-
-def _opened(plan: Plan, scene: Scene, folder: Path | None, method: str) -> SweepCheckpoint | None:
-    """The folder of a sweep's parts, if there is to be one."""
-    if folder is None:
-        return None
-    asked = (plan.varied, plan.number, plan.tolerance, plan.max_steps, plan.times, plan.names)
-    body = repr((scene.body.inertia, scene.body.centre, scene.body.weight))
-    what = "\n".join([scene.name, method, repr(asked), body])
-    return SweepCheckpoint(folder, what.encode() + plan.motions.bytes(), plan.number)
-
-
-@dataclass(frozen=True)
-class _Work(Generic[J]):
-    """The members that are not done, as jobs of one kind; ``groups``: the members of each job."""
-
-    groups: list[npt.NDArray[np.int64]]
-    jobs: Sequence[J]
-    solve: Solver[J, Solved]
-    prepare: Callable[[J], object]
-
-    def carried_out(
-        self,
-        results: Results,
-        executor: Executor | None,
-        workers: int | None,
-        progress: Progress | None,
-    ) -> float:
-        """Integrate them; the seconds of compiling."""
-        total = len(results.left)
-        count = total - int(results.left.sum())
-
-        def ready(k: int, solved: Solved) -> None:
-            nonlocal count
-            results.take(self.groups[k], solved)
-            count += len(self.groups[k])
-            if progress is not None:
-                progress(count / total, count)
-
-        left = list(range(len(self.jobs)))
-        if executor is not None:
-            undisturbed, left = crew.elsewhere(self.solve, self.jobs, ready, executor)
-            if not undisturbed:
-                return 0.0
-        if not left:
-            return 0.0
-        began = time.perf_counter()
-        self.prepare(self.jobs[0])
-        build = time.perf_counter() - began
-        waiting = [self.jobs[k] for k in left]
-        crew.here(self.solve, waiting, lambda i, solved: ready(left[i], solved), workers)
-        return build
-
-
-def _work(plan: Plan, results: Results, method: str) -> _Work[BatchJob] | _Work[Job]:
-    """What is left to be integrated, by steps or refined where any member is to be."""
-    from polhode.taylor.batches import batch_integrator
-    from polhode.taylor.batches import jobs as batch_jobs
-    from polhode.taylor.batches.compiled_batch import width
-
-    size = width(plan.number)
-    wanted = results.left  # whole batches of lanes: the others' results do not depend on them
-    groups = [group[wanted[group]] for group in plan.groups(size, _jobs(plan))]
-    groups = [group for group in groups if len(group)]
-    steps = [
-        batch_jobs.BatchJob(
-            plan.names,
-            plan.number,
-            plan.tolerance,
-            plan.max_steps,
-            plan.times,
-            int(plan.time_units[group[0]]),
-            plan.motions.some(group),
-        )
-        for group in groups
-    ]
-    if plan.tolerance is None and not plan.number.flat:
-        members = tuple(
-            replace(m, times=plan.asked, outputs=(), form="principal") for m in plan.members
-        )
-        if refined_members.wanted(plan.number, method, members):
-            jobs = [
-                Job(tuple(members[k] for k in group), job, method)
-                for group, job in zip(groups, steps, strict=True)
-            ]
-            return _Work(groups, jobs, refined_members.solve, refined_members.prepare)
-    return _Work(groups, steps, batch_integrator.solve, batch_integrator.prepare)

@@ -11,13 +11,13 @@ from polhode.common.arguments import unit_rows
 from polhode.common.errors import BadInput
 from polhode.common.memory import refuse_too_much
 from polhode.numbers.exact import Exact
+from polhode.numbers.exact_sequences import Floats
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber
 from polhode.runs.problem.options import choose_number, rounded_times, rounded_tolerance
 from polhode.runs.sweep.columns import Fastest, columns_of
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation import vary
-from polhode.scenes.variation.array_columns import ArrayColumn
 from polhode.scenes.variation.sweep_scenes import Members
 from polhode.taylor.backend import defaults
 
@@ -34,8 +34,9 @@ _BYTES = 40  # of a number of the states, while they are gathered and written
 class Plan:
     """A sweep, checked: what there is to integrate.
 
-    ``motions``: the members in numbers.  ``time_units``: the exponent n of each member's unit of
-    time 2**n; ``rates``: its fastest rate at most, radians for each unit of the scene's time.
+    ``motions``: the members in numbers, none above extended.  ``time_units``: the exponent n of
+    each member's unit of time 2**n; ``rates``: its fastest rate at most, radians for each unit of
+    the scene's time; both 0 above extended.
     """
 
     varied: vary.Grid
@@ -83,6 +84,10 @@ def planned(
 
     ``kept``: whether the states of all members are held at once.
     """
+    import numpy as np
+
+    from polhode.taylor.batches.jobs import Columns
+
     if scene.events:
         expected = "none in a sweep: a step size of its own for each event; run members singly"
         raise BadInput(scene.name, "events", scene.events[0].name, expected)
@@ -100,7 +105,11 @@ def planned(
     times = tuple(rounded_times(scene, chosen))
     tolerance = rounded_tolerance(scene, chosen, tol)
 
-    names, motions, units, rates = columns_of(members, times[-1], chosen)
+    if chosen.flat:
+        names, motions, units, rates = columns_of(members, times[-1], chosen)
+    else:
+        names, motions = (), Columns(np.empty((0, 0)), np.empty((0, 0)))
+        units, rates = np.zeros(len(members), dtype=np.int64), np.zeros(len(members))
     limit = max_steps if max_steps is not None else defaults.of(chosen).max_steps
     return Plan(
         varied, members, chosen, tolerance, limit, times, scene.times, names, motions, units, rates
@@ -115,7 +124,7 @@ def _check_arrays(name: str, varied: vary.Grid, number: NumberType) -> None:
     import numpy as np
 
     each = zip(varied.keys, varied.rows.columns, strict=True)
-    arrays = {key: column.values for key, column in each if isinstance(column, ArrayColumn)}
+    arrays = {key: column.values for key, column in each if isinstance(column, Floats)}
     if not arrays:
         return
     if not number.flat:

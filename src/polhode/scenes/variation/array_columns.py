@@ -6,14 +6,12 @@ array that they are; exact numbers are made where a member is asked for.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from fractions import Fraction
-from typing import TYPE_CHECKING, Any, overload
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 from polhode.common.arguments import rows_of
 from polhode.common.errors import BadInput, plain
-from polhode.numbers.conversion import exactly
-from polhode.numbers.exact import Exact
+from polhode.numbers.exact_sequences import Floats
 
 if TYPE_CHECKING:
     from polhode.numbers.rows import Flat
@@ -26,52 +24,7 @@ _WIDTHS = {
 }
 
 
-class ArrayColumn(Sequence[Exact]):
-    """The floats of an array, of which each is an exact number when it is asked for."""
-
-    def __init__(self, values: Flat) -> None:
-        self.values: Flat = values.copy()
-        self.values.flags.writeable = False
-
-    def __len__(self) -> int:
-        return len(self.values)
-
-    @overload
-    def __getitem__(self, index: int) -> Fraction: ...
-    @overload
-    def __getitem__(self, index: slice) -> Sequence[Fraction]: ...
-    def __getitem__(self, index: int | slice) -> Fraction | Sequence[Fraction]:
-        if isinstance(index, slice):
-            return [exactly(x) for x in self.values[index]]
-        return exactly(self.values[index])
-
-    def __eq__(self, other: object) -> bool:
-        if isinstance(other, ArrayColumn) and self.values.dtype == other.values.dtype:
-            same = len(self) == len(other)
-            return same and bool((self.values == other.values).all())
-        if not isinstance(other, Sequence):
-            return NotImplemented
-        return len(self) == len(other) and all(a == b for a, b in zip(self, other, strict=True))
-
-    __hash__ = None  # type: ignore[assignment]
-
-    def texts(self) -> list[str]:
-        """The shortest decimals that round to the numbers."""
-        import numpy as np
-
-        if self.values.dtype == np.float64:
-            return [repr(x) for x in self.values.tolist()]
-        return [np.format_float_scientific(x, trim="0") for x in self.values]
-
-    def __repr__(self) -> str:
-        """With a digest of the numbers: it tells one column from another."""
-        from hashlib import sha256
-
-        digest = sha256(self.values.astype(str).tobytes()).hexdigest()[:16]
-        return f"ArrayColumn({len(self)} numbers, {digest})"
-
-
-def row_by_row(vary: Mapping[str, Any], name: str) -> tuple[tuple[str, ...], list[ArrayColumn]]:
+def row_by_row(vary: Mapping[str, Any], name: str) -> tuple[tuple[str, ...], list[Floats]]:
     """Keys and columns, where an array of rows is among what is varied; else none of them.
 
     Raises BadInput, also for two arrays of one length without rows: they may mean either.
@@ -82,7 +35,7 @@ def row_by_row(vary: Mapping[str, Any], name: str) -> tuple[tuple[str, ...], lis
         _ask(arrays, name)
         return (), []
     first, keys = rows[0], []
-    columns: list[ArrayColumn] = []
+    columns: list[Floats] = []
     for key, given in vary.items():
         if key not in arrays:
             expected = f"an array with a row for each of {first}: never every combination"
@@ -94,7 +47,7 @@ def row_by_row(vary: Mapping[str, Any], name: str) -> tuple[tuple[str, ...], lis
         if twice:
             raise BadInput(name, key, f"{twice[0]}, given twice", "each number in one array")
         keys += own
-        columns += [ArrayColumn(column) for column in table.T]
+        columns += [Floats(column.copy()) for column in table.T]
         if len(columns[-1]) != len(columns[0]):
             expected = f"{len(columns[0])} rows, as many as {next(iter(vary))} has"
             raise BadInput(name, key, f"{len(columns[-1])} rows", expected)

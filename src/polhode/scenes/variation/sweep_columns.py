@@ -19,13 +19,12 @@ import numpy.typing as npt
 from polhode.common.cached_property import cached_property
 from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import Exact, sign
+from polhode.numbers.exact_sequences import Floats, Spaced
 from polhode.numbers.rationals import Rationals, of_floats, of_fractions
 from polhode.numbers.rows import Flat
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import OWN_AXES, PrincipalAxes
-from polhode.scenes.variation.array_columns import ArrayColumn
 from polhode.scenes.variation.sweep_scenes import Members
-from polhode.scenes.variation.vary import Spaced
 
 #: A number that all members have in common (Exact), or one for each: Rationals, or the floats of
 #: an array.  They have arithmetic in common.
@@ -125,7 +124,7 @@ class Blocks:
     def _array(self, vector: str) -> bool:
         """Whether all of a vector is given as an array."""
         each = zip(self.keys, self.varied.columns, strict=True)
-        return sum(k.startswith(vector) and isinstance(x, ArrayColumn) for k, x in each) == 3
+        return sum(k.startswith(vector) and isinstance(x, Floats) for k, x in each) == 3
 
     def _has(self, start: str) -> bool:
         return any(key.startswith(start) for key in self.keys)
@@ -206,7 +205,7 @@ def _parts(column: Sequence[Exact], array: bool) -> tuple[Rationals | Flat, Bool
 
     ``array``: whether an array stays one.
     """
-    if isinstance(column, ArrayColumn):
+    if isinstance(column, Floats):
         return column.values if array else of_floats(column.values), None
     if isinstance(column, Spaced):
         first, last = column.first, column.last

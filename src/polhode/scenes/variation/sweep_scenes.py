@@ -4,24 +4,25 @@ from __future__ import annotations
 
 import re
 import threading
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from typing import Any, overload
+from typing import Any
 
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, FileName, nearest, say_change
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
+from polhode.numbers.exact_sequences import Floats, LazySequence
 from polhode.scenes import keys, scene_file
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
-from polhode.scenes.variation.array_columns import ArrayColumn
 from polhode.scenes.variation.vary import Grid
 from polhode.scenes.vocabulary import CENTRE
 
 _BODIES = 1024  # that are remembered
 _LOOKED_AT = 64  # members, for notes
+_NEAR_FLAT = Fraction(1, 1 << 40)
 _MAY_BE_ROUNDED = {"body.moments", "body.inertia", "start.gamma", "start.quaternion"}
 
 _SECTIONS = ("body", "start")
@@ -29,7 +30,7 @@ _KEY = re.compile(r"(body|start)\.[a-z]+(\[[1-9]\d*\](\.[a-z_]+)?)*")
 _WORDS = keys.words("body") | keys.words("body.parts") | keys.words("start")
 
 
-class Members(Sequence[Scene]):
+class Members(LazySequence[Scene]):
     """The scenes of a sweep, without output times; each made, and checked, when it is asked for."""
 
     def __init__(self, scene: Scene, varied: Grid) -> None:
@@ -39,28 +40,19 @@ class Members(Sequence[Scene]):
     def __len__(self) -> int:
         return len(self.varied.rows)
 
-    @overload
-    def __getitem__(self, index: int) -> Scene: ...
-    @overload
-    def __getitem__(self, index: slice) -> Sequence[Scene]: ...
-    def __getitem__(self, index: int | slice) -> Scene | Sequence[Scene]:
-        where = range(len(self))[index]
-        if isinstance(where, range):
-            return [self[k] for k in where]
+    def at(self, k: int) -> Scene:
+        """The scene of a member."""
         reading: _Reading | None = getattr(self._mine, "reading", None)
         if reading is None:
             reading = self._mine.reading = _Reading(self.scene, self.varied)
-        return reading.member(where)
-
-    def __iter__(self) -> Iterator[Scene]:
-        return (self[k] for k in range(len(self)))
+        return reading.member(k)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Members):
             return NotImplemented
         return self.scene == other.scene and self.varied == other.varied
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = None
 
     def __getstate__(self) -> tuple[Scene, Grid]:
         return self.scene, self.varied
@@ -92,15 +84,23 @@ class Members(Sequence[Scene]):
         """The notes of the scene, and what was changed of the first members, as of one of them."""
         varied = {key.partition("[")[0] for key in self.varied.keys}
         each = zip(self.varied.keys, self.varied.rows.columns, strict=True)
-        as_is = any(k.startswith("start.") for k, x in each if isinstance(x, ArrayColumn))
+        as_is = any(k.startswith("start.") for k, x in each if isinstance(x, Floats))
         if as_is:  # members begin at the numbers of the arrays
             varied = {key for key in varied if key.startswith("body.")}
         if not varied & _MAY_BE_ROUNDED:
             return self.scene.notes
-        few = (self[k] for k in range(min(len(self), _LOOKED_AT)))
-        of_members = ([*filter(None, [x.body.change])] if as_is else x.changes for x in few)
+        starts = any(key.startswith("start.") for key in varied & _MAY_BE_ROUNDED)
+        few = range(min(len(self), _LOOKED_AT))
+        members = (self[k] for k in few if starts or self._body_may_be_changed(k))
+        of_members = ([*filter(None, [x.body.change])] if as_is else x.changes for x in members)
         changes = next(filter(None, of_members), ())
         return (*self.scene.notes, *(f"members: {text}" for text in changes))
+
+    def _body_may_be_changed(self, index: int) -> bool:
+        """Not where three moments vary and are far from those of a flat body."""
+        each = zip(self.varied.keys, self.varied.rows[index], strict=True)
+        moments = [x for key, x in each if key.startswith("body.moments")]
+        return len(moments) < 3 or 2 * max(moments) > sum(moments) * (1 - _NEAR_FLAT)
 
     def provenance(self) -> dict[str, object]:
         """Where a result comes from, see :meth:`Scene.provenance`; members' notes are said, too."""

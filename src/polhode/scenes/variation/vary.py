@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
-from fractions import Fraction
-from typing import Any, NamedTuple, overload
+from typing import Any, NamedTuple
 
 from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput, plain, say_doubt
 from polhode.numbers import exact
 from polhode.numbers.exact import ZERO, Exact
+from polhode.numbers.exact_sequences import LazySequence, Spaced
 from polhode.numbers.expression import ExpressionError
 from polhode.numbers.scalars import numbers_given
 from polhode.scenes.body_and_start import THETA, doubtful_theta
@@ -27,38 +27,7 @@ MAX_MEMBERS = 10_000_000
 Vary = Mapping[str, Any] | Sequence[Mapping[str, Any]]
 
 
-class Spaced(Sequence[Exact]):
-    """So many numbers from ``first`` to ``last``, evenly spaced, ends included; made when asked."""
-
-    def __init__(self, first: Exact, last: Exact, count: int) -> None:
-        self.first, self.last, self._count = first, last, count
-
-    def __len__(self) -> int:
-        return self._count
-
-    @overload
-    def __getitem__(self, index: int) -> Exact: ...
-    @overload
-    def __getitem__(self, index: slice) -> Sequence[Exact]: ...
-    def __getitem__(self, index: int | slice) -> Exact | Sequence[Exact]:
-        where = range(self._count)[index]
-        if isinstance(where, range):
-            return [self[k] for k in where]
-        step = Fraction(where, max(1, self._count - 1))
-        return self.first + (self.last - self.first) * step
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Sequence):
-            return NotImplemented
-        return len(self) == len(other) and all(a == b for a, b in zip(self, other, strict=True))
-
-    __hash__ = None  # type: ignore[assignment]
-
-    def __repr__(self) -> str:
-        return f"Spaced({self.first!r}, {self.last!r}, {self._count})"
-
-
-class Rows(Sequence[tuple[Exact, ...]]):
+class Rows(LazySequence[tuple[Exact, ...]]):
     """A row of values for each member, made when asked.
 
     ``product``: every combination of the columns' values, the last column's changing fastest; else
@@ -75,25 +44,17 @@ class Rows(Sequence[tuple[Exact, ...]]):
     def __len__(self) -> int:
         return self._count
 
-    @overload
-    def __getitem__(self, index: int) -> tuple[Exact, ...]: ...
-    @overload
-    def __getitem__(self, index: slice) -> Sequence[tuple[Exact, ...]]: ...
-    def __getitem__(self, index: int | slice) -> tuple[Exact, ...] | Sequence[tuple[Exact, ...]]:
-        where = range(self._count)[index]
-        if isinstance(where, range):
-            return [self[k] for k in where]
+    def at(self, k: int) -> tuple[Exact, ...]:
+        """The values of a member."""
         each = zip(self.columns, self.repeats, strict=True)
-        return tuple(column[where // repeat % len(column)] for column, repeat in each)
+        return tuple(column[k // repeat % len(column)] for column, repeat in each)
 
     def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Sequence):
-            return NotImplemented
         if isinstance(other, Rows) and self.product == other.product:
             return self.columns == other.columns
-        return len(self) == len(other) and all(a == b for a, b in zip(self, other, strict=True))
+        return super().__eq__(other)
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = None
 
     def __repr__(self) -> str:
         return f"Rows({self.columns!r}, {self.product})"

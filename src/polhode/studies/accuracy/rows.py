@@ -15,7 +15,7 @@ from polhode.judging.adaptive_precision import integrate
 from polhode.judging.conditioning.conditioning import Conditioning, conditioning
 from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.correct_digits import worst_digits
-from polhode.judging.references.reference import Remembered
+from polhode.judging.references.reference import AnyReference
 from polhode.judging.references.reference import reference as reference_of
 from polhode.judging.score.compare import compare
 from polhode.numbers import conversion, decimals, number_types
@@ -90,10 +90,11 @@ def case_rows(
 
 def _case(scene: Scene) -> dict[str, Any]:
     reference = reference_of(scene)
-    kept = Remembered(reference)
     fitting = [name for name in number_types.NAMES if 10**scene.log10_angle <= LONGEST[name]]
     known = conditioning(scene, number=number_types.named(fitting[-1])) if fitting else None
-    runs = [_run(scene, kept, name, known) for name in reversed(fitting)][::-1]  # most digits first
+    runs = [_run(scene, reference, name, known) for name in reversed(fitting)][
+        ::-1
+    ]  # most digits first
     kappas = [x for x in known.log10_kappa if x is not None] if known else []
     return {
         "case": scene.name,
@@ -109,7 +110,7 @@ def _case(scene: Scene) -> dict[str, Any]:
 
 
 def _run(
-    scene: Scene, reference: Remembered, name: str, known: Conditioning | None
+    scene: Scene, reference: AnyReference, name: str, known: Conditioning | None
 ) -> dict[str, Any]:
     run = integrate(
         scene,
@@ -146,7 +147,7 @@ def _run(
     return found
 
 
-def _refined(steps: Trajectory, reference: Remembered) -> dict[str, Any] | None:
+def _refined(steps: Trajectory, reference: AnyReference) -> dict[str, Any] | None:
     """The run made again by refinement, where that can be done: a method of its own.
 
     ``agreement``: the digits to which both runs' states are the same.

@@ -32,7 +32,7 @@ from polhode.studies.speed.work_precision import WorkPoint, seconds_at
 PROCESSES = 3
 NEARLY_ALL = 7  # of the draws
 PATIENCE, QUICK_PATIENCE = 0.5, 0.05
-QUICK_CELLS = ((10, 2), (10, 101))
+QUICK_CELLS = ((10, 2, 0), (10, 101, 0), (1, 2, 100))
 QUICK_KINDS = ("kovalevskaya", "asymmetric")
 _FAR = 10.0  # times the fastest: no other build makes that up
 _LIMIT = 900.0  # seconds of a process
@@ -78,7 +78,7 @@ def _kind(
     kind: str,
     cells: Sequence[Cell],
     programs: Sequence[Program],
-    truths: Mapping[tuple[str, int, int], Truth],
+    truths: Mapping[tuple[str, int, bool, int], Truth],
     cache: Path,
     quick: bool,
     tick: Message | None,
@@ -90,8 +90,10 @@ def _kind(
         "kind": kind,
         "cells": [
             {
-                **{"end": cell.end, "outputs": cell.outputs},
-                "truths": [_plain(truths[kind, cell.end, k]) for k in range(DRAWS)],
+                **{"end": cell.end, "outputs": cell.outputs, "starts": cell.starts},
+                "truths": [
+                    _plain(truths[kind, cell.end, cell.starts > 0, k]) for k in range(DRAWS)
+                ],
             }
             for cell in cells
         ],
@@ -185,25 +187,26 @@ def verdict(programs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 def _truths(
     asked: Mapping[str, Sequence[Cell]], tick: Message | None
-) -> dict[tuple[str, int, int], Truth]:
+) -> dict[tuple[str, int, bool, int], Truth]:
     """The references by kind, end and draw, the longest first: no clock runs beside them."""
-    ends = sorted({(cell.kind, cell.end) for cells in asked.values() for cell in cells})
-    jobs = [(*x, k) for x in sorted(ends, key=lambda x: -x[1]) for k in range(DRAWS)]
+    ends = {(c.kind, c.end, c.starts > 0) for cells in asked.values() for c in cells}
+    jobs = [(*x, k) for x in sorted(ends, key=lambda x: (-x[1], x)) for k in range(DRAWS)]
 
-    def begun(job: tuple[str, int, int]) -> None:
-        if tick is not None and job[2] == 0:
-            tick(f"references of {job[0]} to t = {job[1]}")
+    def begun(job: tuple[str, int, bool, int]) -> None:
+        if tick is not None and job[-1] == 0:
+            tick(f"references of {job[0]} to t = {job[1]}{', many starts' if job[2] else ''}")
 
     return dict(zip(jobs, in_order(_truth, jobs, cores(), begun), strict=True))
 
 
-def _truth(job: tuple[str, int, int]) -> Truth:
-    kind, end, k = job
-    return draws.truth(kind, k, end)
+def _truth(job: tuple[str, int, bool, int]) -> Truth:
+    kind, end, many, k = job
+    return draws.truth(kind, k, end, many)
 
 
 def _plain(true: Truth) -> list[Any]:
-    return [true.high.tolist(), true.low.tolist(), true.scale]
+    scale = true.scale
+    return [true.high.tolist(), true.low.tolist(), getattr(scale, "tolist", lambda: scale)()]
 
 
 def _enter(points: dict[str, Points], told: Mapping[str, Sequence[Sequence[float]]]) -> None:

@@ -1,10 +1,10 @@
 """All programs on one kind of motion, side by side in one process: ``python -m … < job``.
 
-A job: {"kind", "cells": [{"end", "outputs", "truths": [[high, low, scale] a draw]}], "programs":
-names, "tolerances": {cell's label: {program: [tolerances]}} or null, "patience": seconds}.  Without
-tolerances each program is run once at all of its own, judged, and only those next to a level are
-timed further.  Each call has another start than the one before: the draw's, its first component
-off by some units in the last place.
+A job: {"kind", "cells": [{"end", "outputs", "starts", "truths": [[high, low, scale] a draw]}],
+"programs": names, "tolerances": {cell's label: {program: [tolerances]}} or null, "patience":
+seconds}.  Without tolerances each program is run once at all of its own, judged, and only those
+next to a level are timed further.  Each call has another start than the one before: the draw's, its
+first component off by some units in the last place.
 
 The answer is lines of JSON, flushed as they are made: {"ready": program, "seconds"}, {"missing"},
 and for each cell {"cell", "points": {program: [[draw, tol, digits, seconds]]}, "faults"}.
@@ -21,8 +21,19 @@ from typing import Any
 
 from polhode.peers.prepared import Run
 from polhode.peers.protocol import end_with_parent, write
-from polhode.studies.speed.draws import DRAWS, Cell, Draw, Truth, digits, draw, judged, present
-from polhode.studies.speed.programs import BY_NAME
+from polhode.studies.speed.draws import (
+    DRAWS,
+    MANY_JUDGED,
+    Cell,
+    Draw,
+    Truth,
+    digits,
+    draw,
+    judged,
+    median_digits,
+    present,
+)
+from polhode.studies.speed.programs import BY_NAME, MANY
 
 LEVELS = (6.0, 9.0, 12.0)
 ROUNDS = 5  # of timed calls, fewer where they take longer than the job's patience
@@ -36,15 +47,18 @@ def main() -> None:
     """Answer the job on stdin."""
     end_with_parent()
     job = json.load(sys.stdin)
-    ready: dict[str, Run] = {}
+    ready: dict[bool, dict[str, Run]] = {False: {}, True: {}}
+    asked_for = {bool(asked["starts"]) for asked in job["cells"]}
     for name in job["programs"]:
-        began = time.process_time()
-        ready[name] = BY_NAME[name].prepared(present(job["kind"]))
-        write({"ready": name, "seconds": time.process_time() - began})
+        for many in sorted(asked_for):
+            if not many or name in MANY:
+                began = time.process_time()
+                ready[many][name] = BY_NAME[name].prepared(present(job["kind"]), many)
+                write({"ready": name, "seconds": time.process_time() - began})
     for asked in job["cells"]:
-        cell = Cell(job["kind"], asked["end"], asked["outputs"])
-        began = time.process_time()
-        contest = _Contest(cell, [Truth(*_arrays(x)) for x in asked["truths"]], ready)
+        cell = Cell(job["kind"], asked["end"], asked["outputs"], asked["starts"])
+        began, prepared = time.process_time(), ready[bool(cell.starts)]
+        contest = _Contest(cell, [Truth(*_arrays(x)) for x in asked["truths"]], prepared)
         contest.hold((job["tolerances"] or {}).get(cell.label), job["patience"])
         write(
             {
@@ -63,8 +77,8 @@ class _Contest:
         import numpy as np
 
         self.cell, self.truths = cell, truths
-        self.ready = {n: r for n, r in ready.items() if BY_NAME[n].runs(cell.end, cell.outputs)}
-        self.draws: list[Draw] = [draw(cell.kind, k, cell.end, cell.outputs) for k in range(DRAWS)]
+        self.ready = {n: r for n, r in ready.items() if BY_NAME[n].runs(*cell[1:])}
+        self.draws: list[Draw] = [draw(cell.kind, k, *cell[1:]) for k in range(DRAWS)]
         self.times = np.array([float(t) for t in self.draws[0].scene.times])
         self.points: dict[str, Points] = defaultdict(dict)
         self.faults: dict[str, str] = {}
@@ -92,7 +106,7 @@ class _Contest:
         known = self.points[name].get((k, tol))
         start = self.draws[k].start.copy()
         self._calls += 1
-        start[0] += self._calls % 16 * _NUDGE
+        start[..., 0] += self._calls % 16 * _NUDGE
         run, top = self.ready[name], self.draws[k].top
         try:
             if known is None:
@@ -107,10 +121,14 @@ class _Contest:
         if known is not None:
             self.points[name][k, tol] = known[0], min(known[1], seconds)
             return
-        if len(states) not in (1, len(self.times)):
-            self.faults[f"{name} at {tol:.1g}"] = f"{len(states)} of {len(self.times)} states"
+        expected = (self.cell.starts,) if self.cell.starts else (1, len(self.times))
+        if len(states) not in expected:
+            self.faults[f"{name} at {tol:.1g}"] = f"{len(states)} of {expected[-1]} states"
             return
-        found = digits(judged(states, self.cell.outputs), self.truths[k])
+        if self.cell.starts:
+            found = median_digits(states[:MANY_JUDGED], self.truths[k])
+        else:
+            found = digits(judged(states, self.cell.outputs), self.truths[k])
         self.points[name][k, tol] = found, seconds
 
     def told(self) -> dict[str, list[list[float]]]:
@@ -135,11 +153,11 @@ def _next_to_levels(points: Points) -> Iterator[tuple[int, float]]:
         yield from ((k, tol) for tol in sorted(chosen))
 
 
-def _arrays(given: Sequence[Any]) -> tuple[Any, Any, float]:
+def _arrays(given: Sequence[Any]) -> tuple[Any, Any, Any]:
     import numpy as np
 
-    high, low, scale = given
-    return np.array(high), np.array(low), float(scale)
+    high, low, scale = map(np.array, given)
+    return high, low, scale
 
 
 if __name__ == "__main__":

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import statistics
 from fractions import Fraction
 from functools import cache
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from polhode.equations.forms import principal
 from polhode.judging.adaptive_precision import integrate
@@ -16,6 +19,7 @@ from polhode.numbers.number_types import DOUBLE, bits_for
 from polhode.numbers.rows import Rows
 from polhode.peers.field import TERMS
 from polhode.peers.prepared import Top
+from polhode.runs.sweep.integrate_many import integrate_many
 from polhode.scenes.output_times import even_times
 from polhode.scenes.scene import Scene
 from polhode.studies.ensembles import CHAOTIC, STARTED, TOPS, random_scene
@@ -27,25 +31,38 @@ JUDGED = 11  # even times at which a run is judged, the end alone where it has n
 
 ENDS = (1, 10, 100, 1000, 10_000)
 OUTPUTS = (2, 101, 10_001)
+#: Many starts at once: of which kinds, to which ends, how many, and how many of them are judged.
+MANY_KINDS, MANY_ENDS = ("asymmetric", "chaotic"), (1, 10, 100)
+MANY_STARTS = (100, 10_000)
+MANY_JUDGED = 15
+_SPREAD = 0.25  # of the draw's own |w|
+
 #: The longest runs of kinds whose digits are gone, or whose turns are too many, later.
 LAST = {"chaotic": 100, "fast": 1000}
 
 
 class Cell(NamedTuple):
-    """A kind of motion to an end with so many output times, both ends counted."""
+    """A kind of motion to an end with so many output times, both ends counted.
+
+    ``starts``: how many of each body at once, whose states at the end are asked for; 0: one start
+    after the other.
+    """
 
     kind: str
     end: int
     outputs: int
+    starts: int = 0
 
     @property
     def label(self) -> str:
         """Its name, by which one cell alone can be made again."""
+        if self.starts:
+            return f"{self.kind} t={self.end} starts={self.starts}"
         return f"{self.kind} t={self.end} outputs={self.outputs}"
 
 
 class Draw(NamedTuple):
-    """One body and start of a kind, exact and rounded to doubles."""
+    """One body and start of a kind, exact and rounded to doubles; or its starts, (N, 6)."""
 
     scene: Scene
     top: Top
@@ -53,17 +70,23 @@ class Draw(NamedTuple):
 
 
 class Truth(NamedTuple):
-    """States at the judged times as sums of two doubles, and the scale of w."""
+    """States at the judged times as sums of two doubles, and the scale of w.
+
+    Of many starts the states at the end of the first ones, and the scale of each.
+    """
 
     high: Any
     low: Any
-    scale: float
+    scale: Any
 
 
 def cells(kind: str) -> list[Cell]:
-    """Every length and number of outputs of a kind."""
+    """Every length and number of outputs of a kind; and of starts."""
     ends = [end for end in ENDS if end <= LAST.get(kind, ENDS[-1])]
-    return [Cell(kind, end, outputs) for end in ends for outputs in OUTPUTS]
+    found = [Cell(kind, end, outputs) for end in ends for outputs in OUTPUTS]
+    if kind in MANY_KINDS:
+        found += [Cell(kind, end, 2, starts) for end in MANY_ENDS for starts in MANY_STARTS]
+    return found
 
 
 def scene_of(kind: str, index: int, end: int, outputs: int) -> Scene:
@@ -72,16 +95,20 @@ def scene_of(kind: str, index: int, end: int, outputs: int) -> Scene:
     return random_scene(kind, number, times(end, outputs))
 
 
-def draw(kind: str, index: int, end: int, outputs: int) -> Draw:
-    """A body of the kind and its start."""
-    import numpy as np
-
+def draw(kind: str, index: int, end: int, outputs: int, starts: int = 0) -> Draw:
+    """A body of the kind and its start, or many starts: w about its own, gamma anywhere."""
     scene = scene_of(kind, index, end, outputs)
     body = scene.body
     terms = principal.coefficients(body)
     coefficients = np.array([to_double(terms.get(term, 0)) for term in TERMS])
     moments, torque = (np.array([*map(to_double, x)]) for x in (body.moments, body.torque))
     start = np.array([*map(to_double, scene.start)])
+    if starts:
+        dice = np.random.default_rng(index)
+        omega, gamma = np.split(dice.normal(size=(starts, 6)), 2, axis=1)
+        omega = start[:3] + _SPREAD * np.linalg.norm(start[:3]) * omega
+        gamma /= np.linalg.norm(gamma, axis=1)[:, None]
+        start = np.hstack([omega, gamma])
     return Draw(scene, Top(coefficients, moments, torque), start)
 
 
@@ -91,29 +118,35 @@ def present(kind: str) -> tuple[bool, ...]:
     return tuple(bool(x) for x in sum(found) > 0)
 
 
-def truth(kind: str, index: int, end: int) -> Truth:
-    """The motion at the judged times: by its closed form, else by a refined run in quad."""
-    import numpy as np
+def truth(kind: str, index: int, end: int, many: bool = False) -> Truth:
+    """The motion at the judged times: by its closed form, else by a refined run in quad.
 
-    from polhode.numbers.mpmath_context import mpmath
-
+    ``many``: of the first of many starts the states at the end.
+    """
     scene = scene_of(kind, index, end, JUDGED)
     states: Rows
-    if kind in TOPS:
+    if many:
+        rows = draw(kind, index, end, 2, MANY_STARTS[0]).start[:MANY_JUDGED]
+        members = integrate_many(scene, starts=rows, at=[0]).members
+        runs = [integrate(member.at([end]), "quad") for member in members]
+        states = [run.states[-1] for run in runs]
+        scale: Any = np.array([10 ** log10_rate(run.states, run.scene) for run in runs])
+    elif kind in TOPS:
         states = reference_of(scene).at(scene.times, DIGITS)
+        scale = 10 ** log10_rate(states, scene)
     else:
         states = integrate(scene, "quad").states
-    bits = bits_for(DIGITS) + 32
-    with mpmath.workprec(bits):
+        scale = 10 ** log10_rate(states, scene)
+    from polhode.numbers.mpmath_context import mpmath
+
+    with mpmath.workprec(bits_for(DIGITS) + 32):
         high = np.array([[float(x) for x in row] for row in states])
         low = np.array([[float(x - float(x)) for x in row] for row in states])
-        return Truth(high, low, 10 ** log10_rate(states, scene))
+        return Truth(high, low, scale)
 
 
 def digits(states: Any, true: Truth) -> float:
     """Correct digits, the worst over the judged times: the end alone of a single state."""
-    import numpy as np
-
     found = np.asarray(states, dtype=float)
     picked = slice(-1, None) if len(found) == 1 else slice(None)
     errors = np.abs((found - true.high[picked]) - true.low[picked])
@@ -121,6 +154,13 @@ def digits(states: Any, true: Truth) -> float:
     worst = float(errors.max())
     with np.errstate(divide="ignore"):
         return digits_of(float(np.log10(worst)), DOUBLE.most_digits) if np.isfinite(worst) else 0.0
+
+
+def median_digits(states: Any, true: Truth) -> float:
+    """Correct digits of the states of many starts, the median over those that are judged."""
+    rows = zip(states, true.high, true.low, true.scale, strict=True)
+    each = [digits([row], Truth(high[None], low[None], scale)) for row, high, low, scale in rows]
+    return statistics.median(each)
 
 
 def judged(states: Any, outputs: int) -> Any:

@@ -65,7 +65,7 @@ def _ratios(cells: Sequence[JsonObject], end: int, digits: float, name: str) -> 
         found = [
             program["ratio"][0]
             for cell in cells
-            if (cell["end"], cell["outputs"]) == (end, outputs)
+            if (cell["end"], cell["outputs"], cell.get("starts", 0)) == (end, outputs, 0)
             for level in cell["levels"]
             if level["digits"] == digits
             for program in level["programs"]

@@ -11,13 +11,17 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
+import numpy as np
+
 from polhode.judging.adaptive_precision import integrate
 from polhode.peers.prepared import Run, Top
 from polhode.runs.propagator import Propagator, propagator
+from polhode.runs.sweep.integrate_many import integrate_many
 from polhode.scenes.from_numbers import top as scene_of
 from polhode.scenes.scene import Scene
 from polhode.studies.speed.programs import EPS, PROJECTED
 
+UPRIGHT = np.array([0.0, 0.0, 1.0])
 _LARGEST = 1000  # denominator of a draw's gamma
 
 
@@ -49,6 +53,28 @@ def prepared(present: Sequence[bool], method: str) -> Run:
         p, q, r = map(Fraction, start[:3].tolist())
         run = integrate(replace(scene, omega=(p, q, r)), tol=_told(tol))
         return run.states if len(at) > 2 else run.states[-1:]
+
+    return propagated if method == "propagator" else integrated
+
+
+def prepared_many(present: Sequence[bool], method: str) -> Run:
+    """Arrays of starts to a propagator of each body and tolerance, or to integrate_many.
+
+    In one thread; ``present``: unused.
+    """
+    made: dict[tuple[int, float], tuple[Top, Propagator]] = {}
+
+    def propagated(top: Top, start: Any, at: Any, tol: float) -> Any:
+        known, go = made.get((id(top), tol), (None, None))
+        if go is None or known is not top:
+            go = propagator(_scene(top, 2, 1.0, UPRIGHT), tol=_told(tol))
+            made[id(top), tol] = top, go
+        return go(start, t=float(at[-1]), workers=1)
+
+    def integrated(top: Top, start: Any, at: Any, tol: float) -> Any:
+        scene, end = _scene(top, 2, 1.0, UPRIGHT), float(at[-1])
+        many = integrate_many(scene, starts=start, at=[end], tol=_told(tol), workers=1)
+        return many.states[:, 0]
 
     return propagated if method == "propagator" else integrated
 

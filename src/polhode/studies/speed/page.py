@@ -82,11 +82,22 @@ _CELLS = (
 )
 
 
+_MANY = (
+    Column("cells", "cells", "", "the last time, and the number of starts of each body"),
+    Column("digits", "digits", "g", "correct digits that are asked for, the median over starts"),
+    Column("arrays, µs", "own", ">", "a start of an array that a propagator is given, the median"),
+    *_CELLS[3:6],
+    Column(f"{ENGINE}, in batches", ENGINE, ">", _RATIO),
+    Column("polhode integrate_many", RUN, ">", _RATIO),
+)
+
+
 def tables(found: JsonObject) -> dict[str, PageTable]:
     """The page's tables from the study's JSON object."""
     first = sorted(found["first"], key=lambda row: row.get("cold", {}).get("wall", 1e9))
-    short = [cell for cell in found["cells"] if cell["end"] < LONG]
-    long = [cell for cell in found["cells"] if cell["end"] >= LONG]
+    many, single = _parted(found["cells"])
+    short = [cell for cell in single if cell["end"] < LONG]
+    long = [cell for cell in single if cell["end"] >= LONG]
     cells = "polhode study speed --only '{0}'"
     types = "polhode study speed --only '{0}' --only '{1}'"
     refined = "polhode study speed --only 'refined: {0} t={1}'"
@@ -94,6 +105,7 @@ def tables(found: JsonObject) -> dict[str, PageTable]:
         "first": table(first, _FIRST, "polhode study speed --only 'first result'"),
         "short": table(_by_length(short), _CELLS, cells),
         "long": table(_by_length(long), _CELLS, cells),
+        "many": table(_by_length(many), _MANY, cells),
         "faults": table(_faults(found), _FAULTS),
         "types": table(_best(found["motions"]), _BEST, types),
         "refined": table(found.get("refined", ()), _REFINED, refined),
@@ -103,13 +115,17 @@ def tables(found: JsonObject) -> dict[str, PageTable]:
 
 def facts(found: JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    cells, refined = found["cells"], found.get("refined", ())
+    refined = found.get("refined", ())
+    many, cells = _parted(found["cells"])
     better = [row["refined"]["digits"] - row["taylor"]["digits"] for row in refined]
     return {
         "draws": cells[0]["draws"] if cells else DASH,
         "kinds": ", ".join(dict.fromkeys(cell["kind"] for cell in cells)) or DASH,
         "far": _stands(cells, lambda end: end >= 100),
         "near": _stands(cells, lambda end: end <= 10),
+        "of_many": _stands(many, lambda _: True),
+        "many_losses": _losses(many) or DASH,
+        "many_engine": _engine(many) or DASH,
         "losses": _losses(cells) or DASH,
         "engine": _engine(cells) or DASH,
         "without": ", ".join(found["without"]) or "none",
@@ -118,6 +134,12 @@ def facts(found: JsonObject) -> dict[str, object]:
         "refined_digits": between(better, "+.1f"),
         "quad": _in_quad(refined) or DASH,
     }
+
+
+def _parted(cells: Sequence[JsonObject]) -> tuple[list[JsonObject], list[JsonObject]]:
+    """The cells of many starts at once, and the others."""
+    many = [cell for cell in cells if cell.get("starts")]
+    return many, [cell for cell in cells if not cell.get("starts")]
 
 
 def levels(cells: Iterable[JsonObject]) -> Levels:
@@ -182,23 +204,26 @@ def ratios_of(found: Levels, name: str) -> list[float]:
 
 
 def _by_length(cells: Sequence[JsonObject]) -> Iterator[JsonObject]:
-    """A row a length, number of outputs and level, over the kinds."""
-    places = {(cell["end"], cell["outputs"]) for cell in cells}
-    for end, outputs in sorted(places):
-        here = [cell for cell in cells if (cell["end"], cell["outputs"]) == (end, outputs)]
+    """A row a length, number of outputs or of starts, and level, over the kinds."""
+    places = {(cell["end"], cell["outputs"], cell.get("starts", 0)) for cell in cells}
+    for end, outputs, starts in sorted(places):
+        place = end, outputs, starts
+        here = [c for c in cells if (c["end"], c["outputs"], c.get("starts", 0)) == place]
+        name = f"t={end} " + (f"starts={starts}" if starts else f"outputs={outputs}")
+        unit = 1e6 / starts if starts else 1e3
         for digits in [level["digits"] for level in here[0]["levels"]]:
             there = [(c, x) for c in here for x in c["levels"] if x["digits"] == digits]
-            yield {"cells": f"t={end} outputs={outputs}", "digits": digits, **_over_kinds(there)}
+            yield {"cells": name, "digits": digits, **_over_kinds(there, unit)}
 
 
-def _over_kinds(found: Levels) -> JsonObject:
-    """What a row says of one length and level."""
+def _over_kinds(found: Levels, unit: float) -> JsonObject:
+    """What a row says of one length and level, seconds times a unit."""
     own = [p["seconds"] for _, x in found for p in x["programs"] if p["program"] == OURS]
     met = [x["verdict"] for _, x in found if "best" in x["verdict"]]
     names = [verdict["best"] for verdict in met]
     first = sorted(set(names), key=lambda name: (-names.count(name), name))[:2]
     return {
-        "own": median([1000 * seconds for seconds in own if seconds], ".3g"),
+        "own": median([unit * seconds for seconds in own if seconds], ".3g"),
         "stands": counted(stands(found)),
         "best": ", ".join(first) or DASH,
         "ratio": spread([verdict["ratio"][0] for verdict in met], ".2f"),

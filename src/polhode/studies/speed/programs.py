@@ -33,13 +33,14 @@ class Program(NamedTuple):
     outputs: int = 10_001
     needs: tuple[str, ...] = ()
 
-    def runs(self, end: int, outputs: int) -> bool:
-        """Whether it is run in cells of this length and number of outputs."""
-        return end <= self.last and outputs <= self.outputs
+    def runs(self, end: int, outputs: int, starts: int = 0) -> bool:
+        """Whether it is run in cells of this length and number of outputs, or of starts."""
+        return end <= self.last and outputs <= self.outputs and (not starts or self.name in MANY)
 
-    def prepared(self, present: Sequence[bool]) -> Run:
-        """Its prepared form for a pattern of the equations."""
-        made: Run = import_module(self.module).prepared(present, self.method)
+    def prepared(self, present: Sequence[bool], many: bool = False) -> Run:
+        """Its prepared form for a pattern of the equations, of one start or of many."""
+        module = import_module(self.module)
+        made: Run = (module.prepared_many if many else module.prepared)(present, self.method)
         return made
 
 
@@ -72,6 +73,11 @@ PROGRAMS = (
     #: Of the table of first results alone: nothing to compile, and slow ever after.
     _peer("SciPy DOP853, Python", "scipy_python", "DOP853", ("scipy",), last=0),
     _peer("CyRK DOP853, Python", "cyrk", "DOP853, Python", ("CyRK",), last=0),
+)
+#: Those that are called with many starts: all that have a way of their own for them.
+MANY = (
+    *(OURS, RUN, ENGINE),
+    *("CyRK DOP853", "CyRK VERN8", "numbalsoda dop853", "numbalsoda lsoda", "diffrax Dopri8"),
 )
 BY_NAME: Mapping[str, Program] = {program.name: program for program in PROGRAMS}
 

@@ -16,7 +16,8 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, number_value, to_double, to_mpf
 from polhode.numbers.number_types import NumberType, bits_for
 from polhode.numbers.rows import Given, Row, Rows
-from polhode.scenes.body import Body, dot, scaled
+from polhode.numbers.vectors import dot, scaled
+from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.taylor.integrator.stepping import Integrator
 

@@ -18,11 +18,10 @@ import numpy as np
 
 from polhode.common.progress import Stop
 from polhode.motion.outcomes import Outcome, code
-from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Array, Doubles, Stack, doubles
+from polhode.numbers.rows import Array, Doubles, doubles
 from polhode.scenes.vocabulary import STATE
-from polhode.taylor.backend import defaults, heyoka_numbers
+from polhode.taylor.backend import defaults
 from polhode.taylor.batches.compiled_batch import LANES, CompiledBatch, in_lanes, out_of_lanes
 from polhode.taylor.batches.jobs import BatchJob, Solved
 from polhode.taylor.batches.time_slices import Stretch, Stretches
@@ -133,10 +132,12 @@ class _Way:
             kept = stretch.last - stretch.first
             if kept:  # a single target's row serves as the one output that there is
                 states[stretch.first : stretch.last] = rows if stretch.grid is None else rows[:kept]
+            if stretch.last == len(states):
+                break
             if self._hopeless(max(steps), stretch.to):  # of some: each motion by itself tells
                 return None
             n += 1
-            stretch = None if stretch.last == len(states) else self.stretches.at(n)
+            stretch = self.stretches.at(n)
         return steps
 
     def _hopeless(self, steps: int, reached: Fraction) -> bool:
@@ -153,16 +154,13 @@ class _Way:
 
     def _alone(self, k: int) -> None:
         """One motion; left as if it had not begun where it is stopped."""
-        ready, number = self.ready, self.job.number
+        ready = self.ready
         start, coefficients = self.starts[k], self.coefficients[k]
         if isinstance(ready, CompiledBatch):  # in all lanes alike
             ready.stand(start[:, None], coefficients[:, None])
-        elif number.flat:
-            ready.stand(start, coefficients)
         else:
-            both = (heyoka_numbers.scalars([*row], number) for row in (start, coefficients))
-            ready.stand(*(heyoka_numbers.array(row, number) for row in both))
-        self.found.states[k] = np.nan if number.flat else None
+            ready.stand(start, coefficients)
+        self.found.states[k] = np.nan
         steps, most, reached, outcome = 0, self.job.max_steps, Fraction(0), Outcome.REACHED_END
         for stretch in self.stretches:
             if steps >= most:
@@ -171,7 +169,7 @@ class _Way:
             ready.begin()
             advanced = self._in_blocks(stretch, most - steps)
             if advanced is None:
-                self.found.states[k] = np.nan if number.flat else None
+                self.found.states[k] = np.nan
                 return
             rows, taken, outcome = advanced
             steps += taken
@@ -181,15 +179,15 @@ class _Way:
             if outcome is not Outcome.REACHED_END:
                 break
             reached = stretch.to
+            if stretch.last == len(self.job.times):
+                break
             if self._hopeless(steps, reached):
                 outcome = Outcome.STEP_LIMIT
                 break
         self.found.outcomes[k], self.found.steps[k] = code(outcome), steps
         self.found.reached[k] = reached
 
-    def _in_blocks(
-        self, stretch: Stretch, limit: int
-    ) -> tuple[Stack | list[Array], int, Outcome] | None:
+    def _in_blocks(self, stretch: Stretch, limit: int) -> tuple[list[Array], int, Outcome] | None:
         """Rows of one motion at times, its steps, its ending; None where it is stopped.
 
         A stretch that goes as foreseen is one block of steps.  One whose motion turns out faster by
@@ -205,6 +203,10 @@ class _Way:
             elif outcome is not Outcome.NON_FINITE:
                 outcome = Outcome.STEP_LIMIT
             return None if ended.stopped else (rows, steps, outcome)
+        if len(rest) == 1:  # a state at the end alone needs no dense output
+            outcome, steps = ready.until(rest[0], min(self.block, limit), self.block)
+            if outcome is not Outcome.STEP_LIMIT or steps == limit:
+                return ([ready.row.copy()] * outcome.done, steps, outcome)
         while True:
             most = min(self.block, limit - steps)
             met, took, outcome = ready.grid([ready.now, *rest], most)
@@ -222,14 +224,4 @@ class _Way:
                 outcome = Outcome.STEP_LIMIT if rest else Outcome.REACHED_END
             if outcome not in (Outcome.REACHED_END, Outcome.NON_FINITE):
                 outcome = Outcome.STEP_LIMIT
-            return self._told(rows), steps, outcome
-
-    def _told(self, rows: list[Array]) -> Stack | list[Array]:
-        """Rows as results have them: above extended of Fractions."""
-        number = self.job.number
-        if number.flat:
-            return rows
-        found: Stack = np.empty((len(rows), self.job.columns), dtype=object)
-        for i, row in enumerate(rows):
-            found[i] = [exactly(x) for x in heyoka_numbers.numbers(row.tolist(), number)]
-        return found
+            return rows, steps, outcome

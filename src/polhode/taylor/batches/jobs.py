@@ -15,9 +15,9 @@ from polhode.numbers.rows import Stack, kind_of
 
 
 class Columns(NamedTuple):
-    """Motions: coefficients and starts, a row each, as numbers of the run's type.
+    """Motions: coefficients and starts, a row each, doubles or longdoubles.
 
-    Doubles, longdoubles, or above extended Fractions.  In the run's own unit of time.
+    In the run's own unit of time.
     """
 
     coefficients: Stack
@@ -27,15 +27,6 @@ class Columns(NamedTuple):
     def many(self) -> int:
         """How many."""
         return len(self.starts)
-
-    def bytes(self) -> bytes:
-        """All of it, to tell it from any other."""
-        if self.starts.dtype == object:
-            return repr((self.coefficients.tolist(), self.starts.tolist())).encode()
-        tables = (self.coefficients, self.starts)
-        high = [table.astype(np.float64) for table in tables]  # a longdouble has idle bytes
-        rest = [(a - b).astype(np.float64) for a, b in zip(tables, high, strict=True)]
-        return b"".join(table.tobytes() for table in (*high, *rest))
 
     def some(self, which: npt.NDArray[np.int64] | slice | int) -> Columns:
         """Those of some indices."""
@@ -67,7 +58,7 @@ class Solved:
     """What became of systems, one after the other.
 
     ``states``: (systems, times, columns) in principal axes and internal units, not a number where
-    a time was not reached; above extended Fractions and None.
+    a time was not reached.
     ``outcomes``: by number, NOT_RUN of those that were stopped.  ``errors``: of the
     states of refined members, see :class:`polhode.runs.trajectory.Trajectory`; None without any.
     """
@@ -83,9 +74,8 @@ class Solved:
         """Nothing done yet."""
         count = job.motions.many
         kind = kind_of(job.number)
-        empty = np.nan if job.number.flat else None
         return cls(
-            np.full((count, len(job.times), job.columns), empty, dtype=kind),
+            np.full((count, len(job.times), job.columns), np.nan, dtype=kind),
             np.full(count, code(Outcome.NOT_RUN), dtype=np.uint8),
             np.zeros(count, dtype=np.int64),
             np.full(count, Fraction(0), dtype=object),

@@ -5,19 +5,18 @@ The lines are the same in all number types: numpy computes with heyoka's numbers
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 
-from polhode.equations.form import equations
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Booleans, Doubles, Indices
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend.engine import hy
-from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS, array, scalar, scalars, type_options
+from polhode.taylor.backend.heyoka_numbers import scalar, type_options
 from polhode.taylor.backend.time_grid import exact_sum
 from polhode.taylor.backend.types import CompiledFunction, Expression
 from polhode.taylor.events.functions import TIME, event_expression, jet
@@ -56,17 +55,12 @@ def marks_at(times: Doubles, columns: Doubles) -> Marks:
     return Marks(none, none, times, none, columns)
 
 
-#: The form's variables, columns (variables, n), so much after some marks.
-Hop: TypeAlias = Callable[[Marks, Scalar], Scalar]
-
-
 class Jet(NamedTuple):
     """An expression along a motion, compiled in a run's number type.
 
     ``evaluate``: its value and three derivatives at columns of the form's variables, which
     ``timed`` says to take the time, too.  ``motion``: the variables' first three derivatives.
-    ``numbers``: the coefficients that both take as parameters.  ``hop``: along the motion, where
-    its Taylor polynomials are not to do.
+    ``numbers``: the coefficients that both take as parameters.
     """
 
     evaluate: CompiledFunction
@@ -74,7 +68,6 @@ class Jet(NamedTuple):
     timed: bool
     number: NumberType
     numbers: Scalar
-    hop: Hop | None = None
 
     def at(self, marks: Marks) -> Scalar:
         """Value and derivatives, (4, n)."""
@@ -82,12 +75,9 @@ class Jet(NamedTuple):
 
     def moved(self, marks: Marks, step: Scalar) -> Marks:
         """The same places a little later."""
-        if self.hop is not None:
-            columns = self.hop(marks, step)
-        else:
-            rates = self._of(self.motion, marks).reshape(3, *marks.columns.shape)
-            divisors = [scalar(Fraction(k), self.number) for k in (2, 3)]
-            columns = along(marks.columns, rates, step, divisors)
+        rates, bend, third = self._of(self.motion, marks).reshape(3, *marks.columns.shape)
+        two, three = (scalar(Fraction(k), self.number) for k in (2, 3))
+        columns = marks.columns + step * (rates + step / two * (bend + step / three * third))
         return marks._replace(rest=marks.rest + step, columns=columns)
 
     def _of(self, compiled: CompiledFunction, marks: Marks) -> Scalar:
@@ -99,20 +89,6 @@ class Jet(NamedTuple):
             options["time"] = marks.time + marks.rest
         found: Scalar = compiled(np.ascontiguousarray(marks.columns), **options)
         return found
-
-
-def along(
-    columns: Scalar,
-    rates: Scalar | Sequence[Scalar],
-    step: Scalar,
-    divisors: Sequence[Scalar] = (2, 3),
-) -> Scalar:
-    """States a little later by a Taylor polynomial: ``rates``, first derivatives and so on."""
-    bend = rates[-1]
-    for k in range(len(rates) - 1, 0, -1):
-        bend = rates[k - 1] + step / divisors[k - 1] * bend
-    found: Scalar = columns + step * bend
-    return found
 
 
 def jet_of(
@@ -146,16 +122,3 @@ def compiled(
             jet = jet_of(value, variables, rates, number, motion)
             found[event.expression], motion = jet, jet.motion
     return [found[event.expression] for event in scene.events]
-
-
-def of_scene(scene: Scene, number: NumberType, hop: Hop) -> list[Jet]:
-    """The jets of a scene's events, where no integrator has variables of its own."""
-    form = equations(scene)
-    variables = hy.make_vars(*form.variables)
-    k = {name: hy.par[i] for i, name in enumerate(form.coefficients, DESK)}
-    rates = form.field(variables, k, EXPRESSIONS)
-    numbers = array(scalars([*form.coefficients.values()], number), number)
-    return [
-        found._replace(numbers=numbers, hop=hop)
-        for found in compiled(scene, number, variables, rates)
-    ]

@@ -11,7 +11,7 @@ from polhode.numbers.conversion import to_mpf
 from polhode.numbers.exact import ZERO, sign
 from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.scalars import Scalar
-from polhode.scenes.body import dot
+from polhode.numbers.vectors import dot
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import FLIP

@@ -83,12 +83,7 @@ def polished(jet: Jet, met: Sequence[Marks], band: Fraction, noise: Noise, way: 
             first = joined([first.those(first.steep), second])
         extrema = refined(jet, extrema, "extrema")
     both = joined([first, places(jet, extrema, band, noise, way, False)])
-    return in_order(both)
-
-
-def in_order(met: Places) -> Places:
-    """Places in order of time."""
-    return met.those(np.argsort(met.ahead, kind="stable"))
+    return both.those(np.argsort(both.ahead, kind="stable"))
 
 
 def refined(jet: Jet, marks: Marks, kind: str) -> Marks:

@@ -57,28 +57,24 @@ _MOST_STEPS = 10_000  # of a search
 
 
 class Note(NamedTuple):
-    """A zero as heyoka met it: an exact offset, the time since then, the form's variables there.
-
-    ``value``: of the expression, where another run tells it and that is enough.
-    """
+    """A zero as heyoka met it: an exact offset, the time since then, the form's variables there."""
 
     offset: Fraction
     time: HeyokaNumber
     row: Array
-    value: float = 0.0
 
 
 @dataclass(frozen=True)
 class Record:
     """What is known of one event while a run is under way.
 
-    ``noted``: how many zeros, extrema and other places, of which ``taken`` are polished:
-    ``places``.  ``happened``: what is decided, up to ``standing``; ``open``: a zero is in sight.
+    ``noted``: how many zeros and extrema, of which ``taken`` are polished: ``places``.
+    ``happened``: what is decided, up to ``standing``; ``open``: a zero is in sight.
     """
 
     standing: Standing
-    noted: tuple[int, ...] = (0, 0, 0)
-    taken: tuple[int, ...] = (0, 0, 0)
+    noted: tuple[int, ...] = (0, 0)
+    taken: tuple[int, ...] = (0, 0)
     places: Places | None = None
     happened: tuple[Happening, ...] = ()
     complete: bool = True
@@ -107,10 +103,9 @@ class Watch:
         self.any_step = rules.still
         self.way = 1 if sign(scene.end) >= 0 else -1
         self.width = len(equations(scene).variables)
-        self.alike = float(number.eps)
         self.after_step = AfterStep(self._stops, number) if rules.asked else None
-        # zeros and extrema that were met, and what else tells the sides of an expression
-        self._notes: list[tuple[list[Note], ...]] = [([], [], []) for _ in scene.events]
+        # zeros and extrema that were met
+        self._notes: list[tuple[list[Note], ...]] = [([], []) for _ in scene.events]
         self._known = Found()
         self._ends = [k for k, event in enumerate(scene.events) if event.stop]
         self._starts: list[End] = []
@@ -175,14 +170,11 @@ class Watch:
         if any(jet.timed for jet in self.jets):
             heyoka.pars[:2] = self._clock(offset)
         if not self._starts:
-            self.starts_at(self._here(heyoka))
-
-    def starts_at(self, marks: Marks) -> None:
-        """Take note of the start."""
-        self._starts = [
-            End(before, self._places(k, marks)) for k, before in enumerate(self.rules.start)
-        ]
-        self._known = Found(tuple(Record(at_the_start(start)) for start in self._starts))
+            here = self._here(heyoka)
+            self._starts = [
+                End(before, self._places(k, here)) for k, before in enumerate(self.rules.start)
+            ]
+            self._known = Found(tuple(Record(at_the_start(start)) for start in self._starts))
 
     def _clock(self, offset: Fraction) -> Array:
         """An exact time as two numbers of the run's."""
@@ -221,9 +213,9 @@ class Watch:
             if not value * record.standing.side < 0:  # on the same side, and no zero was met
                 self._keep(k, replace(record, noted=noted))
                 return
-        self.decide(k, here)
+        self._decide(k, here)
 
-    def decide(self, k: int, here: Marks) -> None:
+    def _decide(self, k: int, here: Marks) -> None:
         """Decide what happened of an event up to a place, and whether that ends the run."""
         end = self._end(k, here)
         found, record = self._decided(k, end)
@@ -289,7 +281,8 @@ class Watch:
         event, read = self.scene.events[k], Readout(self.scene, self.number)
         if not self._starts:  # no step was taken
             return EventTimes(event.name, (), read_only(read.states([]), read.columns), ())
-        before, end = self._known.records[k].happened, self._end(k, self._last())
+        last = self._known.at or self._here(self._stepping)
+        before, end = self._known.records[k].happened, self._end(k, last)
         more, record = self._decided(k, end)
         happened = [*before, *more]
         counted = [
@@ -317,10 +310,6 @@ class Watch:
             record.complete,
         )
 
-    def _last(self) -> Marks:
-        """Where the run ended."""
-        return self._known.at or self._here(self._stepping)
-
     def _beyond(self, record: Record, happening: Happening) -> bool:
         """Whether an event lies behind the one that ended the run."""
         if self._known.at is None:
@@ -341,7 +330,8 @@ class Watch:
             known = known.those(known.ahead <= last)
         search = partial(self._search, k, known, end)
         start, way = self._starts[k], self.way
-        decision = Decision(known, record.standing, start, end, way, self.alike, search)
+        alike = float(self.number.eps)
+        decision = Decision(known, record.standing, start, end, way, alike, search)
         found = decision.found
         return found, replace(
             record,
@@ -356,7 +346,7 @@ class Watch:
 
     def _polished(self, k: int, notes: Sequence[list[Note]]) -> Places:
         """Zeros and extrema that were met, polished."""
-        met = [self._gathered(several) for several in notes[:2]]
+        met = [self._gathered(several) for several in notes]
         return polished(self.jets[k], met, self.rules.band, self._noise(k), self.way)
 
     def _gathered(self, notes: Sequence[Note]) -> Marks:

@@ -25,10 +25,11 @@ from typing import TypeAlias
 from flint import acb, acb_mat, arb
 
 from polhode.closed_forms.balls.core import TooFewBits, ball, either_root
-from polhode.closed_forms.balls.frames import Turn, conjugate, product
+from polhode.closed_forms.balls.frames import Turn, conjugate
 from polhode.closed_forms.balls.quadrature import Pair
 from polhode.closed_forms.balls.theta2 import Theta2, added
 from polhode.closed_forms.kovalevskaya.theta.theta_state import ThetaState, Values, dot
+from polhode.numbers.vectors import quaternion_product
 
 _HALVES = ((0, 0), (0, 1), (1, 0), (1, 1))
 _TIMES = (Fraction(0), Fraction(7, 10), Fraction(19, 10), Fraction(31, 10))  # |w| t, at most
@@ -103,7 +104,7 @@ class ThetaAttitude:
         if not all(x.is_finite() for x in q):
             raise TooFewBits
         self._check(q, state)
-        return product(conjugate(self._first), q)
+        return quaternion_product(conjugate(self._first), q)
 
     def _check(self, q: Turn, state: Sequence[arb]) -> None:
         """|q| = 1 and gamma against the state, which knows nothing of the attitude."""

@@ -1,0 +1,120 @@
+"""Readings that somebody told, applied whatever they give: ``omega degrees; attitude scalar-last``.
+
+The words are those that a judgement prints, and no others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from difflib import get_close_matches
+
+from polhode.common.errors import BadInput, listed
+from polhode.judging.diagnosis.conventions import (
+    other_times,
+    right_at,
+    shown_rows,
+    whole_parts,
+)
+from polhode.judging.diagnosis.reading import as_read
+from polhode.judging.diagnosis.time_unit import told_clock
+from polhode.judging.diagnosis.ways import Way, as_it_stands, ways
+from polhode.judging.references.reference import AnyReference
+from polhode.judging.tables.candidate import Subject, of_table
+from polhode.judging.tables.reading import LENGTH, TURNS, Reading, TimeChange
+from polhode.judging.tables.table import Table
+from polhode.numbers.decimals import brief
+from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import ANGLES, ATTITUDE
+
+_APPLIED = "a reading that can be applied; this one is reported, and not applied"
+
+
+def read_as_told(subject: Subject, reference: AnyReference, told: str) -> Subject:
+    """A table as it is read in readings separated by semicolons, in the words that tell them.
+
+    Raises BadInput for one that is none of the table's.
+    """
+    phrases = [" ".join(text.split()) for text in told.split(";") if text.strip()] or [told]
+    of_parts: list[str] = []
+    for phrase in phrases:
+        change = _time_changes(subject, reference.scene).get(phrase) or told_clock(phrase)
+        if change is not None:
+            moved = Reading("t", 0.0, phrase.removeprefix("t "), 0.0, None, change)
+            subject = as_read(subject, [moved])
+        elif phrase != f"attitude {LENGTH}":  # applied before
+            of_parts.append(phrase)
+    return as_read(subject, _readings(subject, reference, of_parts)) if of_parts else subject
+
+
+def table_as_told(table: Table, reference: AnyReference, told: str) -> Table:
+    """A table whose state, angles and attitude are read so; raises BadInput likewise."""
+    scene = reference.scene
+    subject = read_as_told(of_table(table, scene), reference, told)
+    columns = dict(table.columns)
+    parts = (
+        (scene.columns, subject.states),
+        (ANGLES, subject.angles),
+        (ATTITUDE, subject.attitude),
+    )
+    for names, rows in parts:
+        for k, name in enumerate(names):
+            if rows is not None and name in columns:
+                columns[name] = tuple(row[k] for row in rows)
+    return replace(table, times=subject.times, columns=columns)
+
+
+def _readings(subject: Subject, reference: AnyReference, phrases: Sequence[str]) -> list[Reading]:
+    """Readings of parts; other times in their words are the same ones in all."""
+    changes = _time_changes(subject, reference.scene)
+    later = next(filter(None, (_words_of_times(phrase, changes) for phrase in phrases)), "")
+    moved = changes.get(later)
+    parts, times = whole_parts(subject)
+    right = right_at(reference, [t if moved is None else moved.of(t) for t in times], moved)
+    if right is None:
+        raise BadInput(subject.name, "read", phrases[0], "numbers that can be followed in double")
+    known: dict[str, tuple[str, Way]] = {}
+    for part, values in parts.items():
+        for way in ways(part, values, right):
+            if words := ", ".join(filter(None, (later, way.words))):
+                known.setdefault(f"{part} {words}", (part, way))
+    digits = {part: as_it_stands(part, values, right) or 0.0 for part, values in parts.items()}
+    found: dict[str, Reading] = {}
+    for phrase in phrases:
+        if phrase == TURNS and "angles" in parts:
+            continue
+        if phrase not in known:
+            raise BadInput(subject.name, "read", phrase, _possible(phrase, known, changes))
+        part, way = known[phrase]
+        if way.change is None or part in found:
+            expected = f"no second reading of {part}" if way.change else _APPLIED
+            raise BadInput(subject.name, "read", phrase, expected)
+        words = phrase.removeprefix(f"{part} ")
+        rows = shown_rows(way, times)
+        found[part] = Reading(part, digits[part], words, way.digits, way.change, moved, rows)
+    if TURNS in phrases:
+        turned = Reading("angles", digits["angles"], TURNS, digits["angles"])
+        found.setdefault("angles", turned)
+    return [*found.values()]
+
+
+def _time_changes(subject: Subject, scene: Scene) -> dict[str, TimeChange]:
+    """Changes of times by the words that tell them."""
+    first = min(subject.times)
+    begun = {f"t from its first row on ({brief(first)})": TimeChange(shift=first)}
+    return begun | dict(other_times(subject, scene, far=True))
+
+
+def _words_of_times(phrase: str, changes: Iterable[str]) -> str:
+    """The words of other times that a reading of a part begins with; empty where there are none."""
+    rest = phrase.partition(" ")[2]
+    words = [one for one in changes if rest == one or rest.startswith(f"{one}, ")]
+    return max(words, key=len, default="")
+
+
+def _possible(phrase: str, known: Mapping[str, tuple[str, Way]], changes: Iterable[str]) -> str:
+    """Readings that a table may have, of those that rename axes only the nearest ones."""
+    applied = [words for words, (_, way) in known.items() if way.change is not None]
+    near = get_close_matches(phrase, applied)
+    plain = [words for words in applied if "=" not in words and words not in near]
+    return f"readings that this table can have: {listed(phrase, [*near, *plain, *changes])}"

@@ -1,0 +1,96 @@
+"""Members of a sweep in double or extended: steps of many at a time, read in the scene's axes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, NamedTuple
+
+from polhode.common.progress import Stop
+from polhode.equations.readout import Readout
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.rows import Stack, flat
+from polhode.runs.sweep.plan import Plan
+from polhode.scenes.scene import Scene
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    from polhode.taylor.batches.jobs import BatchJob, Solved
+
+
+@dataclass(frozen=True, eq=False)
+class Reader:
+    """Reads rows of some members in scene axes and units: plain data, to be sent anywhere.
+
+    ``bodies``: members that have principal axes in common, with a scene of such; none where axes
+    need no turn.  ``unit``: the exponent of the unit of time that all of them have.
+    """
+
+    number: NumberType
+    unit: int
+    bodies: tuple[tuple[npt.NDArray[np.int64], Scene], ...]
+
+    def states(self, rows: Stack) -> Stack:
+        """States, not a number where a member did not come; of flat types.
+
+        ``rows``: (members, times, columns) in principal axes and the run's units.
+        """
+        import numpy as np
+
+        states = flat(rows).copy()
+        for alike, one in self.bodies:  # one readout reads all of them
+            at = np.zeros(rows.shape[:2], dtype=bool)
+            at[alike] = ~np.isnan(rows[alike, :, 0])
+            if at.any():
+                read = flat(Readout(one, self.number).states(flat(rows[at])))
+                read[:, :3] = np.ldexp(read[:, :3], one.time_unit)
+                states[at] = read
+        states[:, :, :3] = np.ldexp(states[:, :, :3], -self.unit)
+        return states
+
+
+def reader(plan: Plan, members: npt.NDArray[np.int64]) -> Reader:
+    """What reads the rows of some members of a sweep that have a unit of time in common."""
+    import numpy as np
+
+    unit, base = int(plan.time_units[members[0]]), plan.members.scene
+    if not plan.members.axes_stay:
+        _, first, alike = np.unique(
+            np.stack(plan.bodies(members), axis=1), axis=0, return_index=True, return_inverse=True
+        )
+        own = [plan.members[int(members[k])] for k in first]
+        sets = [(np.flatnonzero(alike == n), one) for n, one in enumerate(own)]
+    else:  # a reading knows the axes alone
+        sets = [] if base.body.axes.trivial else [(np.arange(len(members)), base)]
+    bodies = tuple((these, replace(one, form="principal")) for these, one in sets)
+    return Reader(plan.number, unit, bodies)
+
+
+class FlatJob(NamedTuple):
+    """Members that have a unit of time in common, and what reads their rows."""
+
+    steps: BatchJob
+    read: Reader
+
+    def prepare(self) -> None:
+        """Compile what the members share: once, before threads ask for it."""
+        from polhode.taylor.batches import batch_integrator
+
+        batch_integrator.prepare(self.steps)
+
+    def solved(self, stop: Stop | None = None) -> Solved:
+        """What became of the members, in the scene's axes and units; ``stop`` ends it sooner."""
+        from polhode.taylor.batches import batch_integrator
+
+        solved = batch_integrator.solve(self.steps, stop)
+        return replace(solved, states=self.read.states(solved.states))
+
+
+def job_of(plan: Plan, group: npt.NDArray[np.int64]) -> FlatJob:
+    """The job of some members that have a unit of time in common."""
+    from polhode.taylor.batches.jobs import BatchJob
+
+    unit, motions = int(plan.time_units[group[0]]), plan.motions.some(group)
+    asked = plan.names, plan.number, plan.tolerance, plan.max_steps, plan.times
+    return FlatJob(BatchJob(*asked, unit, motions), reader(plan, group))

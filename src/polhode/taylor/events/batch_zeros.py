@@ -1,0 +1,167 @@
+"""What a batch search watches: an expression on motions of many bodies, and heyoka's batch."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from typing import NamedTuple
+
+import numpy as np
+
+from polhode.equations import kinematics
+from polhode.equations.forms import principal
+from polhode.equations.section_functions import SectionZero
+from polhode.numbers.conversion import to_double
+from polhode.numbers.exact import Number
+from polhode.numbers.number_types import DOUBLE
+from polhode.numbers.rows import Booleans, Doubles, Indices
+from polhode.numbers.scalars import Functions, Scalar
+from polhode.taylor.backend.engine import hy
+from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS, compact_beyond
+from polhode.taylor.backend.types import HeyokaIntegrator
+from polhode.taylor.batches.compiled_batch import LANES
+from polhode.taylor.events.functions import TIME, in_columns, typed_constant
+from polhode.taylor.events.jets import Jet, jet_of
+from polhode.taylor.integrator.specification import DESK, integrator
+
+#: The parameters of a batch, and of its jet: when the stretch began, what the first step adds to
+#: the expression (a jet's other part of the time), and the numbers of :meth:`Watched.numbers`.
+ORIGIN, TINY = range(DESK)
+
+_LONG = 80  # operations of an expression whose code is compiled as loops
+_TURN = tuple(f"turn{i}{j}" for i in range(3) for j in range(3))
+
+
+class Watched(NamedTuple):
+    """An expression on motions of bodies with the same coefficients by name.
+
+    ``columns``: of a state.  ``zero``: a section's function, in principal axes; or a text in
+    columns and t, in the scene's axes, ``turned`` against those, and units.  ``size``: a power of
+    two above its largest value and rate.  ``constants``: the coefficients where all motions are of
+    one body; steps are shorter work with them than with parameters.
+    """
+
+    names: tuple[str, ...]
+    columns: tuple[str, ...]
+    zero: SectionZero | str
+    size: float = 1.0
+    turned: bool = False
+    constants: tuple[float, ...] = ()
+
+    def numbers(self, time_unit: int, coefficients: Doubles, turns: Doubles | None) -> Doubles:
+        """The numbers of motions, a column each: 1 / unit of time, unit, coefficients, turn."""
+        unit = np.full((len(coefficients), 1), 2.0**time_unit)
+        parts = [1 / unit, unit, coefficients]
+        return np.hstack([*parts, turns] if turns is not None else parts).T
+
+    def coefficients(self, numbers: Sequence[Scalar]) -> dict[str, Scalar]:
+        """The coefficients by name."""
+        return dict(zip(self.names, numbers[2:], strict=False))
+
+    def value(
+        self,
+        state: Sequence[Scalar],
+        time: Scalar,
+        numbers: Sequence[Scalar],
+        constant: Callable[[Number], Scalar],
+        fn: Functions,
+    ) -> Scalar:
+        """At a state in principal axes, for any scalar."""
+        if isinstance(self.zero, SectionZero):
+            return self.zero.value(state, fn, lambda x: constant(Fraction(x)))
+        vectors = [state[i : i + 3] for i in range(0, len(self.columns), 3)]
+        if self.turned:
+            turn = dict(zip(_TURN, numbers[2 + len(self.names) :], strict=False))
+            vectors = [kinematics.in_scene_axes(vector, turn, fn.zero) for vector in vectors]
+        vectors[0] = [numbers[0] * x for x in vectors[0]]
+        values = [x for vector in vectors for x in vector]
+        return in_columns(self.zero, self.columns, values, numbers[1] * time, constant, fn)
+
+
+class Crossings(NamedTuple):
+    """Crossings: in which lanes, when since their stretch began, slopes' signs, states (n, …)."""
+
+    lanes: Indices
+    times: Doubles
+    signs: Doubles
+    states: Doubles
+
+    def those(self, which: Booleans | Indices) -> Crossings:
+        """Some of them."""
+        return Crossings._make([array[which] for array in self])
+
+
+class Met:
+    """heyoka's callback: the crossings of a stretch, as they come by.
+
+    ``jet``: of the expression.  ``counts``: the crossings of each lane in either direction.
+    """
+
+    def __init__(self, jet: Jet) -> None:
+        self.jet = jet
+        self._met: dict[tuple[int, float], tuple[int, float, int, Doubles]] = {}
+
+    def begin(self, direction: int, first: bool, since: Doubles) -> None:
+        """Forget all; ``since``: the crossings of a lane up to then are the start itself.
+
+        Those in a direction are kept; of each lane the ``first`` alone, or all.
+        """
+        self.direction, self.first, self.since = direction, first, since.tolist()
+        self.counts, self.earliest = [0] * len(since), [math.inf] * len(since)
+        self._met.clear()
+
+    def forget(self, lanes: Booleans) -> None:
+        """Forget those of some lanes; from now on all are kept."""
+        self.direction = 0
+        self.counts = np.where(lanes, 0, self.counts).tolist()
+        self._met = {key: met for key, met in self._met.items() if not lanes[met[0]]}
+
+    def found(self) -> Crossings:
+        """The crossings kept."""
+        if not self._met:
+            none = np.empty(0)
+            return Crossings(np.empty(0, dtype=int), none, none, np.empty((0, 0)))
+        lanes, times, signs, states = zip(*self._met.values(), strict=True)
+        return Crossings(np.array(lanes), np.array(times), np.array(signs), np.array(states))
+
+    def __call__(self, ta: HeyokaIntegrator, time: float, sign: int, lane: int) -> None:
+        """Count a crossing that heyoka has met, and keep it if it is asked for."""
+        since = abs(time)
+        if since <= self.since[lane]:
+            return
+        self.counts[lane] += 1
+        if sign * self.direction < 0 or since >= self.earliest[lane]:
+            return
+        if self.first:
+            self.earliest[lane] = since
+        ta.update_d_output(time)
+        key = lane, 0.0 if self.first else len(self._met)
+        self._met[key] = lane, time, sign, ta.d_output[:, lane].copy()
+
+    def __deepcopy__(self, _: object) -> Met:
+        return self  # heyoka copies its callbacks; each integrator has one
+
+
+def built(watched: Watched) -> HeyokaIntegrator:
+    """A batch whose callback, a :class:`Met`, is told the zeros of an expression."""
+    variables, section = hy.make_vars(*watched.columns), isinstance(watched.zero, SectionZero)
+    constant = _double if section else typed_constant(DOUBLE)
+    many = 2 + len(watched.names) + len(_TURN) * watched.turned
+    numbers = [hy.par[i] for i in range(DESK, DESK + many)]
+    field = principal.field(variables, watched.coefficients(numbers), EXPRESSIONS)
+    value = watched.value(variables, TIME, numbers, constant, EXPRESSIONS)
+    met = Met(jet_of(value, variables, field, DOUBLE))
+    if watched.constants:
+        own = zip(watched.names, map(hy.expression, watched.constants), strict=True)
+        field = principal.field(variables, dict(own), EXPRESSIONS)
+    scaled = value if section else value / hy.expression(watched.size)
+    seen = hy.subs(scaled, {TIME: hy.time + hy.par[ORIGIN]}) + hy.par[TINY]
+    event = hy.nt_event_batch(seen, met)
+    options = {"nt_events": [event], **compact_beyond(_LONG, [value])}
+    return integrator(list(zip(variables, field, strict=True)), DOUBLE, LANES, **options)
+
+
+def _double(x: Number) -> Scalar:
+    """A double as heyoka's constant, however small."""
+    return hy.expression(to_double(x))
