@@ -11,8 +11,8 @@ r = z Z,
     c gamma2 = (A - B) p q - C (B - C)(c2 p q + C1 Y/3)/A,
     c gamma3 = (A - C) p r + B (B - C)(b2 p r + B1 Z/3)/A
 
-(S. A. Chaplygin 1904).  The orbit passes w = 0 regularly.  Time is a Fourier series in an angle
-(:mod:`..balls.one_degree`).
+(S. A. Chaplygin 1904).  The orbit passes w = 0 regularly.  Time is an integral over an
+angle (:mod:`..balls.clocks`).
 """
 
 from __future__ import annotations

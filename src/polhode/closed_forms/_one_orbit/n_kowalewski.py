@@ -5,7 +5,7 @@ Mg r0 = (c, 0, 0), c > 0, A (10B - 9C) = 18 C (B - C); x = B/C, D = 10x - 9, c3 
     q^2 = b0 + b1 p + b2 p^2,    r^2 = c0 + c1 p + c2 p^2 + c3 p^3,    p' = (B - C) q r/A
 
 (N. Kowalewski, Math. Ann. 65 (1908) 528), the coefficients in :func:`frame_of`.  Time
-is a Fourier series in an angle between two zeros of Q R (:mod:`..balls.one_degree`).
+is an integral over an angle between two zeros of Q R (:mod:`..balls.clocks`).
 """
 
 from __future__ import annotations

@@ -19,9 +19,8 @@ from collections.abc import Mapping, Sequence
 
 from flint import arb
 
-from polhode.closed_forms.balls.core import Refused, TooFewBits, ball
+from polhode.closed_forms.balls.core import Refused, TooFewBits, ball, square
 from polhode.closed_forms.balls.motion import BallMotion
-from polhode.closed_forms.balls.quadrature import square
 from polhode.closed_forms.closed_form import Rows
 from polhode.closed_forms.goryachev_chaplygin import regimes
 from polhode.closed_forms.goryachev_chaplygin.axes import GoryachevStart, start
