@@ -16,11 +16,9 @@ from typing import NamedTuple
 from flint import acb
 
 from polhode.closed_forms._one_orbit.gamma_from_omega import Frame, frame
-from polhode.closed_forms._one_orbit.orbit_family import orbit_family
 from polhode.closed_forms._one_orbit.orbits import FlowOrbit
 from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
 from polhode.closed_forms.balls.core import ball
-from polhode.closed_forms.membership.family import Family
 from polhode.closed_forms.membership.normal_form import (
     Condition,
     Placed,
@@ -101,6 +99,3 @@ class NKowalewski(PlacedMotion):
 
         k = ball((B - C) / A) * over
         return self._on(FlowOrbit((known.Q, known.R), k, (p, q, r), state))
-
-
-FAMILY: Family = orbit_family("n-kowalewski", NKowalewski)

@@ -230,7 +230,8 @@ class Oscillating(Clock):
             step = (miss / place.f).mid()
             if not rough and abs(step) < small:
                 wide = x + around(self._fastest * abs(miss)).real
-                return x - miss / self.slope(wide)[0]
+                found: arb = x - miss / self.slope(wide)[0]
+                return found
             rough = rough and abs(step) > _ROUGH
             x = (x - step).mid()
         raise TooFewBits
