@@ -18,10 +18,10 @@ from flint import arb
 from polhode.closed_forms.balls.angles import Arguments
 from polhode.closed_forms.balls.core import ball, root
 from polhode.closed_forms.balls.frames import Frame, Rows
-from polhode.closed_forms.balls.one_axis import OneAxis
+from polhode.closed_forms.balls.one_axis import OneAxis, PermanentRotation
 from polhode.closed_forms.closed_form import ClosedForm
 from polhode.closed_forms.euler.conditions import fits
-from polhode.closed_forms.euler.motion import PermanentRotation, Polhode
+from polhode.closed_forms.euler.motion import Polhode
 from polhode.closed_forms.euler.regimes import is_permanent, numbered, numbers, regime
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.scenes.body import dot
@@ -62,7 +62,7 @@ class EulerTop(ClosedForm[EulerMotion]):
         motion, start = self._solution(), self._start().attitude
         assert isinstance(motion, PermanentRotation)
         assert start is not None
-        return self._turning.arguments(start, motion.axis, motion.half * t)
+        return self._turning.arguments(start, motion.axis, motion.swung(t))
 
     def _period_ball(self) -> arb | None:
         """None where w is constant or tends to the middle axis."""

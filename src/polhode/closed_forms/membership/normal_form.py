@@ -12,12 +12,13 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
-from polhode.closed_forms.membership.misfit import Misfit, leading
+from polhode.closed_forms.membership.misfit import Misfit
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.numbers.exact import ONE, ZERO, Exact, exact, log10, sign, sqrt, total
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import Vector, cross, dot, is_zero, minus
 
+_ORDERS = 3  # of magnitude by which conditions that fail together may differ
 _EVEN = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
 
 
@@ -197,13 +198,13 @@ def shortfall(conditions: Conditions, scene: PrincipalScene) -> Misfit | None:
         failing = _failing(conditions, placed, least)
         if not failing:
             return None
-        worst = max(log10(condition.off) for condition in failing)
-        if worst < least:
-            first = leading([(condition.text, condition.off) for condition in failing])
-            assert first is not None
-            graded = any(c.graded for c in failing if c.text == first.condition)
-            best = first._replace(order=axes.order) if graded else Misfit(first.condition)
-            least = worst
+        sizes = [log10(condition.off) for condition in failing]
+        if max(sizes) < least:
+            least = max(sizes)
+            first = next(n for n, size in enumerate(sizes) if size > least - _ORDERS)
+            text, off, graded = failing[first].text, failing[first].off, failing[first].graded
+            worst = failing[sizes.index(least)].off
+            best = Misfit(text, off, axes.order, worst) if graded else Misfit(text)
     return best
 
 

@@ -29,7 +29,7 @@ from flint import arb
 from polhode.closed_forms.balls.angles import Arguments
 from polhode.closed_forms.balls.core import ball
 from polhode.closed_forms.balls.frames import Frame, Rows
-from polhode.closed_forms.balls.one_axis import OneAxis
+from polhode.closed_forms.balls.one_axis import OneAxis, PermanentRotation
 from polhode.closed_forms.closed_form import ClosedForm
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.closed_forms.pendulum.conditions import axis_of, fits
@@ -37,14 +37,13 @@ from polhode.closed_forms.pendulum.motion import (
     HANGING,
     ROTATING,
     UPRIGHT,
-    Rest,
     Swing,
     numbers,
     regime,
 )
 
 
-class Pendulum(ClosedForm[Swing | Rest]):
+class Pendulum(ClosedForm[Swing | PermanentRotation]):
     """The plane motion of one heavy body from one start."""
 
     knows_turns = True
@@ -61,9 +60,9 @@ class Pendulum(ClosedForm[Swing | Rest]):
         if not self._at_rest:
             self._numbers = numbers(moments, torque, omega, gamma)
 
-    def _solved(self) -> Swing | Rest:
+    def _solved(self) -> Swing | PermanentRotation:
         if self._at_rest:
-            return Rest([ball(x) for x in self._omega], self._start())
+            return PermanentRotation([ball(x) for x in self._omega], arb(0), self._start())
         return Swing(self._numbers, self._n, self._start())
 
     def _arguments(self, t: arb) -> Arguments:
@@ -73,6 +72,6 @@ class Pendulum(ClosedForm[Swing | Rest]):
 
     def _period_ball(self) -> arb | None:
         motion = self._solution()
-        if isinstance(motion, Rest) or motion.elliptic.limit:
+        if isinstance(motion, PermanentRotation) or motion.elliptic.limit:
             return None
         return (4 if motion.librates else 2) * motion.elliptic.K / motion.rate
