@@ -24,7 +24,8 @@ from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, QUAD, mp
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
-from polhode.taylor.integrator.build import build
+from polhode.taylor.integrator.prepared_system import PreparedSystem
+from polhode.taylor.integrator.stepping import Integrator
 from shared.examples import examples
 from shared.motions import asymmetric, in_other_units
 from shared.tables import of_run, through
@@ -36,7 +37,7 @@ def states(scene: Scene, coefficients: dict, start: list, number) -> np.ndarray:
     """States in scene axes and units from coefficients and a start, in a wide type."""
     plain, unit = system(scene, ()), Fraction(2) ** scene.time_unit
     what = System(plain.form, plain.names, (), coefficients, tuple(start))
-    rows, _ = build(what, number).chunk([t / unit for t in scene.times], 10**6)
+    rows, _ = Integrator(PreparedSystem(what, number)).chunk([t / unit for t in scene.times], 10**6)
     turn = np.array([[number_of(x) for x in row] for row in scene.body.axes.rows])
     rows = np.array(rows)
     return np.hstack([rows[:, :3] @ turn / number_of(unit), rows[:, 3:] @ turn])

@@ -16,7 +16,8 @@ from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, extended_here
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.studies.ensembles import random_scene
-from polhode.taylor.integrator.build import build
+from polhode.taylor.integrator.prepared_system import PreparedSystem
+from polhode.taylor.integrator.stepping import Integrator
 from polhode.taylor.variations.flow_map import Flow
 from polhode.taylor.variations.state_transition import passage
 
@@ -73,7 +74,7 @@ def test_steps_that_are_taken_round_so_much(number, wide, kind):
         pytest.skip("no extended numbers here")
     scene = random_scene(kind, 16, [F(60)])
     plain = system(replace(scene, form="principal"), ())
-    run, once = build(plain, number), StepRounding(passage(scene))
+    run, once = Integrator(PreparedSystem(plain, number)), StepRounding(passage(scene))
     flow = Flow({name: rounded(x, number) for name, x in plain.coefficients.items()}, wide)
     squares, expected = np.zeros(6), np.zeros(6)
     for _ in range(100):

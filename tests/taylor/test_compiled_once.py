@@ -16,7 +16,7 @@ from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
 from polhode.scenes.event import Event
 from polhode.taylor.backend.integrator_pool import Pool
-from polhode.taylor.integrator import compiled
+from polhode.taylor.integrator import engine
 from shared.policies import change_policy
 
 NAME = "lagrange/nutation"
@@ -42,7 +42,7 @@ def never_seen() -> dict[str, list[Fraction]]:
 @pytest.fixture
 def built(monkeypatch) -> list:
     """The integrators that heyoka makes from now on, none being idle."""
-    monkeypatch.setattr(compiled, "POOL", Pool())
+    monkeypatch.setattr(engine, "POOL", Pool())
     found: list = []
     make = hy.taylor_adaptive
 
@@ -120,6 +120,50 @@ def test_what_differs_in_type_tolerance_outputs_events_or_pattern_is_built(built
             assert len(built) - before == count * again, (scene.name, options)
 
 
+FORMS = ("general", "momentum", "inertia-axes", "quaternion", "hamiltonian", "routhian")
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_forms_whose_coefficients_are_constants_have_engines_of_their_own(form, built):
+    """Another body builds one; the same again none, and it has the bits of a new one."""
+    bodies = [replace(top(**body), form=form) for body in (ORDINARY, SPECIAL)]
+    first = [polhode.integrate(scene, at=[3]) for scene in bodies]
+    assert len(built) == 2
+    again = [polhode.integrate(scene, at=[3]) for scene in bodies]
+    assert len(built) == 2
+    assert first == again
+    for run, scene in zip(again, bodies, strict=True):
+        plain = polhode.integrate(replace(scene, form="principal"), at=[3])
+        assert np.abs(run.states - plain.states).max() < 1e-13
+
+
+def test_a_run_that_ended_at_a_singular_set_leaves_no_trace(built):
+    """Its engine goes on to the next run, as that of a run that came to its end does."""
+    swing = {"moments": [1, 1, 2], "centre": [0, 0, 1], "omega": [1, 0, 0]}
+    through = replace(top(**{**swing, "gamma": [0, "0.6", "0.8"]}), form="routhian")
+    beside = replace(top(**{**swing, "gamma": ["0.6", 0, "0.8"]}), form="routhian")
+    alone = polhode.integrate(beside)
+    runs = [polhode.integrate(through) for _ in range(3)]
+    assert runs[0].outcome is Outcome.SINGULAR
+    assert runs[0] == runs[1] == runs[2]
+    assert polhode.integrate(beside) == alone
+    assert alone.outcome is Outcome.REACHED_END
+    assert len(built) == 2
+
+
+def test_a_propagator_leaves_its_engine_to_the_next_body(built):
+    """And to that alone: of two at a time each has its own."""
+    scenes = [top(**body) for body in (ORDINARY, SPECIAL)]
+    runs = [polhode.integrate(scene, at=[3], project=False).states[0] for scene in scenes]
+    for scene, state in zip(scenes, runs, strict=True):
+        assert np.array_equal(polhode.propagator(scene)(t=3.0), state)
+    assert len(built) == 1
+    goes = [polhode.propagator(scene) for scene in scenes]
+    assert len(built) == 2
+    for go, state in zip(goes, runs, strict=True):
+        assert np.array_equal(go(t=3.0), state)
+
+
 @pytest.mark.parametrize("number", ["double", "extended"])
 def test_a_coefficient_that_underflows_is_no_zero(number, built):
     """Refused, whichever integrators are idle, and before anything is compiled."""
@@ -143,13 +187,13 @@ def alone(monkeypatch) -> list:
     """Two bodies of one pattern, each with its states where no other has used an integrator."""
     times, found = [*range(11)], []
     for body in (ORDINARY, SPECIAL):
-        monkeypatch.setattr(compiled, "POOL", Pool())
+        monkeypatch.setattr(engine, "POOL", Pool())
         scene = top(**body)
         run = polhode.integrate(scene, at=times)
         fine = np.array(polhode.integrate(scene, "quad", at=times).states, float)
         assert np.abs(run.states - fine).max() < 1e-13
         found.append((scene.at(times), run.states, run(["1/3", "19/2"])))
-    monkeypatch.setattr(compiled, "POOL", Pool())
+    monkeypatch.setattr(engine, "POOL", Pool())
     return found
 
 
@@ -196,7 +240,7 @@ def test_another_start_in_an_idle_integrator_has_the_bits_of_a_new_one(number, o
     assert idle.events[0].times
     for t, row in zip(idle.events[0].times, idle.events[0].states, strict=True):
         assert abs(exactly(row[5]) - Fraction(1, 2) - t / 200) < 2 * idle.number.eps
-    compiled.POOL = Pool()
+    engine.POOL = Pool()
     fresh = polhode.integrate(other, number, project=7)
     assert fresh == idle
     assert polhode.integrate(one, number, project=7) == first

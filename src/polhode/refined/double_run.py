@@ -17,8 +17,9 @@ from polhode.refined.errors import CannotRefine
 from polhode.refined.event_candidates import Candidates, Place
 from polhode.refined.expansions import rounded
 from polhode.refined.scaled_problem import Problem, in_unit
-from polhode.taylor.integrator.prepared import Prepared
-from polhode.taylor.variations import principal_equations
+from polhode.scenes.vocabulary import STATE
+from polhode.taylor.integrator.engine import Engine
+from polhode.taylor.integrator.specification import Equations, principal_engine
 
 STEPS = 8000  # of a base; its polynomials take a kilobyte a step
 _LOOKS, _PER_LOOK = 24, 20  # at the first steps, to guess the unit of time
@@ -77,7 +78,7 @@ def base(
 
     Raises CannotRefine where the run does not succeed.
     """
-    with principal_equations.prepared(principal.NAMES) as ready:
+    with principal_engine(Equations(STATE, principal.NAMES), Engine) as ready:
         unit = _first_guess(ready, problem, state, end - origin)
         for _ in range(4):
             runs = ready if candidates is None else candidates.begin(unit, origin)
@@ -91,7 +92,7 @@ def base(
     raise CannotRefine("no unit of time suits the motion")
 
 
-def _begin(ta: Prepared, problem: Problem, state: tuple[Fraction, ...], unit: int) -> None:
+def _begin(ta: Engine, problem: Problem, state: tuple[Fraction, ...], unit: int) -> None:
     ta.parameters[: len(principal.NAMES)] = [float(x) for x in problem.coefficients_in(unit)]
     ta.stand([float(x) for x in in_unit(state, unit)])
 
@@ -100,9 +101,7 @@ def _length(span: Fraction, unit: int) -> float:
     return float(min(span * Fraction(2) ** unit, Fraction(_LONGEST)))
 
 
-def _first_guess(
-    ta: Prepared, problem: Problem, state: tuple[Fraction, ...], span: Fraction
-) -> int:
+def _first_guess(ta: Engine, problem: Problem, state: tuple[Fraction, ...], span: Fraction) -> int:
     """The unit of time that the fastest |w| of the first steps asks for."""
     fastest = math.hypot(*map(float, state[:3]))
     unit = problem.unit(fastest)
@@ -115,7 +114,7 @@ def _first_guess(
 
 
 def _run(
-    ta: Prepared,
+    ta: Engine,
     problem: Problem,
     state: tuple[Fraction, ...],
     origin: Fraction,

@@ -21,11 +21,11 @@ from polhode.refined.errors import CannotRefine
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import heyoka_numbers
 from polhode.taylor.backend.engine import hy
-from polhode.taylor.backend.integrator_pool import Kind
 from polhode.taylor.backend.types import HeyokaIntegrator
 from polhode.taylor.events.functions import TIME, event_expression
 from polhode.taylor.events.magnitudes import size_of
-from polhode.taylor.integrator.prepared import Prepared
+from polhode.taylor.integrator.engine import Engine
+from polhode.taylor.integrator.specification import integrator
 
 # the parameters behind the coefficients: of what the run's own variables and clock are
 _COEFFICIENTS = len(principal.NAMES)
@@ -40,7 +40,6 @@ _WIDEST = 1e-3  # a step of it, in units of the clock
 
 
 #: Of one scene and one run: none is kept.
-EVENTS: Kind[HeyokaIntegrator] = Kind(0)
 
 
 class Place(NamedTuple):
@@ -72,7 +71,7 @@ class Candidates:
         self.scene, self.backward = scene, backward
         self.found: list[Place] = []
         try:
-            self._ready = Prepared(EVENTS, None, self._built)
+            self._ready = Engine(self._built())
         except heyoka_numbers.OutOfRange as fault:
             raise CannotRefine(f"an event: {fault}") from None
 
@@ -104,9 +103,9 @@ class Candidates:
             both = hy.cfunc([value, slope], vars=[*x, *names, TIME])
             self._expressions.append(_Expression(both, size))
         equations = [(v, hy.subs(rate, inside)) for v, rate in zip(x, rates, strict=True)]
-        return hy.taylor_adaptive(equations, [0.0] * len(x), nt_events=events)
+        return integrator(equations, nt_events=events)
 
-    def begin(self, unit: int, origin: Fraction) -> Prepared:
+    def begin(self, unit: int, origin: Fraction) -> Engine:
         """The integrator for a run from ``origin``, its clock faster by 2**unit; nothing found."""
         self.found = []
         way = -1.0 if self.backward else 1.0

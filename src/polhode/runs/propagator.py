@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from threading import get_ident
 from typing import TYPE_CHECKING, cast
+from weakref import finalize
 
 import numpy as np
 
@@ -28,7 +29,6 @@ from polhode.taylor.backend import defaults
 from polhode.taylor.backend.heyoka_numbers import OutOfRange
 from polhode.taylor.backend.step_outcomes import TIME_LIMIT, ending
 from polhode.taylor.corrections.integral_projection import Projector, StartTarget
-from polhode.taylor.integrator.compiled import Compiled
 from polhode.taylor.integrator.stepping import Integrator
 
 if TYPE_CHECKING:
@@ -88,8 +88,9 @@ class Propagator:
         self._ended: npt.NDArray[np.uint8] | int | None = None  # of the last call's array of starts
         self._problem, self._every = problem, every
         self._owner = get_ident()
-        self._compiled = Compiled(problem.prepared().blueprint)
-        self._heyoka, self._state = self._compiled.heyoka, self._compiled.state
+        self._engine = problem.prepared().engine()
+        finalize(self, self._engine.release).atexit = False  # another body's from then on
+        self._heyoka, self._state = self._engine.heyoka, self._engine.state
         self._first: Flat = self._state.copy()
         self._kind = self._first.dtype
         self._shape = (len(self.scene.columns),)
@@ -305,7 +306,7 @@ class Propagator:
         """Put heyoka's integrator at a start, which is checked, at time 0."""
         if start is None:
             self._state[:] = self._first
-            self._compiled.begin()
+            self._engine.begin()
             return
         row = start if type(start) is np.ndarray else self._array(start)
         if row.dtype != self._kind or row.shape != self._shape:
@@ -323,7 +324,7 @@ class Propagator:
             self._state[:] = row
         else:
             np.multiply(row, self._scale, self._state)
-        self._compiled.begin()
+        self._engine.begin()
 
     def _array(self, start: npt.ArrayLike) -> Flat:
         """A start as an array of the propagator's type and shape; raises BadInput."""
@@ -356,9 +357,7 @@ class Propagator:
         if self._every is not None:
             onto = StartTarget(self._problem.target, self._state.copy())
             corrector = Projector(onto, self._every)
-        integrator = Integrator(
-            self._problem.prepared().blueprint, corrector=corrector, compiled=self._compiled
-        )
+        integrator = Integrator(self._problem.prepared(), corrector=corrector, engine=self._engine)
         integrator.steps = taken
         rows = self._state[None].copy()[: times[0] == 0]
         try:

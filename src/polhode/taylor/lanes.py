@@ -73,7 +73,6 @@ class Lanes:
         self.names, self.columns = tuple(coefficients), columns
         self.inertia, self.moment, self.tolerance = inertia, moment, tolerance
         self.numbers = np.array([*coefficients.values()])[:, None]
-        self.kept = batch_integrator.kept_rates(self.names, columns)
 
     def states(
         self, starts: Doubles, times: Doubles, max_steps: int, workers: int | None = None
@@ -126,17 +125,17 @@ class _Rows:
     def part(self, batches: range, stop: Stop | None = None) -> None:
         """Some of the batches to the end, without a limit; nan where a lane stopped the others."""
         of, grid, end, states = self.of, self.grid, float(self.times[-1]), self.states
-        after, skipped = len(of.names), 0 if grid is None else len(grid) - len(self.times)
-        with batch_integrator.engine(of.names, of.columns, DOUBLE, of.tolerance) as ready:
+        skipped = 0 if grid is None else len(grid) - len(self.times)
+        with batch_integrator.prepared_for(of.names, of.columns, DOUBLE, of.tolerance) as ready:
             ta, state, pars = ready.heyoka, ready.state, ready.parameters
-            pars[:after] = of.numbers[: len(pars)]
+            ready.tell(of.numbers)
             for k in batches:
                 if stop is not None and stop():
                     return
                 x = self.lanes[k]
                 ta.set_time(0.0)
                 state[:] = x
-                for i, column in enumerate(of.kept, after):
+                for i, column in ready.kept:
                     pars[i] = x[column]
                 if grid is not None:
                     rows = ta.propagate_grid(grid)[1][skipped:]

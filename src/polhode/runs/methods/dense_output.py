@@ -48,8 +48,6 @@ class Path:
         self.legs, self.number, self.outcome, self.reached = legs, number, outcome, reached
         self._anchors = [(leg, anchor) for leg in legs for anchor in leg.anchors]
         self._begun = [abs(anchor.time) for _, anchor in self._anchors]
-        # integrators that are not left to other runs
-        self._idle: list[tuple[Leg, Integrator]] = []
 
     def row(self, t: Fraction, stepping: Callable[[Leg], Integrator]) -> tuple[Leg, Row]:
         """The row at a time in the motion's own unit, and the leg to which it belongs.
@@ -58,24 +56,10 @@ class Path:
         type leaves over is made good by the rates.
         """
         leg, anchor = self._anchors[bisect_right(self._begun, abs(t)) - 1]
-        integrator = self._taken(leg) or stepping(leg)
+        integrator = stepping(leg)
         row, time = integrator.at(anchor, t)
-        if integrator.compiled.pooled:
-            integrator.release()
-        else:
-            self._idle.append((leg, integrator))
+        integrator.release()
         return leg, row if t == time else self._moved(row, t - time, leg.system)
-
-    def _taken(self, leg: Leg) -> Integrator | None:
-        """An idle integrator of this leg, from now on the caller's."""
-        for one in [*self._idle]:
-            if one[0] is leg:
-                try:
-                    self._idle.remove(one)
-                except ValueError:  # another thread's
-                    continue
-                return one[1]
-        return None
 
     def _moved(self, row: Row, by: Fraction, what: System) -> Row:
         """A row moved on by less than the last bit of its time."""

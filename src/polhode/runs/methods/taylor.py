@@ -24,7 +24,7 @@ from polhode.numbers.rows import Row, Rows
 from polhode.runs.methods.dense_output import Leg, Path, spacing
 from polhode.runs.methods.output_loop import march
 from polhode.runs.problem.options import USUAL, Options, cadence
-from polhode.runs.problem.problem import Prepared, Problem
+from polhode.runs.problem.problem import Problem
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
 from polhode.taylor.backend.time_grid import Times
@@ -32,6 +32,7 @@ from polhode.taylor.integrator.protocols import Corrector
 
 if TYPE_CHECKING:
     from polhode.taylor.events.watch import Watch
+    from polhode.taylor.integrator.prepared_system import PreparedSystem
     from polhode.taylor.integrator.stepping import Integrator
 
 #: Where a start at a pole is left, in the scene's own unit of time: a fraction of a radian on.
@@ -157,7 +158,7 @@ class TaylorMotion:
         self._working = None
 
     @property
-    def _prepared(self) -> Prepared:
+    def _prepared(self) -> PreparedSystem:
         return self.problem.prepared(self.scene.modelled)
 
     def _to(self, times: Times, progress: Progress | None) -> tuple[Rows, Outcome]:
@@ -215,7 +216,7 @@ class TaylorMotion:
             self.reached = last if problem.unit == 1 else last * problem.unit
             if self._watch is not None:
                 self._working = integrator  # its events are told first
-            elif outcome.done:
+            elif outcome.done or outcome is Outcome.SINGULAR:
                 integrator.release()
         if self._watch is not None and self._watch.stop is not None:
             self.reached = self.number.rounded(self._watch.stop) * problem.unit
@@ -272,11 +273,12 @@ class TaylorMotion:
             return
         from polhode.taylor.events.rules import Rules
         from polhode.taylor.events.watch import Watch
-        from polhode.taylor.integrator.build import build
+        from polhode.taylor.integrator.prepared_system import PreparedSystem
+        from polhode.taylor.integrator.stepping import Integrator
 
         fine = number_types.mp(200)
         watch = Watch(self.scene, fine, Rules(self.scene, fine, None, False))
-        build(system(self.scene, ()), fine, watcher=watch)
+        Integrator(PreparedSystem(system(self.scene, ()), fine), watcher=watch)
         for k in watch.still():
             if k in suspects:
                 event = self.scene.events[k]
@@ -292,15 +294,13 @@ class TaylorMotion:
         corrector: Corrector | None,
     ) -> Integrator:
         """An integrator that stands at the start of a system."""
-        from polhode.taylor.integrator.build import blueprint
+        from polhode.taylor.integrator.prepared_system import PreparedSystem
         from polhode.taylor.integrator.stepping import Integrator
 
         began, prepared = time.perf_counter(), self._prepared
-        if what is prepared.system:
-            plan = prepared.blueprint
-        else:
-            plan = blueprint(what, self.number, self.problem.tolerance)
-        built = Integrator(plan, origin, watch, corrector, anchored=self._anchored)
+        if what is not prepared.system:
+            prepared = PreparedSystem(what, self.number, self.problem.tolerance)
+        built = Integrator(prepared, origin, watch, corrector, anchored=self._anchored)
         self.build_seconds += time.perf_counter() - began
         return built
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass, fields
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -14,10 +12,10 @@ from polhode.equations import equilibrium
 from polhode.equations.form import Form, equations
 from polhode.equations.readout import Readout
 from polhode.equations.system import System, system
-from polhode.numbers.conversion import number_value, to_extended
+from polhode.numbers.conversion import to_extended
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Extendeds, Row, Rows, flat
+from polhode.numbers.rows import Extendeds
 from polhode.numbers.scalars import EXACT
 from polhode.runs.problem.options import rounded_times
 from polhode.scenes.output_times import OutputTimes
@@ -27,7 +25,7 @@ from polhode.taylor.backend.time_grid import Times
 if TYPE_CHECKING:
     from polhode.taylor.corrections.integral_projection import Target
     from polhode.taylor.events.rules import Rules
-    from polhode.taylor.integrator.specification import Blueprint
+    from polhode.taylor.integrator.prepared_system import PreparedSystem
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,16 +74,18 @@ class Problem:
         away = self.form.distance(self.form.start, self.form.coefficients, EXACT)
         return away is not None and bool(away <= nearest(self.number))
 
-    def prepared(self, variables: tuple[str, ...] = ()) -> Prepared:
+    def prepared(self, variables: tuple[str, ...] = ()) -> PreparedSystem:
         """The equations of the state, and of what is integrated beside it."""
         found = self._prepared.get(variables)
         if found is None:
-            made = Prepared(self.system(variables), self.number, self.tolerance)
+            from polhode.taylor.integrator.prepared_system import PreparedSystem
+
+            made = PreparedSystem(self.system(variables), self.number, self.tolerance)
             found = self._prepared.setdefault(variables, made)  # another thread's may be there
         return found
 
     @cached_property
-    def _prepared(self) -> dict[tuple[str, ...], Prepared]:
+    def _prepared(self) -> dict[tuple[str, ...], PreparedSystem]:
         return {}
 
     def system(self, variables: tuple[str, ...] = ()) -> System:
@@ -135,40 +135,6 @@ class Problem:
     @cached_property
     def _schedules(self) -> list[tuple[OutputTimes[Exact], Schedule]]:
         return []
-
-
-class Prepared:
-    """A system of equations as its runs begin with it, in one number type.  Immutable."""
-
-    def __init__(self, system: System, number: NumberType, tolerance: Fraction | None) -> None:
-        self.system, self.number, self.tolerance = system, number, tolerance
-
-    @cached_property
-    def blueprint(self) -> Blueprint:
-        """What an integrator is built from."""
-        from polhode.taylor.integrator.build import blueprint
-
-        return blueprint(self.system, self.number, self.tolerance)
-
-    @cached_property
-    def first(self) -> Rows:
-        """The start as the one row of a run; not to be written to."""
-        if self.number.flat and not self.blueprint.cyclic:
-            from polhode.taylor.backend.heyoka_numbers import OutOfRange
-
-            with suppress(OutOfRange):  # whoever integrates says so
-                return flat(self.blueprint.state)[None]
-        return self.rows([[number_value(x, self.number) for x in self.system.start]])
-
-    def rows(self, rows: Sequence[Row]) -> Rows:
-        """Rows of the run's numbers, as a run holds them: an array, or a list above extended."""
-        if not self.number.flat:
-            return [[*row] for row in rows]
-        import numpy as np
-
-        width = len(rows[0]) if rows else len(self.system.start)
-        wide = np.array(rows, dtype=np.longdouble).reshape(-1, width)
-        return wide if self.number.name == "extended" else wide.astype(np.float64)
 
 
 @dataclass(frozen=True, eq=False)

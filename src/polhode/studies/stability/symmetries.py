@@ -68,11 +68,11 @@ def there_and_back(scene: Scene, number: NumberType) -> float:
 
     Relative as in *correct digits*, to |w| at 0; against the start as the type rounds it.
     """
-    from polhode.taylor.integrator.build import build
+    from polhode.taylor.integrator.prepared_system import PreparedSystem
 
     plain = replace(scene, outputs=(), events=())
     what = system(plain, ())
-    integrator = build(what, number)
+    integrator = Integrator(PreparedSystem(what, number))
     unit = Fraction(2) ** scene.time_unit
     row: Any = None
     for t in (number.rounded(number.rounded(scene.end) / unit), Fraction(0)):

@@ -1,1 +1,1 @@
-"""heyoka's numbers, options and pools: all that is not an integrator."""
+"""heyoka's numbers, options and pool: all that is not an integrator."""

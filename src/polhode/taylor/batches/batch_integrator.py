@@ -11,29 +11,23 @@ thread, process or machine.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from fractions import Fraction
 
 import numpy as np
 
 from polhode.common.progress import Stop
-from polhode.equations.forms import principal
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Array, Doubles, Stack, doubles
+from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend import defaults, heyoka_numbers
-from polhode.taylor.backend.engine import hy
-from polhode.taylor.backend.integrator_pool import Kind
-from polhode.taylor.backend.types import HeyokaIntegrator
 from polhode.taylor.batches.compiled_batch import LANES, CompiledBatch, in_lanes, out_of_lanes
 from polhode.taylor.batches.jobs import BatchJob, Solved
 from polhode.taylor.batches.time_slices import Stretch, Stretches
-from polhode.taylor.integrator.prepared import Prepared
-from polhode.taylor.integrator.specification import as_parameters
-
-#: Each thread takes one.
-PRINCIPAL: Kind[HeyokaIntegrator] = Kind(16)
+from polhode.taylor.integrator.engine import Engine
+from polhode.taylor.integrator.specification import Equations, principal_engine
 
 
 def solve(job: BatchJob, stop: Stop | None = None) -> Solved:
@@ -47,63 +41,28 @@ def prepare(job: BatchJob) -> None:
     prepared(job).release()
 
 
-def prepared(job: BatchJob) -> Prepared:
-    """The integrator of a job: a batch of doubles, or one motion of another type."""
-    return engine(job.names, job.columns, job.number, job.tolerance)
+def prepared(job: BatchJob) -> Engine:
+    """The engine of a job: a batch of doubles, or one motion of another type."""
+    return prepared_for(job.names, job.columns, job.number, job.tolerance)
 
 
-def engine(
+def prepared_for(
     names: tuple[str, ...], columns: int, number: NumberType, tolerance: Fraction | None
-) -> Prepared:
-    """An integrator of the principal form, coefficients of these names as parameters.
-
-    Behind them are the variables that the equations keep, see :func:`kept_rates`.
-    """
-    key = names, columns, number, tolerance
+) -> Engine:
+    """An engine of the principal form, coefficients of these names as parameters."""
     if number.name == "double":
-        return CompiledBatch(PRINCIPAL, key, lambda: _built(*key))
-    return Prepared(PRINCIPAL, key, lambda: _built(*key), number)
-
-
-def kept_rates(names: Sequence[str], columns: int) -> list[int]:
-    """The components of w on which no coefficient of these names acts, and which others feel."""
-    moving = {name[0] for name in names}
-    if not moving and columns == len("pqr"):
-        return []
-    return [i for i, name in enumerate("pqr") if name not in moving]
-
-
-def _built(
-    names: tuple[str, ...], columns: int, number: NumberType, tolerance: Fraction | None
-) -> HeyokaIntegrator:
-    variables = hy.make_vars(*("p", "q", "r", "gamma1", "gamma2", "gamma3")[:columns])
-    k, constant = {name: hy.par[i] for i, name in enumerate(names)}, kept_rates(names, columns)
-    state = as_parameters(variables, constant, len(names))
-    field = principal.field(state, k, heyoka_numbers.EXPRESSIONS)
-    equations = list(zip(variables, field, strict=True))
-    options = heyoka_numbers.type_options(number)
-    if tolerance is not None:
-        options["tol"] = heyoka_numbers.scalar(tolerance, number)
-    with heyoka_numbers.disk_cache(number):
-        if number.name == "double":
-            shapes = np.zeros((columns, LANES)), np.zeros((len(names) + len(constant), LANES))
-            return hy.taylor_adaptive_batch(equations, shapes[0], pars=shapes[1], **options)
-        start, pars = (
-            heyoka_numbers.array([heyoka_numbers.scalar(0, number)] * n, number)
-            for n in (columns, len(names) + len(constant))
-        )
-        return hy.taylor_adaptive(equations, start, pars=pars, **options)
+        equations = Equations(STATE[:columns], names, number, tolerance, lanes=LANES)
+        return principal_engine(equations, CompiledBatch)
+    return principal_engine(Equations(STATE[:columns], names, number, tolerance), Engine)
 
 
 class _Way:
     """A job's motions on their way through stretches of time."""
 
-    def __init__(self, job: BatchJob, ready: Prepared, stop: Stop | None) -> None:
+    def __init__(self, job: BatchJob, ready: Engine, stop: Stop | None) -> None:
         self.job, self.ready, self.stop = job, ready, stop
         self.found, self.stretches = Solved.none_of(job), Stretches(job)
-        starts = job.motions.starts
-        kept: Stack = starts[:, kept_rates(job.names, job.columns)]
-        self.starts, self.pars = starts, np.concatenate([job.motions.coefficients, kept], axis=1)
+        self.starts, self.coefficients = job.motions.starts, job.motions.coefficients
         self.block = defaults.of(job.number).chunk  # steps between two looks for a signal
 
     def solved(self) -> Solved:
@@ -127,11 +86,11 @@ class _Way:
     def _in_lanes(self, ready: CompiledBatch) -> list[int]:
         """Batch after batch; the motions whose batch did not arrive as a whole."""
         job, found, many = self.job, self.found, self.job.motions.many
-        starts, pars = (in_lanes(doubles(table)) for table in (self.starts, self.pars))
-        alike = bool((self.pars == self.pars[:1]).all())
+        starts, coefficients = (in_lanes(doubles(x)) for x in (self.starts, self.coefficients))
+        alike = bool((self.coefficients == self.coefficients[:1]).all())
         states = np.full((len(starts), len(job.times), job.columns, LANES), np.nan)
         taken: list[list[int] | None] = [None] * len(starts)
-        for k, (start, own, rows) in enumerate(zip(starts, pars, states, strict=True)):
+        for k, (start, own, rows) in enumerate(zip(starts, coefficients, states, strict=True)):
             if self._stopped():
                 break
             ready.stand(start, None if alike and k else own)
@@ -195,9 +154,14 @@ class _Way:
     def _alone(self, k: int) -> None:
         """One motion; left as if it had not begun where it is stopped."""
         ready, number = self.ready, self.job.number
-        for into, row in ((ready.state, self.starts[k]), (ready.parameters, self.pars[k])):
-            numbers = row if number.flat else heyoka_numbers.scalars([*row], number)
-            into[:] = row[:, None] if isinstance(ready, CompiledBatch) else numbers
+        start, coefficients = self.starts[k], self.coefficients[k]
+        if isinstance(ready, CompiledBatch):  # in all lanes alike
+            ready.stand(start[:, None], coefficients[:, None])
+        elif number.flat:
+            ready.stand(start, coefficients)
+        else:
+            both = (heyoka_numbers.scalars([*row], number) for row in (start, coefficients))
+            ready.stand(*(heyoka_numbers.array(row, number) for row in both))
         self.found.states[k] = np.nan if number.flat else None
         steps, most, reached, outcome = 0, self.job.max_steps, Fraction(0), Outcome.REACHED_END
         for stretch in self.stretches:

@@ -15,7 +15,7 @@ from polhode.numbers.rows import Array, Doubles
 from polhode.taylor.backend.step_outcomes import ending
 from polhode.taylor.backend.types import HeyokaNumber
 from polhode.taylor.batches import step_blocks
-from polhode.taylor.integrator.prepared import Prepared
+from polhode.taylor.integrator.engine import Engine
 
 T = TypeVar("T", bound=np.generic)
 
@@ -44,7 +44,7 @@ def width(number: NumberType) -> int:
     return LANES if number.name == "double" else 1
 
 
-class CompiledBatch(Prepared):
+class CompiledBatch(Engine):
     """A batch of doubles from the pool: states and parameters a column for each lane."""
 
     @property
@@ -55,6 +55,7 @@ class CompiledBatch(Prepared):
     def begin(self) -> None:
         """All lanes at time 0 where they stand."""
         self.heyoka.set_time(0.0)
+        self.tell_kept()
 
     def to(self, end: float, most: int) -> Doubles:
         """All lanes to one end in one go of at most so many steps; states."""

@@ -26,7 +26,6 @@ from polhode.numbers.scalars import Scalar
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS
-from polhode.taylor.backend.integrator_pool import Kind
 from polhode.taylor.backend.types import HeyokaIntegrator
 from polhode.taylor.batches.compiled_batch import CompiledBatch
 from polhode.taylor.batches.lane_queue import LaneQueue
@@ -35,6 +34,7 @@ from polhode.taylor.events.batch_search import Crossing, Met, built, through_the
 from polhode.taylor.events.jets import Jet, Marks, jet_of, marks_at
 from polhode.taylor.events.polishing import places, refined
 from polhode.taylor.events.roundoff import BAND, FUNCTIONS, Roundoff, rounding_error, sized
+from polhode.taylor.integrator.engine import lent
 from polhode.taylor.integrator.specification import DESK
 
 DONE, NONE_LEFT, NON_FINITE, STOPPED = "all crossings", "no more crossings", "not finite", "stopped"
@@ -97,7 +97,7 @@ class Crossed(NamedTuple):
 def solve(job: CrossingJob, stop: Stop | None = None) -> Crossed:
     """Follow a job's orbits, as many at a time as a step advances; raises Singular."""
     key = job.coefficients, job.zero, job.direction
-    with CompiledBatch(SECTIONS, key, lambda: _built(*key)) as batch:
+    with lent(("section", *key), lambda: CompiledBatch(_built(*key))) as batch:
         return _Orbits(job, batch).run(stop)
 
 
@@ -124,10 +124,6 @@ def slope(zero: SectionZero, state: Doubles, velocity: Doubles) -> Doubles:
     """The derivative of a section's function along the motion, by a complex step."""
     found: Doubles = np.imag(zero.value(list(state + TINY * 1j * velocity), ARRAYS)) / TINY
     return found
-
-
-#: Each thread takes one.
-SECTIONS: Kind[HeyokaIntegrator] = Kind(16)
 
 
 class _Orbits:

@@ -29,7 +29,6 @@ from polhode.numbers.rows import Booleans, Doubles, Flat
 from polhode.numbers.scalars import Functions, Scalar
 from polhode.taylor.backend import heyoka_numbers
 from polhode.taylor.backend.engine import hy
-from polhode.taylor.backend.integrator_pool import Kind
 from polhode.taylor.backend.types import CompiledFunction, Expression, HeyokaIntegrator
 from polhode.taylor.batches.compiled_batch import CompiledBatch
 from polhode.taylor.batches.lane_queue import LaneQueue
@@ -38,6 +37,7 @@ from polhode.taylor.events.functions import TIME, in_columns, typed_constant
 from polhode.taylor.events.jets import Jet, jet_of, marks_at
 from polhode.taylor.events.polishing import places, refined
 from polhode.taylor.events.roundoff import BAND, FUNCTIONS, Roundoff, rounding_error, sized
+from polhode.taylor.integrator.engine import lent
 from polhode.taylor.integrator.specification import DESK
 
 STRETCH = 32.0  # of the motions' unit of time, a radian or two
@@ -89,12 +89,8 @@ class First(NamedTuple):
 def solve(job: FirstJob, stop: Stop | None = None) -> First:
     """Follow a job's motions, as many at a time as a step advances; the next takes a free lane."""
     key = job.names, job.columns, job.zero, job.size, job.turns is not None
-    with CompiledBatch(FIRSTS, key, lambda: _built(*key)) as batch:
+    with lent(("first zero", *key), lambda: CompiledBatch(_built(*key))) as batch:
         return _Motions(job, batch).run(stop)
-
-
-#: Each thread takes one.
-FIRSTS: Kind[HeyokaIntegrator] = Kind(16)
 
 
 class FirstMet(Met):

@@ -24,7 +24,8 @@ from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.heyoka_numbers import compact_beyond
 from polhode.taylor.backend.types import Expression, HeyokaIntegrator
 from polhode.taylor.batches import step_blocks
-from polhode.taylor.batches.compiled_batch import CompiledBatch, width
+from polhode.taylor.batches.compiled_batch import LANES, CompiledBatch
+from polhode.taylor.integrator.specification import integrator
 
 _LONG = 80  # operations of an expression whose code is compiled as loops
 _DIRECTIONS = {
@@ -89,5 +90,5 @@ def built(
     """
     watched = zero if within is None else within
     event = hy.nt_event_batch(watched, met, direction=_DIRECTIONS[direction])
-    state, options = np.zeros((len(equations), width(DOUBLE))), compact_beyond(_LONG, [zero])
-    return hy.taylor_adaptive_batch([*equations], state, nt_events=[event], **options)
+    options = {"nt_events": [event], **compact_beyond(_LONG, [zero])}
+    return integrator(equations, DOUBLE, LANES, **options)

@@ -20,6 +20,15 @@ from polhode.taylor.backend.time_grid import exact_sum
 from polhode.taylor.backend.types import Expression, HeyokaNumber
 
 
+def slowed(rates: list[Expression], cyclic: int, number: NumberType) -> list[Expression]:
+    """All rates of a system, those of so many cyclic variables at its end divided."""
+    if not cyclic:
+        return rates
+    first = len(rates) - cyclic
+    unit = hy.expression(scalar(Fraction(1, defaults.of(number).divisor), number))
+    return [*rates[:first], *(rate * unit for rate in rates[first:])]
+
+
 class Cyclic:
     """The last variables of a system, from where they start; ``every``: steps to a set-back."""
 
@@ -30,12 +39,6 @@ class Cyclic:
         self._fine = 2 * number.bits + 64  # bits behind the point of the offsets, which are ints
         whole = [number.rounded(x) for x in start]
         self._grown = [(x.numerator << self._fine) // x.denominator for x in whole]
-
-    def slowed(self, rates: Sequence[Expression]) -> list[Expression]:
-        """All rates of the system, those of the cyclic variables divided."""
-        first = len(rates) - len(self._grown)
-        unit = hy.expression(scalar(Fraction(1, self._divisor), self.number))
-        return [*rates[:first], *(rate * unit for rate in rates[first:])]
 
     def set_back(self, state: Array) -> None:
         """Move what the cyclic variables of a state have grown by to their offsets."""

@@ -1,4 +1,4 @@
-"""What an integrator is built from, and heyoka's integrator of it.
+"""The equations that compiled code is of, by value, and the one builder of heyoka's integrators.
 
 In the principal form the coefficients of the body are heyoka's parameters, so that one compiled
 integrator serves all bodies of a pattern: those of which the same coefficients are exactly zero.
@@ -12,15 +12,18 @@ multiply two power series.  That takes a tenth off a step in double, a third in 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields
 from fractions import Fraction
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias, TypeVar
+
+import numpy as np
 
 from polhode.common.cached_property import cached_property
-from polhode.numbers.exact import Number
-from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Array
+from polhode.equations.forms import principal
+from polhode.equations.system import System
+from polhode.numbers.number_types import DOUBLE, NumberType
+from polhode.scenes.vocabulary import ANGLE_VARIABLES
 from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.heyoka_numbers import (
     EXPRESSIONS,
@@ -28,20 +31,21 @@ from polhode.taylor.backend.heyoka_numbers import (
     compact_beyond,
     disk_cache,
     scalar,
-    scalars,
     type_options,
 )
-from polhode.taylor.backend.types import Expression, HeyokaIntegrator, HeyokaNumber
-from polhode.taylor.integrator.angle_variables import Cyclic
-from polhode.taylor.integrator.protocols import Desk, Watcher
+from polhode.taylor.backend.types import Expression, HeyokaIntegrator
+from polhode.taylor.integrator.angle_variables import slowed
+from polhode.taylor.integrator.engine import Engine, lent
+from polhode.taylor.integrator.protocols import Watcher
 from polhode.taylor.integrator.singularities import terminal_event
 
-#: Expressions in variables and coefficients: the rates, or a distance.
+#: Rates of variables, by the coefficients.
 Field: TypeAlias = Callable[[Sequence[Expression], Mapping[str, Expression]], list[Expression]]
-Distance: TypeAlias = Callable[[Sequence[Expression], Mapping[str, Expression]], Expression | None]
+E = TypeVar("E", bound=Engine)
 
 #: heyoka's parameters: so many for the time of events and their first step, one for each event,
-#: then the coefficients of the pattern, then the variables that are kept.
+#: then the coefficients of the pattern, then the variables that are kept.  Without events the
+#: coefficients are the first.
 CLOCK = 3
 #: Added to all that heyoka watches, during the first step of a run.
 TINY = 2
@@ -52,130 +56,146 @@ LONG = 500  # operations of a run's events whose code is compiled as loops
 
 
 @dataclass(frozen=True)
-class Blueprint:
-    """What an integrator of one autonomous system is built from, in one number type.  Immutable.
+class Equations:
+    """What tells compiled code from any other, without its events.
 
-    ``field``: rates from a list of variables and the coefficients.  ``distance``, of the variables
-    and the coefficients, ends a run where it falls to
-    :func:`polhode.taylor.integrator.singularities.nearest`.
-    ``cyclic``: so many of the last variables are cyclic, see
-    :mod:`polhode.taylor.integrator.angle_variables`.
-    ``equations``: what tells this field from others of the same names of variables and
-    coefficients, where it is of the principal form; its coefficients are then parameters, and an
-    integrator of the same equations that is idle is taken up again.
+    ``columns``: the variables, ``cyclic`` of the last ones being cyclic, see
+    :mod:`polhode.taylor.integrator.angle_variables`.  ``pattern``: the coefficients that are
+    parameters.  ``constants``: those of a form whose coefficients are none.  ``still``: no rate but
+    zero.  ``lanes``: of a batch, 0 for one motion.  ``tangents``: so many columns u with
+    u' = J(x) u follow the state; of the last ``driven`` of them the rate of the state by
+    coefficients of their own is added, which stand behind the first ones.
     """
 
-    names: Sequence[str]
-    field: Field
-    coefficients: Mapping[str, Number]
-    start: Sequence[Number]
-    number: NumberType
-    tolerance: Number | None = None
-    distance: Distance | None = None
-    equations: Hashable = None
+    columns: tuple[str, ...]
+    pattern: tuple[str, ...]
+    number: NumberType = DOUBLE
+    tolerance: Fraction | None = None
+    form: str = "principal"
+    constants: tuple[tuple[str, Fraction], ...] = ()
+    still: bool = False
     cyclic: int = 0
+    lanes: int = 0
+    tangents: int = 0
+    driven: int = 0
+
+    @classmethod
+    def of(cls, system: System, number: NumberType, tolerance: Fraction | None) -> Equations:
+        """The equations of one motion of a system."""
+        form, known = system.form.scene.form, system.coefficients
+        plain = form == "principal"  # what is left of it is among the columns
+        return cls(
+            system.names,
+            tuple(known) if plain else (),
+            number,
+            tolerance,
+            form,
+            () if plain else tuple((name, number.rounded(x)) for name, x in known.items()),
+            system.still,
+            len(ANGLE_VARIABLES) if "angles" in system.outputs else 0,
+        )
+
+    def __hash__(self) -> int:
+        return self._hash
 
     @cached_property
-    def state(self) -> Array:
-        """The start as heyoka's numbers, cyclic variables at zero; raises OutOfRange."""
-        first = len(self.start) - self.cyclic
-        values = [*self.start[:first], *[Fraction(0)] * self.cyclic]
-        return array(scalars(values, self.number), self.number)
+    def _hash(self) -> int:
+        return hash(tuple(getattr(self, field.name) for field in fields(self)))
 
-    @cached_property
-    def constants(self) -> list[HeyokaNumber]:
-        """The coefficients as heyoka's numbers; raises OutOfRange."""
-        return scalars([*self.coefficients.values()], self.number)
-
-    @property
-    def pattern(self) -> tuple[str, ...]:
-        """The coefficients that are parameters: those of the principal form that do not vanish."""
-        return () if self.equations is None else tuple(self.coefficients)
-
-    @cached_property
-    def parameters(self) -> Array:
-        """The coefficients as an array of heyoka's numbers, not to be written to."""
-        return array(self.constants, self.number)
-
-    @cached_property
-    def options(self) -> dict[str, Any]:
-        """heyoka's options of an integrator without events."""
-        found = type_options(self.number)
-        if self.tolerance is not None:
-            found["tol"] = scalar(self.tolerance, self.number)
-        return found
-
-    @cached_property
-    def key(self) -> Hashable:
-        """What an idle integrator of these equations is found by; None where none is kept."""
-        if self.equations is None:
-            return None
-        return (self.equations, *self.names, *self.pattern, self.number, self.tolerance)
+    def coefficients(self, first: int) -> dict[str, Expression]:
+        """Parameters from a first one on, or constants."""
+        named = {name: hy.par[i] for i, name in enumerate(self.pattern, first)}
+        for name, x in self.constants:
+            named[name] = hy.expression(scalar(x, self.number))
+        return named
 
 
-class Built(NamedTuple):
-    """heyoka's integrator, the desk of its events, and what its parameters are.
-
-    ``first``: the first coefficient among the parameters, ``coefficients``: how many there are.
-    ``kept``: the columns that the equations keep.  ``again``: whether another run may take it up: a
-    terminal event leaves traces in it.
-    """
-
-    heyoka: HeyokaIntegrator
-    desk: Desk | None
-    first: int
-    coefficients: int
-    kept: tuple[int, ...]
-    again: bool
+def principal_engine(equations: Equations, kind: type[E]) -> E:
+    """An engine of the principal form, from the pool or built; where it stands is anybody's."""
+    return lent(equations, lambda: built(equations, kind))
 
 
-def built(plan: Blueprint, watcher: Watcher | None, cyclic: Cyclic | None) -> Built:
-    """heyoka's integrator of a system at its start."""
-    variables = hy.make_vars(*plan.names)
-    start = CLOCK + (0 if watcher is None else len(watcher.damping))
-    first = start + len(plan.pattern)
-    k = _coefficients(plan, start)
-    rates = plan.field(variables, k)
-    kept = kept_columns(rates)
-    stepped = plan.field(as_parameters(variables, kept, first), k) if kept else rates
-    if cyclic is not None:
-        rates, stepped = cyclic.slowed(rates), cyclic.slowed(stepped)
-    options, desk = dict(plan.options), None
-    with disk_cache(plan.number):
+def built(
+    equations: Equations,
+    kind: type[E],
+    system: System | None = None,
+    watcher: Watcher | None = None,
+) -> E:
+    """An engine of equations, ``system``'s where they are not the principal form alone."""
+    number, options, desk = equations.number, dict[str, Any](), None
+    x = hy.make_vars(*equations.columns)
+    first = 0 if watcher is None else CLOCK + len(watcher.damping)
+    pattern, k = equations.pattern, equations.coefficients(first)
+
+    def field(state: Sequence[Expression], numbers: Mapping[str, Expression]) -> list[Expression]:
+        if system is None:
+            rates = principal.field(state, numbers, EXPRESSIONS)
+        else:
+            rates = system.field(state, numbers, EXPRESSIONS)
+        return slowed(rates, equations.cyclic, number)
+
+    rates, kept = field(x, k), tuple[int, ...]()
+    stepped = list(zip(x, rates, strict=True))
+    if equations.tangents:
+        stepped += _tangents(equations, field, x, rates)
+        options["compact_mode"] = not equations.lanes
+    else:
+        kept = tuple(i for i, rate in enumerate(rates) if rate == EXPRESSIONS.zero)
+        inside = list(x)
+        for parameter, column in enumerate(kept, first + len(pattern)):
+            inside[column] = hy.par[parameter]
+        stepped = list(zip(x, field(inside, k) if kept else rates, strict=True))
+    if equations.tolerance is not None:
+        options["tol"] = scalar(equations.tolerance, number)
+    with disk_cache(number):
         if watcher is not None:
-            known = plan.field(variables, _coefficients(plan, DESK))
-            known = known if cyclic is None else cyclic.slowed(known)
-            events, desk = watcher.attach(variables, rates, known)
+            events, desk = watcher.attach(x, rates, field(x, equations.coefficients(DESK)))
             options["nt_events"] = events
             options |= compact_beyond(LONG, [event.expression for event in events])
-        away = None if plan.distance is None else plan.distance(variables, k)
-        if away is not None:
-            options["t_events"] = [terminal_event(away, plan.number)]
-        equations = list(zip(variables, stepped, strict=True))
-        heyoka = hy.taylor_adaptive(equations, plan.state, **options)
-    used = max(0, len(heyoka.pars) - start)  # no rate asks for those after
-    coefficients = min(used, len(plan.pattern))
-    return Built(heyoka, desk, start, coefficients, kept[: used - coefficients], away is None)
+        if system is not None:
+            form = system.form
+            away = form.distance(x[: len(form.variables)], k, EXPRESSIONS)
+            if away is not None:
+                options["t_events"] = [terminal_event(away, number)]
+        heyoka = integrator(stepped, number, equations.lanes, **options)
+    count = len(pattern) * (1 + equations.driven)
+    return kind(heyoka, number, first, count, kept, desk)
 
 
-def _coefficients(plan: Blueprint, first: int) -> dict[str, Expression]:
-    """Parameters from a first one on; constants in a form whose coefficients are none."""
-    if plan.pattern:
-        return {name: hy.par[i] for i, name in enumerate(plan.pattern, first)}
-    named = zip(plan.coefficients, plan.constants, strict=True)
-    return {name: hy.expression(x) for name, x in named}
+def integrator(
+    system: Sequence[tuple[Expression, Expression]],
+    number: NumberType = DOUBLE,
+    lanes: int = 0,
+    **options: Any,
+) -> HeyokaIntegrator:
+    """heyoka's integrator of variables and their rates, at zero; nothing else makes any."""
+    options, equations = type_options(number) | options, list(system)
+    with disk_cache(number):
+        if lanes:
+            return hy.taylor_adaptive_batch(equations, np.zeros((len(equations), lanes)), **options)
+        zeros = [scalar(Fraction(0), number)] * len(equations)
+        return hy.taylor_adaptive(equations, array(zeros, number), **options)
 
 
-def kept_columns(rates: Sequence[Expression]) -> tuple[int, ...]:
-    """Those whose rates are zero whatever the state."""
-    return tuple(i for i, rate in enumerate(rates) if rate == EXPRESSIONS.zero)
-
-
-def as_parameters(
-    variables: Sequence[Expression], kept: Sequence[int], first: int
-) -> list[Expression]:
-    """Variables, with parameters from ``first`` on in the place of those that are kept."""
-    found = list(variables)
-    for parameter, column in enumerate(kept, first):
-        found[column] = hy.par[parameter]
+def _tangents(
+    of: Equations, field: Field, x: Sequence[Expression], rates: Sequence[Expression]
+) -> list[tuple[Expression, Expression]]:
+    """Variables and rates of tangents, by symbolic differentiation."""
+    jacobian = [[hy.diff(rate, variable) for variable in x] for rate in rates]
+    found = []
+    for j in range(of.tangents):
+        u = hy.make_vars(*(f"{name}_{j}" for name in of.columns))
+        along = [_product(row, u) for row in jacobian]
+        drive = j - (of.tangents - of.driven)
+        if drive >= 0:
+            numbers = of.coefficients((1 + drive) * len(of.pattern))
+            driven = field(x, numbers)
+            for i in range(len("pqr")):  # gamma' has no coefficients
+                along[i] = along[i] + driven[i]
+        found += list(zip(u, along, strict=True))
     return found
+
+
+def _product(row: Sequence[Expression], u: Sequence[Expression]) -> Expression:
+    """A row of the Jacobian times a tangent; an entry that is zero is no term."""
+    return hy.sum([a * b for a, b in zip(row, u, strict=True) if a != EXPRESSIONS.zero])

@@ -20,9 +20,10 @@ from polhode.taylor.backend.step_outcomes import ending
 from polhode.taylor.backend.time_grid import Times
 from polhode.taylor.backend.types import HeyokaNumber, HeyokaOutcome
 from polhode.taylor.integrator.angle_variables import Cyclic
-from polhode.taylor.integrator.compiled import Compiled
+from polhode.taylor.integrator.engine import Engine
+from polhode.taylor.integrator.prepared_system import PreparedSystem
 from polhode.taylor.integrator.protocols import Corrector, Watcher
-from polhode.taylor.integrator.specification import TINY, Blueprint
+from polhode.taylor.integrator.specification import TINY
 
 #: The longest step, in the run's unit, of a run with events.  Where all that moves is small beside
 #: what rests, steps are long by that, and products of small things have no polynomial over them.
@@ -52,38 +53,39 @@ class Integrator:
     Time is kept as an exact offset plus heyoka's own time, which is put back to 0 at
     each chunk's end: output times are rounded relative to the chunk's start, never to zero.
     ``watcher`` gives heyoka events and may end the run.  ``corrector`` corrects the state every so
-    many steps.  ``compiled``: stands at the start; one of the plan's is taken where none is given.
+    many steps.  ``engine``: stands at the start; one from the pool where none is given.
     ``anchored``: steps between two ``anchors``, which are noted where that is not 0.
     """
 
     def __init__(
         self,
-        plan: Blueprint,
+        what: PreparedSystem,
         origin: Fraction = Fraction(0),
         watcher: Watcher | None = None,
         corrector: Corrector | None = None,
-        compiled: Compiled | None = None,
+        engine: Engine | None = None,
         anchored: int = 0,
     ) -> None:
-        self.number, self.anchored = plan.number, anchored
+        self.number, self.anchored = what.number, anchored
         self.watcher, self.corrector = watcher, corrector
         self.offset = origin
         self.steps = 0
         self._due = 0 if corrector is None else corrector.every
         self._reach = math.inf
-        first = len(plan.start) - plan.cyclic
-        self._cyclic = Cyclic(plan.start[first:], plan.number) if plan.cyclic else None
+        start, cyclic = what.system.start, what.equations.cyclic
+        self._cyclic = Cyclic(start[len(start) - cyclic :], what.number) if cyclic else None
         self.anchors: list[Anchor] = []
-        self.compiled = compiled or Compiled(plan, watcher, self._cyclic)
-        self.heyoka, self.state = self.compiled.heyoka, self.compiled.state
-        if watcher is not None and self.compiled.desk is not None:
-            watcher.sit_down(self.compiled.desk, plan.parameters[: len(plan.pattern)])
+        self.engine = engine or what.engine(watcher)
+        self.heyoka, self.state = self.engine.heyoka, self.engine.state
+        if watcher is not None and self.engine.desk is not None:
+            count = len(what.equations.pattern)
+            watcher.sit_down(self.engine.desk, what.coefficients[:count])
             watcher.counts_from(origin, self.heyoka)
 
     def release(self) -> None:
         """Leave the compiled code to the next run of the same equations; the last call of all."""
-        self.compiled.release()
-        del self.compiled, self.heyoka, self.state
+        self.engine.release()
+        del self.engine, self.heyoka, self.state
 
     @property
     def time(self) -> Fraction:
@@ -120,7 +122,7 @@ class Integrator:
         self.offset, self.heyoka.dtime = anchor.offset, anchor.dtime
         for i, x in enumerate(anchor.state):
             self.state[i] = x
-        self.compiled.tell_kept()
+        self.engine.tell_kept()
         self._tell_offset()
         ahead = scalar(self.number.rounded(t - anchor.offset), self.number)
         self.heyoka.propagate_until(ahead, **self._options)
@@ -160,7 +162,7 @@ class Integrator:
 
     def _correct(self, corrector: Corrector) -> bool:
         done = corrector.correct(self.state)
-        self.compiled.tell_kept()
+        self.engine.tell_kept()
         return done
 
     def _advance(self, ahead: Numbers, done: int, steps: int) -> tuple[Array, Outcome]:
@@ -176,7 +178,7 @@ class Integrator:
             return self._onwards(ahead[-2:], steps)
         begun, kept, before = ta.dtime, self.state.copy(), self.steps
         marks = None if self.watcher is None else self.watcher.marks()
-        simple = self.watcher is None and self.compiled.again
+        simple = self.watcher is None and not self.engine.singular
         if self._reach == math.inf and simple and count - done > _MANY:
             tried = max(1, ta.propagate_until(ahead[-1], max_steps=_TRIED)[3])
             self._reach = _REACH * steps / tried * float(abs(ta.time - begun[0]))

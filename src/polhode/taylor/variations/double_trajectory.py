@@ -13,18 +13,17 @@ from typing import NamedTuple
 import numpy as np
 
 from polhode.motion.outcomes import Outcome
-from polhode.numbers.number_types import DOUBLE, EXTENDED, extended_here
+from polhode.numbers.number_types import DOUBLE, EXTENDED, NumberType, extended_here
 from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import Scalar
+from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend.engine import hy
-from polhode.taylor.backend.integrator_pool import Kind
-from polhode.taylor.backend.types import HeyokaIntegrator, HeyokaOutput
-from polhode.taylor.integrator.prepared import Prepared
+from polhode.taylor.backend.types import HeyokaOutput
+from polhode.taylor.integrator.engine import Engine, lent
+from polhode.taylor.integrator.specification import integrator
 
 _CYCLE = ((1, 2), (2, 0), (0, 1))
 _MOST_STEPS = 100_000
-
-PATHS: Kind[HeyokaIntegrator] = Kind(4)
 
 
 class Path(NamedTuple):
@@ -51,7 +50,7 @@ def path(
     """
     number = EXTENDED if wide and extended_here() else DOUBLE
     kind = np.longdouble if number is EXTENDED else np.float64
-    with Prepared(PATHS, kind, lambda: _built(kind), number) as ta:
+    with lent(("any body", number), lambda: _built(number)) as ta:
         ta.stand(np.array(start, dtype=kind), np.array(constants, dtype=kind))
         ended, output = ta.polynomials(kind(duration), _MOST_STEPS)
         order = ta.heyoka.order
@@ -66,14 +65,12 @@ def path(
     return Path(ends, taken / part, output, kind)
 
 
-def _built(kind: type[np.floating]) -> HeyokaIntegrator:
-    """An integrator of the equations for any body."""
-    w, g = hy.make_vars("p", "q", "r"), hy.make_vars("g1", "g2", "g3")
+def _built(number: NumberType) -> Engine:
+    """The engine of the equations for any body."""
+    w, g = hy.make_vars(*STATE[:3]), hy.make_vars(*STATE[3:])
     system = [
         (w[i], hy.sum([hy.par[i] * w[a] * w[b], hy.par[3 + i] * g[a], hy.par[6 + i] * g[b]]))
         for i, (a, b) in enumerate(_CYCLE)
     ]
     system += [(g[i], g[a] * w[b] - g[b] * w[a]) for i, (a, b) in enumerate(_CYCLE)]
-    return hy.taylor_adaptive(
-        system, np.zeros(6, dtype=kind), fp_type=kind, pars=np.zeros(9, dtype=kind)
-    )
+    return Engine(integrator(system, number), number, coefficients=9)

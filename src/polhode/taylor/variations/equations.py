@@ -18,16 +18,11 @@ from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Number
 from polhode.numbers.rows import Doubles
-from polhode.taylor.backend.engine import hy
-from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS
-from polhode.taylor.backend.integrator_pool import Kind
-from polhode.taylor.backend.types import HeyokaIntegrator
-from polhode.taylor.integrator.prepared import Prepared
-from polhode.taylor.variations import principal_equations
+from polhode.scenes.vocabulary import STATE
+from polhode.taylor.integrator.engine import Engine
+from polhode.taylor.integrator.specification import Equations, principal_engine
 
 _BLOCK = 50_000  # steps, a fifth of a second, between which a signal is heard
-
-VARIATIONS: Kind[HeyokaIntegrator] = Kind(4)
 
 
 class Variations:
@@ -45,8 +40,9 @@ class Variations:
         tangents: Doubles,
         drives: Sequence[Mapping[str, Number]] = (),
     ) -> None:
-        key = tangents.shape[1], len(drives)
-        self._ready = Prepared(VARIATIONS, key, lambda: _built(*key))
+        count = tangents.shape[1]
+        equations = Equations(STATE, principal.NAMES, tangents=count, driven=len(drives))
+        self._ready = principal_engine(equations, Engine)
         self._pars = np.array(
             [
                 to_double(by.get(name, 0))
@@ -114,24 +110,3 @@ class Variations:
         self.exponent += by
         driven = len(principal.NAMES)
         self._ready.parameters[driven:] = np.ldexp(self._pars[driven:], -self.exponent)
-
-
-def _built(count: int, driven: int) -> HeyokaIntegrator:
-    """An integrator of the state and ``count`` tangents, the last ``driven`` of them driven."""
-    size = len(principal.NAMES)
-    motion = principal_equations.motion(principal.NAMES)
-    tangents = principal_equations.tangents(motion, principal_equations.numbered(count))
-    x = [variable for variable, _ in motion]
-    for k in range(driven):
-        numbers = {name: hy.par[(1 + k) * size + j] for j, name in enumerate(principal.NAMES)}
-        drive = principal.field(x, numbers, EXPRESSIONS)
-        first = 6 * (count - driven + k)
-        for i in range(3):
-            variable, rate = tangents[first + i]
-            tangents[first + i] = variable, rate + drive[i]
-    return hy.taylor_adaptive(
-        motion + tangents,
-        np.zeros(6 * (1 + count)),
-        compact_mode=True,
-        pars=[0.0] * (size * (1 + driven)),
-    )

@@ -18,6 +18,7 @@ from polhode.numbers.exact import Number
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Array, Doubles, GivenRow
 from polhode.numbers.scalars import Scalar
+from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend import defaults
 from polhode.taylor.backend.heyoka_numbers import (
     array,
@@ -26,8 +27,8 @@ from polhode.taylor.backend.heyoka_numbers import (
     scalars,
 )
 from polhode.taylor.backend.types import HeyokaNumber
-from polhode.taylor.integrator.prepared import Prepared
-from polhode.taylor.variations import principal_equations
+from polhode.taylor.integrator.engine import Engine
+from polhode.taylor.integrator.specification import Equations, principal_engine
 
 MAX_STEPS = 1_000_000
 
@@ -89,9 +90,10 @@ class Flow:
             raise NotFollowed(Outcome.NON_FINITE.value)
         return rows
 
-    def _at(self, start: GivenRow) -> Prepared:
+    def _at(self, start: GivenRow) -> Engine:
         """An integrator that stands there."""
-        ta = principal_equations.prepared(self._names, self.number, 6 if self.derivative else 0)
+        tangents = len(STATE) if self.derivative else 0
+        ta = principal_engine(Equations(STATE, self._names, self.number, tangents=tangents), Engine)
         ones = scalars([Fraction(0), Fraction(1)], self.number)
         unit = [ones[k % 7 == 0] for k in range(36)] if self.derivative else []
         ta.stand(array([*map(self._number, start), *unit], self.number), self._pars)

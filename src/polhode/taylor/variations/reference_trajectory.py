@@ -15,7 +15,8 @@ from polhode.numbers.number_types import EXTENDED, QUAD, NumberType
 from polhode.numbers.rows import Doubles, Rows
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
-from polhode.taylor.integrator.build import build
+from polhode.taylor.integrator.prepared_system import PreparedSystem
+from polhode.taylor.integrator.stepping import Integrator
 
 _SPARE_DIGITS = 10  # of a state as doubles, and of what is lost until the next one is asked for
 
@@ -34,7 +35,7 @@ class Leader:
             ready = [EXTENDED] if number_types.extended_here() else []
             holding = (kind for kind in (*ready, QUAD) if kind.most_digits >= needed)
             self._number = next(holding, None) or number_types.mp(2 * needed)
-            self._run = build(self._plain, self._number)
+            self._run = Integrator(PreparedSystem(self._plain, self._number))
         rows: Rows = []
         while len(rows) == 0:
             rows, _ = self._run.chunk([Fraction(time)], defaults.of(self._number).chunk)

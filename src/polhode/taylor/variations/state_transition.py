@@ -29,7 +29,8 @@ from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
-from polhode.taylor.integrator.build import build
+from polhode.taylor.integrator.prepared_system import PreparedSystem
+from polhode.taylor.integrator.stepping import Integrator
 from polhode.taylor.variations.equations import Variations
 from polhode.taylor.variations.reference_trajectory import Leader, pendulum, six
 
@@ -149,7 +150,7 @@ def _with_plain_steps(found: list[Stretch], plain: System) -> list[Stretch]:
     tangents_steps = sum(s.steps for s in found)
     if not tangents_steps:
         return found
-    run, outcome = build(plain, DOUBLE), Outcome.STEP_LIMIT
+    run, outcome = Integrator(PreparedSystem(plain, DOUBLE)), Outcome.STEP_LIMIT
     while outcome is Outcome.STEP_LIMIT:
         _, outcome = run.chunk([Fraction(found[-1].time)], defaults.of(DOUBLE).chunk)
     share = run.steps / tangents_steps

@@ -7,6 +7,7 @@ scaled to length one.  Nothing is called back while heyoka steps: threads share 
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
@@ -14,18 +15,11 @@ import numpy.typing as npt
 
 from polhode.common.checkpoint import Arrays
 from polhode.common.progress import Stop
-from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles
 from polhode.scenes.vocabulary import STATE
-from polhode.taylor.backend.engine import hy
-from polhode.taylor.backend.integrator_pool import Kind
-from polhode.taylor.backend.types import HeyokaIntegrator
-from polhode.taylor.batches.compiled_batch import CompiledBatch, width
+from polhode.taylor.batches.compiled_batch import LANES, CompiledBatch
 from polhode.taylor.batches.lane_queue import LaneQueue
-from polhode.taylor.variations import principal_equations
-
-#: Each thread of a map takes one.
-TANGENTS: Kind[HeyokaIntegrator] = Kind(16)
+from polhode.taylor.integrator.specification import Equations, principal_engine
 
 
 class TangentJob(NamedTuple):
@@ -69,8 +63,9 @@ def solve(job: TangentJob, stop: Stop | None = None) -> Followed:
     sizes = np.full((n, job.looks + 1), np.nan)
     sizes[:, 0] = 0.0
     last = np.zeros(n, dtype=int)
-    key = job.names, job.tolerance
-    with CompiledBatch(TANGENTS, key, lambda: _built(*key)) as ta:
+    tolerance = None if job.tolerance is None else Fraction(job.tolerance)
+    equations = Equations(STATE, job.names, tolerance=tolerance, lanes=LANES, tangents=1)
+    with principal_engine(equations, CompiledBatch) as ta:
         lanes = LaneQueue(n, ta.places)
 
         def begin(lane: int) -> None:
@@ -101,11 +96,3 @@ def solve(job: TangentJob, stop: Stop | None = None) -> Followed:
             begin(lane)
         lanes.follow(begin, stretch, stop)
     return Followed(sizes, last)
-
-
-def _built(names: tuple[str, ...], tolerance: float | None) -> HeyokaIntegrator:
-    system = principal_equations.motion(names)
-    system += principal_equations.tangents(system, [[f"d_{name}" for name in STATE]])
-    options = {} if tolerance is None else {"tol": tolerance}
-    shapes = np.zeros((12, width(DOUBLE))), np.zeros((len(names), width(DOUBLE)))
-    return hy.taylor_adaptive_batch(system, shapes[0], pars=shapes[1], **options)
