@@ -12,7 +12,6 @@ import pytest
 import polhode
 from polhode.judging.conditioning import rounding_errors
 from polhode.judging.conditioning.conditioning import conditioning
-from polhode.judging.conditioning.step_rounding import StepRounding
 from polhode.judging.correct_digits import digits_of, log10_errors, log10_rate
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.scenes.body import Body
@@ -50,7 +49,7 @@ def test_inputs_exact_in_the_type_cost_nothing():
     body = Body.of_moments((4, 4, 2), (F(1, 2), 0, F(1, 4)), 1)
     scene = Scene(body, (F(1, 2), F(1, 4), 1), (0, 0, 1), times=(F(1), F(30)))
     along = passage(scene)
-    assert all(not v.values.any() for v in rounding_errors.inputs(along, DOUBLE))
+    assert all(not x.inputs.values.any() for x in rounding_errors.rounding(along, DOUBLE))
     assert conditioning(scene).inputs() == (DOUBLE.most_digits,) * 2
     assert 14 < conditioning(scene).expected()[-1].middle < 15.5
 
@@ -103,13 +102,13 @@ def test_a_projection_rounds_the_state_once_more():
     (stretch,) = along.stretches
     n = round(stretch.steps)
     assert n == stretch.steps > 2
-    once, step = StepRounding(along), stretch.time / n
-    first, last = (np.diag(once(x, step)) for x in (six(along.plain.start), stretch.state))
-    more = np.diag(once(stretch.state, 0.0))
+    ends, step = np.array([six(along.plain.start), stretch.state]), stretch.time / n
+    first, last = map(np.diag, rounding_errors.variances(along, ends, step))
+    more = np.diag(rounding_errors.variances(along, ends, 0.0)[1])
 
     def spread(every: int) -> np.ndarray:
-        (one,) = rounding_errors.scatter(along, every)
-        return np.ldexp(one.values, one.exponent)
+        (one,) = rounding_errors.rounding(along, DOUBLE, every)
+        return np.ldexp(one.steps.values, one.steps.exponent)
 
     steps = n / 2 * (stretch.carried @ first @ stretch.carried.T + last)
     for every in (0, n + 1):  # of no projection, or not yet

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from polhode.equations.system import system
-from polhode.judging.conditioning.step_rounding import StepRounding, spacing
+from polhode.judging.conditioning.rounding_errors import spacing, variances
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, extended_here
@@ -31,33 +31,36 @@ def test_spacings_are_those_of_doubles():
 
 
 def test_a_count_by_hand():
-    """p' = q r/2 + k gamma2, q' = -r p/2 - k gamma1, r' = 0, in a step of 2^-4 of the own unit."""
+    """p' = q r/2 + k gamma2, q' = -r p/2 - k gamma1, r' = 0, in a step of 2^-4 of the own unit.
+
+    The state once, the increment four times.
+    """
     body = Body.of_moments((4, 4, 2), (0, 0, 8), 1)
     scene = Scene(body, (F(3, 2), F(5, 4), 3), (0, 0, 1), times=(F(1),))
-    once, k = StepRounding(passage(scene)), 2 * 4.0**scene.time_unit
+    along, k = passage(scene), 2 * 4.0**scene.time_unit
     state, step = np.array([1.5, 1.25, 3.0, 0.25, 0.75, 0.5]), 2.0**-4
-    products = [  # of each rate: how many multiplications, the product
-        [(2, 1.25 * 3 / 2), (1, k * 0.75)],
-        [(2, -3 * 1.5 / 2), (1, -k * 0.25)],
-        [],
-        [(1, 3 * 0.75), (1, -1.25 * 0.5)],
-        [(1, 1.5 * 0.5), (1, -3 * 0.25)],
-        [(1, 1.25 * 0.25), (1, -1.5 * 0.75)],
+    rates = [
+        1.25 * 3 / 2 + k * 0.75,
+        -3 * 1.5 / 2 - k * 0.25,
+        0.0,
+        3 * 0.75 - 1.25 * 0.5,
+        1.5 * 0.5 - 3 * 0.25,
+        1.25 * 0.25 - 1.5 * 0.75,
     ]
 
     def square(x: float) -> float:
         return float((np.spacing(abs(x)) * 2.0**52) ** 2) if x else 0.0
 
-    expected = []
-    for x, parts in zip(state, products, strict=True):
-        rate = sum(product for _, product in parts)
-        whole = square(x) + 3 * square(step * rate)
-        whole += sum(made * square(step * product) for made, product in parts)
-        expected.append(whole / 12 if rate else 0.0)
+    expected = [
+        (square(x) + 4 * square(step * rate)) / 12 if rate else 0.0
+        for x, rate in zip(state, rates, strict=True)
+    ]
     assert expected[2] == expected[4] == 0  # a spin that is kept; a rate of zero
-    assert [*once(state, step)] == pytest.approx(expected, rel=1e-14, abs=0)
+    (found,) = variances(along, state[None], step)
+    assert [*found] == pytest.approx(expected, rel=1e-14, abs=0)
     alone = [square(x) / 12 if e else 0 for x, e in zip(state, expected, strict=True)]
-    assert [*once(state, 0.0)] == pytest.approx(alone, rel=1e-14, abs=0)
+    (found,) = variances(along, state[None], 0.0)
+    assert [*found] == pytest.approx(alone, rel=1e-14, abs=0)
 
 
 @pytest.mark.sample(1, first=1)
@@ -74,7 +77,7 @@ def test_steps_that_are_taken_round_so_much(number, wide, kind):
         pytest.skip("no extended numbers here")
     scene = random_scene(kind, 16, [F(60)])
     plain = system(replace(scene, form="principal"), ())
-    run, once = Integrator(PreparedSystem(plain, number)), StepRounding(passage(scene))
+    run, along = Integrator(PreparedSystem(plain, number)), passage(scene)
     flow = Flow({name: rounded(x, number) for name, x in plain.coefficients.items()}, wide)
     squares, expected = np.zeros(6), np.zeros(6)
     for _ in range(100):
@@ -84,7 +87,7 @@ def test_steps_that_are_taken_round_so_much(number, wide, kind):
         true = [exactly(x) for x in flow.after(before, step).state]
         errors = [float((x - y) * 2 ** (number.bits - 1)) for x, y in zip(after, true, strict=True)]
         squares += np.square(errors)
-        expected += once(np.array([float(x) for x in after]), float(step))
+        expected += variances(along, np.array([[float(x) for x in after]]), float(step))[0]
     assert not squares[expected == 0].any()
     assert 0.65 < squares.sum() / expected.sum() < 1.55
 

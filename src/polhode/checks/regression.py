@@ -7,7 +7,7 @@ yardstick is slack.  Published figures are held against the reference as well.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 from polhode.checks.published_figures import PrintedFigure, figures
@@ -129,7 +129,7 @@ def check(
 
 
 def check_scene(scene: Scene, numbers: Sequence[str] = ()) -> Report:
-    """The checks of one case."""
+    """The checks of one case: of its states, by runs without outputs and events."""
     reference = reference_of(scene)
     kept, wanted = Remembered(reference), [*(numbers or scene.expect)]
     widest = sorted(wanted, key=number_types.NAMES.index, reverse=True)
@@ -149,9 +149,10 @@ def check_scene(scene: Scene, numbers: Sequence[str] = ()) -> Report:
 def _line(scene: Scene, reference: Remembered, number: str, known: Conditioning | None) -> Line:
     band = scene.expect.get(number)
     digits = number_types.DEFAULT_MP_DIGITS if number == "mp" else None
-    # the bands are those of heyoka's own steps
-    options = Options("taylor", digits=digits)
-    run = solve(scene, choose_number(scene, number, digits), options, interruptible=False)
+    # up to quad the bands are those of heyoka's own steps; mp as users get it, refined if faster
+    options = Options("auto" if number == "mp" else "taylor", digits=digits)
+    plain = replace(scene, outputs=(), events=())  # the digits are those of the state
+    run = solve(plain, choose_number(scene, number, digits), options, interruptible=False)
     if not run.outcome.done:
         return Line(number, 0.0, band, None, run.outcome.value)
     judged = compare(run, reference, known=known)

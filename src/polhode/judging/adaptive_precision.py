@@ -186,45 +186,33 @@ def integrate(
         digits = whole(scene.name, "digits", digits, 1, number_types.MAX_DIGITS)
     elif proved is not None:
         raise BadInput(scene.name, "proved", proved, "digits given, for their check")
-    if digits is None:
-        chosen, free, need = choose_number(scene, number, None), False, Need(0.0, math.inf)
-    else:
-        chosen, free, need = _chosen(scene, number, digits, tol is None and inputs is None)
     given = Options(method, max_steps, project, None, inputs, digits)
-    options = checked_options(scene, chosen, given, tol)
-    for attempt in range(MOST_RUNS):
-        run = solve(scene, chosen, options, progress)
-        if digits is None or not (run.outcome.done and run.times):
-            return run
-        from polhode.judging.digit_check import checked  # and with it all closed forms
+    if digits is None:
+        chosen = choose_number(scene, number, None)
+        return solve(scene, chosen, checked_options(scene, chosen, given, tol), progress)
+    from polhode.judging.digit_check import checked  # and with it all closed forms
 
-        hopeless = need.lost > need.most
+    free = number in (None, "mp") and tol is None and inputs is None
+    lost, most = needed(scene, digits) if free else Need(0.0, math.inf)
+    if hopeless := lost > most:  # beyond what can be computed: the type of the digits alone
+        chosen = number_types.for_digits(digits, 0.0)
+    else:
+        chosen = choose_number(scene, number, digits, lost)
+    options = checked_options(scene, chosen, given, tol)
+    for _ in range(MOST_RUNS):
+        run = solve(scene, chosen, options, progress)
+        if not (run.outcome.done and run.times):
+            return run
         run = _as_expected(run) if hopeless else checked(run, digits, proved, progress)
         right = run.correct_digits or 0.0
         if right >= digits or run.outcome is Outcome.INTERRUPTED:
             return run
-        lost = _missed(need.lost, chosen, right)
-        if not free or lost > need.most or attempt == MOST_RUNS - 1:
+        lost = _missed(lost, chosen, right)
+        if not free or lost > most:
             break
-        need = Need(lost, need.most)
         found = choose_number(scene, number, digits, lost)
         chosen = found if found.bits > chosen.bits else wider(chosen)
     return replace(run, outcome=Outcome.TOO_FEW_DIGITS)
-
-
-def _chosen(
-    scene: Scene, number: str | NumberType | None, digits: int, open_to_choice: bool
-) -> tuple[NumberType, bool, Need]:
-    """The first number type to try, whether others may follow, and what the motion needs.
-
-    A motion that multiplies errors beyond what can be computed gets the type of the digits alone.
-    """
-    if not open_to_choice or number not in (None, "mp"):
-        return choose_number(scene, number, digits), False, Need(0.0, math.inf)
-    need = needed(scene, digits)
-    if need.lost > need.most:
-        return number_types.for_digits(digits, 0.0), False, need
-    return choose_number(scene, number, digits, need.lost), True, need
 
 
 class Need(NamedTuple):

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
 from polhode.equations.hodographs import turned
-from polhode.judging.finite_differences import derivative_weights
 from polhode.numbers.conversion import mpf_row, to_mpf
+from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.row_formulas import GUARD_BITS
 from polhode.scenes.body import Body, cross, dot, minus
 
@@ -40,8 +40,6 @@ def omega_rate(body: Body, omega: Sequence[Any], gamma: Sequence[Any], bits: int
 
     Written in vectors, apart from the forms that are integrated.
     """
-    from polhode.numbers.mpmath_context import mpmath
-
     with mpmath.workprec(bits):
         x, y, z = ([to_mpf(entry, bits) for entry in row] for row in body.inertia)
         torque = [to_mpf(entry, bits) for entry in body.torque]
@@ -85,7 +83,6 @@ def rolling(run: Trajectory) -> Rolling:
     >>> 1e-33 < polhode.rolling(run).tangent < 1e-30
     True
     """
-    from polhode.numbers.mpmath_context import mpmath
     from polhode.runs.trajectory import Trajectory
 
     of_kind("rolling", "run", run, Trajectory, "a Trajectory")
@@ -102,7 +99,7 @@ def rolling(run: Trajectory) -> Rolling:
         space = [mpf_row(row, bits) for row in curves.space]
         for k in range(HALF_WINDOW, len(times) - HALF_WINDOW):
             window = slice(k - HALF_WINDOW, k + HALF_WINDOW + 1)
-            weights = derivative_weights(times[window])
+            weights = _derivative_weights(times[window])
             slope = [mpmath.fdot(weights, column) for column in zip(*space[window], strict=True)]
             state = mpf_row(run.states[k], bits)
             rate = omega_rate(run.scene.body, state[:3], state[3:], bits)
@@ -118,9 +115,21 @@ def rolling(run: Trajectory) -> Rolling:
         return Rolling(_relative(worst, fastest), _relative(abs(space_arc - body_arc), body_arc))
 
 
-def _length(vector: Sequence[Any]) -> Any:
-    from polhode.numbers.mpmath_context import mpmath
+def _derivative_weights(nodes: Sequence[Any]) -> list[Any]:
+    """Weights of the derivative at the middle node of the polynomial through all of them (mpf)."""
+    middle = len(nodes) // 2
+    scale = [
+        1 / mpmath.fprod(x - y for j, y in enumerate(nodes) if j != i) for i, x in enumerate(nodes)
+    ]
+    weights = [
+        mpmath.mpf(0) if i == middle else scale[i] / scale[middle] / (nodes[middle] - x)
+        for i, x in enumerate(nodes)
+    ]
+    weights[middle] = -mpmath.fsum(weights)
+    return weights
 
+
+def _length(vector: Sequence[Any]) -> Any:
     return mpmath.sqrt(mpmath.fsum(x * x for x in vector))
 
 

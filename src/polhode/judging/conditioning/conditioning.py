@@ -13,37 +13,38 @@ multiplied by, w relative to the largest |w| at the output times, gamma as it is
 adds while it is computed, beside that of the inputs, as the band in which nine in ten such runs
 end; of projected runs, what projection leaves.
 
-*bound(t)* = kappa(t)·eps + |state'|·ulp(t), kappa(t) = max over i of the sum over j of
-|d x_i/d ln u_j|, x the state, u every input that is not zero: p q r gamma1 gamma2 gamma3 at the
-start, A, B, C and the components of Mg r0, in principal axes, each changed by one unit of itself at
-once.  Rounding the inputs and the time can cost so much, and costs less nearly always.
+*bound(t)* = kappa(t)·eps, kappa(t) = max over i of the sum over j of |d x_i/d ln u_j|, x the state,
+u every input that is not zero: p q r gamma1 gamma2 gamma3 at the start, A, B, C and the components
+of Mg r0, in principal axes, each changed by one unit of itself at once.  Rounding the inputs can
+cost so much, and costs less nearly always.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-
-import numpy as np
+from typing import TypeVar
 
 from polhode.common.arguments import steps
 from polhode.common.cached_property import cached_property
 from polhode.common.value_semantics import ByValue
-from polhode.equations.forms import principal
 from polhode.judging.conditioning import rounding_errors
-from polhode.judging.conditioning.rounding_errors import Band, Scaled
-from polhode.numbers import exact, number_types
+from polhode.judging.conditioning.rounding_errors import Band, Rounding
+from polhode.numbers import number_types
 from polhode.numbers.conversion import to_double
-from polhode.numbers.exact import Exact, sign
+from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE, LOG10_2, NumberType
-from polhode.numbers.scalars import FLOATS, AnyNumber
+from polhode.numbers.scalars import AnyNumber
 from polhode.runs.problem.options import choose_number
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
+from polhode.taylor.variations.error_growth import Growth
 from polhode.taylor.variations.state_transition import Passage, passage
+
+T = TypeVar("T")
 
 MAX_STEPS = 400_000  # of 35 µs: about fifteen seconds
 _BEYOND = 4  # digits of |Phi| beyond those of the type: kappa, of the inputs alone, may be smaller
@@ -78,8 +79,7 @@ class Conditioning(ByValue):
     @cached_property
     def log10_kappa(self) -> tuple[float | None, ...]:
         """log10 of kappa at each time, None where it is not known or no digits are left."""
-        known = {t: x for t, x in self._kappas if not self._gone(t)}
-        return tuple(known.get(t) for t in self.along.outputs)
+        return tuple(None if k is None else self._kappas[k] for k in self._places)
 
     @property
     def kappa(self) -> tuple[float | None, ...]:
@@ -103,15 +103,11 @@ class Conditioning(ByValue):
         between two projections, which take away what leads off the exact scene's level; 0 for none.
         """
         kind = self._kind(number)
-        found = self._inputs(kind, every)
-        return tuple(
-            _digits(rounding_errors.size(self.along, found[k]), kind)
-            if k is not None
-            else 0.0
-            if self._lost(t, kind)
-            else None
-            for t, k in zip(self.along.outputs, self._places, strict=True)
-        )
+
+        def left(k: int) -> float:
+            return _digits(self._rounding(kind, every)[k].inputs_size(self.along), kind)
+
+        return tuple(self._at(n, kind, left, 0.0) for n in range(len(self.times)))
 
     def expected(
         self, number: NumberType | str | None = None, every: int | None = None
@@ -121,24 +117,22 @@ class Conditioning(ByValue):
         ``number``: as in ``inputs``.  ``every``: steps between two projections, 0 for none; those
         of the type's runs unless given.
         """
+        return tuple(self.band(n, number, every) for n in range(len(self.times)))
+
+    def band(
+        self, place: int, number: NumberType | str | None = None, every: int | None = None
+    ) -> Band | None:
+        """What ``expected`` gives at ``times[place]``."""
         kind = self._kind(number)
         if every is None:
             row = defaults.of(kind)
             every = row.project_every if row.projected else 0
-        both = zip(
-            self._inputs(kind, every), rounding_errors.scatter(self.along, every), strict=True
-        )
-        wanted = {k for k in self._places if k is not None}
-        bands: dict[int, Band] = {}
-        for k, (error, spread) in enumerate(both):
-            if k in wanted:
-                sizes = rounding_errors.quantiles(self.along, error, spread)
-                bands[k] = Band(*(_digits(size, kind) for size in reversed(sizes)))
-        none = Band(0.0, 0.0, 0.0)
-        return tuple(
-            bands[k] if k is not None else none if self._lost(t, kind) else None
-            for t, k in zip(self.along.outputs, self._places, strict=True)
-        )
+
+        def band(k: int) -> Band:
+            sizes = self._rounding(kind, every)[k].quantiles(self.along)
+            return Band(*(_digits(size, kind) for size in reversed(sizes)))
+
+        return self._at(place, kind, band, Band(0.0, 0.0, 0.0))
 
     def digits_bound(self, number: NumberType | str | None = None) -> tuple[float | None, ...]:
         """-log10 of the bound at each time, between 0 and what the type holds.
@@ -146,28 +140,18 @@ class Conditioning(ByValue):
         0 where no digits are left, None where kappa is not known.
         """
         kind = self._kind(number)
-        found: list[float | None] = []
-        rates = dict(zip(self.along.outputs, self._rates, strict=False))
-        for t, own, kappa in zip(self.times, self.along.outputs, self.log10_kappa, strict=True):
-            if kappa is None:
-                found.append(0.0 if self._lost(own, kind) else None)
-                continue
-            clock = rates[own] + _log2_ulp(t, kind) * LOG10_2
-            taken = _log10_sum(kappa - _limit(kind), clock)
-            found.append(min(kind.most_digits, max(0.0, -taken)))
-        return tuple(found)
+
+        def left(k: int) -> float:
+            return _digits(self._kappas[k], kind)
+
+        return tuple(self._at(n, kind, left, 0.0) for n in range(len(self.times)))
 
     @cached_property
     def lost_after(self) -> float | None:
         """The time at which kappa·eps of ``number`` reaches 1; None where it does not."""
-        before, height, limit = 0.0, 0.0, _limit(self.number)
-        for t, here in self._kappas:
-            if here >= limit:
-                part = (limit - height) / (here - height) if here > height else 1.0
-                own = before + min(1.0, max(0.0, part)) * (t - before)
-                return own * 2.0**self.scene.time_unit
-            before, height = t, here
-        return None
+        times = tuple(stretch.time for stretch in self.along.stretches)
+        grown = Growth(times, tuple(self._kappas), math.inf, 0, self.scene.time_unit)
+        return grown.reaches(_limit(self.number))
 
     @property
     def lost(self) -> str:
@@ -205,17 +189,27 @@ class Conditioning(ByValue):
                 )
         return "\n".join([*lines, *filter(None, (self.lost, self.note))])
 
-    def _inputs(self, number: NumberType, every: int = 0) -> list[Scaled]:
-        """What rounding the inputs causes at the end of each stretch, computed once a type.
+    def _at(
+        self, place: int, number: NumberType, what: Callable[[int], T], none_left: T
+    ) -> T | None:
+        """What is known of the stretch that ends at ``times[place]``; None where that is unknown.
 
-        ``every``: steps between two projections, 0 for none.
+        ``none_left``: what is told where it is known that no digits of the type are left.
         """
-        if (number, every) not in self._known_inputs:
-            self._known_inputs[number, every] = [*rounding_errors.inputs(self.along, number, every)]
-        return self._known_inputs[number, every]
+        k = self._places[place]
+        if k is not None:
+            return what(k)
+        lost = self._gone(self.along.outputs[place]) and number.bits <= self.number.bits
+        return none_left if lost else None
+
+    def _rounding(self, number: NumberType, every: int) -> list[Rounding]:
+        """What rounding has done at the end of each stretch, computed once a type."""
+        if (number, every) not in self._known:
+            self._known[number, every] = [*rounding_errors.rounding(self.along, number, every)]
+        return self._known[number, every]
 
     @cached_property
-    def _known_inputs(self) -> dict[tuple[NumberType, int], list[Scaled]]:
+    def _known(self) -> dict[tuple[NumberType, int], list[Rounding]]:
         return {}
 
     def _kind(self, number: NumberType | str | None) -> NumberType:
@@ -228,35 +222,16 @@ class Conditioning(ByValue):
         after = self.lost_after
         return after is not None and abs(own) * 2.0**self.scene.time_unit >= abs(after)
 
-    def _lost(self, own: float, number: NumberType) -> bool:
-        """Whether it is known that no digits of a type are left."""
-        return self._gone(own) and number.bits <= self.number.bits
-
     @cached_property
-    def _kappas(self) -> list[tuple[float, float]]:
-        return list(rounding_errors.kappa(self.along))
+    def _kappas(self) -> list[float]:
+        """log10 of kappa at the end of each stretch."""
+        return [*rounding_errors.kappa(self.along)]
 
     @cached_property
     def _places(self) -> tuple[int | None, ...]:
         """Which stretch ends at each time; None where none does, or no digits are left."""
         ends = {s.time: k for k, s in enumerate(self.along.stretches) if not self._gone(s.time)}
         return tuple(ends.get(t) for t in self.along.outputs)
-
-    @cached_property
-    def _rates(self) -> list[float]:
-        """log10 of |state'| at each time that was reached, per unit of the scene's time."""
-        along = self.along
-        k = {name: to_double(x) for name, x in along.plain.coefficients.items()}
-        ends = {s.time: s.state for s in along.stretches}
-        found = []
-        for t in along.outputs:
-            if t in ends:
-                rates = np.array(principal.field([float(c) for c in ends[t]], k, FLOATS))
-                w, gamma = (float(np.max(np.abs(along.turn @ rates[i : i + 3]))) for i in (0, 3))
-                largest = max(w / along.rate_scale, gamma)
-                log10 = math.log10(largest) if largest > 0 else -math.inf
-                found.append(log10 - self.scene.time_unit * LOG10_2)
-        return found
 
 
 def conditioning(
@@ -318,20 +293,6 @@ def _digits(log10_size: float, number: NumberType) -> float:
 def _limit(number: NumberType) -> float:
     """log10 of the kappa at which kappa·eps is 1."""
     return (number.bits - 1) * LOG10_2
-
-
-def _log2_ulp(t: Exact, number: NumberType) -> float:
-    """log2 of the distance between neighbours at t."""
-    if sign(t) == 0:
-        return -math.inf
-    mantissa, exponent = exact.rounded(t, number.bits)
-    return exponent + abs(mantissa).bit_length() - number.bits
-
-
-def _log10_sum(a: float, b: float) -> float:
-    """log10 of 10**a + 10**b."""
-    low, high = sorted((a, b))
-    return high if low == -math.inf else high + math.log10(1 + 10 ** (low - high))
 
 
 def _power(log10: float) -> float:

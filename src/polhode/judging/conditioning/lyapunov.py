@@ -13,9 +13,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from pathlib import Path
-from typing import Any
+
+import numpy as np
 
 from polhode.common.arguments import each, steps
 from polhode.common.errors import BadInput
@@ -31,7 +31,6 @@ from polhode.judging.conditioning.motion_kinds import (
     UNSTABLE_GROWTH,
 )
 from polhode.judging.references.reference import reference
-from polhode.numbers import exact
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import sign
 from polhode.numbers.rows import Doubles
@@ -39,7 +38,8 @@ from polhode.numbers.scalars import AnyNumber
 from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
-from polhode.taylor.variations.reference_trajectory import six
+from polhode.taylor.variations.equations import Variations
+from polhode.taylor.variations.reference_trajectory import pendulum, six
 
 MAX_STEPS = 1_000_000  # of 3 µs
 DEFAULT_LENGTH = 2000  # in the motion's slowest unit of time
@@ -119,12 +119,9 @@ def lyapunov(
     >>> found.verdict, 0.06 < found.exponent < 0.14
     ('chaotic', True)
     """
-    import numpy as np
-
-    from polhode.taylor.variations.equations import Variations
-
     scene = library.load(scene)
-    unit, slow = 2.0**scene.time_unit, _slowest(scene)
+    unit = 2.0**scene.time_unit
+    slow = max(1.0, 1 / pendulum(scene))  # a radian of the spin takes 1
     last = DEFAULT_LENGTH * slow
     max_steps = steps(scene.name, max_steps)
     if end is not None:
@@ -204,8 +201,6 @@ def is_chaotic(scene: Scene, growth: float, exponent: float, error: float) -> bo
 
 def scatter(exponents: Sequence[float]) -> float:
     """The uncertainty of a chaotic motion's exponent: the spread of it and its neighbours'."""
-    import numpy as np
-
     return float(np.std(exponents, ddof=1))
 
 
@@ -214,8 +209,6 @@ def fitted(sizes: list[float], length: float) -> tuple[float, float, float]:
 
     The largest size in each block stands for it, for the tangent swings with the motion.
     """
-    import numpy as np
-
     if len(sizes) < 2 * BLOCKS // LOOKS:
         return 0.0, math.inf, 0.0
     tops = [max(part) for part in np.array_split(sizes, min(BLOCKS, len(sizes) // 2))]
@@ -226,17 +219,7 @@ def fitted(sizes: list[float], length: float) -> tuple[float, float, float]:
     return float(np.mean(slopes)), spread + 2 / length, half[-1] - half[0]
 
 
-def _size(flow: Any) -> float:
+def _size(flow: Variations) -> float:
     """ln of the tangent's length."""
-    import numpy as np
-
     length = float(np.linalg.norm(flow.tangents))
     return math.log(length) + float(flow.exponent) * math.log(2)
-
-
-def _slowest(scene: Scene) -> float:
-    """The longer of a radian's time of the spin and of the pendulum, in the scene's own unit."""
-    square = scene.pendulum_rate_squared
-    if sign(square) == 0:
-        return 1.0
-    return max(1.0, 1 / to_double(exact.sqrt(square * Fraction(4) ** scene.time_unit)))

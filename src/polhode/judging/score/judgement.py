@@ -337,7 +337,8 @@ class Judgement(Result, ByValue):
         if cheap in ("rounding", "reference"):  # needs nothing of the motion
             return cheap
         at, times = self._lowest, self.rows_judged
-        expected, inputs = self.expected[at], self.inputs[at]
+        known, inputs = self.known, self.inputs[at]
+        expected = known.band(at, about.number, self._every) if known else self.expected[at]
         thin = is_thin(self.reference.scene.body)
         found = limit(worst, held, expected, inputs, agreement, steps, times, thin)
         moved = self._time_rounding if found.startswith("method") else None

@@ -105,9 +105,10 @@ def passage(scene: Scene, max_steps: int = 400_000, until: float = math.inf) -> 
     start = six(plain.start)
     w = float(np.linalg.norm(start[:3])) or pendulum(scene)
     sizes = np.array([w, w, w, 1.0, 1.0, 1.0])
-    tangents = np.hstack([np.diag(sizes), np.zeros((6, len(principal.NAMES)))])
-    units = coefficient_units(scene)
-    drives = [{name: exactly(u)} for name, u in zip(principal.NAMES, units, strict=True)]
+    units = np.array(coefficient_units(scene))
+    used = np.flatnonzero(units)  # of a free body three: the fewer tangents, the shorter it takes
+    tangents = np.hstack([np.diag(sizes), np.zeros((6, len(used)))])
+    drives = [{principal.NAMES[k]: exactly(units[k])} for k in used]
     flow = Variations(plain.coefficients, start, tangents, drives)
     leader: Leader | None = None
     still = at_rest(scene).state
@@ -129,7 +130,8 @@ def passage(scene: Scene, max_steps: int = 400_000, until: float = math.inf) -> 
         elif leader is not None:
             flow.state = leader.at(t, height)
         carried = flow.tangents[:, :6] / sizes
-        driven = flow.tangents[:, 6:].copy()
+        driven = np.zeros((6, len(units)))
+        driven[:, used] = flow.tangents[:, 6:]
         found.append(Stretch(t, flow.state.copy(), flow.steps - before, carried, driven))
         before = flow.steps
         whole = carried @ whole
