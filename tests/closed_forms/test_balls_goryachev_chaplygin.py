@@ -9,7 +9,7 @@ import pytest
 from flint import arb
 
 import polhode
-from polhode.closed_forms.balls import panels
+from polhode.closed_forms.balls import clocks, panels
 from polhode.closed_forms.balls.core import TooFewBits
 from polhode.closed_forms.families import closed_form
 from polhode.common.errors import BadInput
@@ -105,7 +105,7 @@ def test_a_rule_for_a_larger_ellipse_than_f_is_bounded_on_misses(monkeypatch):
     sure, wrong = row_at(motion_of(plain), F(7), 400), []
     for ratio in (panels.RATIO, 12):
         monkeypatch.setattr(panels, "RATIO", ratio)
-        monkeypatch.setattr(panels, "_PART", 2 * ratio - 1)
+        monkeypatch.setattr(clocks, "_PART", 2 * ratio - 1)
         row = row_at(motion_of(plain), F(7), 200)
         wrong.append(sum(not x.overlaps(y) for x, y in zip(row, sure, strict=True)))
     assert wrong == [0, 6]
@@ -114,15 +114,15 @@ def test_a_rule_for_a_larger_ellipse_than_f_is_bounded_on_misses(monkeypatch):
 @pytest.mark.parametrize(
     ("constant", "plain"),
     [
-        ("_SPARE", NEAR["D- from above"](GAPS[0])),
-        ("_WAY", members.MOTIONS[NAME]["asymptotic, from below"]),
+        ((panels, "_SPARE"), NEAR["D- from above"](GAPS[0])),
+        ((clocks, "_WAY"), members.MOTIONS[NAME]["asymptotic, from below"]),
     ],
 )
 def test_what_few_points_and_a_short_way_leave_out_is_in_the_radius(constant, plain, monkeypatch):
     """60 less than rounding leaves, on panels and on the way to a double root."""
     motion = motion_of(plain)
     sure = row_at(motion, F(100), 400)
-    monkeypatch.setattr(panels, constant, -60)
+    monkeypatch.setattr(*constant, -60)
     row = row_at(motion, F(100), 200)
     assert all(x.overlaps(y) for x, y in zip(row, sure, strict=True))
     assert arb("1e-36") < max(x.rad() for x in row) < arb("1e-3")
@@ -131,8 +131,8 @@ def test_what_few_points_and_a_short_way_leave_out_is_in_the_radius(constant, pl
 @pytest.mark.parametrize(
     ("kind", "function"),
     [
-        (panels.Oscillating, lambda x: cmath.sin(x / 2) ** 2),
-        (panels.Tending, lambda x: 1 / cmath.cosh(x) ** 2),
+        (clocks.Oscillating, lambda x: cmath.sin(x / 2) ** 2),
+        (clocks.Tending, lambda x: 1 / cmath.cosh(x) ** 2),
     ],
 )
 def test_a_variable_stays_within_its_reach_and_nearly_reaches_it(kind, function):
@@ -150,9 +150,9 @@ def test_far_from_0_the_integrals_hold_what_f_is_all_over_the_ball_of_a_turn():
     """Panels of 120 bits asked in 53: a turn is then known no better than f is narrow."""
 
     def variable(bits):
-        near = panels.Factors(((1, -(arb(10) ** -12)), (-1, arb(2))))
+        near = clocks.Factors(((1, -(arb(10) ** -12)), (-1, arb(2))))
         with ctx.workprec(bits):
-            return panels.Oscillating(arb(0), arb(1), near)
+            return clocks.Oscillating(arb(0), arb(1), near)
 
     pick, few, many, finite, wrong = Random(1), variable(120), variable(300), 0, 0
     for _ in range(80):

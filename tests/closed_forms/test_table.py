@@ -194,6 +194,29 @@ def test_fewer_digits_are_those_of_more(motion):
         assert error > mpf(10) ** (-2 * few - 40) or is_still(motion)
 
 
+@rows("200 digits", fast=0, keep=lambda motion: motion.family == "kovalevskaya")
+def test_200_digits_of_kovalevskayas_tops_are_those_of_240(motion):
+    """State and attitude, as far as the motion tells them; and power series to 60 digits."""
+    top = motion.reference
+    for time in (F(7), F(1, 3), F(-13, 10), 10**6, 10**12 + F(1, 7)):
+        times = [far(motion, time)]
+        for question in (top.at, top.attitude):
+            (few,), (many,) = question(times, 200), question(times, 240)
+            scale = [1 / number(motion.rate)] * 3 if question == top.at else [1] * 3
+            scale += [1] * (len(few) - 3)
+            with mpmath.workdps(260):
+                pairs = zip(few, many, scale, strict=True)
+                assert max(abs(x - y) * size for x, y, size in pairs) < mpf(10) ** -200
+    times = motion.times(F(3, 2))
+    (row,), (state,), (turn,) = (
+        by_series(motion, times, 64),
+        top.at(times, 70),
+        top.attitude(times, 70),
+    )
+    assert table_gap([row[:6]], [state], motion.rate) < mpf("1e-60")
+    assert gap(row[6:10], turn) < mpf("1e-60")
+
+
 @rows("far attitude", dear=DEAR)
 def test_attitude_at_any_time(motion):
     """Digits as asked, of length 1, and it carries the vertical."""

@@ -2,14 +2,16 @@
 
 A closed form shares no code with the integrator: it reads the exact scene and nothing else.
 FAMILIES lists polhode's own; :func:`register_family` adds one from outside.  A new one of polhode's
-is a file or a folder beside this file that has a ``FAMILY``, its place in FAMILIES, and one word in
+is a file or a folder beside this file, its row in FAMILIES, and one word in
 :data:`polhode.scenes.vocabulary.REFERENCES`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from fractions import Fraction
+from importlib import import_module
+from typing import Any
 
 from polhode.closed_forms._one_orbit import (
     bobylev_steklov,
@@ -20,19 +22,19 @@ from polhode.closed_forms._one_orbit import (
     staude,
     steklov,
 )
-from polhode.closed_forms._one_orbit.orbit_family import orbit_family
 from polhode.closed_forms._one_orbit.orbit_motion import Orbit, OrbitMotion
+from polhode.closed_forms._one_orbit.placed_motion import orbit_family
 from polhode.closed_forms.closed_form import ClosedForm
-from polhode.closed_forms.euler import family as euler
-from polhode.closed_forms.goryachev_chaplygin import family as goryachev_chaplygin
-from polhode.closed_forms.hess import family as hess
-from polhode.closed_forms.kovalevskaya import family as kovalevskaya
-from polhode.closed_forms.lagrange import family as lagrange
-from polhode.closed_forms.membership.family import Family
+from polhode.closed_forms.euler import conditions as euler
+from polhode.closed_forms.family import Family, Maker, by_conditions
+from polhode.closed_forms.goryachev_chaplygin import axes as goryachev_chaplygin
+from polhode.closed_forms.hess import axes as hess
+from polhode.closed_forms.kovalevskaya import axes as kovalevskaya
+from polhode.closed_forms.lagrange import axes as lagrange
 from polhode.closed_forms.membership.misfit import Misfit
 from polhode.closed_forms.membership.normal_form import Condition, Placed, equal, positive
 from polhode.closed_forms.membership.principal_scene import PrincipalScene, in_principal_axes
-from polhode.closed_forms.pendulum import family as pendulum
+from polhode.closed_forms.pendulum import conditions as pendulum
 from polhode.closed_forms.rounding import number
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
@@ -64,11 +66,41 @@ __all__ = [
 
 _NEAR = Fraction(1, 1000)
 
+
+def _top(folder: str, maker: str) -> Callable[[], Maker]:
+    """The class of a family's ``top``, whose formulas are imported when one is made."""
+
+    def imported() -> Maker:
+        made: Maker = getattr(import_module(f"polhode.closed_forms.{folder}.top"), maker)
+        return made
+
+    return imported
+
+
 #: In the order in which a scene is tried; the first that fits is its reference.
 FAMILIES: tuple[Family, ...] = (
-    *(euler.FAMILY, lagrange.FAMILY, kovalevskaya.FAMILY, pendulum.FAMILY, staude.FAMILY),
-    *(bobylev_steklov.FAMILY, grioli.FAMILY, goryachev_chaplygin.FAMILY, hess.FAMILY),
-    *(steklov.FAMILY, goryachev.FAMILY, n_kowalewski.FAMILY, chaplygin.FAMILY),
+    Family("euler", euler.fits, euler.misfit, _top("euler", "EulerTop")),
+    by_conditions("lagrange", lagrange.conditions, _top("lagrange", "LagrangeTop"), lagrange.fits),
+    by_conditions(
+        "kovalevskaya",
+        kovalevskaya.conditions,
+        _top("kovalevskaya", "KovalevskayaTop"),
+        kovalevskaya.fits,
+    ),
+    by_conditions("pendulum", pendulum.conditions, _top("pendulum", "Pendulum"), pendulum.fits),
+    orbit_family("staude", staude.Staude),
+    orbit_family("bobylev-steklov", bobylev_steklov.BobylevSteklov),
+    orbit_family("grioli", grioli.Grioli),
+    by_conditions(
+        "goryachev-chaplygin",
+        goryachev_chaplygin.conditions,
+        _top("goryachev_chaplygin", "GoryachevChaplyginTop"),
+    ),
+    by_conditions("hess", hess.conditions, _top("hess", "HessTop")),
+    orbit_family("steklov", steklov.Steklov),
+    orbit_family("goryachev", goryachev.Goryachev),
+    orbit_family("n-kowalewski", n_kowalewski.NKowalewski),
+    orbit_family("chaplygin", chaplygin.Chaplygin),
 )
 
 
@@ -117,7 +149,7 @@ def known_families() -> Iterator[Family]:
         yield family
 
 
-def closed_form(scene: Scene, kind: str = "auto") -> tuple[str, ClosedForm] | None:
+def closed_form(scene: Scene, kind: str = "auto") -> tuple[str, ClosedForm[Any]] | None:
     """The name and the closed form of the first family that fits body and start, if any does.
 
     ``kind`` asks for one family by name.
@@ -125,7 +157,7 @@ def closed_form(scene: Scene, kind: str = "auto") -> tuple[str, ClosedForm] | No
     return next(closed_forms(scene, kind), None)
 
 
-def closed_forms(scene: Scene, kind: str = "auto") -> Iterator[tuple[str, ClosedForm]]:
+def closed_forms(scene: Scene, kind: str = "auto") -> Iterator[tuple[str, ClosedForm[Any]]]:
     """Name and closed form of every family that fits body and start, in their order."""
     principal = in_principal_axes(scene)
     for family in known_families():
@@ -151,7 +183,7 @@ def near(scene: Scene, within: Fraction = _NEAR) -> list[tuple[str, Misfit]]:
     return [(name, miss) for name, miss in misfits if miss is not None and miss.within(within)]
 
 
-def made(family: Family, scene: Scene, principal: PrincipalScene) -> ClosedForm:
+def made(family: Family, scene: Scene, principal: PrincipalScene) -> ClosedForm[Any]:
     """The closed form of a scene that belongs to the family."""
     return family.closed_form()(
         moments=principal.moments,

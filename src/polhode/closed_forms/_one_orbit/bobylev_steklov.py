@@ -23,14 +23,12 @@ from collections.abc import Iterator, Sequence
 
 from flint import acb, arb
 
-from polhode.closed_forms._one_orbit.orbit_family import orbit_family
 from polhode.closed_forms._one_orbit.orbits import EllipticTime, Formula
 from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
 from polhode.closed_forms.balls.core import ball, root
 from polhode.closed_forms.balls.frames import Turn, conjugate, quaternion
 from polhode.closed_forms.balls.jacobi import Jacobi
 from polhode.closed_forms.balls.weierstrass import complex_functions
-from polhode.closed_forms.membership.family import Family
 from polhode.closed_forms.membership.normal_form import Condition, Placed, equal, moving, on_axis_1
 from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import ZERO, Exact, sign, sqrt
@@ -132,6 +130,3 @@ class BobylevSteklov(PlacedMotion):
         if side:
             return self._on(clock.orbit(state, 4 if side > 0 else 2))
         return Asymptotic(clock, state, p0, sign(r))
-
-
-FAMILY: Family = orbit_family("bobylev-steklov", BobylevSteklov)

@@ -11,8 +11,8 @@ r = z Z,
     c gamma2 = (A - B) p q - C (B - C)(c2 p q + C1 Y/3)/A,
     c gamma3 = (A - C) p r + B (B - C)(b2 p r + B1 Z/3)/A
 
-(S. A. Chaplygin 1904).  The orbit passes w = 0 regularly.  Time is a Fourier series in an angle
-(:mod:`..balls.one_degree`).
+(S. A. Chaplygin 1904).  The orbit passes w = 0 regularly.  Time is an integral over an
+angle (:mod:`..balls.clocks`).
 """
 
 from __future__ import annotations
@@ -22,11 +22,9 @@ from dataclasses import dataclass
 
 from flint import acb
 
-from polhode.closed_forms._one_orbit.orbit_family import orbit_family
 from polhode.closed_forms._one_orbit.orbits import FlowOrbit
 from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
 from polhode.closed_forms.balls.core import ball
-from polhode.closed_forms.membership.family import Family
 from polhode.closed_forms.membership.normal_form import (
     Condition,
     Placed,
@@ -154,6 +152,3 @@ class Chaplygin(PlacedMotion):
         quartics = (ONE, ZERO, ZERO, ZERO, x.b2), (x.ratio, ZERO, ZERO, ZERO, x.c2)
         start = z / sqrt(scale), Y / scale, Z / scale
         return self._on(FlowOrbit(quartics, k * size * width, start, state))
-
-
-FAMILY: Family = orbit_family("chaplygin", Chaplygin)

@@ -21,11 +21,9 @@ from collections.abc import Iterator, Sequence
 from flint import acb
 
 from polhode.closed_forms._one_orbit.gamma_from_omega import Frame, frame
-from polhode.closed_forms._one_orbit.orbit_family import orbit_family
 from polhode.closed_forms._one_orbit.orbits import EllipticTime
 from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
 from polhode.closed_forms.balls.core import ball, root
-from polhode.closed_forms.membership.family import Family
 from polhode.closed_forms.membership.normal_form import (
     Condition,
     Placed,
@@ -103,6 +101,3 @@ class Goryachev(PlacedMotion):
             return p, q, r, *gamma(p, q, r)
 
         return self._on(clock.orbit(state))
-
-
-FAMILY: Family = orbit_family("goryachev", Goryachev)

@@ -18,11 +18,9 @@ from dataclasses import dataclass
 
 from flint import arb
 
-from polhode.closed_forms._one_orbit.orbit_family import orbit_family
 from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
 from polhode.closed_forms.balls.core import ball
 from polhode.closed_forms.balls.frames import Turn
-from polhode.closed_forms.membership.family import Family
 from polhode.closed_forms.membership.normal_form import (
     Condition,
     Placed,
@@ -72,7 +70,7 @@ def conditions(scene: Placed) -> Iterator[Condition]:
     (A, B, C), (T1, T2, T3) = scene.moments, scene.torque
     yield positive("A > B", A - B)
     yield positive("B > C", B - C)
-    yield equal("y0 = 0", T2, ZERO, sqrt(dot(scene.torque, scene.torque)))
+    yield equal("y0 = 0", T2, ZERO, scene.weight)
     yield equal("x0^2 (B - C) = z0^2 (A - B)", T1 * T1 * (B - C), T3 * T3 * (A - B))
     x = spin_frame(scene)
     fourth = x.n**4 * (x.I11 * x.I11 + x.J * x.J)
@@ -125,6 +123,3 @@ class Grioli(PlacedMotion):
 
     def _motion(self) -> NormalMotion:
         return _Precession(spin_frame(self.normal), self.normal.omega)
-
-
-FAMILY: Family = orbit_family("grioli", Grioli)

@@ -5,7 +5,7 @@ Mg r0 = (c, 0, 0), c > 0, A (10B - 9C) = 18 C (B - C); x = B/C, D = 10x - 9, c3 
     q^2 = b0 + b1 p + b2 p^2,    r^2 = c0 + c1 p + c2 p^2 + c3 p^3,    p' = (B - C) q r/A
 
 (N. Kowalewski, Math. Ann. 65 (1908) 528), the coefficients in :func:`frame_of`.  Time
-is a Fourier series in an angle between two zeros of Q R (:mod:`..balls.one_degree`).
+is an integral over an angle between two zeros of Q R (:mod:`..balls.clocks`).
 """
 
 from __future__ import annotations
@@ -16,11 +16,9 @@ from typing import NamedTuple
 from flint import acb
 
 from polhode.closed_forms._one_orbit.gamma_from_omega import Frame, frame
-from polhode.closed_forms._one_orbit.orbit_family import orbit_family
 from polhode.closed_forms._one_orbit.orbits import FlowOrbit
 from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
 from polhode.closed_forms.balls.core import ball
-from polhode.closed_forms.membership.family import Family
 from polhode.closed_forms.membership.normal_form import (
     Condition,
     Placed,
@@ -101,6 +99,3 @@ class NKowalewski(PlacedMotion):
 
         k = ball((B - C) / A) * over
         return self._on(FlowOrbit((known.Q, known.R), k, (p, q, r), state))
-
-
-FAMILY: Family = orbit_family("n-kowalewski", NKowalewski)

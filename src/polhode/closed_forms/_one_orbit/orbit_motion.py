@@ -15,10 +15,9 @@ from flint import acb, arb
 from mpmath import libmp
 
 from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
-from polhode.closed_forms.balls.core import Refused, ball
+from polhode.closed_forms.balls.core import Refused, around, ball
 from polhode.closed_forms.balls.frames import Turn
 from polhode.closed_forms.balls.periodic_attitude import InTime
-from polhode.closed_forms.balls.quadrature import around
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.scalars import Scalar

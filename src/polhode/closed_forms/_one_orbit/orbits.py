@@ -1,4 +1,4 @@
-"""Orbits in balls whose time is an elliptic argument, or a Fourier series in an angle."""
+"""Orbits in balls whose time is an elliptic argument, or an integral over an angle."""
 
 from __future__ import annotations
 
@@ -8,11 +8,10 @@ from typing import NamedTuple
 
 from flint import acb, acb_poly, arb
 
-from polhode.closed_forms.balls.core import TooFewBits, ball, root
+from polhode.closed_forms.balls.clocks import Factors, Oscillating
+from polhode.closed_forms.balls.core import TooFewBits, ball, root, square
 from polhode.closed_forms.balls.jacobi import Jacobi
-from polhode.closed_forms.balls.one_degree import OneDegree
 from polhode.closed_forms.balls.periodic_attitude import InTime
-from polhode.closed_forms.balls.quadrature import Linear
 from polhode.closed_forms.balls.weierstrass import complex_functions
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.flint_context import ctx
@@ -59,25 +58,27 @@ class _Factor:
     """Q or R between z1 and z2, without those of its zeros that they are."""
 
     def __init__(self, zeros: Sequence[acb], lead: arb, low: arb, high: arb) -> None:
-        scale, wide = abs(lead), high - low
-        self.linear = []
+        wide = high - low
+        self.roots, self.pairs = [], []
+        self._scale, self._linear = abs(lead), list[tuple[acb, acb]]()
         for zero in zeros:
             if not zero.imag.is_zero():
                 # 1 at one end: on an ellipse without its zero the principal root is then smooth.
                 first = low - zero
-                scale *= abs(first)
-                self.linear.append(Linear(acb(1), (high - zero) / first, wide / first))
-            elif low > zero.real:
-                self.linear.append(Linear(low - zero, high - zero, acb(wide)))
-            else:
-                self.linear.append(Linear(zero - low, zero - high, acb(-wide)))
-        self.linear.append(Linear(acb(scale), acb(scale), acb(0)))
+                self._scale *= abs(first)
+                self._linear.append((acb(1), wide / first))
+                if zero.imag > 0:
+                    self.pairs.append((zero.real, square(zero.imag)))
+                continue
+            side = 1 if low > zero.real else -1
+            self.roots.append((side, zero.real))
+            self._linear.append((acb(side * (low - zero.real)), acb(side * wide)))
 
     def root(self, y: acb) -> acb:
         """The square root at z1 + (z2 - z1) y."""
-        value = acb(1)
-        for factor in self.linear:
-            value *= (factor.first + factor.slope * y).sqrt()
+        value = acb(self._scale.sqrt())
+        for first, slope in self._linear:
+            value *= (first + slope * y).sqrt()
         return value
 
 
@@ -102,26 +103,28 @@ class FlowOrbit:
         low, high = _ends(known, polynomials, z0, (y0, w0))
         self._low, self._wide = low.place, high.place - low.place
         self._ends = [(low.which == n, high.which == n) for n in (0, 1)]
+        leads = [ball(polynomial[-1]) for polynomial in polynomials]
         self._factors = []
-        for n, polynomial in enumerate(polynomials):
-            rest = [z for z in known[n] if z is not low.zero and z is not high.zero]
-            lead = ball(polynomial[-1])
+        for row, lead in zip(known, leads, strict=True):
+            rest = [z for z in row if z is not low.zero and z is not high.zero]
             self._factors.append(_Factor(rest, lead, low.place, high.place))
-        speed = Linear(acb(k * k), acb(k * k), acb(0))
-        self._flow = OneDegree([speed, *self._factors[0].linear, *self._factors[1].linear])
+        one, other = self._factors
+        scale = self._pace * abs(leads[0] * leads[1]).rsqrt()
+        factors = Factors((*one.roots, *other.roots), (*one.pairs, *other.pairs), scale)
+        self._clock = Oscillating(low.place, high.place, factors)
         sense = 1 if k > 0 else -1
         side = sense * y0 * w0 or 1  # of sin(x/2); cos(x/2) is not negative
         y_side, w_side = (side if mine else 1 for mine, _ in self._ends)
         first = y0 * y_side or sense * w0 * w_side
         self._sides = first, sense * first
         sine, cosine = (abs(z0 - low.place).sqrt(), abs(high.place - z0).sqrt())
-        self.begin = self._flow.time.at(2 * arb.atan2(side * sine, cosine))
-        turns = 1 if any(one == other for one, other in self._ends) else 2
-        self.period, self.cycle = turns * self._flow.period, 2 * turns * arb.pi()
+        self.begin = self._clock.at(2 * arb.atan2(side * sine, cosine)).S
+        turns = 1 if any(mine == last for mine, last in self._ends) else 2
+        self.period, self.cycle = 2 * turns * self._clock.S[-1], 2 * turns * arb.pi()
 
     def phase(self, t: arb) -> arb:
         """x at a time since x = 0."""
-        return self._flow.phase(t)
+        return self._clock.phase(t)
 
     def pace(self, s: acb) -> acb:
         """dt/dx."""

@@ -15,20 +15,25 @@ from typing import Protocol
 from flint import acb, arb
 
 from polhode.closed_forms.balls.core import ball, root
-from polhode.closed_forms.balls.frames import Frame, Turn
-from polhode.closed_forms.balls.motion import BallMotion
+from polhode.closed_forms.balls.frames import Frame, Rows, Turn
 from polhode.closed_forms.balls.periodic_attitude import (
     Equations,
     PeriodicAttitude,
     PeriodicOrbit,
     Strip,
 )
-from polhode.closed_forms.closed_form import Rows
+from polhode.closed_forms.closed_form import ClosedForm
+from polhode.closed_forms.family import Family, by_conditions
 from polhode.closed_forms.membership.normal_form import Condition, Placed, placed_in
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import ONE, ZERO, noted, sign, sqrt
-from polhode.numbers.vectors import Vector, dot, quaternion_product
+from polhode.numbers.vectors import dot, quaternion_product
+
+
+def orbit_family(name: str, motion: type[PlacedMotion]) -> Family:
+    """A family of that name, of one class of motions."""
+    return by_conditions(name, motion.conditions, lambda: motion)
 
 
 class NormalMotion(Protocol):
@@ -93,7 +98,7 @@ class PlacedSolution:
         return row
 
 
-class PlacedMotion(BallMotion[PlacedSolution]):
+class PlacedMotion(ClosedForm[PlacedSolution]):
     """The motion of one heavy body from one start in a family's closed form.
 
     A family says its conditions in the axes of its normal form, the name of the motion, and the
@@ -105,9 +110,7 @@ class PlacedMotion(BallMotion[PlacedSolution]):
     #: Whether axis 1 of the normal form is exactly vertical again and again.
     axis_1_passes_the_vertical = False
 
-    def _set_up(self, moments: Vector, torque: Vector, omega: Vector, axes: Rows | None) -> None:
-        within = Frame(within=axes)
-        scene = PrincipalScene(moments, torque, within.into(omega), within.into(self._gamma))
+    def _set_up(self, scene: PrincipalScene, axes: Rows | None) -> None:
         with noted():  # what is decided of other axes does not matter
             found = placed_in(type(self).conditions, scene)
         if found is None:
@@ -118,24 +121,17 @@ class PlacedMotion(BallMotion[PlacedSolution]):
         self._frame = Frame.signed(place.order, [side * s for s in place.signs], within=axes)
         x, y, _ = self._frame.out((ONE, ZERO, ZERO))
         self.passes_poles = self.axis_1_passes_the_vertical and sign(x) == 0 == sign(y)
-        self._held = tuple(
-            condition.text for condition in self.conditions(self.normal) if condition.holds
-        )
+        self.held = tuple(condition.text for condition in self.conditions(self.normal))
         self.regime = self._regime()
         # |w|^2 <= 2 (H + P)/I_min with P = |Mg r0|
-        weight = sqrt(dot(torque, torque))
-        self._speed2 = 2 * (self.normal.energy + weight) / min(moments)
+        weight = sqrt(dot(scene.torque, scene.torque))
+        self._speed2 = 2 * (self.normal.energy + weight) / min(scene.moments)
         self._strip: Strip | None = None
 
     @staticmethod
     @abstractmethod
     def conditions(scene: Placed) -> Iterator[Condition]:
         """What the family asks of a scene in the axes of its normal form, in order."""
-
-    @property
-    def held(self) -> tuple[str, ...]:
-        """The family's conditions, all of which hold."""
-        return self._held
 
     @abstractmethod
     def _regime(self) -> str:

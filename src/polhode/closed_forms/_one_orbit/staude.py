@@ -12,12 +12,10 @@ from collections.abc import Iterator, Mapping
 
 from flint import arb
 
-from polhode.closed_forms._one_orbit.orbit_family import orbit_family
 from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
 from polhode.closed_forms.balls.angles import Arguments
 from polhode.closed_forms.balls.core import ball, root
 from polhode.closed_forms.balls.one_axis import Permanent
-from polhode.closed_forms.membership.family import Family
 from polhode.closed_forms.membership.normal_form import Condition, Placed, equal
 from polhode.closed_forms.rotation_stability import Stability, spectrum
 from polhode.common.cached_property import cached_property
@@ -27,13 +25,10 @@ from polhode.numbers.vectors import cross, dot, is_zero, minus
 
 def conditions(scene: Placed) -> Iterator[Condition]:
     """w along gamma, and the moment of the weight balances the gyroscopic one."""
-    p, q, r = scene.omega
-    A, B, C = scene.moments
     across = cross(scene.gamma, scene.omega)
     yield equal("w along gamma", sqrt(dot(across, across)), 0, scene.speed)
-    lacking = minus(cross(scene.gamma, scene.torque), cross(scene.omega, (A * p, B * q, C * r)))
-    size = sqrt(dot(scene.torque, scene.torque))
-    yield equal("gamma x Mg r0 = w x Iw", sqrt(dot(lacking, lacking)), 0, size)
+    lacking = minus(cross(scene.gamma, scene.torque), cross(scene.omega, scene.momentum))
+    yield equal("gamma x Mg r0 = w x Iw", sqrt(dot(lacking, lacking)), 0, scene.weight)
 
 
 HANGING, UPRIGHT = "rest, hanging", "rest, upright"
@@ -77,6 +72,3 @@ class Staude(PlacedMotion):
             return None, None
         half = ball(dot(self._omega, self._gamma)) * t / 2
         return half, half
-
-
-FAMILY: Family = orbit_family("staude", Staude)

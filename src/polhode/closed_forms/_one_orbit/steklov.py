@@ -18,11 +18,9 @@ from collections.abc import Iterator, Sequence
 
 from flint import acb
 
-from polhode.closed_forms._one_orbit.orbit_family import orbit_family
 from polhode.closed_forms._one_orbit.orbits import EllipticTime
 from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
 from polhode.closed_forms.balls.core import ball, root
-from polhode.closed_forms.membership.family import Family
 from polhode.closed_forms.membership.normal_form import (
     Condition,
     Placed,
@@ -101,6 +99,3 @@ class Steklov(PlacedMotion):
             return p, q, r, e + G * p * p, M * p * q, N * p * r
 
         return self._on(EllipticTime(m, m1, (one[0], other[0]), squares, nu2).orbit(state))
-
-
-FAMILY: Family = orbit_family("steklov", Steklov)

@@ -71,6 +71,17 @@ def either_root(z: acb) -> acb:
     return (-z).sqrt() * _I if z.real.mid() < 0 else z.sqrt()
 
 
+def square(x: arb) -> arb:
+    """x^2; ``x ** 2`` is not a number where a ball has its middle at 0."""
+    return x * x
+
+
+def around(radius: arb) -> acb:
+    """A ball around 0 that holds all complex numbers of at most this modulus."""
+    r = radius.abs_upper()
+    return acb(arb(0, r), arb(0, r))
+
+
 def nearest_integer(x: arb) -> int:
     """The integer nearest to the middle: for where any integer near by will do."""
     n = (x.mid() + _HALF).floor().unique_fmpz()

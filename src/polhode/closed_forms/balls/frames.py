@@ -59,6 +59,15 @@ class Frame:
         rows = [[s * ONE if i == j else ZERO for j in range(3)] for i, s in pairs]
         return cls(rows, within=within)
 
+    @classmethod
+    def equatorial(cls, order: Sequence[int], X: Exact, Y: Exact, within: Rows | None) -> Frame:
+        """The third is principal axis ``order[2]``, the first along (X, Y) in the other two."""
+        i, j, k = order
+        rows: list[list[Exact]] = [[ZERO] * 3 for _ in range(3)]
+        rows[0][i], rows[0][j], rows[1][i], rows[1][j], rows[2][k] = X, Y, -Y, X, ONE
+        square = X * X + Y * Y
+        return cls(rows, (square, square, ONE), within)
+
     def into(self, vector: Sequence[Exact]) -> Vector:
         """A vector of the scene's axes in these, exactly."""
         if self._within is not None:

@@ -12,12 +12,13 @@ and al1, bt1 are those of the half turn about n, which takes g to 2(n.g) n - g.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from flint import acb, arb
 
 from polhode.closed_forms.balls.angles import Arguments
 from polhode.closed_forms.balls.core import TooFewBits, nearest_integer
-from polhode.closed_forms.balls.frames import Turn
+from polhode.closed_forms.balls.frames import Start, Turn
 from polhode.numbers.exact import sign
 from polhode.numbers.vectors import Vector, dot, minus, quaternion_product, scaled
 
@@ -50,6 +51,37 @@ class OneAxis:
             )
         )
         return al, bt
+
+
+@dataclass(frozen=True)
+class PermanentRotation:
+    """w constant, whatever the vertical: the body turns uniformly about it (Rodrigues' formula)."""
+
+    omega: Sequence[arb]  # in the scene's axes, as what follows
+    half: arb  # |w|/2, the exact 0 at rest
+    start: Start
+
+    @property
+    def speed(self) -> arb:
+        """|w|, or 1 at rest."""
+        return arb(1) if self.half.is_zero() else 2 * self.half
+
+    @property
+    def axis(self) -> tuple[arb, arb, arb]:
+        """w/|w|, or w = 0."""
+        x, y, z = (w / self.speed for w in self.omega)
+        return x, y, z
+
+    def swung(self, t: arb) -> arb:
+        """Half the angle turned since t = 0."""
+        return self.half * t
+
+    def row(self, t: arb, attitude: bool) -> Sequence[arb]:
+        """The row at a time."""
+        del attitude
+        sin, cos = self.swung(t).sin_cos()
+        x, y, z = self.axis
+        return self.start.row(self.omega, (cos, sin * x, sin * y, sin * z))
 
 
 class Permanent:

@@ -16,7 +16,6 @@ in the right half plane, whose principal value is continuous.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from flint import acb, arb
 
@@ -28,33 +27,6 @@ from polhode.numbers.vectors import quaternion_product
 
 _I = acb(0, 1)
 _QUARTERS = (acb(1), _I, acb(-1), -_I)
-
-
-@dataclass(frozen=True)
-class PermanentRotation:
-    """w constant: the body turns uniformly about it (Rodrigues' formula)."""
-
-    omega: Sequence[arb]  # in the scene's axes, as what follows
-    half: arb  # |w|/2, the exact 0 at rest
-    start: Start
-
-    @property
-    def speed(self) -> arb:
-        """|w|, or 1 at rest."""
-        return arb(1) if self.half.is_zero() else 2 * self.half
-
-    @property
-    def axis(self) -> tuple[arb, arb, arb]:
-        """w/|w|, or w = 0."""
-        x, y, z = (w / self.speed for w in self.omega)
-        return x, y, z
-
-    def row(self, t: arb, attitude: bool) -> Sequence[arb]:
-        """The row at a time."""
-        del attitude
-        sin, cos = (self.half * t).sin_cos()
-        x, y, z = self.axis
-        return self.start.row(self.omega, (cos, sin * x, sin * y, sin * z))
 
 
 class Polhode:

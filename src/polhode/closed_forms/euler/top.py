@@ -17,39 +17,40 @@ from flint import arb
 
 from polhode.closed_forms.balls.angles import Arguments
 from polhode.closed_forms.balls.core import ball, root
-from polhode.closed_forms.balls.frames import Frame
-from polhode.closed_forms.balls.motion import BallMotion
-from polhode.closed_forms.balls.one_axis import OneAxis
-from polhode.closed_forms.closed_form import Rows
-from polhode.closed_forms.euler.motion import PermanentRotation, Polhode
+from polhode.closed_forms.balls.frames import Frame, Rows
+from polhode.closed_forms.balls.one_axis import OneAxis, PermanentRotation
+from polhode.closed_forms.closed_form import ClosedForm
+from polhode.closed_forms.euler.conditions import fits
+from polhode.closed_forms.euler.motion import Polhode
 from polhode.closed_forms.euler.regimes import is_permanent, numbered, numbers, regime
-from polhode.numbers.vectors import Vector, dot, is_zero
+from polhode.closed_forms.membership.principal_scene import PrincipalScene
+from polhode.numbers.vectors import dot
 
 _ODD = ((0, 2, 1), (1, 0, 2), (2, 1, 0))
 
 EulerMotion: TypeAlias = PermanentRotation | Polhode
 
 
-class EulerTop(BallMotion[EulerMotion]):
+class EulerTop(ClosedForm[EulerMotion]):
     """The motion of one torque-free body from one start; without gamma only w is known.
 
     psi and phi of a permanent rotation are known at any time, of any other they are counted.
     """
 
-    def _set_up(self, moments: Vector, torque: Vector, omega: Vector, axes: Rows | None) -> None:
-        if not is_zero(torque):
+    def _set_up(self, scene: PrincipalScene, axes: Rows | None) -> None:
+        if not fits(scene):
             raise ValueError("a body whose weight has a moment")
-        principal = Frame(within=axes).into(omega)
+        moments, principal = scene.moments, scene.omega
         order, side = numbered(moments, principal)
         self.regime = regime(moments, principal, side)
         self.knows_turns = self._permanent = is_permanent(moments, principal)
         if self._permanent:
             if self._known_gamma is not None:
-                self._turning = OneAxis(omega, self._known_gamma)
+                self._turning = OneAxis(self._omega, self._known_gamma)
             return
         a, b, c = (moments[i] for i in order)
         self._frame = Frame.signed(order, (1, -1 if order in _ODD else 1, 1), axes)
-        self._numbers = numbers((a, b, c), self._frame.into(omega))
+        self._numbers = numbers((a, b, c), self._frame.into(self._omega))
 
     def _solved(self) -> EulerMotion:
         if self._permanent:
@@ -61,7 +62,7 @@ class EulerTop(BallMotion[EulerMotion]):
         motion, start = self._solution(), self._start().attitude
         assert isinstance(motion, PermanentRotation)
         assert start is not None
-        return self._turning.arguments(start, motion.axis, motion.half * t)
+        return self._turning.arguments(start, motion.axis, motion.swung(t))
 
     def _period_ball(self) -> arb | None:
         """None where w is constant or tends to the middle axis."""

@@ -14,66 +14,34 @@ and the integrals, the second one only where f = 0,
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
-from polhode.closed_forms.balls.frames import Frame
-from polhode.closed_forms.membership.misfit import Misfit, leading
-from polhode.closed_forms.membership.principal_scene import (
-    PrincipalScene,
-    Rows,
-    squared_momentum_of_weight,
+from polhode.closed_forms.balls.frames import Frame, Rows
+from polhode.closed_forms.membership.normal_form import (
+    Condition,
+    Placed,
+    equal,
+    excluded,
+    placed_in,
+    shortfall,
 )
+from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.closed_forms.rounding import log2
-from polhode.numbers.conversion import to_double
-from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt
-from polhode.numbers.vectors import Vector, dot, is_zero
+from polhode.numbers.exact import ZERO, Exact, sign, sqrt
+from polhode.numbers.vectors import Vector, is_zero
 
 
-def third_axis(moments: Vector, torque: Vector) -> int | None:
-    """The principal axis of the moment C with A = B = 4C and no part of the torque, if any."""
-    for k in (2, 0, 1):
-        i, j = (k + 1) % 3, (k + 2) % 3
-        if moments[i] == moments[j] and moments[i] == 4 * moments[k] and sign(torque[k]) == 0:
-            return k
-    return None
-
-
-def failure(scene: PrincipalScene) -> Misfit | None:
-    """The condition that body and start do not meet, and by how much; None where they belong.
-
-    A pendulum about the third axis (p = q = gamma3 = 0) is left to the pendulum.
-    """
-    moments, torque, omega, gamma = scene.moments, scene.torque, scene.omega, scene.gamma
-    if gamma is None or is_zero(torque):
-        return Misfit("a weight that has a moment about the fixed point")
-    k = third_axis(moments, torque)
-    momentum = tuple(x * y for x, y in zip(moments, omega, strict=True))
-    area = dot(momentum, gamma)
-    failing = [] if k is not None else [_body_failure(moments, torque)]
-    if sign(area) != 0:
-        size = sqrt(max(dot(momentum, momentum), squared_momentum_of_weight(moments, torque)))
-        failing.append(("f = Iw.gamma = 0", area / size))
-    if k is None or failing:
-        return leading(failing)
-    i, j = (k + 1) % 3, (k + 2) % 3
-    if is_zero((omega[i], omega[j], gamma[k])):
-        return Misfit("a motion that is not a pendulum's about the third axis")
-    return None
-
-
-def _body_failure(moments: Vector, torque: Vector) -> tuple[str, Exact]:
-    """The condition that a body breaks, about the axis where its worst amount is least."""
-    weight = sqrt(dot(torque, torque))
-
-    def misses(k: int) -> list[Exact]:
-        i, j = (k + 1) % 3, (k + 2) % 3
-        return [moments[i] / moments[k] - 4, moments[j] / moments[k] - 4, torque[k] / weight]
-
-    best = min((misses(k) for k in (2, 0, 1)), key=lambda row: max(abs(to_double(x)) for x in row))
-    names = ("A = 4C (in units of C)", "B = 4C (in units of C)", "Mg r0 at right angles to axis 3")
-    worst = max(range(3), key=lambda n: abs(to_double(best[n])))
-    return names[worst], best[worst]
+def conditions(scene: Placed) -> Iterator[Condition]:
+    """Those of the body, f = 0, and no swing about the third axis: that is a pendulum's."""
+    A, B, C = scene.moments
+    yield equal("A = 4C (in units of C)", A, 4 * C, C)
+    yield equal("B = 4C (in units of C)", B, 4 * C, C)
+    yield equal("Mg r0 at right angles to axis 3", scene.torque[2], ZERO, scene.weight)
+    yield equal("f = Iw.gamma = 0", scene.area, ZERO, scene.impulse)
+    swings = is_zero((*scene.omega[:2], scene.gamma[2]))
+    yield excluded("a motion that is not a pendulum's about the third axis", swings)
 
 
 @dataclass(frozen=True)
@@ -92,39 +60,28 @@ class GoryachevStart:
     frame: Frame
 
 
-def start(
-    moments: Vector, torque: Vector, omega: Vector, gamma: Vector, rows: Rows | None
-) -> GoryachevStart:
-    """The start in the motion's axes; ``rows`` are the principal axes in the scene's (None: same).
-
-    ``omega`` and ``gamma`` are in the scene's axes, the torque in principal ones.  Raises
-    ValueError with the condition that fails.
-    """
-    principal = Frame(within=rows)
-    w, up = principal.into(omega), principal.into(gamma)
-    if (fault := failure(PrincipalScene(moments, torque, w, up))) is not None:
-        raise ValueError(f"a start that does not meet this condition: {fault[0]}")
-    k = third_axis(moments, torque)
-    assert k is not None
-    i, j = (k + 1) % 3, (k + 2) % 3
-    X, Y = torque[i] / moments[k], torque[j] / moments[k]
-    directions: list[list[Exact]] = [[ZERO] * 3 for _ in range(3)]
-    directions[0][i], directions[0][j] = X, Y
-    directions[1][i], directions[1][j] = -Y, X
-    directions[2][k] = ONE
-    square = X * X + Y * Y
-    frame = Frame(directions, (square, square, ONE), rows)
+def start(scene: PrincipalScene, within: Rows | None) -> GoryachevStart:
+    """The start; ``within``: the principal axes in the scene's.  ValueError where it misses."""
+    found = placed_in(conditions, scene)
+    if found is None:
+        raise ValueError(f"a start that does not meet this: {shortfall(conditions, scene)}")
+    order, (torque, w, up) = found[0].order, scene[1:]
+    assert up is not None
+    i, j, k = order
+    X, Y = torque[i] / scene.moments[k], torque[j] / scene.moments[k]
+    frame = Frame.equatorial(order, X, Y, within)
+    into = Frame.equatorial(order, X, Y, None).into
     # 2h/C and G need no root: they are rational with rational data.
     flat = w[i] * w[i] + w[j] * w[j]
     H = 4 * flat + w[k] * w[k] + 2 * (X * up[i] + Y * up[j])
     G = w[k] * flat - (X * w[i] + Y * w[j]) * up[k]
-    a = sqrt(square)
+    a = sqrt(X * X + Y * Y)
     exponent = math.floor(max(log2(a) / 2, *(log2(x) for x in w))) + 1
     unit = Fraction(2) ** exponent * (-1 if sign(G) < 0 else 1)
-    p, q, r = frame.into(omega)
+    p, q, r = into(w)
     return GoryachevStart(
         omega=(p / unit, q / unit, r / unit),
-        gamma=frame.into(gamma),
+        gamma=into(up),
         a=a / (unit * unit),
         H=H / (unit * unit),
         G=G / (unit * unit * unit),

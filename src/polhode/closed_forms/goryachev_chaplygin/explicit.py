@@ -13,9 +13,8 @@ from __future__ import annotations
 
 from flint import arb
 
-from polhode.closed_forms.balls.core import ball, root
+from polhode.closed_forms.balls.core import ball, root, square
 from polhode.closed_forms.balls.jacobi import Jacobi, carlson_rf
-from polhode.closed_forms.balls.quadrature import square
 from polhode.closed_forms.goryachev_chaplygin import regimes
 from polhode.closed_forms.goryachev_chaplygin.axes import GoryachevStart
 from polhode.closed_forms.goryachev_chaplygin.separated import Point, positive, sines

@@ -20,15 +20,14 @@ Newton's that stays within its box encloses it.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
 from flint import arb
 
-from polhode.closed_forms.balls.core import TooFewBits, ball
-from polhode.closed_forms.balls.panels import Factors, Oscillating, Place, Standing, Tending
-from polhode.closed_forms.balls.quadrature import square
+from polhode.closed_forms.balls.clocks import Factors, Oscillating, Place, Standing, Tending
+from polhode.closed_forms.balls.core import TooFewBits, ball, square
 from polhode.closed_forms.goryachev_chaplygin import regimes
 from polhode.closed_forms.goryachev_chaplygin.axes import GoryachevStart
 from polhode.numbers.exact import Exact, sign
@@ -65,7 +64,7 @@ class CubicRoots:
     positive: arb
     low: arb
     high: arb
-    pair: tuple[arb, arb] | None = None  # of -z: the real part, and the square of the imaginary
+    pairs: Sequence[tuple[arb, arb]] = ()  # of -z: real part, and square of the imaginary one
 
 
 def cubic_roots(c: Exact, G: Exact, discriminant: Exact) -> CubicRoots:
@@ -83,7 +82,7 @@ def cubic_roots(c: Exact, G: Exact, discriminant: Exact) -> CubicRoots:
         gap = 2 * area / (one * one + one * other + other * other)
     else:
         top, gap = 2 * twice / (one * one - one * other + other * other), one - other
-    return CubicRoots(top, arb.nan(), arb.nan(), (top / 2, 3 * gap * gap / 4))
+    return CubicRoots(top, arb.nan(), arb.nan(), [(top / 2, 3 * gap * gap / 4)])
 
 
 @dataclass(frozen=True)
@@ -113,7 +112,7 @@ def _between(
     low: arb, high: arb, sine: Factors, cosine: Factors, ends: tuple[bool, bool]
 ) -> Variable:
     """Of a variable that oscillates; ``ends``: whether the lower, the upper one is in the sine."""
-    both = Factors((*sine.roots, *cosine.roots), sine.pair or cosine.pair, 2)
+    both = Factors((*sine.roots, *cosine.roots), (*sine.pairs, *cosine.pairs), 2)
     clock, root = Oscillating(low, high, both), (high - low).sqrt()
 
     def shares(x: arb) -> tuple[arb, arb]:
@@ -128,7 +127,7 @@ def _between(
 def _tending(limit: arb, last: arb, sine: Factors, cosine: Factors, side: int) -> Variable:
     """Of v < limit, side 1, or v > limit, side -1."""
     far = abs(limit - last)
-    clock = Tending(limit, last, Factors((*sine.roots, *cosine.roots), None, 4 / far.sqrt()))
+    clock = Tending(limit, last, Factors((*sine.roots, *cosine.roots), (), 4 / far.sqrt()))
 
     def shares(x: arb) -> tuple[arb, arb]:
         return side * far.sqrt() * x.tanh(), far * square(x.sech())
@@ -146,10 +145,8 @@ class Separated:
         other = cubic_roots(H - 2 * a, G, minus)
         self._a = ball(a)
         sine = Factors(((1, -one.low), (1, -one.high)))
-        if other.pair is None:
-            cosine = Factors(((1, -other.low), (1, -other.high)))
-        else:
-            cosine = Factors((), (-other.pair[0], other.pair[1]))
+        real = () if other.pairs else ((1, -other.low), (1, -other.high))
+        cosine = Factors(real, [(-middle, height) for middle, height in other.pairs])
         self._u = _between(other.positive, one.positive, sine, cosine, (False, True))
         self._v = _second(regime, one, other, self._a)
         first, second = (
@@ -301,7 +298,13 @@ def _second(regime: str, one: CubicRoots, other: CubicRoots, a: arb) -> Variable
     if regime == regimes.CONSTANT_PI:
         return _standing(w1, a, sine=True)
     if regime == regimes.GENERIC_WHOLE:
-        return _between(v1, v2, Factors((plus,)), Factors((minus,), other.pair), (True, True))
+        return _between(
+            v1,
+            v2,
+            Factors((plus,)),
+            Factors((minus,), other.pairs),
+            (True, True),
+        )
     if regime == regimes.GENERIC_LOW:
         return _between(
             v1, w1, Factors(((-1, v2), plus)), Factors(((-1, w2), minus)), (True, False)
@@ -324,7 +327,7 @@ def _phase(clock: Clock, z: arb, twice: arb) -> arb:
     """The phase at the start; ``twice``: 2 z_s."""
     if isinstance(clock, Standing):
         return arb(0)
-    f = clock.factors.value(z)
+    f = clock.integrand.value(z)
     if isinstance(clock, Tending):
         share = (z - clock.limit) / clock.width
         return (-twice * f / (4 * (z - clock.limit)) / share.sqrt()).asinh()

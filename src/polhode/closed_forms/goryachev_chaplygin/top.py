@@ -19,20 +19,18 @@ from collections.abc import Mapping, Sequence
 
 from flint import arb
 
-from polhode.closed_forms.balls.core import Refused, TooFewBits, ball
-from polhode.closed_forms.balls.motion import BallMotion
-from polhode.closed_forms.balls.quadrature import square
-from polhode.closed_forms.closed_form import Rows
+from polhode.closed_forms.balls.core import Refused, TooFewBits, ball, square
+from polhode.closed_forms.balls.frames import Rows
+from polhode.closed_forms.closed_form import ClosedForm
 from polhode.closed_forms.goryachev_chaplygin import regimes
 from polhode.closed_forms.goryachev_chaplygin.axes import GoryachevStart, start
 from polhode.closed_forms.goryachev_chaplygin.explicit import explicit
 from polhode.closed_forms.goryachev_chaplygin.separated import Point, Separated
+from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.mpmath_context import mpf
-from polhode.numbers.vectors import Vector
 
 _ALONE = "the state has a closed form here, the attitude none: ask for reference.kind = certified"
-HELD = ("A = B = 4C", "r0 at right angles to axis 3", "f = Iw.gamma = 0")
 
 
 class GoryachevMotion:
@@ -78,22 +76,17 @@ class GoryachevMotion:
         ]
 
 
-class GoryachevChaplyginTop(BallMotion[GoryachevMotion]):
+class GoryachevChaplyginTop(ClosedForm[GoryachevMotion]):
     """The state of one motion of Goryachev and Chaplygin's case from one start."""
 
     proven = "states are proven by the closed form, the attitude by an enclosure"
     has_attitude = False
-
     is_dear = True
+    held = ("A = B = 4C", "r0 at right angles to axis 3", "f = Iw.gamma = 0")
 
-    def _set_up(self, moments: Vector, torque: Vector, omega: Vector, axes: Rows | None) -> None:
-        self._begin = start(moments, torque, omega, self._gamma, axes)
+    def _set_up(self, scene: PrincipalScene, axes: Rows | None) -> None:
+        self._begin = start(scene, axes)
         self.regime = regimes.regime(self._begin)
-
-    @property
-    def held(self) -> tuple[str, ...]:
-        """The conditions that body and start meet."""
-        return HELD
 
     def attitude(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
         """That of the start; refused at other times."""

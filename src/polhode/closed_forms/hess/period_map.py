@@ -30,8 +30,7 @@ from typing import Any
 
 from flint import acb, acb_mat, acb_poly, arb
 
-from polhode.closed_forms.balls.core import TooFewBits, either_root, nearest_integer
-from polhode.closed_forms.balls.quadrature import around
+from polhode.closed_forms.balls.core import TooFewBits, around, either_root, nearest_integer
 from polhode.closed_forms.lagrange.motion import Nutating
 from polhode.common.cached_property import cached_property
 from polhode.numbers.flint_context import ctx

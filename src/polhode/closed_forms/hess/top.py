@@ -14,31 +14,26 @@ from collections.abc import Mapping
 from flint import arb
 
 from polhode.closed_forms.balls.core import TooFewBits, ball
-from polhode.closed_forms.balls.motion import BallMotion
-from polhode.closed_forms.closed_form import Rows
+from polhode.closed_forms.balls.frames import Rows
+from polhode.closed_forms.closed_form import ClosedForm
 from polhode.closed_forms.hess import axes as surface
 from polhode.closed_forms.hess import motion as kinds
 from polhode.closed_forms.hess.motion import ConeSpin, HessMotion
 from polhode.closed_forms.hess.period_map import PeriodMap
+from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.closed_forms.pendulum.motion import Swing
 from polhode.numbers.mpmath_context import mpf
-from polhode.numbers.vectors import Vector
-
-HELD = ("r0 at right angles to the middle axis", "(B/C - 1) T1^2 = (1 - B/A) T3^2", "Iw.r0 = 0")
 
 
-class HessTop(BallMotion[HessMotion]):
+class HessTop(ClosedForm[HessMotion]):
     """One motion on Hess's surface from one start."""
 
-    def _set_up(self, moments: Vector, torque: Vector, omega: Vector, axes: Rows | None) -> None:
-        self._begin = surface.start(moments, torque, omega, self._gamma, axes)
+    held = ("r0 at right angles to the middle axis", "(B/C - 1) T1^2 = (1 - B/A) T3^2", "Iw.r0 = 0")
+
+    def _set_up(self, scene: PrincipalScene, axes: Rows | None) -> None:
+        self._begin = surface.start(scene, axes)
         self._sphere = kinds.sphere(self._begin)
         self.regime = kinds.regime(self._begin, self._sphere)
-
-    @property
-    def held(self) -> tuple[str, ...]:
-        """The conditions that body and start meet."""
-        return HELD
 
     def _solved(self) -> HessMotion:
         return HessMotion(self._begin, self._sphere, self._start())

@@ -15,14 +15,16 @@ Integrals of these equations, |gamma| = 1 not being used:
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
-from polhode.closed_forms.balls.frames import Frame
+from polhode.closed_forms.balls.frames import Frame, Rows
+from polhode.closed_forms.membership.normal_form import Condition, Placed, equal
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.closed_forms.rounding import log2
 from polhode.common.cached_property import cached_property
-from polhode.numbers.exact import ONE, ZERO, Exact, binary, exact, rounded, sign, sqrt
+from polhode.numbers.exact import ZERO, Exact, binary, exact, rounded, sign, sqrt
 from polhode.numbers.vectors import Vector
 from polhode.scenes.classification import KOVALEVSKAYA, classical_top, with_last
 
@@ -30,6 +32,14 @@ from polhode.scenes.classification import KOVALEVSKAYA, classical_top, with_last
 def fits(scene: PrincipalScene) -> bool:
     """Whether the body is a Kovalevskaya top."""
     return classical_top(scene.moments, scene.torque).kind == KOVALEVSKAYA
+
+
+def conditions(scene: Placed) -> Iterator[Condition]:
+    """Those of the body, its axes in the top's order."""
+    A, B, C = scene.moments
+    yield equal("A = B", A, B)
+    yield equal("A = 2C", A, 2 * C)
+    yield equal("z0 = 0", scene.torque[2], ZERO, scene.weight)
 
 
 #: A direction in the space of states that no special motion is known to keep.
@@ -101,22 +111,16 @@ class KovalevskayaStart:
 
 @dataclass(frozen=True)
 class KovalevskayaAxes:
-    """The top's axes in principal ones, and the principal axes in the scene's (None: the same)."""
+    """The top's axes in principal ones, and in the scene's."""
 
-    rows: tuple[tuple[Exact, ...], ...] | None
+    frame: Frame
     order: tuple[int, int, int]  # principal axes, right-handed, the third that of the moment C
     centre: tuple[Exact, Exact]  # X + iY = Mg (x0 + i y0)/C in the first two
     weight: Exact  # n^2
 
-    def principal(self, vector: Vector) -> Vector:
-        """From the scene's axes to the principal ones in the top's order, exactly."""
-        v = Frame(within=self.rows).into(vector)
-        x, y, z = (v[i] for i in self.order)
-        return x, y, z
-
     def start(self, omega: Vector, gamma: Vector) -> KovalevskayaStart:
-        """The start and the integrals; what is rational stays so where n^2 is not."""
-        (p, q, r), (g1, g2, g3) = self.principal(omega), self.principal(gamma)
+        """From principal axes: the start and the integrals, rational where n^2 alone is not."""
+        (p, q, r), (g1, g2, g3) = ([v[i] for i in self.order] for v in (omega, gamma))
         X, Y = self.centre
         exponent = round(log2(self.weight) / 2)
         unit = exact(2) ** exponent if exponent >= 0 else 1 / exact(2) ** -exponent
@@ -143,23 +147,13 @@ class KovalevskayaAxes:
             exponent=exponent,
         )
 
-    @cached_property
-    def frame(self) -> Frame:
-        """The top's axes in the scene's."""
-        (i, j, k), (X, Y) = self.order, self.centre
-        rows: list[list[Exact]] = [[ZERO] * 3 for _ in range(3)]
-        rows[0][i], rows[0][j], rows[1][i], rows[1][j], rows[2][k] = X, Y, -Y, X, ONE
-        square = X * X + Y * Y
-        return Frame(rows, (square, square, ONE), self.rows)
 
-
-def top_axes(
-    moments: Vector, torque: Vector, rows: tuple[tuple[Exact, ...], ...] | None
-) -> KovalevskayaAxes:
+def top_axes(moments: Vector, torque: Vector, rows: Rows | None) -> KovalevskayaAxes:
     """The axes of the top; raises ValueError for a body that is none (:func:`fits`)."""
     kind, axis = classical_top(moments, torque)
     if kind != KOVALEVSKAYA or axis is None:
         raise ValueError("not a Kovalevskaya top")
     i, j, k = with_last(axis)
     X, Y = torque[i] / moments[k], torque[j] / moments[k]
-    return KovalevskayaAxes(rows, (i, j, k), (X, Y), sqrt(X * X + Y * Y))
+    frame = Frame.equatorial((i, j, k), X, Y, rows)
+    return KovalevskayaAxes(frame, (i, j, k), (X, Y), sqrt(X * X + Y * Y))

@@ -41,7 +41,7 @@ def speed_bound(start: KovalevskayaStart) -> arb:
 
 
 class TopMotion:
-    """What a :class:`polhode.closed_forms.balls.motion.BallMotion` asks, at one precision."""
+    """What a :class:`polhode.closed_forms.closed_form.ClosedForm` asks, at one precision."""
 
     def __init__(
         self,

@@ -17,11 +17,10 @@ from flint import arb
 
 from polhode.closed_forms.balls.angles import Arguments
 from polhode.closed_forms.balls.core import Kept, Refused, ball
-from polhode.closed_forms.balls.frames import Turn, halves, quaternion
-from polhode.closed_forms.balls.motion import BallMotion
+from polhode.closed_forms.balls.frames import Rows, Turn, halves, quaternion
 from polhode.closed_forms.balls.one_axis import OneAxis, Permanent
 from polhode.closed_forms.balls.periodic_attitude import Equations, InTime, PeriodicAttitude, Strip
-from polhode.closed_forms.closed_form import Rows
+from polhode.closed_forms.closed_form import ClosedForm
 from polhode.closed_forms.kovalevskaya import regimes
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart, top_axes
 from polhode.closed_forms.kovalevskaya.branch_points import branch_points, discriminant
@@ -31,10 +30,10 @@ from polhode.closed_forms.kovalevskaya.periodic import Periodic, quartic
 from polhode.closed_forms.kovalevskaya.theta.cycles import rates
 from polhode.closed_forms.kovalevskaya.theta.theta_attitude import ThetaAttitude
 from polhode.closed_forms.kovalevskaya.theta.theta_state import ThetaState
+from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.mpmath_context import mpc, mpf
 from polhode.numbers.scalars import Scalar
-from polhode.numbers.vectors import Vector
 
 #: Radians at the bound of |w| up to which a motion that tends to a steady one has an attitude.
 _SEPARATRIX_REACH = 300.0
@@ -42,7 +41,7 @@ _SEPARATRIX_REACH = 300.0
 _EQUATIONS = Equations((arb(2), arb(2), arb(1)), (arb(1), arb(0), arb(0)))
 
 
-class KovalevskayaTop(BallMotion[TopMotion]):
+class KovalevskayaTop(ClosedForm[TopMotion]):
     """The motion of one Kovalevskaya top from one start.
 
     ``regime`` is, of a generic motion, the type of its curve
@@ -51,9 +50,10 @@ class KovalevskayaTop(BallMotion[TopMotion]):
 
     is_dear = True
 
-    def _set_up(self, moments: Vector, torque: Vector, omega: Vector, axes: Rows | None) -> None:
-        self._axes = top_axes(moments, torque, axes)
-        self.begin = self._axes.start(omega, self._gamma)
+    def _set_up(self, scene: PrincipalScene, axes: Rows | None) -> None:
+        self._axes = top_axes(scene.moments, scene.torque, axes)
+        assert scene.gamma is not None
+        self.begin = self._axes.start(scene.omega, scene.gamma)
         self.regime = regimes.regime(self.begin)
         self._disc = discriminant(self.begin)
         self._strip: Strip | None = None
@@ -61,7 +61,7 @@ class KovalevskayaTop(BallMotion[TopMotion]):
         self.proven = _proof(self.begin, self.regime)
         self.knows_turns = self.regime in regimes.STEADY
         if self.knows_turns:
-            self._axis = OneAxis(omega, self._gamma)
+            self._axis = OneAxis(self._omega, self._gamma)
 
     def _most_bits(self, digits: int) -> int:
         """Ever more bits would take minutes: near some motions no number of them is enough."""

@@ -7,11 +7,13 @@ and the three are right-handed.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from polhode.closed_forms.balls.frames import Frame, Rows
+from polhode.closed_forms.membership.normal_form import Condition, Placed, equal
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
-from polhode.numbers.exact import Exact, sign, sqrt
+from polhode.numbers.exact import ZERO, Exact, sign, sqrt
 from polhode.numbers.vectors import Vector, cross, dot
 from polhode.scenes import body
 from polhode.scenes.classification import LAGRANGE, SPHERE, classical_top, with_last
@@ -24,6 +26,14 @@ def fits(scene: PrincipalScene) -> bool:
     body without weight is none.
     """
     return classical_top(scene.moments, scene.torque).kind in (LAGRANGE, SPHERE)
+
+
+def conditions(scene: Placed) -> Iterator[Condition]:
+    """Those of the body, its axes in the top's order."""
+    A, B, _ = scene.moments
+    yield equal("A = B", A, B)
+    yield equal("x0 = 0", scene.torque[0], ZERO, scene.weight)
+    yield equal("y0 = 0", scene.torque[1], ZERO, scene.weight)
 
 
 @dataclass(frozen=True)

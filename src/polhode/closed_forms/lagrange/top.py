@@ -16,27 +16,27 @@ from flint import arb
 
 from polhode.closed_forms.balls.angles import Arguments
 from polhode.closed_forms.balls.core import ball
-from polhode.closed_forms.balls.motion import BallMotion
-from polhode.closed_forms.closed_form import Rows
+from polhode.closed_forms.balls.frames import Rows
+from polhode.closed_forms.closed_form import ClosedForm
 from polhode.closed_forms.lagrange.axes import top_axes
 from polhode.closed_forms.lagrange.motion import LagrangeMotion, Nutating, Seen, Steady, own_start
 from polhode.closed_forms.lagrange.regimes import constants, regime
+from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.numbers.exact import sign
 from polhode.numbers.mpmath_context import mpf
-from polhode.numbers.vectors import Vector
 
 
-class LagrangeTop(BallMotion[LagrangeMotion]):
+class LagrangeTop(ClosedForm[LagrangeMotion]):
     """The motion of one Lagrange top from one start.
 
     The regimes are those of :func:`polhode.closed_forms.lagrange.regimes.regime`.  psi and phi are
     known at any time where the axis of symmetry is the scene's third; else they are counted.
     """
 
-    def _set_up(self, moments: Vector, torque: Vector, omega: Vector, axes: Rows | None) -> None:
-        self._axes = top_axes(moments, torque, axes)
+    def _set_up(self, scene: PrincipalScene, axes: Rows | None) -> None:
+        self._axes = top_axes(scene.moments, scene.torque, axes)
         into = self._axes.frame.into
-        self._top = into(omega), into(self._gamma)
+        self._top = into(self._omega), into(self._gamma)
         self._constants = constants(*self._axes.moments, self._axes.torque, *self._top)
         self.regime = regime(self._constants)
         self._own_side = self._axes.own_side

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
 from polhode.numbers.decimals import decimal_string
-from polhode.numbers.exact import Exact, binary, log10, rounded
-
-_ORDERS = 3  # of magnitude by which conditions that fail together may differ
+from polhode.numbers.exact import Exact, binary, rounded
 
 
 class Misfit(NamedTuple):
@@ -39,18 +36,3 @@ class Misfit(NamedTuple):
         if self.order != (0, 1, 2):
             names = f" (its axes 1, 2, 3 are here {', '.join(str(i + 1) for i in self.order)})"
         return f"{self.condition}{names}, off by {off}"
-
-
-def leading(failing: Sequence[tuple[str, Exact]]) -> Misfit | None:
-    """Of conditions that fail, the first that is off by about as much as the worst.
-
-    Those that follow from it fail too.  Amounts may have any sign.  None where none fails.
-    """
-    if not failing:
-        return None
-    sizes = [log10(abs(off)) for _, off in failing]
-    worst = max(range(len(sizes)), key=lambda n: sizes[n])
-    condition, off = next(
-        row for row, size in zip(failing, sizes, strict=True) if size > sizes[worst] - _ORDERS
-    )
-    return Misfit(condition, abs(off), worst=abs(failing[worst][1]))

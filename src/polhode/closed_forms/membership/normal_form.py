@@ -12,12 +12,13 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
-from polhode.closed_forms.membership.misfit import Misfit, leading
+from polhode.closed_forms.membership.misfit import Misfit
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.numbers.exact import ONE, ZERO, Exact, exact, log10, sign, sqrt, total
 from polhode.numbers.scalars import Scalar
 from polhode.numbers.vectors import Vector, cross, dot, is_zero, minus
 
+_ORDERS = 3  # of magnitude by which conditions that fail together may differ
 _EVEN = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
 
 
@@ -74,6 +75,22 @@ class Placed:
         return sqrt(max(dot(self.omega, self.omega), sqrt(fourth)))
 
     @property
+    def weight(self) -> Exact:
+        """P."""
+        return sqrt(dot(self.torque, self.torque))
+
+    @property
+    def momentum(self) -> Vector:
+        """Iw."""
+        a, b, c = (m * w for m, w in zip(self.moments, self.omega, strict=True))
+        return a, b, c
+
+    @property
+    def impulse(self) -> Exact:
+        """A size of Iw: the largest of |Iw| and sqrt(A P), what the weight makes of rest."""
+        return sqrt(max(dot(self.momentum, self.momentum), max(self.moments) * self.weight))
+
+    @property
     def energy(self) -> Exact:
         """H = w.Iw/2 + T.gamma."""
         kinetic = total(m * w * w for m, w in zip(self.moments, self.omega, strict=True))
@@ -104,11 +121,6 @@ class Condition:
         return sign(self.off) == 0
 
 
-def _momentum(scene: Placed) -> Vector:
-    a, b, c = (m * w for m, w in zip(scene.moments, scene.omega, strict=True))
-    return a, b, c
-
-
 _NOT_REAL = Condition("real constants of the motion", ONE, graded=False)
 
 
@@ -128,10 +140,9 @@ def positive(text: str, value: Exact) -> Condition:
 
 def moving(scene: Placed) -> Condition:
     """Not all six right-hand sides vanish."""
-    momentum = _momentum(scene)
-    moment = minus(cross(scene.gamma, scene.torque), cross(scene.omega, momentum))
+    moment = minus(cross(scene.gamma, scene.torque), cross(scene.omega, scene.momentum))
     still = is_zero(moment) and is_zero(cross(scene.gamma, scene.omega))
-    return Condition("no permanent rotation", ONE if still else ZERO, graded=False)
+    return excluded("no permanent rotation", still)
 
 
 def matching(
@@ -148,14 +159,18 @@ def matching(
 
 def on_axis_1(scene: Placed) -> Iterator[Condition]:
     """The centre of mass is on the positive axis 1."""
-    size = sqrt(dot(scene.torque, scene.torque))
-    yield equal("y0 = 0", scene.torque[1], ZERO, size)
-    yield equal("z0 = 0", scene.torque[2], ZERO, size)
+    yield equal("y0 = 0", scene.torque[1], ZERO, scene.weight)
+    yield equal("z0 = 0", scene.torque[2], ZERO, scene.weight)
     yield positive("x0 > 0", scene.torque[0])
 
 
 #: The conditions of a case, in the order in which they are tested.
 Conditions = Callable[[Placed], Iterator[Condition]]
+
+
+def excluded(text: str, applies: bool) -> Condition:
+    """What a case is not: it is told in words, with nothing between."""
+    return Condition(text, ONE if applies else ZERO, graded=False)
 
 
 def placed_in(conditions: Conditions, scene: PrincipalScene) -> tuple[NormalAxes, Placed] | None:
@@ -183,13 +198,13 @@ def shortfall(conditions: Conditions, scene: PrincipalScene) -> Misfit | None:
         failing = _failing(conditions, placed, least)
         if not failing:
             return None
-        worst = max(log10(condition.off) for condition in failing)
-        if worst < least:
-            first = leading([(condition.text, condition.off) for condition in failing])
-            assert first is not None
-            graded = any(c.graded for c in failing if c.text == first.condition)
-            best = first._replace(order=axes.order) if graded else Misfit(first.condition)
-            least = worst
+        sizes = [log10(condition.off) for condition in failing]
+        if max(sizes) < least:
+            least = max(sizes)
+            first = next(n for n, size in enumerate(sizes) if size > least - _ORDERS)
+            text, off, graded = failing[first].text, failing[first].off, failing[first].graded
+            worst = failing[sizes.index(least)].off
+            best = Misfit(text, off, axes.order, worst) if graded else Misfit(text)
     return best
 
 

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
-from polhode.numbers.exact import Exact, sqrt
-from polhode.numbers.vectors import Vector, dot
-from polhode.scenes.body import IDENTITY
+from polhode.numbers.vectors import Vector
 from polhode.scenes.scene import Scene
 
 
@@ -22,31 +20,6 @@ class PrincipalScene(NamedTuple):
     torque: Vector
     omega: Vector
     gamma: Vector | None
-
-
-#: Row i is an axis of a body or of a motion in the scene's axes.
-Rows: TypeAlias = tuple[tuple[Exact, ...], ...]
-
-
-def squared_momentum_of_weight(moments: Vector, torque: Vector) -> Exact:
-    """The size of |Iw|^2 that the weight makes of rest: the largest moment times |Mg r0|."""
-    return max(moments) * sqrt(dot(torque, torque))
-
-
-def of_start(
-    moments: Vector, torque: Vector, omega: Vector, gamma: Vector, rows: Rows | None
-) -> tuple[Rows, PrincipalScene]:
-    """A body given in principal axes, and its start in the scene's, all in principal axes.
-
-    ``rows``: the principal axes in the scene's; None where they are the same.
-    """
-    rows = IDENTITY if rows is None else rows
-
-    def along(v: Vector) -> Vector:
-        a, b, c = (x * v[0] + y * v[1] + z * v[2] for x, y, z in rows)
-        return a, b, c
-
-    return rows, PrincipalScene(moments, torque, along(omega), along(gamma))
 
 
 def in_principal_axes(scene: Scene) -> PrincipalScene:

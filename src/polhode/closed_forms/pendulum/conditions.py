@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from polhode.closed_forms.membership.misfit import Misfit
-from polhode.closed_forms.membership.normal_form import Condition, Placed, equal, shortfall
+from polhode.closed_forms.membership.normal_form import Condition, Placed, equal
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.numbers.exact import ZERO, sign, sqrt
 from polhode.numbers.vectors import Vector, cross, dot, is_zero
@@ -28,25 +27,11 @@ def fits(scene: PrincipalScene) -> bool:
 
 def conditions(scene: Placed) -> Iterator[Condition]:
     """Those of a swing about axis 3."""
-    yield equal(
-        "r0 at right angles to the axis of the swing",
-        scene.torque[2],
-        ZERO,
-        sqrt(dot(scene.torque, scene.torque)),
-    )
-    yield equal(
-        "gamma at right angles to the axis of the swing",
-        scene.gamma[2],
-        ZERO,
-        sqrt(dot(scene.gamma, scene.gamma)),
-    )
+    up = sqrt(dot(scene.gamma, scene.gamma))
+    yield equal("r0 at right angles to the axis of the swing", scene.torque[2], ZERO, scene.weight)
+    yield equal("gamma at right angles to the axis of the swing", scene.gamma[2], ZERO, up)
     for across in scene.omega[:2]:
         yield equal("w along the axis of the swing", across, ZERO, scene.speed)
-
-
-def misfit(scene: PrincipalScene) -> Misfit | None:
-    """The condition that fails; None where the scene is a pendulum's."""
-    return None if fits(scene) else shortfall(conditions, scene)
 
 
 def axis_of(torque: Vector, omega: Vector, gamma: Vector) -> Vector:

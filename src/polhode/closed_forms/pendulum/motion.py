@@ -81,33 +81,6 @@ def numbers(moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> Nu
     return Numbers(False, side, half, 1 / k2, -kc2 / k2, rate2 * k2, phase)
 
 
-@dataclass(frozen=True)
-class Rest:
-    """A body that hangs or stands."""
-
-    omega: Sequence[arb]
-    start: Start
-
-    @property
-    def axis(self) -> tuple[arb, arb, arb]:
-        """None: the vector 0."""
-        return arb(0), arb(0), arb(0)
-
-    @property
-    def speed(self) -> arb:
-        """1, since |w| is 0."""
-        return arb(1)
-
-    def row(self, t: arb, attitude: bool) -> Sequence[arb]:
-        """The row of the start."""
-        del t, attitude
-        return self.start.row(self.omega, (arb(1), arb(0), arb(0), arb(0)))
-
-    def swung(self, t: arb) -> arb:
-        """Nothing."""
-        return 0 * t
-
-
 class Swing:
     """A swing; formulas and names are those of :mod:`polhode.closed_forms.pendulum.top`."""
 

@@ -28,45 +28,41 @@ from flint import arb
 
 from polhode.closed_forms.balls.angles import Arguments
 from polhode.closed_forms.balls.core import ball
-from polhode.closed_forms.balls.frames import Frame
-from polhode.closed_forms.balls.motion import BallMotion
-from polhode.closed_forms.balls.one_axis import OneAxis
-from polhode.closed_forms.closed_form import Rows
+from polhode.closed_forms.balls.frames import Frame, Rows
+from polhode.closed_forms.balls.one_axis import OneAxis, PermanentRotation
+from polhode.closed_forms.closed_form import ClosedForm
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.closed_forms.pendulum.conditions import axis_of, fits
 from polhode.closed_forms.pendulum.motion import (
     HANGING,
     ROTATING,
     UPRIGHT,
-    Rest,
     Swing,
     numbers,
     regime,
 )
-from polhode.numbers.vectors import Vector
 
 
-class Pendulum(BallMotion[Swing | Rest]):
+class Pendulum(ClosedForm[Swing | PermanentRotation]):
     """The plane motion of one heavy body from one start."""
 
     knows_turns = True
 
-    def _set_up(self, moments: Vector, torque: Vector, omega: Vector, axes: Rows | None) -> None:
-        frame = Frame(within=axes)
-        principal, vertical = frame.into(omega), frame.into(self._gamma)
-        if not fits(PrincipalScene(moments, torque, principal, vertical)):
+    def _set_up(self, scene: PrincipalScene, axes: Rows | None) -> None:
+        moments, torque, omega, gamma = scene
+        if gamma is None or not fits(scene):
             raise ValueError("a body that does not swing about a horizontal principal axis")
-        self.regime = regime(moments, torque, principal, vertical)
+        self.regime = regime(moments, torque, omega, gamma)
         self._body = "rotation" if self.regime == ROTATING else "libration"
         self._at_rest = self.regime in (HANGING, UPRIGHT)
-        self._n = frame.out(axis_of(torque, principal, vertical))
+        self._n = Frame(within=axes).out(axis_of(torque, omega, gamma))
         self._turning = OneAxis(self._n, self._gamma)
         if not self._at_rest:
-            self._numbers = numbers(moments, torque, principal, vertical)
+            self._numbers = numbers(moments, torque, omega, gamma)
 
-    def _solved(self) -> Swing | Rest:
+    def _solved(self) -> Swing | PermanentRotation:
         if self._at_rest:
-            return Rest([ball(x) for x in self._omega], self._start())
+            return PermanentRotation([ball(x) for x in self._omega], arb(0), self._start())
         return Swing(self._numbers, self._n, self._start())
 
     def _arguments(self, t: arb) -> Arguments:
@@ -76,6 +72,6 @@ class Pendulum(BallMotion[Swing | Rest]):
 
     def _period_ball(self) -> arb | None:
         motion = self._solution()
-        if isinstance(motion, Rest) or motion.elliptic.limit:
+        if isinstance(motion, PermanentRotation) or motion.elliptic.limit:
             return None
         return (4 if motion.librates else 2) * motion.elliptic.K / motion.rate

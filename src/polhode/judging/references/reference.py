@@ -56,7 +56,7 @@ class Reference(Result):
     agreement = math.inf  # no rounding enters that the digits asked for would show
     __hash__ = None  # type: ignore[assignment]
 
-    def __init__(self, scene: Scene, kind: str, motion: ClosedForm) -> None:
+    def __init__(self, scene: Scene, kind: str, motion: ClosedForm[Any]) -> None:
         self.scene, self.kind, self._motion = scene, kind, motion
         self.regime = motion.regime
 

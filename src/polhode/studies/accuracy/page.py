@@ -24,6 +24,12 @@ _CASES = (
         "the closed form of that family of motions (of euler, lagrange, pendulum and most of "
         "kovalevskaya proven), or a proven enclosure",
     ),
+    Column(
+        *("mpmath", "textbook", ".1f"),
+        "digits, of 30 asked for, to which the closed form and a textbook's formulas in mpmath's "
+        "functions agree at one time (a dash: none of the three classical tops, or a motion that "
+        "those formulas do not have)",
+    ),
     *in_numbers(
         digits,
         "correct digits of the run in that number type, at its worst output time (a dash: not "

@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
+from polhode.checks.textbook_digits import textbook_digits
 from polhode.common.executors import cores, in_order
 from polhode.common.provenance import digest
 from polhode.judging.adaptive_precision import integrate
@@ -101,6 +102,7 @@ def _case(scene: Scene) -> dict[str, Any]:
         "title": scene.title,
         "regime": reference.regime,
         "reference": reference.kind,
+        "textbook": rounded(textbook_digits(reference)),
         "log10_kappa": round(max(kappas), 2) if kappas else None,
         "kappa_note": known.note if known else "",
         "end": decimals.decimal_string(conversion.exactly(number_types.QUAD.rounded(scene.end)), 6),

@@ -10,6 +10,7 @@ from flint import acb, arb
 from polhode.closed_forms.balls.core import TooFewBits
 from polhode.closed_forms.balls.quadrature import Linear, circle
 from polhode.closed_forms.kovalevskaya.branch_points import ascending
+from polhode.closed_forms.kovalevskaya.theta.jacobian import segment
 
 
 def rates(points: Sequence[acb]) -> tuple[arb, arb]:
@@ -23,27 +24,11 @@ def rates(points: Sequence[acb]) -> tuple[arb, arb]:
     if not all(x < y for x, y in pairwise(line)):
         raise TooFewBits
     a, c = _unbounded(line[0], points)
-    b, d = _bounded(line[-2], line[-1], points)
+    rest = [x for x in points if not x.overlaps(acb(line[-2])) and not x.overlaps(acb(line[-1]))]
+    b, d = (2 * x.real for x in segment(acb(line[-2]), acb(line[-1]), rest, []))
     det = abs(a * d - b * c)
     turn = 2 * arb.pi()
     return turn * abs(b) / det, turn * abs(a) / det
-
-
-def _bounded(a: arb, b: arb, points: Sequence[acb]) -> tuple[arb, arb]:
-    """Twice the integral of (1, s) ds/|w| between real branch points.
-
-    s = (a + b)/2 - (b - a)/2 cos phi.
-    """
-    way = b - a
-    factors = []
-    for c in points:
-        if c.overlaps(acb(a)) or c.overlaps(acb(b)):
-            continue
-        side = -1 if c.imag.is_zero() and c.real > b else 1
-        factors.append(Linear(side * (a - c), side * (b - c), acb(side * way)))
-    one, two = circle(factors)
-    root = arb(2).sqrt()
-    return root * one.real, root * ((a + b) / 2 * one.real - way / 2 * two.real)
 
 
 def _unbounded(a: arb, points: Sequence[acb]) -> tuple[arb, arb]:

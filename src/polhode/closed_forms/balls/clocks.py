@@ -1,0 +1,339 @@
+"""The phases of variables that move between two roots or tend to one, and their inverses, in balls.
+
+A variable z grows with the parameter s of the motion, and its phase x as ds = f dx, where f is one
+over the square root of the product of its distances from roots (:mod:`.panels`).  Three kinds:
+
+    Oscillating   z = low + (high - low) sin^2(x/2), to and fro between two roots;
+    Tending       z = limit + (end - limit) sech^2 x, from a double root to ``end`` and back to it;
+    Standing      z constant; its phase is S itself.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from bisect import bisect_right
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from flint import arb
+
+from polhode.closed_forms.balls.core import TooFewBits, around, nearest_integer, square
+from polhode.closed_forms.balls.panels import RATIO, Panels, points
+from polhode.common.cached_property import cached_property
+from polhode.numbers.flint_context import ctx
+
+_PART = 2 * RATIO - 1  # RATIO of a part of a panel that is not longer than its half
+_WAY = 10  # of the phase towards a double root, beyond what rounding leaves
+_ROUGH_POINTS = 12
+_STEPS = 40
+_ROUGH = 1e-8  # the step that ends the rough ones
+_CLOSE = 2  # the step that ends all, 2^-(bits/2)
+
+
+@dataclass(frozen=True)
+class Factors:
+    """scale/sqrt(product of |z - root|): roots with the side of z, and pairs of complex ones."""
+
+    roots: Sequence[tuple[int, arb]]
+    pairs: Sequence[tuple[arb, arb]] = ()  # the real part, and the square of the imaginary part
+    scale: arb | int = 1
+
+    def product(self, z: arb) -> arb:
+        """The product at a real z."""
+        product = arb(1)
+        for side, root in self.roots:
+            product *= z - root if side > 0 else root - z
+        for middle, height in self.pairs:
+            product *= square(z - middle) + height
+        return product
+
+    def value(self, z: arb) -> arb:
+        """f at a real z."""
+        return self.scale * self.product(z).rsqrt()
+
+    def moduli(self, z: arb) -> list[tuple[arb, arb]]:
+        """The moduli of z - root, each of a pair, with the slope 1; and that of the scale."""
+        found = [z - root if side > 0 else root - z for side, root in self.roots]
+        for middle, height in self.pairs:
+            found += [(square(z - middle) + height).sqrt()] * 2
+        return [(arb(1) / square(arb(self.scale)), arb(0)), *((x, arb(1)) for x in found)]
+
+
+class Place(NamedTuple):
+    """S, U, f and z at a phase."""
+
+    S: arb
+    U: arb
+    f: arb
+    z: arb
+
+
+class Part(NamedTuple):
+    """Where S is split: the phase, S and U up to there, and the rest of S in doubles."""
+
+    phase: arb
+    S: arb
+    U: arb
+    rest: float
+
+
+class Standing:
+    """A variable that is constant."""
+
+    def __init__(self, z: arb) -> None:
+        self.z = z
+
+    def at(self, x: arb, *, rough: bool = False) -> Place:
+        """S, U, f and z at a phase."""
+        del rough
+        return Place(x, self.z * x, arb(1), self.z)
+
+    def slope(self, x: arb) -> tuple[arb, arb]:
+        """f and z."""
+        del x
+        return arb(1), self.z
+
+    @property
+    def mean(self) -> arb:
+        """The mean of z over S."""
+        return self.z
+
+    def split(self, S: arb) -> Part:
+        """At S itself."""
+        return Part(S, S, self.z * S, 0.0)
+
+    def near(self, rest: float) -> tuple[float, float, arb]:
+        """U, z and the phase at a rest of S, by doubles."""
+        z = float(self.z)
+        return rest * z, z, arb(rest)
+
+
+class Clock(Panels):
+    """A variable that moves."""
+
+    integrand: Factors
+    S: list[arb]
+    U: list[arb]
+
+    @abstractmethod
+    def at(self, x: arb, *, rough: bool = False) -> Place:
+        """S, U, f and z at a phase; ``rough``: S and U to a few digits."""
+
+    @abstractmethod
+    def scale(self, x: arb) -> arb:
+        """A length of the phase over which f and z change moderately."""
+
+    @abstractmethod
+    def split(self, S: arb) -> Part:
+        """A phase near the one that has S, from which S is the rest."""
+
+    @abstractmethod
+    def near(self, rest: float) -> tuple[float, float, arb]:
+        """U, z and the phase at a rest of S, by doubles."""
+
+    def _panel(self, x: arb) -> int:
+        """Which panel holds an exact phase from 0 to ``end``."""
+        return max(0, bisect_right(self._starts, x) - 1)
+
+    def _length(self, x: arb) -> arb:
+        """That of its panel."""
+        n = self._panel(x)
+        return (self._ends[n] - self._starts[n]).mid()
+
+    def _inner(self, x: arb, rough: bool) -> tuple[arb, arb]:
+        """S and U at an exact phase from 0 to ``end``, from the nearer end of its panel."""
+        n = self._panel(x)
+        a, b = self._starts[n], self._ends[n]
+        count = _ROUGH_POINTS if rough else points(_PART)
+        if (x - a).mid() < (b - x).mid():
+            s, u = self._gauss(a, x, n, count, _PART)
+            return self.S[n] + s, self.U[n] + u
+        s, u = self._gauss(x, b, n, count, _PART)
+        return self.S[n + 1] - s, self.U[n + 1] - u
+
+    @cached_property
+    def _doubles(self) -> tuple[list[float], list[float], list[float], list[float]]:
+        """S, U, f and z at the panels' ends."""
+        slopes = [self.slope(x) for x in (*self._starts, self.end)]
+        rows = self.S, self.U, [f for f, _ in slopes], [z for _, z in slopes]
+        one, two, three, four = ([float(x.mid()) for x in row] for row in rows)
+        return one, two, three, four
+
+    def _between(self, rest: float) -> tuple[float, float, arb]:
+        """U, z and the phase at an S from 0 to that of ``end``, by Hermite's cubics in S."""
+        S, U, f, z = self._doubles
+        n = min(max(0, bisect_right(S, rest) - 1), len(self._starts) - 1)
+        width = S[n + 1] - S[n]
+        t = (rest - S[n]) / width
+        one, two = t * (1 - t) ** 2 * width, t * t * (t - 1) * width
+        share = t * t * (3 - 2 * t)
+        u = U[n] + share * (U[n + 1] - U[n]) + one * z[n] + two * z[n + 1]
+        whole = float((self._ends[n] - self._starts[n]).mid())
+        x = share * whole + one / f[n] + two / f[n + 1]
+        return u, z[n] + t * (z[n + 1] - z[n]), self._starts[n] + x
+
+
+class Oscillating(Clock):
+    """z between two roots: z = low + (high - low) sin^2(x/2)."""
+
+    end = property(lambda self: arb.pi())
+
+    def __init__(self, low: arb, high: arb, factors: Factors) -> None:
+        self.low, self.width = low, high - low
+        super().__init__(factors)
+        fastest = arb(1)  # 1/f: each modulus is largest at an end
+        for (one, _), (other, _) in zip(factors.moduli(low), factors.moduli(high), strict=True):
+            fastest *= one.max(other).sqrt()
+        self._fastest = fastest
+
+    def variable(self, x: arb) -> arb:
+        """z at a phase."""
+        return self.low + self.width * square((x / 2).sin())
+
+    def reach(self, x: arb, radius: arb) -> arb:
+        """By cos x - cos y = -2 sin((x + y)/2) sin((x - y)/2)."""
+        sinh, cosh = (radius / 2).sinh_cosh()
+        sin, cos = x.sin_cos()
+        return self.width * sinh * (abs(sin) * cosh + abs(cos) * sinh)
+
+    def at(self, x: arb, *, rough: bool = False) -> Place:
+        """S, U, f and z; S(x + 2 pi) = S(x) + 2 S(pi), both odd."""
+        n = nearest_integer(x / (2 * arb.pi()))
+        rest = x - 2 * n * arb.pi()
+        middle = min(abs(rest.mid()), arb.pi().mid())
+        s, u = self._inner(middle, rough)
+        side = -1 if rest.mid() < 0 else 1
+        moved = rest - side * middle
+        # All the way from there: far from 0 a turn is known less well than an exact x.
+        f, z = self.slope(rest.union(side * middle))
+        return Place(
+            2 * n * self.S[-1] + side * s + moved * f,
+            2 * n * self.U[-1] + side * u + moved * f * z,
+            f,
+            z,
+        )
+
+    def phase(self, S: arb) -> arb:
+        """The phase that has S, continuous.
+
+        Newton's steps on middles prove nothing, and need not: since S grows with x, the true x is
+        within max(1/f) |S(x) - S| of any x, and one step with f of all that way encloses it.
+        """
+        part = self.split(S)
+        x, small = (part.phase + self.near(part.rest)[2]).mid(), arb(2) ** -(ctx.prec // _CLOSE)
+        rough = True
+        for _ in range(_STEPS):
+            place = self.at(x, rough=rough)
+            miss = place.S - S
+            step = (miss / place.f).mid()
+            if not rough and abs(step) < small:
+                wide = x + around(self._fastest * abs(miss)).real
+                found: arb = x - miss / self.slope(wide)[0]
+                return found
+            rough = rough and abs(step) > _ROUGH
+            x = (x - step).mid()
+        raise TooFewBits
+
+    def scale(self, x: arb) -> arb:
+        """The length of the panel there."""
+        turns = nearest_integer(x / (2 * arb.pi()))
+        return self._length(abs((x - 2 * turns * arb.pi()).mid()))
+
+    @property
+    def mean(self) -> arb:
+        """The mean of z over S."""
+        return self.U[-1] / self.S[-1]
+
+    def split(self, S: arb) -> Part:
+        """At a whole number of periods."""
+        n = nearest_integer(S / (2 * self.S[-1]))
+        whole = 2 * n * self.S[-1]
+        return Part(2 * n * arb.pi(), whole, 2 * n * self.U[-1], float((S - whole).mid()))
+
+    def near(self, rest: float) -> tuple[float, float, arb]:
+        """U, z and the phase at a rest of S, by doubles."""
+        S, U = self._doubles[0][-1], self._doubles[1][-1]
+        n = round(rest / (2 * S))
+        rest -= 2 * n * S
+        side = -1 if rest < 0 else 1
+        u, z, x = self._between(abs(rest))
+        return 2 * n * U + side * u, z, 2 * n * arb.pi() + side * x
+
+
+class Tending(Clock):
+    """z from ``limit``, a double root, to ``last`` and back: limit + (last - limit) sech^2 x."""
+
+    def __init__(self, limit: arb, last: arb, factors: Factors) -> None:
+        self.limit, self.width = limit, last - limit
+        self.end = arb(math.ceil(ctx.prec * math.log(2) / 2) + _WAY)
+        super().__init__(factors)
+        end = self.variable(self.end)
+        beyond = limit.union(end)
+        f, bend = factors.value(beyond), arb(0)
+        for distance, slope in factors.moduli(beyond):
+            bend += slope / (2 * distance)
+        self._rate = factors.value(limit)
+        # |f(z) - f(limit)| <= |f'| |width| sech^2 x, and the integral of sech^2 is tanh.
+        off = f * abs(self.width) * (1 - self.end.tanh())
+        self._off = arb(0, (off * bend).abs_upper())
+        self._off_u = arb(0, (off * (bend * abs(beyond) + 1)).abs_upper())
+
+    def variable(self, x: arb) -> arb:
+        """z at a phase."""
+        return self.limit + self.width * square(x.sech())
+
+    def reach(self, x: arb, radius: arb) -> arb:
+        """By the difference of two squares, (tanh y - tanh x)(tanh y + tanh x), x >= 0.
+
+        |cosh y|^2 = sinh^2 Re y + cos^2 Im y.
+        """
+        if not radius < 1.5:
+            return arb.pos_inf()
+        inner = square((x - radius).max(arb(0)).sinh()) + square(radius.cos())
+        way = radius.sinh() * (2 * x + radius).sinh()
+        return abs(self.width) * way / (inner * square(x.cosh()))
+
+    def at(self, x: arb, *, rough: bool = False) -> Place:
+        """S, U, f and z; beyond the panels both grow evenly, but for a rest that is bounded."""
+        side, middle = (-1 if x.mid() < 0 else 1), abs(x.mid())
+        if middle < self.end:
+            s, u = self._inner(middle, rough)
+        else:
+            more = (middle - self.end) * self._rate
+            s = self.S[-1] + more + self._off
+            u = self.U[-1] + more * self.limit + self._off_u
+        f, z = self.slope(x)
+        moved = (x - side * middle) * f
+        return Place(side * s + moved, side * u + moved * z, f, z)
+
+    def scale(self, x: arb) -> arb:
+        """The length of the panel there; of the last one beyond."""
+        return self._length(abs(x.mid()))
+
+    @property
+    def mean(self) -> arb:
+        """The mean of z over S."""
+        return self.limit
+
+    def split(self, S: arb) -> Part:
+        """Beyond the panels, by what is even."""
+        middle = abs(S.mid())
+        more = middle - self.S[-1].mid()
+        if not more > 0:
+            return Part(arb(0), arb(0), arb(0), float(S.mid()))
+        side = -1 if S.mid() < 0 else 1
+        more = side * more.mid()
+        phase = (more / self._rate).mid()
+        return Part(phase, more, more * self.limit, side * float(self.S[-1].mid()))
+
+    def near(self, rest: float) -> tuple[float, float, arb]:
+        """U, z and the phase at a rest of S, by doubles."""
+        S, U = self._doubles[0][-1], self._doubles[1][-1]
+        side, more = (-1 if rest < 0 else 1), abs(rest) - S
+        if more > 0:
+            z = float(self.limit)
+            return side * (U + more * z), z, side * (self.end + more / float(self._rate))
+        u, z, x = self._between(abs(rest))
+        return side * u, z, side * x
