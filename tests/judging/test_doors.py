@@ -155,6 +155,21 @@ def test_an_array_without_names_needs_them(tmp_path, capsys):
     assert "shape = (13, 11): expected fields with names" in capsys.readouterr().err
 
 
+def test_an_array_has_no_column_twice(tmp_path):
+    """The last one was judged, without a word."""
+    one, many = tmp_path / "x.npy", tmp_path / "x.npz"
+    np.save(one, np.column_stack([*table().values()]))
+    names = [*table()]
+    with pytest.raises(BadInput, match=rf"columns = {names[1]}: expected each column once"):
+        polhode.compare(one, CASE, columns=[*names[:2], names[1], *names[3:]])
+    arrays = arrays_of("omega", "gamma", "q")
+    for name, again in (("w", arrays["omega"]), ("w_x", arrays["omega"][:, 0])):
+        np.savez(many, **arrays, **{name: 2 * again})
+        told = rf"columns = w_x: expected each column once \('{name}' has it again\)"
+        with pytest.raises(BadInput, match=told):
+            polhode.compare(many, CASE)
+
+
 def test_parquet_is_read_where_pandas_reads_it(tmp_path, monkeypatch):
     pd = pytest.importorskip("pandas")
     path = tmp_path / "x.parquet"

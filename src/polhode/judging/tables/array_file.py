@@ -15,7 +15,7 @@ from polhode.common.files import read_npz, read_whole
 from polhode.judging.tables.column_aliases import columns
 from polhode.judging.tables.csv_file import MAX_BYTES
 from polhode.judging.tables.naming import Naming
-from polhode.judging.tables.table import Table, table_of_columns
+from polhode.judging.tables.table import Table, refuse_names, table_of_columns
 from polhode.numbers.conversion import exactly
 from polhode.numbers.expression import decimal
 from polhode.numbers.number_types import MAX_DIGITS, NAMES, NumberType, bits_for
@@ -63,7 +63,11 @@ def _arrays(path: Path, names: Naming) -> tuple[Arrays, NumberType | None]:
         return _of_polhode(path, held)
     flat: dict[str, object] = {}
     for name, array in held.items():
-        flat |= _flat(path, name, array)
+        parts = _flat(path, name, array)
+        if again := [part for part in parts if part in flat]:
+            expected = f"each column once ({name!r} has it again)"
+            raise BadInput(str(path), "columns", again[0], expected)
+        flat |= parts
     return flat, None
 
 
@@ -87,6 +91,8 @@ def _of_one(path: Path, array: Any, names: Naming) -> dict[str, object]:
     if array.ndim != 2 or len(names.header) != array.shape[1]:
         expected = "fields with names, or --columns with a name for each of its columns"
         raise BadInput(str(path), "shape", array.shape, expected)
+    # Here, since of two columns of one name a mapping keeps the last.
+    refuse_names(str(path), "columns", names.header, names.columns(names.header))
     return {name: array[:, k] for k, name in enumerate(names.header)}
 
 
