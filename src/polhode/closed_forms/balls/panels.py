@@ -28,7 +28,7 @@ from polhode.closed_forms.balls.core import TooFewBits, around
 from polhode.numbers.flint_context import ctx
 
 RATIO = 3
-_DISC = RATIO + 0.01  # of which f is bounded: rounding moves the ends of panels
+_DISC = RATIO + 0.01  # of which f is bounded
 _SHARE = 0.7  # of its modulus by which a linear function may change on a disc
 _SHRINK = 0.8
 _SPARE = 10  # nats beyond the bits in force
@@ -91,12 +91,13 @@ class Panels(ABC):
                 half, last = (half * _SHRINK).mid(), False
                 if not half > least:
                     raise TooFewBits
-            self._bound(start, left if last else half)
+            end = self.end if last else (start + 2 * half).mid()
+            self._bound(start, end)
             if last:
                 return
             if len(self._starts) == _MOST_PANELS:
                 raise TooFewBits
-            start = (start + 2 * half).mid()
+            start = end
 
     def _clear(self, x: arb, half: arb) -> bool:
         """Whether a panel is short enough, by middles."""
@@ -106,9 +107,9 @@ class Panels(ABC):
         reach = self.reach(x, _DISC * half).mid()
         return all((reach * slope).mid() < _SHARE * size.mid() for size, slope in moduli)
 
-    def _bound(self, start: arb, half: arb) -> None:
-        """Bound f and z f on the disc about a panel."""
-        middle = start + half
+    def _bound(self, start: arb, end: arb) -> None:
+        """Bound f and z f on the disc about a panel, whose ends were rounded."""
+        middle, half = (start + end) / 2, (end - start) / 2
         z, reach = self.variable(middle), self.reach(middle, _DISC * half)
         bound = arb(1)
         for size, slope in self.integrand.moduli(z):
