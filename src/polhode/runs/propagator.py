@@ -148,37 +148,43 @@ class Propagator:
         if get_ident() != self._owner:
             raise self._bad("thread", "another one", "its own, or a copy.copy of the propagator")
         self._ended = None
-        if start is not None and (
-            start.ndim > 1 if type(start) is np.ndarray else _rows_given(start)
-        ):
-            return self._many(start, t, workers)
-        self._stand(start)
-        if self._every is not None or type(t) is not float:
-            grid = self._grid(t)
-            if grid is not None:
-                found = self._on_grid(grid, len(cast(Flat, t)))
-                if found is not None:
-                    return found
-                self._stand(start)  # what is wrong with the times is told below
-            given, several = numbers_given(t)
-            rows = self._at_times(cast(Sequence[AnyNumber], given))
-            return rows if several else rows[0]
-        if t - t != 0:
-            raise self._bad("t", t, "a finite number")
-        end = t * self._unit
-        if end - end != 0:  # beyond the type in the run's own unit
-            return flat(self._at_times([t])[0])
-        ended, _, _, self.steps, _, _ = self._heyoka.propagate_until(end, max_steps=self._chunk)
-        if ended == TIME_LIMIT:
-            self.outcome = _REACHED_END
-        else:
-            self.outcome = ending(ended)
-            if self.outcome is _STEP_LIMIT:  # a long way: from here on chunk by chunk, as a run
-                return flat(self._at_times([t], self.steps)[0])
-            return np.full(self._shape, np.nan, self._kind)
-        if self._turn is None:
-            return flat(self._state.copy() if self._plain else self._state * self._back)  # exact
-        return flat(self._read(self._state[None])[0])
+        try:
+            if start is not None and (
+                start.ndim > 1 if type(start) is np.ndarray else _rows_given(start)
+            ):
+                return self._many(start, t, workers)
+            self._stand(start)
+            if self._every is not None or type(t) is not float:
+                grid = self._grid(t)
+                if grid is not None:
+                    found = self._on_grid(grid, len(cast(Flat, t)))
+                    if found is not None:
+                        return found
+                    self._stand(start)  # what is wrong with the times is told below
+                given, several = numbers_given(t)
+                rows = self._at_times(cast(Sequence[AnyNumber], given))
+                return rows if several else rows[0]
+            if t - t != 0:
+                raise self._bad("t", t, "a finite number")
+            end = t * self._unit
+            if end - end != 0:  # beyond the type in the run's own unit
+                return flat(self._at_times([t])[0])
+            ended, _, _, self.steps, _, _ = self._heyoka.propagate_until(end, max_steps=self._chunk)
+            if ended == TIME_LIMIT:
+                self.outcome = _REACHED_END
+            else:
+                self.outcome = ending(ended)
+                if self.outcome is _STEP_LIMIT:  # a long way: from here on chunk by chunk, as a run
+                    return flat(self._at_times([t], self.steps)[0])
+                return np.full(self._shape, np.nan, self._kind)
+            if self._turn is None:
+                return flat(
+                    self._state.copy() if self._plain else self._state * self._back
+                )  # exact
+            return flat(self._read(self._state[None])[0])
+        except KeyboardInterrupt:
+            self.steps, self.outcome = None, Outcome.INTERRUPTED
+            raise
 
     @property
     def outcomes(self) -> tuple[Outcome, ...]:
@@ -202,7 +208,6 @@ class Propagator:
         times, several = self._times(t)
         what = f"{len(rows)} starts at {len(times)} times"
         refuse_too_much(name, "start", what, rows.size * len(times), _BYTES, _SPLIT)
-        self.steps, self.outcome = None, Outcome.INTERRUPTED  # what Ctrl-C leaves
         if self.number.name == "double" and self._every is None:
             states, ended = self._arrays.states(rows, times, self._most, workers)
         else:
