@@ -182,6 +182,42 @@ def test_flat_crossings_count_and_contacts_do_not():
         assert np.abs(flat.times - found.times).max() < off
 
 
+_TILTED = """schema = 1
+title = "Tilted"
+[body]
+moments = [2, 1.5, 1]
+centre = [0.3, 0.2, 0.5]
+weight = 1
+[start]
+omega = [0.0, -1.75, 2.0]
+gamma = ["2/3", "-1/3", "2/3"]
+[run]
+end = 20
+"""
+
+
+@pytest.mark.parametrize("times", [1, 2])
+def test_no_triple_zero_is_taken_for_a_contact(times, tmp_path):
+    """gamma3**3 is 0 to 1e-51 where gamma3 is: its rounding error there says nothing of a side."""
+    (tmp_path / "tilted.toml").write_text(_TILTED)
+    asked = {"starts": "scene", "crossings": 12}
+    flat, found = (
+        polhode.section(tmp_path / "tilted.toml", by=by, **asked)
+        for by in (f"{times}*gamma3**3", "gamma3")
+    )
+    assert np.abs(flat.times - found.times).max() < 1e-5
+    assert flat.outcomes == found.outcomes
+
+
+def test_flat_crossings_of_many_orbits_are_looked_at_each_with_its_own_numbers(tmp_path):
+    """A crossing of the fifth order is looked at beside the others; its place may be any."""
+    (tmp_path / "tilted.toml").write_text(_TILTED)
+    found = polhode.section(
+        tmp_path / "tilted.toml", by="gamma3**5", starts="scene", crossings=12, workers=1
+    )
+    assert found.counts.tolist() == [12]
+
+
 @pytest.mark.parametrize("lost", [3, 4])
 def test_a_crossing_that_heyoka_loses_is_found_again(lost, monkeypatch):
     """One that is asked for, and one of the other direction: the signs at the ends tell."""

@@ -206,8 +206,17 @@ def test_a_row_that_is_not_finite_stops_no_other(sure, monkeypatch):
         assert sum(x.done for x in go.outcomes) == 20
 
 
-def interrupt(*_):
-    raise KeyboardInterrupt
+def interrupt_in(function):
+    """A signal's handler: Ctrl-C in a function; a signal before or after it comes once more."""
+
+    def handler(_, frame):
+        while frame is not None:
+            if frame.f_code is function.__code__:
+                raise KeyboardInterrupt
+            frame = frame.f_back
+        signal.setitimer(signal.ITIMER_REAL, 0.003)
+
+    return handler
 
 
 def again_and_again(call):
@@ -219,7 +228,7 @@ def again_and_again(call):
 def test_ctrl_c_ends_many_rows_and_leaves_the_propagator_usable(end, count):
     go, rows, _ = of("plain", count)
     right = go(rows[:9], t=3.0)
-    before = signal.signal(signal.SIGALRM, interrupt)
+    before = signal.signal(signal.SIGALRM, interrupt_in(type(go)._many))
     try:
         signal.setitimer(signal.ITIMER_REAL, 0.02)
         with pytest.raises(KeyboardInterrupt):
@@ -229,6 +238,23 @@ def test_ctrl_c_ends_many_rows_and_leaves_the_propagator_usable(end, count):
         signal.signal(signal.SIGALRM, before)
     assert (go.outcome, go.outcomes) == (go.outcome.INTERRUPTED, (go.outcome.INTERRUPTED,))
     assert np.array_equal(go(rows[:9], t=3.0), right)
+
+
+@pytest.mark.parametrize("first", [1, 2])
+def test_ctrl_c_is_told_wherever_a_call_is(first):
+    """While the start is read, too; of one start and of many."""
+    go, rows, _ = of("plain", 9)
+    go(rows, t=3.0)
+
+    class Rows:
+        shape, ndim = rows.shape, first
+
+        def __array__(self, *_, **__):
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        go(Rows(), t=3.0)
+    assert (go.outcome, go.outcomes) == (go.outcome.INTERRUPTED, (go.outcome.INTERRUPTED,))
 
 
 # -- sweeps ---------------------------------------------------------------------------------------

@@ -152,6 +152,20 @@ def test_an_interrupt_leaves_what_was_reached():
     assert max(errors(replace(run, times=run.times[-1:], states=run.states[-1:]))) < 1e-31
 
 
+@pytest.mark.parametrize("number", ["quad", "mp"])
+def test_the_start_alone_and_progress(number):
+    told = []
+    run = polhode.integrate(
+        SCENE, number, at=[0], method="refined", progress=lambda *done: told.append(done)
+    )
+    assert (run.outcome, len(run.states)) == (Outcome.REACHED_END, 1)
+    assert [done for done, _ in told] == [1.0] * len(told)
+    many = polhode.integrate_many(
+        SCENE, {"body.weight": [1]}, number=number, at=[0], method="refined"
+    )
+    assert np.array_equal(many.states[0], run.states)
+
+
 def test_a_limit_on_the_steps():
     run = polhode.integrate(SCENE, "quad", at=[10, 300], max_steps=200)
     assert (run.outcome, run.steps, run.times) == (Outcome.STEP_LIMIT, 200, (10,))

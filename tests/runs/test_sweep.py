@@ -125,6 +125,15 @@ def test_in_wider_types_too(case, number):
     assert_own_runs(many, turned=not scene.body.axes.trivial)
 
 
+@pytest.mark.parametrize("number", ["double", "extended"])
+def test_members_that_no_type_of_theirs_refines_are_refused_as_runs_are(number):
+    with pytest.raises(polhode.BadInput) as many:
+        polhode.integrate_many(LAGRANGE, {"body.weight": [1]}, number=number, method="refined")
+    with pytest.raises(polhode.BadInput) as one:
+        polhode.integrate(LAGRANGE, number, method="refined")
+    assert str(many.value) == str(one.value)
+
+
 @pytest.mark.parametrize("at", [[3], [0, "1/3", 20]])
 @pytest.mark.parametrize(
     ("number", "tol", "method"),

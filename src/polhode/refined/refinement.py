@@ -261,7 +261,8 @@ class _Run:
                 self._advance(now, float(edges[at]), state)
                 self._width = min(2 * self._width, WIDTH)
                 if progress is not None:
-                    progress(float(self.origin / self.times[-1]), self.steps)
+                    end = self.times[-1]  # 0 where the start alone is asked for
+                    progress(float(self.origin / end) if end else 1.0, self.steps)
                 drifted = block.chain and solved.drift[block.chain - 1] > _DRIFT
                 if drifted or (at == len(edges) - 1 and not now.final):
                     return

@@ -166,44 +166,49 @@ class Propagator:
         """
         if get_ident() != self._owner:
             raise self._bad("thread", "another one", "its own, or a copy.copy of the propagator")
-        if start is None:
-            rate = self._rate
-            self._state[...] = self._first
-        else:
-            if type(start) is not np.ndarray:
-                if _rows_given(start):
-                    return self._many(start, t, workers)
-                start = self._array(start)
-            try:
-                self._memory[:] = start
-            except (ValueError, NotImplementedError):  # of another type or shape
-                if start.ndim > 1:
-                    return self._many(start, t, workers)
-                start = self._array(start)
-                self._memory[:] = start
-            numbers = start.tolist()
-            p, q, r, a, b, c = numbers if len(numbers) == 6 else (*numbers, 1.0, 0.0, 0.0)
-            if not -self._slack <= a * a + b * b + c * c - 1.0 <= self._slack:
-                raise self._bad("start", plain(start), "gamma of length 1, to 8 eps")
-            if self._long:
-                p, q, r = float(p), float(q), float(r)  # whose squares are inf, unsaid
-            rate = self._spin * (p * p + q * q + r * r) + self._weight
-            if not self._plain:
-                self._state[...] = self._inside(start)
-        self._begin()
-        if type(t) is float:
-            if t * t * rate < self._sure:  # not where any of them is not finite
-                ended, _, _, self.steps, _, _ = self._until(t * self._unit)
-                if ended.value == _THERE:
-                    self.outcome = _REACHED_END
-                    return self._state.copy() if self._plain else self._read(self._state)
-        elif (grid := self._grid(t)) is not None:
-            found = self._on_grid(grid, len(cast(Flat, t)), rate)
-            if found is not None:
-                return found
-        several = numbers_given(t)[1]
-        rows = self._at_times(start, cast(Sequence[AnyNumber], t if several else [t]))
-        return rows if several else rows[0]
+        self._ended = None
+        try:
+            if start is None:
+                rate = self._rate
+                self._state[...] = self._first
+            else:
+                if type(start) is not np.ndarray:
+                    if _rows_given(start):
+                        return self._many(start, t, workers)
+                    start = self._array(start)
+                try:
+                    self._memory[:] = start
+                except (ValueError, NotImplementedError):  # of another type or shape
+                    if start.ndim > 1:
+                        return self._many(start, t, workers)
+                    start = self._array(start)
+                    self._memory[:] = start
+                numbers = start.tolist()
+                p, q, r, a, b, c = numbers if len(numbers) == 6 else (*numbers, 1.0, 0.0, 0.0)
+                if not -self._slack <= a * a + b * b + c * c - 1.0 <= self._slack:
+                    raise self._bad("start", plain(start), "gamma of length 1, to 8 eps")
+                if self._long:
+                    p, q, r = float(p), float(q), float(r)  # whose squares are inf, unsaid
+                rate = self._spin * (p * p + q * q + r * r) + self._weight
+                if not self._plain:
+                    self._state[...] = self._inside(start)
+            self._begin()
+            if type(t) is float:
+                if t * t * rate < self._sure:  # not where any of them is not finite
+                    ended, _, _, self.steps, _, _ = self._until(t * self._unit)
+                    if ended.value == _THERE:
+                        self.outcome = _REACHED_END
+                        return self._state.copy() if self._plain else self._read(self._state)
+            elif (grid := self._grid(t)) is not None:
+                found = self._on_grid(grid, len(cast(Flat, t)), rate)
+                if found is not None:
+                    return found
+            several = numbers_given(t)[1]
+            rows = self._at_times(start, cast(Sequence[AnyNumber], t if several else [t]))
+            return rows if several else rows[0]
+        except KeyboardInterrupt:
+            self.steps, self.outcome = None, Outcome.INTERRUPTED
+            raise
 
     @property
     def outcomes(self) -> tuple[Outcome, ...]:
@@ -225,8 +230,6 @@ class Propagator:
         times, several = self._times(t)
         what = f"{len(rows)} starts at {len(times)} times"
         refuse_too_much(name, "start", what, rows.size * len(times), _BYTES, _SPLIT)
-        self.steps, self.outcome = None, Outcome.INTERRUPTED  # what Ctrl-C leaves
-        self._ended = None
         ended = np.full(len(rows), code(_REACHED_END), dtype=np.uint8)
         if not self._long and self._every is None:
             inside = rows if self._plain else self._inside(rows)

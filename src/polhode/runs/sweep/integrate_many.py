@@ -96,7 +96,8 @@ def integrate_many(
         continues from there after a kill, with the same results to the bit.  It is made if the
         sweep takes longer than that, and kept until ``ensemble.parts.remove()``.
     method : {"auto", "taylor", "refined"}
-        "auto" refines, in quad and mp, each member for which that is possible and faster.
+        "auto" refines, in quad and mp, each member for which that is possible and faster; "refined"
+        each for which it is possible.
     progress : callable or bool, optional
         Called with the fraction of members done and how many; True for a bar.
 
@@ -159,6 +160,8 @@ def integrate_many(
     from polhode.taylor.batches.compiled_batch import width
 
     plan = planned(scene, vary, number, digits, tol, max_steps)
+    if method == "refined" and plan.number.flat:
+        raise BadInput(scene.name, "method", method, "quad or more digits, or the method taylor")
     prepared = time.perf_counter()
     groups = list(plan.groups(width(plan.number), _most_jobs(plan)))
     key = scene.text, plan.times, method, plan.varied, plan.number, plan.tolerance, plan.max_steps

@@ -90,7 +90,8 @@ class Judge:
         place, _ = self.placed(which, flat, 1)
         jet, unit = self.jet(which), float(_BAND)
         with np.errstate(all="ignore"):
-            sides = [jet.at(jet.moved(flat, way * 2 * place.width))[0] / unit for way in (-1, 1)]
+            apart = np.fmax(2 * place.width, _TWICE * np.fmax(1.0, np.abs(flat.since_start)))
+            sides = [jet.at(jet.moved(flat, way * apart))[0] / unit for way in (-1, 1)]
         before, after = sides
         crosses = (np.minimum(np.abs(before), np.abs(after)) > place.noise) & (before * after < 0)
         width[small] = np.where(certain, 0.0, np.where(crosses, 4 * place.width, np.inf))

@@ -60,7 +60,7 @@ class Jet(NamedTuple):
 
     ``evaluate``: its value and three derivatives at columns of the form's variables, which
     ``timed`` says to take the time, too.  ``motion``: the variables' first three derivatives.
-    ``numbers``: the coefficients that both take as parameters.
+    ``numbers``: the coefficients that both take as parameters, a number or a row of each place.
     """
 
     evaluate: CompiledFunction
@@ -68,6 +68,11 @@ class Jet(NamedTuple):
     timed: bool
     number: NumberType
     numbers: Scalar
+
+    def those(self, which: Indices) -> Jet:
+        """The jet at some places, which may have numbers of their own."""
+        numbers = self.numbers[:, which] if self.numbers.ndim > 1 else self.numbers
+        return self._replace(numbers=numbers)
 
     def at(self, marks: Marks) -> Scalar:
         """Value and derivatives, (4, n)."""

@@ -126,7 +126,7 @@ def places(jet: Jet, marks: Marks, band: Fraction, noise: Noise, way: int, root:
         certain = error / rate / 16
     flat = np.flatnonzero(~steep & ~(width < 4 * _FLAT))
     if len(flat):
-        width[flat] = _sought(jet, marks.those(flat), unit, error[flat])
+        width[flat] = _sought(jet.those(flat), marks.those(flat), unit, error[flat])
     return Places(
         *(marks, ahead, values, error),
         *(np.full(count, root), steep, reach, np.where(steep, certain, width)),
