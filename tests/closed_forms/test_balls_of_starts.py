@@ -72,10 +72,12 @@ def test_every_ball_holds_its_value(family, seed):
 
 #: Kinds of motion of which every row of the table of motions is asked.
 KINDS = "-e", "e-", "ee", "steady cone"
+#: So near a degenerate one that few bits tell nothing: asked by test_table.py.
+UNTOLD = "nearly at rest", "1e-60 from Bobylev-Steklov"
 OFF = "1e-8", "-1e-8", "1e-20", "-1e-20", "1e-40", "-1e-40"
 #: Few bits, beside half of many; many next to a degenerate motion by 1e-8, and by less.
 SURE = {
-    "kovalevskaya": (FEW_BITS[1:-2], 260, 260),
+    "kovalevskaya": (FEW_BITS[1:-2], 260, 900),
     "goryachev-chaplygin": (FEW_BITS[::2], 424, 550),
     "hess": ((30, 107), 320, 900),
 }
@@ -88,7 +90,7 @@ def named_starts():
     known = members.motion_table()
     for family in ROUGH:
         for name, texts in known.get(family, {}).items():
-            if texts[4].startswith(KINDS):
+            if texts[4].startswith(KINDS) and name not in UNTOLD:
                 yield family, name, "", members.read_start(texts)
         for name, texts in known["near"].get(family, {}).items():
             for off in OFF if "off" in "".join(texts) else ("",):
@@ -120,7 +122,7 @@ def params():
         elif family in DEAR:
             marks = [pytest.mark.slow]
         few, *many = SURE.get(family, (FEW_BITS, 900, 900))
-        given = family, plain, few, many[off not in ("", "1e-8", "-1e-8")]
+        given = family, plain, few, many["1e-" in name or off not in ("", "1e-8", "-1e-8")]
         yield pytest.param(*given, id=f"{family}: {name} {off}".strip(), marks=marks)
 
 
