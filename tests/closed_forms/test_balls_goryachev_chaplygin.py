@@ -1,4 +1,4 @@
-"""Goryachev and Chaplygin's case in balls: random starts, degenerate ones, bounds by force."""
+"""Goryachev and Chaplygin's case in balls: bounds by force, and the enclosed attitude."""
 
 import cmath
 import math
@@ -19,63 +19,15 @@ from polhode.numbers import exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf
 from shared import members
-from shared.ball_checks import agrees_with_taylor, every_ball_holds_its_value, made, row_at
+from shared.ball_checks import made, row_at
 
 F = Fraction
 NAME = "goryachev-chaplygin"
-FEW_BITS = 24, 33, 45, 60, 85, 130, 330, 200
-TIMES = F(7), F(-(10**6))
-GAPS = F(1, 10**8), F(1, 10**20), F(1, 10**40)
+FROM_ABOVE = members.NEAR["D- from above"](F(1, 10**8))
 
 
 def motion_of(plain):
     return made(NAME, plain)
-
-
-def finite_of(plain, many, few=FEW_BITS):
-    """How many balls of few bits are finite: they hold their values, and a run's are the same."""
-    motion = motion_of(plain)
-    agrees_with_taylor(motion, plain, 32)
-    return every_ball_holds_its_value(motion, TIMES, few, many, "1e-12")
-
-
-NEAR = {name: start for name, start in members.NEAR.items() if name != "D+"} | {
-    "separatrix": lambda gap: members.on_cubics(F(3, 2), F(5, 4), F(1), F(2), gap),
-    "separatrix, H": lambda gap: members.on_cubics(F(3, 2), F(5, 4), F(1), F(2) + gap, gap),
-    "D+": lambda gap: members.on_cubics(F(3, 2), 1 + gap / 4, F(1), F(1) + gap * gap, F(1, 2)),
-}
-
-
-@pytest.mark.parametrize(
-    ("kind", "gap"),
-    [
-        pytest.param(kind, gap, marks=[] if gap == GAPS[(n + 2) % 3] else pytest.mark.slow)
-        for n, kind in enumerate(NEAR)
-        for gap in GAPS
-    ],
-)
-def test_next_to_a_degenerate_motion(kind, gap):
-    """Answered at once, although two roots differ by the gap or its square root."""
-    assert finite_of(NEAR[kind](gap), 400 if gap > GAPS[2] else 550, FEW_BITS[::2]) >= 12
-
-
-#: At a turning point of u, and G = 0 with both halves of the angles of either sign.
-STARTS = {
-    "u at its largest": members.on_cubics(F(2), F(1), F(1), F(3, 2), F(1, 4)),
-    "librating": members.on_cubics(F(5, 4), F(2, 3), F(1), F(1), F(0), (-1, 1)),
-    "rotating": members.on_cubics(F(3, 2), F(5, 4), F(1), F(3), F(0), (-1, 1)),
-    "rotating back": members.on_cubics(F(3, 2), F(5, 4), F(1), F(3), F(0), (1, -1)),
-    "separatrix": members.on_cubics(F(3, 2), F(5, 4), F(1), F(2), F(0), (-1, -1)),
-    # u turns 1e20 times while v turns once
-    "almost no weight": members.with_f_0(
-        F(2), F(1), F(1, 10**40), members.tangent(F(1, 2)), members.tangent(F(1, 3))
-    ),
-}
-
-
-@pytest.mark.parametrize("name", STARTS)
-def test_starts(name):
-    assert finite_of(STARTS[name], 424) > 0
 
 
 def test_a_place_that_is_not_near_the_solution_proves_nothing():
@@ -93,7 +45,7 @@ def test_a_place_that_is_not_near_the_solution_proves_nothing():
 @pytest.mark.parametrize("kind", ["D- from above", "G, rotating"])
 def test_the_motion_next_to_a_degenerate_one_is_nearly_it(kind):
     """Another way of computing: v constant or asymptotic, G = 0."""
-    one, other = (motion_of(NEAR[kind](gap)) for gap in (F(1, 10**40), F(0)))
+    one, other = (motion_of(members.NEAR[kind](gap)) for gap in (F(1, 10**40), F(0)))
     assert one.regime != other.regime
     rows = [motion.at([F(3)], 30)[0] for motion in (one, other)]
     assert max(abs(x - y) for x, y in zip(*rows, strict=True)) < mpf("1e-29")
@@ -101,7 +53,7 @@ def test_the_motion_next_to_a_degenerate_one_is_nearly_it(kind):
 
 def test_a_rule_for_a_larger_ellipse_than_f_is_bounded_on_misses(monkeypatch):
     """Gauss's rule with the points that are enough for 12 half panels in place of 3."""
-    plain = NEAR["D- from above"](GAPS[0])
+    plain = FROM_ABOVE
     sure, wrong = row_at(motion_of(plain), F(7), 400), []
     for ratio in (panels.RATIO, 12):
         monkeypatch.setattr(panels, "RATIO", ratio)
@@ -114,7 +66,7 @@ def test_a_rule_for_a_larger_ellipse_than_f_is_bounded_on_misses(monkeypatch):
 @pytest.mark.parametrize(
     ("constant", "plain"),
     [
-        ((panels, "_SPARE"), NEAR["D- from above"](GAPS[0])),
+        ((panels, "_SPARE"), FROM_ABOVE),
         ((clocks, "_WAY"), members.MOTIONS[NAME]["asymptotic, from below"]),
     ],
 )

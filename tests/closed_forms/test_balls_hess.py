@@ -1,4 +1,4 @@
-"""Hess's case in balls: starts next to a degenerate one, and its tail by force."""
+"""Hess's case in balls: its cones, its way to a limit, and its tail by force."""
 
 import math
 from fractions import Fraction
@@ -8,24 +8,17 @@ from flint import arb
 
 import polhode
 from polhode.closed_forms.hess import period_map
-from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf, mpmath
 from shared import members
 from shared.ball_checks import (
-    TIMES,
-    agrees_with_taylor,
-    every_ball_holds_its_value,
     made,
 )
 from shared.closed_form_motions import gap, number
 
 F = Fraction
 MOMENTS, TORQUE = (F(1), F(25, 34), F(1, 2)), (F(3, 5), F(0), F(4, 5))
-FEW_BITS = 24, 40, 64, 107, 200
-#: Distances of the next starts from a degenerate one.
-NEAR = F(1, 10**8), F(-1, 10**20), F(1, 10**40)
 
 
 def on_surface(momentum, up):
@@ -37,49 +30,6 @@ def on_surface(momentum, up):
     return MOMENTS, TORQUE, omega, gamma
 
 
-def near(kind, off):
-    """Next to a plane motion, rest, a steady cone, a vertical r0 and the separatrix."""
-    up = F(2, 7), F(3, 7), F(6, 7)
-    g2, g3, u = up
-    if kind == "plane":
-        return on_surface((-g3 + off * g2, g2 + off * g3), up)
-    if kind == "rest":
-        return on_surface((off, 2 * off), up)
-    if kind == "cone":  # u |M|^2 + |T| B g^2 = 0, M along (g2, g3)
-        g, u = F(3, 5), F(-4, 5)
-        M = exact.sqrt(MOMENTS[1] * g * g / -u) * (1 + off)
-        return on_surface((M * F(5, 13), M * F(12, 13)), (g * F(5, 13), g * F(12, 13), u))
-    if kind == "upright":
-        over = 1 + off * off
-        return on_surface((F(1), F(1, 3)), (2 * off / over, F(0), (1 - off * off) / over))
-    # h = |T| where M^2/2B = |T| (1 - u)
-    M, g = exact.sqrt(2 * MOMENTS[1] * (1 - u)) * (1 + off), exact.sqrt(1 - u * u)
-    return on_surface((M * -g3 / g + off * g2, M * g2 / g + off * g3), up)
-
-
-KINDS = "plane", "rest", "cone", "upright", "separatrix"
-QUICK = "rest", "cone", "upright"
-
-
-def cost(kind, off):
-    """How often a distance is asked for: the middle one by hand, the others by CI or always."""
-    if off == NEAR[1]:
-        return [pytest.mark.campaign]
-    return [] if kind in QUICK and off == NEAR[0] else [pytest.mark.slow]
-
-
-@pytest.mark.parametrize(
-    ("kind", "off"),
-    [pytest.param(kind, off, marks=cost(kind, off)) for kind in KINDS for off in NEAR],
-)
-def test_next_to_a_degenerate_motion(kind, off):
-    many = 320 if off == NEAR[0] else 900
-    plain = near(kind, off)
-    motion = made("hess", plain)
-    assert every_ball_holds_its_value(motion, TIMES[:2], (30, 107, many // 2), many) > 15
-    agrees_with_taylor(motion, plain)
-
-
 def motion_of(name):
     """Of the library, or a row of the table of motions, and its start."""
     if "/" in name:
@@ -88,13 +38,6 @@ def motion_of(name):
     else:
         plain = members.read_start(members.motion_table()["hess"][name])
     return made("hess", plain), plain
-
-
-@pytest.mark.parametrize("name", ["hess/cone", "cone, the other way", "cone, at the limit"])
-def test_steady_cones(name):
-    motion, plain = motion_of(name)
-    assert every_ball_holds_its_value(motion, few=FEW_BITS[2:]) > 80
-    agrees_with_taylor(motion, plain)
 
 
 def test_a_cone_that_turns_returns_after_its_period_and_not_before():

@@ -17,7 +17,7 @@ from typing import Any
 import polhode
 from polhode.numbers import exact
 from polhode.numbers.mpmath_context import mpc, mpf, mpmath
-from shared import fast_series, members, series
+from shared import fast_series, members
 
 F = Fraction
 PSI = F(7, 10)
@@ -148,23 +148,34 @@ def by_series(
     digits += max(0, math.ceil(-exact.log10(speed))) if speed else 0
     with mpmath.workdps(digits + 150):  # a row's tiny numbers are no rounding
         turn = start_quaternion(scene) if attitude else None
-        gamma, omega = map(number, scene.gamma), [number(x / unit) for x in scene.omega]
+        gamma, omega = [*map(number, scene.gamma)], [number(x / unit) for x in scene.omega]
         body = scene.body
     with mpmath.workdps(digits + 60):
-        given = omega, list(gamma)
-        if motion.principal is not None:
-            moments = [number(x / body.moments[0]) for x in body.moments]
-            torque = [number(x / (body.moments[0] * unit**2)) for x in body.torque]
-            there = [number(t * unit) for t in times]
-            rows = fast_series.integrate(moments, torque, *given, there, digits + 8, turn)
-        else:
-            tensor = [[number(x) for x in row] for row in body.inertia]
-            torque = [number(body.weight * x / unit**2) for x in body.centre]
-            there = [t * unit for t in times]
-            rows = series.integrate(
-                tensor, *given, there, digits + 8, torque=torque, quaternion=turn
-            )
+        moments, axes = principal_axes(motion)
+        torque = [number(x / unit**2) / moments[0] for x in body.torque]
+        given = [[mpmath.fdot(axis, v) for axis in axes] for v in (torque, omega, gamma)]
+        given = [x / moments[0] for x in moments], *given, [number(t * unit) for t in times]
+        principal = motion.principal is not None
+        begin = turn if principal or not attitude else [1, 0, 0, 0]
+        rows = fast_series.integrate(*given, digits + 8, begin)
+        if not principal:
+            for row in rows:
+                row[:6] = [*in_scene(row[:3], axes), *in_scene(row[3:6], axes)]
+                if attitude:
+                    back = [turn[0], *(-x for x in turn[1:])]
+                    row[6:] = turn_between([row[6], *in_scene(row[7:10], axes)], back)
         return [[*(x * number(unit) for x in row[:3]), *row[3:]] for row in rows]
+
+
+def principal_axes(motion: Motion) -> tuple[list[mpf], list[list[mpf]]]:
+    """Moments, and the axes as rows; those of a tensor are mpmath's, not the package's."""
+    body = motion.scene.body
+    if motion.principal is not None:
+        return [number(x) for x in body.moments], [[mpf(x) for x in axis] for axis in IDENTITY]
+    tensor = mpmath.matrix([[number(x) for x in row] for row in body.inertia])
+    moments, columns = mpmath.eigsy(tensor)
+    one, two, three = columns.T.tolist()
+    return list(moments), [one, two, [mpmath.det(columns) * x for x in three]]
 
 
 def gap(one: Sequence[Any], other: Sequence[Any]) -> mpf:

@@ -2,9 +2,9 @@
 
     I w' + w x I w = Mg gamma x r0,    gamma' = gamma x w,    q' = q (0, w)/2
 
-in principal axes; :mod:`shared.series` does the same for any axes, in mpmath.  Numbers are
-integers times 2^-bits, 60 of them beyond the digits asked for; every step sums the series of the
-solution over a length at which its last terms are below the precision.
+in principal axes; :mod:`shared.plain_taylor` does the same in mpmath, for numbers of any size.
+Numbers are integers times 2^-bits, 60 of them beyond the digits asked for; every step sums the
+series of the solution over a length at which its last terms are below the precision.
 """
 
 import math

@@ -200,6 +200,22 @@ NEAR = {
     "G, librating": lambda gap: on_cubics(F(5, 4), F(2, 3), F(1), F(1), gap),
     "G, rotating": lambda gap: on_cubics(F(3, 2), F(5, 4), F(1), F(3), gap),
 }
+#: By more or by other numbers, which none is drawn from.
+NEARER = NEAR | {
+    "separatrix": lambda gap: on_cubics(F(3, 2), F(5, 4), F(1), F(2), gap),
+    "separatrix, H": lambda gap: on_cubics(F(3, 2), F(5, 4), F(1), F(2) + gap, gap),
+    "D+": lambda gap: on_cubics(F(3, 2), 1 + gap / 4, F(1), F(1) + gap * gap, F(1, 2)),
+}
+#: At a turning point of u, and G = 0 with both halves of the angles of either sign.
+EXCEPTIONAL = {
+    "u at its largest": on_cubics(F(2), F(1), F(1), F(3, 2), F(1, 4)),
+    "librating": on_cubics(F(5, 4), F(2, 3), F(1), F(1), F(0), (-1, 1)),
+    "rotating": on_cubics(F(3, 2), F(5, 4), F(1), F(3), F(0), (-1, 1)),
+    "rotating back": on_cubics(F(3, 2), F(5, 4), F(1), F(3), F(0), (1, -1)),
+    "at a separatrix": on_cubics(F(3, 2), F(5, 4), F(1), F(2), F(0), (-1, -1)),
+    # u turns 1e20 times while v turns once
+    "almost no weight": with_f_0(F(2), F(1), F(1, 10**40), tangent(F(1, 2)), tangent(F(1, 3))),
+}
 
 
 def two_frequencies(pick):

@@ -1,0 +1,138 @@
+"""No closed form refuses a start of its family: random ones, and those next to degenerate motions.
+
+What is answered is held against power series that share nothing with it, and against the same in
+more bits.  Other axes and units are asked by test_table.py.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from fractions import Fraction
+
+import pytest
+
+from polhode.numbers.mpmath_context import mpf
+from shared import members, orbit_members
+from shared.ball_checks import (
+    FEW_BITS,
+    TIMES,
+    agrees_with_taylor,
+    every_ball_holds_its_value,
+    made,
+)
+from shared.closed_form_motions import gap, relabel, table_gap
+
+F = Fraction
+FAR = F(30)
+#: Fast seeds, slow ones and all of them; bits and times of rough balls, bits of sure ones, and how
+#: sure these are.
+ROUGH = {
+    "euler": (4, 8, 100, FEW_BITS, TIMES, 900, "1e-60"),
+    "lagrange": (4, 8, 100, FEW_BITS, TIMES, 900, "1e-60"),
+    "pendulum": (4, 8, 100, FEW_BITS, TIMES, 900, "1e-60"),
+    "hess": (3, 20, 240, FEW_BITS[::2], TIMES, 280, "1e-60"),
+    "kovalevskaya": (0, 6, 60, FEW_BITS[1:-1], TIMES[:2], 420, "1e-12"),
+    "goryachev-chaplygin": (2, 24, 240, FEW_BITS, (F(7), F(-(10**6))), 420, "1e-12"),
+    **dict.fromkeys(
+        ("staude", *orbit_members.MEMBERS), (1, 2, 20, FEW_BITS[1:-1], TIMES[:2], 330, "1e-60")
+    ),
+}
+#: Of which a row with attitude costs seconds.
+DEAR = "goryachev", "n-kowalewski", "chaplygin"
+#: Whose attitude is enclosed, or proven in part.
+PARTLY = "kovalevskaya", "goryachev-chaplygin"
+
+
+def seeds():
+    """Families and seeds, few of them fast."""
+    for family, (fast, slow, count, *_) in ROUGH.items():
+        for seed in range(count):
+            quick = seed < fast and family not in DEAR
+            marks = [] if quick else pytest.mark.slow if seed < slow else pytest.mark.campaign
+            yield pytest.param(family, seed, marks=marks)
+
+
+@pytest.mark.parametrize(("family", "seed"), [*seeds()])
+def test_every_ball_holds_its_value(family, seed):
+    """However few its bits; and the motion is that of power series."""
+    plain, pick = members.start(family, seed)
+    plain = relabel(plain, pick.sample(range(3), 3), [pick.choice((1, -1)) for _ in range(3)])
+    motion, (few, times, many, sure_to) = made(family, plain), ROUGH[family][3:]
+    assert every_ball_holds_its_value(motion, times, few, many, sure_to) >= 20
+    fastest = max(map(abs, plain[2]))
+    if fastest < 20 and max(map(abs, plain[1])) < 1000 * min(plain[0]):
+        agrees_with_taylor(motion, plain)
+    rows, more = (motion.at([FAR, -FAR], digits) for digits in (20, 35))
+    assert table_gap(rows, more, max(fastest, 1)) < mpf("1e-19")
+    if motion.has_attitude:
+        turns = (motion.attitude([FAR], digits)[0] for digits in (20, 35))
+        assert gap(*turns) < mpf("1e-19")
+    assert motion.proven is True or family in PARTLY
+
+
+#: Kinds of motion of which every row of the table of motions is asked.
+KINDS = "-e", "e-", "ee", "steady cone"
+#: So near a degenerate one that few bits tell nothing: asked by test_table.py.
+UNTOLD = "nearly at rest", "1e-60 from Bobylev-Steklov"
+OFF = "1e-8", "-1e-8", "1e-20", "-1e-20", "1e-40", "-1e-40"
+#: Few bits, beside half of many; many next to a degenerate motion by 1e-8, and by less.
+SURE = {
+    "kovalevskaya": (FEW_BITS[1:-2], 260, 900),
+    "goryachev-chaplygin": (FEW_BITS[::2], 424, 550),
+    "hess": ((30, 107), 320, 900),
+}
+#: Next to which the proof of Hess's case takes seconds.
+LATER = "plane", "separatrix"
+
+
+def named_starts():
+    """Families, names, distances from a degenerate motion, and starts."""
+    known = members.motion_table()
+    for family in ROUGH:
+        for name, texts in known.get(family, {}).items():
+            if texts[4].startswith(KINDS) and name not in UNTOLD:
+                yield family, name, "", members.read_start(texts)
+        for name, texts in known["near"].get(family, {}).items():
+            for off in OFF if "off" in "".join(texts) else ("",):
+                written = [text.replace("off", f"({off})") for text in texts]
+                yield family, name, off, members.read_start(written)
+    for name, make in members.NEARER.items():
+        for off in OFF[::2]:
+            yield "goryachev-chaplygin", name, off, make(F(off))
+    for name, plain in members.EXCEPTIONAL.items():
+        yield "goryachev-chaplygin", name, "", plain
+    for family in ("n-kowalewski", "chaplygin"):
+        for name, plain in members.MOTIONS[family].items():
+            yield family, name, "", plain
+
+
+def params():
+    """Of the dear families fewer are fast, and those on the other side are not asked."""
+    seen = Counter()
+    for family, name, off, plain in named_starts():
+        seen[family] += 1
+        marks = []
+        if family == "hess":
+            marks = [pytest.mark.slow] * (name in LATER or off == "1e-40")
+            marks = marks if off in ("", "1e-8", "1e-40") else [pytest.mark.campaign]
+        elif family == "goryachev-chaplygin":
+            marks = [pytest.mark.slow] * (off != "" and seen[family] % 4 != 3)
+        elif family == "kovalevskaya":
+            marks = [pytest.mark.slow] * (seen[family] > 6)
+        elif family in DEAR:
+            marks = [pytest.mark.slow]
+        few, *many = SURE.get(family, (FEW_BITS, 900, 900))
+        given = family, plain, few, many["1e-" in name or off not in ("", "1e-8", "-1e-8")]
+        yield pytest.param(*given, id=f"{family}: {name} {off}".strip(), marks=marks)
+
+
+@pytest.mark.parametrize(("family", "plain", "few", "many"), [*params()])
+def test_starts_next_to_degenerate_motions(family, plain, few, many):
+    """And in exceptional places; what is rational assumes nothing."""
+    motion, times = made(family, plain), ROUGH[family][4][:2]
+    sure_to = "1e-12" if family in PARTLY else "1e-60"
+    few = [*few, many // 2]
+    assert every_ball_holds_its_value(motion, times, few, many, sure_to) >= 12
+    agrees_with_taylor(motion, plain, 32)
+    rational = all(isinstance(x, Fraction) for row in plain for x in row)
+    assert motion.assumed == () or not rational
