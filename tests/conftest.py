@@ -5,9 +5,10 @@ from __future__ import annotations
 import contextlib
 import importlib
 import os
+import re
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import mpmath
@@ -69,6 +70,34 @@ def little_optimised() -> Iterator[None]:
             options = heyoka_numbers._TYPES[name]
             patch.setitem(heyoka_numbers._TYPES, name, lambda n, o=options: o(n) | {"opt_level": 0})
         yield
+
+
+@pytest.fixture
+def refusal(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Callable[..., str]:
+    """The one line of a command that is refused in the test's folder, where it changes nothing."""
+    from polhode import cli
+
+    monkeypatch.chdir(tmp_path)
+
+    def contents() -> dict[Path, object]:
+        """What stands in the folder, links as links."""
+        links = {path: path.readlink() for path in Path().iterdir() if path.is_symlink()}
+        return {path: path.is_file() and path.read_bytes() for path in Path().rglob("*")} | links
+
+    def line(*words: object) -> str:
+        before = contents()
+        capsys.readouterr()
+        code = cli.main([*map(str, words)])
+        out, err = capsys.readouterr()
+        assert (code, out) == (2, "")
+        assert re.fullmatch(r"polhode: [^\n]+: expected [^\n]+\n", err), err
+        assert err[:-1].isprintable()
+        assert contents() == before
+        return err
+
+    return line
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
@@ -114,13 +115,11 @@ REFUSED = {
 
 @pytest.mark.parametrize("row", REFUSED.values(), ids=REFUSED)
 def test_what_it_does_not_have_is_refused_in_a_line(
-    row: tuple[str, str, str], capsys: pytest.CaptureFixture[str]
+    row: tuple[str, str, str], refusal: Callable[..., str]
 ) -> None:
     case, backend, words = row
-    assert main(["reference", case, "--at", "1", "--outputs", "", "--backend", backend]) == 2
-    shown = capsys.readouterr()
-    assert (shown.out, shown.err.count("\n")) == ("", 1)
-    assert words in shown.err
+    command = ["reference", case, "--at", "1", "--outputs", "", "--backend", backend]
+    assert words in refusal(*command)
 
 
 def test_the_command_says_that_its_digits_are_not_proven(

@@ -6,13 +6,11 @@ import re
 import time
 from dataclasses import replace
 from fractions import Fraction
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import polhode
-from polhode import cli
 from polhode.common import memory
 from polhode.dynamics.levels import rotation_arcs
 from polhode.dynamics.levels.rotation_arcs import RationalBody, Reach
@@ -27,29 +25,14 @@ from polhode.taylor.variations import tangent_batches
 REGULAR = "general/asymmetric-regular"
 
 
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-
-
-def refused(capsys, *words: str) -> str:
-    """The line of a command that is refused, and leaves nothing."""
-    assert cli.main(words) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.count("\n") == 1
-    assert not [*Path().iterdir()]
-    return err
-
-
 # -- expressions with a pole ----------------------------------------------------------------------
 
 
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("by", ["1/q", "sqrt(q+1)"])
-def test_a_pole_or_a_root_on_the_way_is_one_line(capsys, by):
+def test_a_pole_or_a_root_on_the_way_is_one_line(refusal, by):
     words = ("section", REGULAR, "--by", by, "--grid", "2x2", "--crossings", "300", "-o", "x.npz")
-    err = refused(capsys, *words)
+    err = refusal(*words)
     said = f"by = {by}: expected an expression that is real and finite on all orbits"
     assert said in err
     l, ratio, t = map(float, re.findall(r"= (-?[\d.]+)(?:,| it|\n)", err)[-3:])
@@ -146,7 +129,7 @@ def test_a_first_crossing_beyond_a_pole_is_left_to_a_run(section_job):
     ],
 )
 def test_a_large_grid_is_refused_before_its_states_are_found(
-    capsys, monkeypatch, words, least, most
+    refusal, monkeypatch, words, least, most
 ):
     asked = []
     for name in ("momentum_states", "height_states"):
@@ -154,7 +137,7 @@ def test_a_large_grid_is_refused_before_its_states_are_found(
         monkeypatch.setattr(
             coordinates, name, lambda on, *of, find=find: asked.append(len(of[0])) or find(on, *of)
         )
-    said = refused(capsys, *words.replace("R", REGULAR, 1).split())
+    said = refusal(*words.replace("R", REGULAR, 1).split())
     told = re.search(r"= more than (\d+) (orbits|motions) .* in all; a coarser grid", said)
     assert told, said
     assert least < int(told[1]) < most

@@ -122,23 +122,6 @@ def test_a_zero_at_the_start_is_no_event_and_where_a_proof_is_open_is_told(
         assert [round(float(t), 12) for t in found.times] == [1.644842945059]
 
 
-@pytest.mark.parametrize(
-    ("scene", "options", "told"),
-    [
-        (CASE, "--digits 400 --certified", "digits = 400: expected a whole number, 1 to 250"),
-        *((CASE, x, "--certified with it") for x in ("--events", "--max-seconds 3", "--statement")),
-        ("general/asymmetric-regular", "--certified --events", "events in the scene"),
-        (CASE, "-o exact.json", "expected a name that ends in .csv"),
-    ],
-)
-def test_what_does_not_belong_together_is_refused(scene, options, told, capsys, tmp_path) -> None:
-    asked = options.replace("exact", str(tmp_path / "exact")).split()
-    code, out, err = run(capsys, "reference", scene, "--at", "1", *asked)
-    assert (code, out) == (2, "")
-    assert told in err
-    assert not [*tmp_path.iterdir()]
-
-
 def test_a_radius_is_rounded_up_and_never_down() -> None:
     for value in (1.0, 1.23456e-20, 9.99999e-7, 3.3333e-300):
         assert float(rounded_up([value])[0]) >= value

@@ -194,11 +194,9 @@ def test_intervals_that_are_none_are_refused(tmp_path, written):
 
 
 @pytest.mark.parametrize("verb", ["run", "check", "levels", "frequencies", "reference"])
-def test_what_takes_one_motion_refuses_intervals(tmp_path, capsys, verb):
-    path = tmp_path / "box.toml"
-    path.write_text(FILE, encoding="utf-8")
-    assert main([verb, str(path)]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
+def test_what_takes_one_motion_refuses_intervals(tmp_path, refusal, verb):
+    (tmp_path / "box.toml").write_text(FILE, encoding="utf-8")
+    line = refusal(verb, "box.toml")
     assert "start.omega" in line
     assert "reference --certified" in line
 

@@ -126,24 +126,15 @@ BAD = [
 ]
 
 
-def refused(arguments, capsys):
-    """The one line of a command that gives nothing."""
-    assert cli.main([*map(str, arguments)]) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.count("\n") == 1
-    return err
-
-
 @pytest.mark.parametrize(("given", "options", "words"), BAD, ids=[x[2][:40] for x in BAD])
-def test_it_is_refused_in_one_line(given, options, words, tmp_path, capsys):
+def test_it_is_refused_in_one_line(given, options, words, tmp_path, refusal):
     what = given(tmp_path)
     with pytest.raises(BadInput) as fault:
         polhode.compare(what, **({"against": CASE} | options))
     said = [str(fault.value)]
     if isinstance(what, Path):
         columns = ["--columns", ",".join(options["columns"])] if options else []
-        said.append(refused(["compare", what, CASE, *columns], capsys))
+        said.append(refusal("compare", what, CASE, *columns))
     for line in said:
         assert all(word in line for word in words.split("; ")), line
         assert "\n" not in line.rstrip("\n")
@@ -203,12 +194,12 @@ GAPS = [
 
 @pytest.mark.parametrize("door", ["mapping", "frame", "npz", "npy", "parquet", "csv"])
 @pytest.mark.parametrize(("names", "gaps", "place"), GAPS, ids=[x[2] for x in GAPS])
-def test_a_gap_is_refused_by_its_place(tmp_path, capsys, door, names, gaps, place):
+def test_a_gap_is_refused_by_its_place(tmp_path, refusal, door, names, gaps, place):
     mine = through(door, some(names, gaps), tmp_path)
     with pytest.raises(BadInput, match=rf": {place}: expected a number in each cell"):
         polhode.testing.assert_digits(mine, CASE, 12)
     if isinstance(mine, Path):
-        assert place in refused(["compare", mine, CASE, "--at-least", "12"], capsys)
+        assert place in refusal("compare", mine, CASE, "--at-least", "12")
 
 
 @pytest.mark.parametrize(
@@ -216,7 +207,7 @@ def test_a_gap_is_refused_by_its_place(tmp_path, capsys, door, names, gaps, plac
     [(STATE, "gamma1", "gamma2, gamma3"), (STATE, "r", "p, q"), (ATTITUDE, "q2", "q0, q1, q3")],
 )
 def test_a_vector_with_a_misspelt_component_passes_no_gate(
-    tmp_path, capsys, names, misspelt, there
+    tmp_path, refusal, names, misspelt, there
 ):
     mine = {"gam1" if name == misspelt else name: x for name, x in some(names).items()}
     told = rf"{misspelt}: expected it beside {there} \(columns that are not known: gam1\)$"
@@ -224,8 +215,7 @@ def test_a_vector_with_a_misspelt_component_passes_no_gate(
         polhode.testing.assert_digits(mine, CASE, 7)
     file = through("csv", mine, tmp_path)
     assert cli.main(["compare", str(file), CASE]) == 0
-    capsys.readouterr()
-    said = refused(["compare", file, CASE, "--at-least", "7"], capsys)
+    said = refusal("compare", file, CASE, "--at-least", "7")
     assert f"x.csv: {misspelt}: expected it beside" in said
 
 
@@ -242,7 +232,7 @@ def test_whole_vectors_pass_and_parts_of_them_do_not():
         polhode.testing.assert_digits(rows, CASE, 7, at=TIMES, columns=["p", "q"])
 
 
-def test_angles_that_the_motion_does_not_have_may_be_missing(tmp_path, capsys):
+def test_angles_that_the_motion_does_not_have_may_be_missing(tmp_path, refusal):
     """psi and phi of a top that sleeps; where there is nothing else, nothing passes."""
     sleeping = "lagrange/sleeping-stable"
     mine = right(sleeping, [0, 1, 2], "at", "angles")
@@ -254,17 +244,17 @@ def test_angles_that_the_motion_does_not_have_may_be_missing(tmp_path, capsys):
     with pytest.raises(BadInput, match="expected a number in a column that can be judged"):
         polhode.testing.assert_digits(alone, sleeping, 1)
     path = through("csv", alone, tmp_path)
-    refused(["compare", path, sleeping, "--at-least", "1"], capsys)
+    refusal("compare", path, sleeping, "--at-least", "1")
     assert cli.main(["compare", str(path), sleeping]) == 0
 
 
 @pytest.mark.parametrize("wanted", ["x", "nan", "inf", "12", math.nan])
-def test_a_threshold_that_is_no_number_is_refused(tmp_path, capsys, wanted):
+def test_a_threshold_that_is_no_number_is_refused(tmp_path, refusal, wanted):
     path = through("csv", some(STATE), tmp_path)
     with pytest.raises(BadInput, match=r"^assert_digits: at_least = .* a number of digits"):
         polhode.testing.assert_digits(path, CASE, at_least=wanted)
     if wanted != "12":
-        said = refused(["compare", path, CASE, "--at-least", wanted], capsys)
+        said = refusal("compare", path, CASE, "--at-least", wanted)
         assert "a number of digits" in said
 
 

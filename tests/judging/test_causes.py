@@ -13,6 +13,7 @@ import pytest
 import polhode
 from polhode.cli import main
 from polhode.scenes.body import Body
+from shared.rough_methods import euler, midpoint, rk4
 from shared.tables import of_run, text
 
 TIMES = [Fraction(k, 4) for k in range(41)]
@@ -127,19 +128,8 @@ def implicit_midpoint(f, y, h):
     return z
 
 
-def midpoint(f, y, h):
-    return y + h * f(0, y + h / 2 * f(0, y))
-
-
-def rk4(f, y, h):
-    a = f(0, y)
-    b = f(0, y + h / 2 * a)
-    c = f(0, y + h / 2 * b)
-    return y + h / 6 * (a + 2 * b + 2 * c + f(0, y + h * c))
-
-
 METHODS = {
-    "euler": (lambda f, y, h: y + h * f(0, y), 200),
+    "euler": (euler, 200),
     "midpoint": (midpoint, 20),
     "rk4": (rk4, 4),
     "implicit midpoint": (implicit_midpoint, 10),

@@ -343,25 +343,22 @@ def test_the_command_reads_as_it_is_told(tmp_path, capsys):
 # -- wrong tables -----------------------------------------------------------------------------
 
 
-def early_in_part(random, table):
+def early_in_part(table):
     """A step that does not explain all parts."""
     table = moved(1)(some(table, STATE))
     return table | {n: np.sin(7 * np.arange(table["t"].size)) for n in GAMMA}
 
 
-def one_row(random, table):
+def one_row(table):
     """A wrong sign in one row alone is no other axis."""
     return {n: (-x if n == "p" else x)[5:6] for n, x in some(table, STATE).items()}
 
 
-@pytest.mark.sample(3)
 @pytest.mark.parametrize("wrong", [early_in_part, one_row])
 def test_a_wrong_table_has_no_convention_by_chance(wrong):
-    random = np.random.default_rng(20)
-    for _ in range(2):
-        found = polhode.compare(wrong(random, some(whole(), STATE)), CASE)
-        assert found.readings == ()
-        assert found.worst < 1.5
+    found = polhode.compare(wrong(some(whole(), STATE)), CASE)
+    assert found.readings == ()
+    assert found.worst < 1.5
 
 
 def with_attitude(case, times):

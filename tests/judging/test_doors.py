@@ -94,6 +94,10 @@ LAYOUTS = {
     ),
     "a column without a name": (indexed(lines()), [], []),
     "a cell of two lines": (in_two_lines(lines()), [], []),
+    "spaces about commas": (lines(" , "), [], []),
+    "names in quotation marks": (lines(names=[f'"{name}"' for name in NAMES]), [], []),
+    "an open quotation mark in a comment": ('#,"open\n' + lines().rstrip(), [], []),
+    "no zero before the point": (lines().replace(",0.", ",+.").replace("e-", "E-0"), [], []),
     "a mark of bytes, and Windows": ("\ufeff" + lines().replace("\n", "\r\n"), [], []),
 }
 

@@ -10,7 +10,6 @@ import pytest
 
 from polhode.equations.system import system
 from polhode.judging.conditioning.rounding_errors import spacing, variances
-from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, extended_here
 from polhode.scenes.body import Body
@@ -78,7 +77,7 @@ def test_steps_that_are_taken_round_so_much(number, wide, kind):
     scene = random_scene(kind, 16, [F(60)])
     plain = system(replace(scene, form="principal"), ())
     run, along = Integrator(PreparedSystem(plain, number)), passage(scene)
-    flow = Flow({name: rounded(x, number) for name, x in plain.coefficients.items()}, wide)
+    flow = Flow({name: number.rounded(x) for name, x in plain.coefficients.items()}, wide)
     squares, expected = np.zeros(6), np.zeros(6)
     for _ in range(100):
         before, began = [exactly(x) for x in run.state.tolist()], run.time
@@ -90,8 +89,3 @@ def test_steps_that_are_taken_round_so_much(number, wide, kind):
         expected += variances(along, np.array([[float(x) for x in after]]), float(step))[0]
     assert not squares[expected == 0].any()
     assert 0.65 < squares.sum() / expected.sum() < 1.55
-
-
-def rounded(x, number) -> Fraction:
-    mantissa, exponent = exact.rounded(x, number.bits)
-    return F(mantissa) * F(2) ** exponent

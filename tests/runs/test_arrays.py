@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import signal
-from concurrent.futures import ThreadPoolExecutor
 from fractions import Fraction
 
 import numpy as np
 import pytest
 
 import polhode
-from polhode.equations import integrals
-from polhode.numbers.conversion import exactly, to_mpf
 from polhode.taylor import lanes
 from polhode.taylor.backend import defaults
 from polhode.taylor.batches import step_blocks
@@ -373,12 +370,6 @@ def test_a_member_of_an_array_is_an_exact_scene_when_asked_for(body):
         assert np.abs(np.array([float(x) for x in member.gamma]) - rows[k, 3:]).max() <= EPS
         alone = polhode.integrate(member, project=False)
         assert np.abs(alone.states - many[k].states).max() < 40 * EPS
-        held = [[to_mpf(exactly(x), 53) for x in row] for row in many.states[k]]
-        true = integrals.drift(member, held, 53)
-        for x, y in zip(many.drift[k], true, strict=True):
-            assert (x == x) == (y is not None)
-            if y is not None:
-                assert abs(x - y) <= (1e-3 if body == "turned" else 1e-9) * y + 1e-25
 
 
 @pytest.mark.parametrize("body", [BODIES["turned"], {"moments": ["sqrt(10)", 2, "sqrt(2)"]}])
@@ -407,13 +398,6 @@ def test_extended_arrays_stay_extended():
     go = polhode.propagator(scene(), number="extended")
     assert np.abs(go(rows, t=2.0) - many.states[:, 1]).max() < 64 * float(many.number.eps)
     assert many.states.dtype == np.longdouble
-
-
-def test_executors_change_no_bit():
-    asked = {"starts": starts(200), "at": [0, 1]}
-    with ThreadPoolExecutor(2) as pool:
-        there = polhode.integrate_many(scene(), **asked, executor=pool)
-    assert there == polhode.integrate_many(scene(), **asked)
 
 
 def test_reductions_take_arrays_too():

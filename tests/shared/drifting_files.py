@@ -13,6 +13,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from shared import rough_methods
+
 VERTICAL = np.array([0.0, 0.0, 1.0])
 
 
@@ -98,25 +100,18 @@ def rate(top, state):
     return np.concatenate([acceleration(top, omega, turn), turning(turn, omega)])
 
 
-def euler(top, y, h):
-    return y + h * rate(top, y)
-
-
 def semi_implicit(top, y, h):
     omega = y[:3] + h * acceleration(top, y[:3], y[3:])
     turn = y[3:] + h * turning(y[3:], omega)
     return np.concatenate([omega, turn / np.linalg.norm(turn)])
 
 
-def midpoint(top, y, h):
-    return y + h * rate(top, y + h / 2 * rate(top, y))
+def of_tops(method):
+    """A method of ``shared.rough_methods`` as one step of a top."""
+    return lambda top, y, h: method(lambda _, y: rate(top, y), y, h)
 
 
-def rk4(top, y, h):
-    a = rate(top, y)
-    b = rate(top, y + h / 2 * a)
-    c = rate(top, y + h / 2 * b)
-    return y + h / 6 * (a + 2 * b + 2 * c + rate(top, y + h * c))
+rk4 = of_tops(rough_methods.rk4)
 
 
 def run(top, times, step, longest):
@@ -185,9 +180,9 @@ def drifting(random, top, times, exact, kind):
 
 
 STEPS = {
-    "euler": (euler, 0.004),
+    "euler": (of_tops(rough_methods.euler), 0.004),
     "semi-implicit": (semi_implicit, 0.03),
-    "midpoint": (midpoint, 0.08),
+    "midpoint": (of_tops(rough_methods.midpoint), 0.08),
     "rk4": (rk4, 0.4),
 }
 DRIFTS = (*STEPS, "noise", "moment")

@@ -10,7 +10,6 @@ from typing import Any
 
 import pytest
 
-from polhode.cli import main
 from polhode.common.provenance import digest
 from polhode.judging.diagnosis.error_budget import selected
 from polhode.scenes import library
@@ -184,35 +183,6 @@ def test_a_key_changes_with_every_module_and_nothing_beside_them(tmp_path, monke
             file.write(b"\n# changed \xf3\n")  # and one that is no UTF-8
         keys.add(report.key("events", False))
     assert len(keys) == 2 + 4
-
-
-# -- refusals -----------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        *(
-            (f"study {name} -o out", f"is a study no more, see {report.GONE[name]}")
-            for name in report.GONE
-        ),
-        ("study needs --only x", "is a study no more"),
-        ("study stabilty -o out", "did you mean 'stability'"),
-        ("study accuracy -o file/below", "a folder to write to"),
-        ("report -o file/below", "a folder to write to"),
-        ("study accuracy --without CyRK -o out", "runs polhode alone"),
-        ("study accuracy --only nothing", "part of the name of a row"),
-    ],
-)
-def test_what_cannot_be_studied_is_refused_in_one_line(tmp_path, monkeypatch, capsys, words, said):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "file").touch()
-    assert main(words.split()) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.count("\n") == 1
-    assert said in err
-    assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
 # -- what the pages link to -----------------------------------------------------------------------

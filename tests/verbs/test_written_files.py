@@ -106,21 +106,6 @@ def test_a_csv_round_trips_and_compare_judges_it(capsys, number, bits):
         assert all(digits - 2 < min(part) for part in verdict["parts"].values())
 
 
-@pytest.mark.parametrize(
-    ("negated", "digits"), [((), DIGITS_OF_DOUBLE), ((0, 1, 2), DIGITS_OF_DOUBLE), ((1,), 0)]
-)
-def test_a_quaternion_may_have_the_other_sign_but_one_for_the_whole_file(capsys, negated, digits):
-    """q and -q are the same attitude; a sign that changes on the way is no continuous motion."""
-    ran(capsys, "run", "watched.toml", "-o", "x.csv")
-    head, *rows = [line.split(",") for line in Path("x.csv").read_text().splitlines()]
-    for k in negated:
-        rows[k][-4:] = [str(-float(x)) for x in rows[k][-4:]]
-    Path("foreign.csv").write_text("".join(",".join(row) + "\n" for row in [head, *rows]))
-    parts = answered(capsys, "compare", "foreign.csv", "watched.toml")["parts"]
-    assert digits - 2 <= min(parts["attitude"]) <= digits + 2
-    assert min(parts["angles"]) > DIGITS_OF_DOUBLE - 2
-
-
 def test_drift_of_a_projected_file_is_no_evidence(capsys):
     for options, notes in (((), 1), (("--no-project",), 0)):
         ran(capsys, "run", "kovalevskaya/generic", "--at", "500", "-o", "x.csv", *options)
@@ -161,28 +146,6 @@ def judged(capsys, content: str, *flags: str) -> dict:
     """The verdict on a foreign file."""
     Path("foreign.csv").write_bytes(content.encode())
     return answered(capsys, "compare", "foreign.csv", "top.toml", *flags)
-
-
-@pytest.mark.parametrize(
-    "content",
-    [
-        HEAD + START,
-        "\ufeff" + HEAD + START,
-        (HEAD + START).replace("\n", "\r\n"),
-        (HEAD + START).replace(",", " , "),
-        "# a comment\n\n" + HEAD + '#,"an open quote\n' + START + "\n\n",
-        '"t","p","q","r","gamma1","gamma2","gamma3"\n' + START,
-        HEAD + "0e5,3E-1,-.4,+1.10,6e-1,-0,0." + "8" + "0" * 60 + "\n",
-        HEAD + START.rstrip("\n"),
-    ],
-    ids=["plain", "bom", "crlf", "spaces", "comments", "quotes", "notation", "no last newline"],
-)
-def test_the_usual_shapes_of_csv_are_read(capsys, content):
-    verdict = judged(capsys, content)
-    assert verdict["judged"] == [*STATE]
-    assert verdict["times"] == ["0"]
-    assert verdict["worst"] >= 3  # every digit that is there
-    assert float(verdict["drift"]["h"]) < 10 ** -verdict["worst"]
 
 
 THIRD = "0.3" + "0" * 30 + "1"
