@@ -168,7 +168,6 @@ AT_ZERO = {
 }
 
 
-@pytest.mark.sample(18)
 @pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
 @pytest.mark.parametrize("zero", AT_ZERO)
 def test_a_start_at_zero_hides_no_other_zero(zero, number):
