@@ -11,6 +11,7 @@ import pytest
 
 import polhode
 from polhode.cli import main
+from polhode.common import checkpoint
 from polhode.dynamics.chaos import chaos_map
 from polhode.dynamics.sections.initial_tangents import tangents_of
 from polhode.output import maps as output
@@ -90,7 +91,7 @@ def test_nothing_is_called_regular_early_and_a_chaotic_motion_is_left_early():
     assert set(found.until) <= {250.0, 500.0, 1000.0, 2000.0}
 
 
-def test_the_same_in_any_company_and_after_a_stop(tmp_path):
+def test_the_same_in_any_company_and_after_a_stop(tmp_path, monkeypatch):
     """Bit for bit, whatever the neighbours: bodies of two weights in turn, one of them another."""
     asked = {"end": 200, "varied": {"start.omega[3]": "0.5:3:21", "body.weight": [1, "5/4"]}}
     plain = polhode.chaos_map(GENERIC, **asked)
@@ -102,6 +103,7 @@ def test_the_same_in_any_company_and_after_a_stop(tmp_path):
         assert (one[1::2] != again[1::2]).all()
     asked["varied"] = {"start.omega[3]": "0.5:3:40", "start.omega[1]": "0.1:1:8"}
     plain, folder = polhode.chaos_map(GENERIC, **asked), tmp_path / "m.part"
+    monkeypatch.setattr(checkpoint, "EVERY", 0.0)
     polhode.chaos_map(GENERIC, parts=folder, **asked)
     jobs = sorted(folder.glob("job-*.npz"))
     assert len(jobs) == 2
