@@ -18,6 +18,8 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from polhode.common.executors import cores, in_order
 from polhode.common.progress import Message
 from polhode.numbers.decimals import significant
@@ -205,8 +207,7 @@ def _truth(job: tuple[str, int, bool, int]) -> Truth:
 
 
 def _plain(true: Truth) -> list[Any]:
-    scale = true.scale
-    return [true.high.tolist(), true.low.tolist(), getattr(scale, "tolist", lambda: scale)()]
+    return [np.asarray(x).tolist() for x in true]
 
 
 def _enter(points: dict[str, Points], told: Mapping[str, Sequence[Sequence[float]]]) -> None:
