@@ -18,8 +18,6 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from polhode.common.executors import cores, in_order
 from polhode.common.progress import Message
 from polhode.numbers.decimals import significant
@@ -207,7 +205,7 @@ def _truth(job: tuple[str, int, bool, int]) -> Truth:
 
 
 def _plain(true: Truth) -> list[Any]:
-    return [np.asarray(x).tolist() for x in true]
+    return [x.tolist() for x in true]
 
 
 def _enter(points: dict[str, Points], told: Mapping[str, Sequence[Sequence[float]]]) -> None:
