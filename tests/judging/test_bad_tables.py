@@ -119,6 +119,7 @@ BAD = [
     (lambda _: [["x", 2, 3]], {"at": [1]} | PQR, "p[1] = x; a number"),
     (lambda _: [[math.inf, 2, 3]], {"at": [1]} | PQR, "p[1] = inf; a number"),
     (lambda _: [[1]], {"at": [1], "columns": ["s"]}, "columns = s"),
+    (lambda _: [[1, 2]], {"at": [1], "columns": ["p", "p"]}, "columns = p: expected each column"),
     (lambda _: 3, {"at": [1]}, NUMBERS),
     (lambda _: mapping(), {"against": None}, "a reference, or a scene"),
     (lambda _: mapping(), {"against": "ref.csv"}, "SCENE = ref.csv: expected a scene"),

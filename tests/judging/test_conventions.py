@@ -354,7 +354,18 @@ def one_row(table):
     return {n: (-x if n == "p" else x)[5:6] for n, x in some(table, STATE).items()}
 
 
-@pytest.mark.parametrize("wrong", [early_in_part, one_row])
+def noise(table):
+    draw = np.random.default_rng(20)
+    return {n: x if n == "t" else draw.normal(size=x.size) for n, x in table.items()}
+
+
+def departing(table):
+    draw = np.random.default_rng(21)
+    steps = {n: 0.03 * draw.normal(size=x.size).cumsum() for n, x in table.items()}
+    return {n: x if n == "t" else x + steps[n] for n, x in table.items()}
+
+
+@pytest.mark.parametrize("wrong", [early_in_part, one_row, noise, departing])
 def test_a_wrong_table_has_no_convention_by_chance(wrong):
     found = polhode.compare(wrong(some(whole(), STATE)), CASE)
     assert found.readings == ()

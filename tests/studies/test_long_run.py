@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from polhode.equations.integrals import departures
+from polhode.judging.adaptive_precision import integrate
+from polhode.judging.conditioning.conditioning import conditioning
 from polhode.judging.references.reference import reference
 from polhode.numbers.vectors import dot
 from polhode.studies.ensembles import random_scene
@@ -87,6 +89,12 @@ def test_a_bias_is_told_from_a_random_walk():
     assert pulls_of([leaning])["euler", "h"] > 4
 
 
+def test_mean_and_deviation_are_those_of_a_sample():
+    members = [[1.0, 5.0], [2.0, 5.0], [6.0, 5.0]]
+    assert growth.means(members) == [3.0, 5.0]
+    assert growth.deviations(members) == pytest.approx([7**0.5, 0])
+
+
 def test_departures_have_signs():
     """A free body that turns faster by a part in 1e10, or slower, or whose vertical is longer."""
     scene = random_scene("euler", 0, (Fraction(1),))
@@ -117,6 +125,17 @@ def test_starts_are_exact_alike_every_time_and_all_different(top):
         truth = reference(scene)
         assert truth.is_closed_form
         assert truth.kind == top
+
+
+def test_a_projected_member_beside_what_rounding_its_inputs_leaves():
+    """Exact inputs leave nothing; the others an error that the run's own is of the size of."""
+    start = long_run.RunStart("lagrange", 2, (Fraction(100), Fraction(300)), (long_run.PROJECTED,))
+    found = long_run.follow(start)
+    assert all(1e-17 < x < 1e-13 for x in found.inputs)
+    every = integrate(start.scene, "double").projection.every
+    left = conditioning(start.scene).inputs("double", every)
+    assert found.inputs == [10.0**-x for x in left]
+    assert left != conditioning(start.scene).inputs("double")
 
 
 # the study

@@ -209,6 +209,7 @@ REFUSED = {
     "compare '' top.toml": " = : expected a name\n",
     "compare table.csv ''": " = : expected a name\n",
     f"plot '' {ANGLES}": " = : expected a name\n",
+    "plot table.csv --what omega --columns '' -o y.svg": "table.csv: header = : expected a header",
     "check ''": " = : expected a name\n",
     f"section {GENERAL} --starts ''": " = : expected a name\n",
     "report -o ''": "a folder's name",

@@ -281,7 +281,8 @@ def _table(options: Namespace, scene: Scene | None, number: NumberType | None) -
     from polhode.judging.tables.table_file import read_table
 
     path = Path(options.what_of)
-    found = read_table(path, number, naming(options.columns) if options.columns else PLAIN)
+    names = PLAIN if options.columns is None else naming(options.columns)
+    found = read_table(path, number, names)
     if options.read is None:
         return found
     if scene is None:

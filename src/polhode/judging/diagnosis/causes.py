@@ -27,7 +27,7 @@ from polhode.common.text_tables import few
 from polhode.judging.diagnosis.motion_in_double import integrated
 from polhode.judging.tables.candidate import Subject
 from polhode.judging.tables.reading import GAIN, WRONG
-from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles
 from polhode.numbers.vectors import Vector
@@ -82,8 +82,7 @@ def causes(subject: Subject, scene: Scene) -> tuple[Cause, ...]:
     cells = [[subject.states[k][c] for c in columns] for k in rows]
     if any(x is None for row in cells for x in row):
         return ()
-    table = np.array([[to_double(exactly(x)) for x in row] for row in cells])
-    fit = Fit(table, times, columns, scene)
+    fit = Fit(doubles(cells), times, columns, scene)
     found = [cause for one in _candidates(scene, columns) if (cause := fit.cause(one)) is not None]
     found.sort(key=lambda one: -one.digits)
     return tuple(one for one in found if one.digits >= found[0].digits - _ALIKE)[:_TOLD]

@@ -46,9 +46,9 @@ from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import AnyReference
 from polhode.judging.tables.candidate import Subject
 from polhode.judging.tables.reading import WRONG, Reading, TimeChange
-from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.exact import Exact
-from polhode.numbers.rows import Doubles
+from polhode.numbers.rows import Doubles, Given
 from polhode.numbers.vectors import Matrix
 from polhode.scenes.body import Body, exact_vector
 from polhode.scenes.scene import Scene
@@ -313,21 +313,18 @@ def whole_parts(subject: Subject) -> tuple[dict[str, Doubles], list[Fraction]]:
     """The parts of which every number is there, as doubles, in the rows that tell; their times."""
     kept = probed_rows(subject.times)
 
-    def doubles(part: Any) -> Any:
-        if part is None:
-            return None
-        values = [[math.nan if x is None else to_double(exactly(x)) for x in part[k]] for k in kept]
-        found = np.array(values, dtype=float)
-        return None if np.isnan(found).any() else found
+    def whole(part: Given | None) -> Doubles | None:
+        values = None if part is None else doubles([part[k] for k in kept])
+        return None if values is None or np.isnan(values).any() else values
 
-    found: dict[str, Any] = {}
+    found: dict[str, Doubles] = {}
     if subject.columns:
         for name, columns in (("omega", slice(0, 3)), ("gamma", slice(3, 6))):
-            values = doubles([row[columns] for row in subject.states])
+            values = whole([row[columns] for row in subject.states])
             if values is not None and values.shape[1] == 3:
                 found[name] = values
     for name in ("attitude", "angles"):
-        values = doubles(getattr(subject, name))
+        values = whole(getattr(subject, name))
         if values is not None:
             found[name] = values
     return found, [subject.times[k] for k in kept]

@@ -81,6 +81,8 @@ def table_of_rows(
     for name in each("compare", "columns", columns, str, "a list of names"):
         if name not in judged:
             raise BadInput("compare", "columns", name, nearest(name, judged))
+    # Here, since of two columns of one name a mapping keeps the last.
+    refuse_names("compare", "columns", columns, PLAIN.columns(columns))
     if any(len(row) != len(columns) for row in rows):
         expected = f"{len(columns)} numbers in each row: {', '.join(columns)}"
         raise BadInput("compare", "states", None, expected)

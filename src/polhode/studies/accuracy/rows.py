@@ -93,9 +93,7 @@ def _case(scene: Scene) -> dict[str, Any]:
     reference = reference_of(scene)
     fitting = [name for name in number_types.NAMES if 10**scene.log10_angle <= LONGEST[name]]
     known = conditioning(scene, number=number_types.named(fitting[-1])) if fitting else None
-    runs = [_run(scene, reference, name, known) for name in reversed(fitting)][
-        ::-1
-    ]  # most digits first
+    runs = [_run(scene, reference, name, known) for name in reversed(fitting)]  # most digits first
     kappas = [x for x in known.log10_kappa if x is not None] if known else []
     return {
         "case": scene.name,
@@ -107,7 +105,7 @@ def _case(scene: Scene) -> dict[str, Any]:
         "kappa_note": known.note if known else "",
         "end": decimals.decimal_string(conversion.exactly(number_types.QUAD.rounded(scene.end)), 6),
         "sha256": digest(scene.text),
-        "runs": runs,
+        "runs": runs[::-1],
     }
 
 

@@ -205,8 +205,7 @@ def _truth(job: tuple[str, int, bool, int]) -> Truth:
 
 
 def _plain(true: Truth) -> list[Any]:
-    scale = true.scale
-    return [true.high.tolist(), true.low.tolist(), getattr(scale, "tolist", lambda: scale)()]
+    return [x.tolist() for x in true]
 
 
 def _enter(points: dict[str, Points], told: Mapping[str, Sequence[Sequence[float]]]) -> None:

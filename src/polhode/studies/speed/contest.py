@@ -58,7 +58,7 @@ def main() -> None:
     for asked in job["cells"]:
         cell = Cell(job["kind"], asked["end"], asked["outputs"], asked["starts"])
         began, prepared = time.process_time(), ready[bool(cell.starts)]
-        contest = _Contest(cell, [Truth(*_arrays(x)) for x in asked["truths"]], prepared)
+        contest = _Contest(cell, [*map(_truth, asked["truths"])], prepared)
         contest.hold((job["tolerances"] or {}).get(cell.label), job["patience"])
         write(
             {
@@ -153,11 +153,10 @@ def _next_to_levels(points: Points) -> Iterator[tuple[int, float]]:
         yield from ((k, tol) for tol in sorted(chosen))
 
 
-def _arrays(given: Sequence[Any]) -> tuple[Any, Any, Any]:
+def _truth(given: Sequence[Any]) -> Truth:
     import numpy as np
 
-    high, low, scale = map(np.array, given)
-    return high, low, scale
+    return Truth(*map(np.array, given))
 
 
 if __name__ == "__main__":

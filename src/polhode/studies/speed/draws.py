@@ -16,7 +16,7 @@ from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE, bits_for
-from polhode.numbers.rows import Rows
+from polhode.numbers.rows import Doubles, Rows
 from polhode.peers.field import TERMS
 from polhode.peers.prepared import Top
 from polhode.runs.sweep.integrate_many import integrate_many
@@ -70,14 +70,14 @@ class Draw(NamedTuple):
 
 
 class Truth(NamedTuple):
-    """States at the judged times as sums of two doubles, and the scale of w.
+    """States at the judged times as sums of two doubles, and the scale of w, without dimensions.
 
     Of many starts the states at the end of the first ones, and the scale of each.
     """
 
-    high: Any
-    low: Any
-    scale: Any
+    high: Doubles
+    low: Doubles
+    scale: Doubles
 
 
 def cells(kind: str) -> list[Cell]:
@@ -130,13 +130,13 @@ def truth(kind: str, index: int, end: int, many: bool = False) -> Truth:
         members = integrate_many(scene, starts=rows, at=[0]).members
         runs = [integrate(member.at([end]), "quad") for member in members]
         states = [run.states[-1] for run in runs]
-        scale: Any = np.array([10 ** log10_rate(run.states, run.scene) for run in runs])
-    elif kind in TOPS:
-        states = reference_of(scene).at(scene.times, DIGITS)
-        scale = 10 ** log10_rate(states, scene)
+        scale = np.array([10 ** log10_rate(run.states, run.scene) for run in runs])
     else:
-        states = integrate(scene, "quad").states
-        scale = 10 ** log10_rate(states, scene)
+        if kind in TOPS:
+            states = reference_of(scene).at(scene.times, DIGITS)
+        else:
+            states = integrate(scene, "quad").states
+        scale = np.array(10 ** log10_rate(states, scene))
     from polhode.numbers.mpmath_context import mpmath
 
     with mpmath.workprec(bits_for(DIGITS) + 32):
