@@ -76,12 +76,13 @@ KINDS = "-e", "e-", "ee", "steady cone"
 UNTOLD = "nearly at rest", "1e-60 from Bobylev-Steklov"
 OFF = "1e-8", "-1e-8", "1e-20", "-1e-20", "1e-40", "-1e-40"
 #: Few bits, beside half of many; many next to a degenerate motion by 1e-8, and by less; and how
-#: many numbers of rough balls are finite at least.
+#: many numbers of rough balls are finite at least, more than half of many bits tell alone where the
+#: few tell so much.
 SURE = {
     "kovalevskaya": (FEW_BITS[1:-2], (260, 900), 20),
     "goryachev-chaplygin": (FEW_BITS[::2], (424, 550), 12),
     "hess": ((30, 107), (320, 900), 16),
-    **dict.fromkeys(("n-kowalewski", "chaplygin"), (FEW_BITS, (900, 900), 61)),
+    **dict.fromkeys(("n-kowalewski", "chaplygin"), (FEW_BITS, (900, 900), 81)),
 }
 #: Next to which the proof of Hess's case takes seconds.
 LATER = "plane", "separatrix"
@@ -123,7 +124,7 @@ def params():
             marks = [pytest.mark.slow] * (seen[family] > 6)
         elif family in DEAR:
             marks = [pytest.mark.slow]
-        few, bits, finite = SURE.get(family, (FEW_BITS, (900, 900), 31))
+        few, bits, finite = SURE.get(family, (FEW_BITS, (900, 900), 51))
         many = bits["1e-" in name or off not in ("", "1e-8", "-1e-8")]
         given = family, plain, [*few, many // 2], many, finite
         yield pytest.param(*given, id=f"{family}: {name} {off}".strip(), marks=marks)

@@ -118,6 +118,14 @@ def test_spaced_times_from_another_one_than_zero_are_told() -> None:
     assert even_times(Fraction(-2), 3).misplaced() is None
 
 
+def test_spaced_numbers_are_equal_where_their_numbers_are() -> None:
+    """Of one number the last is not in it."""
+    assert Spaced(Fraction(1), Fraction(2), 1) == Spaced(Fraction(1), Fraction(3), 1) == (1,)
+    assert Spaced(Fraction(1), Fraction(2), 3) == (1, Fraction(3, 2), 2)
+    for other in (Spaced(Fraction(1), Fraction(3), 3), Spaced(Fraction(1), Fraction(2), 2)):
+        assert Spaced(Fraction(1), Fraction(2), 3) != other
+
+
 @pytest.fixture
 def scene() -> Scene:
     return polhode.top(moments=[3, 2, 1], omega=[1, 1, 1])

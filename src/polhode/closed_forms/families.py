@@ -67,14 +67,14 @@ __all__ = [
 _NEAR = Fraction(1, 1000)
 
 
-def _top(folder: str, maker: str) -> Callable[[], Maker]:
+def _top(folder: str, name: str) -> Callable[[], Maker]:
     """The class of a family's ``top``, whose formulas are imported when one is made."""
 
-    def imported() -> Maker:
-        made: Maker = getattr(import_module(f"polhode.closed_forms.{folder}.top"), maker)
-        return made
+    def maker() -> Maker:
+        found: Maker = getattr(import_module(f"polhode.closed_forms.{folder}.top"), name)
+        return found
 
-    return imported
+    return maker
 
 
 #: In the order in which a scene is tried; the first that fits is its reference.

@@ -11,8 +11,8 @@ from polhode.closed_forms.membership.misfit import Misfit
 from polhode.closed_forms.membership.normal_form import Conditions, placed_in, shortfall
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 
-#: Makes the closed form of one scene, as :class:`ClosedForm` is made; ValueError: no fit.
-Maker: TypeAlias = Callable[..., ClosedForm[Any]]
+#: Makes the closed form of one scene; ValueError: no fit.
+Maker: TypeAlias = type[ClosedForm[Any]]
 
 
 @dataclass(frozen=True)

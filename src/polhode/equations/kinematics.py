@@ -11,14 +11,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.exact import ONE, Exact, sign
 from polhode.numbers.rows import GivenRow
 from polhode.numbers.scalars import Scalar, combination
-from polhode.numbers.vectors import Vector
+from polhode.numbers.vectors import Triple, Vector
 from polhode.scenes.body import PrincipalAxes
 
 
@@ -115,8 +115,10 @@ def angles_off_the_pole(
 
 
 def principal_angles(
-    quaternion: Iterable[Any], atan2: Callable[[Any, Any], Any], hypot: Callable[[Any, Any], Any]
-) -> tuple[Any, Any, Any]:
+    quaternion: Iterable[Scalar],
+    atan2: Callable[[Scalar, Scalar], Scalar],
+    hypot: Callable[[Scalar, Scalar], Scalar],
+) -> Triple:
     """psi theta phi of a quaternion, psi and phi up to whole turns; without a meaning at a pole.
 
     psi and phi are the sum and the difference of the arguments of q0 + i q3 and q1 + i q2.

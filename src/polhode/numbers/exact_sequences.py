@@ -71,9 +71,8 @@ class Spaced(LazySequence[Exact]):
         return self.first + (self.last - self.first) * Fraction(k, max(1, self.size - 1))
 
     def __eq__(self, other: object) -> bool:
-        if isinstance(other, Spaced):
-            held = (other.first, other.last, other.size)
-            return (self.first, self.last, self.size) == held
+        if isinstance(other, Spaced) and self.size == other.size > 0:
+            return (self[0], self[-1]) == (other[0], other[-1])  # of one, the last is not in it
         return super().__eq__(other)
 
     __hash__ = None

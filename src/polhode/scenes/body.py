@@ -204,7 +204,10 @@ class Body:
         weight: AnyNumber = 0,
         rounded: bool | None = None,
     ) -> Body:
-        """A body given by its inertia matrix about its centre of mass (Huygens and Steiner)."""
+        """A body given by its inertia matrix about its centre of mass (Huygens and Steiner).
+
+        ``rounded``: as of the body itself.
+        """
         own = cls(inertia, rounded=rounded)  # type: ignore[arg-type]
         place = exact_vector(centre, key="centre")
         (of_mass,) = each("Body", "mass", (mass,), exact_number, "a number")

@@ -9,7 +9,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, Generic, TypeVar, cast, overload
+from typing import TYPE_CHECKING, TypeVar, cast, overload
 
 from polhode.common.arguments import each
 from polhode.common.cached_property import cached_property
@@ -30,7 +30,7 @@ _FEW = 16  # times, which take no longer one by one
 Time = TypeVar("Time", bound=Exact, covariant=True)
 
 
-class OutputTimes(Sequence[Time], Generic[Time]):
+class OutputTimes(Sequence[Time]):
     """Times as a scene has them: a sequence of exact numbers, immutable, equal to their tuple.
 
     ``numbers``: a tuple of them, or where they are made as they are asked for.

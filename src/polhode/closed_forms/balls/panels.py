@@ -20,12 +20,13 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import Any, Protocol
+from typing import Protocol
 
 from flint import arb
 
 from polhode.closed_forms.balls.core import TooFewBits, around
 from polhode.numbers.flint_context import ctx
+from polhode.numbers.scalars import Scalar
 
 RATIO = 3
 _DISC = RATIO + 0.01  # of which f is bounded
@@ -38,7 +39,7 @@ _MOST_PANELS = 5_000
 class Integrand(Protocol):
     """f as a function of z."""
 
-    def value(self, z: arb) -> Any:
+    def value(self, z: arb) -> Scalar:
         """f at a real z."""
         ...
 
@@ -61,8 +62,8 @@ class Panels(ABC):
         self._most: list[tuple[arb, arb]] = []  # bounds of |f| and |z f| on a panel's disc
         self._cut()
         self._ends = [*self._starts[1:], self.end]
-        self.S: list[Any] = [arb(0)]
-        self.U: list[Any] = [arb(0)]
+        self.S: list[Scalar] = [arb(0)]
+        self.U: list[Scalar] = [arb(0)]
         for n, (a, b) in enumerate(zip(self._starts, self._ends, strict=True)):
             s, u = self._gauss(a, b, n, points(RATIO), RATIO)
             self.S.append(self.S[-1] + s)
@@ -76,7 +77,7 @@ class Panels(ABC):
     def reach(self, x: arb, radius: arb) -> arb:
         """How far z moves from its value at x within ``radius`` of it, in the plane."""
 
-    def slope(self, x: arb) -> tuple[Any, arb]:
+    def slope(self, x: arb) -> tuple[Scalar, arb]:
         """f and z."""
         z = self.variable(x)
         return self.integrand.value(z), z
@@ -120,7 +121,7 @@ class Panels(ABC):
         self._starts.append(start)
         self._most.append((bound, bound * (abs(z) + reach)))
 
-    def _gauss(self, a: arb, b: arb, n: int, count: int, ratio: int) -> tuple[Any, Any]:
+    def _gauss(self, a: arb, b: arb, n: int, count: int, ratio: int) -> tuple[Scalar, Scalar]:
         """S and U from a to b on panel n by so many points."""
         middle, half = (a + b) / 2, (b - a) / 2
         s, u = arb(0), arb(0)
@@ -136,7 +137,7 @@ class Panels(ABC):
         return half * (s + f), half * (u + zf)
 
     @staticmethod
-    def _within(radius: arb) -> Any:
+    def _within(radius: arb) -> Scalar:
         """A ball around 0 that holds an error."""
         return around(radius).real
 

@@ -1,6 +1,6 @@
 """The torque-free rotation in balls: angular velocity and turn, in the moments' own axes.
 
-I w' + w x I w = 0 in principal axes numbered for the motion (:func:`..regimes.numbered`): the
+I w' + w x I w = 0 in principal axes numbered for the motion (:func:`.regimes.numbered`): the
 polhode circles axis 3, which belongs to the largest or the smallest moment, and axis 2 to the
 middle one.  With 2h = w.Iw and G = |Iw| (Whittaker, Analytical Dynamics, art. 69; van Zon and
 Schofield, J. Comput. Phys. 225 (2007) 145, section 3)

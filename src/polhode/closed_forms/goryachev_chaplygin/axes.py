@@ -23,7 +23,7 @@ from polhode.closed_forms.membership.normal_form import (
     Condition,
     Placed,
     equal,
-    excluded,
+    exclusion,
     placed_in,
     shortfall,
 )
@@ -41,7 +41,7 @@ def conditions(scene: Placed) -> Iterator[Condition]:
     yield equal("Mg r0 at right angles to axis 3", scene.torque[2], ZERO, scene.weight)
     yield equal("f = Iw.gamma = 0", scene.area, ZERO, scene.impulse)
     swings = is_zero((*scene.omega[:2], scene.gamma[2]))
-    yield excluded("a motion that is not a pendulum's about the third axis", swings)
+    yield exclusion("a motion that is not a pendulum's about the third axis", swings)
 
 
 @dataclass(frozen=True)

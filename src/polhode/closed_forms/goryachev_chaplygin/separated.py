@@ -298,13 +298,7 @@ def _second(regime: str, one: CubicRoots, other: CubicRoots, a: arb) -> Variable
     if regime == regimes.CONSTANT_PI:
         return _standing(w1, a, sine=True)
     if regime == regimes.GENERIC_WHOLE:
-        return _between(
-            v1,
-            v2,
-            Factors((plus,)),
-            Factors((minus,), other.pairs),
-            (True, True),
-        )
+        return _between(v1, v2, Factors((plus,)), Factors((minus,), other.pairs), (True, True))
     if regime == regimes.GENERIC_LOW:
         return _between(
             v1, w1, Factors(((-1, v2), plus)), Factors(((-1, w2), minus)), (True, False)

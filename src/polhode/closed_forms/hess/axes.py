@@ -21,7 +21,7 @@ from polhode.closed_forms.membership.normal_form import (
     Condition,
     Placed,
     equal,
-    excluded,
+    exclusion,
     placed_in,
     positive,
     shortfall,
@@ -46,7 +46,7 @@ def conditions(scene: Placed) -> Iterator[Condition]:
     along, size = dot(scene.momentum, scene.torque), scene.weight * scene.impulse
     yield equal("Iw at right angles to r0", along, ZERO, size)
     still = is_zero(scene.omega) and is_zero(cross(scene.gamma, scene.torque))
-    yield excluded("a body that is not in equilibrium", still)
+    yield exclusion("a body that is not in equilibrium", still)
 
 
 @dataclass(frozen=True)

@@ -138,11 +138,16 @@ def positive(text: str, value: Exact) -> Condition:
     return Condition(text, ZERO if sign(value) > 0 else ONE, graded=False)
 
 
+def exclusion(text: str, applies: bool) -> Condition:
+    """What a case is not: it is told in words, with nothing between."""
+    return Condition(text, ONE if applies else ZERO, graded=False)
+
+
 def moving(scene: Placed) -> Condition:
     """Not all six right-hand sides vanish."""
     moment = minus(cross(scene.gamma, scene.torque), cross(scene.omega, scene.momentum))
     still = is_zero(moment) and is_zero(cross(scene.gamma, scene.omega))
-    return excluded("no permanent rotation", still)
+    return exclusion("no permanent rotation", still)
 
 
 def matching(
@@ -166,11 +171,6 @@ def on_axis_1(scene: Placed) -> Iterator[Condition]:
 
 #: The conditions of a case, in the order in which they are tested.
 Conditions = Callable[[Placed], Iterator[Condition]]
-
-
-def excluded(text: str, applies: bool) -> Condition:
-    """What a case is not: it is told in words, with nothing between."""
-    return Condition(text, ONE if applies else ZERO, graded=False)
 
 
 def placed_in(conditions: Conditions, scene: PrincipalScene) -> tuple[NormalAxes, Placed] | None:

@@ -17,7 +17,7 @@ from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.judging.tables.table import Table
 from polhode.numbers import exact
-from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Doubles, Given
@@ -109,7 +109,7 @@ def of_run(found: Trajectory) -> Samples:
     parts += [(COLUMNS[word].names, rows) for word, rows in found.outputs.items()]
     columns = {"t": np.array([to_double(t) for t in found.times])}
     for names, rows in parts:
-        columns |= dict(zip(names, _doubles(rows).T, strict=True))
+        columns |= dict(zip(names, doubles(rows).T, strict=True))
     return Samples(scene.name, columns, scene, float(found.number.eps))
 
 
@@ -117,14 +117,5 @@ def of_table(table: Table, scene: Scene | None) -> Samples:
     """A file's columns, in order of time."""
     order = sorted(range(len(table.times)), key=lambda k: table.times[k])
     named = {"t": table.times, **table.columns}
-    columns = {name: _doubles([[values[k]] for k in order])[:, 0] for name, values in named.items()}
+    columns = {name: doubles([[values[k]] for k in order])[:, 0] for name, values in named.items()}
     return Samples(table.name, columns, scene)
-
-
-def _doubles(rows: Given) -> Doubles:
-    """Rows of numbers of any kind, None where undefined, as an array of doubles."""
-    if isinstance(rows, np.ndarray):
-        return rows.astype(np.float64)
-    return np.array(
-        [[math.nan if x is None else to_double(exactly(x)) for x in row] for row in rows]
-    )
