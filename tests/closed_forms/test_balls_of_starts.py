@@ -24,17 +24,17 @@ from shared.closed_form_motions import gap, relabel, table_gap
 
 F = Fraction
 FAR = F(30)
-#: Fast seeds, slow ones and all of them; bits and times of rough balls, bits of sure ones, and how
-#: sure these are.
+#: Fast seeds, slow ones and all of them; bits and times of rough balls, bits of sure ones, how sure
+#: these are, and how many numbers of rough ones are finite at least.
 ROUGH = {
-    "euler": (4, 8, 100, FEW_BITS, TIMES, 900, "1e-60"),
-    "lagrange": (4, 8, 100, FEW_BITS, TIMES, 900, "1e-60"),
-    "pendulum": (4, 8, 100, FEW_BITS, TIMES, 900, "1e-60"),
-    "hess": (3, 20, 240, FEW_BITS[::2], TIMES, 280, "1e-60"),
-    "kovalevskaya": (0, 6, 60, FEW_BITS[1:-1], TIMES[:2], 420, "1e-12"),
-    "goryachev-chaplygin": (2, 24, 240, FEW_BITS, (F(7), F(-(10**6))), 420, "1e-12"),
+    "euler": (4, 8, 100, FEW_BITS, TIMES, 900, "1e-60", 21),
+    "lagrange": (4, 8, 100, FEW_BITS, TIMES, 900, "1e-60", 21),
+    "pendulum": (4, 8, 100, FEW_BITS, TIMES, 900, "1e-60", 21),
+    "hess": (3, 20, 240, FEW_BITS[::2], TIMES, 280, "1e-60", 21),
+    "kovalevskaya": (0, 6, 60, FEW_BITS[1:-1], TIMES[:2], 420, "1e-12", 21),
+    "goryachev-chaplygin": (2, 24, 240, FEW_BITS, (F(7), F(-(10**6))), 420, "1e-12", 36),
     **dict.fromkeys(
-        ("staude", *orbit_members.MEMBERS), (1, 2, 20, FEW_BITS[1:-1], TIMES[:2], 330, "1e-60")
+        ("staude", *orbit_members.MEMBERS), (1, 2, 20, FEW_BITS[1:-1], TIMES[:2], 330, "1e-60", 21)
     ),
 }
 #: Of which a row with attitude costs seconds.
@@ -57,8 +57,8 @@ def test_every_ball_holds_its_value(family, seed):
     """However few its bits; and the motion is that of power series."""
     plain, pick = members.start(family, seed)
     plain = relabel(plain, pick.sample(range(3), 3), [pick.choice((1, -1)) for _ in range(3)])
-    motion, (few, times, many, sure_to) = made(family, plain), ROUGH[family][3:]
-    assert every_ball_holds_its_value(motion, times, few, many, sure_to) >= 20
+    motion, (few, times, many, sure_to, finite) = made(family, plain), ROUGH[family][3:]
+    assert every_ball_holds_its_value(motion, times, few, many, sure_to) >= finite
     fastest = max(map(abs, plain[2]))
     if fastest < 20 and max(map(abs, plain[1])) < 1000 * min(plain[0]):
         agrees_with_taylor(motion, plain)
@@ -75,14 +75,15 @@ KINDS = "-e", "e-", "ee", "steady cone"
 #: So near a degenerate one that few bits tell nothing: asked by test_table.py.
 UNTOLD = "nearly at rest", "1e-60 from Bobylev-Steklov"
 OFF = "1e-8", "-1e-8", "1e-20", "-1e-20", "1e-40", "-1e-40"
-#: Few bits, beside half of many; many next to a degenerate motion by 1e-8, and by less.
+#: Few bits, beside half of many; many next to a degenerate motion by 1e-8, and by less; and how
+#: many numbers of rough balls are finite at least, more than half of many bits tell alone where the
+#: few tell so much.
 SURE = {
-    "kovalevskaya": (FEW_BITS[1:-2], 260, 900),
-    "goryachev-chaplygin": (FEW_BITS[::2], 424, 550),
-    "hess": ((30, 107), 320, 900),
+    "kovalevskaya": (FEW_BITS[1:-2], (260, 900), 20),
+    "goryachev-chaplygin": (FEW_BITS[::2], (424, 550), 12),
+    "hess": ((30, 107), (320, 900), 16),
+    **dict.fromkeys(("n-kowalewski", "chaplygin"), (FEW_BITS, (900, 900), 81)),
 }
-#: How many numbers are finite at least, more than half of many bits tell alone; of others, 12.
-LEAST = {"euler": 51, "lagrange": 51, "pendulum": 51, "n-kowalewski": 81, "chaplygin": 81}
 #: Next to which the proof of Hess's case takes seconds.
 LATER = "plane", "separatrix"
 
@@ -123,18 +124,18 @@ def params():
             marks = [pytest.mark.slow] * (seen[family] > 6)
         elif family in DEAR:
             marks = [pytest.mark.slow]
-        few, *many = SURE.get(family, (FEW_BITS, 900, 900))
-        given = family, plain, few, many["1e-" in name or off not in ("", "1e-8", "-1e-8")]
+        few, bits, finite = SURE.get(family, (FEW_BITS, (900, 900), 51))
+        many = bits["1e-" in name or off not in ("", "1e-8", "-1e-8")]
+        given = family, plain, [*few, many // 2], many, finite
         yield pytest.param(*given, id=f"{family}: {name} {off}".strip(), marks=marks)
 
 
-@pytest.mark.parametrize(("family", "plain", "few", "many"), [*params()])
-def test_starts_next_to_degenerate_motions(family, plain, few, many):
+@pytest.mark.parametrize(("family", "plain", "few", "many", "finite"), [*params()])
+def test_starts_next_to_degenerate_motions(family, plain, few, many, finite):
     """And in exceptional places; what is rational assumes nothing."""
     motion, times = made(family, plain), ROUGH[family][4][:2]
     sure_to = "1e-12" if family in PARTLY else "1e-60"
-    few = [*few, many // 2]
-    assert every_ball_holds_its_value(motion, times, few, many, sure_to) >= LEAST.get(family, 12)
+    assert every_ball_holds_its_value(motion, times, few, many, sure_to) >= finite
     agrees_with_taylor(motion, plain, 32)
     rational = all(isinstance(x, Fraction) for row in plain for x in row)
     assert motion.assumed == () or not rational

@@ -220,10 +220,8 @@ def test_200_digits_of_kovalevskayas_tops_are_those_of_240(motion):
 @rows("far attitude", dear=DEAR)
 def test_attitude_at_any_time(motion):
     """Digits as asked, of length 1, and it carries the vertical."""
-    ends = motion.family == "kovalevskaya" and (
-        "separatrix" in motion.name or "asym" in motion.regime
-    )
-    end = 100 if ends or motion.family in ENCLOSED else 10**9
+    swing = motion.family == "kovalevskaya" and "separatrix" in motion.name
+    end = 100 if swing or motion.family in ENCLOSED else 10**9
     top, times = motion.reference, [-far(motion, 40), far(motion, end)]
     few, many = top.attitude(times, 20), top.attitude(times, 35)
     with mpmath.workdps(60):

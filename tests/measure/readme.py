@@ -32,18 +32,21 @@ def parts() -> dict[str, str]:
     far = far_table(report.results(ROOT / "reports", "long-run"))
     return {
         "ahead": ahead,
-        "many": _paragraph("speed", "From an array of 100"),
+        "many": _paragraph("speed", "From an array of 100", rows_may_be_missing=True),
         "speed": f"{ahead}\n\n{_paragraph('speed', 'In quad a refined run takes')}",
         "far": far._replace(again="").markdown,
         "proofs": _paragraph("proofs", "tops are proved"),
     }
 
 
-def _paragraph(study: str, words: str) -> str:
-    """The paragraph of a study's page that has these words; nothing where its rows are missing."""
+def _paragraph(study: str, words: str, rows_may_be_missing: bool = False) -> str:
+    """The one paragraph of a study's page that has these words; or nothing, where that may be."""
     page = report.page(report.results(ROOT / "reports", study))
-    found = "".join(x for x in page.split("\n\n") if words in " ".join(x.split()))
-    return fill(" ".join(found.split()), WIDTH, break_long_words=False, break_on_hyphens=False)
+    found = [text for text in page.split("\n\n") if words in " ".join(text.split())]
+    if rows_may_be_missing and not found:
+        return ""
+    (one,) = found
+    return fill(" ".join(one.split()), WIDTH, break_long_words=False, break_on_hyphens=False)
 
 
 def put_in(text: str, path: Path) -> str:

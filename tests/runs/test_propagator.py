@@ -219,10 +219,9 @@ def test_what_was_not_reached_is_nan_and_said():
 
 
 @pytest.mark.parametrize("number", ["double", "extended"])
-@pytest.mark.parametrize(
-    "end", [0.5, -40.0, 2.5e4]
-)  # the last one's bound is above what goes at once
+@pytest.mark.parametrize("end", [0.5, -40.0, 2.5e4])
 def test_a_call_without_a_limit_makes_the_steps_of_a_run(end, number):
+    """The last end's bound is above what goes at once."""
     if number == "extended":
         end = math.copysign(min(abs(end), 3e3), end)
     for case, (more, start) in CASES.items():
