@@ -12,7 +12,7 @@ import polhode
 from polhode.figures.canvas.canvas import COLOURS, paper
 from polhode.studies.long_run import rows as long_run
 from polhode.studies.page.drawing import LOOKS, plain
-from polhode.studies.speed import contenders
+from polhode.studies.speed import number_types
 from polhode.studies.speed.programs import OURS, PROGRAMS
 
 
@@ -38,7 +38,7 @@ def test_a_logarithmic_axis_has_labels_each_of_its_value(low, high, least):
 
 
 def test_methods_of_a_figure_look_different_and_no_other_program_like_a_number_type():
-    types = {m.name for m in contenders.OURS}
+    types = {way.name for way in number_types.WAYS}
     drawn = [p.name for p in PROGRAMS if p.last and p.name != OURS]
     assert {*types, *drawn, long_run.PLAIN, long_run.PROJECTED} <= LOOKS.keys()
     for those in (types, drawn):

@@ -10,7 +10,7 @@ from polhode.figures.canvas.canvas import as_svg, paper
 from polhode.output.json_object import JsonObject
 from polhode.studies.page import drawing
 from polhode.studies.page.drawing import GUIDE, LOOKS, WIDTH
-from polhode.studies.speed.contenders import TYPES_SHOWN
+from polhode.studies.speed.number_types import TYPES_SHOWN
 from polhode.studies.speed.programs import OURS
 
 if TYPE_CHECKING:

@@ -241,14 +241,15 @@ def _best(motions: Sequence[JsonObject]) -> Iterator[JsonObject]:
 
 
 def _faults(found: JsonObject) -> list[JsonObject]:
-    """What failed, was missing or stale, each once."""
+    """What failed or was missing, each once."""
     told = {
         (name, fault): None for cell in found["cells"] for name, fault in cell["faults"].items()
     }
     told |= {
-        (method["method"], f"{method['status']}: {method['reason']}"): None
+        (method["method"], f"at tolerance {point['tol']:.2g}: {point['reason']}"): None
         for motion in found["motions"]
         for method in motion["methods"]
-        if method["status"] != "ok"
+        for point in method["points"]
+        if "reason" in point
     }
     return [{"program": program, "fault": fault} for program, fault in told]
