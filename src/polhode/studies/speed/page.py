@@ -23,7 +23,7 @@ _BEST = (
     Column("to", lambda row: f"{row['motion']}, t = {row['end']}"),
     Column("tol", "tol", ".1e", "the tolerance of the steps, the tightest of several"),
     DIGITS,
-    Column("least s", "seconds_min", ".3g", "seconds of a run, the least of all"),
+    Column("least s", "seconds_min", ".3g", "processor seconds of a run, the least of several"),
 )
 _ELSEWHERE = (
     Column("program", "program"),
