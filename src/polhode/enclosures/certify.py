@@ -24,7 +24,7 @@ from polhode.enclosures import (
     integral_contraction,
     proof_loop,
 )
-from polhode.enclosures.approximation import attitude_series, precision_choice
+from polhode.enclosures.approximation import newton_correction, precision_choice
 from polhode.enclosures.derived import derived_balls
 from polhode.enclosures.fixed_point_problem import (
     CLOCK,
@@ -366,9 +366,8 @@ def _watch(
     modelled = side.motion.scene.modelled
     if not {"angles", "attitude"} & {*modelled}:
         return []
-    approximate = attitude_series.approximate
     angles = "angles" in modelled
-    return [attitude.Watch(side.motion, problem, times, approximate, angles, deadline)]
+    return [attitude.Watch(side.motion, problem, times, newton_correction.forced, angles, deadline)]
 
 
 def balls(rows: Sequence[Sequence[Any]], bits: int) -> tuple[Any, Any]:

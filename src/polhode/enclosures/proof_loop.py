@@ -166,7 +166,7 @@ def _window(
         known = defect.defects(problem, shape)
         gaps = defect.gaps(problem, shape, state.centre)
         e = untrusted.correction(a, known.values.copy(), v, gaps)
-        size = newton_correction.size(e, problem.noise)
+        size = taylor_polynomials.size(e, problem.noise)
         if size > _LOST or size >= last:
             return None
         # its square and its rounding are noise

@@ -259,7 +259,7 @@ def _approximation(known: Bounds, n: int) -> list[arb_poly]:
     unit, level = arb((1, -known.problem.noise)), arb((1, -pieces.level))
     return [
         arb_poly(x) * level + arb_poly([arb(float(c)) for c in known.correction[n, :, i]]) * unit
-        for i, x in enumerate(pieces.rows[n])
+        for i, x in enumerate(pieces.polynomials(n))
     ]
 
 
