@@ -306,7 +306,8 @@ def _coarse_holds_fine() -> bool:
         for tau in (arb((k, -4)) for k in range(17)):
             with ctx.workprec(64):
                 wide = on.coarse(tau)
-            fine = zonotope.around(known, n, tau, [step.r] * 6)  # type: ignore[arg-type]
+            with ctx.workprec(on.bits):
+                fine = on.fine(tau)
             held = held and all(x.contains(y) for x, y in zip(wide, fine, strict=True))
     return held
 

@@ -242,19 +242,14 @@ def _balls(
     radii = radii + np.abs(w) @ (jump + gamma(16) * hull)
     lost = gamma(2 * terms + 6) + UP * terms * off  # |V(tau) - V(near)| <= sum k |V_k| off
     radii = UP * (radii + step.s + (lost * float(known.sizes[n]) * eps)[:, None]) + TINY
-    with ctx.workprec(known.problem.noise + 104):
-        centre = _approximation(known, n)
-        return [_widened(known, centre, *at) for at in zip(taus, radii.tolist(), strict=True)]
+    noise = known.problem.noise
+    with ctx.workprec(noise + 104):
+        centre = approximation(known, n)
+        return [widened(centre, *at, noise) for at in zip(taus, radii.tolist(), strict=True)]
 
 
-def around(known: Bounds, n: int, tau: Any, radii: Sequence[float]) -> list[Any]:
-    """The approximation at tau in step n as balls, widened by radii in units of 2**-noise."""
-    with ctx.workprec(known.problem.noise + 104):
-        return _widened(known, _approximation(known, n), tau, radii)
-
-
-def _approximation(known: Bounds, n: int) -> list[arb_poly]:
-    """The polynomials of step n, corrections added to them."""
+def approximation(known: Bounds, n: int) -> list[arb_poly]:
+    """The polynomials of step n, corrections added to them, to the working precision."""
     pieces = known.pieces
     unit, level = arb((1, -known.problem.noise)), arb((1, -pieces.level))
     return [
@@ -263,8 +258,7 @@ def _approximation(known: Bounds, n: int) -> list[arb_poly]:
     ]
 
 
-def _widened(
-    known: Bounds, centre: Sequence[arb_poly], tau: arb, radii: Sequence[float]
-) -> list[arb]:
-    unit = arb((1, -known.problem.noise))
-    return [p(tau) + arb(0, float(r)) * unit for p, r in zip(centre, radii, strict=True)]
+def widened(polynomials: Sequence[arb_poly], tau: arb, radii: Sequence[float], noise: int) -> Any:
+    """The values at tau as balls, widened by radii in units of 2**-noise."""
+    unit = arb((1, -noise))
+    return [p(tau) + arb(0, float(r)) * unit for p, r in zip(polynomials, radii, strict=True)]

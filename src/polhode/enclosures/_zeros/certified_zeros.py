@@ -1,7 +1,8 @@
 """Certified zeros of a polynomial g along the exact motion: existence, uniqueness, time.
 
-Trusted.  On a step the exact state is in xhat(tau) +- r (``bound``), and the derivative of g along
-it is the polynomial g' = grad g · f, so h g' is that by tau.  With balls over a closed interval I:
+Trusted.  On a step the exact state is in xhat(tau) +- r (``step_bound``), and the derivative of g
+along it is the polynomial g' = grad g · f, so h g' is that by tau.  With balls over a closed
+interval I:
 
     0 not in g(I)                no zero in I;
     0 not in g'(I)               at most one, and exactly one if g has certified opposite signs at
@@ -32,12 +33,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from flint import arb, arb_poly
 
+from polhode.common.cached_property import cached_property
 from polhode.common.deadline import NONE, Deadline
 from polhode.enclosures.fixed_point_problem import CLOCK, UP
 from polhode.enclosures.integral_contraction import Contradiction
 from polhode.enclosures.polynomial import BallPolynomial
 from polhode.enclosures.step_bound import Bounds
-from polhode.enclosures.zonotope import Step, around
+from polhode.enclosures.zonotope import Step, approximation, widened
 from polhode.numbers.flint_context import ctx
 
 GRAIN = 48  # ends of intervals are integers times 2**-GRAIN of a step
@@ -211,11 +213,20 @@ class _OnStep:
         """The exact states at all tau of a ball."""
         return [row(tau) + self.slack for row in self.rows]
 
-    def fine(self, at: int) -> Any:
-        """g at one point, as sharply as the proof allows."""
-        radii = [self.step.r] * 6
+    @cached_property
+    def polynomials(self) -> list[arb_poly]:
+        """The approximation of the step."""
         with ctx.workprec(self.bits):
-            return self.g.at(around(self.known, self.n, arb((at, -GRAIN)), radii))
+            return approximation(self.known, self.n)
+
+    def fine(self, tau: Any) -> list[Any]:
+        """The exact states at all tau of a ball, as sharply as the proof allows."""
+        return widened(self.polynomials, tau, [self.step.r] * 6, self.known.problem.noise)
+
+    def value(self, at: int) -> Any:
+        """g at one point, likewise."""
+        with ctx.workprec(self.bits):
+            return self.g.at(self.fine(arb((at, -GRAIN))))
 
     def sign(self, at: int) -> int:
         """The certified sign of g at a point; 0 where there is none."""
@@ -223,7 +234,7 @@ class _OnStep:
             with ctx.workprec(_COARSE):
                 value = self.g.at(self.coarse(arb((at, -GRAIN))))
             if value.contains(0):
-                value = self.fine(at)
+                value = self.value(at)
             self.signs[at] = _sign(value)
         return self.signs[at]
 
@@ -270,21 +281,19 @@ class _OnStep:
 
     def _away(self, a: int, b: int) -> bool:
         """Whether g has no zero on [a, b], by g(m) + h g'(I)(I - m): for contacts that miss."""
-        radii = [self.step.r] * 6
         with ctx.workprec(self.bits):
             over = _ball(a, b)
-            slope = self.rate.at(around(self.known, self.n, over, radii)) * self.h
+            slope = self.rate.at(self.fine(over)) * self.h
             middle = arb(over.mid())
-            value = self.g.at(around(self.known, self.n, middle, radii))
+            value = self.g.at(self.fine(middle))
             return not (value + slope * (over - middle)).contains(0)
 
     def _flat(self, a: int, b: int) -> bool:
         """Whether g on [a, b] is nowhere far from what its radius at the middle leaves open."""
-        value = self.fine((a + b) // 2)
-        radii = [self.step.r] * 6
+        value = self.value((a + b) // 2)
         with ctx.workprec(self.bits):
             over = _ball(a, b)
-            slope = self.rate.at(around(self.known, self.n, over, radii)) * self.h
+            slope = self.rate.at(self.fine(over)) * self.h
             off = (slope * (over - arb(over.mid()))).abs_upper()
             return bool(value.contains(0) and off <= _FLAT * arb(value.rad()))
 
@@ -293,17 +302,16 @@ class _OnStep:
 
         tau = m - g(m)/(h g'(I)) for the zero in I, whatever m of [0, 1] is taken.
         """
-        radii = [self.step.r] * 6
         times = self.known.pieces.times
         with ctx.workprec(self.bits):
             inside, low, high = _ball(a, b), arb((a, -GRAIN)), arb((b, -GRAIN))
             for _ in range(_NEWTONS):
                 middle = arb(inside.mid())
                 middle = low if middle < low else high if middle > high else middle
-                sharper = self.rate.at(around(self.known, self.n, inside.union(middle), radii))
+                sharper = self.rate.at(self.fine(inside.union(middle)))
                 if not sharper.contains(0):
                     slope = sharper
-                value = self.g.at(around(self.known, self.n, middle, radii))
+                value = self.g.at(self.fine(middle))
                 nearer = middle - value / (slope * self.h)
                 if not nearer.overlaps(inside):
                     return None
@@ -311,7 +319,7 @@ class _OnStep:
                 if smaller.rad() * 2 > inside.rad():
                     break
                 inside = smaller
-            state = around(self.known, self.n, inside, radii)
+            state = self.fine(inside)
             return Zero(arb((times[self.n], -CLOCK)) + inside * self.h, tuple(state))
 
 
