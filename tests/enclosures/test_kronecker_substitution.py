@@ -172,7 +172,7 @@ def _steep(rows: int, size: float) -> taylor_polynomials.Pieces:
 
 def _turn_is_exact(size: float) -> bool:
     """Whether the defect of a turn, and its coefficients, are those of exact polynomials."""
-    w, v = _steep(6, size), _steep(4, 2.0 * size)
+    w, v = _steep(3, size), _steep(4, 2.0 * size)
     near, values, _ = quaternion.defects(w, v, 90)
     unit = Fraction(2) ** (90 - w.level - v.level)
     x, y = v.polynomials(0), w.polynomials(0)

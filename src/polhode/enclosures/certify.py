@@ -193,8 +193,9 @@ def _enclosure(asked: Task, noise: int) -> Enclosure:
     solution, angles = newton_correction.forced, "angles" in scene.modelled
 
     def watch(side: Side, problem: Problem, at: Sequence[Any]) -> list[attitude.Watch]:
-        watches = attitude.Watch(side.motion, problem, at, solution, angles, asked.deadline)
-        return [watches] if turned else []
+        if not turned:
+            return []
+        return [attitude.Watch(side.motion, problem, at, solution, angles, asked.deadline)]
 
     rows: dict[int, list[Any]] = {}
     poses: dict[int, attitude.Pose] = {}

@@ -6,14 +6,13 @@ the very end, so that they are right relatively.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from flint import fmpz
 
-from polhode.enclosures.fixed_point_problem import CLOCK, CYCLE, Problem
+from polhode.enclosures.fixed_point_problem import CLOCK, CYCLE, Problem, Refused
 from polhode.enclosures.kronecker_substitution import UNPACKED, packing, words_of
 from polhode.enclosures.taylor_polynomials import Pieces
 
@@ -81,26 +80,20 @@ def gaps(problem: Problem, pieces: Pieces, start: tuple[int, ...]) -> Any:
     The first one is from the state ``start``, integers times 2**-fine.
     """
     found = np.zeros((pieces.count, 6))
-    first = zip(start, pieces.starts[0], strict=True)
-    found[0] = [difference(x, problem.fine, y, pieces.level, problem.noise) for x, y in first]
-    jumps = pieces.ends[:-1] - pieces.starts[1:]
-    power = problem.noise - pieces.level
-    for n, row in enumerate(jumps, start=1):
-        found[n] = [scaled(x, power) for x in row]
+    level, noise, first = pieces.level, problem.noise, np.array(start, dtype=object)
+    found[0] = difference(first, problem.fine, pieces.starts[0], level, noise)
+    found[1:] = difference(pieces.ends[:-1], level, pieces.starts[1:], level, noise)
     return found
 
 
-def difference(x: int, x_bits: int, y: int, y_bits: int, noise: int) -> float:
-    """x·2**-x_bits - y·2**-y_bits in units of 2**-noise: exact in integers, then rounded once."""
+def difference(x: Any, x_bits: int, y: Any, y_bits: int, noise: int) -> Any:
+    """x·2**-x_bits - y·2**-y_bits in units of 2**-noise: exact in integers, then rounded once.
+
+    Of integers, or of arrays of them.  Raises Refused beyond the doubles.
+    """
     bits = max(x_bits, y_bits)
-    return scaled((x << (bits - x_bits)) - (y << (bits - y_bits)), noise - bits)
-
-
-def scaled(exact: int, power: int) -> float:
-    """exact·2**power, rounded once; infinite beyond the doubles."""
-    if exact == 0:
-        return 0.0
+    exact = (x << (bits - x_bits)) - (y << (bits - y_bits))
     try:
-        return float(exact << power) if power >= 0 else exact / (1 << -power)
+        return (exact << max(0, noise - bits)) / (1 << max(0, bits - noise))
     except OverflowError:
-        return math.inf
+        raise Refused("an approximation is too large") from None

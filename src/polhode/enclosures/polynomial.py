@@ -20,6 +20,7 @@ from polhode.numbers.flint_context import ctx
 SIZE = 6
 MOST_POWER = 12
 _NOTHING = (0,) * SIZE
+_ZERO = arb(0)
 
 
 @dataclass(frozen=True)
@@ -81,6 +82,10 @@ class Polynomial:
         """Whether every coefficient is a fraction."""
         return all(isinstance(value, Fraction) for value in self.terms.values())
 
+    def at(self, state: Sequence[Fraction]) -> Any:
+        """The exact value at a state of fractions, where the coefficients are fractions."""
+        return BallPolynomial(tuple(self.terms.items())).at(state, Fraction(0))
+
     def balls(self, bits: int) -> BallPolynomial:
         """The same with coefficients as balls of so many bits."""
         return BallPolynomial(tuple((key, ball(x, bits)) for key, x in self.terms.items()))
@@ -91,9 +96,8 @@ class BallPolynomial(NamedTuple):
 
     terms: tuple[tuple[tuple[int, ...], Any], ...]
 
-    def at(self, state: Sequence[Any]) -> Any:
-        """A ball around the values at every point of a box of six balls."""
-        total = arb(0)
+    def at(self, state: Sequence[Any], total: Any = _ZERO) -> Any:
+        """A ball around the values at every point of a box of six balls; ``total``: its zero."""
         for key, value in self.terms:
             for x, power in zip(state, key, strict=True):
                 for _ in range(power):  # x**power is no number where a ball holds 0

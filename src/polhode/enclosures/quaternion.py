@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -94,7 +95,9 @@ def turns(known: Bounds, steps: Sequence[Step], solution: Solution) -> Turns:
     v is found by Newton's corrections, until they make the defect no smaller.
     """
     noise, old = known.problem.noise, known.pieces
-    w = improved(old, known.correction, noise, max(known.problem.fine, old.level))
+    state = improved(old, known.correction, noise, max(known.problem.fine, old.level))
+    parts = tuple((level, part[:, :3]) for level, part in state.parts)
+    w = replace(state, parts=parts, near=state.near[:, :, :3])
     a = np.zeros((*w.near.shape[:2], 4, 4))
     for i, terms in enumerate(PRODUCT):
         for sign, j, k in terms:
@@ -139,7 +142,7 @@ def defects(w: Pieces, v: Pieces, noise: int) -> tuple[Any, Any, Any]:
     numbers = []
     for n in range(w.count):
         length = fmpz(w.times[n + 1] - w.times[n])
-        x, y = turning[4 * n : 4 * n + 4], rates[6 * n : 6 * n + 3]
+        x, y = turning[4 * n : 4 * n + 4], rates[3 * n : 3 * n + 3]
         for i, terms in enumerate(PRODUCT):
             turned = sum((x[a] * y[b] * sign for sign, a, b in terms), fmpz(0))
             numbers.append((packs.slope(x[i]) << shift) - turned * length)
