@@ -172,6 +172,7 @@ def _of(g: Any, noise: int, **given: Any) -> certified_zeros.Search:
     problem = fixed_point_problem.problem(motion, noise)
     search = certified_zeros.Search(g.balls(400), rate(g, motion.field).balls(400), **given)
     proof_loop.run(problem, fixed_point_problem.times(motion, [Fraction(12)]), watchers=[search])
+    search.finish()
     return search
 
 
@@ -218,6 +219,7 @@ def _searched(
     search.window = window  # type: ignore[method-assign]
     end = fixed_point_problem.times(motion, [Fraction(12)], 300)
     proof_loop.run(problem, end, watchers=[search])
+    search.finish()
     return search, grid
 
 
@@ -276,6 +278,7 @@ def _at_corners() -> list[float]:
         boxed = replace(problem, start=start, spread=spread)
         search = certified_zeros.Search(g.balls(400), rate(g, motion.field).balls(400))
         proof_loop.run(boxed, fixed_point_problem.times(motion, [Fraction(4)]), watchers=[search])
+        search.finish()
         (crossing,) = search.crossings
         with mpmath.workdps(60):
             true = exactly(2 * mpmath.acos(mpmath.mpf(1) / 3))  # w is 1/2 in the proof's unit

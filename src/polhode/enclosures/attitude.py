@@ -115,9 +115,6 @@ class Watch:
                 self.poses.append(Pose(self._scene(*self._turned.at(found, n, tau)), about))
             self._turned.step(found, n)
 
-    def finish(self) -> None:
-        """Nothing is left at the end."""
-
     @property
     def lost(self) -> float | None:
         """About the time at which psi and phi were lost, in the proof's unit, forward."""

@@ -190,6 +190,8 @@ def _events(
         return searches
 
     ((side, searches, proof),) = asked.proofs(noise, watch)
+    for search in searches:
+        search.finish()
     what = side.motion
     (end,) = fixed_point_problem.times(what, side.ordered)
     until = end if proof.outcome.done else arb((proof.end.time, -CLOCK))
@@ -259,8 +261,8 @@ def of_event(what: Motion, n: int, event: Event) -> Polynomial:
     columns = {}
     for k, name in enumerate(STATE):
         part, i = divmod(k, 3)
-        turned = total([variable(3 * part + j).scaled(rows[j][i]) for j in range(3)])
-        columns[name] = turned if part else turned.scaled(unit)
+        turned = total([variable(3 * part + j) * rows[j][i] for j in range(3)])
+        columns[name] = turned if part else turned * unit
     if scene.gamma is None:
         columns = {name: columns[name] for name in STATE[:3]}
     functions = dict.fromkeys(expression.FUNCTIONS, _refuse)

@@ -35,18 +35,19 @@ class Polynomial:
             terms[key] = terms[key] + value if key in terms else value
         return Polynomial({key: value for key, value in terms.items() if not _is_zero(value)})
 
-    def __mul__(self, other: Polynomial) -> Polynomial:
+    def __mul__(self, other: Polynomial | Exact | int) -> Polynomial:
+        factor = other if isinstance(other, Polynomial) else constant(other)
         found = Polynomial({})
         for a, x in self.terms.items():
             moved = {
                 tuple(i + j for i, j in zip(a, b, strict=True)): exact.multiply(x, y)
-                for b, y in other.terms.items()
+                for b, y in factor.terms.items()
             }
             found = found + Polynomial(moved)
         return found
 
     def __neg__(self) -> Polynomial:
-        return self.scaled(-1)
+        return self * -1
 
     def __sub__(self, other: Polynomial) -> Polynomial:
         return self + -other
@@ -54,7 +55,7 @@ class Polynomial:
     def __truediv__(self, other: Polynomial) -> Polynomial:
         if set(other.terms) != {_NOTHING}:
             raise ValueError("a polynomial is divided by numbers alone")
-        return self.scaled(exact.divide(exact.ONE, other.terms[_NOTHING]))
+        return self * exact.divide(exact.ONE, other.terms[_NOTHING])
 
     def __pow__(self, exponent: int) -> Polynomial:
         if not 0 <= exponent <= MOST_POWER:
@@ -63,10 +64,6 @@ class Polynomial:
         for _ in range(exponent):
             found = found * self
         return found
-
-    def scaled(self, factor: Exact | int) -> Polynomial:
-        """The polynomial times a number."""
-        return self * constant(factor)
 
     def derivative(self, variable: int) -> Polynomial:
         """The partial derivative by one of the six variables."""

@@ -58,9 +58,6 @@ class Watcher(Protocol):
     def window(self, known: step_bound.Bounds, steps: Sequence[zonotope.Step]) -> None:
         """A window whose steps have been accepted."""
 
-    def finish(self) -> None:
-        """The proof is at its end."""
-
 
 @dataclass(frozen=True)
 class Proof:
@@ -135,8 +132,6 @@ def run(
         outcome = Outcome.TIME_LIMIT
     except KeyboardInterrupt:
         outcome = Outcome.INTERRUPTED
-    for watcher in watchers:
-        watcher.finish()
     return Proof(rows, steps, whole, outcome)
 
 

@@ -150,10 +150,7 @@ class Enclosure(Result, ByValue):
 
     def decimals(self) -> list[list[tuple[str, str]]]:
         """Balls as decimals: midpoints rounded a little beyond the radius, radii that allow it."""
-        return [
-            [decimal_ball(x, r) for x, r in zip(row, radii, strict=True)]
-            for row, radii in zip(self.centres, self.radii, strict=True)
-        ]
+        return Part(self.centres, self.radii).decimals()
 
     def save(self, path: str | Path, progress: Progress | None = None) -> None:
         """Write the enclosure, or as .json the certificate that ``polhode verify`` checks.

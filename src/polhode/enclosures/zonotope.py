@@ -6,7 +6,7 @@ Trusted.  At the grid time t_n the exact state minus the approximation's end is
 
 G the columns as they were last settled, T the product of the V since, H the columns born since.
 J_n = xhat_{n-1}(1) - xhat_n(0) is the jump of the approximation, so the step's z(0) is z_n + J_n,
-and by the theorem of one step (``bound``)
+and by the theorem of one step (``step_bound``)
 
     z_{n+1} in V (z_n + J_n) + [-s, s]**6.
 
@@ -176,19 +176,15 @@ def _lost(known: Bounds) -> float:
 
 def _centre(known: Bounds) -> tuple[tuple[int, ...], Any]:
     """The approximation's end rounded to 2**-fine, and bounds of what that leaves, (6,)."""
-    problem, pieces = known.problem, known.pieces
+    level, fine, noise = known.pieces.level, known.problem.fine, known.problem.noise
     ends = np.sum(known.correction[-1], axis=0)
     sizes = np.sum(np.abs(known.correction[-1]), axis=0)
-    level, fine, noise = pieces.level, problem.fine, problem.noise
-    centre, rest = [], np.zeros(6)
-    for i, end in enumerate(pieces.ends[-1]):
-        correction = round(math.ldexp(float(ends[i]), fine - noise)) if ends[i] else 0
-        whole = end << (fine - level) if fine >= level else end >> (level - fine)
-        near = whole + correction
-        centre.append(near)
-        exact = difference(end, level, near, fine, noise)
-        rest[i] = UP * (abs(exact + float(ends[i])) + _lost(known) * (float(sizes[i]) + abs(exact)))
-    return tuple(centre), rest + TINY
+    end = known.pieces.ends[-1]
+    moved = [round(math.ldexp(x, fine - noise)) for x in ends.tolist()]
+    centre = ((end << max(0, fine - level)) >> max(0, level - fine)) + np.array(moved, dtype=object)
+    exact = difference(end, level, centre, fine, noise).astype(float)
+    rest = UP * (np.abs(exact + ends) + _lost(known) * (sizes + np.abs(exact)))
+    return tuple(centre.tolist()), rest + TINY
 
 
 def inside(times: Sequence[Any], end: int) -> list[Any]:
@@ -227,7 +223,7 @@ def _balls(
     eps: float,
     step: Step,
 ) -> list[list[Any]]:
-    """Six balls around the exact state at each tau in step n, by (2) of ``bound``."""
+    """Six balls around the exact state at each tau in step n, by (2) of ``step_bound``."""
     v = known.matrices[n]
     terms = v.shape[0]
     near = np.array([float(tau.mid()) for tau in taus])
@@ -258,7 +254,9 @@ def approximation(known: Bounds, n: int) -> list[arb_poly]:
     ]
 
 
-def widened(polynomials: Sequence[arb_poly], tau: arb, radii: Sequence[float], noise: int) -> Any:
+def widened(
+    polynomials: Sequence[arb_poly], tau: arb, radii: Sequence[float], noise: int
+) -> list[arb]:
     """The values at tau as balls, widened by radii in units of 2**-noise."""
     unit = arb((1, -noise))
     return [p(tau) + arb(0, float(r)) * unit for p, r in zip(polynomials, radii, strict=True)]
