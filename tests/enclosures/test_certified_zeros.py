@@ -160,9 +160,9 @@ def test_intervals_on_both_sides_of_a_boundary_hold_a_zero_between_opposite_sign
 ) -> None:
     zero = certified_zeros.Zero(arb(1), (arb(0),) * 6)
     search = certified_zeros.Search(None, None)
-    search._left = certified_zeros._Part(before, 1, zero, arb(0), arb(1))
-    search._part(certified_zeros._Part(1, 1, zero, arb(1), arb(2)), True, False)
-    search.finish()
+    pieces = [certified_zeros._Piece(1, zero, arb(k), arb(k + 1)) for k in range(2)]
+    search._group = certified_zeros._Group(before, pieces)
+    search._close(1)
     assert (len(search.crossings), search.contacts) == (count, [])
 
 

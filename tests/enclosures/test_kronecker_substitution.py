@@ -197,3 +197,12 @@ def test_the_defect_of_a_turn_is_that_of_exact_polynomials() -> None:
                 with suppress(OverflowError):
                     found.append(_turn_is_exact(size))
             assert len(found) < len(sizes) or not all(found)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_sum_of_the_moduli_holds_what_corrections_have_added(sign: float) -> None:
+    shape = taylor_polynomials.of_doubles((0, 1), np.full((1, 8, 6), sign * 64.0))
+    shape = taylor_polynomials.improved(shape, np.full((1, 8, 6), sign * 32.0), 0, shape.level)
+    true = sum(abs(int(x)) for x in shape.polynomials(0)[0].coeffs()) / 2.0**shape.level
+    assert true == 8 * 96.0 <= shape.most <= true + 2
+    assert shape.ends[0, 0] == sign * true * 2.0**shape.level

@@ -76,14 +76,27 @@ class Contact(NamedTuple):
     end: Any
 
 
-class _Part(NamedTuple):
-    """An interval of a step that ends at a boundary without a certified sign of g there."""
+class _Piece(NamedTuple):
+    """An interval on which g may have zeros."""
 
-    sign: int  # of g at its other end; 0 where that is not certified either
-    slope: int  # of g' on it
+    slope: int  # of g' on it; 0 where it has no certified sign
     zero: Zero | None  # where its zero is, if it has one; None if Newton shows that it has none
     begin: Any
     end: Any
+
+
+@dataclass
+class _Group:
+    """Neighbouring pieces without a point between them where g has a certified sign."""
+
+    sign: int  # of g where it begins; 0 where that is not certified
+    pieces: list[_Piece] = field(default_factory=list)
+
+    @property
+    def slope(self) -> int:
+        """The sign of g' on all of it; 0 where it has none."""
+        slopes = {piece.slope for piece in self.pieces}
+        return slopes.pop() if len(slopes) == 1 else 0
 
 
 @dataclass
@@ -100,7 +113,7 @@ class Search:
     deadline: Deadline = NONE
     crossings: list[Crossing] = field(default_factory=list)
     contacts: list[Contact] = field(default_factory=list)
-    _left: _Part | None = None  # an interval up to the last boundary, where no sign was certified
+    _group: _Group | None = None  # what is open where the search stands
     _sign: int = 0  # of g at the last boundary
 
     def window(self, known: Bounds, steps: Sequence[Step]) -> None:
@@ -110,82 +123,61 @@ class Search:
 
     def finish(self) -> None:
         """What is left at the last time is undecided."""
-        self._undecided(self._left)
-        self._left = None
+        self._close(0)
 
     def _step(self, on: _OnStep) -> None:
-        self._boundary(on)
+        sign = on.sign(0)
+        if sign * self._sign < 0:
+            raise Contradiction("g has two signs on a step's boundary")
+        on.signs[0] = sign or self._sign
+        if on.signs[0]:
+            self._close(on.signs[0])
         pending, pieces = [(0, WHOLE)], 0
-        found: Crossing | _Part | str
         while pending:
             self.deadline.check()
             a, b = pending.pop()
             pieces += 1
             if pieces > MOST_PIECES:
-                pending, b, found = [], WHOLE, OPEN
+                pending, b, found = [], WHOLE, None
             else:
                 found = on.decide(a, b)
             if found == SPLIT and b - a > _FINEST:
                 middle = on.split(a, b)
                 pending += [(middle, b), (a, middle)]
                 continue
-            if found in (SPLIT, OPEN):
-                found = _Part(0, 0, None, on.time(a), on.time(b))
-            if isinstance(found, _Part):
-                self._part(found, a == 0 and not on.sign(0), b == WHOLE and not on.sign(WHOLE))
+            if found == EMPTY:  # the sign of g is one, from a on
+                self._close(on.sign(b))
                 continue
-            self._undecided(self._left)
-            self._left = None
-            if isinstance(found, Crossing):
-                self.crossings.append(found)
+            if not isinstance(found, _Piece):
+                found = _Piece(0, None, on.time(a), on.time(b))
+            self._group = self._group or _Group(on.sign(a))
+            self._group.pieces.append(found)
+            if on.sign(b):
+                self._close(on.sign(b))
         self._sign = on.sign(WHOLE)
 
-    def _boundary(self, on: _OnStep) -> None:
-        """The sign of g where two steps meet, as either of them certifies it."""
-        sign = on.sign(0)
-        if sign * self._sign < 0:
-            raise Contradiction("g has two signs on a step's boundary")
-        sign = on.signs[0] = sign or self._sign
-        left = self._left
-        if left is None or not sign:
+    def _close(self, sign: int) -> None:
+        """The open group ends where g has this sign; 0 where that is not certified."""
+        group, self._group = self._group, None
+        if group is None:
             return
-        self._left = None
-        if left.slope * left.sign == 0:
-            self._undecided(left)
-        elif left.sign != sign:
-            if left.zero is None:
-                raise Contradiction("a zero before a step's boundary is nowhere")
-            self.crossings.append(Crossing(left.zero, left.slope))
-
-    def _part(self, part: _Part, at_begin: bool, at_end: bool) -> None:
-        """An interval without a certified sign at the step's beginning, its end, or both."""
-        left, self._left = self._left, None
-        if not at_begin:
-            self._undecided(left)
-            if not at_end:
-                self._undecided(part)
-        elif left is None:
-            self._undecided(part)
-        elif left.slope == part.slope != 0 and left.sign * part.sign < 0:
-            zeros = [x.zero for x in (left, part) if x.zero is not None]
+        slope = group.slope
+        if not slope * group.sign * sign:
+            for piece in group.pieces:
+                self._undecided(piece)
+        elif group.sign != sign:
+            zeros = [piece.zero for piece in group.pieces if piece.zero is not None]
             if not zeros:
-                raise Contradiction("a zero on a step's boundary is nowhere")
-            self.crossings.append(Crossing(_either(zeros), left.slope))
-        elif not (left.slope == part.slope != 0 and left.sign * part.sign > 0):
-            self._undecided(left)
-            self._undecided(part)
-        if at_end:
-            self._left = part._replace(sign=0) if at_begin else part
+                raise Contradiction("a zero between two signs is nowhere")
+            self.crossings.append(Crossing(_either(zeros), slope))
 
-    def _undecided(self, part: _Part | None) -> None:
-        if part is None:
-            return
-        begin, end = part.begin, part.end
-        if part.slope:  # one zero at the most, and only where Newton's steps leave it
-            if part.zero is None:
+    def _undecided(self, piece: _Piece) -> None:
+        begin, end = piece.begin, piece.end
+        if piece.slope:  # one zero at the most, and only where Newton's steps leave it
+            if piece.zero is None:
                 return
             with ctx.workprec(_TIMES):
-                begin, end = part.zero.time.lower(), part.zero.time.upper()
+                begin, end = piece.zero.time.lower(), piece.zero.time.upper()
         if self.contacts and not self.contacts[-1].end < begin:
             last = self.contacts.pop()
             begin, end = last.begin, last.end if last.end > end else end
@@ -252,8 +244,8 @@ class _OnStep:
         with ctx.workprec(self.bits):
             return arb((times[self.n], -CLOCK)) + arb((at, -GRAIN)) * self.h
 
-    def decide(self, a: int, b: int) -> Crossing | _Part | str:
-        """EMPTY, a zero, an interval that has no sign at a boundary of the step, SPLIT or OPEN."""
+    def decide(self, a: int, b: int) -> _Piece | str:
+        """EMPTY, SPLIT, OPEN, or what is known of a zero where g' has a sign."""
         with ctx.workprec(_COARSE):
             over = _ball(a, b)
             states = self.coarse(over)
@@ -268,16 +260,9 @@ class _OnStep:
         left, right = self.sign(a), self.sign(b)
         if not steep:
             return OPEN if not (left or right) and self._flat(a, b) else SPLIT
-        if not (left or a == 0) or not (right or b == WHOLE):
-            return SPLIT if left or right else OPEN
         if left == right != 0:
             return EMPTY
-        where = self._newton(a, b, slope)
-        if not (left and right):
-            return _Part(left or right, _sign(slope), where, self.time(a), self.time(b))
-        if where is None:
-            raise Contradiction("a zero between two signs is nowhere")
-        return Crossing(where, _sign(slope))
+        return _Piece(_sign(slope), self._newton(a, b, slope), self.time(a), self.time(b))
 
     def _away(self, a: int, b: int) -> bool:
         """Whether g has no zero on [a, b], by g(m) + h g'(I)(I - m): for contacts that miss."""
