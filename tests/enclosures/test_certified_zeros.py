@@ -154,16 +154,27 @@ def test_what_is_zero_all_along_or_no_polynomial_is_refused(zero: str, why: str)
         certify_events(wheel(zero))
 
 
-@pytest.mark.parametrize(("before", "count"), [(-1, 1), (1, 0)])
-def test_intervals_on_both_sides_of_a_boundary_hold_a_zero_between_opposite_signs(
-    before: int, count: int
+@pytest.mark.parametrize(
+    ("slopes", "before", "after", "count", "contacts"),
+    [
+        ((1, 1), -1, 1, 1, 0),
+        ((1, 1), 1, 1, 0, 0),
+        ((1, 0), -1, 1, 0, 1),
+        ((1, -1), -1, 1, 0, 1),
+        ((1, 1), 0, 1, 0, 1),
+        ((1, 1), -1, 0, 0, 1),
+    ],
+)
+def test_a_group_of_intervals_holds_a_zero_between_opposite_signs_if_it_is_steep(
+    slopes: tuple[int, int], before: int, after: int, count: int, contacts: int
 ) -> None:
     zero = certified_zeros.Zero(arb(1), (arb(0),) * 6)
     search = certified_zeros.Search(None, None)
-    pieces = [certified_zeros._Piece(1, zero, arb(k), arb(k + 1)) for k in range(2)]
+    pieces = [certified_zeros._Piece(s, zero, arb(k), arb(k + 1)) for k, s in enumerate(slopes)]
     search._group = certified_zeros._Group(before, pieces)
-    search._close(1)
-    assert (len(search.crossings), search.contacts) == (count, [])
+    search._close(after)
+    search.finish()
+    assert (len(search.crossings), len(search.contacts)) == (count, contacts)
 
 
 def _of(g: Any, noise: int, **given: Any) -> certified_zeros.Search:
