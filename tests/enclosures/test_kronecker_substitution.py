@@ -190,7 +190,7 @@ def _turn_is_exact(size: float) -> bool:
 def test_the_defect_of_a_turn_is_that_of_exact_polynomials() -> None:
     sizes = [2.0**k for k in range(-20, 20)]
     assert all(map(_turn_is_exact, sizes))
-    for old, new in ((" * w.most", ""), ("longest * v.most", "v.most"), ("+ v.level)", ")")):
+    for old, new in ((" * w.most", ""), (" * v.most", ""), (" + v.level)", ")")):
         with without(quaternion, "defects", old, new):
             found = []
             for size in sizes:

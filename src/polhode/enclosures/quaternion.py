@@ -135,16 +135,17 @@ def defects(w: Pieces, v: Pieces, noise: int) -> tuple[Any, Any, Any]:
     Exact in integers, which are 2**(CLOCK + 1 + the levels of both) d, and then right to UNPACKED
     roundings, which UP holds.
     """
-    used, longest = max(w.used, v.used), max(v.longest << 2, v.near.shape[1] << (CLOCK + 1))
-    words = words_of(longest * v.most * w.most << (w.level + v.level))
+    used, terms = max(w.used, v.used), v.near.shape[1]
+    largest = ((terms << (CLOCK + 1)) + 3 * v.longest) * v.most * w.most
+    words = words_of(largest << (w.level + v.level))
     packs, shift = packing(used, words), w.level + CLOCK + 1
     turning, rates = v.packed(packs), w.packed(packs)
     numbers = []
     for n in range(w.count):
         length = fmpz(w.times[n + 1] - w.times[n])
         x, y = turning[4 * n : 4 * n + 4], rates[3 * n : 3 * n + 3]
-        for i, terms in enumerate(PRODUCT):
-            turned = sum((x[a] * y[b] * sign for sign, a, b in terms), fmpz(0))
+        for i, row in enumerate(PRODUCT):
+            turned = sum((x[a] * y[b] * sign for sign, a, b in row), fmpz(0))
             numbers.append((packs.slope(x[i]) << shift) - turned * length)
     power = np.full(len(turning), noise - v.level - shift)
     found = packing(2 * used - 1, words).doubles(numbers, power)

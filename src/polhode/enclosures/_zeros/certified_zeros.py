@@ -9,18 +9,19 @@ interval I:
                                  the ends; interval Newton I and (m - g(m)/(h g'(I))) tells where.
 
 Otherwise I is split, off its middle; below 2**-40 of a step it is *undecided*, never counted.  So
-is one that no splitting decides: g has no certified sign at its ends, and on it g' has one, or is
-so small that g stays within a few radii of its ball at the middle.  What is left of a step after
-MOST_PIECES is undecided, too.  Intervals that touch are one.
+is one that no splitting decides: g has no certified sign at its ends, and g' is so small that g
+stays within a few radii of its ball at the middle.  What is left of a step after MOST_PIECES is
+undecided, too.  Undecided intervals that touch are one.
 
-A zero within the radius of a step's boundary has no certified sign there: the intervals on both
-sides are joined, and hold one zero if g' has one certified sign on both and the outer ends have
-opposite ones.  Where g' has one on an undecided interval, only the ball that Newton's steps leave
-of it is undecided, or nothing.  An interval that touches the last time stays undecided; one that
-touches the first does, unless g and its first derivatives along the motion are known to be 0
-there: if g and k - 1 derivatives are, and the k-th is not 0 on [0, b], g has no zero in (0, b].
+Near a zero g has no certified sign: neighbouring intervals without a point of one between them, on
+both sides of a step's boundary too, are a group.  If g' has one sign on all of it, it holds one
+zero where g has opposite signs at its ends, none where they are the same.  Every other group is
+undecided, of an interval with a sign of g' only the ball that Newton's steps leave.  A group that
+touches the last time stays undecided; one that touches the first does, unless g and its first
+derivatives along the motion are known to be 0 there: if g and k - 1 derivatives are, and the k-th
+is not 0 on [0, b], g has no zero in (0, b].
+
 Ends are multiples of 2**-48 of a step, so that a ball's midpoint and radius hold them exactly.
-
 Where there is one zero in I, the state then is among those of the step at all times of I.
 """
 
