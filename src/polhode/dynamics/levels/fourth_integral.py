@@ -21,15 +21,15 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from flint import arb, fmpq_poly
+from flint import arb, arb_poly, fmpq_poly
 
-from polhode.dynamics.levels.rotation_arcs import BITS, RationalBody, value_at
+from polhode.dynamics.levels.rational_body import BITS, RationalBody
 from polhode.equations.integrals import exact_values, first_integrals
 from polhode.numbers import exact
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.polynomials import middle, rational, real_roots
+from polhode.numbers.polynomials import Polynomial, middle, rational, real_roots
 from polhode.scenes import classification
 from polhode.scenes.scene import Scene
 
@@ -115,7 +115,7 @@ def _lagrange(
     found = []
     for root in real_roots(gap):
         at = root.ball
-        ball = [value_at(x, at) for x in (a, b, c, d)]
+        ball = [_value(x, at) for x in (a, b, c, d)]
         below = 2 * (ball[1] ** 2 - 3 * ball[0] * ball[2])
         if below.contains(0):  # a triple root
             u = -ball[1] / (3 * ball[0])
@@ -143,7 +143,7 @@ def _kovalevskaya(
     s = fmpq_poly([0, 1])
     cubic = s * (s + rational(energy)) ** 2 + rational(m2)
     for root in real_roots(cubic):
-        value = value_at(rational(a2) + 3 * s * s + 2 * rational(energy) * s, root.ball)
+        value = _value(rational(a2) + 3 * s * s + 2 * rational(energy) * s, root.ball)
         if root.ball < 0 and not value < 0:
             found.append((value, "IV"))
     return found
@@ -165,3 +165,7 @@ def _square(body: RationalBody) -> Fraction:
 
 def _ball(x: Exact) -> arb:
     return arb(rational(exact.binary(*exact.rounded(x, BITS)))) if x else arb(0)
+
+
+def _value(polynomial: Polynomial, at: arb) -> arb:
+    return arb_poly(polynomial)(at)

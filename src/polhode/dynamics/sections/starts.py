@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from polhode.common.arguments import cells, each, of_kind
 from polhode.common.errors import BadInput
-from polhode.dynamics.levels import permanent_rotations, rotation_arcs
-from polhode.dynamics.levels.levels import least_energy, refuse_far
-from polhode.dynamics.levels.rotation_arcs import RationalBody
+from polhode.dynamics.levels.permanent_rotations import families
+from polhode.dynamics.levels.rational_body import BODY_BITS, RationalBody, refuse_far
+from polhode.dynamics.levels.regions import least_energy
 from polhode.dynamics.sections.coordinates import Ground
 from polhode.equations.section_functions import HEIGHT, MOMENTUM
 from polhode.numbers import expression
@@ -77,9 +77,9 @@ def asked_of(
     ]
     found = Asked(scene, level[0], level[1], by, extremum)
     body = RationalBody.of(scene.body)
-    near = fraction_near(found.f, rotation_arcs.BODY_BITS)[0]
+    near = fraction_near(found.f, BODY_BITS)[0]
     refuse_far(scene.name, "f", body, near)
-    least = least_energy(body, permanent_rotations.arcs(body), near)
+    least = least_energy(body, families(body), near)
     if to_double(found.h) <= least:
         expected = f"above {least:.12g}, the least energy at f = {shown(found.f)}"
         raise BadInput(scene.name, "h", shown(found.h), expected)

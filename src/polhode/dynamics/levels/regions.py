@@ -1,0 +1,285 @@
+"""The reduced potential on the sphere: which directions of the vertical a level (h, f) allows.
+
+    W_f(gamma) = f^2/(2 gamma.I gamma) + Mg r0.gamma,    U = {W_f <= h}
+
+The level's motions have their gamma in U; over its inside lie two circles of w (signs of the root
+in the start form), which meet over its edge.  A connected part of U with k edges carries RP^3
+(k = 0), S^3 (k = 1) or a sum of k - 1 copies of S^2 x S^1.
+
+Let U be neither empty nor the sphere.  Its N parts and the M parts of what is left of the sphere
+form a tree whose links are the E edges, so that N + M - 1 = E; chi = 2 N - E is the number of
+minima less saddles plus maxima of W_f below h.  Every part of U has a minimum and an edge, every
+part of the rest a maximum and an edge:
+
+    max(1, chi) <= N <= min(minima below, maxima above + chi - 1).
+
+Where these bounds differ, minima are joined by arcs of great circles over the saddles below h that
+are shown to lie in U: an arc leaves it only at a root of a polynomial.  Of N parts with N or N + 1
+edges, and of one part with any number, the edges of each part are known with E; other levels, and
+those at which the bounds stay apart, are not decided.  Of a body symmetric about an axis that
+carries its centre of mass W_f is a function of the height u on that axis alone, and its parts are
+intervals.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from itertools import pairwise
+from typing import NamedTuple, TypeAlias
+
+from flint import arb, arb_poly, fmpq_poly
+
+from polhode.dynamics.levels.permanent_rotations import Family
+from polhode.dynamics.levels.rational_body import BITS, RationalBody
+from polhode.numbers.exact import EQUAL_BITS
+from polhode.numbers.flint_context import ctx
+from polhode.numbers.polynomials import middle, rational, real_roots
+from polhode.numbers.vectors import dot
+
+#: Edges of each part of U, ascending; () where the level does not exist.
+Region: TypeAlias = tuple[int, ...]
+
+_BESIDE = Fraction(1, 2**100)  # of f, where two critical points meet at f
+
+_AT_A_ROTATION = "the energy is that of a permanent rotation"
+
+
+class Undecided(Exception):
+    """A level that is itself critical, or whose parts are not known."""
+
+
+class Critical(NamedTuple):
+    """A critical point of W_f: gamma in principal axes, W_f, how many directions lower it."""
+
+    gamma: tuple[arb, ...]
+    value: arb
+    morse: int
+
+
+class CriticalPoints(NamedTuple):
+    """Those of W_f by rising value, computed at ``f`` in balls of ``bits`` bits.
+
+    ``apart``: a bound of how far the values are from those at the f asked for: 0 but where two
+    points meet there.  Values that do not differ by more count as one.
+    """
+
+    points: list[Critical]
+    f: Fraction
+    apart: Fraction
+    bits: int
+
+    def same(self, one: Critical, other: Critical) -> bool:
+        """Whether two of them, by rising value, count as one energy."""
+        return not bool(other.value - one.value > rational(self.apart))
+
+
+class _Meeting(Exception):
+    """An f at which two permanent rotations meet."""
+
+
+def critical_points(
+    body: RationalBody, known: Sequence[Family], f: Fraction, bits: int = BITS
+) -> CriticalPoints:
+    """The critical points of W_f, not of a body whose critical points form circles.
+
+    Where values agree that are not those of mirror images the balls get as many bits as the rule
+    for *equal* (:mod:`polhode.numbers.exact`).  At an f where two points meet they are computed at
+    an f that is larger by 2^-100 of itself: along a curve of rotations dh = om df, and om is at
+    most f over the least moment, so that between there and f no energy passes an h that is farther
+    from all of them than twice that bound.
+    """
+    if f == 0:
+        if not body.heavy:
+            raise Undecided("a free body at f = 0 has no isolated permanent rotation")
+        return CriticalPoints(_at_rest(body), f, Fraction(0), bits)
+    at, apart = abs(f), Fraction(0)
+    try:
+        points = _critical_points(known, at, bits)
+    except _Meeting:
+        at *= 1 + _BESIDE
+        apart = 2 * at * (at - abs(f)) / min(body.moments)
+        try:
+            points = _critical_points(known, at, bits)
+        except _Meeting:
+            raise Undecided(f"at f = {float(f):.12g} two permanent rotations meet") from None
+    found = CriticalPoints(points, at, apart, bits)
+    distinct = all(a.value is b.value or not found.same(a, b) for a, b in pairwise(points))
+    if bits == EQUAL_BITS or apart or distinct:
+        return found
+    return critical_points(body, known, f, EQUAL_BITS)
+
+
+def _critical_points(known: Sequence[Family], f: Fraction, bits: int) -> list[Critical]:
+    found = []
+    with ctx.workprec(bits):
+        for family in known:
+            for x in family.meets(f):
+                morse = family.morse(x)
+                if morse is None:
+                    raise _Meeting
+                point = family.at(x)
+                found.append(Critical(point.gamma, point.h, morse))
+                if family.axis is not None:
+                    signs = [1 - 2 * (j == family.axis) for j in range(3)]
+                    mirrored = tuple(s * y for s, y in zip(signs, point.gamma, strict=True))
+                    found.append(Critical(mirrored, point.h, morse))
+    return sorted(found, key=lambda c: middle(c.value))
+
+
+def _at_rest(body: RationalBody) -> list[Critical]:
+    """f = 0: hanging and upright."""
+    with ctx.workprec(BITS):
+        size = arb(rational(body.heavy)).sqrt()
+        up = tuple(rational(t) / size for t in body.torque)
+        return [Critical(tuple(-x for x in up), -size, 0), Critical(up, size, 2)]
+
+
+def region(body: RationalBody, known: Sequence[Family], h: Fraction, f: Fraction) -> Region:
+    """The edges of each part of U; raises Undecided where h is a critical value."""
+    if f == 0 and not body.heavy:  # a free body: W_f is zero everywhere
+        if h == 0:
+            raise Undecided("rest, in any position")
+        return (0,) if h > 0 else ()
+    if body.axis is not None:
+        return _symmetric(body, body.axis, h, f)
+    for bits in (BITS, EQUAL_BITS):
+        at = critical_points(body, known, f, bits)
+        with ctx.workprec(at.bits):
+            low, high = arb(rational(h - at.apart)), arb(rational(h + at.apart))
+            below = sum(bool(point.value < low) for point in at.points)
+            if all(point.value > high for point in at.points[below:]):
+                return parts(body, at, below)
+    raise Undecided(_AT_A_ROTATION)
+
+
+def regions_between(
+    body: RationalBody, known: Sequence[Family], f: Fraction
+) -> list[tuple[float, Region]]:
+    """At one f: the critical energies by rising h, and the region above each.
+
+    Energies equal by the rule for *equal*, or of rotations that meet at f, are listed once.
+    """
+    if body.axis is not None:
+        levels = _symmetric_energies(body, body.axis, known, f)
+        last = 2 * levels[-1] - levels[0] + (abs(levels[-1]) or 1)
+        return [
+            (float(low), _symmetric(body, body.axis, (low + high) / 2, f))
+            for low, high in pairwise([*levels, last])
+        ]
+    at = critical_points(body, known, f)
+    with ctx.workprec(at.bits):
+        ends = [k for k, (a, b) in enumerate(pairwise(at.points), 1) if not at.same(a, b)]
+        return [
+            (float(at.points[count - 1].value), parts(body, at, count))
+            for count in [*ends, len(at.points)]
+        ]
+
+
+def least_energy(body: RationalBody, known: Sequence[Family], f: Fraction) -> float:
+    """The least h at one f: that of the lowest permanent rotation."""
+    if f == 0 and not body.heavy:
+        return 0.0
+    if body.axis is not None:
+        return float(_symmetric_energies(body, body.axis, known, f)[0])
+    return float(critical_points(body, known, f).points[0].value)
+
+
+# -- parts by counting ---------------------------------------------------------------------------
+
+
+def parts(body: RationalBody, at: CriticalPoints, count: int) -> Region:
+    """The edges of each part of U above the lowest ``count`` critical points and no other."""
+    below, above = at.points[:count], at.points[count:]
+    if not below or not above:
+        return (0,) if below else ()
+    chi = sum(-1 if point.morse == 1 else 1 for point in below)
+    minima = [point for point in below if point.morse == 0]
+    saddles = [point for point in below if point.morse == 1]
+    maxima = sum(point.morse == 2 for point in above)
+    parts = min(len(minima), maxima + chi - 1)
+    if parts > max(1, chi):
+        h = (middle(below[-1].value) + middle(above[0].value)) / 2
+        part = [*range(len(minima))]
+        for saddle in saddles:
+            near = {part[k] for k, m in enumerate(minima) if arc_below(body, h, at.f, saddle, m)}
+            part = [min(near) if k in near else k for k in part]
+        parts = min(parts, len(set(part)))
+    edges = 2 * parts - chi
+    if parts > max(1, chi) or (parts > 1 and edges > parts + 1):
+        raise Undecided("the number of parts is not known")
+    return (1,) * (parts - 1) + (edges - parts + 1,)
+
+
+def arc_below(body: RationalBody, h: Fraction, f: Fraction, one: Critical, other: Critical) -> bool:
+    """Whether W_f < h is shown on the shorter arc of the great circle between two such points.
+
+    On v = a + t (b - a), with n = v.v, i = v.I v and y = T.v, W_f = h where 2 h i - f^2 n =
+    2 i y/sqrt(n): at a root of the difference of their squares at which both sides have one sign.
+    """
+    a, b = ([rational(middle(y)) for y in point.gamma] for point in (one, other))
+    v = [fmpq_poly([x, y - x]) for x, y in zip(a, b, strict=True)]
+    moments, torque = ([rational(x) for x in numbers] for numbers in body[:2])
+    n, i, y = dot(v, v), dot(v, [m * x for m, x in zip(moments, v, strict=True)]), dot(torque, v)
+    spare = 2 * rational(h) * i - rational(f * f) * n
+    for root in real_roots(spare * spare * n - 4 * i * i * y * y):
+        t = root.ball
+        outside = t < 0 or t > 1
+        if not outside and not arb_poly(spare * y)(t) < 0:
+            return False
+    return bool(one.value < rational(h))
+
+
+# -- symmetric bodies ----------------------------------------------------------------------------
+
+
+def _symmetric(body: RationalBody, axis: int, h: Fraction, f: Fraction) -> Region:
+    """U as intervals of u = gamma_axis: an end at a pole is none of its edges."""
+    across, along = body.moments[axis - 1], body.moments[axis]
+    torque = body.torque[axis]
+
+    def spare(u: Fraction) -> Fraction:
+        inertia = across + (along - across) * u * u
+        return h - torque * u - f * f / (2 * inertia)
+
+    if torque == 0 and (f == 0 or across == along):
+        if spare(Fraction(0)) == 0:
+            raise Undecided(_AT_A_ROTATION)
+        return (0,) if spare(Fraction(0)) > 0 else ()
+    inertia_of = fmpq_poly([rational(across), 0, rational(along - across)])
+    height = fmpq_poly([rational(h), -rational(torque)])
+    with ctx.workprec(BITS):
+        roots = [
+            root
+            for root in real_roots(2 * inertia_of * height - rational(f * f))
+            if bool(abs(root.ball) < 1)
+        ]
+        if any(root.multiplicity > 1 for root in roots) or 0 in (
+            spare(Fraction(-1)),
+            spare(Fraction(1)),
+        ):
+            raise Undecided(_AT_A_ROTATION)
+        ends = [Fraction(-1), *(root.middle for root in roots), Fraction(1)]
+    found = []
+    for k, (low, high) in enumerate(pairwise(ends)):
+        if spare((low + high) / 2) > 0:
+            found.append(2 - (k == 0) - (k == len(ends) - 2))
+    return tuple(sorted(found))
+
+
+def _symmetric_energies(
+    body: RationalBody, axis: int, known: Sequence[Family], f: Fraction
+) -> list[Fraction]:
+    """The critical energies at one f, ascending: both poles and the circles."""
+    along, torque = body.moments[axis], body.torque[axis]
+    kinetic = f * f / (2 * along)
+    found = {kinetic + torque, kinetic - torque}
+    with ctx.workprec(BITS):
+        balls = [arb(rational(h)) for h in found]
+        for family in known:
+            for x in family.meets(abs(f)) if f != 0 else ():
+                h = family.at(x).h
+                if not any(h.overlaps(ball) for ball in balls):  # a family may be a pole's own
+                    found.add(middle(h))
+                    balls.append(h)
+    return sorted(found)
