@@ -122,6 +122,16 @@ def test_the_lagrange_top_sleeps_from_its_critical_spin_on():
     assert (float(hopf.f), float(hopf.h)) == (2.0, 5.0)
 
 
+def test_no_curve_is_a_single_point():
+    """At a branch that is a Hamiltonian-Hopf point as well a curve of 259 equal points was told."""
+    found = polhode.levels("published/hairer-vilmart")
+    marks = sorted(float(mark.parameter) for mark in found.marks if mark.family == "first")
+    assert len(set(marks)) < len(marks)
+    for curve in found.curves:
+        assert curve.first is None or curve.last is None or curve.first < curve.last
+        assert np.ptp(curve.points, axis=0).min() > 0
+
+
 # -- regions, counted on a grid of the sphere ------------------------------------------------------
 
 

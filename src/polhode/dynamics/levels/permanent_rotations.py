@@ -109,24 +109,31 @@ class Family:
             else:
                 outer = [End(START, arb(rational(self.start)).sqrt())]
             found = []
-            for root in real_roots(self._d):
+            b, d = self._spectrum
+            for root in real_roots(d):
                 # balls that overlap are one root: each holds no other one, and d(A_i) = 0
                 leaves = self.axis is None and any(
                     root.ball.overlaps(arb(rational(a))) for a in free
                 )
                 found.append(End(BRANCH if leaves else CUSP, root.ball))
-            gap = self._b * self._b - 4 * self._d
-            found += [End(HOPF, root.ball) for root in real_roots(gap) if root.multiplicity % 2]
+            gap = real_roots(b * b - 4 * d)
+            found += [End(HOPF, root.ball) for root in gap if root.multiplicity % 2]
             inside = [end for end in found if self.holds(end.x, outer)]
         return tuple(sorted([*outer, *inside], key=lambda end: middle(end.x)))
 
     @cached_property
     def pieces(self) -> tuple[Piece, ...]:
-        """By rising x; on a first family that is s, on a second one om rises with it."""
+        """By rising x; on a first family that is s, on a second one om rises with it.
+
+        Two ends may be one point, as a branch at which b^2 = 4d: no piece lies between them.
+        """
         ends = [*self.ends, None] if self.axis is not None else [None, *self.ends, None]
-        return tuple(
-            Piece(first, last, *self._type(between(first, last))) for first, last in pairwise(ends)
-        )
+        with ctx.workprec(BITS):
+            return tuple(
+                Piece(first, last, *self.type(arb(rational(between(first, last)))))
+                for first, last in pairwise(ends)
+                if first is None or last is None or first.x < last.x
+            )
 
     def holds(self, x: arb, outer: list[End]) -> bool:
         """Whether a number is on this family."""
@@ -156,15 +163,27 @@ class Family:
             if self.axis is None or (root.ball > 0 and root.ball**2 > rational(self.start)):
                 yield root.ball
 
-    def morse(self, x: arb) -> int | None:
-        """The index of the piece that x is on; None where pieces of two indices meet, too."""
-        for piece in self.pieces:
-            if piece.last is None or x < piece.last.x:
-                return piece.morse
-            if x.overlaps(piece.last.x):
-                after = self.pieces[self.pieces.index(piece) + 1]
-                return piece.morse if piece.morse == after.morse else None
-        raise AssertionError("the last piece has no end")
+    def type(self, x: arb) -> tuple[str, int | None]:
+        """The type by the signs of b, d and b^2 - 4d, and the Morse index.
+
+        The second variation of W_f across gamma is
+
+            om^2 [s - I + 4 (I gamma)(I gamma)^T/(gamma.I gamma)];
+
+        its determinant has the sign of d.
+        """
+        b, d = (arb_poly(p)(x) for p in self._spectrum)
+        if d.contains(0):
+            return DEGENERATE, None
+        if d < 0:
+            return MIXED, 1
+        moments = [rational(a) for a in self.body.moments]
+        squares = [y * y for y in self.at(x).gamma]
+        inertia = dot(moments, squares)
+        bend = 4 * dot([a * a for a in moments], squares) / inertia - 3 * inertia
+        trace = 2 * arb_poly(self.s)(x) - sum(moments[1:], moments[0]) + bend
+        kind = FOCUS if b * b < 4 * d else CENTRE if b > 0 else SADDLE
+        return kind, 0 if trace > 0 else 2
 
     def points(self, piece: Piece) -> Doubles:
         """f and h on a piece, doubles (n, 2), denser towards its ends."""
@@ -204,37 +223,6 @@ class Family:
     def _spectrum(self) -> tuple[Polynomial, Polynomial]:
         moments, torque = ([rational(x) for x in numbers] for numbers in self.body[:2])
         return spectrum(moments, [t * self.k for t in torque], self.g, self.g)
-
-    @property
-    def _b(self) -> Polynomial:
-        return self._spectrum[0]
-
-    @property
-    def _d(self) -> Polynomial:
-        return self._spectrum[1]
-
-    def _type(self, at: Fraction) -> tuple[str, int | None]:
-        """The type by the signs of b, d and b^2 - 4d, and the Morse index.
-
-        The second variation of W_f across gamma is
-
-            om^2 [s - I + 4 (I gamma)(I gamma)^T/(gamma.I gamma)];
-
-        its determinant has the sign of d.
-        """
-        x = rational(at)
-        b, d = self._b(x), self._d(x)
-        if d == 0:
-            return DEGENERATE, None
-        if d < 0:
-            return MIXED, 1
-        moments = [rational(a) for a in self.body.moments]
-        squares = [y(x) ** 2 / self._square(x) for y in self.g]
-        inertia = dot(moments, squares)
-        bend = 4 * dot([a * a for a in moments], squares) / inertia - 3 * inertia
-        trace = 2 * self.s(x) - sum(moments[1:], moments[0]) + bend
-        kind = FOCUS if b * b < 4 * d else CENTRE if b > 0 else SADDLE
-        return kind, 0 if trace > 0 else 2
 
 
 def families(body: RationalBody) -> tuple[Family, ...]:

@@ -115,10 +115,9 @@ def _critical_points(known: Sequence[Family], f: Fraction, bits: int) -> list[Cr
     with ctx.workprec(bits):
         for family in known:
             for x in family.meets(f):
-                morse = family.morse(x)
+                point, (_, morse) = family.at(x), family.type(x)
                 if morse is None:
                     raise _Meeting
-                point = family.at(x)
                 found.append(Critical(point.gamma, point.h, morse))
                 if family.axis is not None:
                     signs = [1 - 2 * (j == family.axis) for j in range(3)]
