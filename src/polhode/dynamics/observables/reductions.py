@@ -14,6 +14,8 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput, nearest
 from polhode.equations.column import column, of_state_alone
@@ -89,8 +91,6 @@ def extremes(
     kind: NumberType,
 ) -> dict[str, Any]:
     """What is told by states (members, times, columns): arrays with a number a member, by name."""
-    import numpy as np
-
     found: dict[str, Any] = {}
     with np.errstate(all="ignore"):
         for what in which:
@@ -109,8 +109,6 @@ def _values(
     text: str, states: Stack, times: Stack, columns: Sequence[str], kind: NumberType
 ) -> Any:
     """An expression at all times of all members."""
-    import numpy as np
-
     names = _named({name: states[:, :, i] for i, name in enumerate(columns)}, np)
     for word in of_state_alone():
         found = column(word)
@@ -146,8 +144,6 @@ def _read(scene: Scene, text: str) -> Reduction:
         event_of(scene, of)
         return Reduction(kind, of)
     if kind in (LARGEST, SMALLEST) and of:
-        import numpy as np
-
         sample = {name: np.full((1, 1), 0.5 + 0.1 * STATE.index(name)) for name in scene.columns}
         states = np.stack(list(sample.values()), axis=2)
         try:
