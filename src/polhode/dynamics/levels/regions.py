@@ -17,15 +17,16 @@ Where these bounds differ, minima are joined by arcs of great circles over the s
 are shown to lie in U: an arc leaves it only at a root of a polynomial.  Of N parts with N or N + 1
 edges, and of one part with any number, the edges of each part are known with E; other levels, and
 those at which the bounds stay apart, are not decided.  Of a body symmetric about an axis that
-carries its centre of mass W_f is a function of the height u on that axis alone, and its parts are
-intervals.
+carries its centre of mass W_f is a function of the height u on that axis alone, monotone between
+critical points, which are both poles and circles: parts are the runs of those below h in the order
+of u, and an end at a pole is no edge.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from itertools import pairwise
+from itertools import groupby, pairwise
 from typing import NamedTuple, TypeAlias
 
 from flint import arb, arb_poly, fmpq_poly
@@ -50,11 +51,14 @@ class Undecided(Exception):
 
 
 class Critical(NamedTuple):
-    """A critical point of W_f: gamma in principal axes, W_f, how many directions lower it."""
+    """A critical point of W_f: gamma in principal axes, W_f, how many directions lower it.
+
+    Of a symmetric body a pole, or a point of a circle, and ``morse`` is None.
+    """
 
     gamma: tuple[arb, ...]
     value: arb
-    morse: int
+    morse: int | None
 
 
 class CriticalPoints(NamedTuple):
@@ -81,7 +85,7 @@ class _Meeting(Exception):
 def critical_points(
     body: RationalBody, known: Sequence[Family], f: Fraction, bits: int = BITS
 ) -> CriticalPoints:
-    """The critical points of W_f, not of a body whose critical points form circles.
+    """The critical points of W_f.
 
     Where values agree that are not those of mirror images the balls get as many bits as the rule
     for *equal* (:mod:`polhode.numbers.exact`).  At an f where two points meet they are computed at
@@ -89,6 +93,9 @@ def critical_points(
     most f over the least moment, so that between there and f no energy passes an h that is farther
     from all of them than twice that bound.
     """
+    if body.axis is not None:
+        points = _of_symmetric(body, body.axis, known, abs(f), bits)
+        return CriticalPoints(points, f, Fraction(0), bits)
     if f == 0:
         if not body.heavy:
             raise Undecided("a free body at f = 0 has no isolated permanent rotation")
@@ -126,6 +133,22 @@ def _critical_points(known: Sequence[Family], f: Fraction, bits: int) -> list[Cr
     return sorted(found, key=lambda c: middle(c.value))
 
 
+def _of_symmetric(
+    body: RationalBody, axis: int, known: Sequence[Family], f: Fraction, bits: int
+) -> list[Critical]:
+    """Both poles of a symmetric body, and a point of each circle."""
+    torque = rational(body.torque[axis])
+    with ctx.workprec(bits):
+        kinetic = arb(rational(f * f / (2 * body.moments[axis])))
+        up = tuple(arb(int(j == axis)) for j in range(3))
+        found = [Critical(up, kinetic + torque, None)]
+        found.append(Critical(tuple(-x for x in up), kinetic - torque, None))
+        circles = [family for family in known if family.axis not in (None, axis)]
+        for point in [family.at(x) for family in circles for x in family.meets(f)]:
+            found.append(Critical(point.gamma, point.h, None))
+    return sorted(found, key=lambda c: middle(c.value))
+
+
 def _at_rest(body: RationalBody) -> list[Critical]:
     """f = 0: hanging and upright."""
     with ctx.workprec(BITS):
@@ -140,8 +163,6 @@ def region(body: RationalBody, known: Sequence[Family], h: Fraction, f: Fraction
         if h == 0:
             raise Undecided("rest, in any position")
         return (0,) if h > 0 else ()
-    if body.axis is not None:
-        return _symmetric(body, body.axis, h, f)
     for bits in (BITS, EQUAL_BITS):
         at = critical_points(body, known, f, bits)
         with ctx.workprec(at.bits):
@@ -159,13 +180,6 @@ def regions_between(
 
     Energies equal by the rule for *equal*, or of rotations that meet at f, are listed once.
     """
-    if body.axis is not None:
-        levels = _symmetric_energies(body, body.axis, known, f)
-        last = 2 * levels[-1] - levels[0] + (abs(levels[-1]) or 1)
-        return [
-            (float(low), _symmetric(body, body.axis, (low + high) / 2, f))
-            for low, high in pairwise([*levels, last])
-        ]
     at = critical_points(body, known, f)
     with ctx.workprec(at.bits):
         ends = [k for k, (a, b) in enumerate(pairwise(at.points), 1) if not at.same(a, b)]
@@ -179,8 +193,6 @@ def least_energy(body: RationalBody, known: Sequence[Family], f: Fraction) -> fl
     """The least h at one f: that of the lowest permanent rotation."""
     if f == 0 and not body.heavy:
         return 0.0
-    if body.axis is not None:
-        return float(_symmetric_energies(body, body.axis, known, f)[0])
     return float(critical_points(body, known, f).points[0].value)
 
 
@@ -190,6 +202,8 @@ def least_energy(body: RationalBody, known: Sequence[Family], f: Fraction) -> fl
 def parts(body: RationalBody, at: CriticalPoints, count: int) -> Region:
     """The edges of each part of U above the lowest ``count`` critical points and no other."""
     below, above = at.points[:count], at.points[count:]
+    if body.axis is not None:
+        return _runs(body.axis, below, above)
     if not below or not above:
         return (0,) if below else ()
     chi = sum(-1 if point.morse == 1 else 1 for point in below)
@@ -210,6 +224,19 @@ def parts(body: RationalBody, at: CriticalPoints, count: int) -> Region:
     return (1,) * (parts - 1) + (edges - parts + 1,)
 
 
+def _runs(axis: int, below: Sequence[Critical], above: Sequence[Critical]) -> Region:
+    """The parts of a symmetric body's level."""
+    marked = [(point, True) for point in below] + [(point, False) for point in above]
+    marked.sort(key=lambda pair: middle(pair[0].gamma[axis]))
+    held = [inside for _, inside in marked]
+    found = []
+    for inside, run in groupby(range(len(held)), key=held.__getitem__):
+        places = [*run]
+        if inside:
+            found.append(2 - (places[0] == 0) - (places[-1] == len(held) - 1))
+    return tuple(sorted(found))
+
+
 def arc_below(body: RationalBody, h: Fraction, f: Fraction, one: Critical, other: Critical) -> bool:
     """Whether W_f < h is shown on the shorter arc of the great circle between two such points.
 
@@ -227,58 +254,3 @@ def arc_below(body: RationalBody, h: Fraction, f: Fraction, one: Critical, other
         if not outside and not arb_poly(spare * y)(t) < 0:
             return False
     return bool(one.value < rational(h))
-
-
-# -- symmetric bodies ----------------------------------------------------------------------------
-
-
-def _symmetric(body: RationalBody, axis: int, h: Fraction, f: Fraction) -> Region:
-    """U as intervals of u = gamma_axis: an end at a pole is none of its edges."""
-    across, along = body.moments[axis - 1], body.moments[axis]
-    torque = body.torque[axis]
-
-    def spare(u: Fraction) -> Fraction:
-        inertia = across + (along - across) * u * u
-        return h - torque * u - f * f / (2 * inertia)
-
-    if torque == 0 and (f == 0 or across == along):
-        if spare(Fraction(0)) == 0:
-            raise Undecided(_AT_A_ROTATION)
-        return (0,) if spare(Fraction(0)) > 0 else ()
-    inertia_of = fmpq_poly([rational(across), 0, rational(along - across)])
-    height = fmpq_poly([rational(h), -rational(torque)])
-    with ctx.workprec(BITS):
-        roots = [
-            root
-            for root in real_roots(2 * inertia_of * height - rational(f * f))
-            if bool(abs(root.ball) < 1)
-        ]
-        if any(root.multiplicity > 1 for root in roots) or 0 in (
-            spare(Fraction(-1)),
-            spare(Fraction(1)),
-        ):
-            raise Undecided(_AT_A_ROTATION)
-        ends = [Fraction(-1), *(root.middle for root in roots), Fraction(1)]
-    found = []
-    for k, (low, high) in enumerate(pairwise(ends)):
-        if spare((low + high) / 2) > 0:
-            found.append(2 - (k == 0) - (k == len(ends) - 2))
-    return tuple(sorted(found))
-
-
-def _symmetric_energies(
-    body: RationalBody, axis: int, known: Sequence[Family], f: Fraction
-) -> list[Fraction]:
-    """The critical energies at one f, ascending: both poles and the circles."""
-    along, torque = body.moments[axis], body.torque[axis]
-    kinetic = f * f / (2 * along)
-    found = {kinetic + torque, kinetic - torque}
-    with ctx.workprec(BITS):
-        balls = [arb(rational(h)) for h in found]
-        for family in known:
-            for x in family.meets(abs(f)) if f != 0 else ():
-                h = family.at(x).h
-                if not any(h.overlaps(ball) for ball in balls):  # a family may be a pole's own
-                    found.add(middle(h))
-                    balls.append(h)
-    return sorted(found)
