@@ -11,7 +11,7 @@ lyapunov         the largest Lyapunov exponent to the last time, as polhode.lyap
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -109,7 +109,10 @@ def _values(
     text: str, states: Stack, times: Stack, columns: Sequence[str], kind: NumberType
 ) -> Any:
     """An expression at all times of all members."""
-    names = _named({name: states[:, :, i] for i, name in enumerate(columns)}, np)
+    names = {name: states[:, :, i] for i, name in enumerate(columns)}
+    if "gamma3" in names:
+        across = np.hypot(names["gamma1"], names["gamma2"])
+        names["theta"] = np.arctan2(across, names["gamma3"])
     for word in of_state_alone():
         found = column(word)
         if len(columns) == len(STATE) and found.coefficients is None and _named_in(text, word):
@@ -124,15 +127,6 @@ def _values(
 def _named_in(text: str, word: str) -> bool:
     """Whether an expression names a column of a derived output."""
     return any(re.search(rf"\b{name}\b", text) for name in COLUMNS[word].names)
-
-
-def _named(columns: Mapping[str, Any], functions: Any) -> dict[str, Any]:
-    """The columns, and theta, which is told as angles are."""
-    names = dict(columns)
-    if "gamma3" in names:
-        across = functions.hypot(names["gamma1"], names["gamma2"])
-        names["theta"] = functions.arctan2(across, names["gamma3"])
-    return names
 
 
 def _read(scene: Scene, text: str) -> Reduction:

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from flint import fmpq_mat
 
-from polhode.dynamics.periodic_orbits.level_set import Surface, integrals
+from polhode.dynamics.periodic_orbits.level_set import Surface, gradients, integrals
 from polhode.dynamics.periodic_orbits.newton_shooting import (
     Closed,
     NotClosed,
@@ -226,16 +226,8 @@ def monodromy(on: Surface, state: Fractions, time: Fraction, digits: int) -> Mon
     moments, torque = (
         [_binary(x, kind.bits) for x in v] for v in (on.exact_moments, on.exact_torque)
     )
-    w, g = start[:3], start[3:]
-    momentum = [a * x for a, x in zip(moments, w, strict=True)]
-    zero = [Fraction(0)] * 3
-    gradients = [
-        [*momentum, *torque],
-        [*(a * x for a, x in zip(moments, g, strict=True)), *momentum],
-        [*zero, *g],
-    ]
     missed = Fraction(0)
-    for row in gradients:
+    for row in gradients(moments, torque, start):
         moved = [sum((row[i] * rows[i][j] for i in range(6)), Fraction(0)) for j in range(6)]
         off = max(abs(a - b) for a, b in zip(moved, row, strict=True))
         missed = max(missed, off / max(map(abs, row)))

@@ -15,7 +15,7 @@ from polhode.equations.integrals import first_integrals
 from polhode.equations.section_functions import HEIGHT, MOMENTUM, SectionZero
 from polhode.numbers.conversion import to_double, to_extended
 from polhode.numbers.exact import Exact
-from polhode.numbers.rows import Doubles, doubles
+from polhode.numbers.rows import Doubles
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
 
@@ -74,11 +74,9 @@ def zero_of(scene: Scene, on: Ground, by: str) -> SectionZero:
     from polhode.equations.section_functions import SectionZero
 
     moments = tuple(float(a) for a in on.moments)
-    side = -1.0 if on.weight < 0 else 1.0
+    side = -1.0 if on.weight < 0 and by != HEIGHT else 1.0
     size = on.largest_momentum if by == MOMENTUM else on.fastest
     arm = tuple(float(side * x / (size or 1.0)) for x in on.frame[2])
-    if by == HEIGHT:
-        arm = tuple(float(x / (size or 1.0)) for x in on.frame[2])
     rows = tuple(tuple(to_double(x) for x in row) for row in scene.body.axes.rows)
     return SectionZero(by, moments, arm, rows, 2.0**scene.time_unit)  # type: ignore[arg-type]
 
@@ -102,9 +100,5 @@ def unpacked(held: Arrays) -> Crossed:
     """What a job found, from those arrays."""
     from polhode.taylor.events.batch_search import Crossed
 
-    states, times, rests, slopes = (
-        doubles(held[name]) for name in ("states", "times", "rests", "slopes")
-    )
-    found, steps = (np.asarray(held[name], dtype=np.int64) for name in ("found", "steps"))
-    outcomes, drift = tuple(held["outcomes"].tolist()), float(held["drift"].item())
-    return Crossed(states, times, rests, slopes, found, steps, outcomes, drift)
+    outcomes, drift = tuple(held["outcomes"].tolist()), float(held["drift"])
+    return Crossed(**held | {"outcomes": outcomes, "drift": drift})
