@@ -13,6 +13,7 @@ from polhode.dynamics.levels import regions
 from polhode.dynamics.levels.permanent_rotations import families
 from polhode.dynamics.levels.rational_body import RationalBody
 from polhode.numbers.flint_context import ctx
+from polhode.numbers.polynomials import middle
 from polhode.scenes.body import Body
 
 START = {"omega": ("0.3", "0.2", "1.1"), "gamma": ("3/5", 0, "4/5")}
@@ -190,6 +191,21 @@ def test_minima_are_joined_only_over_a_saddle_whose_arcs_are_below():
     false = at._replace(points=[low, other, elsewhere, *above])
     with pytest.raises(regions.Undecided, match="parts is not known"):
         regions.parts(body, false, 3)
+
+
+@pytest.mark.parametrize("unit", [Fraction(1), Fraction(2) ** 900])
+def test_two_discs_join_by_a_chain_where_no_arc_lies_below(unit):
+    """Two saddles, nearly mirror images: from the lower one no arc leads down to a minimum."""
+    f = Fraction("2.8585818648") * unit
+    moments = tuple(Fraction(x) * unit for x in ("2", "0.7", "1.6"))
+    body = RationalBody(moments, tuple(Fraction(x) * unit for x in ("0.8", "0.4", "1e-6")), True)
+    at = regions.critical_points(body, families(body), f)
+    low, other, saddle = at.points[:3]
+    h = (middle(saddle.value) + middle(at.points[3].value)) / 2
+    assert [regions.arc_below(body, h, f, saddle, m) for m in (low, other)] == [False, True]
+    assert [regions.parts(body, at, count) for count in range(1, 7)] == [
+        *((1,), (1, 1), (1,), (2,), (1,), (0,))
+    ]
 
 
 # -- the figure ------------------------------------------------------------------------------------

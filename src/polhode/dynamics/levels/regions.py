@@ -13,13 +13,13 @@ part of the rest a maximum and an edge:
 
     max(1, chi) <= N <= min(minima below, maxima above + chi - 1).
 
-Where these bounds differ, minima are joined by arcs of great circles over the saddles below h that
-are shown to lie in U: an arc leaves it only at a root of a polynomial.  Of N parts with N or N + 1
-edges, and of one part with any number, the edges of each part are known with E; other levels, and
-those at which the bounds stay apart, are not decided.  Of a body symmetric about an axis that
-carries its centre of mass W_f is a function of the height u on that axis alone, monotone between
-critical points, which are both poles and circles: parts are the runs of those below h in the order
-of u, and an end at a pole is no edge.
+Where these bounds differ, minima are joined over the saddles below h by arcs of great circles, or
+chains of them, that are shown to lie in U: an arc leaves it only at a root of a polynomial.  Of N
+parts with N or N + 1 edges, and of one part with any number, the edges of each part are known with
+E; other levels, and those at which the bounds stay apart, are not decided.  Of a body symmetric
+about an axis that carries its centre of mass W_f is a function of the height u on that axis alone,
+monotone between critical points, which are both poles and circles: parts are the runs of those
+below h in the order of u, and an end at a pole is no edge.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from fractions import Fraction
 from itertools import groupby, pairwise
 from typing import NamedTuple, TypeAlias
 
+import numpy as np
 from flint import arb, arb_poly, fmpq_poly
 
 from polhode.dynamics.levels.permanent_rotations import Family
@@ -42,6 +43,10 @@ from polhode.numbers.vectors import dot
 Region: TypeAlias = tuple[int, ...]
 
 _BESIDE = Fraction(1, 2**100)  # of f, where two critical points meet at f
+
+BENDS = 3  # how often a chain of arcs between two points is halved
+
+_SIDEWAYS = 1.0  # radians across an arc at most, to its bend
 
 _AT_A_ROTATION = "the energy is that of a permanent rotation"
 
@@ -215,7 +220,7 @@ def parts(body: RationalBody, at: CriticalPoints, count: int) -> Region:
         h = (middle(below[-1].value) + middle(above[0].value)) / 2
         part = [*range(len(minima))]
         for saddle in saddles:
-            near = {part[k] for k, m in enumerate(minima) if arc_below(body, h, at.f, saddle, m)}
+            near = {part[k] for k, m in enumerate(minima) if _joined(body, h, at.f, saddle, m)}
             part = [min(near) if k in near else k for k in part]
         parts = min(parts, len(set(part)))
     edges = 2 * parts - chi
@@ -235,6 +240,35 @@ def _runs(axis: int, below: Sequence[Critical], above: Sequence[Critical]) -> Re
         if inside:
             found.append(2 - (places[0] == 0) - (places[-1] == len(held) - 1))
     return tuple(sorted(found))
+
+
+def _joined(
+    body: RationalBody, h: Fraction, f: Fraction, one: Critical, other: Critical, bends: int = BENDS
+) -> bool:
+    """Whether two points below h are shown to be in one part, by an arc or by a chain of them."""
+    if arc_below(body, h, f, one, other):
+        return True
+    if not bends:
+        return False
+    bend = _bend(body, f, one, other)
+    return all(_joined(body, h, f, end, bend, bends - 1) for end in (one, other))
+
+
+def _bend(body: RationalBody, f: Fraction, one: Critical, other: Critical) -> Critical:
+    """About the lowest point across the middle of an arc, found in doubles."""
+    a, b = (np.array([float(y) for y in point.gamma]) for point in (one, other))
+    between, across = a + b, np.cross(a, b)
+    angle = np.linspace(-_SIDEWAYS, _SIDEWAYS, 2001)[:, None]
+    g = np.cos(angle) * between / np.linalg.norm(between)
+    g = g + np.sin(angle) * across / np.linalg.norm(across)
+    largest = max(body.moments)
+    scale = f * f / largest + sum(map(abs, body.torque))  # numbers of order one
+    moments = np.array([float(a / largest) for a in body.moments])
+    torque = np.array([float(t / scale) for t in body.torque])
+    energy = float(f * f / largest / scale) / (2 * (g * g @ moments)) + g @ torque
+    lowest = int(np.argmin(energy))
+    value = rational(scale) * arb(float(energy[lowest]))
+    return Critical(tuple(arb(y) for y in g[lowest].tolist()), value, None)
 
 
 def arc_below(body: RationalBody, h: Fraction, f: Fraction, one: Critical, other: Critical) -> bool:
