@@ -188,8 +188,8 @@ class Family:
     def points(self, piece: Piece) -> Doubles:
         """f and h on a piece, doubles (n, 2), denser towards its ends."""
         with ctx.workprec(BITS):
-            ends = [None if end is None else self.parameter(end.x) for end in piece[:2]]
-            parameters = _samples(*ends, self.axis, self._pace)
+            first, last = (None if end is None else self.parameter(end.x) for end in piece[:2])
+            parameters = _samples(first, last, self.axis, self._pace)
             closed = [
                 [] if end is None or end.kind == POLE or end.x == 0 else [end.x]
                 for end in piece[:2]
@@ -211,13 +211,15 @@ class Family:
 
     @cached_property
     def _square(self) -> Polynomial:
-        return dot(self.g, self.g)
+        found: Polynomial = dot(self.g, self.g)
+        return found
 
     @cached_property
     def _inertia(self) -> Polynomial:
-        return dot(
+        found: Polynomial = dot(
             self.g, [rational(a) * y for a, y in zip(self.body.moments, self.g, strict=True)]
         )
+        return found
 
     @cached_property
     def _spectrum(self) -> tuple[Polynomial, Polynomial]:

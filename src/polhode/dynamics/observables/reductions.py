@@ -109,7 +109,7 @@ def _values(
     text: str, states: Stack, times: Stack, columns: Sequence[str], kind: NumberType
 ) -> Any:
     """An expression at all times of all members."""
-    names = {name: states[:, :, i] for i, name in enumerate(columns)}
+    names: dict[str, Any] = {name: states[:, :, i] for i, name in enumerate(columns)}
     if "gamma3" in names:
         across = np.hypot(names["gamma1"], names["gamma2"])
         names["theta"] = np.arctan2(across, names["gamma3"])

@@ -15,7 +15,7 @@ from polhode.equations.integrals import first_integrals
 from polhode.equations.section_functions import HEIGHT, MOMENTUM, SectionZero
 from polhode.numbers.conversion import to_double, to_extended
 from polhode.numbers.exact import Exact
-from polhode.numbers.rows import Doubles
+from polhode.numbers.rows import Doubles, doubles
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
 
@@ -100,5 +100,9 @@ def unpacked(held: Arrays) -> Crossed:
     """What a job found, from those arrays."""
     from polhode.taylor.events.batch_search import Crossed
 
-    outcomes, drift = tuple(held["outcomes"].tolist()), float(held["drift"])
-    return Crossed(**held | {"outcomes": outcomes, "drift": drift})
+    states, times, rests, slopes = (
+        doubles(held[name]) for name in ("states", "times", "rests", "slopes")
+    )
+    found, steps = (np.asarray(held[name], dtype=np.int64) for name in ("found", "steps"))
+    outcomes, drift = tuple(held["outcomes"].tolist()), float(held["drift"].item())
+    return Crossed(states, times, rests, slopes, found, steps, outcomes, drift)
