@@ -191,6 +191,8 @@ def test_minima_are_joined_only_over_a_saddle_whose_arcs_are_below():
     false = at._replace(points=[low, other, elsewhere, *above])
     with pytest.raises(regions.Undecided, match="parts is not known"):
         regions.parts(body, false, 3)
+    one_maximum = at._replace(points=[low, other, elsewhere, above[-1]])
+    assert regions.parts(body, one_maximum, 3) == (1,)  # what is left is one disc: no arc is asked
 
 
 @pytest.mark.parametrize("unit", [Fraction(1), Fraction(2) ** 900])
