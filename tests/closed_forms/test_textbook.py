@@ -22,7 +22,7 @@ FAST = (
     *("lagrange/steady-slow", "hard/near-steady"),
 )
 KOVALEVSKAYA = (
-    *("anchor", "from-a-branch-point", "generic", "irrational-centre", "type-e-ee"),
+    *("anchor", "gamma-along-r0", "generic", "irrational-centre", "type-e-ee"),
     *("type-e-minus", "type-ee-e", "type-eee-inside", "type-eee-outside"),
 )
 SLOW = [pytest.param(f"kovalevskaya/{name}", 20, marks=[pytest.mark.slow]) for name in KOVALEVSKAYA]
