@@ -140,8 +140,11 @@ def test_the_command_says_that_its_digits_are_not_proven(
     shown = capsys.readouterr()
     witness, ours = json.loads(shown.out), None
     assert "states alone" in shown.err
+    assert "the digits are reproduced, not proven" in shown.err
     assert main(words) == 0
-    ours = json.loads(capsys.readouterr().out)
+    shown = capsys.readouterr()
+    assert "not proven" not in shown.err
+    ours = json.loads(shown.out)
     assert (witness["proven"], ours["proven"]) == (False, True)
     assert "radii" not in witness
     assert witness["states"] == ours["states"]
