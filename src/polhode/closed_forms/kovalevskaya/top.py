@@ -4,8 +4,9 @@
 
 (Yehia 3.13-3.17).  w = (p, q, r) and the upward vertical gamma in body axes.  Any start, any time,
 any number of digits: generic motion by genus-2 theta functions (Kowalevski, Acta Math. 12 (1889)
-177) and one-frequency motions by Weierstrass' functions are proven; others on a degenerate curve are
-the mean of six neighbours, whose digits are reproduced, not proven.  Units: any consistent set, angles in radians.
+177), one-frequency motions by Weierstrass' functions, others on a degenerate curve as the mean of
+six neighbours: digits of these are reproduced, not proven.  Units: any consistent set, angles in
+radians.
 """
 
 from __future__ import annotations

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from polhode.closed_forms.membership.principal_scene import PrincipalScene, in_principal_axes
-from polhode.closed_forms.rounding import SPARE, number
+from polhode.closed_forms.rounding import SPARE
 from polhode.closed_forms.textbook import euler, kovalevskaya, lagrange
+from polhode.numbers.conversion import to_mpf
 from polhode.numbers.exact import Exact
 from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.scenes.body import IDENTITY
@@ -61,7 +62,7 @@ def _rows(
     """The rows at the precision in force; gamma, where it is not given, is any."""
 
     def vector(v: Sequence[Exact]) -> Any:
-        return mpmath.matrix([number(x, mpmath.prec) for x in v])
+        return mpmath.matrix([to_mpf(x, mpmath.prec) for x in v])
 
     moments, torque, omega = map(vector, principal[:3])
     gamma = vector(principal.gamma or IDENTITY[2])
