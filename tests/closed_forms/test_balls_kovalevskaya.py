@@ -34,7 +34,7 @@ def test_of_two_places_that_fit_the_start_the_attitude_takes_neither():
     """The first was a wrong one in 14 of 1504 set-ups: more bits, until one is left."""
     top = top_of(*GENERIC["e-ee+"])
     with ctx.workprec(107):
-        motion = top._solution().state
+        motion = top._solution().motion
         theta_attitude.ThetaAttitude(motion, top._first_turn())
         motion.choices.append(motion.choices[0])
         with pytest.raises(TooFewBits):

@@ -133,6 +133,8 @@ def main(options: Namespace) -> int:
         expected = "a scene with a closed form, or --certified"
         raise BadInput(scene.name, "reference", reference.regime, expected)
     answer = json_results.of_reference(reference, times, options.digits)
+    if not reference.proven:
+        note(f"{scene.name}: the digits are reproduced, not proven")
     if path is not None:
         csv_tables.write_trajectory(path, answer)
     if options.json:
