@@ -220,7 +220,7 @@ def test_a_column_that_is_told_is_chosen():
     some = {"t": [0.0], "wx": [0.16], "gyro_x": [7.0], "foo": [0.3]}
     found = polhode.compare(some, CASE, columns=["wx=p", "foo=q"])
     assert found.worst > 15
-    assert found.subject.columns == ("p", "q")
+    assert found.subject.state == ("p", "q")
 
 
 # -- types of numbers -------------------------------------------------------------------------
@@ -328,7 +328,7 @@ def test_a_run_that_is_not_projected_its_file_and_its_array_have_the_same_limits
     assert others == [one, one]
     assert judged[1].drift == judged[2].drift == pytest.approx(judged[0].drift, rel=1e-3)
     some = polhode.compare(run.states[:, 3:], run.scene, at=run.times, columns=STATE[3:])
-    assert some.subject.columns == STATE[3:]
+    assert some.subject.state == STATE[3:]
     assert all(d >= w for d, w in zip(some.digits, judged[0].digits, strict=True))
     assert "column p is not in the file" in some.notes
 
@@ -392,7 +392,7 @@ def test_columns_about_the_vertical_are_named_where_the_scene_has_none():
     unjudged = [f"column {n} was not judged: the scene has no gamma" for n in ("gamma1", "psi")]
     missing = [f"column {name} is not in the file" for name in "qr"]
     assert [x for x in found.notes if x in (*unjudged, *missing)] == [*unjudged, *missing]
-    assert found.subject.columns == ("p",)
+    assert found.subject.state == ("p",)
 
 
 def test_rows_that_begin_later_are_as_they_are():

@@ -20,8 +20,8 @@ from polhode.judging.diagnosis.motion_in_double import sampled
 from polhode.judging.diagnosis.rotation_matrices import matrices
 from polhode.judging.diagnosis.time_unit import UNITS, clock_words
 from polhode.judging.diagnosis.ways import Right
-from polhode.judging.tables.candidate import Subject
 from polhode.judging.tables.reading import WRONG, TimeChange
+from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import to_double
 from polhode.numbers.decimals import brief
 from polhode.numbers.rows import Doubles
@@ -67,7 +67,7 @@ class Clock(NamedTuple):
         return clock_words(self.change)
 
 
-def clock(rows: Subject, scene: Scene) -> Clock | None:
+def clock(rows: Table, scene: Scene) -> Clock | None:
     """The offset at which rows, the first ones of a table, belong to the scene's motion; None
     where there is none, or where they belong to the times that they have."""
     parts, times = whole_parts(rows)
@@ -95,7 +95,7 @@ def clock(rows: Subject, scene: Scene) -> Clock | None:
     return None
 
 
-def unknown_clock(subject: Subject, scene: Scene, is_sought: bool = True) -> tuple[str, ...]:
+def unknown_clock(subject: Table, scene: Scene, is_sought: bool = True) -> tuple[str, ...]:
     """That times that are far and close together look like a clock's, in words.
 
     ``is_sought``: whether the offset was looked for.
@@ -127,7 +127,7 @@ def _units(
 
 
 def _clock(
-    time: float, digits: float, off: float, unit: Fraction, rows: Subject, nearest: Fraction
+    time: float, digits: float, off: float, unit: Fraction, rows: Table, nearest: Fraction
 ) -> Clock | None:
     """The clock of rows of which the one ``nearest`` to t = 0 belongs to a time that is off by so
     much at most."""

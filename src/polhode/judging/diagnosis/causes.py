@@ -25,8 +25,8 @@ import numpy as np
 from polhode.common.errors import BadInput
 from polhode.common.text_tables import few
 from polhode.judging.diagnosis.motion_in_double import integrated
-from polhode.judging.tables.candidate import Subject
 from polhode.judging.tables.reading import GAIN, WRONG
+from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles
@@ -70,16 +70,14 @@ class _Candidate(NamedTuple):
     least: float = 0.0
 
 
-def causes(subject: Subject, scene: Scene) -> tuple[Cause, ...]:
+def causes(subject: Table, scene: Scene) -> tuple[Cause, ...]:
     """What explains a table of states that is wrong, the best first; empty where nothing does."""
-    kept = [k for k in few(len(subject.times), _ROWS) if subject.states[k] is not None]
-    columns = [k for k, name in enumerate(scene.columns) if name in subject.columns]
+    some = subject.some(sorted(few(len(subject.times), _ROWS), key=lambda k: abs(subject.times[k])))
+    times, cells = [*some.times], some.rows(some.state)
+    columns = [k for k, name in enumerate(scene.columns) if name in some.state]
     speed = max([1e-300, *(abs(to_double(x)) for x in scene.start[:3])])
-    rows = sorted(kept, key=lambda k: abs(subject.times[k]))
-    times = [subject.times[k] for k in rows]
-    if not columns or abs(to_double(times[-1])) * speed > _FARTHEST:
+    if cells is None or abs(to_double(times[-1])) * speed > _FARTHEST:
         return ()
-    cells = [[subject.states[k][c] for c in columns] for k in rows]
     if any(x is None for row in cells for x in row):
         return ()
     fit = Fit(doubles(cells), times, columns, scene)

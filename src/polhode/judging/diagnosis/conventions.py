@@ -44,11 +44,11 @@ from polhode.judging.diagnosis.ways import (
 )
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import AnyReference
-from polhode.judging.tables.candidate import Subject
 from polhode.judging.tables.reading import WRONG, Reading, TimeChange
+from polhode.judging.tables.table import PARTS, Table
 from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.exact import Exact
-from polhode.numbers.rows import Doubles, Given
+from polhode.numbers.rows import Doubles
 from polhode.numbers.vectors import Matrix
 from polhode.scenes.body import Body, exact_vector
 from polhode.scenes.scene import Scene
@@ -98,7 +98,7 @@ class _Part(NamedTuple):
 
 
 def readings(
-    subject: Subject,
+    subject: Table,
     reference: AnyReference,
     wrong: Collection[str],
 ) -> list[Reading]:
@@ -212,7 +212,7 @@ def shown_rows(way: Way, times: Sequence[Fraction]) -> tuple[tuple[Fraction, flo
     return tuple((times[k], float(way.rows[k])) for k in sorted({first, middle, last}))
 
 
-def _other_worlds(subject: Subject, scene: Scene, times: Sequence[Fraction]) -> Iterator[_World]:
+def _other_worlds(subject: Table, scene: Scene, times: Sequence[Fraction]) -> Iterator[_World]:
     """The motion at other times, and those of other scenes that may be meant."""
     if len(times) >= LEAST_ROWS:
         for words, change in other_times(subject, scene):
@@ -265,7 +265,7 @@ def _with_attitude(scene: Scene, given: Sequence[float]) -> Scene:
 
 
 def other_times(
-    subject: Subject, scene: Scene, far: bool = False
+    subject: Table, scene: Scene, far: bool = False
 ) -> Iterator[tuple[str, TimeChange]]:
     """Times at which the rows may hold instead: a step off, backward, from another beginning.
 
@@ -309,22 +309,9 @@ def right_at(
     return Right(states, attitude, None if attitude is None else matrices(attitude))
 
 
-def whole_parts(subject: Subject) -> tuple[dict[str, Doubles], list[Fraction]]:
+def whole_parts(subject: Table) -> tuple[dict[str, Doubles], list[Fraction]]:
     """The parts of which every number is there, as doubles, in the rows that tell; their times."""
-    kept = probed_rows(subject.times)
-
-    def whole(part: Given | None) -> Doubles | None:
-        values = None if part is None else doubles([part[k] for k in kept])
-        return None if values is None or np.isnan(values).any() else values
-
-    found: dict[str, Doubles] = {}
-    if subject.columns:
-        for name, columns in (("omega", slice(0, 3)), ("gamma", slice(3, 6))):
-            values = whole([row[columns] for row in subject.states])
-            if values is not None and values.shape[1] == 3:
-                found[name] = values
-    for name in ("attitude", "angles"):
-        values = whole(getattr(subject, name))
-        if values is not None:
-            found[name] = values
-    return found, [subject.times[k] for k in kept]
+    some = subject.some(probed_rows(subject.times))
+    found = {part: doubles(rows) for part, names in PARTS.items() if (rows := some.rows(names))}
+    whole = {part: values for part, values in found.items() if not np.isnan(values).any()}
+    return whole, [*some.times]

@@ -14,8 +14,9 @@ from polhode.common.errors import UNREADABLE, BadInput
 from polhode.common.files import read_npz, read_whole
 from polhode.judging.tables.column_aliases import columns
 from polhode.judging.tables.csv_file import MAX_BYTES
+from polhode.judging.tables.given_columns import refuse_names, table_of_columns
 from polhode.judging.tables.naming import Naming
-from polhode.judging.tables.table import Table, refuse_names, table_of_columns
+from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import exactly
 from polhode.numbers.expression import decimal
 from polhode.numbers.number_types import MAX_DIGITS, NAMES, NumberType, bits_for
