@@ -22,12 +22,11 @@ from polhode.judging.score.judgement import Judgement
 from polhode.judging.score.report_text import SHOWN
 from polhode.judging.score.score import does_not_answer
 from polhode.judging.score.table_reading import as_meant, with_unit_quaternions
-from polhode.judging.tables.array_file import ENDINGS
 from polhode.judging.tables.given_columns import table_of_columns, table_of_rows
 from polhode.judging.tables.naming import PLAIN, Naming, naming
 from polhode.judging.tables.reading import LENGTH
 from polhode.judging.tables.table import Table, as_judged, of_run
-from polhode.judging.tables.table_file import read_table
+from polhode.judging.tables.table_file import ENDINGS, read_table
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.runs.problem.options import choose_number
