@@ -95,6 +95,7 @@ LAYOUTS = {
     "a column without a name": (indexed(lines()), [], []),
     "a cell of two lines": (in_two_lines(lines()), [], []),
     "spaces about commas": (lines(" , "), [], []),
+    "no number, between blanks": (lines(" , ").rstrip().rpartition(" ")[0] + " nan \n", [], []),
     "names in quotation marks": (lines(names=[f'"{name}"' for name in NAMES]), [], []),
     "an open quotation mark in a comment": ('#,"open\n' + lines().rstrip(), [], []),
     "no zero before the point": (lines().replace(",0.", ",+.").replace("e-", "E-0"), [], []),

@@ -28,8 +28,7 @@ from polhode.judging.tables.given_columns import refuse_names, table_of_cells
 from polhode.judging.tables.naming import Naming
 from polhode.judging.tables.sidecar import Sidecar, beside
 from polhode.judging.tables.table import Table
-from polhode.judging.tables.time_errors import of_decimals, of_type
-from polhode.judging.tables.type_inference import printed_type
+from polhode.judging.tables.type_inference import of_decimals, of_type, printed_type
 from polhode.numbers import expression
 from polhode.numbers.expression import ExpressionError
 from polhode.numbers.number_types import DIGITS_HELD, DOUBLE, NumberType

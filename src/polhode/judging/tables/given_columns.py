@@ -14,8 +14,7 @@ from polhode.judging.tables.column_aliases import Column, known, not_judged, twi
 from polhode.judging.tables.naming import PLAIN, Naming
 from polhode.judging.tables.reading import degree
 from polhode.judging.tables.table import Table
-from polhode.judging.tables.time_errors import of_decimals, of_type
-from polhode.judging.tables.type_inference import type_of
+from polhode.judging.tables.type_inference import of_decimals, of_type, type_of
 from polhode.numbers.conversion import exact_number, exactly
 from polhode.numbers.number_types import DOUBLE, NumberType, bits_for, mp
 from polhode.numbers.scalars import AnyNumber, AnyVector
