@@ -106,11 +106,8 @@ def readings(
 
     ``wrong``: which of omega, gamma, attitude and angles are, or may be.
     """
-    parts, times = whole_parts(subject)
-    if not {*parts} & {*wrong}:
-        return []
-    right = right_at(reference, times)
-    if right is None:
+    parts, times, right = probe(subject, reference)
+    if right is None or not parts.keys() & {*wrong}:
         return []
     first = _World("", right)
 
@@ -287,15 +284,37 @@ def other_times(
             yield f"t {unit.name}", TimeChange(unit=unit.length)
 
 
-def right_at(
-    reference: AnyReference, times: Sequence[Fraction], moved: TimeChange | None = None
-) -> Right | None:
-    """The reference's states and attitudes at these times; None where it gives no states.
+class Probe(NamedTuple):
+    """The parts of a table of which every number is there, as doubles, in the rows that tell.
+
+    ``right``: what the reference has at their times, or at those that are told of; None where it
+    gives no states.
+    """
+
+    parts: dict[str, Doubles]
+    times: list[Fraction]
+    right: Right | None
+
+    @property
+    def digits(self) -> dict[str, float]:
+        """The fewest digits of each part as it stands, where the motion is known."""
+        if self.right is None:
+            return {}
+        plain = {k: next(ways(k, values, self.right), None) for k, values in self.parts.items()}
+        return {k: way.digits for k, way in plain.items() if way is not None}
+
+
+def probe(subject: Table, reference: AnyReference, moved: TimeChange | None = None) -> Probe:
+    """The rows of a table that tell, beside the motion.
 
     ``moved``: where the times are not those of the table, a run in double tells them.
     """
+    parts, times = whole_parts(subject)
+    if not parts:
+        return Probe(parts, times, None)
     if moved is not None or isinstance(reference, Certified):  # whose proof may have far to go
-        return integrated(reference.scene, times)
+        at = times if moved is None else [moved.of(t) for t in times]
+        return Probe(parts, times, integrated(reference.scene, at))
 
     def asked(question: Callable[..., Any]) -> Any:
         try:
@@ -304,9 +323,8 @@ def right_at(
             return None
 
     states, attitude = asked(reference.at), asked(reference.attitude)
-    if states is None:
-        return None
-    return Right(states, attitude, None if attitude is None else matrices(attitude))
+    turned = None if attitude is None else matrices(attitude)
+    return Probe(parts, times, None if states is None else Right(states, attitude, turned))
 
 
 def whole_parts(subject: Table) -> tuple[dict[str, Doubles], list[Fraction]]:

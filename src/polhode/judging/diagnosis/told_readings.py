@@ -12,12 +12,11 @@ from difflib import get_close_matches
 from polhode.common.errors import BadInput, listed
 from polhode.judging.diagnosis.conventions import (
     other_times,
-    right_at,
+    probe,
     shown_rows,
-    whole_parts,
 )
 from polhode.judging.diagnosis.time_unit import told_clock
-from polhode.judging.diagnosis.ways import Way, as_it_stands, ways
+from polhode.judging.diagnosis.ways import Way, ways
 from polhode.judging.references.reference import AnyReference
 from polhode.judging.tables.reading import LENGTH, TURNS, Reading, TimeChange
 from polhode.judging.tables.table import Table, as_judged
@@ -55,19 +54,18 @@ def _readings(subject: Table, reference: AnyReference, phrases: Sequence[str]) -
     changes = _time_changes(subject, reference.scene)
     later = next(filter(None, (_words_of_times(phrase, changes) for phrase in phrases)), "")
     moved = changes.get(later)
-    parts, times = whole_parts(subject)
-    right = right_at(reference, [t if moved is None else moved.of(t) for t in times], moved)
-    if right is None:
+    sample = probe(subject, reference, moved)
+    if sample.right is None and sample.parts:
         raise BadInput(subject.name, "read", phrases[0], "numbers that can be followed in double")
     known: dict[str, tuple[str, Way]] = {}
-    for part, values in parts.items():
-        for way in ways(part, values, right):
+    for part, values in sample.parts.items():
+        for way in ways(part, values, sample.right) if sample.right else ():
             if words := ", ".join(filter(None, (later, way.words))):
                 known.setdefault(f"{part} {words}", (part, way))
-    digits = {part: as_it_stands(part, values, right) or 0.0 for part, values in parts.items()}
+    digits = dict.fromkeys(sample.parts, 0.0) | sample.digits
     found: dict[str, Reading] = {}
     for phrase in phrases:
-        if phrase == TURNS and "angles" in parts:
+        if phrase == TURNS and "angles" in sample.parts:
             continue
         if phrase not in known:
             raise BadInput(subject.name, "read", phrase, _possible(phrase, known, changes))
@@ -76,7 +74,7 @@ def _readings(subject: Table, reference: AnyReference, phrases: Sequence[str]) -
             expected = f"no second reading of {part}" if way.change else _APPLIED
             raise BadInput(subject.name, "read", phrase, expected)
         words = phrase.removeprefix(f"{part} ")
-        rows = shown_rows(way, times)
+        rows = shown_rows(way, sample.times)
         found[part] = Reading(part, digits[part], words, way.digits, way.change, moved, rows)
     if TURNS in phrases:
         turned = Reading("angles", digits["angles"], TURNS, digits["angles"])

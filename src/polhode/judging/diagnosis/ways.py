@@ -102,12 +102,6 @@ def ways(part: str, values: Doubles, right: Right) -> Iterator[Way]:
         yield from (_of_attitude if part == "attitude" else _of_angles)(values, right)
 
 
-def as_it_stands(part: str, values: Doubles, right: Right) -> float | None:
-    """Digits of a part in the scene's conventions; None where the reference has no such part."""
-    first = next(ways(part, values, right), None)
-    return None if first is None else first.digits
-
-
 def _of_omega(values: Doubles, right: Right) -> Iterator[Way]:
     true = right.states[:, :3]
     yield from _of_vector(STATE[:3], values, true, True)

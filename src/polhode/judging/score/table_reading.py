@@ -17,11 +17,10 @@ import numpy as np
 
 from polhode.common.errors import BadInput
 from polhode.judging.clock import clock, unknown_clock
-from polhode.judging.diagnosis.conventions import readings, right_at, whole_parts
+from polhode.judging.diagnosis.conventions import probe, readings
 from polhode.judging.diagnosis.evidence import probed_rows
 from polhode.judging.diagnosis.motion_in_double import integrated
 from polhode.judging.diagnosis.time_unit import begins_at_start, time_unit
-from polhode.judging.diagnosis.ways import as_it_stands
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import AnyReference
 from polhode.judging.score.judgement import Judgement
@@ -47,7 +46,7 @@ def as_meant(subject: Table, against: AnyReference) -> tuple[Table, tuple[Readin
     if not applied:
         return subject, found
     other = subject.read_as(applied)
-    before, now = (_digits(one, against) or {} for one in (subject, other))
+    before, now = (probe(one, against).digits for one in (subject, other))
     read = {one.part for one in applied}
     if any(now.get(k, 0.0) < d - GAIN for k, d in before.items() if k not in read):
         return subject, found
@@ -57,17 +56,6 @@ def as_meant(subject: Table, against: AnyReference) -> tuple[Table, tuple[Readin
 def _probe(subject: Table) -> Table:
     """The rows that tell how a table is meant."""
     return subject.some(probed_rows(subject.times))
-
-
-def _digits(subject: Table, against: AnyReference) -> dict[str, float] | None:
-    """The fewest digits of each whole part as it stands, in the rows that tell; None where the
-    motion is not known."""
-    parts, times = whole_parts(subject)
-    right = right_at(against, times)
-    if right is None:
-        return None
-    digits = {name: as_it_stands(name, values, right) for name, values in parts.items()}
-    return {name: d for name, d in digits.items() if d is not None}
 
 
 def _in_seconds(subject: Table, against: AnyReference) -> Table:
@@ -115,10 +103,10 @@ def _earliest(subject: Table, size: Callable[[Fraction], Fraction] | None = None
 
 def _is_explained(rows: Table, against: AnyReference) -> bool:
     """Whether all parts are right, as they stand or in another convention."""
-    digits = _digits(rows, against)
-    if digits is None:
+    seen = probe(rows, against)
+    if seen.right is None and seen.parts:
         return False
-    wrong = {name for name, d in digits.items() if d < WRONG}
+    wrong = {name for name, d in seen.digits.items() if d < WRONG}
     return wrong <= {one.part for one in readings(rows, against, wrong)}
 
 
@@ -130,7 +118,7 @@ def with_unit_quaternions(subject: Table, against: AnyReference) -> Table:
         return subject
     unit = [of_length_one(row, subject.number.bits) for row in attitude]
     before = max(0.0, -math.log10(max(abs(x - 1) for x in found)))
-    digits = _digits(subject, against) or {}
+    digits = probe(subject, against).digits
     reading = Reading("attitude", before, LENGTH, digits.get("attitude", 0.0))
     subject = subject.with_rows(ATTITUDE, unit)
     return replace(subject, readings=(*subject.readings, reading))
@@ -160,7 +148,7 @@ def _as_they_stand(rows: Table, against: AnyReference) -> float:
         plain = integrated(against.scene, rows.times, attitude=False)
         if plain is None:
             return 0.0
-        digits = _digits(rows, against) or {}
+        digits = probe(rows, against).digits
         found = [d for name, d in digits.items() if name in ("attitude", "angles")]
         states = rows.rows(against.scene.columns)
         if states is not None:
