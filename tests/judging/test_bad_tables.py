@@ -99,7 +99,10 @@ BAD = [
     (npz(t=np.array([0, 1], dtype=object), p=np.zeros(2)), {}, "arrays of numbers that NumPy"),
     *(
         (saved_run(about), {}, "a trajectory that polhode saved")
-        for about in ("[]", "{", '{"bits": 53}', '{"number": "double", "bits": 1' + "0" * 18 + "}")
+        for about in (
+            *("[]", "{", '{"bits": 53}', '{"number": "double", "bits": 54}'),
+            *('{"number": "mp", "bits": 63}', '{"number": "mp", "bits": 1' + "0" * 18 + "}"),
+        )
     ),
     (npz(t=ZEROS, omega=np.zeros((3, 2))), {}, ": omega"),
     (npz(t=ZEROS, picture=np.zeros((3, 3))), {}, ": picture"),

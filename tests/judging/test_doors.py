@@ -13,6 +13,7 @@ import pytest
 
 import polhode
 from polhode import BadInput, cli
+from polhode.numbers import number_types
 from polhode.numbers.number_types import EXTENDED, extended_here
 from polhode.scenes.vocabulary import ATTITUDE, STATE
 from shared.tables import DOORS, of_run, right, text, through
@@ -158,6 +159,14 @@ def test_an_array_without_names_needs_them(tmp_path, capsys):
     assert verdict(path, capsys, *NAMED)["worst"] > 15
     assert cli.main(["compare", str(path), CASE]) == 2
     assert "shape = (13, 11): expected fields with names" in capsys.readouterr().err
+
+
+def test_a_saved_run_may_have_more_bits_than_digits_can_be_asked_for(tmp_path):
+    """Those that its motion loses."""
+    about = np.array(json.dumps({"number": "mp", "bits": number_types.mp(4100).bits}))
+    start = [[str(x) for x in polhode.reference(CASE).at([0], 20)[0]]]
+    np.savez(tmp_path / "x.npz", about=about, times=np.array(["0"]), states=np.array(start))
+    assert polhode.compare(tmp_path / "x.npz", CASE).subject.number == number_types.mp(4100)
 
 
 def test_an_array_has_no_column_twice(tmp_path):

@@ -16,10 +16,11 @@ from polhode.judging.tables.column_aliases import columns
 from polhode.judging.tables.csv_file import MAX_BYTES, read_csv
 from polhode.judging.tables.given_columns import refuse_names, table_of_columns
 from polhode.judging.tables.naming import PLAIN, Naming
+from polhode.judging.tables.sidecar import saved_type
 from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import exactly
 from polhode.numbers.expression import decimal
-from polhode.numbers.number_types import MAX_DIGITS, NAMES, NumberType, bits_for
+from polhode.numbers.number_types import NumberType
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 
 if TYPE_CHECKING:
@@ -104,8 +105,8 @@ def _of_polhode(path: Path, held: Mapping[str, Any]) -> tuple[dict[str, object],
     """A trajectory that polhode saved: its decimals as numbers of its type."""
     try:
         about = json.loads(str(held["about"]))
-        number = NumberType(about["number"], about["bits"])
-        if number.name not in NAMES or not 0 < number.bits <= bits_for(MAX_DIGITS):
+        number = saved_type(about["number"], about["bits"])
+        if number is None:
             raise ValueError
         own: dict[str, object] = {}
         for key, names in _OWN.items():
