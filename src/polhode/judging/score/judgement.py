@@ -184,22 +184,19 @@ class Judgement(Result, Scores):
         about, scene, digits = self.subject, self.reference.scene, self.digits
         if not about.time_errors:
             return None
-        count = len(self.times)
-        kept = [*{*few(count, FOLLOWED), self._lowest}]
-        rows = about.some(kept).rows(scene.columns) or []
-        both = [(k, row) for k, row in zip(kept, rows, strict=True) if None not in row]
-        kept, states = [k for k, _ in both], [row for _, row in both]
-        if not kept:
-            kept = [self._lowest]
-            at = [self.times[k] for k in kept]
-            states = [[*row] for row in self.reference.at(at, DIGITS_HELD["double"])]
-        worst = selected(count)
+        kept = sorted({*few(len(self.times), FOLLOWED), self._lowest})
+        rows = about.some(kept).rows(scene.columns) or [[None]] * len(kept)
+        states = {k: row for k, row in zip(kept, rows, strict=True) if None not in row}
+        if not states:
+            (row,) = self.reference.at([self.times[self._lowest]], DIGITS_HELD["double"])
+            states = {self._lowest: [*row]}
+        worst = selected(len(self.times))
         return explained(
             scene,
-            doubles(states),
-            [about.time_errors[k] for k in kept],
-            [about.held if (d := digits[k]) is None else d for k in kept],
-            [about.held if (e := self.expected[k]) is None else e.least - worst for k in kept],
+            doubles([*states.values()]),
+            [about.time_errors[k] for k in states],
+            [about.held if (d := digits[k]) is None else d for k in states],
+            [about.held if (e := self.expected[k]) is None else e.least - worst for k in states],
         )
 
     @cached_property
