@@ -75,7 +75,6 @@ HOMES = {
     "SectionPlan": "scenes.scene",
     "Solid": "scenes.shapes",
     "Spaced": "numbers.exact_sequences",
-    "Subject": "judging.tables.candidate",
     "Surface": "dynamics.periodic_orbits.level_set",
     "Table": "judging.tables.table",
     "TimeChange": "judging.tables.reading",
