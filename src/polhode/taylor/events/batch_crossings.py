@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
-from polhode.equations.forms import principal
-from polhode.numbers.conversion import to_double
-from polhode.numbers.exact import Number
 from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.rows import Booleans, Doubles, Flat, Indices
+from polhode.numbers.rows import Booleans, Doubles, Indices
 from polhode.taylor.events.batch_zeros import Crossings, Watched
 from polhode.taylor.events.jets import Jet, Marks, marks_at
 from polhode.taylor.events.polishing import Places, places, refined
-from polhode.taylor.events.roundoff import BAND, FUNCTIONS, Roundoff, rounding_error, sized
+from polhode.taylor.events.roundoff import BAND
 
 _CERTAIN = 2.0**-20  # of a section's function: extrema further from zero are no contacts
 _SMALL = 1e-9  # of an expression's size: above it nothing is within rounding of zero
@@ -32,31 +27,18 @@ class Judge:
         """The expression's jet on some motions."""
         return self._jet._replace(numbers=self.numbers[:, which])
 
-    def error(self, which: Indices, columns: Flat, clock: Flat) -> Flat:
-        """The rounding error of the expression on some motions, at columns of states and times."""
-        watched, band = self.watched, float(_BAND)
-        numbers = [sized(x, band) for x in self.numbers[:, which]]
-
-        def constant(x: Number) -> Roundoff:
-            return Roundoff(to_double(x), 0.0, band)
-
-        return rounding_error(
-            lambda state, time: watched.value(state, time, numbers, constant, FUNCTIONS),
-            lambda state: principal.field(state, watched.coefficients(numbers), FUNCTIONS),
-            *(columns, clock, band),
-        )
-
     def near(self, which: Indices, values: Doubles, states: Doubles, times: Doubles) -> Booleans:
         """Where the expression is within its rounding error of zero, on some motions."""
         near: Booleans = np.abs(values) < _SMALL * self.watched.size
         if near.any():
-            near &= ~(np.abs(values) > float(_BAND) * self.error(which, states, times))
+            noise = self.jet(which).noise(marks_at(times, states))
+            near &= ~(np.abs(values) > float(_BAND) * noise)
         return near
 
     def placed(self, which: Indices, marks: Marks, way: int) -> tuple[Places, Booleans]:
         """Polished crossings, and which of them are some for certain."""
         with np.errstate(all="ignore"):
-            place = places(self.jet(which), marks, _BAND, partial(self.error, which), way, True)
+            place = places(self.jet(which), marks, way, np.full(len(marks.time), True))
             return place, place.steep & (np.abs(place.values[0]) <= place.noise)
 
     def polished(self, which: Indices, marks: Marks, kind: str = "zeros") -> Marks:

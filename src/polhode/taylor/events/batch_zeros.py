@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -22,7 +22,8 @@ from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS, compact_beyond
 from polhode.taylor.backend.types import HeyokaIntegrator
 from polhode.taylor.batches.compiled_batch import LANES
 from polhode.taylor.events.functions import TIME, in_columns, typed_constant
-from polhode.taylor.events.jets import Jet, jet_of
+from polhode.taylor.events.jets import Formulas, Jet, jet_of
+from polhode.taylor.events.roundoff import BAND
 from polhode.taylor.integrator.specification import DESK, integrator
 
 #: The parameters of a batch, and of its jet: when the stretch began, what the first step adds to
@@ -31,6 +32,8 @@ ORIGIN, TINY = range(DESK)
 
 _LONG = 80  # operations of an expression whose code is compiled as loops
 _TURN = tuple(f"turn{i}{j}" for i in range(3) for j in range(3))
+_UNITS = "1/unit", "unit"
+_BAND = BAND * DOUBLE.eps / 2
 
 
 class Watched(NamedTuple):
@@ -49,34 +52,37 @@ class Watched(NamedTuple):
     turned: bool = False
     constants: tuple[float, ...] = ()
 
+    @property
+    def formulas(self) -> Formulas:
+        """The expression and the motion, of parameters."""
+        turn = _TURN if self.turned else ()
+        named = {n: hy.par[i] for i, n in enumerate((*_UNITS, *self.names, *turn), DESK)}
+        return Formulas(self.value, principal.field, lambda _: named)
+
     def numbers(self, time_unit: int, coefficients: Doubles, turns: Doubles | None) -> Doubles:
         """The numbers of motions, a column each: 1 / unit of time, unit, coefficients, turn."""
         unit = np.full((len(coefficients), 1), 2.0**time_unit)
         parts = [1 / unit, unit, coefficients]
         return np.hstack([*parts, turns] if turns is not None else parts).T
 
-    def coefficients(self, numbers: Sequence[Scalar]) -> dict[str, Scalar]:
-        """The coefficients by name."""
-        return dict(zip(self.names, numbers[2:], strict=False))
-
     def value(
         self,
         state: Sequence[Scalar],
         time: Scalar,
-        numbers: Sequence[Scalar],
+        numbers: Mapping[str, Scalar],
         constant: Callable[[Number], Scalar],
         fn: Functions,
     ) -> Scalar:
         """At a state in principal axes, for any scalar."""
         if isinstance(self.zero, SectionZero):
             return self.zero.value(state, fn, lambda x: constant(Fraction(x)))
-        vectors = [state[i : i + 3] for i in range(0, len(self.columns), 3)]
-        if self.turned:
-            turn = dict(zip(_TURN, numbers[2 + len(self.names) :], strict=False))
-            vectors = [kinematics.in_scene_axes(vector, turn, fn.zero) for vector in vectors]
-        vectors[0] = [numbers[0] * x for x in vectors[0]]
-        values = [x for vector in vectors for x in vector]
-        return in_columns(self.zero, self.columns, values, numbers[1] * time, constant, fn)
+        vectors = [
+            kinematics.in_scene_axes(state[i : i + 3], numbers, fn.zero)
+            for i in range(0, len(self.columns), 3)
+        ]
+        per_unit, unit = (numbers[name] for name in _UNITS)
+        values = [*(per_unit * x for x in vectors[0]), *(x for v in vectors[1:] for x in v)]
+        return in_columns(self.zero, self.columns, values, unit * time, constant, fn)
 
 
 class Crossings(NamedTuple):
@@ -147,14 +153,13 @@ def built(watched: Watched) -> HeyokaIntegrator:
     """A batch whose callback, a :class:`Met`, is told the zeros of an expression."""
     variables, section = hy.make_vars(*watched.columns), isinstance(watched.zero, SectionZero)
     constant = _double if section else typed_constant(DOUBLE)
-    many = 2 + len(watched.names) + len(_TURN) * watched.turned
-    numbers = [hy.par[i] for i in range(DESK, DESK + many)]
-    field = principal.field(variables, watched.coefficients(numbers), EXPRESSIONS)
-    value = watched.value(variables, TIME, numbers, constant, EXPRESSIONS)
-    met = Met(jet_of(value, variables, field, DOUBLE))
+    formulas = watched.formulas
+    numbers = formulas.numbers(constant)
+    value = formulas.value(variables, TIME, numbers, constant, EXPRESSIONS)
+    met = Met(jet_of(formulas, variables, DOUBLE, _BAND, constant))
     if watched.constants:
-        own = zip(watched.names, map(hy.expression, watched.constants), strict=True)
-        field = principal.field(variables, dict(own), EXPRESSIONS)
+        numbers = dict(zip(watched.names, map(hy.expression, watched.constants), strict=True))
+    field = principal.field(variables, numbers, EXPRESSIONS)
     scaled = value if section else value / hy.expression(watched.size)
     seen = hy.subs(scaled, {TIME: hy.time + hy.par[ORIGIN]}) + hy.par[TINY]
     event = hy.nt_event_batch(seen, met)

@@ -7,7 +7,7 @@ where zeros lie together, and at extrema, in the form that converges at multiple
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -28,6 +28,8 @@ _WIDTHS = [2.0**-k for k in range(48, 3, -1)]
 _FLAT = 2.0**-7
 
 _SMALL, _SHIFT = 2.0**-300, 300
+
+_NOWHERE = np.empty((4, 0)), np.empty(0)
 
 
 class Places(NamedTuple):
@@ -51,39 +53,26 @@ class Places(NamedTuple):
 
     def those(self, which: Booleans | Indices | list[int]) -> Places:
         """Some of them."""
-        return Places(
-            self.marks.those(which),
-            self.ahead[which],
-            self.values[:, which],
-            self.noise[which],
-            self.root[which],
-            self.steep[which],
-            self.reach[which],
-            self.width[which],
-        )
+        return Places(self.marks.those(which), *(array[..., which] for array in self[1:]))
 
 
-#: The rounding error of the expression at columns and times, see taylor/events/roundoff.py.
-Noise = Callable[[Flat, Flat], Flat]
-
-
-def polished(jet: Jet, met: Sequence[Marks], band: Fraction, noise: Noise, way: int) -> Places:
+def polished(jet: Jet, met: Sequence[Marks], way: int) -> Places:
     """The places that heyoka has met: zeros of the expression, and zeros of its rate.
 
-    ``band``: BAND u.  ``way``: -1 for a run backward in time.
+    ``way``: -1 for a run backward in time.
     """
     roots, extrema = met
     with np.errstate(all="ignore"):
-        roots = refined(jet, roots, "zeros")
-        first = places(jet, roots, band, noise, way, True)
-        if not first.steep.all():
-            multiple = refined(jet, roots.those(~first.steep), "multiple")
-            second = places(jet, multiple, band, noise, way, True)
-            second.steep[:] = False
-            first = joined([first.those(first.steep), second])
-        extrema = refined(jet, extrema, "extrema")
-    both = joined([first, places(jet, extrema, band, noise, way, False)])
-    return both.those(np.argsort(both.ahead, kind="stable"))
+        marks = joined_marks([refined(jet, roots, "zeros"), refined(jet, extrema, "extrema")])
+        root = np.arange(len(marks.time)) < len(roots.time)
+        found = places(jet, marks, way, root)
+        multiple = root & ~found.steep
+        if multiple.any():
+            flat = refined(jet, marks.those(multiple), "multiple")
+            flatter = places(jet, flat, way, root[multiple])
+            flatter.steep[:] = False
+            found = joined([found.those(root & ~multiple), flatter, found.those(~root)])
+    return found.those(np.argsort(found.ahead, kind="stable"))
 
 
 def refined(jet: Jet, marks: Marks, kind: str) -> Marks:
@@ -107,16 +96,11 @@ def refined(jet: Jet, marks: Marks, kind: str) -> Marks:
     return marks
 
 
-def places(jet: Jet, marks: Marks, band: Fraction, noise: Noise, way: int, root: bool) -> Places:
-    """What rounding leaves certain at some marks."""
-    count = len(marks.time)
+def places(jet: Jet, marks: Marks, way: int, root: Booleans) -> Places:
+    """What rounding leaves certain at some marks; ``root``: at which of them a zero was met."""
     ahead = marks.since_start if way > 0 else -marks.since_start
-    unit = scalar(band, jet.number)
-    if count:
-        values = plain(jet.at(marks) / unit, jet.number)
-        error = noise(plain(marks.columns, jet.number), plain(marks.since_start, jet.number))
-    else:
-        values, error = np.empty((4, 0)), np.empty(0)
+    count = len(marks.time)
+    values, error = (jet.relative(marks), jet.noise(marks)) if count else _NOWHERE
     with np.errstate(all="ignore"):
         value, rate, bend, third = np.abs(values)
         across = 2 * (error + value) / rate
@@ -126,11 +110,8 @@ def places(jet: Jet, marks: Marks, band: Fraction, noise: Noise, way: int, root:
         certain = error / rate / 16
     flat = np.flatnonzero(~steep & ~(width < 4 * _FLAT))
     if len(flat):
-        width[flat] = _sought(jet.those(flat), marks.those(flat), unit, error[flat])
-    return Places(
-        *(marks, ahead, values, error),
-        *(np.full(count, root), steep, reach, np.where(steep, certain, width)),
-    )
+        width[flat] = _sought(jet.those(flat), marks.those(flat), error[flat])
+    return Places(marks, ahead, values, error, root, steep, reach, np.where(steep, certain, width))
 
 
 def _half_width(values: Flat, height: Flat) -> Flat:
@@ -142,14 +123,14 @@ def _half_width(values: Flat, height: Flat) -> Flat:
     return least
 
 
-def _sought(jet: Jet, marks: Marks, unit: Scalar, error: Flat) -> Flat:
+def _sought(jet: Jet, marks: Marks, error: Flat) -> Flat:
     """How far from a place the expression stays within twice its noise, by looking."""
     found = np.full(len(error), _WIDTHS[-1], dtype=error.dtype)
     open_still = np.ones(len(error), dtype=bool)
     for width in _WIDTHS:
         step: Scalar = array([scalar(Fraction(width), jet.number)] * len(error), jet.number)
         for side in (step, -step):
-            value = plain(jet.at(jet.moved(marks, side))[0] / unit, jet.number)
+            value = jet.relative(jet.moved(marks, side))[0]
             out = open_still & (np.abs(value) > 2 * error)
             found[out] = width
             open_still &= ~out
@@ -158,29 +139,20 @@ def _sought(jet: Jet, marks: Marks, unit: Scalar, error: Flat) -> Flat:
     return found
 
 
-def plain(values: Scalar, number: NumberType) -> Flat:
-    """Numbers of a run's type as numpy's own: doubles of doubles, else longdoubles."""
-    if number.flat:
-        found: Flat = np.asarray(values)
-        return found
-    several = np.array([np.longdouble(str(x)) for x in values.ravel().tolist()], np.longdouble)
-    return several.reshape(values.shape)
-
-
 def joined(parts: Sequence[Places]) -> Places:
     """Several lists as one, in this order."""
     parts = [part for part in parts if len(part.ahead)] or parts[:1]
     if len(parts) == 1:
         return parts[0]
-    high, low, time, rest = (
-        np.concatenate(x) for x in zip(*(p.marks[:4] for p in parts), strict=True)
-    )
-    columns = np.concatenate([p.marks.columns for p in parts], axis=1)
-    marks = Marks(high, low, time, rest, columns)
-    ahead = np.concatenate([p.ahead for p in parts])
-    values = np.concatenate([p.values for p in parts], axis=1)
-    more = (np.concatenate(x) for x in zip(*(p[3:] for p in parts), strict=True))
-    return Places(marks, ahead, values, *more)
+    marks = joined_marks([part.marks for part in parts])
+    more = [np.concatenate(arrays, axis=-1) for arrays in zip(*(p[1:] for p in parts), strict=True)]
+    return Places(marks, *more)
+
+
+def joined_marks(parts: Sequence[Marks]) -> Marks:
+    """The same of marks."""
+    parts = [part for part in parts if len(part.time)] or parts[:1]
+    return Marks(*(np.concatenate(arrays, axis=-1) for arrays in zip(*parts, strict=True)))
 
 
 def exact_times(times: Scalar, time_unit: int, number: NumberType) -> tuple[Fraction, ...]:

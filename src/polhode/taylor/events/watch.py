@@ -14,7 +14,7 @@ A zero at t = 0, by the exact scene, is not an event of the run.
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
@@ -23,30 +23,25 @@ from typing import NamedTuple
 import numpy as np
 
 from polhode.common.value_semantics import waiting
+from polhode.equations import kinematics
 from polhode.equations.form import equations
 from polhode.equations.readout import Readout
 from polhode.motion.outcomes import EventTimes
-from polhode.numbers.exact import ZERO, sign
+from polhode.numbers.exact import ZERO, Number, sign
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Array, read_only
-from polhode.numbers.scalars import Scalar
+from polhode.numbers.scalars import Functions, Scalar
+from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import heyoka_numbers
 from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.types import Expression, HeyokaEvent, HeyokaIntegrator, HeyokaNumber
 from polhode.taylor.events.callbacks import AfterStep, Callback
 from polhode.taylor.events.decision import Decision, End, Happening, Standing, at_the_start, depths
-from polhode.taylor.events.functions import TIME, event_expression, rate
-from polhode.taylor.events.jets import Jet, Marks, compiled
+from polhode.taylor.events.functions import TIME, rate, typed_constant, value_of
+from polhode.taylor.events.jets import Formulas, Jet, Marks, jet_of
 from polhode.taylor.events.magnitudes import middle_axis
-from polhode.taylor.events.polishing import (
-    Noise,
-    Places,
-    exact_times,
-    joined,
-    places,
-    polished,
-)
+from polhode.taylor.events.polishing import Places, exact_times, joined, places, polished
 from polhode.taylor.events.rules import Rules
 from polhode.taylor.integrator.protocols import Desk
 from polhode.taylor.integrator.specification import CLOCK, TINY
@@ -141,23 +136,46 @@ class Watch:
         self,
         variables: Sequence[Expression],
         rates: Sequence[Expression],
-        known: Sequence[Expression],
+        pattern: Mapping[str, Expression],
     ) -> tuple[list[HeyokaEvent], Desk]:
         """heyoka's events of an integrator about to be built, in its variables and its time."""
-        variables, rates, known = (list(x[: self.width]) for x in (variables, rates, known))
+        variables, rates = list(variables[: self.width]), list(rates[: self.width])
         events: list[HeyokaEvent] = []
         desk = Desk()
         options = heyoka_numbers.type_options(self.number)
         kind = {name: x for name, x in options.items() if name == "fp_type"}
         clock = {TIME: hy.time + hy.par[1] + hy.par[0]}
-        desk.jets += compiled(self.scene, self.number, variables, known)
+        constant = typed_constant(self.number)
+        jets: dict[str | None, Jet] = {}
         for k, event in enumerate(self.scene.events):
-            value = event_expression(self.scene, event, self.number, variables)
+            formulas, text = self._formulas(event, pattern), event.expression
+            numbers = formulas.numbers(constant)
+            value = formulas.value(variables, TIME, numbers, constant, heyoka_numbers.EXPRESSIONS)
+            if text not in jets:
+                like = next(iter(jets.values()), None)
+                given = formulas, variables, self.number, self.rules.band, constant, like
+                jets[text] = jet_of(*given)
+            desk.jets.append(jets[text])
             for order, f in enumerate((value, rate(value, variables, rates))):
                 if hy.get_variables([f]):  # a constant has no zeros
                     seen = hy.subs(f, clock) * hy.par[CLOCK + k] + hy.par[TINY]
                     events.append(hy.nt_event(seen, Callback(desk, k, order), **kind))
         return events, desk
+
+    def _formulas(self, event: Event, pattern: Mapping[str, Expression]) -> Formulas:
+        """An event's expression and the motion; ``pattern``: coefficients that are parameters."""
+        scene, form = self.scene, equations(self.scene)
+
+        def field(
+            state: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
+        ) -> Sequence[Scalar]:
+            return [fn.zero] * self.width if self.rules.still else form.field(state, k, fn)
+
+        def numbers(constant: Callable[[Number], Expression]) -> Mapping[str, Expression]:
+            exact = {**form.coefficients, **kinematics.turn_coefficients(form.axes)}
+            return {name: constant(x) for name, x in exact.items()} | pattern
+
+        return Formulas(partial(value_of, scene, event), field, numbers)
 
     def sit_down(self, desk: Desk, numbers: Array) -> None:
         """Take over the desk of the integrator that a run goes on with, with its coefficients."""
@@ -347,7 +365,7 @@ class Watch:
     def _polished(self, k: int, notes: Sequence[list[Note]]) -> Places:
         """Zeros and extrema that were met, polished."""
         met = [self._gathered(several) for several in notes]
-        return polished(self.jets[k], met, self.rules.band, self._noise(k), self.way)
+        return polished(self.jets[k], met, self.way)
 
     def _gathered(self, notes: Sequence[Note]) -> Marks:
         """What heyoka met, as arrays."""
@@ -371,12 +389,8 @@ class Watch:
         before, beside, time, rest = (heyoka_numbers.array([x], self.number) for x in parts)
         return Marks(before, beside, time, rest, row[: self.width, None].copy())
 
-    def _noise(self, k: int) -> Noise:
-        return partial(self.rules.errors, self.scene.events[k])
-
     def _places(self, k: int, marks: Marks, root: bool = False) -> Places:
-        jet, band = self.jets[k], self.rules.band
-        return places(jet, marks, band, self._noise(k), self.way, root)
+        return places(self.jets[k], marks, self.way, np.array([root]))
 
     def _end(self, k: int, marks: Marks) -> End:
         place = self._places(k, marks, True)
