@@ -8,7 +8,7 @@ from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Booleans, Doubles, Indices
 from polhode.taylor.events.batch_zeros import Crossings, Watched
 from polhode.taylor.events.jets import Jet, Marks, marks_at
-from polhode.taylor.events.polishing import Places, places, refined
+from polhode.taylor.events.polishing import MULTIPLE, ZEROS, Places, places, refined
 from polhode.taylor.events.roundoff import BAND
 
 _CERTAIN = 2.0**-20  # of a section's function: extrema further from zero are no contacts
@@ -41,10 +41,10 @@ class Judge:
             place = places(self.jet(which), marks, way, np.full(len(marks.time), True))
             return place, place.steep & (np.abs(place.values[0]) <= place.noise)
 
-    def polished(self, which: Indices, marks: Marks, kind: str = "zeros") -> Marks:
+    def polished(self, which: Indices, marks: Marks, kind: int = ZEROS) -> Marks:
         """Crossings on some motions taken to their last digits."""
         with np.errstate(all="ignore"):
-            return refined(self.jet(which), marks, kind)
+            return refined(self.jet(which), marks, np.full(len(marks.time), kind))
 
     def each_once(self, motion: Indices, met: Crossings) -> Crossings:
         """Crossings of a stretch in order, each once and without contacts; ``motion``: of a lane.
@@ -68,7 +68,7 @@ class Judge:
         which = which[small]
         marks = self.polished(which, marks.those(small))
         _, certain = self.placed(which, marks, 1)
-        flat = self.polished(which, marks, "multiple")
+        flat = self.polished(which, marks, MULTIPLE)
         place, _ = self.placed(which, flat, 1)
         jet, unit = self.jet(which), float(_BAND)
         with np.errstate(all="ignore"):

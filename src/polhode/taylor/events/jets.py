@@ -49,6 +49,12 @@ class Marks(NamedTuple):
         return Marks(*(array[..., which] for array in self))
 
 
+def joined_marks(parts: Sequence[Marks]) -> Marks:
+    """Several lists as one, in this order."""
+    parts = [part for part in parts if len(part.time)] or parts[:1]
+    return Marks(*(np.concatenate(arrays, axis=-1) for arrays in zip(*parts, strict=True)))
+
+
 def marks_at(times: Doubles, columns: Doubles) -> Marks:
     """Doubles by one clock."""
     none = np.zeros(len(times))
@@ -131,7 +137,8 @@ class Jet(NamedTuple):
             numbers = self.numbers
             if numbers.ndim == 1:
                 numbers = np.repeat(numbers[:, None], len(marks.time), axis=1)
-            options["pars"] = np.concatenate([marks.high[None], marks.low[None], numbers])[:count]
+            pars = np.concatenate([marks.high[None], marks.low[None], numbers])[:count]
+            options["pars"] = np.ascontiguousarray(pars)
         if compiled.is_time_dependent:
             options["time"] = marks.time + marks.rest
         found: Scalar = compiled(np.ascontiguousarray(marks.columns), **options)

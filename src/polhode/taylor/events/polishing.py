@@ -14,10 +14,13 @@ from typing import NamedTuple
 import numpy as np
 
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Booleans, Flat, Indices
+from polhode.numbers.rows import Booleans, Flat, Indices, Integers
 from polhode.numbers.scalars import Scalar
 from polhode.taylor.backend.heyoka_numbers import array, as_fraction, scalar
-from polhode.taylor.events.jets import Jet, Marks
+from polhode.taylor.events.jets import Jet, Marks, joined_marks
+
+#: What a mark is near to: a zero of the expression, of its rate, a zero of both, or nothing.
+ZEROS, EXTREMA, MULTIPLE, ENDS = range(4)
 
 #: How far a zero may be from where heyoka met it, in the run's unit.
 _NEAR = Fraction(1, 1000)
@@ -33,7 +36,7 @@ _NOWHERE = np.empty((4, 0)), np.empty(0)
 
 
 class Places(NamedTuple):
-    """Polished zeros of an expression (``root``) and extrema, in order of time.
+    """Polished zeros of an expression (``root``) and extrema.
 
     ``ahead``: the time since the start in the direction of the run, numbers of the run's type.
     ``values`` (4, n): the expression and its derivatives divided by BAND u, plain numbers of numpy;
@@ -55,39 +58,54 @@ class Places(NamedTuple):
         """Some of them."""
         return Places(self.marks.those(which), *(array[..., which] for array in self[1:]))
 
+    @property
+    def order(self) -> Indices:
+        """Their order in time."""
+        order: Indices = np.argsort(self.ahead, kind="stable")
+        return order
 
-def polished(jet: Jet, met: Sequence[Marks], way: int) -> Places:
+    @property
+    def near(self) -> Booleans:
+        """Where the expression is within its noise of zero, or nothing is known of it."""
+        near: Booleans = ~(np.abs(self.values[0]) > self.noise)
+        return near
+
+
+def polished(jet: Jet, met: Sequence[Marks], ends: Marks, way: int) -> tuple[Places, Places]:
     """The places that heyoka has met: zeros of the expression, and zeros of its rate.
 
-    ``way``: -1 for a run backward in time.
+    ``way``: -1 for a run backward in time.  And the same of the motion's ``ends``, as they are.
     """
-    roots, extrema = met
+    kinds = np.repeat([ZEROS, EXTREMA, ENDS], [*(len(marks.time) for marks in (*met, ends))])
     with np.errstate(all="ignore"):
-        marks = joined_marks([refined(jet, roots, "zeros"), refined(jet, extrema, "extrema")])
-        root = np.arange(len(marks.time)) < len(roots.time)
-        found = places(jet, marks, way, root)
-        multiple = root & ~found.steep
+        marks = joined_marks([refined(jet, joined_marks(met), kinds[kinds != ENDS]), ends])
+        root = kinds != EXTREMA
+        every = places(jet, marks, way, root)
+        found, last = every.those(kinds != ENDS), every.those(kinds == ENDS)
+        multiple = (kinds[kinds != ENDS] == ZEROS) & ~found.steep
         if multiple.any():
-            flat = refined(jet, marks.those(multiple), "multiple")
-            flatter = places(jet, flat, way, root[multiple])
+            flat = found.marks.those(multiple)
+            flat = refined(jet, flat, np.full(len(flat.time), MULTIPLE))
+            flatter = places(jet, flat, way, found.root[multiple])
             flatter.steep[:] = False
-            found = joined([found.those(root & ~multiple), flatter, found.those(~root)])
-    return found.those(np.argsort(found.ahead, kind="stable"))
+            plain = found.those(found.root & ~multiple)
+            found = joined([plain, flatter, found.those(~found.root)])
+    return found, last
 
 
-def refined(jet: Jet, marks: Marks, kind: str) -> Marks:
+def refined(jet: Jet, marks: Marks, kinds: Integers) -> Marks:
     """The same by some rounds of Newton's method, or Schroeder's, for multiple zeros."""
     converged = Fraction(1, 1 << (jet.number.bits // 2 + 6))  # the error is its square
     zero, near, small = (scalar(x, jet.number) for x in (Fraction(0), _NEAR, converged))
-    going = np.ones(len(marks.time), dtype=bool)  # no last bit depends on neighbours
-    for _ in range(_ROUNDS if len(marks.time) else 0):
+    going = np.ones(len(kinds), dtype=bool)  # no last bit depends on neighbours
+    extrema, multiple = kinds == EXTREMA, kinds == MULTIPLE
+    for _ in range(_ROUNDS if going.any() else 0):
         value, rate, bend, third = jet.at(marks)
-        if kind == "zeros":
-            step = -value / rate
-        elif kind == "extrema":
-            step = -rate * bend / (bend * bend - rate * third)
-        else:
-            step = -value * rate / (rate * rate - value * bend)
+        step = -value / rate
+        if extrema.any():
+            step[extrema] = (-rate * bend / (bend * bend - rate * third))[extrema]
+        if multiple.any():
+            step[multiple] = (-value * rate / (rate * rate - value * bend))[multiple]
         step[~(going & (abs(step) < near))] = zero
         marks = jet.moved(marks, step)
         going = abs(step) > small
@@ -108,7 +126,7 @@ def places(jet: Jet, marks: Marks, way: int, root: Booleans) -> Places:
         reach = 2 * _half_width(values, error)
         width = 4 * _half_width(values, error + value)
         certain = error / rate / 16
-    flat = np.flatnonzero(~steep & ~(width < 4 * _FLAT))
+    flat = np.flatnonzero(~steep & ~(width < 4 * _FLAT) & ~(value > error))
     if len(flat):
         width[flat] = _sought(jet.those(flat), marks.those(flat), error[flat])
     return Places(marks, ahead, values, error, root, steep, reach, np.where(steep, certain, width))
@@ -147,12 +165,6 @@ def joined(parts: Sequence[Places]) -> Places:
     marks = joined_marks([part.marks for part in parts])
     more = [np.concatenate(arrays, axis=-1) for arrays in zip(*(p[1:] for p in parts), strict=True)]
     return Places(marks, *more)
-
-
-def joined_marks(parts: Sequence[Marks]) -> Marks:
-    """The same of marks."""
-    parts = [part for part in parts if len(part.time)] or parts[:1]
-    return Marks(*(np.concatenate(arrays, axis=-1) for arrays in zip(*parts, strict=True)))
 
 
 def exact_times(times: Scalar, time_unit: int, number: NumberType) -> tuple[Fraction, ...]:
