@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.rows import Booleans, Doubles, Indices
+from polhode.numbers.rows import Booleans, Doubles, Indices, Integers
 from polhode.taylor.events.batch_zeros import Crossings, Watched
-from polhode.taylor.events.jets import Jet, Marks, marks_at
+from polhode.taylor.events.jets import Jet, Marks
 from polhode.taylor.events.polishing import MULTIPLE, ZEROS, Places, places, refined
 from polhode.taylor.events.roundoff import BAND
 
@@ -27,12 +27,13 @@ class Judge:
         """The expression's jet on some motions."""
         return self._jet._replace(numbers=self.numbers[:, which])
 
-    def near(self, which: Indices, values: Doubles, states: Doubles, times: Doubles) -> Booleans:
+    def near(self, which: Indices, values: Doubles, marks: Marks) -> Booleans:
         """Where the expression is within its rounding error of zero, on some motions."""
         near: Booleans = np.abs(values) < _SMALL * self.watched.size
-        if near.any():
-            noise = self.jet(which).noise(marks_at(times, states))
-            near &= ~(np.abs(values) > float(_BAND) * noise)
+        at = np.flatnonzero(near)
+        if len(at):
+            noise = self.jet(which[at]).noise(marks.those(at))
+            near[at] = ~(np.abs(values[at]) > float(_BAND) * noise)
         return near
 
     def placed(self, which: Indices, marks: Marks, way: int) -> tuple[Places, Booleans]:
@@ -46,23 +47,28 @@ class Judge:
         with np.errstate(all="ignore"):
             return refined(self.jet(which), marks, np.full(len(marks.time), kind))
 
-    def each_once(self, motion: Indices, met: Crossings) -> Crossings:
-        """Crossings of a stretch in order, each once and without contacts; ``motion``: of a lane.
+    def each_once(self, which: Indices, marks: Marks, met: Crossings) -> Crossings:
+        """Crossings of a stretch in order, each once and without contacts.
 
         Of those without a certain slope the signs are put right.
         """
-        met = met.those(np.lexsort((met.times, met.lanes)))
-        width = self._width(motion[met.lanes], met)
-        met, width = met.those(width < np.inf), width[width < np.inf]
-        apart = np.fmax(width[1:], width[:-1]) + _TWICE * np.fmax(1.0, met.times[1:])
-        twice = (met.lanes[1:] == met.lanes[:-1]) & (np.diff(met.times) <= apart)
+        if len(which) == 0:
+            return met
+        width = self._width(which, marks, met.signs)
+        order = np.lexsort((np.abs(met.times), met.lanes))
+        order = order[width[order] < np.inf]
+        met, width = met.those(order), width[order]
+        times = np.abs(met.times)
+        apart = np.fmax(width[1:], width[:-1]) + _TWICE * np.fmax(1.0, times[1:])
+        twice = (met.lanes[1:] == met.lanes[:-1]) & (np.diff(times) <= apart)
         return met.those(np.flatnonzero(np.insert(~twice, 0, True)[: len(width)]))
 
-    def _width(self, which: Indices, met: Crossings) -> Doubles:
+    def _width(self, which: Indices, marks: Marks, signs: Integers) -> Doubles:
         """How wide crossings are, 0 with a certain slope, infinite for a contact."""
-        marks, width = marks_at(met.times, met.states.T), np.zeros(len(which))
-        _, slopes, bends, _ = self.jet(which).at(marks)
-        small = np.flatnonzero(~(slopes * slopes > _CERTAIN * np.abs(bends)))
+        width = np.zeros(len(which))
+        with np.errstate(all="ignore"):
+            _, slopes, bends, _ = self.jet(which).at(marks)
+        small = np.flatnonzero(~(slopes * slopes > _CERTAIN * self.watched.size * np.abs(bends)))
         if len(small) == 0:
             return width
         which = which[small]
@@ -70,12 +76,12 @@ class Judge:
         _, certain = self.placed(which, marks, 1)
         flat = self.polished(which, marks, MULTIPLE)
         place, _ = self.placed(which, flat, 1)
-        jet, unit = self.jet(which), float(_BAND)
+        jet = self.jet(which)
         with np.errstate(all="ignore"):
             apart = np.fmax(2 * place.width, _TWICE * np.fmax(1.0, np.abs(flat.since_start)))
-            sides = [jet.at(jet.moved(flat, way * apart))[0] / unit for way in (-1, 1)]
+            sides = [jet.relative(jet.moved(flat, way * apart))[0] for way in (-1, 1)]
         before, after = sides
         crosses = (np.minimum(np.abs(before), np.abs(after)) > place.noise) & (before * after < 0)
         width[small] = np.where(certain, 0.0, np.where(crosses, 4 * place.width, np.inf))
-        met.signs[small] = np.where(certain, met.signs[small], np.sign(after))
+        signs[small] = np.where(certain, signs[small], np.sign(after))
         return width

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
@@ -86,64 +85,70 @@ class Watched(NamedTuple):
 
 
 class Crossings(NamedTuple):
-    """Crossings: in which lanes, when since their stretch began, slopes' signs, states (n, …)."""
+    """Crossings: in which lanes, when since their stretch began, slopes' signs, states (n, …).
+
+    ``steps``: in which step of the batch.
+    """
 
     lanes: Indices
     times: Doubles
     signs: Doubles
     states: Doubles
+    steps: Indices
 
     def those(self, which: Booleans | Indices) -> Crossings:
         """Some of them."""
         return Crossings._make([array[which] for array in self])
 
 
-class Met:
-    """heyoka's callback: the crossings of a stretch, as they come by.
+def crossings_of(rows: Sequence[tuple[int, float, int, Doubles, int]], columns: int) -> Crossings:
+    """Crossings from a row of each."""
+    if not rows:
+        none, nowhere = np.empty(0), np.empty(0, dtype=int)
+        return Crossings(nowhere, none, none, np.empty((0, columns)), nowhere)
+    return Crossings._make(map(np.array, zip(*rows, strict=True)))
 
-    ``jet``: of the expression.  ``counts``: the crossings of each lane in either direction.
+
+def joined_crossings(parts: Sequence[Crossings]) -> Crossings:
+    """Several as one, in this order."""
+    return Crossings._make(map(np.concatenate, zip(*parts, strict=True)))
+
+
+class Met:
+    """heyoka's callbacks: the crossings of a stretch, and where its steps ended, as they come by.
+
+    ``jet``: of the expression.  ``muted``: whether nothing is noted.
     """
 
     def __init__(self, jet: Jet) -> None:
-        self.jet = jet
-        self._met: dict[tuple[int, float], tuple[int, float, int, Doubles]] = {}
+        self.jet, self.muted = jet, False
+        self._met: list[tuple[int, float, int, Doubles, int]] = []
+        self._ends: list[tuple[Doubles, Doubles]] = []
 
-    def begin(self, direction: int, first: bool, since: Doubles) -> None:
-        """Forget all; ``since``: the crossings of a lane up to then are the start itself.
-
-        Those in a direction are kept; of each lane the ``first`` alone, or all.
-        """
-        self.direction, self.first, self.since = direction, first, since.tolist()
-        self.counts, self.earliest = [0] * len(since), [math.inf] * len(since)
+    def begin(self, ta: HeyokaIntegrator) -> None:
+        """Forget all: a stretch begins here."""
         self._met.clear()
+        self._ends = [(ta.time.copy(), ta.state.copy())]
 
-    def forget(self, lanes: Booleans) -> None:
-        """Forget those of some lanes; from now on all are kept."""
-        self.direction = 0
-        self.counts = np.where(lanes, 0, self.counts).tolist()
-        self._met = {key: met for key, met in self._met.items() if not lanes[met[0]]}
-
-    def found(self) -> Crossings:
-        """The crossings kept."""
-        if not self._met:
-            none = np.empty(0)
-            return Crossings(np.empty(0, dtype=int), none, none, np.empty((0, 0)))
-        lanes, times, signs, states = zip(*self._met.values(), strict=True)
-        return Crossings(np.array(lanes), np.array(times), np.array(signs), np.array(states))
+    def after_step(self, ta: HeyokaIntegrator) -> bool:
+        """Note where a step ended."""
+        self._ends.append((ta.time.copy(), ta.state.copy()))
+        return True
 
     def __call__(self, ta: HeyokaIntegrator, time: float, sign: int, lane: int) -> None:
-        """Count a crossing that heyoka has met, and keep it if it is asked for."""
-        since = abs(time)
-        if since <= self.since[lane]:
-            return
-        self.counts[lane] += 1
-        if sign * self.direction < 0 or since >= self.earliest[lane]:
-            return
-        if self.first:
-            self.earliest[lane] = since
-        ta.update_d_output(time)
-        key = lane, 0.0 if self.first else len(self._met)
-        self._met[key] = lane, time, sign, ta.d_output[:, lane].copy()
+        """Note a crossing."""
+        if not self.muted:
+            ta.update_d_output(time)
+            self._met.append((lane, time, sign, ta.d_output[:, lane].copy(), len(self._ends) - 1))
+
+    def found(self) -> Crossings:
+        """The crossings."""
+        return crossings_of(self._met, len(self._ends[0][1]))
+
+    def ends(self) -> tuple[Doubles, Doubles]:
+        """Times (steps + 1, lanes) and states (steps + 1, columns, lanes), from the begin on."""
+        times, states = zip(*self._ends, strict=True)
+        return np.array(times), np.array(states)
 
     def __deepcopy__(self, _: object) -> Met:
         return self  # heyoka copies its callbacks; each integrator has one

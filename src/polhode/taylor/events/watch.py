@@ -289,9 +289,10 @@ class Watch:
         counted = [i for i, one in enumerate(found) if event.counts(one.sign * self.way)]
         deep = depths(found, known, start, end)[counted]
         found = [found[i] for i in counted]
-        where = known.those([one.at for one in found])
         if any(one.own is not None for one in found):
             where = joined([_place(one, known) for one in found])
+        else:
+            where = known.those([one.at for one in found])
         times = where.marks.since_start
         sizes = np.array([abs(float(t)) for t in times.tolist()])
         spreads = np.array([one.spread for one in found])
