@@ -8,8 +8,7 @@ integrals there.  When all motions are over, Newton's method puts their crossing
 How often heyoka has met a zero in a step must fit the signs at its two ends: of zeros that are
 multiple it loses some.  Where it does not, a section's lane is searched again there, by signs; a
 motion that is still not certain then is *unsure*, as a first zero is at once, or without a certain
-slope.  Where a stretch ends within rounding of zero, a section's lane takes it again, longer.  What
-a lane gives does not depend on its neighbours.
+slope.  What a lane gives does not depend on its neighbours.
 """
 
 from __future__ import annotations
@@ -50,11 +49,9 @@ from polhode.taylor.integrator.specification import DESK
 DONE, NONE_LEFT, NON_FINITE = "all crossings", "no more crossings", "not finite"
 STOPPED, UNSURE = "stopped", "not certain of a crossing"
 
-_BESIDE = 1e-6  # of a unit of time: a stretch that ends so near to a crossing is not certain of it
 _BEGIN = 1e-9  # of a stretch: a crossing before it is the start itself, where that is on a section
 _AT_START = 2.0**-46  # of the unit of time: the same for a start at zero, exactly
 _BLOCK = 2048  # crossings whose arrays fit into a processor's own memory
-_PARTS, _TRIES = 16, 4  # a stretch taken again is longer by a part, so many times
 _CLOSELY = 4  # times the lanes: at so many times a span is looked at that has lost a crossing
 _NARROWER = 18  # rounds, of a ninth each
 
@@ -137,13 +134,14 @@ class _Search:
         self.judge = Judge(job.watched, self.met.jet, numbers)
         stretches = max(1.0, np.ceil(abs(job.end) / job.stretch))
         self.length = job.stretch if stretches == math.inf else job.end / stretches
-        self.last = stretches * _PARTS
+        self.last = stretches
         self.lanes = LaneQueue(n, batch.places)
         self.parameters = np.zeros((DESK + len(numbers), batch.places))
         self.state = job.starts[self.lanes.motion].T.copy()
         self.put = None if job.level is None else Put(job.level, self.state)
         self.parts, self.found, self.quiet = np.zeros((3, batch.places), dtype=int)
-        self.origin = np.zeros(batch.places)  # of each lane's stretch
+        # of each lane: when its stretch began, and the side of the expression there
+        self.origin, self.side = np.zeros((2, batch.places))
         self.rows: list[tuple[Indices, Doubles, Crossings]] = []  # motions, stretches' begins
         self.steps = np.zeros(n, dtype=np.int64)
         self.outcomes = [STOPPED] * n
@@ -167,37 +165,22 @@ class _Search:
 
     def _stretch(self, stop: Stop | None) -> list[int] | None:
         """Go on by a stretch of time: the lanes whose motions are over; None where stopped."""
-        batch, busy, part = self.batch, self.lanes.busy, self.length / _PARTS
-        self.origin, begin = self.parts * part, busy & (self.parts == 0)
+        batch, busy = self.batch, self.lanes.busy
+        begin = busy & (self.parts == 0)
+        self.origin = self.parts * self.length
         self.parameters[ORIGIN] = self.origin
         batch.parameters[:] = self.parameters[: len(batch.parameters)]  # those that it asks for
         batch.stand(self.state)
-        before, spared = self._begun(begin)
-        target = np.where(busy, self.length, 0.0)
-        tries, running, unsure = 0 if self.put is None else _TRIES, busy, ~busy
-        while True:
-            self.met.begin(batch.heyoka)
-            done = self._onwards(target, begin, stop)
-            if done is None:
-                return None
-            after, slope = self._looked_at(batch.state, target)
-            near = self._near(after, target) | (np.abs(after) < _BESIDE * np.abs(slope))
-            again = running & done & near & (tries > 0)
-            there = running & ~again
-            crossings, lost = self._crossings(before, spared, there & done)
-            unsure |= there & lost
-            if self.put is None:
-                unsure |= there & (near | (before == 0) | ~done)
-            self._keep(crossings.those(~unsure[crossings.lanes]), there)
-            if not again.any():
-                break
-            tries, running = tries - 1, again
-            batch.state[:, again] = self.state[:, again]
-            batch.heyoka.set_time(np.where(again, 0.0, target).tolist())
-            target = target + again * part
+        spared = self._begun(begin)
+        self.met.begin(batch.heyoka)
+        done = self._onwards(np.where(busy, self.length, 0.0), begin, stop)
+        if done is None:
+            return None
+        crossings, unsure = self._crossings(spared, busy, done)
+        self._keep(crossings.those(~unsure[crossings.lanes]))
         self.state = batch.state.copy() if self.put is None else self.put.back(batch.state.copy())
-        self.parts += np.rint(target / part).astype(int)
-        return self._over(unsure & busy)
+        self.parts += 1
+        return self._over(unsure)
 
     def _over(self, unsure: Booleans) -> list[int]:
         """The lanes whose motions are over."""
@@ -210,19 +193,22 @@ class _Search:
             self.outcomes[self.lanes.motion[lane]] = UNSURE if unsure[lane] else outcome
         return lanes
 
-    def _begun(self, begin: Booleans) -> tuple[Doubles, Doubles]:
-        """The sides of the expression where a stretch begins, 0 where it is not certain.
+    def _begun(self, begin: Booleans) -> Doubles:
+        """Note the sides where motions begin, 0 where that is not certain.
 
-        And up to when a crossing is the start itself, at which a motion begins.
+        Up to when a crossing is the start itself.
         """
-        value, slope = self._looked_at(self.batch.state, np.zeros(len(begin)))
+        none = np.zeros(len(begin))
+        value, slope = self._looked_at(self.batch.state, none)
         spared, on_it = _AT_START, begin & (value == 0)
         if self.put is not None:
             spared = _BEGIN * self.length
             on_it = begin & (np.abs(value) <= spared * np.abs(slope))
-        value[self._near(np.where(on_it, np.inf, value), np.zeros(len(begin)))] = 0.0
-        side: Doubles = np.where(on_it, np.sign(slope) * np.sign(self.length), np.sign(value))
-        return side, np.where(on_it, spared, -1.0)
+        marks = self._marks(self.batch.state, none)
+        value[self.judge.near(self.lanes.motion, value, marks)] = 0.0
+        side = np.where(on_it, np.sign(slope) * np.sign(self.length), np.sign(value))
+        self.side = np.where(begin, side, self.side)
+        return np.where(on_it, spared, -1.0)
 
     def _onwards(self, target: Doubles, begin: Booleans, stop: Stop | None) -> Booleans | None:
         """Lanes brought to a time, and which are there; None where stopped.  Raises Singular."""
@@ -239,11 +225,6 @@ class _Search:
         if ended.stopped:
             return None
         return np.array([outcome is Outcome.REACHED_END for outcome in ended.outcomes])
-
-    def _near(self, values: Doubles, times: Doubles) -> Booleans:
-        """In which lanes the expression is within its rounding error of zero."""
-        asked = np.where(self.lanes.busy, values, np.inf)
-        return self.judge.near(self.lanes.motion, asked, self._marks(self.batch.state, times))
 
     def _looked_at(self, states: Doubles, times: Doubles) -> Doubles:
         """The expression and its rate in each lane, at times since the stretch began.
@@ -265,45 +246,59 @@ class _Search:
     # -- crossings ------------------------------------------------------------------------------
 
     def _crossings(
-        self, before: Doubles, spared: Doubles, running: Booleans
+        self, spared: Doubles, busy: Booleans, done: Booleans
     ) -> tuple[Crossings, Booleans]:
-        """The crossings of a stretch in some lanes, each once; and the lanes that lost some.
+        """The crossings of a stretch, each once; and the lanes that are not certain of theirs.
 
         From one step's end to another the expression changes its side as often as it was met at
         zero, but for even numbers.  Where it does not, a section's lane is searched again there.
         """
         met = self.met.found()
-        met = met.those(running[met.lanes] & (np.abs(met.times) > spared[met.lanes]))
+        met = met.those(busy[met.lanes] & (np.abs(met.times) > spared[met.lanes]))
         marks = self._marks(met.states.T, met.times, met.lanes)
         met = self.judge.each_once(self.lanes.motion[met.lanes], marks, met)
         times, states = self.met.ends()
-        (steps, columns, places), flat = states.shape, times.ravel()
-        rows = states.transpose(1, 0, 2).reshape(columns, -1)
+        sides = self._sides(times, states)
+        first_zero = self.put is None
+        unsure = busy & first_zero & ((self.side == 0) | (sides[-1] == 0) | ~done)
+        for lane in np.flatnonzero(busy & done & ~unsure).tolist():
+            steps = met.steps[met.lanes == lane]
+            (certain,) = np.nonzero(sides[:, lane])
+            changes = np.diff(np.searchsorted(steps, certain))
+            fits = (changes % 2 == 1) == (np.diff(sides[certain, lane]) != 0)
+            for i in np.flatnonzero(~fits).tolist():
+                unsure[lane] |= first_zero
+                if first_zero:
+                    break
+                first, last = certain[i : i + 2]
+                span, side = times[[first, last], lane], sides[first, lane]
+                again = self._again(lane, first, span, states[first, :, lane], side)
+                wrong = (met.lanes == lane) & (met.steps >= first) & (met.steps < last)
+                met = joined_crossings([met.those(~wrong), again])
+                unsure[lane] |= side * (-1) ** len(again.lanes) != sides[last, lane]
+            if len(certain):
+                after = met.those((met.lanes == lane) & (met.steps >= certain[-1]))
+                self.side[lane] = sides[certain[-1], lane] * (-1) ** len(after.lanes)
+        return met.those(np.lexsort((np.abs(met.times), met.lanes))), unsure
+
+    def _sides(self, times: Doubles, states: Doubles) -> Doubles:
+        """The sides of the expression at the steps' ends, 0 where that is not certain."""
+        steps, columns, places = states.shape
+        flat, rows = times.ravel(), states.transpose(1, 0, 2).reshape(columns, -1)
         value, _ = self._looked_at(rows, flat)
         which = np.resize(self.lanes.motion, len(flat))
         unknown = ~np.isfinite(value) | self.judge.near(which, value, self._marks(rows, flat))
-        sides = np.where(unknown, 0.0, np.sign(value)).reshape(steps, places)
-        sides[0] = before
-        counts = np.zeros((steps + 1, places), dtype=int)
-        np.add.at(counts, (met.steps + 1, met.lanes), 1)
-        turned = sides * (-1) ** np.cumsum(counts, axis=0)[:-1]
-        lost = np.zeros(places, dtype=bool)
-        for lane in np.flatnonzero(running).tolist():
-            certain = np.flatnonzero(turned[:, lane])
-            for i in np.flatnonzero(np.diff(turned[certain, lane])).tolist():
-                if self.put is None:
-                    lost[lane] = True
-                    break
-                first, last = int(certain[i]), int(certain[i + 1])
-                span = times[[first, last], lane]
-                again = self._again(lane, first, span, states[first, :, lane])
-                wrong = (met.lanes == lane) & (met.steps >= first) & (met.steps < last)
-                met = joined_crossings([met.those(~wrong), again])
-                lost[lane] |= sides[first, lane] * (-1) ** len(again.lanes) != sides[last, lane]
-        return met.those(np.lexsort((np.abs(met.times), met.lanes))), lost
+        sides: Doubles = np.where(unknown, 0.0, np.sign(value)).reshape(steps, places)
+        sides[0] = self.side
+        return sides
 
-    def _again(self, lane: int, step: int, span: Doubles, state: Doubles) -> Crossings:
-        """The crossings of a lane in a span of time that begins at a state, by looking closely."""
+    def _again(
+        self, lane: int, step: int, span: Doubles, state: Doubles, before: float
+    ) -> Crossings:
+        """The crossings of a lane in a span of time, by looking closely.
+
+        It begins at a state, on the side ``before``.
+        """
         batch, (begin, end) = self.batch, span
         kept = batch.state.copy(), batch.parameters.copy(), batch.heyoka.time.copy()
         self.met.muted = True
@@ -319,7 +314,6 @@ class _Search:
             return self.judge.jet(self.lanes.motion[which]).at(marks)[0], marks.columns
 
         closely = np.linspace(begin, end, _CLOSELY * batch.places + 1)[1:].reshape(_CLOSELY, -1)
-        before = float(at(begin, state, np.full(batch.places, begin))[0][0])
         for times in closely:
             values, states = at(begin, state, times)
             for i, value in enumerate(values.tolist()):
@@ -335,7 +329,7 @@ class _Search:
         self.met.muted = False
         return crossings_of(found, len(state))
 
-    def _keep(self, met: Crossings, running: Booleans) -> None:
+    def _keep(self, met: Crossings) -> None:
         """Keep the crossings in the direction asked for, as many as a motion still needs."""
         met = met.those(met.signs * self.job.direction >= 0)
         nth = np.arange(len(met.lanes)) - np.searchsorted(met.lanes, met.lanes)
@@ -344,7 +338,7 @@ class _Search:
             self.rows.append((self.lanes.motion[met.lanes], self.origin[met.lanes], met))
         counts = np.bincount(met.lanes, minlength=len(self.found))
         self.found += counts
-        self.quiet = np.where(running, np.where(counts > 0, 0, self.quiet + 1), self.quiet)
+        self.quiet = np.where(counts > 0, 0, self.quiet + 1)
 
     def _crossed(self) -> Crossed:
         """All crossings polished at once, and put in order."""
