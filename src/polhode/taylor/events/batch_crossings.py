@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.rows import Booleans, Doubles, Indices, Integers
+from polhode.numbers.rows import Booleans, Doubles, Indices
 from polhode.taylor.events.batch_zeros import Crossings, Watched
 from polhode.taylor.events.jets import Jet, Marks
 from polhode.taylor.events.polishing import MULTIPLE, ZEROS, Places, places, refined
@@ -63,7 +63,7 @@ class Judge:
         twice = (met.lanes[1:] == met.lanes[:-1]) & (np.diff(times) <= apart)
         return met.those(np.flatnonzero(np.insert(~twice, 0, True)[: len(width)]))
 
-    def _width(self, which: Indices, marks: Marks, signs: Integers) -> Doubles:
+    def _width(self, which: Indices, marks: Marks, signs: Doubles) -> Doubles:
         """How wide crossings are, 0 with a certain slope, infinite for a contact."""
         width = np.zeros(len(which))
         with np.errstate(all="ignore"):

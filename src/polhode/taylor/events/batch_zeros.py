@@ -124,22 +124,29 @@ class Met:
         self.jet, self.muted = jet, False
         self._met: list[tuple[int, float, int, Doubles, int]] = []
         self._ends: list[tuple[Doubles, Doubles]] = []
+        # views of the integrator's memory
+        self._time: Doubles
+        self._state: Doubles
+        self._dense: Doubles
 
     def begin(self, ta: HeyokaIntegrator) -> None:
         """Forget all: a stretch begins here."""
         self._met.clear()
-        self._ends = [(ta.time.copy(), ta.state.copy())]
+        self._ends.clear()
+        self._time, self._state, self._dense = ta.time, ta.state, ta.d_output
+        self.after_step(ta)
 
     def after_step(self, ta: HeyokaIntegrator) -> bool:
         """Note where a step ended."""
-        self._ends.append((ta.time.copy(), ta.state.copy()))
+        self._ends.append((self._time.copy(), self._state.copy()))
         return True
 
     def __call__(self, ta: HeyokaIntegrator, time: float, sign: int, lane: int) -> None:
         """Note a crossing."""
         if not self.muted:
             ta.update_d_output(time)
-            self._met.append((lane, time, sign, ta.d_output[:, lane].copy(), len(self._ends) - 1))
+            row = self._dense[:, lane].copy()
+            self._met.append((lane, time, sign, row, len(self._ends) - 1))
 
     def found(self) -> Crossings:
         """The crossings."""

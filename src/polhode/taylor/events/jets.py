@@ -46,13 +46,13 @@ class Marks(NamedTuple):
 
     def those(self, which: Booleans | Indices | list[int]) -> Marks:
         """Some of them."""
-        return Marks(*(array[..., which] for array in self))
+        return Marks._make(array[..., which] for array in self)
 
 
 def joined_marks(parts: Sequence[Marks]) -> Marks:
     """Several lists as one, in this order."""
     parts = [part for part in parts if len(part.time)] or parts[:1]
-    return Marks(*(np.concatenate(arrays, axis=-1) for arrays in zip(*parts, strict=True)))
+    return Marks._make(np.concatenate(arrays, axis=-1) for arrays in zip(*parts, strict=True))
 
 
 def marks_at(times: Doubles, columns: Doubles) -> Marks:

@@ -56,7 +56,7 @@ class Places(NamedTuple):
 
     def those(self, which: Booleans | Indices | list[int]) -> Places:
         """Some of them."""
-        return Places(self.marks.those(which), *(array[..., which] for array in self[1:]))
+        return Places._make([self.marks.those(which), *(a[..., which] for a in self[1:])])
 
     @property
     def order(self) -> Indices:
@@ -164,7 +164,7 @@ def joined(parts: Sequence[Places]) -> Places:
         return parts[0]
     marks = joined_marks([part.marks for part in parts])
     more = [np.concatenate(arrays, axis=-1) for arrays in zip(*(p[1:] for p in parts), strict=True)]
-    return Places(marks, *more)
+    return Places._make([marks, *more])
 
 
 def exact_times(times: Scalar, time_unit: int, number: NumberType) -> tuple[Fraction, ...]:

@@ -37,8 +37,8 @@ def mark(
     if ago is not None:
         heyoka.update_d_output(ago, rel_time=True)
         row, low = heyoka.d_output, low + ago
-    parts = (array([x], number) for x in (*clock.tolist(), high, low))
-    return Marks(*parts, row[:width, None].copy())
+    parts = [array([x], number) for x in (*clock.tolist(), high, low)]
+    return Marks._make([*parts, row[:width, None].copy()])
 
 
 class Probe:

@@ -50,8 +50,7 @@ from polhode.taylor.integrator.specification import CLOCK, TINY
 class Note(NamedTuple):
     """A zero as heyoka met it: where its clock began, in two parts; its time, the variables."""
 
-    high: HeyokaNumber
-    low: HeyokaNumber
+    clock: Array
     time: HeyokaNumber
     row: Array
 
@@ -170,14 +169,12 @@ class Watch:
         """An event's expression and the motion; ``pattern``: coefficients that are parameters."""
         scene, form = self.scene, equations(self.scene)
 
-        def field(
-            state: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
-        ) -> Sequence[Scalar]:
+        def field(state: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> list[Scalar]:
             return [fn.zero] * self.width if self.rules.still else form.field(state, k, fn)
 
         def numbers(constant: Callable[[Number], Expression]) -> Mapping[str, Expression]:
             exact = {**form.coefficients, **kinematics.turn_coefficients(form.axes)}
-            return {name: constant(x) for name, x in exact.items()} | pattern
+            return {**{name: constant(x) for name, x in exact.items()}, **pattern}
 
         return Formulas(partial(value_of, scene, event), field, numbers)
 
@@ -205,7 +202,7 @@ class Watch:
         if ta is not self._met:
             self._met, self._row = ta, ta.d_output
         ta.update_d_output(t)
-        self._of[k].notes[order].append(Note(*self._clock, t, self._row[: self.width].copy()))
+        self._of[k].notes[order].append(Note(self._clock, t, self._row[: self.width].copy()))
 
     def _stops(self, ta: HeyokaIntegrator) -> bool:
         """Whether an event ends the run in the step just taken."""
@@ -258,8 +255,9 @@ class Watch:
         """How much is noted so far, to be given to ``take_back``."""
         return [record.noted for record in self._of]
 
-    def take_back(self, noted: list[tuple[int, int]]) -> None:
+    def take_back(self, noted: object) -> None:
         """Forget what was noted since, in steps that were not the last ones of the run."""
+        assert isinstance(noted, list)
         self._stop = None
         for k, (record, counts) in enumerate(zip(self._of, noted, strict=True)):
             zeros, extrema = (n[:m] for n, m in zip(record.notes, counts, strict=True))
@@ -337,8 +335,8 @@ class Watch:
         if not notes:
             none = np.empty(0)
             return Marks(none, none, none, none, np.empty((self.width, 0)))
-        clocks = zip(*(note[:3] for note in notes), strict=True)
-        high, low, time = (heyoka_numbers.array(list(x), self.number) for x in clocks)
+        high, low = np.stack([note.clock for note in notes], axis=1)
+        time: Scalar = heyoka_numbers.array([note.time for note in notes], self.number)
         rows = np.concatenate([note.row for note in notes]).reshape(len(notes), -1)
         return Marks(high, low, time, time - time, rows.T.copy())
 
