@@ -131,7 +131,7 @@ class Problem:
             return Rules(scene, self.number, self.tolerance, self.still)
 
         timed = any(event.timed for event in scene.events)
-        return _rules.get(self, scene.end if timed else None, made)
+        return _rules.get(self, self.schedule(scene).exact[-1] if timed else None, made)
 
     @cached_property
     def _schedules(self) -> list[tuple[OutputTimes[Exact], Schedule]]:

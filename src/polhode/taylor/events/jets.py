@@ -14,7 +14,7 @@ import numpy as np
 from polhode.numbers.conversion import to_double, to_extended
 from polhode.numbers.exact import Number
 from polhode.numbers.number_types import DOUBLE, EXTENDED, NumberType
-from polhode.numbers.rows import Booleans, Doubles, Flat, Indices
+from polhode.numbers.rows import Booleans, Flat, Indices
 from polhode.numbers.scalars import Functions, Scalar
 from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS, scalar, type_options
@@ -55,8 +55,8 @@ def joined_marks(parts: Sequence[Marks]) -> Marks:
     return Marks._make(np.concatenate(arrays, axis=-1) for arrays in zip(*parts, strict=True))
 
 
-def marks_at(times: Doubles, columns: Doubles) -> Marks:
-    """Doubles by one clock."""
+def marks_at(times: Flat, columns: Flat) -> Marks:
+    """Plain numbers by one clock."""
     none = np.zeros(len(times))
     return Marks(none, none, times, none, columns)
 
