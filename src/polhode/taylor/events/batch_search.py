@@ -31,11 +31,11 @@ from polhode.taylor.batches import step_blocks
 from polhode.taylor.batches.compiled_batch import CompiledBatch
 from polhode.taylor.batches.lane_queue import LaneQueue
 from polhode.taylor.corrections.level_projection import Level, Put
-from polhode.taylor.events.batch_crossings import Judge
 from polhode.taylor.events.batch_zeros import (
     ORIGIN,
     TINY,
     Crossings,
+    Judge,
     Met,
     Watched,
     built,
