@@ -298,3 +298,24 @@ def test_no_first_zero_and_no_event_of_a_run_is_lost_where_it_is_flat(direction)
     assert runs[1].signs == runs[0].signs
     assert len(runs[0].signs) >= 2
     assert runs[1].t == pytest.approx(runs[0].t, abs=1e-4)
+
+
+@pytest.mark.parametrize("by", ["momentum", "gamma3 - 1/10"])
+def test_a_section_finds_again_what_heyoka_loses(by, monkeypatch):
+    """Of all crossings that it meets, in either direction, every seventh."""
+    from polhode.taylor.events.batch_zeros import Met
+
+    asked = {"by": by, "grid": (3, 3), "crossings": 12, "h": 3, "f": "1/2"}
+    whole = polhode.section("general/asymmetric-chaotic", **asked)
+    count, met = [0], Met.__call__
+
+    def deaf(self, ta, time, sign, lane):
+        count[0] += 1
+        if count[0] % 7:
+            met(self, ta, time, sign, lane)
+
+    monkeypatch.setattr(Met, "__call__", deaf)
+    other = polhode.section("general/asymmetric-chaotic", **asked, workers=1)
+    assert count[0] > 100
+    assert other.outcomes == whole.outcomes
+    np.testing.assert_allclose(other.times, whole.times, rtol=0, atol=1e-10)
