@@ -149,7 +149,8 @@ def built(
         options["tol"] = scalar(equations.tolerance, number)
     with disk_cache(number):
         if watcher is not None:
-            events, desk = watcher.attach(x, rates, field(x, equations.coefficients(DESK)))
+            parameters = {name: hy.par[i] for i, name in enumerate(pattern, DESK)}
+            events, desk = watcher.attach(x, rates, parameters)
             options["nt_events"] = events
             options |= compact_beyond(LONG, [event.expression for event in events])
         if system is not None:
