@@ -14,8 +14,8 @@ from polhode.proofs.chaos import chain_candidate, homoclinic, theorem
 from polhode.proofs.chaos.h_set import Chart
 from polhode.proofs.chaos.homoclinic import Homoclinic, Saddle
 from polhode.proofs.chaos.lanes import Lanes
-from polhode.proofs.chaos.theorem import Chain, Horseshoe
 from polhode.proofs.chaos.prove_chaos import _Balls, _in_its_unit
+from polhode.proofs.chaos.theorem import Chain, Horseshoe
 from shared import orbit_proofs as proofs
 
 #: As the search finds it.
@@ -41,7 +41,8 @@ class Example(NamedTuple):
 def example() -> Example:
     """The proof at h = 261/200, f = 31/25."""
     level = proofs.level()
-    _, orbit = _in_its_unit(Surface(proofs.BODY, proofs.H, proofs.F), proofs.proved(proofs.HYPERBOLIC))
+    on = Surface(proofs.BODY, proofs.H, proofs.F)
+    _, orbit = _in_its_unit(on, proofs.proved(proofs.HYPERBOLIC))
     lanes = Lanes.of(level.motion)
     point = np.array([float(x.mid()) for x in orbit.start])
     at = homoclinic.saddle(lanes, point, float(orbit.period.mid()))

@@ -1013,7 +1013,7 @@ class Zero(NamedTuple):
 
 
 def zero_near(held: Mapping[str, object], tell: Tell | None = None) -> Zero:
-    """The zero that a certificate's guesses prove, whatever it states; raises NotProved, Damaged."""
+    """The zero that guesses prove, whatever is stated of it; raises NotProved, Damaged."""
     radius_bits = _whole(held["radius_bits"], 1, MOST_BITS, "radius_bits")
     parts = _primes(_whole(held["divided_to"], 0, MOST_PARTS, "divided_to"))
     guesses = read_guesses([held[name] for name in Guesses._fields], more=len(parts))
@@ -1194,8 +1194,8 @@ def check_orbit(claim: Orbit, found: Zero) -> None:
     _inside(found.period, claim.period, "the period")
     _inside(found.residue, claim.residue, "the residue")
     certainly(STABILITY[claim.kind](found.residue), f"that the orbit is {claim.kind}")
-    for x, most in zip(claim.alone, found.alone, strict=True):
-        certainly(ball((x, Fraction(0))) <= most.lower(), "that no other orbit is so near")
+    for far, most in zip(claim.alone, found.alone, strict=True):
+        certainly(ball((far, Fraction(0))) <= most.lower(), "that no other orbit is so near")
     certainly(not (claim.least and found.repeated), found.repeated)
 
 

@@ -47,7 +47,8 @@ _ROUGH = Choice(Fraction(1, 1 << 40), 96, 0.25)  # of a guess that Newton's meth
 _BINARY = 200  # bits of such a guess
 
 _FINER = 40  # bits beyond a tolerance
-_BOXES = range(4, 22, 3)  # bits by which a box of many bodies' orbits is wider than the tolerance
+_BOXES = range(4, 22, 2)  # bits by which a box of many bodies' orbits is wider than the tolerance
+_TOO_WIDE = "the condition of the step"  # which fails for a larger box, too
 _SHORT = 0.05  # steps, of these
 _NARROWEST = 16  # decimals of the last tolerance that is looked at
 
@@ -219,12 +220,16 @@ def _of_all(candidate: Candidate, found: Proof, tolerance: Fraction) -> Proof:
     problem = Problem(on.scene.body, on.h, on.f, middles[:6], middles[6], tolerance)
     last = verify.NotProved("no box is large enough")
     for more in _BOXES:
+        if more >= bits:  # a radius of 1
+            break
         choice = Choice(Fraction(2) ** (more - bits), max(verify.COARSE, bits + _FINER), _SHORT)
         made = orbit_certificate.guesses(problem, choice)
         try:
             zero = orbit_certificate.proved(made)
         except verify.NotProved as why:
             last = why
+            if _TOO_WIDE in str(why):
+                break
             continue
         # a box about a centre that is off by its own size tells of no neighbourhood
         if min(zero.alone) > 0 and not zero.repeated:

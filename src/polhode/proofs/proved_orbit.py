@@ -29,7 +29,6 @@ from polhode.proofs import certified_orbit
 from polhode.proofs.refusals import NotProved
 from polhode.scenes.scene import Scene
 
-
 _FLOOR = Context(prec=2, rounding=ROUND_FLOOR)
 _CEILING = Context(prec=6, rounding=ROUND_CEILING)
 
@@ -69,10 +68,12 @@ class ProvedOrbit(Result, ByValue):
     Greene's, (6 - tr M)/4, M the monodromy matrix.  ``kind``: hyperbolic, elliptic or inverse
     hyperbolic, of the linear motion on this level alone.  ``unique_within``: a periodic motion of
     the level that passes within these distances of the point (Euclidean norms of omega and gamma)
-    and whose period is within this distance of ``period`` is this orbit.  ``certificate``: JSON
-    that ``polhode verify`` checks; ``bits``: of its polynomials; ``runs``: of the checker, until it
-    proved a certificate with the digits wanted; ``seconds``: CPU time.  ``tolerance``: relative, of every moment and every component of Mg r0 in
-    principal axes; the theorem then holds for each body within it, and the balls for all of them.
+    and whose period is within this distance of ``period`` is this orbit.  ``digits``: proven ones
+    of start and period.  ``bits``: of the certificate's polynomials; ``runs``: of the checker,
+    until it proved a certificate with the digits wanted; ``seconds``: CPU time.  ``certificate``:
+    the JSON text that ``polhode verify`` checks.  ``tolerance``: relative, of every moment and
+    every component of Mg r0 in principal axes; the theorem then holds for each body within it, and
+    the balls for all of them.
 
     >>> import polhode
     >>> found = polhode.prove_orbit("grioli/precession")

@@ -20,6 +20,7 @@ from polhode.enclosures.polynomial import ball
 from polhode.equations.section_functions import MOMENTUM
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.scalars import AnyNumber
+from polhode.proofs.certified_orbit import Candidate, of_closed
 from polhode.proofs.chaos import chain_candidate, homoclinic, theorem
 from polhode.proofs.chaos.homoclinic import Homoclinic, Saddle
 from polhode.proofs.chaos.lanes import Lanes
@@ -27,7 +28,6 @@ from polhode.proofs.chaos.proved_chaos import Guess as Begun
 from polhode.proofs.chaos.proved_chaos import ProvedChaos
 from polhode.proofs.chaos.theorem import Horseshoe
 from polhode.proofs.level import Level
-from polhode.proofs.certified_orbit import Candidate, of_closed
 from polhode.proofs.prove_orbit import near_scene, proved
 from polhode.proofs.proved_orbit import ProvedOrbit, as_arb
 from polhode.proofs.refusals import NotProved
