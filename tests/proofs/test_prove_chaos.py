@@ -12,12 +12,11 @@ from flint import arb
 
 import polhode
 from polhode.cli import main
-from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.enclosures.fixed_point_problem import Refused
 from polhode.numbers.flint_context import ctx
 from polhode.proofs.chaos import chain_candidate, h_set, homoclinic, theorem, transit
 from polhode.proofs.chaos.h_set import HSet
-from polhode.proofs.chaos.prove_chaos import _in_its_unit
+from polhode.proofs.chaos.prove_chaos import balls_on
 from polhode.proofs.chaos.theorem import Chain
 from polhode.proofs.level import largest
 from shared import chaos_chains as chains
@@ -232,8 +231,7 @@ def test_an_orbit_of_another_level_is_refused():
     chain = chains.example().chain
     orbit = chains.example().orbit
     theorem.holds(proofs.level(), chain, orbit.start, orbit.period, BITS)
-    on = Surface(proofs.BODY, proofs.H, proofs.F)
-    _, other = _in_its_unit(on, proofs.proved(proofs.ELLIPTIC))
+    other = balls_on(proofs.level(), proofs.proved(proofs.ELLIPTIC))
     with pytest.raises(Refused):
         theorem.holds(proofs.level(), chain, other.start, orbit.period, BITS)
     with pytest.raises(Refused, match="period"):

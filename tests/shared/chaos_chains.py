@@ -8,13 +8,12 @@ from typing import NamedTuple
 import numpy as np
 from flint import arb
 
-from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.numbers.flint_context import ctx
 from polhode.proofs.chaos import chain_candidate, homoclinic, theorem
 from polhode.proofs.chaos.h_set import Chart
 from polhode.proofs.chaos.homoclinic import Homoclinic, Saddle
 from polhode.proofs.chaos.lanes import Lanes
-from polhode.proofs.chaos.prove_chaos import _Balls, _in_its_unit
+from polhode.proofs.chaos.prove_chaos import OrbitBalls, balls_on
 from polhode.proofs.chaos.theorem import Chain, Horseshoe
 from shared import orbit_proofs as proofs
 
@@ -26,7 +25,7 @@ NOISE = chain_candidate.NOISE
 class Example(NamedTuple):
     """What a proof is made of."""
 
-    orbit: _Balls
+    orbit: OrbitBalls
     lanes: Lanes
     saddle: Saddle
     size: float
@@ -41,8 +40,7 @@ class Example(NamedTuple):
 def example() -> Example:
     """The proof at h = 261/200, f = 31/25."""
     level = proofs.level()
-    on = Surface(proofs.BODY, proofs.H, proofs.F)
-    _, orbit = _in_its_unit(on, proofs.proved(proofs.HYPERBOLIC))
+    orbit = balls_on(level, proofs.proved(proofs.HYPERBOLIC))
     lanes = Lanes.of(level.motion)
     point = np.array([float(x.mid()) for x in orbit.start])
     at = homoclinic.saddle(lanes, point, float(orbit.period.mid()))

@@ -41,7 +41,7 @@ def body_numbers(body: Body, bits: int, tolerance: Fraction = _NONE) -> dict[str
             [number(x, bits, r) for x, r in zip(*pair, strict=True)]
             for pair in zip(inertia, spread, strict=True)
         ]
-        off = [sum(abs(axes[k][i] * along[k]) for k in range(3)) for i in range(3)]
+        off = [sum((abs(axes[k][i] * along[k]) for k in range(3)), _NONE) for i in range(3)]
         points = [number(x, bits, r * tolerance) for x, r in zip(centre, off, strict=True)]
     turned = any(inertia[i][j] != 0 for i in range(3) for j in range(3) if i != j)
     return {
@@ -53,7 +53,7 @@ def body_numbers(body: Body, bits: int, tolerance: Fraction = _NONE) -> dict[str
 
 def _spread(axes: Matrix, moments: Sequence[Exact], i: int, j: int) -> Exact:
     """The sum of the moduli of what the moments contribute to an entry of the inertia."""
-    return sum(abs(axes[k][i] * axes[k][j] * moments[k]) for k in range(3))
+    return sum((abs(axes[k][i] * axes[k][j] * moments[k]) for k in range(3)), _NONE)
 
 
 def number(x: Exact, bits: int, radius: Exact = _NONE) -> str | list[str]:

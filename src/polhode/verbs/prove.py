@@ -160,6 +160,7 @@ def _told(options: Namespace, found: ProvedChaos) -> int:
 
 
 def _one(options: Namespace, found: ProvedOrbit) -> int:
+    from polhode.certificates.verdict import trusted_base
     from polhode.output import proofs as output
 
     if options.file is not None:
@@ -178,6 +179,7 @@ def _one(options: Namespace, found: ProvedOrbit) -> int:
         f"{found.scene.name}: every digit is proven; {counted(found.runs, 'run')} of the checker "
         f"at {found.bits} bits, {found.seconds:.2f} s"
     )
+    note(trusted_base())
     return DONE
 
 

@@ -111,25 +111,30 @@ def prove_chaos(
     return _Search(on, most, progress).found(guesses)
 
 
-class _Balls(NamedTuple):
+class OrbitBalls(NamedTuple):
     """An orbit in principal axes and the unit of time of a level's motion."""
 
     start: list[arb]
     period: arb
 
 
-def _in_its_unit(on: Surface, told: ProvedOrbit) -> tuple[Level, _Balls]:
-    """The level, and the proved orbit on it."""
+def _level_of(on: Surface, told: ProvedOrbit) -> Level:
+    """The level, in the unit of time that a proved orbit suggests."""
     p, q, r = (x.centre for x in told.omega)
-    level = Level(motion(on.scene, unit=unit_for(on.scene.body, (p, q, r))), on.h, on.f)
-    with ctx.workprec(told.bits + 64):
+    return Level(motion(on.scene, unit=unit_for(on.scene.body, (p, q, r))), on.h, on.f)
+
+
+def balls_on(level: Level, told: ProvedOrbit) -> OrbitBalls:
+    """A proved orbit in the axes and the unit of time of a level's motion."""
+    bits = told.bits + 64
+    with ctx.workprec(bits):
         by = arb((1, level.motion.unit))
-        rows = [[ball(x, told.bits + 64) for x in row] for row in on.scene.body.axes.rows]
-        omega, gamma = ([as_arb(x) for x in v] for v in (told.omega, told.gamma))
-        turned = [
-            [row[0] * v[0] + row[1] * v[1] + row[2] * v[2] for row in rows] for v in (omega, gamma)
-        ]
-        return level, _Balls([*(by * x for x in turned[0]), *turned[1]], as_arb(told.period) / by)
+        rows = [[ball(x, bits) for x in row] for row in told.scene.body.axes.rows]
+        vectors = [[as_arb(x) for x in v] for v in (told.omega, told.gamma)]
+        omega, gamma = (
+            [row[0] * v[0] + row[1] * v[1] + row[2] * v[2] for row in rows] for v in vectors
+        )
+        return OrbitBalls([*(by * x for x in omega), *gamma], as_arb(told.period) / by)
 
 
 class _Search:
@@ -147,8 +152,8 @@ class _Search:
         for guess in guesses:
             try:
                 told = proved(guess, _DIGITS)
-                level, orbit = _in_its_unit(self.on, told)
-                made = self._beside(level, orbit, told, each)
+                level = _level_of(self.on, told)
+                made = self._beside(level, balls_on(level, told), told, each)
             except NotProved as why:
                 self.causes.append(str(why).partition(": ")[2])
                 continue
@@ -164,7 +169,7 @@ class _Search:
         )
 
     def _beside(
-        self, level: Level, orbit: _Balls, told: ProvedOrbit, each: int
+        self, level: Level, orbit: OrbitBalls, told: ProvedOrbit, each: int
     ) -> ProvedChaos | None:
         if told.kind == "elliptic":
             self.causes.append("the periodic orbit is elliptic")
@@ -226,7 +231,7 @@ class _Search:
 
 
 def chained(
-    lanes: Lanes, level: Level, at: Saddle, near: Homoclinic, size: float, orbit: _Balls
+    lanes: Lanes, level: Level, at: Saddle, near: Homoclinic, size: float, orbit: OrbitBalls
 ) -> tuple[Horseshoe, float]:
     """The theorem along one homoclinic orbit with sets of about a size; raises Refused."""
     moved, rho = homoclinic.towards(at, near, size)
