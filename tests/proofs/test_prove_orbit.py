@@ -97,6 +97,22 @@ def test_another_unit_of_time_scales_the_orbit_and_how_far_it_is_alone():
     assert [*two.unique_within] == pytest.approx(expected, rel=1e-4, abs=0.0)
 
 
+def test_an_orbit_of_another_body_is_a_guess_and_no_more():
+    near = proofs.near(proofs.ELLIPTIC)
+    orbit = polhode.orbit(near, h=proofs.H, f=proofs.F, period=near.end)
+    other = polhode.top(
+        moments=["2.00001", *proofs.MOMENTS[1:]],
+        centre=proofs.TORQUE,
+        weight=1,
+        omega=near.omega,
+        gamma=proofs.ELLIPTIC[3:6],
+        normalise=True,
+    )
+    found = polhode.prove_orbit(other, orbit, digits=12, h=proofs.H, f=proofs.F)
+    assert found.scene == other
+    assert 1e-7 < abs(found.period.centre - orbit.period) < 1e-3
+
+
 def test_half_the_period_is_refused():
     point = (*proofs.ELLIPTIC[:6], proofs.ELLIPTIC[6] / 2)
     with pytest.raises(

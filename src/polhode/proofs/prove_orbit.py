@@ -98,8 +98,8 @@ def prove_orbit(
         raise BadInput(scene.name, "orbit", None, "no period or returns with it")
     asked = asked_of(scene, MOMENTUM, MAXIMA, h, f)
     on = Surface(scene, asked.h, asked.f)
-    if isinstance(orbit, Orbit) and (orbit.h, orbit.f) == (on.h, on.f):
-        candidate = certified_orbit.of_closed(orbit.surface, orbit.closed)
+    if isinstance(orbit, Orbit) and _alike(orbit.surface, on):
+        candidate = certified_orbit.of_closed(on, orbit.closed)
     else:
         near = orbit.scene if isinstance(orbit, Orbit) else library.load(orbit)
         candidate = near_scene(on, near)
@@ -143,6 +143,12 @@ def prove_all(
         except NotProved as why:
             proofs.append(why)
     return proofs
+
+
+def _alike(one: Surface, other: Surface) -> bool:
+    """Whether states of both are of one body, one level and one unit of time."""
+    levels = [(on.scene.body, on.h, on.f, on.unit) for on in (one, other)]
+    return levels[0] == levels[1]
 
 
 def near_scene(on: Surface, near: Scene) -> Candidate:
