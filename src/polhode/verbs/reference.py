@@ -162,8 +162,9 @@ def _is_table(path: Path, options: Namespace) -> bool:
 def _certified(box: StartBox, times: Sequence[Exact], options: Namespace) -> int:
     """A proven enclosure, and proven events; on stdout nothing but proven digits."""
     from polhode.certificates import state_certificate
-    from polhode.enclosures.certify import MAX_STEPS, certify
+    from polhode.enclosures.certify import certify
     from polhode.enclosures.events import certify_events
+    from polhode.enclosures.task import MAX_STEPS
     from polhode.motion.outcomes import Outcome
 
     scene, radii = box

@@ -30,7 +30,6 @@ Value: TypeAlias = Any
 
 #: Where each class is: a document names nothing else.
 HOMES = {
-    "BallMatrix": "enclosures.variations.flow_derivative",
     "Bifurcation": "dynamics.periodic_orbits.families",
     "Ball": "proofs.proved_orbit",
     "Body": "scenes.body",
@@ -47,7 +46,6 @@ HOMES = {
     "EventTime": "enclosures.events",
     "EventTimes": "motion.outcomes",
     "FamilyPoint": "dynamics.periodic_orbits.families",
-    "FlowDerivative": "enclosures.variations.flow_derivative",
     "Floats": "numbers.exact_sequences",
     "FourthIntegral": "dynamics.levels.fourth_integral",
     "Frequencies": "dynamics.frequencies.frequencies",

@@ -138,7 +138,7 @@ def built(
     stepped = list(zip(x, rates, strict=True))
     if equations.tangents:
         stepped += _tangents(equations, field, x, rates)
-        options["compact_mode"] = not equations.lanes
+        options["compact_mode"] = not equations.lanes or equations.tangents > 1
     else:
         kept = tuple(i for i, rate in enumerate(rates) if rate == EXPRESSIONS.zero)
         inside = list(x)
