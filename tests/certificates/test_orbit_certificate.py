@@ -11,10 +11,9 @@ import pytest
 from flint import arb, ctx
 
 import polhode
-from polhode.certificates import certificate_file, grid, verify
-from polhode.certificates.orbit_certificate import Stated, certificate
+from polhode.certificates import grid, orbit_certificate, verify
+from polhode.certificates.orbit_certificate import Choice, Problem
 from polhode.cli import main
-from polhode.common.errors import BadInput
 from shared.mutation import altered
 
 BODY = {"moments": [2, "3/2", 1], "centre": ["3/10", "1/5", "1/2"], "weight": 1}
@@ -40,23 +39,6 @@ def guess(kind):
     return polhode.top(**BODY, omega=omega, gamma=gamma, normalise=True, end=period)
 
 
-def of(found):
-    """The certificate of a proved orbit."""
-    return certificate(found.scene.name, found.scene.body, stated(found))
-
-
-def stated(found):
-    return Stated(
-        found.h,
-        found.f,
-        found.kind,
-        [x.decimals for x in (*found.omega, *found.gamma)],
-        found.period.decimals,
-        found.residue.decimals,
-        [f"{0.9 * x:.3e}" for x in found.unique_within],
-    )
-
-
 def proved(kind, digits=30, **level):
     near = guess(kind)
     return polhode.prove_orbit(near, near, digits=digits, **LEVEL | level)
@@ -75,7 +57,7 @@ def few():
 
 @pytest.fixture(scope="module")
 def small(few):
-    return of(few)
+    return json.loads(few.certificate)
 
 
 def told(given):
@@ -192,21 +174,28 @@ def test_guesses_prove_nothing_false(small):
 
 
 @pytest.mark.parametrize(("kind", "times"), [("hyperbolic", 2), ("elliptic", 3)])
-def test_several_periods_are_not_the_least_one(orbits, monkeypatch, kind, times):
-    monkeypatch.setattr(certificate_file, "_MORE", (0,))
+def test_several_periods_are_not_the_least_one(orbits, kind, times):
     found = orbits[kind]
-    middle, _ = found.period.decimals
-    trace = [Fraction(2), 2 - 4 * Fraction(found.residue.decimals[0])]  # of powers
-    for _ in range(times - 1):
-        trace.append(trace[1] * trace[-1] - trace[-2])
-    several = stated(found)._replace(
-        start=[(x, "1e-30") for x, _ in stated(found).start],
-        period=(str(times * Fraction(middle)), "1e-30"),
-        residue=(str((2 - trace[-1]) / 4), "1e-2"),
-        alone=["1e-30", "1e-30", "1e-30"],
+    start = [x.centre for x in (*found.omega, *found.gamma)]
+    period = times * found.period.centre
+    problem = Problem(found.scene.body, found.h, found.f, start, period)
+    zero = orbit_certificate.proved(
+        orbit_certificate.guesses(problem, Choice(Fraction(1, 10**22), 140, 0.2))
     )
-    with pytest.raises(BadInput, match=f"the period may be {times} times the least one"):
-        certificate("several", found.scene.body, several)
+    assert zero.repeated == f"the period may be {times} times the least one"
+    statement = json.loads(found.certificate)["statement"]
+    claim = verify.read_orbit(statement)._replace(
+        period=(period, Fraction(1, 10**20)), residue=(Fraction(0), Fraction(10**9)), alone=[0] * 3
+    )
+    claim = claim._replace(kind=kind_of(zero), start=[(x, Fraction(1, 10**20)) for x in start])
+    with ctx.workprec(400):
+        with pytest.raises(verify.NotProved, match=f"may be {times} times the least one"):
+            verify.check_orbit(claim, zero)
+        verify.check_orbit(claim._replace(least=False), zero)
+
+
+def kind_of(zero):
+    return next(kind for kind, test in verify.STABILITY.items() if test(zero.residue) is True)
 
 
 SHIFT = 1  # the checker's unit of time is 2^-SHIFT
@@ -228,7 +217,8 @@ def made_of(small, bits, monkeypatch, corner=None, later=0, point=False):
         at = [verify.ball((x * power + sign * size, Fraction(0))) for x, sign, size in start]
         given |= grid.steps(body, at, period, 200, fine, 0.15)
         ctx.prec = 53
-    given["grid"][-1] += later * (1 << (given["time_bits"] + 2 - bits - SHIFT))
+    if later:
+        given["grid"][-1] += later * (1 << (given["time_bits"] + 2 - bits - SHIFT))
     held = []
     found = verify.derivative_of_f
 
