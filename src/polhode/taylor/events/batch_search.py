@@ -8,7 +8,8 @@ integrals there.  When all motions are over, Newton's method puts their crossing
 How often heyoka has met a zero in a step must fit the signs at its two ends: of zeros that are
 multiple it loses some.  Where it does not, a section's lane is searched again there, by signs; a
 motion that is still not certain then is *unsure*, as a first zero is at once, or without a certain
-slope.  What a lane gives does not depend on its neighbours.
+slope.  Of two multiple zeros that are lost in one step nothing is left to be seen.  What a lane
+gives does not depend on its neighbours.
 """
 
 from __future__ import annotations
