@@ -300,9 +300,14 @@ def test_no_first_zero_and_no_event_of_a_run_is_lost_where_it_is_flat(direction)
     assert runs[1].t == pytest.approx(runs[0].t, abs=1e-4)
 
 
-@pytest.mark.parametrize("by", ["momentum", "gamma3 - 1/10"])
+@pytest.mark.parametrize(
+    "by", ["momentum", "gamma3 - 1/10", "(q - 1/10)*(q - 3/25)*(q - 7/50)", "sin(40*gamma3)*q"]
+)
 def test_a_section_finds_again_what_heyoka_loses(by, monkeypatch):
-    """Of all crossings that it meets, in either direction, every seventh."""
+    """Of all crossings that it meets, in either direction, every seventh; several of one step.
+
+    Of three in a step the second was told at the step's begin once the first was found.
+    """
     from polhode.taylor.events.batch_zeros import Met
 
     asked = {"by": by, "grid": (3, 3), "crossings": 12, "h": 3, "f": "1/2"}

@@ -8,7 +8,8 @@ integrals there.  When all motions are over, Newton's method puts their crossing
 How often heyoka has met a zero in a step must fit the signs at its two ends: of zeros that are
 multiple it loses some.  Where it does not, a section's lane is searched again there, by signs; a
 motion that is still not certain then is *unsure*, as a first zero is at once, or without a certain
-slope.  What a lane gives does not depend on its neighbours.
+slope.  Of two multiple zeros that are lost in one step nothing is left to be seen.  What a lane
+gives does not depend on its neighbours.
 """
 
 from __future__ import annotations
@@ -272,8 +273,9 @@ class _Search:
                     break
                 first, last = certain[i : i + 2]
                 span, side = times[[first, last], lane], sides[first, lane]
-                again = self._again(lane, first, span, states[first, :, lane], side)
                 wrong = (met.lanes == lane) & (met.steps >= first) & (met.steps < last)
+                known = met.times[wrong]
+                again = self._again(lane, first, span, states[first, :, lane], side, known)
                 met = joined_crossings([met.those(~wrong), again])
                 unsure[lane] |= side * (-1) ** len(again.lanes) != sides[last, lane]
             if len(certain):
@@ -293,11 +295,12 @@ class _Search:
         return sides
 
     def _again(
-        self, lane: int, step: int, span: Doubles, state: Doubles, before: float
+        self, lane: int, step: int, span: Doubles, state: Doubles, before: float, met: Doubles
     ) -> Crossings:
         """The crossings of a lane in a span of time, by looking closely.
 
-        It begins at a state, on the side ``before``.
+        It begins at a state, on the side ``before``.  ``met``: times of crossings, between which it
+        is looked at, too.
         """
         batch, (begin, end) = self.batch, span
         kept = batch.state.copy(), batch.parameters.copy(), batch.heyoka.time.copy()
@@ -313,16 +316,21 @@ class _Search:
             marks = self._marks(batch.state.copy(), times, which)
             return self.judge.jet(self.lanes.motion[which]).at(marks)[0], marks.columns
 
-        closely = np.linspace(begin, end, _CLOSELY * batch.places + 1)[1:].reshape(_CLOSELY, -1)
-        for times in closely:
+        low, met = (begin, state), np.sort(met)
+        looks = [
+            *np.linspace(begin, end, _CLOSELY * batch.places + 1)[1:],
+            *(met[1:] + met[:-1]) / 2,
+        ]
+        looks += [end] * (-len(looks) % batch.places)
+        for times in np.array(sorted(looks, key=abs)).reshape(-1, batch.places):
             values, states = at(begin, state, times)
             for i, value in enumerate(values.tolist()):
+                high = float(times[i]), states[:, i]
                 if before * value < 0:
-                    low, high = (begin, state), (float(times[i]), states[:, i])
-                    met = _narrowed(at, low, high, before, batch.places)
+                    time, where = _narrowed(at, low, high, before, batch.places)
                     sign = int(np.sign(value) * np.sign(self.length))
-                    found.append((lane, met[0], sign, met[1], step))
-                before = value or before
+                    found.append((lane, time, sign, where, step))
+                low, before = high, value or before
         for values, old in zip((batch.state, batch.parameters), kept, strict=False):
             values[:] = old
         batch.heyoka.set_time(kept[2].tolist())
