@@ -378,6 +378,16 @@ def test_how_far_an_orbit_is_alone_is_less_by_slope_and_distance(closing):
     assert time == pytest.approx((4 * box - later) * unit, rel=1e-5, abs=0)
 
 
+def test_a_part_of_the_period_ends_outside_of_the_box_at_every_time(closing):
+    """It differs from the start by more than the box, and what its end may be later, or less."""
+    run, _, _, r, _ = closing
+    x = run.centres[0]
+    reach = arb(verify.around(run.body, x, 2 * r)[0].rad())  # of half a period, known to 2 r
+    for more, said in (("0.5", "the period may be 2 times the least one"), (2, "")):
+        back = {2: [y + reach + arb(more) * r for y in x]}
+        assert verify._repeated(run, r, back, arb(2)) == said
+
+
 @pytest.mark.slow
 def test_the_command_line(tmp_path, capsys):
     path = tmp_path / "orbit.json"
