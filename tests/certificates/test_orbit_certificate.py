@@ -321,6 +321,73 @@ def test_dependent_gradients_are_refused(small, monkeypatch):
     assert "may be dependent" in told(small)
 
 
+@pytest.fixture
+def closing(small, monkeypatch):
+    """What the theorem at the period's end is given: the run, columns, period, r, the level."""
+    held, closed = [], verify._closed
+
+    def kept(*arguments):
+        held.append(arguments)
+        return closed(*arguments)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(verify, "_closed", kept)
+        assert told(small).startswith("proved")
+    with ctx.workprec(200):
+        yield held[0]
+
+
+def test_a_period_within_its_box_of_0_proves_nothing(closing):
+    run, end, _, r, values = closing
+    with pytest.raises(verify.NotProved, match="no longer than its box"):
+        verify._closed(run, end, 3 * r, r, values)
+    verify._closed(run, end, 5 * r, r, values)
+
+
+def test_a_plane_that_may_touch_the_motion_proves_nothing(closing, monkeypatch):
+    *_, r, _ = closing
+    rates, least = verify.rates, float(r) / 4
+
+    def turned(body, box):
+        found = rates(body, box)
+        is_box = least < float(box[0].rad()) < 1.5 * float(r)
+        return [y + arb(0, 100) for y in found] if is_box else found
+
+    monkeypatch.setattr(verify, "rates", turned)
+    with pytest.raises(verify.NotProved, match="the plane of the start may touch"):
+        verify._closed(*closing)
+
+
+def test_how_far_an_orbit_is_alone_is_less_by_slope_and_distance(closing):
+    """Of a level that is off by a part of the box, so that the zero is away from the centre."""
+    run, end, period, r, values = closing
+    values = [values[0] + r / 30, *values[1:]]
+    zero, _ = verify._closed(run, end, period, r, values)
+    x, box = run.centres[0], float(r)
+    f = [float(y) for y in verify.rates(run.body, x)]
+    slope = max(map(abs, f)) * sum(map(abs, f)) / sum(y * y for y in f)
+    away = [float(abs(y * u - z).upper()) for y, u, z in zip(zero.start, run.rates, x, strict=True)]
+    unit = float(run.rates[0])
+    later = float(abs(zero.period / run.rates[0] - period).upper())
+    assert max(away) > 0.01 * box / (1 + slope)
+    assert later > 0.001 * box
+    expected = box / (1 + slope) - max(away)
+    omega, gamma, time = map(float, zero.alone)
+    assert gamma == pytest.approx(expected, rel=1e-3, abs=0)
+    assert omega == pytest.approx(expected / unit, rel=1e-3, abs=0)
+    assert time == pytest.approx((4 * box - later) * unit, rel=1e-5, abs=0)
+
+
+def test_a_part_of_the_period_ends_outside_of_the_box_at_every_time(closing):
+    """It differs from the start by more than the box, and what its end may be later, or less."""
+    run, _, _, r, _ = closing
+    x = run.centres[0]
+    reach = arb(verify.around(run.body, x, 2 * r)[0].rad())  # of half a period, known to 2 r
+    for more, said in (("0.5", "the period may be 2 times the least one"), (2, "")):
+        back = {2: [y + reach + arb(more) * r for y in x]}
+        assert verify._repeated(run, r, back, arb("1.5")) == said
+
+
 @pytest.mark.slow
 def test_the_command_line(tmp_path, capsys):
     path = tmp_path / "orbit.json"

@@ -277,12 +277,65 @@ def test_a_certificate_of_many_bodies_holds_them_all(near, tmp_path):
         assert abs(x - middle) + abs(x) * tolerance <= radius <= 1.001 * abs(x) * tolerance
 
 
-@pytest.mark.slow
-def test_bodies_in_turned_axes_have_a_certificate(tmp_path):
-    """Of every inertia matrix in a box, which is more than the moments and axes ask."""
-    tolerance = Fraction(1, 10**13)
-    found = polhode.prove_orbit("grioli/turned-axes", digits=12, tolerance=tolerance)
-    found.save(tmp_path / "orbit.json")
+TURN = [[Fraction(n, 3) for n in row] for row in ((2, -1, 2), (2, 2, -1), (-1, 2, 2))]
+
+
+def turned(vector):
+    return [sum(x * y for x, y in zip(row, vector, strict=True)) for row in TURN]
+
+
+def test_bodies_in_turned_axes_are_those_of_principal_ones(tmp_path):
+    """As wide a tolerance, balls no wider; intervals of the inertia's entries lose both."""
+    tolerance, level = Fraction(1, 10**8), {"h": proofs.H, "f": proofs.F}
+    plain, start = proofs.near(proofs.ELLIPTIC), [Fraction(x) for x in proofs.ELLIPTIC]
+    matrix = [
+        [sum(x * m * y for x, m, y in zip(a, proofs.MOMENTS, b, strict=True)) for b in TURN]
+        for a in TURN
+    ]
+    scene = polhode.top(
+        inertia=matrix,
+        centre=turned(proofs.TORQUE),
+        weight=1,
+        omega=turned(start[:3]),
+        gamma=turned(start[3:6]),
+        normalise=True,
+        end=plain.end,
+    )
+    one = polhode.prove_orbit(plain, plain, digits=12, tolerance=tolerance, **level)
+    other = polhode.prove_orbit(scene, scene, digits=12, tolerance=tolerance, **level)
+    other.save(tmp_path / "orbit.json")
     assert polhode.verify(tmp_path / "orbit.json")
-    two_pi = Fraction("6.283185307179586476925286766559")
-    assert abs(found.period.centre - two_pi) < found.period.radius < 1e-6
+    assert other.period.radius == pytest.approx(one.period.radius, rel=1e-6, abs=0)
+    assert other.residue.radius == pytest.approx(one.residue.radius, rel=1e-6, abs=0)
+    for name in ("omega", "gamma"):
+        balls, others = getattr(one, name), getattr(other, name)
+        widest = max(ball.radius for ball in balls)
+        for x, ball in zip(turned([x.centre for x in balls]), others, strict=True):
+            assert abs(x - ball.centre) < 1e-6 * widest
+            assert ball.radius < 1.7 * widest  # a row of TURN sums to 5/3
+        for x, ball in zip(TURN, others, strict=True):  # and no narrower than the turned balls
+            reach = sum(abs(y) * Fraction(b.radius) for y, b in zip(x, balls, strict=True))
+            assert ball.radius > 0.999 * reach
+
+
+def test_bodies_in_irrational_axes_hold_the_scenes_own():
+    """Whose proof is in the scene's axes; those of the others are turned by 2e-5 or so."""
+    p, q, r, *gamma, period = map(Fraction, proofs.ELLIPTIC)
+    a, b, c = proofs.MOMENTS
+    scene = polhode.top(
+        inertia=[[a, "1e-5", 0], ["1e-5", b, 0], [0, 0, c]],
+        centre=proofs.TORQUE,
+        weight=1,
+        omega=[p, q, r],
+        gamma=gamma,
+        normalise=True,
+        end=period,
+    )
+    level = {"h": proofs.H, "f": proofs.F}
+    own = polhode.prove_orbit(scene, scene, digits=15, **level)
+    wide = polhode.prove_orbit(scene, scene, digits=15, tolerance="1e-10", **level)
+    balls = [*own.omega, *own.gamma, own.period, own.residue]
+    others = [*wide.omega, *wide.gamma, wide.period, wide.residue]
+    for x, ball in zip(balls, others, strict=True):
+        assert abs(x.centre - ball.centre) < ball.radius < 1e-4
+    assert max(ball.radius for ball in others[:7]) < 1e-7

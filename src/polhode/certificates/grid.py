@@ -15,7 +15,6 @@ from polhode.certificates import verify
 from polhode.common.progress import Progress
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact, Irrational
-from polhode.numbers.vectors import Matrix
 from polhode.scenes.body import Body
 
 _STEP = 0.3  # of the radius of convergence, if nothing else is asked
@@ -28,32 +27,19 @@ _NONE = Fraction(0)
 def body_numbers(body: Body, bits: int, tolerance: Fraction = _NONE) -> dict[str, object]:
     """A body's exact numbers as texts, irrational ones as balls.
 
-    ``tolerance``: balls that hold those of every body whose moments and components of the centre,
-    in these principal axes, differ by such a part of themselves at most.
+    ``tolerance``: in principal axes, balls that hold those of every body whose moments and
+    components of the centre there differ by such a part of themselves at most.
     """
-    inertia, centre = body.inertia, body.centre
-    rows = [[number(x, bits) for x in row] for row in inertia]
-    points = [number(x, bits) for x in centre]
     if tolerance:
-        axes, moments, along = body.axes.rows, body.moments, body.axes.components(centre)
-        spread = [[_spread(axes, moments, i, j) * tolerance for j in range(3)] for i in range(3)]
-        rows = [
-            [number(x, bits, r) for x, r in zip(*pair, strict=True)]
-            for pair in zip(inertia, spread, strict=True)
-        ]
-        off = [sum((abs(axes[k][i] * along[k]) for k in range(3)), _NONE) for i in range(3)]
-        points = [number(x, bits, r * tolerance) for x, r in zip(centre, off, strict=True)]
-    turned = any(inertia[i][j] != 0 for i in range(3) for j in range(3) if i != j)
-    return {
-        **({"inertia": rows} if turned else {"moments": [rows[i][i] for i in range(3)]}),
-        "centre": points,
-        "weight": number(body.weight, bits),
-    }
-
-
-def _spread(axes: Matrix, moments: Sequence[Exact], i: int, j: int) -> Exact:
-    """The sum of the moduli of what the moments contribute to an entry of the inertia."""
-    return sum((abs(axes[k][i] * axes[k][j] * moments[k]) for k in range(3)), _NONE)
+        lists = body.moments, body.axes.components(body.centre)
+        moments, points = ([number(x, bits, abs(x) * tolerance) for x in row] for row in lists)
+        form: dict[str, object] = {"moments": moments}
+    else:
+        rows = [[number(x, bits) for x in row] for row in body.inertia]
+        points = [number(x, bits) for x in body.centre]
+        turned = any(body.inertia[i][j] != 0 for i in range(3) for j in range(3) if i != j)
+        form = {"inertia": rows} if turned else {"moments": [rows[i][i] for i in range(3)]}
+    return {**form, "centre": points, "weight": number(body.weight, bits)}
 
 
 def number(x: Exact, bits: int, radius: Exact = _NONE) -> str | list[str]:

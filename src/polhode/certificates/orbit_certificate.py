@@ -23,7 +23,8 @@ _DIVISORS = 2  # times as many as the steepness at the start asks: primes to div
 class Problem(NamedTuple):
     """A body, and every other one within a relative tolerance of it; the level; T* and x*.
 
-    ``start``, ``period``: near an orbit, in the scene's axes and units.
+    ``start``, ``period``: near an orbit, in the scene's axes and units; with a tolerance in the
+    principal axes, where a body of the certificate has three moments and no more.
     """
 
     body: Body

@@ -9,7 +9,7 @@ enough, or to a few less than these.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -33,6 +33,7 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.decimals import brief
 from polhode.proofs.refusals import NotProved
+from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 
 BITS_A_DIGIT = math.log2(10)
@@ -64,7 +65,10 @@ class Candidate(NamedTuple):
 
 
 class Proof(NamedTuple):
-    """What the checker proved, of which guesses; ``runs``: how often it was called."""
+    """What the checker proved, of which guesses; ``runs``: how often it was called.
+
+    Of bodies within a tolerance in their principal axes, else in the scene's.
+    """
 
     zero: verify.Zero
     made: Made
@@ -216,8 +220,9 @@ def _of_bodies(candidate: Candidate, found: Proof, tolerance: Fraction) -> Proof
 def _of_all(candidate: Candidate, found: Proof, tolerance: Fraction) -> Proof:
     """The proof in the first box that is large enough; raises the checker's NotProved."""
     on, bits = candidate.on, math.floor(-math.log2(to_double(tolerance)))
-    middles = [midpoint(x) for x in (*found.zero.start, found.zero.period)]
-    problem = Problem(on.scene.body, on.h, on.f, middles[:6], middles[6], tolerance)
+    start = _in_principal_axes(on.scene.body, [midpoint(x) for x in found.zero.start])
+    period = midpoint(found.zero.period)
+    problem = Problem(on.scene.body, on.h, on.f, start, period, tolerance)
     last = verify.NotProved("no box is large enough")
     for more in _BOXES:
         if more >= bits:  # a radius of 1
@@ -235,6 +240,12 @@ def _of_all(candidate: Candidate, found: Proof, tolerance: Fraction) -> Proof:
         if min(zero.alone) > 0 and not zero.repeated:
             return Proof(zero, made, _digits_of(candidate, zero), found.runs + 1)
     raise last
+
+
+def _in_principal_axes(body: Body, start: Sequence[Fraction]) -> list[Fraction]:
+    """A state near the same one, as any guess is."""
+    w, gamma = (body.axes.components((x, y, z)) for x, y, z in (start[:3], start[3:]))
+    return [exact.binary(*exact.rounded(x, _BINARY)) if x else Fraction(0) for x in (*w, *gamma)]
 
 
 def _below(tolerance: Fraction) -> Iterator[Fraction]:

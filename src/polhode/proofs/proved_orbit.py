@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from fractions import Fraction
@@ -19,7 +19,7 @@ from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.enclosures.fixed_point_problem import upper
-from polhode.enclosures.polynomial import midpoint
+from polhode.enclosures.polynomial import ball, midpoint
 from polhode.enclosures.result import decimal_ball, guaranteed
 from polhode.numbers.conversion import to_double
 from polhode.numbers.decimals import brief, shown
@@ -27,10 +27,12 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.flint_context import ctx
 from polhode.proofs import certified_orbit
 from polhode.proofs.refusals import NotProved
+from polhode.scenes.body import PrincipalAxes
 from polhode.scenes.scene import Scene
 
 _FLOOR = Context(prec=2, rounding=ROUND_FLOOR)
 _CEILING = Context(prec=6, rounding=ROUND_CEILING)
+_TURN_BITS = 256  # of a state of many bodies, which has few digits
 
 
 class Ball(NamedTuple):
@@ -197,6 +199,8 @@ def of_proof(
         "alone": [down(x) for x in within],
     }
     made = orbit_certificate.stated(found.made, statement, zero)
+    if tolerance:
+        state = [ball_of(x) for x in _in_scene_axes(on.scene.body.axes, zero.start)]
     return ProvedOrbit(
         on.scene,
         on.h,
@@ -215,6 +219,19 @@ def of_proof(
         on.scene.provenance(),
         tolerance,
     )
+
+
+def _in_scene_axes(axes: PrincipalAxes, start: Sequence[arb]) -> list[arb]:
+    """A state of principal axes."""
+    if axes.trivial:
+        return [*start]
+    turn = [[ball(x, _TURN_BITS) for x in unit] for unit in axes.rows]
+    with ctx.workprec(_TURN_BITS):
+        return [
+            turn[0][i] * x + turn[1][i] * y + turn[2][i] * z
+            for x, y, z in (start[:3], start[3:])
+            for i in range(3)
+        ]
 
 
 def _below(x: arb) -> float:
