@@ -149,6 +149,19 @@ def test_neighbours_that_have_left_the_motion_tell_nothing():
         assert 1e-60 < max(abs(mpf(x) - mpf(y)) for x, y in zip(few, many, strict=True)) < 1e-15
 
 
+@pytest.mark.slow
+def test_neighbours_in_too_many_bits_are_refused():
+    """The limit was 7000 bits for 200 digits, many minutes; 150 have to be there, and right."""
+    top = polhode.reference("kovalevskaya/asymptotic")
+    begin = time.process_time()
+    with pytest.raises(polhode.BadInput, match=r"1000 bits give 1[6-9]\d of 300 digits"):
+        top.at([1], 300)
+    (few,), (many,) = top.at([1], 60), top.at([1], 150)
+    assert time.process_time() - begin < 90
+    with mpmath.workdps(160):
+        assert 1e-110 < max(abs(x - y) for x, y in zip(few, many, strict=True)) < 1e-60
+
+
 def test_of_a_separatrix_it_is_known_at_once_that_its_attitude_is_not_proven():
     """It was said only once the attitude had been asked for."""
     top = top_of((0, F(7, 5), 0), (F(-24, 25), 0, F(7, 25)))

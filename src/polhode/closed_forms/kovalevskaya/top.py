@@ -34,7 +34,7 @@ from polhode.closed_forms.closed_form import ClosedForm
 from polhode.closed_forms.kovalevskaya import regimes
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart, top_start
 from polhode.closed_forms.kovalevskaya.branch_points import branch_points, discriminant
-from polhode.closed_forms.kovalevskaya.neighbours import Neighbours, NeighboursAttitude
+from polhode.closed_forms.kovalevskaya.neighbours import MOST_BITS, Neighbours, NeighboursAttitude
 from polhode.closed_forms.kovalevskaya.periodic import Periodic, quartic
 from polhode.closed_forms.kovalevskaya.theta.cycles import rates
 from polhode.closed_forms.kovalevskaya.theta.theta_attitude import ThetaAttitude
@@ -72,7 +72,7 @@ class KovalevskayaTop(ClosedForm[SeenMotion[Any]]):
 
     def _most_bits(self, digits: int) -> int:
         """Ever more bits would take minutes: near some motions no number of them is enough."""
-        return 20 * digits + 3_000
+        return MOST_BITS if self.regime in regimes.DEGENERATE else 20 * digits + 3_000
 
     def _solved(self) -> SeenMotion[Any]:
         start, regime = self.begin, self.regime
