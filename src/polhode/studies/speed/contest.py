@@ -3,8 +3,9 @@
 A job: {"kind", "cells": [{"end", "outputs", "starts", "truths": [[high, low, scale] a draw]}],
 "programs": names, "tolerances": {cell's label: {program: [tolerances]}} or null, "patience":
 seconds}.  Without tolerances each program is run once at all of its own, judged, and only those
-next to a level are timed further.  Each call has another start than the one before: the draw's, its
-first component off by some units in the last place.
+next to a level are timed further, in cells of the work-precision diagram all.  A timed call has
+another start than the one before: the draw's, its first component off by some units in the last
+place; what is judged has the draw's own.
 
 The answer is lines of JSON, flushed as they are made: {"ready": program, "seconds"}, {"missing"},
 and for each cell {"cell", "points": {program: [[draw, tol, digits, seconds]]}, "faults"}.
@@ -90,7 +91,10 @@ class _Contest:
             for tol in BY_NAME[name].tolerances if tolerances is None else tolerances.get(name, ()):
                 for k in range(DRAWS):
                     self._once(name, k, tol)
-        near = {name: [*_next_to_levels(self.points[name])] for name in self.ready}
+        near = {
+            name: [*(points if self.cell.drawn else _next_to_levels(points))]
+            for name, points in ((name, self.points[name]) for name in self.ready)
+        }
         began = time.perf_counter()
         for _ in range(ROUNDS):
             for k in range(DRAWS):
@@ -105,8 +109,9 @@ class _Contest:
         """One timed call, judged where it is the first of its kind."""
         known = self.points[name].get((k, tol))
         start = self.draws[k].start.copy()
-        self._calls += 1
-        start[..., 0] += self._calls % 16 * _NUDGE
+        if known is not None:
+            self._calls += 1
+            start[..., 0] += (1 + self._calls % 15) * _NUDGE
         run, top = self.ready[name], self.draws[k].top
         try:
             if known is None:

@@ -1,7 +1,7 @@
 """polhode prepared as the other programs are: a propagator, or runs of a scene made anew each time.
 
 ``integrate``: a scene with another start is made for each call, and run: what a loop over starts
-in Python pays for trajectories.
+in Python pays for trajectories.  ``extended``: the same in extended precision.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from polhode.judging.adaptive_precision import integrate
+from polhode.numbers.number_types import EXTENDED
 from polhode.peers.prepared import Run, Top
 from polhode.runs.propagator import Propagator, propagator
 from polhode.runs.sweep.integrate_many import integrate_many
@@ -54,7 +55,12 @@ def prepared(present: Sequence[bool], method: str) -> Run:
         run = integrate(replace(scene, omega=(p, q, r)), tol=_told(tol))
         return run.states if len(at) > 2 else run.states[-1:]
 
-    return propagated if method == "propagator" else integrated
+    def extended(top: Top, start: Any, at: Any, tol: float) -> Any:
+        p, q, r = map(_decimal, start[:3].tolist())
+        scene = replace(_scene(top, len(at), float(at[-1]), start[3:]), omega=(p, q, r))
+        return integrate(scene, EXTENDED.name, tol=None if tol <= EXTENDED.eps else tol).states
+
+    return {"propagator": propagated, "integrate": integrated, "extended": extended}[method]
 
 
 def prepared_many(present: Sequence[bool], method: str) -> Run:
@@ -84,13 +90,19 @@ def _told(tol: float) -> float | None:
     return None if tol <= EPS else tol
 
 
+def _decimal(x: float) -> Fraction:
+    """The short decimal that was rounded to a double, where there is one; else the double."""
+    near = Fraction(x).limit_denominator(_LARGEST)
+    return near if float(near) == x else Fraction(x)
+
+
 def _scene(top: Top, count: int, end: float, gamma: Any) -> Scene:
     """A scene of the body at even times; gamma of length 1 exactly, as every draw's is."""
     pull = top.torque.tolist()
     heavy = any(pull)
     return scene_of(
-        moments=top.moments.tolist(),
-        centre=pull if heavy else None,
+        moments=[*map(_decimal, top.moments.tolist())],
+        centre=[*map(_decimal, pull)] if heavy else None,
         weight=1 if heavy else 0,
         omega=[1, 0, 0],
         gamma=[Fraction(x).limit_denominator(_LARGEST) for x in gamma.tolist()],
