@@ -192,7 +192,7 @@ def test_a_panel_of_the_diagram_has_the_medians_of_each_tolerance_and_what_no_ot
     assert [*lines] == ["polhode, double", "CyRK"]
     assert lines["CyRK"] == [(0.207, 1e-5), (6.21, 1e-9)]  # of both methods
     assert "curves" not in cells.row(Cell("euler", 10, 2), {OURS: ours}, {})
-    assert figure.svgs({"cells": [found], "motions": []}).keys() == {"speed", "lengths"}
+    assert figure.svgs({"cells": [found], "motions": []}).keys() == {"speed"}
 
 
 def test_what_is_judged_has_the_start_of_the_draw_itself_and_what_is_timed_another():

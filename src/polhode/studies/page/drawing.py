@@ -29,9 +29,8 @@ def _look(color: str, marker: str, ls: str = "-", lw: float = 1.1) -> dict[str, 
     return {"color": color, "marker": marker, "ls": ls, "lw": lw, "ms": 4}
 
 
-#: Keywords of matplotlib's plot: a hue a program; what differs within one has its mark and line.
+#: Keywords of matplotlib's plot, by program or method: one hue each.
 LOOKS: dict[str, dict[str, Any]] = {
-    "polhode": _look(_OURS, "o", lw=2.2),
     "polhode, double": _look(_OURS, "o", lw=2.2),
     "polhode, extended": _look(COLOURS["extended"], MARKS["extended"], lw=2.2),
     "double": _look(_LIGHT, "o", "--"),
@@ -39,21 +38,11 @@ LOOKS: dict[str, dict[str, Any]] = {
     **{f"polhode {x}": _look(COLOURS[x], MARKS[x], "--") for x in COLOURS},
     **{f"polhode {x} projected": _look(COLOURS[x], MARKS[x]) for x in COLOURS},
     "heyoka by hand": _look("#000000", "x", ":"),
-    "polhode integrate": _look(_LIGHT, "o", "--"),
     "SciPy, numba": _look("#999999", "s"),
-    "SciPy DOP853": _look("#999999", "s"),
-    "SciPy LSODA": _look("#999999", "v", ":"),
     "CyRK": _look("#d55e00", "s"),
-    "CyRK DOP853": _look("#d55e00", "s"),
-    "CyRK VERN8": _look("#d55e00", "^", "--"),
     "numbalsoda": _look("#b8860b", "v"),
-    "numbalsoda dop853": _look("#b8860b", "s"),
-    "numbalsoda lsoda": _look("#b8860b", "v", ":"),
     "diffrax": _look("#8c2d04", "D"),
-    "diffrax Dopri8": _look("#8c2d04", "D"),
     "splitting": _look("#6a3d9a", "^"),
-    "splitting 8": _look("#6a3d9a", "D", "--"),
-    "splitting 8 compensated": _look("#6a3d9a", "o"),
 }
 
 

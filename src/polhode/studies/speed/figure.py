@@ -1,18 +1,16 @@
-"""Figures of the study speed: error against time, and other programs' time over polhode's."""
+"""Figures of the study speed: error against time, of all programs and of polhode's number types."""
 
 from __future__ import annotations
 
-import statistics
 from collections.abc import Mapping, Sequence
 
 from polhode.figures.canvas.canvas import as_svg, paper
 from polhode.output.json_object import JsonObject
 from polhode.studies.page import drawing
-from polhode.studies.page.drawing import GUIDE, LOOKS, WIDTH
+from polhode.studies.page.drawing import LOOKS, WIDTH
 from polhode.studies.speed.programs import ENGINE, OURS, WIDER
 from polhode.studies.speed.work_precision import WorkPoint, frontier
 
-SHOWN_OUTPUTS = 101
 _COLUMNS, _HEIGHT = 2, 1.9  # panels side by side, inches of each
 
 #: The lines of the diagram: of a package with several methods the fastest to each error.
@@ -36,8 +34,6 @@ def svgs(found: JsonObject) -> dict[str, str]:
     panels = {_panel(cell): lines(cell["curves"]) for cell in found["cells"] if "curves" in cell}
     if panels:
         drawn["speed"] = work_precision(panels, "processor seconds of a run")
-    if found["cells"]:
-        drawn["lengths"] = lengths(found["cells"])
     if found["motions"]:
         types = {_title(motion): _types(motion) for motion in found["motions"]}
         drawn["types"] = work_precision(types, "processor seconds of a run")
@@ -74,48 +70,6 @@ def work_precision(panels: Mapping[str, Curves], unit: str) -> str:
         figure.supylabel("error", size=9)
         drawing.legend(figure, 3)
         return as_svg(figure)
-
-
-def lengths(cells: Sequence[JsonObject]) -> str:
-    """The time of each program over polhode's over the length of a run, a panel a level."""
-    levels = [level["digits"] for level in cells[0]["levels"]]
-    names = dict.fromkeys(program["program"] for program in cells[0]["levels"][0]["programs"])
-    ends = sorted({cell["end"] for cell in cells})
-    with paper() as plt:
-        size = WIDTH, 2.4 * len(levels) + 1
-        figure, panels = plt.subplots(
-            len(levels), figsize=size, layout="constrained", sharex=True, squeeze=False
-        )
-        for axes, digits in zip(panels[:, 0], levels, strict=True):
-            axes.axhline(1.0, color=GUIDE, lw=0.8, label=OURS)
-            for name in names:
-                ratios = {end: _ratios(cells, end, digits, name) for end in ends}
-                medians = {end: statistics.median(x) for end, x in ratios.items() if x}
-                if medians:
-                    axes.plot([*medians], [*medians.values()], label=name, **LOOKS[name])
-            axes.set(xscale="log", yscale="log", ylabel="time over polhode's")
-            axes.set_title(f"To {digits:g} digits", size=9, loc="left")
-            drawing.plain(axes)
-        panels[-1, 0].set(xlabel="t at the end")
-        drawing.legend(figure, 2)
-        return as_svg(figure)
-
-
-def _ratios(cells: Sequence[JsonObject], end: int, digits: float, name: str) -> list[float]:
-    """A program's ratios over the kinds: with the outputs shown, with two where it has no other."""
-    for outputs in (SHOWN_OUTPUTS, 2):
-        found = [
-            program["ratio"][0]
-            for cell in cells
-            if (cell["end"], cell["outputs"], cell.get("starts", 0)) == (end, outputs, 0)
-            for level in cell["levels"]
-            if level["digits"] == digits
-            for program in level["programs"]
-            if program["program"] == name != OURS and program["ratio"] is not None
-        ]
-        if found:
-            return found
-    return []
 
 
 def _panel(cell: JsonObject) -> str:

@@ -26,13 +26,6 @@ _BEST = (
     DIGITS,
     Column("least s", "seconds_min", ".3g", "processor seconds of a run, the least of several"),
 )
-_ELSEWHERE = (
-    Column("program", "program"),
-    Column("written in", "language"),
-    Column("problem", "problem"),
-    Column("figure (read)", "figure"),
-    Column("read where", "source"),
-)
 _REFINED = (
     _MOTION,
     Column("t", "end", "d"),
@@ -111,7 +104,6 @@ def tables(found: JsonObject) -> dict[str, PageTable]:
         "faults": table(_faults(found), _FAULTS),
         "types": table(_best(found["motions"]), _BEST, types),
         "refined": table(found.get("refined", ()), _REFINED, refined),
-        "elsewhere": table(found.get("elsewhere", ()), _ELSEWHERE),
     }
 
 
