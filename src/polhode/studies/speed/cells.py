@@ -114,7 +114,7 @@ def _kind(
             for cell in cells:
                 faults[cell.label][f"process {turn + 1}"] = fault
         job["tolerances"] = {
-            cell.label: held_again(points[cell.label], cell.drawn) for cell in cells
+            cell.label: held_again(points[cell.label], cell.every_tolerance) for cell in cells
         }
     return [row(cell, points[cell.label], faults[cell.label]) for cell in cells]
 
@@ -245,12 +245,12 @@ def _next_to_levels(points: Points) -> list[float]:
     return sorted(chosen, reverse=True)
 
 
-def held_again(points: Mapping[str, Points], drawn: bool) -> dict[str, list[float]]:
+def held_again(points: Mapping[str, Points], every_tolerance: bool) -> dict[str, list[float]]:
     """The tolerances of each program that are timed once more: none of one that is far behind.
 
-    ``drawn``: all of all.
+    ``every_tolerance``: all, of every program.
     """
-    if drawn:
+    if every_tolerance:
         return {name: sorted({tol for _, tol in there}) for name, there in points.items()}
     found = {}
     middles = [

@@ -32,9 +32,9 @@ JUDGED = 11  # even times at which a run is judged, the end alone where it has n
 
 ENDS = (1, 10, 100, 1000, 10_000)
 OUTPUTS = (2, 101, 10_001)
-#: Many starts at once: of which kinds, to which ends, how many, and how many of them are judged.
-MANY_KINDS, MANY_ENDS = ("asymmetric", "chaotic"), (1, 10, 100)
-MANY_STARTS = (100, 10_000)
+#: Many starts at once: of which kinds, to which ends how many, and how many of them are judged.
+MANY_KINDS = ("asymmetric", "chaotic")
+MANY = ((1, 100), (10, 100), (100, 100), (1, 10_000), (10, 10_000))
 MANY_JUDGED = 15
 #: The kinds in the diagram, one start after the other; many starts to which end, and how many.
 DRAWN_KINDS = ("euler", "lagrange", "kovalevskaya", "asymmetric", "chaotic")
@@ -66,10 +66,15 @@ class Cell(NamedTuple):
 
     @property
     def drawn(self) -> bool:
-        """Whether it is a panel of the work-precision diagram, with every tolerance."""
+        """Whether it is a panel of the work-precision diagram."""
         if self.starts:
             return (self.kind, self.end, self.starts) == DRAWN_MANY
-        return self.kind in DRAWN_KINDS and (self.end, self.outputs) == DIAGRAM
+        return self.every_tolerance
+
+    @property
+    def every_tolerance(self) -> bool:
+        """Whether all tolerances are timed, not only those next to a level."""
+        return not self.starts and self.kind in DRAWN_KINDS and self[1:3] == DIAGRAM
 
 
 class Draw(NamedTuple):
@@ -102,7 +107,7 @@ def cells(kind: str) -> list[Cell]:
     ends = [end for end in ENDS if end <= LAST.get(kind, ENDS[-1])]
     found = [Cell(kind, end, outputs) for end in ends for outputs in OUTPUTS]
     if kind in MANY_KINDS:
-        found += [Cell(kind, end, 2, starts) for end in MANY_ENDS for starts in MANY_STARTS]
+        found += [Cell(kind, end, 2, starts) for end, starts in MANY]
     return found
 
 
@@ -143,7 +148,7 @@ def truth(kind: str, index: int, end: int, many: bool = False) -> Truth:
     scene = scene_of(kind, index, end, JUDGED)
     states: Rows
     if many:
-        rows = draw(kind, index, end, 2, MANY_STARTS[0]).start[:MANY_JUDGED]
+        rows = draw(kind, index, end, 2, MANY_JUDGED).start
         members = integrate_many(scene, starts=rows, at=[0]).members
         runs = [integrate(member.at([end]), "quad") for member in members]
         states = [run.states[-1] for run in runs]

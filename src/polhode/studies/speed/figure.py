@@ -76,7 +76,7 @@ def _panel(cell: JsonObject) -> str:
     """The title of a cell's panel."""
     kind = f"{cell['kind'][0].upper()}{cell['kind'][1:]}"
     if cell.get("starts"):
-        return f"{cell['starts']:,} starts, t = {cell['end']}".replace(",", " ")
+        return f"{cell['starts']} starts, t = {cell['end']}"
     return f"{kind}, t = {cell['end']}"
 
 
@@ -87,7 +87,7 @@ def _title(motion: JsonObject) -> str:
 def _types(motion: JsonObject) -> Curves:
     """polhode in all number types on one motion."""
     curves = {
-        method["method"]: [
+        method["method"].removeprefix("polhode "): [
             (point["seconds_min"], 10.0 ** -point["digits"])
             for point in method["points"]
             if point.get("digits")

@@ -119,7 +119,9 @@ def summary(cells: Sequence[JsonObject]) -> PageTable:
     places = {f"t = {end}": [c for c in single if c["end"] == end] for end in SUMMARY_ENDS}
     shown = {run: [c for c in x if c["outputs"] == SUMMARY_OUTPUTS] for run, x in places.items()}
     most = max((cell["starts"] for cell in many), default=0)
-    shown[f"{most} starts at once, t = 1 to 100"] = [c for c in many if c["starts"] == most]
+    largest = [cell for cell in many if cell["starts"] == most]
+    ends = " and ".join(str(end) for end in sorted({cell["end"] for cell in largest}))
+    shown[f"{most} starts at once, t = {ends}"] = largest
     return table(
         (
             {"run": run, **{f"{x:g}": _best_other(here, x) for x in digits}}
