@@ -142,7 +142,8 @@ def _best_other(cells: Sequence[JsonObject], digits: float) -> str:
     ratio = median(ratios, ".2f")
     names = [verdict["best"] for verdict in verdicts if "best" in verdict]
     often = max(sorted(set(names)), key=names.count)
-    return f"{f'**{ratio}**' if float(ratio) > 1 else ratio} {often}"
+    part = "" if len(ratios) == len(verdicts) else f" (in {len(ratios)} of {len(verdicts)})"
+    return f"{f'**{ratio}**' if float(ratio) > 1 else ratio} {often}{part}"
 
 
 def facts(found: JsonObject) -> dict[str, object]:
