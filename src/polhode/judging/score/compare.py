@@ -57,7 +57,7 @@ def compare(
     digits: int | None = None,
     at: Iterable[AnyNumber] | None = None,
     columns: Sequence[str] | None = None,
-    known: Conditioning | None = None,
+    known: Conditioning | Judgement | None = None,
     first: Callable[[Judgement, int], None] | None = None,
     progress: Progress | None = None,
     as_it_stands: bool = False,
@@ -89,8 +89,9 @@ def compare(
         Of rows, by default those of the scene.  Of a file without a header, or with another, its
         columns in order; or what single names of its header, or of a mapping or frame, mean:
         ``["time_ms=t*1e-3", "Q.W=q0"]``.
-    known : Conditioning, optional
-        The scene's conditioning, to spare its computation.
+    known : Conditioning or Judgement, optional
+        The scene's conditioning, or a judgement by the same reference at the same times, to spare
+        what they hold.
     first : callable, optional
         Called with a judgement of a few rows of a table of more than a thousand, and how many rows
         there are, before the others are judged by a closed form.
@@ -189,7 +190,12 @@ def compare(
         subject, as_it_stands = read_as_told(subject, against, read), True
     elif reads:
         subject, offered = as_meant(given, against)
-    found = Judgement(subject, against, progress, as_it_stands, known, offered)
+    answers = None
+    if isinstance(known, Judgement):
+        known, answers = known.known, known.known_answers
+    found = Judgement(
+        subject, against, progress, as_it_stands, answers=answers, known=known, offered=offered
+    )
     try:
         _ = found.digits  # what cannot be judged is refused here
     except BadInput as refused:
