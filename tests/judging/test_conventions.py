@@ -145,16 +145,16 @@ READ = {
         f"angles in degrees; {TURNS}",
     ),
     "angles without turns": (ANGLES, wrapped, TURNS),
-    "early": (OMEGA, moved(1), "omega one step of t early"),
-    "state early": (STATE, moved(1), "omega one step of t early; gamma one step of t early"),
-    "attitude early": (ATTITUDE, moved(1), "attitude one step of t early"),
+    "early": (OMEGA, moved(1), "t one step early"),
+    "state early": (STATE, moved(1), "t one step early"),
+    "attitude early": (ATTITUDE, moved(1), "t one step early"),
     "late, from the start": (GAMMA, moved(-1), "t from its first row on (0.125)"),
     "another beginning": (STATE, shifted("t", 100), "t from its first row on (100)"),
     "milliseconds": (STATE, scaled(["t"], 1000), "t milliseconds"),
     "milliseconds, scalar last": (
         WHOLE,
         after(LAST, scaled(["t"], 1000)),
-        "omega t milliseconds; gamma t milliseconds; attitude t milliseconds, scalar-last",
+        "t milliseconds; attitude scalar-last",
     ),
 }
 #: The same of conventions that are told and not applied.

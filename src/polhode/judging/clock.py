@@ -1,24 +1,25 @@
 """Rows that belong to other times: those of a clock, or of a program that was started later.
 
-The first rows are looked for along the scene's motion, in double: near where it passes the first
-one, the time is fitted to those that follow.  The offset between the times is the shortest decimal
-that fits.
+The first row is looked for along the scene's motion, in double: near where the motion passes it,
+Newton's method on the motion's own rate finds the time, and the rows that follow tell the unit and
+which passage it is.  The offset between the times is the shortest decimal that fits.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from polhode.equations.integrals import departures
-from polhode.judging.diagnosis.conventions import whole_parts
+from polhode.equations.plain_field import field
 from polhode.judging.diagnosis.motion_in_double import sampled
+from polhode.judging.diagnosis.other_times import UNITS, clock_words, from_first_row
 from polhode.judging.diagnosis.rotation_matrices import matrices
-from polhode.judging.diagnosis.time_unit import UNITS, clock_words
+from polhode.judging.diagnosis.ways import Right
 from polhode.judging.tables.reading import WRONG, TimeChange
 from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import to_double
@@ -31,11 +32,8 @@ _LARGEST = 1e100  # numbers that are looked for
 _FAR = 1e5  # radians: few programs go so far, and none begins there
 _STEP = 0.2  # radians between two times that are looked at
 _NEAR = 2.0  # such steps from the motion to the first row, at most
-_MOST = 40  # times that a fit begins at
-_FITTED = 8  # of them that are fitted to more rows than the first
+_MOST = 40  # times at which the first row is looked for
 _FITS = 6  # Newton's steps
-_ALIKE = 0.3  # of 1: how much the speed of rows may differ from the motion's
-_SMALL = 1e-6  # radians: a change of time that a derivative is taken by
 _AS_GOOD = 1.0  # digits by which a time nearer to 0 may be behind the best
 _FEWEST = 9  # numbers that a time is fitted to
 _SAME = 1e-2  # of integrals: the first row is on the scene's level
@@ -47,29 +45,26 @@ Signal: TypeAlias = tuple[str, ...]
 
 
 class Clock(NamedTuple):
-    """Times at which rows hold instead, the digits of the first ones then, and by how much the
-    offset may be off: 0 of one that is a short decimal; None of the first time itself.
+    """Times at which rows hold instead, in words, and by how much the offset may be off: 0 of one
+    that is a short decimal; None of the first time itself.
 
-    ``entire``: whether all numbers of the rows are the motion's then, and not some of them.
+    ``entire``: whether all numbers of the state are the motion's then, and not some of them.
     """
 
+    words: str
     change: TimeChange
-    digits: float
     off: float | None
     entire: bool = False
 
-    @property
-    def words(self) -> str:
-        """The reading in words."""
-        if self.off is None:
-            return f"from its first row on ({brief(self.change.shift)})"
-        return clock_words(self.change)
 
-
-def clock(rows: Table, scene: Scene) -> Clock | None:
+def clock(
+    parts: Mapping[str, Doubles], times: Sequence[Fraction], error: float, scene: Scene
+) -> Clock | None:
     """The offset at which rows, the first ones of a table, belong to the scene's motion; None
-    where there is none, or where they belong to the times that they have."""
-    parts, times = whole_parts(rows)
+    where there is none, or where they belong to the times that they have.
+
+    ``times``: the nearest to 0 first.  ``error``: by how much they may be off.
+    """
     if any(np.max(np.abs(values)) > _LARGEST for values in parts.values()):
         return None
     rate = 10.0**scene.log10_rate
@@ -82,15 +77,12 @@ def clock(rows: Table, scene: Scene) -> Clock | None:
         if motion is None:
             return None
         for number, (signal, values) in enumerate(wanted):
-            path = _joined(motion.part(name) for name in signal)
-            starts = _starts(path, values[0])
-            for unit in _units(path, starts, values, [t - times[0] for t in times], _STEP / rate):
-                since = np.array([to_double(unit * (t - times[0])) for t in times])
-                fit = _Fit(scene, signal, values, since, rate)
-                best = fit.best(grid[starts])
-                if best is not None and best[1] >= WRONG:
-                    found = _clock(*best, unit, rows, times[0])
-                    return found and found._replace(entire=number == 0)
+            path = _Path(scene, signal, rate)
+            place = path.place(values, times, grid[_starts(path.values(motion), values[0])])
+            if place is not None:
+                off = place.off + error * to_double(place.unit)
+                found = _clock(Fraction(place.time), off, place.unit, times)
+                return found and found._replace(entire=number == 0)
     return None
 
 
@@ -110,35 +102,19 @@ def unknown_clock(subject: Table, scene: Scene, is_sought: bool = True) -> tuple
     return (f"{began}, and no offset was found at which its first rows belong to the motion",)
 
 
-def _units(
-    path: Doubles, starts: Sequence[int], values: Doubles, since: Sequence[Fraction], step: float
-) -> Iterator[Fraction]:
-    """The scene's unit of time, and those in which the rows change as fast as the motion."""
-    yield Fraction(1)
-    if len(since) == 1 or not starts:
-        return
-    change = float(np.linalg.norm(values[1] - values[0])) / abs(to_double(since[1]))
-    speeds = np.linalg.norm(np.diff(path, axis=0), axis=1)[[min(k, len(path) - 2) for k in starts]]
-    for unit in UNITS:
-        ratios = change / (to_double(unit.length) / step * speeds[speeds > 0])
-        if np.any(np.abs(ratios - 1) < _ALIKE):
-            yield unit.length
-
-
-def _clock(
-    time: float, digits: float, off: float, unit: Fraction, rows: Table, nearest: Fraction
-) -> Clock | None:
-    """The clock of rows of which the one ``nearest`` to t = 0 belongs to a time that is off by so
-    much at most."""
-    off += rows.time_errors[0] * to_double(unit) if rows.time_errors else 0.0
-    offset = unit * nearest - Fraction(time)
-    step = unit * abs(rows.times[1] - rows.times[0]) if len(rows.times) > 1 else Fraction(0)
+def _clock(time: Fraction, off: float, unit: Fraction, times: Sequence[Fraction]) -> Clock | None:
+    """The clock of rows of which the one that is nearest to t = 0 belongs to a time that is off by
+    so much at most."""
+    offset, ordered = unit * times[0] - time, sorted(times)
+    step = unit * (ordered[1] - ordered[0]) if len(times) > 1 else Fraction(0)
     if abs(offset) <= step + Fraction(off):  # told as a step late or early, or as a cause
         return None
-    if abs(unit * rows.times[0] - offset) <= off:
-        return Clock(TimeChange(unit=unit, shift=unit * rows.times[0]), digits, None)
+    first = unit * ordered[0]
+    if abs(first - offset) <= off:
+        return Clock(from_first_row(first), TimeChange(unit=unit, shift=first), None)
     shift, short = _shortest(offset, Fraction(off))
-    return Clock(TimeChange(unit=unit, shift=shift), digits, 0.0 if short else off)
+    change = TimeChange(unit=unit, shift=shift)
+    return Clock(clock_words(change), change, 0.0 if short else off)
 
 
 def _shortest(x: Fraction, off: Fraction) -> tuple[Fraction, bool]:
@@ -152,7 +128,7 @@ def _shortest(x: Fraction, off: Fraction) -> tuple[Fraction, bool]:
     return x, False
 
 
-def _on_level(parts: dict[str, Doubles], scene: Scene) -> bool:
+def _on_level(parts: Mapping[str, Doubles], scene: Scene) -> bool:
     """Whether the first row has the scene's integrals, so that it is worth while to look far."""
     if not {"omega", "gamma"} <= {*parts}:
         return False
@@ -160,7 +136,7 @@ def _on_level(parts: dict[str, Doubles], scene: Scene) -> bool:
     return all(abs(float(x[0])) < _SAME for x in departures(scene, state).values())
 
 
-def _signals(parts: dict[str, Doubles]) -> Iterator[tuple[Signal, Doubles]]:
+def _signals(parts: Mapping[str, Doubles]) -> Iterator[tuple[Signal, Doubles]]:
     """What the rows have of the motion, in usual units: all of the state first."""
 
     held = dict(parts)
@@ -194,53 +170,77 @@ def _starts(motion: Doubles, row: Doubles) -> list[int]:
     return [int(k) for k in kept[:_MOST]]
 
 
-class _Fit(NamedTuple):
-    """Times of the first row that are fitted to rows ``since`` it, of which the motion tells."""
+class _Place(NamedTuple):
+    """The time of the first row on the motion, the unit of the rows' times, and by how much the
+    time may be off."""
+
+    time: float
+    unit: Fraction
+    off: float
+
+
+class _Path(NamedTuple):
+    """The motion, as far as rows tell of it; ``rate``: of the scene, radians per unit of time."""
 
     scene: Scene
     signal: Signal
-    values: Doubles
-    since: Doubles
     rate: float
 
-    def best(self, times: Doubles) -> tuple[float, float, float] | None:
-        """The time of the first row that is nearest to 0 of those that fit best, the digits of the
-        rows there, and by how much it may be off; None where no time can be fitted."""
-        small = _SMALL / self.rate
-        if not len(times) or float(np.max(np.abs(self.since))) * self.rate > 2 * REACHES[-1]:
-            return None
-        first = self._errors(times)
-        if first is None:
-            return None
-        times = times[np.argsort(np.max(np.abs(first), axis=1))[:_FITTED]]
-        for _ in range(_FITS):
-            here, later = self._errors(times), self._errors(times + small)
-            if here is None or later is None:
-                return None
-            slope = (later - here) / small
-            square = np.einsum("nk,nk->n", slope, slope)
-            square[square == 0] = np.inf
-            change = -np.einsum("nk,nk->n", slope, here) / square
-            times = times + np.clip(change, -_STEP / self.rate, _STEP / self.rate)
-            if np.max(np.abs(change)) <= _ROUNDING * (np.max(np.abs(times)) + 1 / self.rate):
-                break
-        left = self._errors(times)
-        if left is None:
-            return None
-        worst = np.maximum(np.max(np.abs(left), axis=1), _ROUNDING)
-        digits = -np.log10(worst)
-        best = min(np.flatnonzero(digits >= np.max(digits) - _AS_GOOD), key=lambda k: abs(times[k]))
-        off = 2 * worst[best] / math.sqrt(square[best]) + _ROUNDING * abs(times[best])
-        return float(times[best]), float(digits[best]), float(off)
+    def place(self, rows: Doubles, times: Sequence[Fraction], starts: Doubles) -> _Place | None:
+        """Where rows begin, near one of several times: of those places that fit about as well as
+        the best one the nearest to 0; None where none fits."""
+        places, speeds = self._passages(rows[0], starts)
+        found: list[tuple[float, _Place]] = []
+        for unit in (Fraction(1), *(unit.length for unit in UNITS)):
+            since = np.array([to_double(unit * (t - times[0])) for t in times])
+            if not len(places) or np.max(np.abs(since)) * self.rate > 2 * REACHES[-1]:
+                continue
+            motion = self._at(np.add.outer(places, since).ravel())
+            if motion is None:
+                continue
+            there = self.values(motion).reshape(len(places), -1)
+            worst = np.max(np.abs(there - rows.ravel()), axis=1) / self._size(there)
+            for place, error, speed in zip(places, worst, speeds, strict=True):
+                left = max(float(error), _ROUNDING)
+                off = 2 * left / speed + _ROUNDING * abs(place)
+                found.append((-math.log10(left), _Place(float(place), unit, float(off))))
+        most = max((digits for digits, _ in found), default=0.0)
+        fits = [one for digits, one in found if digits >= max(most - _AS_GOOD, WRONG)]
+        return min(fits, key=lambda one: abs(one.time), default=None)
 
-    def _errors(self, times: Doubles) -> Doubles | None:
-        """The differences of the rows from the motion where the first one is at each time."""
-        wanted = np.add.outer(times, self.since).ravel()
-        right = sampled(self.scene, wanted, self.values.shape[1] > 6)
-        if right is None:
-            return None
-        motion = _joined(right.part(name) for name in self.signal)
-        scale = np.maximum(1.0 if self.values.shape[1] > 6 else 0.0, np.max(np.abs(motion)))
-        off = motion.reshape(len(times), *self.values.shape) - self.values
-        found: Doubles = (off / scale).reshape(len(times), -1)
-        return found
+    def _passages(self, row: Doubles, times: Doubles) -> tuple[Doubles, Doubles]:
+        """The times near others at which the motion passes a row, and its relative speeds there."""
+        for _ in range(_FITS if len(times) else 0):
+            motion = self._at(times)
+            if motion is None:
+                return np.array([]), np.array([])
+            here, rates = self.values(motion), self._rates(motion)
+            square = np.einsum("nk,nk->n", rates, rates)
+            moves = square > 0
+            times, here, rates, square = times[moves], here[moves], rates[moves], square[moves]
+            change = np.einsum("nk,nk->n", rates, row - here) / square
+            times = times + np.clip(change, -_STEP / self.rate, _STEP / self.rate)
+        return times, np.sqrt(square) / self._size(here) if len(times) else times
+
+    def values(self, motion: Right) -> Doubles:
+        """What the rows have of the motion."""
+        return _joined(motion.part(name) for name in self.signal)
+
+    def _rates(self, motion: Right) -> Doubles:
+        """The rates of these."""
+        if self.signal != ("attitude",):
+            return self.values(Right(field(self.scene)(0.0, motion.states.T).T))
+        assert motion.matrices is not None
+        p, q, r = motion.states[:, :3].T
+        x, y, z = np.moveaxis(motion.matrices, 2, 0)  # R' = R w x, by columns
+        turned = [r[:, None] * y - q[:, None] * z, p[:, None] * z - r[:, None] * x]
+        turned.append(q[:, None] * x - p[:, None] * y)
+        return np.stack(turned, axis=2).reshape(len(p), -1)
+
+    def _at(self, times: Doubles) -> Right | None:
+        return sampled(self.scene, times, self.signal == ("attitude",))
+
+    def _size(self, values: Doubles) -> float:
+        """What differences are told in."""
+        least = 1.0 if self.signal == ("attitude",) else 0.0
+        return max(least, float(np.max(np.abs(values)))) or 1.0
