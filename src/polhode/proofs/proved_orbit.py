@@ -19,12 +19,13 @@ from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.enclosures.fixed_point_problem import upper
-from polhode.enclosures.polynomial import ball, midpoint
+from polhode.enclosures.polynomial import ball
 from polhode.enclosures.result import decimal_ball, guaranteed
 from polhode.numbers.conversion import to_double
 from polhode.numbers.decimals import brief, shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.flint_context import ctx
+from polhode.numbers.polynomials import middle
 from polhode.proofs import certified_orbit
 from polhode.proofs.refusals import NotProved
 from polhode.scenes.body import PrincipalAxes
@@ -242,7 +243,7 @@ def _below(x: arb) -> float:
 
 def ball_of(x: arb) -> Ball:
     """A ball with a radius that is a double."""
-    return Ball(midpoint(x), upper(x - x.mid()))
+    return Ball(middle(x), upper(x - x.mid()))
 
 
 def as_arb(x: Ball) -> arb:

@@ -19,7 +19,7 @@ import numpy as np
 from polhode.common.progress import Stop
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Array, Doubles, doubles
+from polhode.numbers.rows import Array, Doubles, double_array
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend import defaults
 from polhode.taylor.batches.compiled_batch import LANES, CompiledBatch, in_lanes, out_of_lanes
@@ -85,7 +85,7 @@ class _Way:
     def _in_lanes(self, ready: CompiledBatch) -> list[int]:
         """Batch after batch; the motions whose batch did not arrive as a whole."""
         job, found, many = self.job, self.found, self.job.motions.many
-        starts, coefficients = (in_lanes(doubles(x)) for x in (self.starts, self.coefficients))
+        starts, coefficients = (in_lanes(double_array(x)) for x in (self.starts, self.coefficients))
         alike = bool((self.coefficients == self.coefficients[:1]).all())
         states = np.full((len(starts), len(job.times), job.columns, LANES), np.nan)
         taken: list[list[int] | None] = [None] * len(starts)
