@@ -165,7 +165,8 @@ def is_explained(parts: Mapping[str, _Part]) -> bool:
 def likely_unit(subject: Table, scene: Scene) -> str:
     """The unit that the times of a table seem to have; empty where it is the scene's."""
     values, times = whole_parts(subject)
-    right = integrated(scene, times)
+    plain = next(at_times({"": TimeChange()}, times, scene), None)
+    right = plain and plain.right
     seen = View(values, times, right, _parts(values, right))
     if not values or seen.is_right:
         return ""
