@@ -223,6 +223,15 @@ def test_a_convention_that_is_not_applied_is_named(name):
         polhode.compare(table, CASE, read=words)
 
 
+def test_omega_along_space_is_named_where_the_attitude_is_enclosed():
+    """A table of the state alone, of a closed form that has the state alone."""
+    case, times = "goryachev-chaplygin/rotating", [Fraction(k, 8) for k in range(12)]
+    assert polhode.reference(case).encloses_attitude
+    table = by(files.along_space)(with_attitude(case, times))
+    (one,) = polhode.compare({n: table[n] for n in ("t", *STATE)}, case).readings
+    assert (one.part, one.convention) == ("omega", "along the axes of space")
+
+
 #: Of these, alone in other motions and two at once, the columns are of all parts.
 MIXED = ("y up", "z down", "body axes", "degrees", "exchanged", "scalar last", "inverse", "early")
 MIXED += ("downward",)
