@@ -123,6 +123,15 @@ def test_a_clock_that_the_state_tells_needs_no_right_attitude():
     assert found.parts["attitude"] < 2
 
 
+def test_no_clock_is_told_of_a_motion_that_stands_still():
+    case = "pendulum/upright"
+    columns = table(THIRDS[:5], case, 300)
+    columns["gamma1"] = columns["gamma1"] + 1e-2 * np.sin(columns["t"])
+    found = polhode.compare(columns, case)
+    assert found.reading is None
+    assert 1 < found.worst < 3
+
+
 def test_a_unit_is_told_by_the_rows_that_a_run_reaches():
     """The last one is two million radians on, which no run in double goes."""
     times = [Fraction(k, 8) for k in range(8)] + [Fraction(2_000_000)]

@@ -225,6 +225,8 @@ def test_what_a_judgement_asked_judges_runs_in_narrower_types_too():
     assert alone.known_answers is not wide.known_answers
     assert narrow.worst == pytest.approx(alone.worst, abs=1e-8)
     assert str(narrow) == str(alone)
+    again = polhode.compare(runs[0], against, known=alone)  # which has too few digits for it
+    assert again.worst == pytest.approx(wide.worst, abs=1e-8)
     later = polhode.integrate(scene, at=[1, 6])
     for run, other in ((later, against), (runs[1], polhode.Certified(scene))):
         found = polhode.compare(run, other, known=wide)

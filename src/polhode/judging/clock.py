@@ -165,7 +165,7 @@ def _starts(motion: Doubles, row: Doubles) -> list[int]:
     step = np.max(np.abs(np.diff(motion, axis=0)) / scale, axis=1)
     step = np.maximum(np.append(step, 0.0), np.insert(step, 0, 0.0))
     before, after = np.append(np.inf, away[:-1]), np.append(away[1:], np.inf)
-    near = (away <= before) & (away <= after) & (away <= _NEAR * step)
+    near = (away <= before) & (away <= after) & (away <= _NEAR * step) & (step > 0)
     kept = sorted(np.flatnonzero(near), key=lambda k: float(away[k] / step[k]))
     return [int(k) for k in kept[:_MOST]]
 
@@ -210,8 +210,8 @@ class _Path(NamedTuple):
 
     def _passages(self, row: Doubles, times: Doubles) -> tuple[Doubles, Doubles]:
         """The times near others at which the motion passes a row, and its relative speeds there."""
-        for _ in range(_FITS if len(times) else 0):
-            motion = self._at(times)
+        for _ in range(_FITS):
+            motion = self._at(times) if len(times) else None
             if motion is None:
                 return np.array([]), np.array([])
             here, rates = self.values(motion), self._rates(motion)
@@ -231,11 +231,8 @@ class _Path(NamedTuple):
         if self.signal != ("attitude",):
             return self.values(Right(field(self.scene)(0.0, motion.states.T).T))
         assert motion.matrices is not None
-        p, q, r = motion.states[:, :3].T
-        x, y, z = np.moveaxis(motion.matrices, 2, 0)  # R' = R w x, by columns
-        turned = [r[:, None] * y - q[:, None] * z, p[:, None] * z - r[:, None] * x]
-        turned.append(q[:, None] * x - p[:, None] * y)
-        return np.stack(turned, axis=2).reshape(len(p), -1)
+        rates = np.cross(motion.matrices, motion.states[:, None, :3])  # of rows, as gamma's: 3.17
+        return rates.reshape(len(rates), -1)
 
     def _at(self, times: Doubles) -> Right | None:
         return sampled(self.scene, times, self.signal == ("attitude",))
