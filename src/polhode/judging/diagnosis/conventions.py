@@ -2,7 +2,7 @@
 
 A table is held against the scene's motion at the times as they stand and, where it is not right
 there, against other worlds (:mod:`worlds`) and the times of another clock
-(:mod:`polhode.judging.clock`).  In each of them each part is tried in all its conventions
+(:mod:`polhode.judging.diagnosis.clock`).  In each of them each part is tried in all its conventions
 (:mod:`ways`), by one measure: the digits of its first rows (:mod:`evidence`).  What a program loses
 later is its drift, and is reported in the reading that fits.
 """
@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from polhode.judging.clock import clock
+from polhode.judging.diagnosis.clock import clock
 from polhode.judging.diagnosis.evidence import (
     BEGINS,
     FAR_GAIN,

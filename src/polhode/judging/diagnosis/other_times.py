@@ -1,7 +1,7 @@
 """Other times at which the rows of a table may hold, and the words for them.
 
 A program's t may be a row late, run backward, begin at its first row, or have another unit; or it
-is that of a clock, whose offset :mod:`polhode.judging.clock` looks for.
+is that of a clock, whose offset :mod:`polhode.judging.diagnosis.clock` looks for.
 """
 
 from __future__ import annotations

@@ -12,8 +12,8 @@ from polhode.common.arguments import each, of_kind, refuse_unknown
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.text_tables import few
-from polhode.judging.clock import unknown_clock
 from polhode.judging.conditioning.conditioning import Conditioning
+from polhode.judging.diagnosis.clock import unknown_clock
 from polhode.judging.diagnosis.conventions import likely_unit, view
 from polhode.judging.diagnosis.told_readings import read_as_told
 from polhode.judging.references.certified import Certified

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from polhode.judging.clock import unknown_clock
+from polhode.judging.diagnosis.clock import unknown_clock
 from polhode.judging.diagnosis.conventions import View, is_explained, other_world, shown_rows, view
 from polhode.judging.references.reference import AnyReference
 from polhode.judging.tables.attitude_forms import lengths, of_length_one
