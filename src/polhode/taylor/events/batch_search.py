@@ -278,21 +278,26 @@ class _Search:
         before = np.where(first, self.side[lane], np.roll(side, 1))
         fits = (before == np.where(root, -side, side)) | (first & (before == 0))
         steep = slope * slope > _CERTAIN * self.job.watched.size * np.abs(bend[known])
-        wrong = np.zeros(len(busy), dtype=bool)
-        wrong[lane[~fits | (root & ~steep)]] = True
+        strange = ~fits | (root & ~steep)
         dips = _dips(value[known] * side, slope * side, ahead[known])
-        dips &= ~root & ~np.roll(root, -1) & (np.diff(lane, append=-1) == 0) & ~wrong[lane]
-        lowest: list[Notes] = []
-        for k in np.flatnonzero(dips).tolist():
-            lowest += self._lowest(*(notes.those([i]) for i in known[k : k + 2]))
-        wrong[[note.lanes[0] for note in lowest]] = True
+        dips &= ~root & ~np.roll(root, -1) & (np.diff(lane, append=-1) == 0)
+        wrong = np.zeros(len(busy), dtype=bool)
+        wrong[lane[strange]] = True
+        ends, looks = np.flatnonzero(~root), list[Notes]()
+        before_it = np.searchsorted(ends, np.flatnonzero(strange), side="left") - 1
+        span = np.union1d(before_it, np.searchsorted(ends, np.flatnonzero(dips)))
+        for low, high in zip(ends[span[span >= 0]], ends[span[span >= 0] + 1], strict=True):
+            if lane[low] == lane[high]:
+                look, doubtful = self._looked(*(notes.those([known[k]]) for k in (low, high)))
+                wrong[lane[low]] |= doubtful
+                looks.append(look)
         found = [notes.those(known[root & ~wrong[lane]])]
         if self.put is None:
             wrong |= ~done | (self.side == 0)
             ending = self.parts >= self.last
             wrong[[k for k in notes.lanes[~within].tolist() if ending[k]]] = True
         else:
-            every = joined_notes([notes.those(within), *lowest])
+            every = joined_notes([notes.those(within), *looks])
             for k in np.flatnonzero(wrong).tolist():
                 crossings, complete = self._decided(k, every.those(every.lanes == k))
                 found.append(crossings)
@@ -302,24 +307,22 @@ class _Search:
         self.left = [notes.those(~within | (places == last[notes.lanes]))]
         return wrong & busy
 
-    def _lowest(self, low: Notes, end: Notes) -> list[Notes]:
-        """Where the expression comes nearest to zero between two witnesses, if that is no witness
-        of their side for certain."""
-        which = self.lanes.motion[low.lanes]
-        jet, begin, side = self._jet(which), low.marks, low.sides[0]
-        ahead = (end.marks.since_start - begin.since_start) * _LOOKS
+    def _looked(self, low: Notes, high: Notes) -> tuple[Notes, bool]:
+        """Places between two witnesses, and whether the side of the first is not certain there."""
+        which, begin = np.repeat(self.lanes.motion[low.lanes], len(_LOOKS)), low.marks
+        ahead = (high.marks.since_start - begin.since_start) * _LOOKS
         with self._alone(which[0], begin.columns[:, 0]) as ta:
             rows = ta.heyoka.propagate_grid(ahead)[-1]
-        high, low_part, time = (np.repeat(part, len(rows)) for part in begin[:3])
-        seen = Marks(high, low_part, time, ahead[: len(rows)], rows.T.copy())
+        wide = low.those(np.zeros(len(rows), dtype=int))
+        marks = wide.marks._replace(rest=ahead[: len(rows)], columns=rows.T.copy())
+        jet = self._jet(which[: len(rows)])
         with np.errstate(all="ignore"):
-            alike = jet._replace(numbers=jet.numbers[:, 0])
-            k = int(np.argmin(alike.at(seen)[0] * side))
-            lowest = refined(jet, seen.those([k]), np.array([EXTREMA]))
-            value = jet.at(lowest)[0]
-        if value[0] * side > 0 and not self._near(which, value, lowest)[0]:
-            return []
-        return [low._replace(marks=lowest)]
+            k = int(np.argmin(jet.at(marks)[0] * low.sides[0]))
+            lowest = refined(self._jet(which[:1]), marks.those([k]), np.array([EXTREMA]))
+            value = self._jet(which[:1]).at(lowest)[0]
+        doubtful = self._near(which[:1], value, lowest)[0] or value[0] * low.sides[0] < 0
+        inside = [low._replace(marks=lowest)] * (0 < k < len(rows) - 1)
+        return joined_notes([wide._replace(marks=marks), *inside]), doubtful
 
     def _alone(self, k: int, state: Doubles) -> Engine:
         """An integrator of a motion by itself, without the expression."""
@@ -332,6 +335,7 @@ class _Search:
         """The crossings of a lane up to its last witness, by the rule of runs; whether all."""
         k, way = int(self.lanes.motion[lane]), 1 if self.length > 0 else -1
         jet = self.met.jet._replace(numbers=self.numbers[:, k], timed=False)
+        notes = notes.those(np.argsort(np.abs(notes.marks.since_start), kind="stable"))
         start, none = notes.marks.those([0]), np.zeros(1)
         if notes.root[0] or self.side[lane] == 0:  # the motion's own
             start = Marks(none, none, none, none, self.job.starts[k][:, None])
