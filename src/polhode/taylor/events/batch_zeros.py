@@ -97,7 +97,7 @@ class Notes(NamedTuple):
 
     def those(self, which: Booleans | Indices | slice | list[int]) -> Notes:
         """Some of them."""
-        marks = Marks._make(array[..., which] for array in self.marks)
+        marks = self.marks.those(which)
         return Notes(self.lanes[which], marks, self.root[which], self.sides[which])
 
 

@@ -54,7 +54,7 @@ class Places(NamedTuple):
     reach: Flat
     width: Flat
 
-    def those(self, which: Booleans | Indices | list[int]) -> Places:
+    def those(self, which: Booleans | Indices | slice | list[int]) -> Places:
         """Some of them."""
         return Places._make([self.marks.those(which), *(a[..., which] for a in self[1:])])
 
@@ -81,7 +81,8 @@ def polished(jet: Jet, met: Sequence[Marks], ends: Marks, way: int) -> tuple[Pla
         marks = joined_marks([refined(jet, joined_marks(met), kinds[kinds != ENDS]), ends])
         root = kinds != EXTREMA
         every = places(jet, marks, way, root)
-        found, last = every.those(kinds != ENDS), every.those(kinds == ENDS)
+        count = len(kinds) - len(ends.time)
+        found, last = every.those(slice(count)), every.those(slice(count, None))
         multiple = (kinds[kinds != ENDS] == ZEROS) & ~found.steep
         if multiple.any():
             flat = found.marks.those(multiple)

@@ -318,7 +318,7 @@ class Watch:
         if record.places is not None:
             places = joined_places([record.places, places])
         record.places, record.taken = places.those(places.order), record.noted
-        start, end = ends.those([0]), ends.those([1])
+        start, end = ends.those(slice(1)), ends.those(slice(1, 2))
         return record.places, End(self.rules.start[k], start), at_the_end(end)
 
     def _decided(self, k: int, known: Places, start: End, end: End) -> Decision:
