@@ -282,6 +282,11 @@ def test_contacts_are_no_crossings_of_a_section():
         ("general/asymmetric-chaotic", "q - 1/10", "(q - 1/10)**3"),
         ("general/asymmetric-chaotic", "q - 1/10", "q**3 - 3/10*q**2 + 3/100*q - 1/1000"),
         ("general/asymmetric-chaotic", "q*gamma2", "(q*gamma2)**3"),
+        (
+            "general/asymmetric-chaotic",
+            "(q - 0.099)*(q - 0.102)",
+            "(q - 0.099)**3*(q - 0.102)**5",
+        ),
         ("general/asymmetric-regular", "gamma3", "gamma3**3"),
         ("general/asymmetric-regular", "gamma3", "gamma3**5"),
     ],
