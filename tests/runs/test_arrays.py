@@ -81,6 +81,23 @@ def test_a_row_depends_neither_on_its_neighbours_nor_on_threads_nor_on_other_tim
     assert np.array_equal(go(rows, t=float(times[-1])), end)
 
 
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_long_way_in_stretches_is_that_in_one(way, monkeypatch):
+    """Whichever times are asked for on it; the time begins again at each stretch."""
+    go, rows, unit = of("free", 9)
+    times, rows = way * unit * np.array([30, 100, 249, 250, 333]), rows / 8
+    whole, usual = go(rows, t=times), defaults.TABLE["double"]
+    monkeypatch.setitem(defaults.TABLE, "double", usual._replace(chunk=400))  # 100 units each
+    found = go(rows, t=times)
+    assert 0 < np.abs(found - whole).max() < 1e-10
+    assert np.array_equal(go(rows, t=times[[0, -1]]), found[:, [0, -1]])
+    assert np.array_equal(go(rows[::-1], t=times[2:])[::-1], found[:, 2:])
+    assert np.array_equal(go(rows, t=float(times[-1])), found[:, -1])
+    many = polhode.integrate_many(go.scene, starts=rows, at=times[[1, -1]])
+    assert np.abs(many.states - found[:, [1, -1]]).max() < 1e-10
+    assert many.reached == (Fraction(times[-1]),) * 9
+
+
 @pytest.mark.parametrize("name", [name for name in BODIES if name != "free sphere"])
 def test_rows_are_as_right_as_starts_alone(name):
     """Errors against 113 bits, after 8 units of time, are those of a start alone."""
