@@ -52,7 +52,7 @@ def sweeps(seconds: float) -> Iterator[Line]:
         yield Line(f"{name}, {MEMBERS} members", side_by_side([loop, sweep], seconds)[1])
         lanes = LANES
         job = batch_jobs.BatchJob(
-            *(plan.names, plan.number, None, 300, plan.moments, 0),
+            *(plan.names, plan.number, None, 300, plan.grid, 0),
             plan.motions.some(np.full(lanes, MEMBERS // 2)),
         )
         batch_integrator.solve(job)  # gives every lane its coefficients

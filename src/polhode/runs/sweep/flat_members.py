@@ -95,6 +95,6 @@ def job_of(plan: Plan, group: npt.NDArray[np.int64]) -> FlatJob:
     from polhode.taylor.batches.jobs import BatchJob
 
     unit, motions = int(plan.time_units[group[0]]), plan.motions.some(group)
-    times = np.ldexp(plan.moments, -unit)
+    times = np.ldexp(plan.grid, -unit)
     asked = plan.names, plan.number, plan.tolerance, plan.max_steps, times
     return FlatJob(BatchJob(*asked, unit, motions), reader(plan, group))

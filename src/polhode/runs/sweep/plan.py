@@ -55,7 +55,7 @@ class Plan:
     rates: npt.NDArray[np.float64]
 
     @cached_property
-    def moments(self) -> Flat:
+    def grid(self) -> Flat:
         """The times as numbers of the type, of one that numpy holds."""
         import numpy as np
 
