@@ -64,7 +64,7 @@ UNKNOWN = (*NAMES, "the period", "lam1", "lam2", "lam3")
 TURN = ("q0", "q1", "q2", "q3")
 GROUP = 24  # steps
 COARSE = 64  # bits of matrices and bounds
-STATES, DERIVATIVES = 50, 62  # bits to which V is made: where a state is asked for, or D too
+STATES, DERIVATIVES, SETS = 50, 62, 30  # bits to which V is made, by what is carried
 
 Interval = tuple[Fraction, Fraction]  # middle and radius
 Claim = tuple[Fraction, list[Interval]]  # a time and six balls; of the attitude four
@@ -372,9 +372,7 @@ def turning(y: Sequence[arb_poly], h: arb, bits: int) -> list[list[arb]]:
 class Step:
     """Polynomials p and V about a centre, and those bounds of the theorem that need no set."""
 
-    def __init__(
-        self, body: Body, centre: Sequence[arb], h: arb, bits: int, fine: int = STATES
-    ) -> None:
+    def __init__(self, body: Body, centre: Sequence[arb], h: arb, bits: int, fine: int) -> None:
         ctx.prec = bits
         self.bits = bits
         self.p = [arb_poly(row) for row in taylor(body, centre, h, bits)]
@@ -593,11 +591,10 @@ class Run:
         """A step's length in the unit of time of the run."""
         return dyadic(stage.last - stage.first, self.shift - self.time_bits)
 
-    def stages(self, found: Set, tell: Tell | None) -> Iterator[Stage]:
+    def stages(self, found: Set, fine: int, tell: Tell | None) -> Iterator[Stage]:
         """Each step, with the set at its start; raises NotProved."""
         count = len(self.centres)
         for n, (first, last) in enumerate(pairwise(self.grid)):
-            fine = DERIVATIVES if found.states < len(found.m[0]) else STATES
             if tell is not None:
                 tell(n / count, n)
             try:
@@ -770,7 +767,7 @@ def state(certificate: object, tell: Tell | None = None) -> list[str]:
     offset = [x * rate - y for x, rate, y in zip(start, run.rates, run.centres[0], strict=True)]
     begin = Set([[x.mid()] for x in offset], [[upper(x.rad())] for x in offset], 1)
     order, turned = _in_order(claims), _in_order(turns)
-    for stage in run.stages(begin, tell):
+    for stage in run.stages(begin, STATES, tell):
         end = sense * stage.last * unit
         while order and sense * order[-1][0] <= end:
             claim = order.pop()
@@ -1029,7 +1026,7 @@ def zero_near(held: Mapping[str, object], tell: Tell | None = None) -> Zero:
     )  # x* alone, the box around it, D
     back: dict[int, list[arb]] = {}
     steep, waiting = arb(0), sorted(parts)  # the largest, whose part of the period is over first
-    for stage in run.stages(begin, tell):
+    for stage in run.stages(begin, DERIVATIVES, tell):
         steep = steep.max(stage.step.steepness(run.body, stage.reach))
         while waiting and Fraction(run.grid[-1], waiting[-1]) <= stage.last:
             p = waiting.pop()
@@ -1298,27 +1295,79 @@ class Rectangle(NamedTuple):
 
 
 class Image(NamedTuple):
-    """(y', n') of a set, shift + sum of columns; dy'/dy; the longest time, in the scene's unit."""
+    """(y', n') of a set, shift + sum of columns; dy'/dy; bounds of the time, in the run's unit."""
 
     shift: list[arb]
     columns: Table
     slope: arb_mat
-    time: arb
+    least: arb
+    most: arb
+
+
+class Margins(NamedTuple):
+    """Of a covering: the edges over the width, the height over the height; of the cones."""
+
+    stretch: arb
+    height: arb
+    cone: arb
+
+
+class Horseshoe(NamedTuple):
+    """What the sets prove: upper bounds of the times of both loops, in the scene's unit.
+
+    ``home``: the run, the chart and the set that the periodic orbit meets.
+    """
+
+    short: arb
+    long: arb
+    images: list[Image]
+    margins: list[Margins]
+    home: tuple[Run, Chart, Rectangle]
+
+
+class Entropy(NamedTuple):
+    """What is stated of chaos: a lower bound, and upper ones of the times of both loops."""
+
+    entropy: Fraction
+    short: Fraction
+    long: Fraction
+
+
+def read_chaos(statement: object) -> Entropy:
+    """The statement of a certificate of chaos; raises Damaged."""
+    names = Entropy._fields
+    values = zip(_keys(statement, names, "statement"), names, strict=True)
+    found = Entropy(*(_rational(x, f"statement.{name}") for x, name in values))
+    if not min(found) > 0:
+        raise Damaged("statement: expected numbers above 0")
+    return found
 
 
 def chaos(certificate: object, tell: Tell | None = None) -> list[str]:
     """What a certificate of chaos proves; raises NotProved, Damaged."""
     names = ("format", "kind", "scene", "bits", "scale", "charts", "sets", "transits", "statement")
     held = dict(zip(names, _keys(certificate, names, "the certificate"), strict=True))
+    claim = read_chaos(held["statement"])
+    found = horseshoe(held, tell)
+    check_chaos(claim, found)
+    level = read_body(held["scene"], ("level",))[2]
+    h, f, square = (in_full(x) if not r else f"{in_full(x)} +- {in_full(r)}" for x, r in level)
+    return [
+        f"proved: on the level h = {h}, f = {f}, |gamma|^2 = {square} of this body an unstable "
+        "periodic orbit has a transversal homoclinic orbit; for every sequence of two loops, "
+        f"shorter than {about((claim.short, claim.short))} and "
+        f"{about((claim.long, claim.long))}, exactly one motion follows it, a periodic one if the "
+        "sequence is periodic; the topological entropy of the motion on the level is at least "
+        f"{decimal(claim.entropy, up=False, minus=False)}",
+        f"by {len(found.margins)} covering relations with cone conditions between "
+        f"{len(found.images)} sets",
+    ]
+
+
+def horseshoe(held: Mapping[str, object], tell: Tell | None = None) -> Horseshoe:
+    """What sets and charts prove, whatever is stated of them; raises NotProved, Damaged."""
     bits = _whole(held["bits"], COARSE, MOST_BITS, "bits")
     scale = _whole(held["scale"], 1, MOST_SCALE, "scale")
-    stated = ("entropy", "short", "long")
-    entropy, short, long = (
-        _rational(x, f"statement.{name}")
-        for x, name in zip(_keys(held["statement"], stated, "statement"), stated, strict=True)
-    )
-    if not (entropy > 0 and short > 0 and long > 0):
-        raise Damaged("statement: expected numbers above 0")
     ctx.prec = bits + 2 * COARSE
     charts = [
         _chart_numbers(x, f"charts[{n}]")
@@ -1343,36 +1392,59 @@ def chaos(certificate: object, tell: Tell | None = None) -> list[str]:
     gap = abs(home.middle - first.middle) - home.width - first.width
     certainly(gap > 0, "the first two sets may meet")
     inertia, torque, _ = balls_of(scene)
-    images, level = [], scene[2]
+    level, images, margins, times, begun = scene[2], [], [], [], []
     for n, (source, transit) in enumerate(zip(sets, transits, strict=True)):
         told = None if tell is None else _part(tell, n, len(sets))
         ctx.prec = bits + 2 * COARSE
-        run = Run(transit, inertia, torque)
-        here, there = (
-            _chart(charts[k], scale, run) for k in (source.chart, sets[(n + 1) % len(sets)].chart)
-        )
+        run, after = Run(transit, inertia, torque), (n + 1) % len(sets)
+        here, there = (_chart(charts[k], scale, run) for k in (source.chart, sets[after].chart))
         try:
             images.append(_image(run, level, source, here, there, told))
         except NotProved as fault:
             raise NotProved(f"set {n}: {fault}") from None
-        for k in {(n + 1) % len(sets), n if n == 0 else (n + 1) % len(sets)}:
-            covers(images[-1], source, sets[k], there.eta, f"set {n} over set {k}")
-    loop = summed(image.time for image in images)
-    times = (images[0].time, short, "the short loop"), (loop, long, "the long loop")
-    for found, most, name in times:
-        certainly(found <= ball((most, Fraction(0))), f"{name} may take longer")
-    x = ball((entropy, Fraction(0)))
-    sum_of_both = (-x * images[0].time).exp() + (-x * loop).exp()
+        for k in [0, 1] if n == 0 else [after]:
+            line = f"set {n} over set {k}"
+            margins.append(covers(images[-1], source, sets[k], there.eta, line))
+        times.append(upper(images[-1].most * run.rates[0]))
+        begun.append((run, here, source))
+    return Horseshoe(times[0], upper(summed(times)), images, margins, begun[0])
+
+
+def check_chaos(claim: Entropy, found: Horseshoe) -> None:
+    """Whether a horseshoe is what is stated; raises NotProved."""
+    for proved, most, name in (
+        (found.short, claim.short, "the short loop"),
+        (found.long, claim.long, "the long loop"),
+    ):
+        certainly(proved <= ball((most, Fraction(0))), f"{name} may take longer")
+    x = ball((claim.entropy, Fraction(0)))
+    sum_of_both = (-x * found.short).exp() + (-x * found.long).exp()
     certainly(sum_of_both > 1, "the entropy is not shown to be as large")
-    h, f, square = (in_full(x) if not r else f"{in_full(x)} +- {in_full(r)}" for x, r in level)
-    return [
-        f"proved: on the level h = {h}, f = {f}, |gamma|^2 = {square} of this body an unstable "
-        "periodic orbit has a transversal homoclinic orbit; for every sequence of two loops, "
-        f"shorter than {about((short, short))} and {about((long, long))}, exactly one motion "
-        "follows it, a periodic one if the sequence is periodic; the topological entropy of the "
-        f"motion on the level is at least {decimal(entropy, up=False, minus=False)}",
-        f"by {len(sets) + 1} covering relations with cone conditions between {len(sets)} sets",
-    ]
+
+
+def is_orbit_of(found: Horseshoe, start: Sequence[arb], period: arb) -> None:
+    """Whether a motion with a period is the periodic one of the first set; raises NotProved.
+
+    ``start``, ``period``: balls in the scene's units.  In the times within which the first image
+    meets the plane every motion meets it once, so that one that meets it in the set, and after such
+    a time in the same point, is a fixed point of the section map; with cones there is one.
+    """
+    run, chart, what = found.home
+    ctx.prec = run.bits + COARSE
+    box = [x * rate for x, rate in zip(start, run.rates, strict=True)]
+    off = _product(chart.plane, [x - c for x, c in zip(box, chart.centre, strict=True)])
+    reached = _crossing(run.body, chart.plane, box, upper(off))[1]
+    column = arb_mat([[x - c] for x, c in zip(reached, chart.centre, strict=True)])
+    y1, y2, *deep = (_frame(chart) * column).entries()
+    line = "the periodic orbit is not shown to pass through the first set"
+    certainly(abs(y1 - what.middle) < what.width, line)
+    certainly(abs(y2) < what.height, line)
+    for x in deep:
+        certainly(abs(x) < chart.eta, line)
+    time, image = period / run.rates[0], found.images[0]
+    line = "the period of the orbit is not shown to be a time of the short loop"
+    certainly(image.least < time, line)
+    certainly(time < image.most, line)
 
 
 def _part(tell: Tell, n: int, count: int) -> Tell:
@@ -1511,7 +1583,7 @@ def _image(
     """The image of a set in the plane of a chart; raises NotProved."""
     ctx.prec = run.bits
     depth, slope_of_n = _disk(run, level, what, chart)
-    for stage in run.stages(_starts(run, what, chart, depth), tell):
+    for stage in run.stages(_starts(run, what, chart, depth), SETS, tell):
         last = stage
     end = last.at(Fraction(last.last))
     middle, v = last.step.at(arb(1))
@@ -1524,23 +1596,11 @@ def _image(
     columns += [[left[i][0] if i == j else arb(0) for j in range(6)] for i in range(6)]
     a, body = target.plane, run.body
     far = upper(_product(a, off)) + summed(upper(_product(a, x)) for x in columns)
-    box = [row[0] for row in end]
-    rate = abs(_product(a, rates(body, box)))
-    certainly(rate > 0, "a plane may touch the motion")
-    span = upper(arb(3) / 2 * upper(far) / rate.lower()) + arb(2) ** -100
-    reached = around(body, box, span)
-    f = rates(body, reached)
-    across = _product(a, f)
-    certainly(abs(across) > 0, "a plane may touch the motion")
-    certainly(upper(far) <= abs(across).lower() * span, "a set may miss the next plane")
+    span, reached = _crossing(body, a, [row[0] for row in end], far)
     time = dyadic(run.grid[-1], run.shift - run.time_bits)
     certainly(time > span, "a transit may take no time")
-    try:
-        frame = arb_mat(
-            [[*x, *y] for x, y in zip(target.wide.table(), target.deep.table(), strict=True)]
-        ).inv()
-    except ZeroDivisionError:
-        raise NotProved("a chart is singular") from None
+    f = rates(body, reached)
+    across, frame = _product(a, f), _frame(target)
     shadow = arb_mat([[x * y / across for y in a] for x in f])
     into = frame - frame * shadow
     later = drift(body, reached, span)
@@ -1556,11 +1616,33 @@ def _image(
         (into * arb_mat([[x] for x in off])).entries(),
         [(into * arb_mat([[x] for x in column])).entries() for column in columns],
         slope_of_y,
-        upper(time + span) * run.rates[0],
+        (time - span).lower(),
+        upper(time + span),
     )
 
 
-def covers(image: Image, source: Rectangle, target: Rectangle, eta: arb, where: str) -> None:
+def _crossing(body: Body, a: Sequence[arb], box: Sequence[arb], far: arb) -> tuple[arb, list[arb]]:
+    """d and S, for motions in a box of which |a (x - c)| <= far; raises NotProved."""
+    rate = abs(_product(a, rates(body, box)))
+    certainly(rate > 0, "a plane may touch the motion")
+    span = upper(arb(3) / 2 * upper(far) / rate.lower()) + arb(2) ** -100
+    reached = around(body, box, span)
+    across = abs(_product(a, rates(body, reached)))
+    certainly(across > 0, "a plane may touch the motion")
+    certainly(upper(far) <= across.lower() * span, "a set may miss the next plane")
+    return span, reached
+
+
+def _frame(chart: Chart) -> arb_mat:
+    """The inverse of [E | K]; raises NotProved."""
+    rows = zip(chart.wide.table(), chart.deep.table(), strict=True)
+    try:
+        return arb_mat([[*x, *y] for x, y in rows]).inv()
+    except ZeroDivisionError:
+        raise NotProved("a chart is singular") from None
+
+
+def covers(image: Image, source: Rectangle, target: Rectangle, eta: arb, where: str) -> Margins:
     """A covering relation with cones; raises NotProved."""
 
     def size(row: int, first: int = 0) -> arb:
@@ -1585,8 +1667,12 @@ def covers(image: Image, source: Rectangle, target: Rectangle, eta: arb, where: 
         for i in range(2)
     )
     one, mixed, other = a * a - c * c - 1, a * b - c * d, b * b - d * d + 1
+    determinant = one * other - mixed * mixed
     certainly(one > 0, f"{where}: the cone condition")
-    certainly(one * other - mixed * mixed > 0, f"{where}: the cone condition")
+    certainly(determinant > 0, f"{where}: the cone condition")
+    edges = (target.middle - left).lower(), (right - target.middle).lower()
+    stretch = edges[0].min(edges[1]) / target.width
+    return Margins(stretch, high / target.height, determinant.lower())
 
 
 #: What a certificate may claim, and who checks it.

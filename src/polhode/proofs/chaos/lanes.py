@@ -42,13 +42,15 @@ class Lanes:
     """A body's motions in the proof's unit of time."""
 
     constants: tuple[float, ...]
+    moments: Doubles
     torque: Doubles
 
     @classmethod
     def of(cls, what: Motion) -> Lanes:
         """Those of an exact motion's body."""
         constants = tuple(to_double(x) for x in what.constants)
-        return cls(constants, np.array([to_double(x) for x in what.torque]))
+        moments, torque = ([to_double(x) for x in row] for row in (what.moments, what.torque))
+        return cls(constants, np.array(moments), np.array(torque))
 
     def series(self, states: Doubles, degree: int = _DEGREE) -> Doubles:
         """Taylor coefficients by the time, (degree + 1, 6, n)."""
@@ -69,6 +71,14 @@ class Lanes:
     def field(self, states: Doubles) -> Doubles:
         """The right-hand sides, (6, n)."""
         return np.asarray(self.series(states, 1)[1])
+
+    def gradients(self, state: Doubles) -> Doubles:
+        """Those of energy, vertical momentum and |gamma|^2, each a constant times it: (3, 6)."""
+        w, gamma = state[:3], state[3:]
+        momentum, scale = self.moments * w, max(self.moments)
+        energy = np.concatenate([momentum, self.torque]) / scale
+        area = np.concatenate([self.moments * gamma, momentum]) / scale
+        return np.array([energy, area, [*np.zeros(3), *gamma]])
 
     def after(self, states: Doubles, times: Doubles) -> Doubles:
         """The states after times of their own, of any sign."""
