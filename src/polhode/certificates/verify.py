@@ -42,7 +42,8 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
-from itertools import pairwise
+from itertools import accumulate, pairwise, zip_longest
+from operator import mul
 from typing import NamedTuple, TypeAlias, TypeVar
 
 try:
@@ -55,7 +56,7 @@ except ImportError:
 
 FORMAT = "polhode certificate 1"
 LARGEST = 64_000_000  # bytes of a file
-MOST_BITS, MOST_STEPS, MOST_DIGITS = 4_000, 1_000_000, 20_000
+LEAST_BITS, MOST_BITS, MOST_STEPS, MOST_DIGITS = 32, 4_000, 1_000_000, 20_000
 SHORT = 600  # digits that Python itself reads and prints, however low its limit is set
 FARTHEST = 20_000  # bits of a time or a state, before or after the point
 MOST_WORK, EACH, HARD = 20_000_000_000, 100, 1000  # about an hour; see Run
@@ -63,8 +64,10 @@ NAMES = ("p", "q", "r", "gamma1", "gamma2", "gamma3")
 UNKNOWN = (*NAMES, "the period", "lam1", "lam2", "lam3")
 TURN = ("q0", "q1", "q2", "q3")
 GROUP = 24  # steps
+SPARE = 16  # bits of a guess's numbers beyond those asked for
+MOST_TERMS = 120  # of V
 COARSE = 64  # bits of matrices and bounds
-STATES, DERIVATIVES, SETS = 50, 62, 30  # bits to which V is made, by what is carried
+STATES, DERIVATIVES, SETS = 52, 64, 20  # bits to which V is made, by what is carried
 
 Interval = tuple[Fraction, Fraction]  # middle and radius
 Claim = tuple[Fraction, list[Interval]]  # a time and six balls; of the attitude four
@@ -318,34 +321,43 @@ def _inverse(inertia: Sequence[Sequence[arb]]) -> list[tuple[int, int, arb]]:
 
 
 def taylor(body: Body, centre: Sequence[arb], h: arb, bits: int) -> list[list[arb]]:
-    """Exact coefficients of polynomials near the motion that begins at a centre."""
-    rows, least, small = [[x.mid()] for x in centre], arb(2) ** -bits, 0
+    """Exact coefficients of polynomials near the motion that begins at a centre.
+
+    The first are those of the centre; the others whole multiples of 2^-fine, as is all below.
+    """
+    fine, small = bits + SPARE, 0
+    quadratic = [(place, _fixed(k, fine)) for place, k in body.quadratic.items()]
+    linear = [(place, _fixed(k, fine)) for place, k in body.linear.items()]
+    rows, length = [[_fixed(x, fine)] for x in centre], _fixed(h, fine)
+    pairs = {(a, b) for (_, a, b), _ in quadratic}
+    pairs |= {(3 + a, b) for a in range(3) for b in range(3) if a != b}
     for k in range(bits + 20):
-        rates = body.field(
-            [row[k] for row in rows],
-            lambda i, j: summed(x * y for x, y in zip(rows[i], reversed(rows[j]), strict=True)),
-        )
+        products = {(a, b): sum(map(mul, rows[a], reversed(rows[b]))) >> fine for a, b in pairs}
+        rates = [0] * 6
+        for (i, a, b), x in quadratic:
+            rates[i] += x * products[a, b]
+        for (i, j), x in linear:
+            rates[i] += x * rows[3 + j][k]
+        for i in range(3):
+            a, b = (i + 1) % 3, (i + 2) % 3
+            rates[3 + i] = (products[3 + a, b] - products[3 + b, a]) << fine
         for row, rate in zip(rows, rates, strict=True):
-            row.append((rate * h / (k + 1)).mid())
-        small = small + 1 if largest(row[-1] for row in rows) < least else 0
-        if small == 2:
+            row.append((rate * length >> 2 * fine) // (k + 1))
+        size = max(abs(row[-1]) for row in rows)
+        small = small + 1 if size >> SPARE == 0 else 0
+        if small == 2 or size >> 4 * fine:
             break
-    return rows
+    return [
+        [x.mid(), *(arb((n, -fine)) for n in row[1:])] for x, row in zip(centre, rows, strict=True)
+    ]
 
 
-def transition(a: Sequence[arb_mat], fine: int) -> list[arb_mat]:
-    """Exact matrices near the coefficients of V' = A V, V(0) = 1, to 2^-fine."""
-    v, small = [arb_mat([[int(i == j) for j in range(6)] for i in range(6)])], 0
-    least = arb(2) ** -fine
-    for k in range(120):
-        total = arb_mat(6, 6)
-        for j in range(min(k + 1, len(a))):
-            total += a[j] * v[k - j]
-        v.append((total / arb(k + 1)).mid())
-        small = small + 1 if row_sum(v[-1].table()) < least else 0
-        if small == 2:
-            break
-    return v
+def _fixed(x: arb, fine: int) -> int:
+    """A whole multiple of 2^-fine near a ball."""
+    if not x.is_finite():
+        return 0
+    whole, power = (int(n) for n in x.mid().man_exp())
+    return whole << power + fine if power + fine >= 0 else whole >> -power - fine
 
 
 def turning(y: Sequence[arb_poly], h: arb, bits: int) -> list[list[arb]]:
@@ -385,33 +397,11 @@ class Step:
             [largest(_entry(row, k) for row in defect) for k in range(max(map(len, defect)))]
         )
         entries = {place: (x * h).coeffs() for place, x in body.derivative(self.p).items()}
-        a = []
-        for k in range(max(map(len, entries.values()))):
-            a.append(arb_mat(6, 6))
-            for (i, j), x in entries.items():
-                a[k][i, j] = _entry(x, k)
-        norms = [row_sum(x.table()) for x in a]
+        norms = norms_of(entries)
         self.growth = upper(integral(norms).exp())
         self.beta = upper(h) * body.beta
-        self.v = transition(a, fine)
-        self.rho = self.growth * self._residual(a, norms)
-
-    def _residual(self, a: Sequence[arb_mat], norms: Sequence[arb]) -> arb:
-        """An upper bound of the integral of |A V - V'|; V(0) is the unit matrix exactly."""
-        last = len(self.v) - 1
-        sizes, found = [row_sum(x.table()) for x in self.v], []
-        for k in range(last):
-            total = self.v[k + 1] * arb(-(k + 1))
-            for j in range(min(k + 1, len(a))):
-                total += a[j] * self.v[k - j]
-            found.append(row_sum(total.table()))
-        rest = summed(
-            one * other / (j + k + 1)
-            for j, one in enumerate(norms)
-            for k, other in enumerate(sizes)
-            if j + k >= last
-        )
-        return integral(found) + upper(rest)
+        self.v, residual = transition(entries, norms, fine)
+        self.rho = self.growth * residual
 
     def reach(self, eps: arb) -> arb:
         """r for all |z(0)| <= eps; raises NotProved where the theorem's condition fails."""
@@ -444,6 +434,50 @@ class Step:
         for one in self.v[-2::-1]:
             found = found * tau + one
         return middle, found
+
+
+#: The coefficients of a matrix of polynomials, by row and column; 0 where none stand.
+Entries: TypeAlias = Mapping[tuple[int, int], Sequence[arb]]
+
+
+def norms_of(entries: Entries) -> list[arb]:
+    """Upper bounds of the norms of the coefficients."""
+    rows = []
+    for i in range(6):
+        row = [x for (n, _), x in entries.items() if n == i]
+        rows.append([summed(map(upper, some)) for some in zip_longest(*row, fillvalue=arb(0))])
+    return [largest(some) for some in zip_longest(*rows, fillvalue=arb(0))]
+
+
+def transition(entries: Entries, norms: Sequence[arb], fine: int) -> tuple[list[arb_mat], arb]:
+    """Exact coefficients near those of V' = A V, V(0) = 1, to 2^-fine; a bound of int |A V - V'|.
+
+    V(0) is the unit matrix exactly.  Coefficients of the residual below V's degree are computed,
+    the others bounded by the norms of A's and V's.
+    """
+    a: list[arb_mat] = []
+    v, sizes, small = [arb_mat(_unit())], [arb(1)], 0
+    least, found = arb(2) ** -fine, arb(0)
+    while small < 2 and len(v) < MOST_TERMS:
+        k = len(v) - 1
+        if k < len(norms):
+            a.append(arb_mat(6, 6))
+            for (i, j), x in entries.items():
+                a[k][i, j] = _entry(x, k)
+        total = sum((a[j] * v[k - j] for j in range(1, len(a))), a[0] * v[k])
+        v.append((total / arb(k + 1)).mid())
+        found += rough(total - v[-1] * arb(k + 1)) / (k + 1)
+        sizes.append(rough(v[-1]))
+        small = small + 1 if sizes[-1] < least else 0
+    last = len(v) - 1
+    after = [*accumulate(reversed(sizes))][::-1]  # |V_k| + |V_k+1| + ...
+    rest = summed(norm * after[max(0, last - j)] for j, norm in enumerate(norms))
+    return v, upper(found + rest / (last + 1))
+
+
+def rough(matrix: arb_mat) -> arb:
+    """An upper bound of the norm, at most 6 times as large."""
+    return upper((6 * upper((matrix * matrix.transpose()).trace())).sqrt())
 
 
 def _entry(coefficients: Sequence[arb], k: int) -> arb:
@@ -552,7 +586,7 @@ def read_guesses(held: Sequence[object], where: str = "", more: int = 0) -> Gues
     time_bits = _whole(held[0], -FARTHEST, FARTHEST, f"{where}time_bits")
     grid = _grid(held[1], f"{where}grid")
     state_bits = _whole(held[2], -FARTHEST, FARTHEST, f"{where}state_bits")
-    bits = _whole(held[4], COARSE, MOST_BITS, "bits")
+    bits = _whole(held[4], LEAST_BITS, MOST_BITS, "bits")
     check_work(len(grid) + more, bits)
     centres = _rows(held[3], len(grid) - 1, 6, f"{where}centres")
     return Guesses(time_bits, grid, state_bits, centres, bits)
@@ -1366,7 +1400,7 @@ def chaos(certificate: object, tell: Tell | None = None) -> list[str]:
 
 def horseshoe(held: Mapping[str, object], tell: Tell | None = None) -> Horseshoe:
     """What sets and charts prove, whatever is stated of them; raises NotProved, Damaged."""
-    bits = _whole(held["bits"], COARSE, MOST_BITS, "bits")
+    bits = _whole(held["bits"], LEAST_BITS, MOST_BITS, "bits")
     scale = _whole(held["scale"], 1, MOST_SCALE, "scale")
     ctx.prec = bits + 2 * COARSE
     charts = [
