@@ -20,9 +20,9 @@ from polhode.numbers.flint_context import ctx
 from polhode.numbers.rows import Doubles
 from polhode.scenes.body import Body
 
-_BITS = 64  # of the polynomials: far finer than the sets
+_BITS = 48  # of the polynomials: far finer than the sets
 _SCALE = 120  # bits of the charts' numbers
-_STEP = 0.15  # of the radius of convergence: the noise is cubic in e^alpha
+_GROWTH = 1.0  # int |A| of a step: the noise is cubic in its exponential
 _TIME_BITS = 64
 
 
@@ -107,7 +107,7 @@ def _transit(numbers: Made, chain: Chain, n: int) -> Made:
     chart = chain.charts[what.chart]
     start = [arb(x) for x in (chart.centre + chart.wide[:, 0] * what.middle).tolist()]
     end = Fraction(chain.times[n])
-    found = grid.steps(numbers, start, end, _BITS, _TIME_BITS, _STEP)
+    found = grid.steps(numbers, start, end, _BITS, _TIME_BITS, growth=_GROWTH)
     return {word: found[word] for word in verify.Guesses._fields[:-1]}
 
 

@@ -63,11 +63,12 @@ def steps(
     time_bits: int | None = None,
     part: float = _STEP,
     progress: Progress | None = None,
+    growth: float = 0.0,
 ) -> dict[str, object]:
     """A grid of steps beyond ``end``, and numbers near the motion at its times.
 
     ``time_bits``: the last time is ``end`` rounded to so many bits.  ``part``: of the radius of
-    convergence that a step is.
+    convergence that a step is.  ``growth``: about int |A| of a step, instead.
     """
     rows, (centre, (weight,)), _ = verify.read_body(numbers, ())
     inertia = [[verify.ball(x) for x in row] for row in rows]
@@ -84,7 +85,9 @@ def steps(
         if progress is not None:
             progress(abs(grid[-1]) / last, len(centres))
         centres.append([_nearest(y * arb(2) ** e) for y, e in zip(x, powers, strict=True)])
-        ticks = max(1, min(int(_length(body, x, part) * 2**_FINE), last - abs(grid[-1])))
+        steep = float(verify.row_sum(verify.slope(body, x))) if growth else 0.0
+        longest = growth / steep if steep else _length(body, x, part)
+        ticks = max(1, min(int(longest * 2**_FINE), last - abs(grid[-1])))
         h = arb(sense * ticks) * arb(2) ** -_FINE
         x = [verify.summed(row).mid() for row in verify.taylor(body, x, h, bits)]
         grid.append(grid[-1] + sense * ticks)

@@ -16,7 +16,7 @@ from polhode.proofs.chaos.lanes import Lanes
 
 ETA = 1e-4
 _WIDER, _HIGHER = 0.7, 1.3  # of the image: a next set's width, its height
-_LEAST_HEIGHT = 0.4  # of N0's: far above what the checker leaves open, which is of second order
+_LEAST_HEIGHT = 0.7  # of N0's: far above what the checker leaves open, which is of second order
 
 
 def along(

@@ -22,6 +22,7 @@ Whole = npt.NDArray[np.intp]
 _DEGREE = 20
 _SHORTER = 0.15  # of the radius of convergence that the last coefficients tell
 _LONGEST = 1.0
+_HALVED = 24  # times, of half a step in which a maximum lies
 _BACK = np.array([-1.0, -1.0, -1.0, 1.0, 1.0, 1.0])[:, None]
 _NEXT, _AFTER = [a for a, _ in CYCLE], [b for _, b in CYCLE]
 _LEFT = [*_NEXT, *(3 + a for a in _NEXT), *(3 + b for b in _AFTER)]
@@ -110,7 +111,7 @@ class Lanes:
                     continue
                 low, high = (part - 0.5) * step[met], part * step[met]
                 some = series[:, :, met]
-                for _ in range(45):
+                for _ in range(_HALVED):
                     middle = (low + high) / 2
                     up = self._rise(_value(some, middle)) > 0.0
                     low, high = np.where(up, middle, low), np.where(up, high, middle)
