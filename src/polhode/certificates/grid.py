@@ -89,7 +89,8 @@ def steps(
         longest = growth / steep if steep else _length(body, x, part)
         ticks = max(1, min(int(longest * 2**_FINE), last - abs(grid[-1])))
         h = arb(sense * ticks) * arb(2) ** -_FINE
-        x = [verify.summed(row).mid() for row in verify.taylor(body, x, h, bits)]
+        rows = verify.taylor(body, x, h, bits)
+        x = [(y + verify.summed(row)).mid() for y, row in zip(x, rows, strict=True)]
         grid.append(grid[-1] + sense * ticks)
         if len(grid) > verify.MOST_STEPS:
             break  # which the checker refuses
@@ -109,6 +110,6 @@ def _nearest(x: arb) -> int:
 def _length(body: verify.Body, centre: Sequence[arb], part: float) -> float:
     """A step that is a part of the radius of convergence."""
     rows = verify.taylor(body, centre, arb(1), _ORDER)
-    sizes = [max(float(abs(row[k])) for row in rows) for k in range(len(rows[0]))]
-    rates = [x ** (1 / k) for k, x in enumerate(sizes) if 3 * k > _ORDER and x > 0]
+    sizes = [max(float(abs(x)) for x in column) for column in zip(*rows, strict=True)]
+    rates = [x ** (1 / k) for k, x in enumerate(sizes, 1) if 3 * k > _ORDER and x > 0]
     return min(part / max(rates, default=part), _LONGEST)

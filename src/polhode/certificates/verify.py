@@ -321,9 +321,9 @@ def _inverse(inertia: Sequence[Sequence[arb]]) -> list[tuple[int, int, arb]]:
 
 
 def taylor(body: Body, centre: Sequence[arb], h: arb, bits: int) -> list[list[arb]]:
-    """Exact coefficients of polynomials near the motion that begins at a centre.
+    """Exact coefficients, but for the first, of polynomials near the motion from a centre.
 
-    The first are those of the centre; the others whole multiples of 2^-fine, as is all below.
+    They are whole multiples of 2^-fine, as is all below.
     """
     fine, small = bits + SPARE, 0
     quadratic = [(place, _fixed(k, fine)) for place, k in body.quadratic.items()]
@@ -347,9 +347,7 @@ def taylor(body: Body, centre: Sequence[arb], h: arb, bits: int) -> list[list[ar
         small = small + 1 if size >> SPARE == 0 else 0
         if small == 2 or size >> 4 * fine:
             break
-    return [
-        [x.mid(), *(arb((n, -fine)) for n in row[1:])] for x, row in zip(centre, rows, strict=True)
-    ]
+    return [[arb((n, -fine)) for n in row[1:]] for row in rows]
 
 
 def _fixed(x: arb, fine: int) -> int:
@@ -358,6 +356,11 @@ def _fixed(x: arb, fine: int) -> int:
         return 0
     whole, power = (int(n) for n in x.mid().man_exp())
     return whole << power + fine if power + fine >= 0 else whole >> -power - fine
+
+
+def next_of_v(total: arb_mat, k: int) -> arb_mat:
+    """An exact matrix near the coefficient k + 1 of V, ``total`` being that of V' before it."""
+    return (total / arb(k + 1)).mid()
 
 
 def turning(y: Sequence[arb_poly], h: arb, bits: int) -> list[list[arb]]:
@@ -387,7 +390,8 @@ class Step:
     def __init__(self, body: Body, centre: Sequence[arb], h: arb, bits: int, fine: int) -> None:
         ctx.prec = bits
         self.bits = bits
-        self.p = [arb_poly(row) for row in taylor(body, centre, h, bits)]
+        rows = zip(centre, taylor(body, centre, h, bits), strict=True)
+        self.p = [arb_poly([x, *row]) for x, row in rows]  # p(0) is the centre
         rates = body.field(self.p, lambda i, j: self.p[i] * self.p[j])
         defect = [
             (row.derivative() - rate * h).coeffs() for row, rate in zip(self.p, rates, strict=True)
@@ -465,7 +469,7 @@ def transition(entries: Entries, norms: Sequence[arb], fine: int) -> tuple[list[
             for (i, j), x in entries.items():
                 a[k][i, j] = _entry(x, k)
         total = sum((a[j] * v[k - j] for j in range(1, len(a))), a[0] * v[k])
-        v.append((total / arb(k + 1)).mid())
+        v.append(next_of_v(total, k))
         found += rough(total - v[-1] * arb(k + 1)) / (k + 1)
         sizes.append(rough(v[-1]))
         small = small + 1 if sizes[-1] < least else 0
