@@ -1308,6 +1308,9 @@ def in_full(x: Fraction) -> str:
 # Mk N0 N0 ... by a transversal homoclinic one.  The point in N0 tells which set comes next, so the
 # entropy of the flow on the level is at least the x > 0 with exp(-x t_0) + exp(-x t_1) = 1, t_0 an
 # upper bound of the time from N0 to N0, t_1 of that along the loop.
+#
+# By the cones N0 contains one periodic orbit that returns by that map.  A motion that meets the
+# plane in N0, and comes back to the same point after a time within +- d of t, is the one.
 
 MOST_SETS = 500
 MOST_SCALE = 2000  # bits of a chart's numbers
