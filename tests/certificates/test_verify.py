@@ -282,7 +282,7 @@ def faulty(fault, given, patch):
 
         patch.setattr(verify, function, wrong)
     if function == "next_of_v":
-        off = 2**40 if fault == function else 2**20
+        off = 2**40 if fault == function else 2**8
         given["centres"] = [[x + off for x in row] for row in given["centres"]]
     elif fault.startswith("rough"):
         cut = given["state_bits"] - 18

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Sequence
 from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
+import pytest
 
 from polhode import ProvedOrbit
 from polhode.certificates import chaos_certificate, verify
-from polhode.certificates.chaos_certificate import Chain
+from polhode.certificates.chaos_certificate import Chain, Chart, Rectangle
 from polhode.enclosures.fixed_point_problem import motion
+from polhode.numbers.rows import Doubles
 from polhode.proofs.chaos import chain, homoclinic
 from polhode.proofs.chaos.homoclinic import Homoclinic
 from polhode.proofs.chaos.lanes import Lanes
@@ -55,3 +58,96 @@ def example() -> Example:
 def start_of(orbit: ProvedOrbit) -> Sequence[float]:
     """A point of a proved orbit."""
     return [float(x) for x in (*orbit.omega, *orbit.gamma)]
+
+
+# -- points of sets, in double
+
+CORNERS = [(a, b) for a in (-1.0, 0.3, 1.0) for b in (-1.0, -0.4, 1.0)]
+MOMENTS, TORQUE = (np.array([float(x) for x in v]) for v in (proofs.MOMENTS, proofs.TORQUE))
+LEVEL = np.array([2 * float(proofs.H), float(proofs.F), 1.0])
+
+
+def integrals(x: Doubles) -> tuple[Doubles, Doubles]:
+    """The three integrals, and their gradients."""
+    w, g = x[:3], x[3:]
+    values = [(MOMENTS * w * w).sum() + 2 * TORQUE @ g, (MOMENTS * w * g).sum(), g @ g]
+    rows = [
+        [*(2 * MOMENTS * w), *(2 * TORQUE)],
+        [*(MOMENTS * g), *(MOMENTS * w)],
+        [0, 0, 0, *2 * g],
+    ]
+    return np.array(values), np.array(rows)
+
+
+def point_of(what: Rectangle, chart: Chart, xi: float, eta: float) -> tuple[Doubles, Doubles]:
+    """A point of a set in double, its four equations solved by Newton's method; and n."""
+    flat = chart.wide @ [what.middle + xi * what.width, eta * what.height]
+    n = np.zeros(4)
+    for _ in range(5):
+        off = flat + chart.deep @ n
+        values, rows = integrals(chart.centre + off)
+        miss = [*(values - LEVEL), chart.plane @ off]
+        n = n - np.linalg.solve(np.vstack([rows, chart.plane]) @ chart.deep, miss)
+    return chart.centre + flat + chart.deep @ n, n
+
+
+def crossed(chart: Chart, x: Doubles, time: float) -> tuple[Doubles, float]:
+    """Where a motion meets the plane of a chart, in its coordinates, in double; and when."""
+    lanes = guess()[1].lanes
+    for _ in range(5):
+        end = lanes.after(x[:, None], np.array([time]))
+        rate = chart.plane @ lanes.field(end)[:, 0]
+        time -= float(chart.plane @ (end[:, 0] - chart.centre) / rate)
+    frame = np.hstack([chart.wide, chart.deep])
+    return np.linalg.solve(frame, end[:, 0] - chart.centre), time
+
+
+def tilted(late: float) -> tuple[verify.Image, Rectangle, Chart, Chart, float]:
+    """A set whose directions leave the level, its image at a time that is late; as of misses."""
+    what = example()
+    chart = what.chain.charts[0]
+    chart = chart._replace(wide=chart.wide + 0.1 * chart.deep[:, :2])
+    times = [what.chain.times[0] + late, *what.chain.times[1:]]
+    chain = what.chain._replace(charts=[chart, *what.chain.charts[1:]], times=times)
+    image = first_image(chaos_certificate.guesses(chain))
+    return image, what.chain.sets[0], chart, chart, times[0]
+
+
+class Enough(Exception):
+    """The first image is there."""
+
+
+def first_image(made: dict[str, Any]) -> verify.Image:
+    """The image of N0, whatever it covers."""
+    held: list[verify.Image] = []
+
+    def kept(image: verify.Image, *_: object) -> verify.Margins:
+        held.append(image)
+        raise Enough
+
+    with pytest.MonkeyPatch.context() as patch, contextlib.suppress(Enough):
+        patch.setattr(verify, "covers", kept)
+        chaos_certificate.proved(made)
+    return held[0]
+
+
+def misses(image: verify.Image, source: Rectangle, chart: Chart, target: Chart, time: float) -> int:
+    """How many components of points of a set, times and slopes are outside of its image's balls."""
+    places, count = {}, 0
+    unit = 2.0 ** example().proof.home[0].shift  # of the run's time
+    for xi, eta in CORNERS:
+        x, _ = point_of(source, chart, xi, eta)
+        where, when = crossed(target, x, time)
+        places[xi, eta] = where
+        count += not float(image.least) < when * unit < float(image.most)
+        for i in range(6):
+            middle = image.shift[i] + image.columns[0][i] * xi + image.columns[1][i] * eta
+            room = sum(float(v[i].abs_upper()) for v in image.columns[2:]) + float(middle.rad())
+            count += not abs(where[i] - float(middle.mid())) <= room + 2e-14  # the doubles' error
+    begin = places[-1.0, -1.0]
+    for j, (corner, size) in enumerate([((1.0, -1.0), source.width), ((-1.0, 1.0), source.height)]):
+        for i in range(2):
+            slope = (places[corner][i] - begin[i]) / (2 * size)
+            off = abs(slope - float(image.slope[i, j].mid()))
+            count += not off <= float(image.slope[i, j].rad()) + 1e-13 / size
+    return count
