@@ -40,16 +40,16 @@ TWICE = "the period may be 2 times the least one"
 
 @pytest.mark.slow
 def test_the_box_and_not_its_centre_is_followed_to_a_part_of_the_period():
-    assert several(proofs.HYPERBOLIC, 2, Fraction(2, 5)) == TWICE
+    assert several(proofs.HYPERBOLIC, 4, Fraction(3, 10)) == TWICE
     with without(verify, "zero_near", "row[1] for row in stage.at", "row[0] for row in stage.at"):
-        assert several(proofs.HYPERBOLIC, 2, Fraction(2, 5)) == ""
+        assert several(proofs.HYPERBOLIC, 4, Fraction(3, 10)) == ""
 
 
 @pytest.mark.slow
 def test_primes_up_to_the_steepness_times_the_period_are_tried():
-    assert several(proofs.ELLIPTIC, 2) == TWICE
+    assert several(proofs.ELLIPTIC, 3) == "the period may be 3 times the least one"
     with without(verify, "zero_near", "2 * arb.pi()", "8 * arb.pi()"):
-        assert several(proofs.ELLIPTIC, 2) == ""
+        assert several(proofs.ELLIPTIC, 3) == ""
 
 
 # -- chaos ----------------------------------------------------------------------------------------
@@ -143,9 +143,13 @@ TERMS = {
 }
 
 
+FINE = ("the step's noise", "the noise of D")  # hidden by the depth of a set that leaves the level
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", TERMS)
 def test_points_or_slopes_are_outside_without_a_term(name):
-    assert chains.misses(*chains.tilted(2e-3)) == 0
+    by = 0.0 if name in FINE else 0.1
+    assert chains.misses(*chains.tilted(2e-3, by)) == 0
     with without(verify, *TERMS[name]):
-        assert chains.misses(*chains.tilted(2e-3)) > 0
+        assert chains.misses(*chains.tilted(2e-3, by)) > 0

@@ -123,4 +123,5 @@ _SHAPES = ((6, 1), (6, 2), (6, 4), (6, 1), (1, 1))
 
 
 def _nearest(x: float) -> int:
-    return round(Fraction(x) * 2**_SCALE)
+    nearest: int = round(Fraction(x) * 2**_SCALE)
+    return nearest

@@ -89,8 +89,8 @@ def steps(
         longest = growth / steep if steep else _length(body, x, part)
         ticks = max(1, min(int(longest * 2**_FINE), last - abs(grid[-1])))
         h = arb(sense * ticks) * arb(2) ** -_FINE
-        rows = verify.taylor(body, x, h, bits)
-        x = [(y + verify.summed(row)).mid() for y, row in zip(x, rows, strict=True)]
+        series = verify.taylor(body, x, h, bits)
+        x = [(y + verify.summed(row)).mid() for y, row in zip(x, series, strict=True)]
         grid.append(grid[-1] + sense * ticks)
         if len(grid) > verify.MOST_STEPS:
             break  # which the checker refuses
