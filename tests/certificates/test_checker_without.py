@@ -48,7 +48,7 @@ def test_the_box_and_not_its_centre_is_followed_to_a_part_of_the_period():
 @pytest.mark.slow
 def test_primes_up_to_the_steepness_times_the_period_are_tried():
     assert several(proofs.ELLIPTIC, 3) == "the period may be 3 times the least one"
-    with without(verify, "zero_near", "2 * arb.pi()", "8 * arb.pi()"):
+    with without(verify, "zero_near", "2 * arb.pi()", "16 * arb.pi()"):
         assert several(proofs.ELLIPTIC, 3) == ""
 
 
@@ -131,25 +131,27 @@ def test_a_false_statement_is_noticed(name):
         assert not claimed(**changes)
 
 
-#: A function's part that is left out; whether points of a set or differences are then outside.
+#: A function's part that is left out, so that points of a set or differences are outside; how late
+#: the image is, and how far the set leaves the level: each hides the terms of second order.
 TERMS = {
-    "the step's noise": ("Step.noise", "self.growth * (self.delta + self.beta * r * r)", "arb(0)"),
-    "the depth": ("_starts", "*(upper(x - x.mid()) for x in depth)", "*[arb(0)] * 4"),
-    "the middle's depth": ("_starts", "[[x.mid()] for x in depth]", "[[arb(0)] for x in depth]"),
-    "the plane": ("_image", "frame - frame * shadow", "frame"),
-    "the slope of n": ("_image", "chart.wide + chart.deep * slope_of_n", "chart.wide"),
-    "the drift": ("_image", "upper(later * size)", "arb(0)"),
-    "the noise of D": ("Step.noise_of_derivative", "self.rho + self.growth", "self.rho + 0"),
+    "the step's noise": (
+        "Step.noise",
+        "self.growth * (self.delta + self.beta * r * r)",
+        "arb(0)",
+        0,
+        0,
+    ),
+    "the depth": ("_starts", "*(upper(x - x.mid()) for x in depth)", "*[arb(0)] * 4", 0, 0.1),
+    "the plane": ("_image", "frame - frame * shadow", "frame", 2e-3, 0.1),
+    "the slope of n": ("_image", "chart.wide + chart.deep * slope_of_n", "chart.wide", 0, 0.1),
+    "the noise of D": ("Step.noise_of_derivative", "self.rho + self.growth", "self.rho + 0", 0, 0),
 }
-
-
-FINE = ("the step's noise", "the noise of D")  # hidden by the depth of a set that leaves the level
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", TERMS)
 def test_points_or_slopes_are_outside_without_a_term(name):
-    by = 0.0 if name in FINE else 0.1
-    assert chains.misses(*chains.tilted(2e-3, by)) == 0
-    with without(verify, *TERMS[name]):
-        assert chains.misses(*chains.tilted(2e-3, by)) > 0
+    *changed, late, by = TERMS[name]
+    assert chains.misses(*chains.tilted(late, by)) == 0
+    with without(verify, *changed):
+        assert chains.misses(*chains.tilted(late, by)) > 0

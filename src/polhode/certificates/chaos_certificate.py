@@ -13,7 +13,7 @@ import numpy as np
 from flint import arb
 
 from polhode.certificates import grid, verify
-from polhode.certificates.certificate_file import Made
+from polhode.certificates.certificate_file import Made, by_checker
 from polhode.common.progress import Progress
 from polhode.numbers.exact import ONE, Exact
 from polhode.numbers.flint_context import ctx
@@ -81,23 +81,17 @@ def guesses(chain: Chain) -> Made:
 
 def proved(made: Made, progress: Progress | None = None) -> verify.Horseshoe:
     """What the checker proves of guesses; raises its NotProved."""
-    with ctx.workprec(verify.COARSE):  # which the checker changes as it likes
-        try:
-            return verify.horseshoe(made, progress)
-        except (ZeroDivisionError, OverflowError):
-            raise verify.NotProved("a number is too large, or too small") from None
+    return by_checker(verify.horseshoe, made, progress)
 
 
 def passes(found: verify.Horseshoe, start: Sequence[arb], period: arb) -> None:
     """That a periodic motion is the one of the first set; raises the checker's NotProved."""
-    with ctx.workprec(verify.COARSE):
-        verify.is_orbit_of(found, start, period)
+    by_checker(verify.is_orbit_of, found, start, period)
 
 
 def stated(made: Made, statement: Made, found: verify.Horseshoe) -> Made:
     """The certificate with its statement, which the checker compares with what it proved."""
-    with ctx.workprec(verify.COARSE):
-        verify.check_chaos(verify.read_chaos(statement), found)
+    by_checker(verify.check_chaos, verify.read_chaos(statement), found)
     return {**made, "statement": statement}
 
 

@@ -1099,11 +1099,9 @@ def derivative_of_f(
     """DF(Y), and where the motions of Y are when they end; ``w``: W by columns."""
     reached = around(run.body, [row[1] for row in end], 4 * r)
     later = drift(run.body, reached, 4 * r)
-    columns = [largest(column) for column in zip(*(row[2:] for row in end), strict=True)]
     speed, zero = rates(run.body, reached), [arb(0)] * 4
     rows = []
-    for i, row in enumerate(end):
-        d = [y + arb(0, upper(later * size)) for y, size in zip(row[2:], columns, strict=True)]
+    for i, d in enumerate(around_in_time([row[2:] for row in end], later)):
         d[i] = d[i] - 1
         rows.append([*d, speed[i], *(-column[i] for column in w)])
     rows.append([*a, *zero])
@@ -1114,6 +1112,15 @@ def derivative_of_f(
 def drift(body: Body, reached: Sequence[arb], span: arb) -> arb:
     """A bound of |Phi - 1|, Phi the transition matrix of any part of a time within +- span."""
     return upper((span * row_sum(slope(body, reached))).expm1())
+
+
+def around_in_time(rows: Table, later: arb) -> Table:
+    """D at all times near one; ``later``: the drift between them."""
+    sizes = [largest(column) for column in zip(*rows, strict=True)]
+    return [
+        [y + arb(0, upper(later * size)) for y, size in zip(row, sizes, strict=True)]
+        for row in rows
+    ]
 
 
 def _closed(
@@ -1644,14 +1651,7 @@ def _image(
     across, frame = _product(a, f), _frame(target)
     shadow = arb_mat([[x * y / across for y in a] for x in f])
     into = frame - frame * shadow
-    later = drift(body, reached, span)
-    most = [largest(column) for column in zip(*(row[1:] for row in end), strict=True)]
-    d = arb_mat(
-        [
-            [y + arb(0, upper(later * size)) for y, size in zip(row[1:], most, strict=True)]
-            for row in end
-        ]
-    )
+    d = arb_mat(around_in_time([row[1:] for row in end], drift(body, reached, span)))
     slope_of_y = into * d * (chart.wide + chart.deep * slope_of_n)
     return Image(
         (into * arb_mat([[x] for x in off])).entries(),

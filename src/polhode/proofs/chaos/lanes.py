@@ -21,6 +21,7 @@ Whole = npt.NDArray[np.intp]
 
 _DEGREE = 20
 _SHORTER = 0.15  # of the radius of convergence that the last coefficients tell
+_ROUGH, _ROUGHLY = 12, 0.22  # degree and step where guesses are looked for: right to 1e-8
 _LONGEST = 1.0
 _HALVED = 24  # times, of half a step in which a maximum lies
 _BACK = np.array([-1.0, -1.0, -1.0, 1.0, 1.0, 1.0])[:, None]
@@ -100,8 +101,8 @@ class Lanes:
         counts = np.zeros(states.shape[1], dtype=np.intp)
         found: list[tuple[Whole, Whole, Doubles, Doubles]] = []
         while np.any(time < span):
-            series = self.series(now)
-            step = np.minimum(span - time, _step(series))
+            series = self.series(now, _ROUGH)
+            step = np.minimum(span - time, _step(series, _ROUGHLY))
             begin = self._rise(now)
             for part in (0.5, 1.0):
                 end = self._rise(_value(series, part * step))
@@ -148,13 +149,13 @@ def backward(states: Doubles) -> Doubles:
     return np.asarray(states * _BACK)
 
 
-def _step(series: Doubles) -> Doubles:
-    """Lengths of steps whose error is that of doubles."""
+def _step(series: Doubles, part: float = _SHORTER) -> Doubles:
+    """Lengths of steps, a part of the radius of convergence."""
     last = np.maximum(np.max(np.abs(series[-1]), axis=0), 1e-300)
     before = np.maximum(np.max(np.abs(series[-2]), axis=0), 1e-300)
     degree = series.shape[0] - 1
     radius = np.minimum(last ** (-1.0 / degree), before ** (-1.0 / (degree - 1)))
-    return np.asarray(np.minimum(_LONGEST, _SHORTER * radius))
+    return np.asarray(np.minimum(_LONGEST, part * radius))
 
 
 def _value(series: Doubles, step: Doubles) -> Doubles:
