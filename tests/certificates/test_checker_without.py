@@ -117,8 +117,8 @@ CLAIMS = {
     "entropy": ("sum_of_both > 1", "sum_of_both > 0", {"entropy": "0.029"}),
     "the short loop": ("(-x * found.short).exp()", "1", {"entropy": "0.04"}),
     "the long loop": ("(-x * found.long).exp()", "1", {"entropy": "0.04"}),
-    "short": ('(found.short, claim.short, "the', '(arb(0), claim.short, "the', {"short": "4.26"}),
-    "long": ('(found.long, claim.long, "the', '(arb(0), claim.long, "the', {"long": "77.6"}),
+    "short": ("found.short <= ball", "arb(0) <= ball", {"short": "4.26"}),
+    "long": ("found.long <= ball", "arb(0) <= ball", {"long": "77.6"}),
 }
 
 

@@ -109,13 +109,9 @@ def _integers(chart: Chart) -> Made:
     """A chart's numbers as the checker reads them, in rows."""
     return {
         name: [[_nearest(x) for x in row] for row in np.reshape(value, shape).tolist()]
-        for (name, value), shape in zip(chart._asdict().items(), _SHAPES, strict=True)
+        for (name, shape), value in zip(verify.CHART.items(), chart, strict=True)
     }
 
 
-_SHAPES = ((6, 1), (6, 2), (6, 4), (6, 1), (1, 1))
-
-
 def _nearest(x: float) -> int:
-    nearest: int = round(Fraction(x) * 2**_SCALE)
-    return nearest
+    return int(x * 2.0**_SCALE)  # exact, but for what is below 2^-scale

@@ -6,7 +6,6 @@ turns the time round.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -163,8 +162,3 @@ def _value(series: Doubles, step: Doubles) -> Doubles:
     for row in series[-2::-1]:
         found = found * step + row
     return np.asarray(found)
-
-
-def periods_of(multiplier: float, size: float) -> float:
-    """In how many periods a deviation grows to 1."""
-    return math.log(1.0 / size) / math.log(abs(multiplier))

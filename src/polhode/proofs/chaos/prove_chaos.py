@@ -8,7 +8,6 @@ import time
 from pathlib import Path
 
 import numpy as np
-from flint import arb
 
 from polhode.certificates import chaos_certificate, verify
 from polhode.certificates.certificate_file import Made
@@ -19,7 +18,7 @@ from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.dynamics.periodic_orbits.orbit import Orbit
 from polhode.dynamics.periodic_orbits.search import orbit_search
 from polhode.dynamics.sections.starts import MAXIMA, asked_of
-from polhode.enclosures.fixed_point_problem import Motion, motion, unit_for
+from polhode.enclosures.fixed_point_problem import Motion, motion, unit_for, upper
 from polhode.equations.section_functions import MOMENTUM
 from polhode.numbers.conversion import to_double
 from polhode.numbers.flint_context import ctx
@@ -188,7 +187,7 @@ class _Search:
             start = [as_arb(x) for x in (*orbit.omega, *orbit.gamma)]
             period = as_arb(orbit.period)
         chaos_certificate.passes(proof, start, period)
-        short, long = _above(proof.short), _above(proof.long)
+        short, long = upper(proof.short), upper(proof.long)
         entropy = _least_entropy(short, long)
         statement: Made = {"entropy": down(entropy), "short": up(short), "long": up(long)}
         made = chaos_certificate.stated(made, statement, proof)
@@ -217,10 +216,6 @@ class _Search:
     def _say(self, text: str) -> None:
         if self.progress is not None:
             self.progress(text)
-
-
-def _above(x: arb) -> float:
-    return float(x.upper()) * (1.0 + 1e-12)
 
 
 def _least_entropy(short: float, long: float) -> float:
