@@ -15,8 +15,8 @@ from polhode.proofs.chaos.homoclinic import Homoclinic, Saddle
 from polhode.proofs.chaos.lanes import Lanes
 
 ETA = 1e-4
-_WIDER, _HIGHER = 0.7, 1.6  # of the image: a next set's width, its height
-_LEAST_HEIGHT = 0.7  # of N0's: far above what the checker leaves open, which is of second order
+_WIDER, _HIGHER = 0.7, 1.5  # of the image: a next set's width, its height
+_LEAST_HEIGHT = 0.25  # of N0's: far above what the checker leaves open, which is of second order
 
 
 def along(
