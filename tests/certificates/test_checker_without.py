@@ -3,6 +3,8 @@
 What cannot be noticed so, and why: the sign of a grid of an orbit (a period below 0 is no longer
 than its box, either), and the steepness near the period's end (it is that of the start, but for
 what the box moves, so only a product of period and steepness within the box of a prime tells).
+Noise of a step and of D are those of states and orbits: ``test_verify``, ``test_orbit_certificate``;
+the inequalities of a covering are in ``test_chaos_certificate``.
 """
 
 from __future__ import annotations
@@ -134,17 +136,9 @@ def test_a_false_statement_is_noticed(name):
 #: A function's part that is left out, so that points of a set or differences are outside; how late
 #: the image is, and how far the set leaves the level: each hides the terms of second order.
 TERMS = {
-    "the step's noise": (
-        "Step.noise",
-        "self.growth * (self.delta + self.beta * r * r)",
-        "arb(0)",
-        0,
-        0,
-    ),
     "the depth": ("_starts", "*(upper(x - x.mid()) for x in depth)", "*[arb(0)] * 4", 0, 0.1),
     "the plane": ("_image", "frame - frame * shadow", "frame", 2e-3, 0.1),
     "the slope of n": ("_image", "chart.wide + chart.deep * slope_of_n", "chart.wide", 0, 0.1),
-    "the noise of D": ("Step.noise_of_derivative", "self.rho + self.growth", "self.rho + 0", 0, 0),
 }
 
 

@@ -14,7 +14,7 @@ import polhode
 from polhode.certificates import grid, orbit_certificate, verify
 from polhode.certificates.orbit_certificate import Choice, Problem
 from polhode.cli import main
-from shared.mutation import altered
+from shared.mutation import altered, without
 
 BODY = {"moments": [2, "3/2", 1], "centre": ["3/10", "1/5", "1/2"], "weight": 1}
 LEVEL = {"h": "261/200", "f": "31/25"}
@@ -317,6 +317,9 @@ def test_dependent_gradients_are_refused(small, monkeypatch):
     small_r = 2.0 ** -small["radius_bits"] * 4
     monkeypatch.setattr(verify, "gradients", dependent)
     assert "may be dependent" in told(small)
+    hull = "4 * r * summed(upper(column[i]) for column in w)"
+    with without(verify, "_closed", hull, "arb(0)"):
+        assert told(small).startswith("proved")
 
 
 @pytest.fixture
