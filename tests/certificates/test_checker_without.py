@@ -3,8 +3,8 @@
 What cannot be noticed so, and why: the sign of a grid of an orbit (a period below 0 is no longer
 than its box, either), and the steepness near the period's end (it is that of the start, but for
 what the box moves, so only a product of period and steepness within the box of a prime tells).
-Noise of a step and of D are those of states and orbits: ``test_verify``, ``test_orbit_certificate``;
-the inequalities of a covering are in ``test_chaos_certificate``.
+Noise of a step and of D are those of states and orbits: see ``test_verify`` and
+``test_orbit_certificate``; the inequalities of a covering are in ``test_chaos_certificate``.
 """
 
 from __future__ import annotations
