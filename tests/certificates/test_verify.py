@@ -363,6 +363,16 @@ def test_what_v_misses_is_bounded_beyond_its_last_coefficient_too(monkeypatch):
     assert missed <= told < 6 * missed
 
 
+def test_what_v_misses_is_bounded_where_a_begins_late():
+    """A = tau^2 in one entry: V = 1 to the degree that is tried, and misses int tau^2."""
+    with ctx.workprec(64):
+        entries = {(0, 0): [arb(0), arb(0), arb(1)]}
+        v, missed = verify.transition(entries, verify.norms_of(entries), verify.SETS)
+        assert all(x == arb_mat(6, 6) for x in v[1:])
+        assert 1 / arb(3) <= missed * (1 + arb("1e-15"))
+        assert missed < arb("0.34")
+
+
 def test_a_turn_about_the_diagonal_reaches_the_bound_of_what_w_misses():
     """w is r in each component where y is 0: by the angle h r sqrt(3), u = 1 is left the most."""
     h, r = 0.125, 1e-3
