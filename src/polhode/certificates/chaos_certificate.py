@@ -109,7 +109,7 @@ def _integers(chart: Chart) -> Made:
     """A chart's numbers as the checker reads them, in rows."""
     return {
         name: [[_nearest(x) for x in row] for row in np.reshape(value, shape).tolist()]
-        for (name, shape), value in zip(verify.CHART.items(), chart, strict=True)
+        for (name, value), shape in zip(chart._asdict().items(), verify.CHART.values(), strict=True)
     }
 
 
