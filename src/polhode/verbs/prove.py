@@ -137,14 +137,15 @@ def _chaos(options: Namespace, scene: Scene) -> int:
         except NotProved as why:
             progress.clear()
             return _refused(why)
-        if options.file is not None:
-            found.save(options.file, progress.show)
     return _told(options, found)
 
 
 def _told(options: Namespace, found: ProvedChaos) -> int:
+    from polhode.certificates.verdict import trusted_base
     from polhode.output import proofs as output
 
+    if options.file is not None:
+        found.save(options.file)
     alone = options.file is not None and is_stdout(Path(options.file))
     tell = note if alone else say  # a certificate on stdout stands there alone
     if options.json:
@@ -156,6 +157,7 @@ def _told(options: Namespace, found: ProvedChaos) -> int:
     if options.file is not None:
         tell_certificate(found.scene.name, options.file)
     note(f"{found.scene.name}: proved at try {found.tries}, {found.seconds:.2f} s")
+    note(trusted_base())
     return DONE
 
 
