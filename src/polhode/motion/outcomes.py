@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from fractions import Fraction
@@ -14,7 +14,11 @@ from polhode.common.result import Result
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue, may_wait
 from polhode.numbers.decimals import decimal_string, digits_of, in_full
+from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import States
+from polhode.results.table import Column, Table
+from polhode.scenes.scene import Scene
+from polhode.scenes.scene_facts import row_columns, text_column, time_column
 
 if TYPE_CHECKING:
     import numpy as np
@@ -209,6 +213,34 @@ class Events(tuple[EventTimes, ...]):
             if event.name == which:
                 return event
         raise KeyError(f"{which}: expected {nearest(which, [event.name for event in self])}")
+
+    def table(self, scene: Scene, number: NumberType) -> Table:
+        """A row an event, of a run of this scene in numbers of a type."""
+        import numpy as np
+
+        rows = [(event, k) for event in self for k in range(len(event.times))]
+        states = [event.states[k] for event, k in rows]
+        times = [event.times[k] for event, k in rows]
+        columns = [
+            text_column("event", [event.name for event, _ in rows]),
+            Column("count", np.array([k + 1 for _, k in rows], dtype=np.int64), "of those before"),
+            time_column(scene, times, number),
+            Column("sign", np.array([event.signs[k] for event, k in rows], dtype=np.int64), _SIGN),
+            Column("uncertainty", _doubles([event.uncertainty[k] for event, k in rows]), _UNSURE),
+            Column("depth", _doubles([event.depths[k] for event, k in rows]), _DEPTH),
+        ]
+        return Table([*columns, *row_columns(scene, scene.columns, states, number)], 2)
+
+
+_SIGN = "1 rising, -1 falling, 0 a contact"
+_UNSURE = "how far rounding can move the time"
+_DEPTH = "how far the expression goes beyond zero beside it; at a contact, how far from zero it is"
+
+
+def _doubles(values: Sequence[float]) -> npt.NDArray[np.float64]:
+    import numpy as np
+
+    return np.array(values, dtype=np.float64)
 
 
 NO_EVENTS = Events()

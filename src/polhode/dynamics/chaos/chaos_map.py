@@ -28,7 +28,6 @@ from polhode.common.errors import BadInput
 from polhode.common.jobs import carried_out
 from polhode.common.memory import refuse_too_much
 from polhode.common.progress import Progress
-from polhode.common.result import Result
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.chaos import map_motions
@@ -38,9 +37,12 @@ from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles, Integers
 from polhode.numbers.scalars import AnyNumber
+from polhode.results.result import Result
+from polhode.results.table import Column, Fact, Table
 from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
+from polhode.scenes.scene_facts import provenance_fact, scene_facts, text_column, unit_of
 from polhode.scenes.variation import vary
 
 END = 1000  # units of the inner time
@@ -113,6 +115,43 @@ class ChaosMap(Result, ByValue):
         """The verdicts' names: unstable for chaotic on a level of a body that is integrable."""
         known = self.h is not None and is_integrable(self.scene.body)
         return (*VERDICTS[:2], UNSTABLE) if known else VERDICTS
+
+    def table(self) -> Table:
+        """A row a motion: where it starts, its verdict, and what that rests on."""
+        import numpy as np
+
+        return Table(
+            [
+                Column("motion", np.arange(1, len(self.verdict) + 1)),
+                *(Column(key, self.at[:, k]) for k, key in enumerate(self.keys)),
+                Column("cell", self.cell, "its cell of the grid, row by row from 0"),
+                text_column("verdict", [self.words[k] for k in self.verdict.tolist()]),
+                Column("fli", self.fli, "largest logarithm of the tangent", digits=4),
+                Column("megno", self.megno, "mean exponential growth of nearby orbits", digits=4),
+                Column("growth", self.growth, "of the logarithm, in the second half", digits=4),
+                Column("exponent", self.exponent, "of Lyapunov", self._per_time, digits=4),
+                Column("until", self.until, "how far it was followed", unit_of(self.scene, "t")),
+            ]
+        )
+
+    @property
+    def _per_time(self) -> str:
+        return f"1/{unit_of(self.scene, 't')}"
+
+    def facts(self) -> list[Fact]:
+        """The level or the family, the grid, and how many motions have each verdict."""
+        return [
+            *scene_facts(self.scene),
+            Fact("h", self.h, "energy"),
+            Fact("f", self.f, "vertical momentum"),
+            Fact("keys", list(self.keys), "the coordinates of a motion"),
+            Fact("grid", list(self.shape), "rows and columns of cells"),
+            Fact("end", self.end, "how far motions are followed", unit_of(self.scene, "t")),
+            Fact("least_end", self.enough, "the least end at which one is called regular"),
+            Fact("counts", self.counts, "motions of each verdict"),
+            Fact("complete", not self.interrupted, "whether all motions were followed"),
+            provenance_fact(self.provenance),
+        ]
 
 
 def chaos_map(

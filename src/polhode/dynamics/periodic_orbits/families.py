@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -12,7 +12,6 @@ import numpy as np
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput, nearest
 from polhode.common.progress import Message
-from polhode.common.result import Result
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.periodic_orbits.continuation import (
@@ -29,9 +28,21 @@ from polhode.dynamics.periodic_orbits.orbit import DIGITS, Orbit, completed, kin
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
+from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.scalars import AnyNumber
+from polhode.results.cells import INTEGER
+from polhode.results.result import Result
+from polhode.results.table import Column, Fact, Table
 from polhode.scenes.given_numbers import AREA, ENERGY, reader
 from polhode.scenes.scene import Scene
+from polhode.scenes.scene_facts import (
+    provenance_fact,
+    row_columns,
+    scene_facts,
+    text_column,
+    unit_of,
+)
+from polhode.scenes.vocabulary import STATE
 
 POINTS = 200
 LOST = "not followed beyond"
@@ -55,6 +66,22 @@ class FamilyPoint(NamedTuple):
     def kind(self) -> str:
         """elliptic, hyperbolic, inverse hyperbolic or parabolic."""
         return kind_of(self.residue, _KNOWN)
+
+
+def points_table(scene: Scene, points: Sequence[FamilyPoint]) -> Table:
+    """A row an orbit."""
+    states = [point.state for point in points]
+    return Table(
+        [
+            Column("orbit", [*range(1, len(points) + 1)], type=INTEGER),
+            Column("h", [x.h for x in points], "energy"),
+            Column("f", [x.f for x in points], "vertical momentum"),
+            Column("period", [x.period for x in points], "", unit_of(scene, "t"), digits=12),
+            Column("residue", [x.residue for x in points], "Greene's"),
+            text_column("kind", [x.kind for x in points], "of its stability"),
+            *row_columns(scene, STATE, states, DOUBLE),
+        ]
+    )
 
 
 class Bifurcation(NamedTuple):
@@ -98,6 +125,29 @@ class OrbitFamily(Result, ByValue):
         n = len(self.points)
         orbits = counted(n, "orbit")
         return f"<OrbitFamily of {self.scene.name}: {orbits} along {self.by}, {self.ended}>"
+
+    def table(self) -> Table:
+        """A row an orbit, from the first on."""
+        return points_table(self.scene, self.points)
+
+    def facts(self) -> list[Fact]:
+        """What varies, why the family ends, and its bifurcations."""
+        passed = points_table(self.scene, [x.point for x in self.bifurcations])
+        bifurcations = [
+            text_column("what", [x.what for x in self.bifurcations]),
+            Column("after", [x.after for x in self.bifurcations], "orbits before", type=INTEGER),
+            *passed.columns[1:],
+        ]
+        return [
+            *scene_facts(self.scene),
+            Fact("by", self.by, "what varies"),
+            Fact("h", self.surface.h, "energy of the first orbit"),
+            Fact("f", self.surface.f, "vertical momentum of the first orbit"),
+            Fact("ended", self.ended, "why the family ends there"),
+            Fact("complete", self.complete, "whether followed as far as asked"),
+            Fact("bifurcations", Table(bifurcations, 0)),
+            provenance_fact(self.provenance),
+        ]
 
     @property
     def complete(self) -> bool:

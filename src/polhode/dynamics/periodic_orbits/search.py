@@ -16,10 +16,9 @@ import numpy as np
 
 from polhode.common.arguments import cells, whole
 from polhode.common.progress import Message
-from polhode.common.result import Result
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
-from polhode.dynamics.periodic_orbits.families import FamilyPoint, point_of
+from polhode.dynamics.periodic_orbits.families import FamilyPoint, point_of, points_table
 from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.dynamics.periodic_orbits.newton_shooting import Closed, NotClosed, at_level, closed
 from polhode.dynamics.periodic_orbits.orbit import (
@@ -37,8 +36,11 @@ from polhode.equations.section_functions import MOMENTUM
 from polhode.numbers.conversion import exactly
 from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import AnyNumber
+from polhode.results.result import Result
+from polhode.results.table import Fact, Table
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.scenes.scene_facts import provenance_fact, scene_facts
 from polhode.taylor.variations.flow_map import NotFollowed
 
 GRID = (20, 20)
@@ -85,6 +87,21 @@ class OrbitSearch(Result, ByValue):
         orbits = counted(len(self.orbits), "orbit")
         guesses = f"{self.guesses} guess" + "es" * (self.guesses != 1)
         return f"<OrbitSearch of {self.scene.name}: {orbits} from {guesses}>"
+
+    def table(self) -> Table:
+        """A row an orbit, by increasing period."""
+        return points_table(self.scene, self.orbits)
+
+    def facts(self) -> list[Fact]:
+        """The level, and how many guesses were tried."""
+        return [
+            *scene_facts(self.scene),
+            Fact("h", self.surface.h, "energy"),
+            Fact("f", self.surface.f, "vertical momentum"),
+            Fact("guesses", self.guesses, "that were tried"),
+            Fact("complete", not self.interrupted, "whether all guesses were tried"),
+            provenance_fact(self.provenance),
+        ]
 
     def orbit(self, k: int, digits: int = DIGITS) -> Orbit:
         """The k-th orbit to so many digits."""

@@ -17,7 +17,6 @@ from polhode.common.errors import BadInput
 from polhode.common.jobs import carried_out
 from polhode.common.memory import refuse_too_much
 from polhode.common.progress import Progress
-from polhode.common.result import Result
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.sections import crossing_accuracy
@@ -26,16 +25,28 @@ from polhode.dynamics.sections.starts import MAXIMA, Asked, asked_of, starts_of
 from polhode.equations.section_functions import HEIGHT, MOMENTUM, SectionZero
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
+from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles, Integers
 from polhode.numbers.scalars import AnyNumber, AnyVector
+from polhode.results.result import Result
+from polhode.results.table import Column, Fact, Table
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.scenes.scene_facts import (
+    provenance_fact,
+    row_columns,
+    scene_facts,
+    text_column,
+    time_column,
+)
+from polhode.scenes.vocabulary import STATE
 
 if TYPE_CHECKING:
     from polhode.dynamics.sections.coordinates import Ground
     from polhode.taylor.events.batch_search import Crossed
 
 MOST_CROSSINGS = 1_000_000
+_RATIO = "cosine of the angle between r0 and the angular momentum"
 _BYTES = 400  # of a crossing, while it is found and put in order
 
 
@@ -114,6 +125,53 @@ class Section(Result, ByValue):
     def complete(self) -> bool:
         """Whether every orbit made all its crossings."""
         return not self.interrupted and bool((self.counts == self.times.shape[1]).all())
+
+    def table(self) -> Table:
+        """A row a crossing: its orbit, time, coordinates, and state."""
+        import numpy as np
+
+        there = np.arange(self.times.shape[1]) < self.counts[:, None]
+        orbit, crossing = np.nonzero(there)
+        columns = [
+            Column("orbit", orbit + 1),
+            Column("crossing", crossing + 1, "number of the crossing of its orbit"),
+            time_column(self.scene, (self.times + self.rests)[there], DOUBLE, digits=15),
+            Column("l", self.l[there], "Andoyer's angle about r0", "rad", digits=15),
+            Column("L_over_G", self.ratio[there], _RATIO, digits=15),
+        ]
+        if "digits" in vars(self):  # they take as long as the section itself
+            digits = self.digits[there]
+            columns.append(Column("digits_expected", digits, "correct digits", digits=3))
+        states = self.states[there]
+        return Table([*columns, *row_columns(self.scene, STATE, states, DOUBLE, digits=0)], 2)
+
+    def facts(self) -> list[Fact]:
+        """The level, the section, and of each orbit its start and its end."""
+        import numpy as np
+
+        first, second = ("azimuth", "cosine") if self.by == "height" else ("l", "L_over_G")
+        starts = [f"start_{name}" for name in (first, second, *STATE)]
+        values = np.concatenate([self.starts, self.start_states], axis=1)
+        orbits = [
+            Column("orbit", np.arange(1, len(self.counts) + 1)),
+            *(Column(name, values[:, k]) for k, name in enumerate(starts)),
+            Column("crossings", self.counts),
+            text_column("outcome", self.outcomes),
+        ]
+        if "digits" in vars(self):
+            meaning = "first crossing without a digit, 0 for none"
+            orbits.append(Column("none_left_from", self.none_left_from, meaning))
+        return [
+            *scene_facts(self.scene),
+            Fact("h", self.h, "energy"),
+            Fact("f", self.f, "vertical momentum"),
+            Fact("by", self.by, "what makes the section"),
+            Fact("extremum", self.extremum),
+            Fact("drift", self.drift, "largest residual of h, f and |gamma|^2, relative"),
+            Fact("complete", self.complete, "whether every orbit made all its crossings"),
+            Fact("orbits", Table(orbits)),
+            provenance_fact(self.provenance),
+        ]
 
 
 def section(

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue
 from polhode.motion.outcomes import OUTCOMES, Outcome
+from polhode.results.result import Result
 
 if TYPE_CHECKING:
     import numpy as np

@@ -1,0 +1,120 @@
+"""What results tell of their scene, and its columns: times, states, outputs, what is varied."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from polhode.numbers.exact_sequences import Floats
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.rows import Doubles, Given, Indices
+from polhode.results.cells import EXACT, TEXT, bits_word
+from polhode.results.table import Column, Fact, Values
+from polhode.scenes.output_times import OutputTimes
+from polhode.scenes.scene import Scene
+from polhode.scenes.scene_text import as_toml
+from polhode.scenes.variation.vary import Grid
+from polhode.scenes.vocabulary import ANGLES, ATTITUDE, SPACE, STATE
+
+if TYPE_CHECKING:
+    from polhode.numbers.rows import Stack
+
+RATES, GAMMA = STATE[:3], STATE[3:]
+_AXES = ("first", "second", "third")
+_MEANINGS = {
+    **{
+        name: f"angular velocity along the {axis} body axis"
+        for name, axis in zip(RATES, _AXES, strict=True)
+    },
+    **{
+        name: f"the upward vertical along the {axis} body axis"
+        for name, axis in zip(GAMMA, _AXES, strict=True)
+    },
+    **dict(zip(ANGLES, ("precession", "nutation", "proper rotation"), strict=True)),
+    **{name: f"quaternion body to space, element {k}" for k, name in enumerate(ATTITUDE)},
+    **{name: f"angular velocity along {name[-1]} of space" for name in SPACE},
+}
+
+
+def scene_facts(
+    scene: Scene, *, name: str = "", times: Sequence[Fraction] | None = None
+) -> list[Fact]:
+    """The first facts of every result: the scene's name and text.
+
+    ``times``: of the column t; the text leaves out an array of the same times.
+    """
+    asked = scene.output_times.numbers
+    in_column = times is not None and isinstance(asked, Floats) and OutputTimes(asked) == times
+    text = as_toml(scene.at(()) if in_column else scene)
+    return [
+        Fact("scene", name or scene.name, "the scene's name"),
+        Fact("scene_text", text, "the scene as the text of a file"),
+    ]
+
+
+def provenance_fact(provenance: Mapping[str, object]) -> Fact:
+    """The last fact of every result: versions, processor, the scene's fingerprint; no durations."""
+    kept = {key: value for key, value in provenance.items() if key != "seconds"}
+    return Fact("provenance", kept, "versions, processor, fingerprint of the scene")
+
+
+def unit_of(scene: Scene, name: str) -> str:
+    """The unit of a column of a state or an output, or of t."""
+    time = "s" if scene.units == "SI" else "time"
+    if name == "t":
+        return time
+    if name in ANGLES:
+        return "rad"
+    return f"rad/{time}" if name in (*RATES, *SPACE) else ""
+
+
+def time_column(
+    scene: Scene, times: Sequence[Fraction] | Doubles, number: NumberType, *, digits: int = 6
+) -> Column:
+    """Times of a type: doubles as they are, wider ones with every digit."""
+    values: Values = times
+    if number.bits == 53 and not hasattr(times, "dtype"):
+        held = times if isinstance(times, OutputTimes) else OutputTimes(tuple(times))
+        values = held.doubles()
+    kind = bits_word(number) if number.bits == 53 else EXACT
+    return Column("t", values, "time", unit_of(scene, "t"), kind, digits)
+
+
+def row_columns(
+    scene: Scene, names: Sequence[str], rows: Given | Stack, number: NumberType, *, digits: int = 6
+) -> list[Column]:
+    """Columns of rows of one type, which may have gaps."""
+    word = bits_word(number)
+    return [
+        Column(name, _column(rows, k), _MEANINGS.get(name, ""), unit_of(scene, name), word, digits)
+        for k, name in enumerate(names)
+    ]
+
+
+def _column(rows: Given | Stack, k: int) -> Values:
+    import numpy as np
+
+    return rows[:, k] if isinstance(rows, np.ndarray) else [row[k] for row in rows]
+
+
+def varied_columns(varied: Grid, member: Indices) -> list[Column]:
+    """What is varied, a column a key: exact numbers, or those of arrays; of these members."""
+    columns = []
+    for key, values, repeat in zip(
+        varied.keys, varied.rows.columns, varied.rows.repeats, strict=True
+    ):
+        place = member // repeat % max(1, len(values))
+        held: Values
+        if isinstance(values, Floats):
+            held = values.values[place]
+        else:
+            known = [*values]
+            held = [known[k] for k in place.tolist()]
+        columns.append(Column(key, held, "varied", type="" if len(member) else EXACT))
+    return columns
+
+
+def text_column(name: str, values: Sequence[str], meaning: str = "") -> Column:
+    """Texts, of which there may be none."""
+    return Column(name, values, meaning, type=TEXT)
