@@ -13,7 +13,7 @@ import pytest
 import polhode
 from polhode.enclosures import fixed_point_problem, integral_contraction, proof_loop
 from polhode.enclosures.fixed_point_problem import Refused
-from polhode.enclosures.result import guaranteed
+from polhode.numbers.balls import guaranteed
 from polhode.numbers.conversion import exact_number, exactly
 from polhode.numbers.exact import Irrational
 from polhode.scenes.body import Body

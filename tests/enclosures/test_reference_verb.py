@@ -11,7 +11,7 @@ import pytest
 
 import polhode
 from polhode import cli
-from polhode.enclosures.result import rounded_up
+from polhode.numbers.balls import rounded_up
 from polhode.numbers.conversion import exactly
 
 CASE = "kovalevskaya/generic"

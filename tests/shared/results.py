@@ -5,9 +5,11 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable
 from dataclasses import replace
+from fractions import Fraction
 
 import polhode
 from polhode.common.result import Result
+from polhode.judging.convergence_order import ObservedOrder
 
 TOP = "lagrange/nutation"
 
@@ -38,9 +40,13 @@ MAKERS: dict[str, Callable[[], Result]] = {
     "ChaosMap": lambda: polhode.chaos_map(TOP, grid=(3, 3), end=20),
     "Levels": lambda: polhode.levels("general/asymmetric-chaotic"),
     "Frequencies": lambda: polhode.frequencies(TOP, of=["gamma3"], end=100),
+    "OrbitSearch": lambda: polhode.orbit_search("general/asymmetric-regular", (4, 4), crossings=1),
     "Orbit": lambda: polhode.orbit("grioli/precession", digits=20),
     "ProvedOrbit": lambda: polhode.prove_orbit("grioli/precession"),
     "Lyapunov": lambda: polhode.lyapunov("euler/largest-axis", 200),
+    "ObservedOrder": lambda: ObservedOrder(
+        (4.0, 2.0, 1.0), (Fraction(1, 3), Fraction(2)), ((4.0, 3.0), (5.2, 4.1), (6.4, 5.2)), 12.0
+    ),
     "OrbitFamily": lambda: polhode.orbit_family("grioli/precession", "h", "0.752"),
 }
 #: Whose JSON is its certificate.

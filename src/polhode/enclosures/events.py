@@ -15,7 +15,6 @@ from polhode.common.arguments import each, steps, whole
 from polhode.common.deadline import Deadline
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
-from polhode.common.result import Result
 from polhode.enclosures import fixed_point_problem, integral_contraction, proof_loop
 from polhode.enclosures._zeros.certified_zeros import Search
 from polhode.enclosures._zeros.zero_at_start import first_derivative, is_still
@@ -39,11 +38,15 @@ from polhode.enclosures.fixed_point_problem import (
 )
 from polhode.enclosures.polynomial import Polynomial, constant, midpoint, rate, total, variable
 from polhode.numbers import expression
+from polhode.numbers.balls import Ball
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.scalars import AnyNumber, AnyVector
+from polhode.results.cells import EXACT, INTEGER
+from polhode.results.result import Result
+from polhode.results.table import Column, Fact, Table
 from polhode.scenes import start_box
 from polhode.scenes.event import Event
 from polhode.scenes.given_numbers import TIME, reader
@@ -92,6 +95,32 @@ class CertifiedEvents(Result):
     def proven(self) -> bool:
         """Whether there are these events and no others."""
         return not self.undecided
+
+    def table(self) -> Table:
+        """A row an event: its time and the state then, as balls, and the slope of the event."""
+        width = len(self.times[0].state) if self.times else 0
+        states = (
+            Column(name, [Ball(x.state[k], x.radii[k]) for x in self.times], type=EXACT)
+            for k, name in enumerate(STATE[:width])
+        )
+        return Table(
+            [
+                Column("event", [*range(1, len(self.times) + 1)], type=INTEGER),
+                Column("t", [Ball(x.time, x.radius) for x in self.times], "time", type=EXACT),
+                Column("slope", [x.slope for x in self.times], "its sign", type=INTEGER),
+                *states,
+            ]
+        )
+
+    def facts(self) -> list[Fact]:
+        """Which event, whether there are no others, and where that is not decided."""
+        first, last = [[pair[k] for pair in self.undecided] for k in range(2)]
+        undecided = [Column("first", first), Column("last", last)]
+        return [
+            Fact("event", self.name),
+            Fact("proven", self.proven, "whether there are these events and no others"),
+            Fact("undecided", Table(undecided, 0), "intervals of time"),
+        ]
 
     def __repr__(self) -> str:
         others = f"{len(self.undecided)} undecided" if self.undecided else "no others"

@@ -172,7 +172,7 @@ def of_enclosure(found: Enclosure) -> JsonObject:
     ``states``: decimals to which every number of the ball rounds; ``midpoints`` and ``radii``: the
     balls; ``error``: at each time the proven error of w over the largest |w|, or of gamma.
     """
-    from polhode.enclosures.result import rounded_up
+    from polhode.numbers.balls import rounded_up
 
     scene = found.scene
     number = NumberType("mp", found.noise + 64)
@@ -222,7 +222,7 @@ def of_enclosure(found: Enclosure) -> JsonObject:
 def of_certified_events(found: CertifiedEvents) -> JsonObject:
     """Proven events: decimals to which every number of a time's ball rounds, radii, slopes, and
     the states then as midpoints and radii."""
-    from polhode.enclosures.result import decimal_ball, guaranteed, rounded_up
+    from polhode.numbers.balls import decimal_ball, guaranteed, rounded_up
 
     balls = [list(map(decimal_ball, t.state, t.radii)) for t in found.times]
     return {

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 from polhode.numbers.decimals import brief, shown
 
 if TYPE_CHECKING:
+    from polhode.numbers.balls import Ball
     from polhode.proofs.chaos.proved_chaos import ProvedChaos
-    from polhode.proofs.proved_orbit import Ball, ProvedOrbit
+    from polhode.proofs.proved_orbit import ProvedOrbit
     from polhode.proofs.refusals import NotProved
 
 

@@ -12,35 +12,21 @@ from flint import arb
 
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
-from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue
 from polhode.enclosures.fixed_point_problem import upper
 from polhode.enclosures.polynomial import midpoint
-from polhode.enclosures.result import decimal_ball, guaranteed
-from polhode.numbers.conversion import to_double
+from polhode.numbers.balls import Ball
 from polhode.numbers.decimals import brief, shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.flint_context import ctx
+from polhode.numbers.number_types import DOUBLE
 from polhode.proofs.periodic_orbit import ELLIPTIC, HYPERBOLIC
+from polhode.results.cells import EXACT
+from polhode.results.result import Result
+from polhode.results.table import Column, Fact, Table
 from polhode.scenes.scene import Scene
-
-
-class Ball(NamedTuple):
-    """All numbers within ``radius`` of ``centre``; as text the digits that are proven."""
-
-    centre: Fraction
-    radius: float
-
-    def __str__(self) -> str:
-        return guaranteed(self.centre, self.radius) if self.radius else str(self.centre)
-
-    def __float__(self) -> float:
-        return to_double(self.centre)
-
-    @property
-    def decimals(self) -> tuple[str, str]:
-        """A decimal midpoint and radius of a ball that holds this one."""
-        return decimal_ball(self.centre, self.radius) if self.radius else (str(self.centre), "0")
+from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, unit_of
+from polhode.scenes.vocabulary import STATE
 
 
 class Within(NamedTuple):
@@ -103,6 +89,45 @@ class ProvedOrbit(Result, ByValue):
             root = square.sqrt()
             first = half + root if self.kind == HYPERBOLIC else half - root
             return (ball_of(first), zero), (ball_of(1 / first), zero)
+
+    def table(self) -> Table:
+        """One row: period, residue and a point of the orbit, as balls."""
+        state = [*self.omega, *self.gamma]
+        return Table(
+            [
+                Column("orbit", [1]),
+                Column("kind", [self.kind], "of its stability"),
+                Column("period", [self.period], "the least", unit_of(self.scene, "t")),
+                Column("residue", [self.residue], "Greene's"),
+                *(
+                    column._replace(type=EXACT)
+                    for column in row_columns(self.scene, STATE, [state], DOUBLE)
+                ),
+            ]
+        )
+
+    def facts(self) -> list[Fact]:
+        """The theorem, its numbers as balls, and what it took."""
+        near, pairs = self.unique_within, self.multipliers
+        real, imaginary = zip(*pairs, strict=True)
+        multipliers = [Column("real", real), Column("imaginary", imaginary)]
+        return [
+            *scene_facts(self.scene),
+            Fact("proven", True),
+            Fact("theorem", str(self)),
+            Fact("h", self.h, "energy"),
+            Fact("f", self.f, "vertical momentum"),
+            Fact("tolerance", self.tolerance, "of the body's numbers, relative"),
+            Fact("period", self.period, "the least", unit_of(self.scene, "t")),
+            Fact("kind", self.kind, "of its stability"),
+            Fact("residue", self.residue, "Greene's"),
+            Fact("multipliers", Table(multipliers, 0), "that may differ from 1"),
+            *(Fact(f"unique_within_{k}", x, "lower bound") for k, x in near._asdict().items()),
+            Fact("digits_proven", self.digits),
+            Fact("noise", self.noise, "the proof's noise level is 2 to minus this"),
+            Fact("runs", self.runs, "of the enclosure"),
+            provenance_fact(self.provenance),
+        ]
 
     def save(self, path: str | Path, progress: Progress | None = None) -> None:
         """Write the theorem, or as .json the certificate that ``polhode verify`` checks.

@@ -41,8 +41,9 @@ _HEAD = 4096  # bytes of a JSON file that tell its kind
 
 #: The kinds of results, by the names of their classes.
 KINDS = (
-    *("ChaosMap", "Enclosure", "Ensemble", "Frequencies", "Judgement", "Levels", "Lyapunov"),
-    *("Orbit", "OrbitFamily", "OrbitSearch", "ProvedOrbit", "Reductions", "Section", "Trajectory"),
+    *("CertifiedEvents", "ChaosMap", "Enclosure", "Ensemble", "EventTimes", "Frequencies"),
+    *("Judgement", "Levels", "Lyapunov", "ObservedOrder", "Orbit", "OrbitFamily", "OrbitSearch"),
+    *("ProvedOrbit", "Reductions", "Section", "Trajectory"),
 )
 #: What a file that is none makes reading it raise.
 DAMAGED = (LookupError, TypeError, AttributeError, ArithmeticError, MemoryError, *UNREADABLE)

@@ -47,8 +47,10 @@ class Result(earlier.Result):
 
     def content(self) -> Content:
         """What a file of the result holds."""
-        kind = type(self).__name__
-        return Content(kind, __version__, repr(self), self.table(), tuple(self.facts()))
+        from polhode.results.ball_columns import written_facts, written_table
+
+        kind, facts = type(self).__name__, tuple(written_facts(self.facts()))
+        return Content(kind, __version__, repr(self), written_table(self.table()), facts)
 
     def column(self, name: str) -> Values:
         """The values of a column of the table; raises BadInput for another name.

@@ -195,13 +195,21 @@ def _rows(columns: Mapping[str, Any], names: Sequence[str], number: NumberType) 
     parts = [columns[name] for name in names]
     rows: Any = np.empty((len(parts[0]), len(names)), dtype=parts[0].dtype)
     for k, part in enumerate(parts):
-        if part.dtype != rows.dtype or any(x is None for x in part if not number.flat):
+        if part.dtype != rows.dtype or not _all_finite(part):
             raise ValueError(f"{names[k]}: not all are numbers of the run")
         rows[:, k] = part
     kinds = {"double": np.float64, "extended": np.longdouble}
     if rows.dtype != kinds.get(number.name, np.object_):
         raise ValueError(f"{names[0]}: no {number.name} numbers")
     return read_only(rows, len(names))
+
+
+def _all_finite(part: Any) -> bool:
+    import numpy as np
+
+    if part.dtype.kind == "f":
+        return bool(np.isfinite(part).all())
+    return all(x is not None and x - x == 0 for x in part)
 
 
 def _events(facts: Mapping[str, Value], scene: Scene, number: NumberType) -> Events:

@@ -10,7 +10,7 @@ from polhode.numbers.exact_sequences import Floats
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Doubles, Given, Indices
 from polhode.results.cells import EXACT, TEXT, bits_word
-from polhode.results.table import Column, Fact, Values
+from polhode.results.table import Column, Fact, Value, Values
 from polhode.scenes.output_times import OutputTimes
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_text import as_toml
@@ -59,9 +59,9 @@ def provenance_fact(provenance: Mapping[str, object]) -> Fact:
     return Fact("provenance", kept, "versions, processor, fingerprint of the scene")
 
 
-def unit_of(scene: Scene, name: str) -> str:
-    """The unit of a column of a state or an output, or of t."""
-    time = "s" if scene.units == "SI" else "time"
+def unit_of(scene: Scene | None, name: str) -> str:
+    """The unit of a column of a state or an output, or of t; of no scene any consistent one."""
+    time = "s" if scene is not None and scene.units == "SI" else "time"
     if name == "t":
         return time
     if name in ANGLES:
@@ -70,7 +70,11 @@ def unit_of(scene: Scene, name: str) -> str:
 
 
 def time_column(
-    scene: Scene, times: Sequence[Fraction] | Doubles, number: NumberType, *, digits: int = 6
+    scene: Scene | None,
+    times: Sequence[Fraction] | Doubles,
+    number: NumberType,
+    *,
+    digits: int = 6,
 ) -> Column:
     """Times of a type: doubles as they are, wider ones with every digit."""
     values: Values = times
@@ -82,7 +86,12 @@ def time_column(
 
 
 def row_columns(
-    scene: Scene, names: Sequence[str], rows: Given | Stack, number: NumberType, *, digits: int = 6
+    scene: Scene | None,
+    names: Sequence[str],
+    rows: Given | Stack | Sequence[Sequence[Value]],
+    number: NumberType,
+    *,
+    digits: int = 6,
 ) -> list[Column]:
     """Columns of rows of one type, which may have gaps."""
     word = bits_word(number)
@@ -92,7 +101,7 @@ def row_columns(
     ]
 
 
-def _column(rows: Given | Stack, k: int) -> Values:
+def _column(rows: Given | Stack | Sequence[Sequence[Value]], k: int) -> Values:
     import numpy as np
 
     return rows[:, k] if isinstance(rows, np.ndarray) else [row[k] for row in rows]

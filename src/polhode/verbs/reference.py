@@ -248,7 +248,7 @@ def _foretell_certificate(scene: Scene, seconds: float) -> None:
 
 def _told(event: CertifiedEvents) -> str:
     """One line about proven events: how many, and the first of them."""
-    from polhode.enclosures.result import guaranteed
+    from polhode.numbers.balls import guaranteed
 
     shown = [guaranteed(t.time, t.radius) for t in event.times[:10]]
     more = ", ..." * (len(event.times) > len(shown))

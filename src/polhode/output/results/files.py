@@ -19,6 +19,8 @@ from polhode.output.json_results import as_json
 from polhode.output.results import document, summaries
 from polhode.output.results.kinds import Value
 from polhode.output.results.tables import table
+from polhode.results import reader
+from polhode.runs import saved
 from polhode.runs.sweep.ensemble import Ensemble
 from polhode.runs.trajectory import Trajectory
 
@@ -75,6 +77,8 @@ def load_result(path: str | Path) -> Result:
     """
     of_kind("load_result", "path", path, (str, Path), "the path of a file")
     path = Path(path)
+    if _is_of_now(path):
+        return saved.load_result(path)
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise BadInput(
@@ -89,6 +93,14 @@ def load_result(path: str | Path) -> Result:
     if isinstance(told, Trajectory):
         return told
     return document.result_of(told, str(path))
+
+
+def _is_of_now(path: Path) -> bool:
+    """Whether the file is one of :mod:`polhode.results`."""
+    try:
+        return bool(reader.kind_at(path))
+    except ValueError:
+        return False
 
 
 def _csv(found: Result, path: Path, more: JsonObject | None = None) -> dict[Path, str | bytes]:

@@ -178,7 +178,7 @@ def _midpoint(found: Enclosure, x: Fraction | None) -> Value:
 
 def _proven(row: Sequence[Fraction | None], radii: Sequence[float]) -> list[str]:
     """Decimals to which every number of a ball rounds; empty where nothing is known."""
-    from polhode.enclosures.result import guaranteed
+    from polhode.numbers.balls import guaranteed
 
     return ["" if x is None else guaranteed(x, r) for x, r in zip(row, radii, strict=True)]
 
