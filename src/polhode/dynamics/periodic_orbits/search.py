@@ -180,7 +180,17 @@ def _guesses(on: Surface, grid: tuple[int, int], most: int) -> Iterator[Guess]:
     scene, unit = on.scene, float(on.unit)
     asked = asked_of(scene, MOMENTUM, MAXIMA, on.h, on.f)
     begun = starts_of(asked, geometry.ground(scene, on.h, on.f), None, grid)
-    cut = section(scene, MOMENTUM, MAXIMA, grid=grid, crossings=most, h=on.h, f=on.f, workers=1)
+    cut = section(
+        scene,
+        MOMENTUM,
+        MAXIMA,
+        grid=grid,
+        crossings=most,
+        h=on.h,
+        f=on.f,
+        workers=1,
+        accuracy=False,
+    )
     if cut.interrupted:
         raise KeyboardInterrupt
     rows = np.array([[float(x) for x in row] for row in scene.body.axes.rows])

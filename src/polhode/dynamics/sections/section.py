@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -60,6 +60,7 @@ class Section(Result, ByValue):
     ``rests`` (n, m): a time is the sum of both.  ``l``, ``ratio`` (n, m): Andoyer's angle l and L/G
     about r0.  ``counts`` (n,): the crossings of each orbit; ``outcomes``: how each orbit ended.
     ``drift``: the largest residual of h, f and |gamma|^2 before a projection, relative.
+    ``accuracy``: whether its table has the digits that are expected of each crossing.
 
     >>> import polhode
     >>> found = polhode.section("lagrange/nutation", starts=[[1, 0.2]], crossings=20)
@@ -87,6 +88,7 @@ class Section(Result, ByValue):
     interrupted: bool = False
     kept: JobCheckpoint | None = None
     provenance: Mapping[str, object] = field(default_factory=dict)
+    accuracy: bool = True
 
     def __repr__(self) -> str:
         orbits = counted(len(self.counts), "orbit")
@@ -98,8 +100,9 @@ class Section(Result, ByValue):
         """Expected correct digits of each crossing's state, nan after the last one: (n, m).
 
         From the growth of a rounding error since the start, estimated by one tangent along each
-        orbit.  That takes as long as the section itself, or longer, and is computed when first
-        asked for.  All are nan for a section that was interrupted.
+        orbit, which takes as long as the section itself, or longer: :func:`section` does it unless
+        ``accuracy`` is False, and they are then computed when first asked for.  All are nan for a
+        section that was interrupted.
 
         >>> import polhode
         >>> scene = polhode.load("general/asymmetric-chaotic")
@@ -139,7 +142,7 @@ class Section(Result, ByValue):
             Column("l", self.l[there], "Andoyer's angle about r0", "rad", digits=15),
             Column("L_over_G", self.ratio[there], _RATIO, digits=15),
         ]
-        if "digits" in vars(self):  # they take as long as the section itself
+        if self.accuracy:
             digits = self.digits[there]
             columns.append(Column("digits_expected", digits, "correct digits", digits=3))
         states = self.states[there]
@@ -158,7 +161,7 @@ class Section(Result, ByValue):
             Column("crossings", self.counts),
             text_column("outcome", self.outcomes),
         ]
-        if "digits" in vars(self):
+        if self.accuracy:
             meaning = "first crossing without a digit, 0 for none"
             orbits.append(Column("none_left_from", self.none_left_from, meaning))
         return [
@@ -187,6 +190,7 @@ def section(
     executor: Executor | None = None,
     parts: Path | None = None,
     progress: Progress | None = None,
+    accuracy: bool = True,
 ) -> Section:
     """Follow orbits of a scene's body on a level to their crossings of a section.
 
@@ -219,6 +223,8 @@ def section(
         A folder for finished jobs, from which the same call continues after a kill.
     progress : callable, optional
         Called with the fraction done and the orbits done.
+    accuracy : bool
+        Whether to estimate the correct digits of each crossing, at about the section's own cost.
 
     Returns
     -------
@@ -291,7 +297,12 @@ def section(
     if asked.by not in (MOMENTUM, HEIGHT) and not crossed.found.any():
         with _refused(asked, on, kept):
             _refuse_never_zero(asked, on, zero)
-    return _result(asked, on, found.states[finished.rows], crossed, finished.interrupted, kept)
+    rows = found.states[finished.rows]
+    made = _result(asked, on, rows, crossed, finished.interrupted, kept)
+    if not accuracy:
+        return replace(made, accuracy=False)
+    _ = made.digits
+    return made
 
 
 def _refuse_constant(asked: Asked, on: Ground, zero: SectionZero, states: Doubles) -> None:
