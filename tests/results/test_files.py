@@ -18,6 +18,7 @@ from invented import KINDS, TEXTS, Bare, Odd
 import polhode
 from polhode.common.files import write_whole
 from polhode.results import writer
+from polhode.results.cells import type_of
 from polhode.results.reader import content_of
 from polhode.results.result import Result
 from polhode.results.table import Column, Content, Fact, Table
@@ -202,6 +203,14 @@ def test_frames_have_the_columns_and_the_facts() -> None:
     dataset = Odd().to_xarray()
     assert dataset["x"].dims == ("k",)
     assert dataset.attrs["truth"] is True
+
+
+def test_integers_that_a_reader_of_json_would_round_are_texts() -> None:
+    for large in (2**53, -(2**53), 2**63):
+        for values in ([0, large], np.array([0, large], dtype=object).tolist()):
+            assert type_of(values) == "exact"
+    assert type_of(np.array([0, -(2**53)])) == "exact"
+    assert type_of(np.array([0, 2**53 - 1])) == type_of([1 - 2**53]) == "integer"
 
 
 def test_a_value_of_no_type_is_a_fault_of_its_maker() -> None:

@@ -21,7 +21,7 @@ class Result:
     """The base class of results, which are all saved, drawn and tabulated in the same way.
 
     >>> import os, tempfile, polhode
-    >>> found = polhode.frequencies("lagrange/nutation", of=["gamma3"], end=200)
+    >>> found = polhode.reference(polhode.load("euler/largest-axis").at([1, 2]))
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     found.save(os.path.join(folder, "lines.csv"))
     ...     again = polhode.load_result(os.path.join(folder, "lines.csv"))

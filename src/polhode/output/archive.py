@@ -27,6 +27,8 @@ from polhode.numbers.number_types import LEAST_MP_BITS, MAX_DIGITS, NAMES, Numbe
 from polhode.numbers.rows import Given, Row, read_only
 from polhode.output.json_object import JsonObject
 from polhode.output.json_results import as_json
+from polhode.results import reader
+from polhode.runs import saved
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import scene_file
 from polhode.scenes.scene import Scene
@@ -119,6 +121,8 @@ def load_run(path: str | Path) -> Trajectory:
     """
     of_kind("load_run", "path", path, (str, Path), "the path of a .npz file")
     name = str(path)
+    if reader.is_result(Path(path)):
+        return saved.load_run(path)
     if Path(path).suffix.lower() in (".csv", ".json", ".parquet"):
         raise BadInput(name, "file", None, "a .npz file; polhode.load_result reads this one")
     expected = "a run that polhode saved"

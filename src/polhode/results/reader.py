@@ -148,6 +148,14 @@ def _arrow_values(column: Any, is_text: bool) -> Any:
 _READERS = {".csv": _of_csv, ".json": _of_json, ".npz": _of_npz, ".parquet": _of_parquet}
 
 
+def is_result(path: Path) -> bool:
+    """Whether a file is one that :func:`content_of` may read."""
+    try:
+        return bool(kind_at(path))
+    except ValueError:
+        return False
+
+
 def kind_at(path: Path) -> str:
     """The kind of the result in a file, of which little is read; ValueError where there is none.
 

@@ -122,6 +122,15 @@ def load_result(path: str | Path) -> Trajectory | Saved:
         raise BadInput(str(path), "file", None, f"a run that polhode saved ({told})") from None
 
 
+def load_run(path: str | Path) -> Trajectory:
+    """Load a run as :func:`load_result` does; raises BadInput for any other result."""
+    found = load_result(path)
+    if not isinstance(found, Trajectory):
+        expected = f"a run that polhode saved (it holds a result {found.kind})"
+        raise BadInput(str(path), "file", None, expected)
+    return found
+
+
 def run_of(content: Content) -> Trajectory:
     """The run of a content; raises ValueError and the like for one that is none."""
     facts = {x.name: x.value for x in content.facts}

@@ -53,12 +53,13 @@ def load_result(path: str | Path) -> Result:
     Parameters
     ----------
     path : str or Path
-        A file that ``.save`` of any result wrote; of a CSV the JSON file beside it is read.
+        A file that ``.save`` of any result wrote; of a CSV the JSON file beside it is read, too.
 
     Returns
     -------
     Result
-        Equal to what was saved.
+        A run is equal to what was saved, and callable; of other kinds a :class:`Saved`, which has
+        the columns and facts that they had.
 
     Raises
     ------
@@ -72,12 +73,12 @@ def load_result(path: str | Path) -> Result:
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     found.save(os.path.join(folder, "levels.npz"))
     ...     again = polhode.load_result(os.path.join(folder, "levels.npz"))
-    >>> again == found
-    True
+    >>> again, again.fact("f") == found.here.f
+    (<Levels of general/asymmetric-chaotic: 8 curves, 2 cusps>, True)
     """
     of_kind("load_result", "path", path, (str, Path), "the path of a file")
     path = Path(path)
-    if _is_of_now(path):
+    if reader.is_result(path):
         return saved.load_result(path)
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
@@ -93,14 +94,6 @@ def load_result(path: str | Path) -> Result:
     if isinstance(told, Trajectory):
         return told
     return document.result_of(told, str(path))
-
-
-def _is_of_now(path: Path) -> bool:
-    """Whether the file is one of :mod:`polhode.results`."""
-    try:
-        return bool(reader.kind_at(path))
-    except ValueError:
-        return False
 
 
 def _csv(found: Result, path: Path, more: JsonObject | None = None) -> dict[Path, str | bytes]:
