@@ -285,6 +285,24 @@ def test_frames_are_the_table(name: str) -> None:
     assert {*frame.columns} <= {*map(str, found.to_xarray().variables)}
 
 
+def test_what_is_varied_stands_in_the_rows_of_its_member() -> None:
+    """Of a product the last key changes fastest; of arrays each member has its own numbers."""
+    vary = {"start.omega[1]": ["1/3", "1/2"], "start.omega[3]": [2, 3, "sqrt(5)"]}
+    many = polhode.integrate_many("lagrange/nutation", vary, at=[0, 1])
+    expected = [Fraction(1, 3)] * 6 + [Fraction(1, 2)] * 6
+    assert many.column("start.omega[1]") == expected
+    (*exact, irrational) = many.column("start.omega[3]")[:6:2]
+    assert exact == [2, 3]
+    assert float(irrational) == 5**0.5
+    assert many.column("member").tolist() == [1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6]
+    assert many.column("t") == [0.0, 1.0] * 6
+    assert many.column("p")[2] == many[1].states[0, 0]
+    starts = np.array([[1, 0, 2, 0, 0, 1], [0.1, 0, 3, 0, 0, 1.0]])
+    arrays = polhode.integrate_many("lagrange/nutation", starts=starts, at=[1])
+    assert arrays.column("start.omega[1]").tolist() == [1.0, 0.1]
+    assert arrays.column("start.omega[3]").tolist() == [2.0, 3.0]
+
+
 def test_a_document_has_a_line_a_column() -> None:
     text = as_json(document(told("Section").content(), columns=True))
     assert '\n  "L_over_G": [' in text
