@@ -204,7 +204,7 @@ def test_ctrl_c_while_a_sweep_is_read_out_loses_nothing(monkeypatch):
 
 @linux
 def test_a_worker_ends_with_what_started_it():
-    worker = "from polhode.peers.protocol import end_with_parent as e; e(); import time; "
+    worker = "from polhode.peers.process import end_with_parent as e; e(); import time; "
     worker += "print(1, flush=True); time.sleep(60)"
     parent = f"import subprocess, sys; p = subprocess.Popen([sys.executable, '-c', {worker!r}], "
     parent += "stdout=subprocess.PIPE); p.stdout.readline(); print(p.pid, flush=True); p.wait()"

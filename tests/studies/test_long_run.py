@@ -160,7 +160,7 @@ def test_a_small_study(monkeypatch):
     assert all(1e-17 < x < 1e-12 for x in plain["error"]["median"])
     (row,) = late_time.rows(100, 3, quick=True, only=Only(("euler",)))["tops"]
     (engine,) = row["methods"]
-    assert engine["method"] == "heyoka alone"
+    assert engine["method"] == "heyoka by hand"
     assert engine["reached"] == 3
     assert 1e-17 < engine["median"] <= engine["largest"] < 1e-12
 

@@ -1,4 +1,4 @@
-"""The study speed: peers as processes, what becomes of their answers, curves and verdicts.
+"""The study speed: programs as processes, what becomes of their answers, curves and verdicts.
 
 No test depends on how long anything takes.
 """
@@ -9,23 +9,20 @@ import math
 import subprocess
 import sys
 from dataclasses import replace
-from fractions import Fraction
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import polhode
 from polhode.equations.forms import principal
 from polhode.numbers.conversion import to_double
-from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.scalars import Functions
-from polhode.peers import field
-from polhode.studies import peer_processes
-from polhode.studies.peer_processes import Method, Task
-from polhode.studies.speed import contenders, page, refined
+from polhode.peers import field, process
+from polhode.studies.processes import ask
+from polhode.studies.speed import draws, number_types, page, refined
 from polhode.studies.speed.work_precision import WorkPoint, frontier, seconds_at
 
-SHORT = contenders.SpeedMotion("short", "general/asymmetric-regular", 2, "regular")
 FLOATS = Functions(0.0, math.sin, math.cos, math.sqrt)
 
 
@@ -36,16 +33,12 @@ FLOATS = Functions(0.0, math.sin, math.cos, math.sqrt)
 @given(st.lists(st.floats(-3, 3), min_size=6, max_size=6))
 def test_the_peers_take_the_equations_that_polhode_integrates(state):
     for case in ("general/asymmetric-regular", "lagrange/nutation", "euler/largest-axis"):
-        body = peer_processes.plain_scene(case, (Fraction(1),)).body
-        k = {name: to_double(x) for name, x in principal.coefficients(body).items()}
-        c = tuple(k.get(name, 0.0) for name in field.TERMS)
+        k = {n: to_double(x) for n, x in principal.coefficients(polhode.load(case).body).items()}
+        c = [k.get(name, 0.0) for name in field.TERMS]
         wanted = principal.field(state, k, FLOATS)
-        found = list(field.returning(c)(*state))
-        filled = [0.0] * 6
-        field.filling(state, filled, c)
+        found = field.of_pattern([x != 0 for x in c])(*state, c)
         size = max(1.0, *map(abs, wanted))
         assert all(abs(x - y) <= 8 * 2**-52 * size for x, y in zip(found, wanted, strict=True))
-        assert filled == found
 
 
 # processes
@@ -53,92 +46,50 @@ def test_the_peers_take_the_equations_that_polhode_integrates(state):
 
 @pytest.fixture
 def peer(tmp_path, monkeypatch):
-    """Make a driver of a body of Python and run it on the short motion."""
+    """Make a program of a body of Python and run it twice, the second time at 1e-9."""
     monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=":")
 
-    def run(name, load="return 'peer 1'", build="", limit=20.0, tolerances=(1e-6, 1e-9)):
-        (tmp_path / f"{name}.py").write_text(
-            "import os, sys, time\n"
-            "from polhode.peers.protocol import Solution, serve\n"
-            f"def load():\n    {load}\n"
-            f"def build(problem):\n    {build or 'pass'}\n"
-            "    def solve(tol):\n"
-            "        rows = [[(k + 1) * x for x in problem.start] for k in range(11)]\n"
-            "        return answer(rows, tol, problem)\n"
-            "    return solve\n"
-            "def answer(rows, tol, problem):\n"
-            f"    {_ANSWERS.get(name, 'return Solution(rows, 7)')}\n"
-            "serve(load, build)\n"
-        )
-        method = Method(name, name, "", tolerances, limit=limit)
-        return peer_processes.run_all(
-            [Task(method, contenders.scene_of(SHORT))], tmp_path / "cache"
-        )[0]
+    def run(name, body, limit=20.0):
+        text = f"import os, time\ndef prepared(present, method):\n    return run\n{body}\n"
+        (tmp_path / f"{name}.py").write_text(text)
+        one = draws.draw("euler", 0, 2, 2)
+        job = {"module": name, "method": "", "present": [], "runs": [*map(one.run, (1e-6, 1e-9))]}
+        return ask(process.__name__, job, limit, tmp_path / "cache")
 
     return run
 
 
-_ANSWERS = {
-    "unchanged": "return Solution([problem.start] * 11)",
-    "half_stale": "return Solution(rows[:5] + [rows[4]] * 6 if tol < 1e-7 else rows)",
-    "raising": "if tol < 1e-7: raise ArithmeticError('step too small')\n    return Solution(rows)",
-    "infinite": "return Solution([[float('nan')] * 6] * 11)",
-    "short": "return Solution(rows[:7])",
-    "dying": "os._exit(3) if tol < 1e-7 else 0\n    return Solution(rows)",
-    "sleeping": "time.sleep(60) if tol < 1e-7 else 0\n    return Solution(rows)",
-}
+DOUBLED = "def run(top, start, times, tol):\n    {}\n    return 2 * start[None]"
 
 
-def test_a_peer_that_answers(peer):
-    curve = peer("fine")
-    assert (curve.status, curve.reason, curve.version) == ("ok", "", "peer 1")
-    assert [len(point.seconds) for point in curve.points.values()] == [4, 4]  # two rounds of two
-    assert len(curve.compiling) == 2
-    start = contenders.scene_of(SHORT).start
-    first = curve.points[1e-6].rows[0]
-    assert first == [DOUBLE.rounded(x) for x in start]
-
-
-def test_a_missing_peer_stays_in_the_table(peer):
-    curve = peer("absent", load="import no_such_package")
-    assert curve.status == "missing"
-    assert "no_such_package" in curve.reason
-    assert not curve.points
+def test_a_program_that_answers(peer):
+    answers, fault = peer("fine", DOUBLED.format("pass"))
+    start = draws.draw("euler", 0, 2, 2).start
+    assert fault == ""
+    assert [answer["state"] for answer in answers] == [[*2 * start]] * 2
 
 
 @pytest.mark.parametrize(
-    ("name", "status", "said", "good"),
+    ("name", "body", "reason", "last"),
     [
-        ("unchanged", "stale", "left unchanged", 0),
-        ("half_stale", "stale", "at tolerance 1e-09", 1),
-        ("raising", "failed", "ArithmeticError: step too small", 1),
-        ("infinite", "failed", "not finite", 0),
-        ("short", "failed", "7 states at 11 times", 0),
-        ("dying", "failed", "process ended with 3", 1),
-        ("unbuilt", "failed", "at tolerance 1e-06, 1e-09: RuntimeError: no compiler", 0),
+        ("absent", "import no_such_package", "No module named 'no_such_package'", None),
+        ("dying", DOUBLED.format("os._exit(3) if tol < 1e-7 else 0"), "ended with 3", "state"),
+        ("raising", DOUBLED.format("1 / (tol > 1e-7)"), "", "failed"),
     ],
 )
-def test_a_peer_that_fails_stays_in_the_table_with_the_reason(peer, name, status, said, good):
-    curve = peer(name, build="raise RuntimeError('no compiler')" if name == "unbuilt" else "")
-    assert curve.status == status
-    assert said in curve.reason
-    assert sum(point.rows is not None for point in curve.points.values()) == good
-    assert name == "unbuilt" or set(curve.points) == {1e-6, 1e-9}
+def test_a_program_that_fails_leaves_what_it_had_and_says_why(peer, name, body, reason, last):
+    answers, fault = peer(name, body)
+    assert reason in fault
+    assert (fault == "") == (reason == "")
+    assert [*answers[-1]] == [last] if answers else last is None
+    assert last != "failed" or answers[-1]["failed"] == "ZeroDivisionError: division by zero"
 
 
 @pytest.mark.slow
-def test_a_peer_that_takes_too_long_is_stopped_and_keeps_what_it_had(peer):
-    curve = peer("sleeping", limit=9.0)
-    assert curve.status == "failed"
-    assert "stopped after 9 s" in curve.reason
-    assert curve.points[1e-6].rows is not None
-
-
-def test_rows_are_stale_that_stand_still_or_come_back_to_the_start():
-    start, moved = [1, 2], [1, 3]
-    for rows in ([start, start], [start, moved, moved], [start, moved, start]):
-        assert peer_processes.stale(rows)
-    assert not peer_processes.stale([start, moved, [2, 3]])
+def test_a_program_that_takes_too_long_is_stopped_and_keeps_what_it_had(peer):
+    answers, fault = peer("sleeping", DOUBLED.format("time.sleep(60 * (tol < 1e-7))"), 9.0)
+    assert "stopped after 9 s" in fault
+    assert len(answers) == 1
 
 
 # curves
@@ -160,14 +111,27 @@ def test_a_peers_process_imports_nothing_else_of_polhode():
     code = (
         "import sys, polhode; package = {*sys.modules}; "
         "import polhode.peers.bare_heyoka, polhode.peers.cyrk, polhode.peers.scipy_python; "
-        "import polhode.peers.splitting, polhode.studies.speed.first_result; "
+        "import polhode.peers.splitting, polhode.peers.process; "
         "own = [m for m in sys.modules if m.partition('.')[0] in ('polhode', 'numpy', 'heyoka')]; "
         "print(*(m for m in own if m in package)); print(*(m for m in own if m not in package))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     package, more = (line.split() for line in done.stdout.splitlines())
     assert package == ["polhode"]
-    assert all(m.startswith(("polhode.peers", "polhode.studies")) for m in more)
+    assert all(m.startswith("polhode.peers") for m in more)
+
+
+def test_a_number_type_has_its_digits_and_steps_at_each_tolerance():
+    motion = number_types.SpeedMotion("short", "general/asymmetric-regular", 2, "regular")
+    double, wide = number_types.WAYS[0], number_types.WAYS[2]
+    row = number_types.row(motion, [double, wide], quick=True)
+    assert [way["method"] for way in row["methods"]] == ["polhode double", "polhode extended"]
+    for way, (least, most) in zip(row["methods"], ((14.5, 16), (17.5, 19.3)), strict=True):
+        points = {point["tol"]: point for point in way["points"]}
+        assert least < points[min(points)]["digits"] <= most
+        assert points[max(points)]["digits"] < least - 1
+        assert points[max(points)]["steps"] > points[min(points)]["steps"]  # of a lower order
+    assert 14 < row["floor"] < 15.95
 
 
 def test_refined_runs_stand_beside_heyokas_own_steps():

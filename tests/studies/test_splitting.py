@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-from fractions import Fraction
 
+import numpy as np
 import pytest
 
 from polhode.judging.references.reference import reference
 from polhode.peers import splitting
-from polhode.peers.protocol import Problem
-from polhode.studies.ensembles import random_scene
-from polhode.studies.peer_processes import Method, Task, _problem
+from polhode.studies.speed.draws import draw
 
 
 def power_sum(order: int, power: int) -> float:
@@ -28,19 +26,19 @@ def test_the_weights_fulfil_the_conditions_on_power_sums(order):
     assert abs(power_sum(order, order + 1)) > 1e-6
 
 
-def solution(kind: str, word: str, tol: float, end: int = 10, start: int = 2):
+def error(kind: str, word: str, tol: float, end: int = 10, start: int = 2) -> float:
     pytest.importorskip("numba")
-    scene = random_scene(kind, start, (Fraction(0), Fraction(end)))
-    method = Method("", "", word, (tol,))
-    problem = Problem.read(_problem(Task(method, scene), method.tolerances))
-    return scene, splitting.build(problem)(tol)
+    one = draw(kind, start, end, 2)
+    run = splitting.prepared([], word)
+    found = run(one.top, one.start, np.array([0.0, end]), tol)[-1]
+    true = reference(one.scene).at(one.scene.times, 20)[-1]
+    return max(abs(float(x) - float(y)) for x, y in zip(found, true, strict=True))
 
 
-def error(kind: str, word: str, tol: float, **changes: int) -> tuple[float, int]:
-    scene, found = solution(kind, word, tol, **changes)
-    true = reference(scene).at(scene.times, 20)[-1]
-    errors = (abs(float(x) - float(y)) for x, y in zip(found.rows[-1], true, strict=True))
-    return max(errors), found.steps
+def steps(kind: str, order: int, tol: float, end: int = 10, start: int = 2) -> int:
+    one = draw(kind, start, end, 2)
+    pull = math.sqrt(math.hypot(*one.top.torque) / min(one.top.moments))
+    return math.ceil(end * max(math.hypot(*one.start[:3]), pull) / tol ** (1 / order))
 
 
 @pytest.mark.slow
@@ -50,9 +48,10 @@ def error(kind: str, word: str, tol: float, **changes: int) -> tuple[float, int]
 )
 def test_the_error_falls_with_the_order(order, kind, tolerances):
     """Between two steps of which both errors are far above rounding."""
-    (e1, n1), (e2, n2) = (error(kind, str(order), tol) for tol in tolerances)
-    assert e2 > 1e-13
-    slope = math.log(e1 / e2) / math.log(n2 / n1)
+    coarse, fine = (error(kind, str(order), tol) for tol in tolerances)
+    assert fine > 1e-13
+    few, many = (steps(kind, order, tol) for tol in tolerances)
+    slope = math.log(coarse / fine) / math.log(many / few)
     assert abs(slope - order) < 0.2
 
 
@@ -60,7 +59,7 @@ def test_the_error_falls_with_the_order(order, kind, tolerances):
 def test_carrying_the_rounding_gains_a_digit_over_many_steps():
     """With steps so short that the method's own error is below rounding in both."""
     plain, carried = (
-        math.prod(error("lagrange", word, 1e-10, end=1000, start=k)[0] for k in range(4))
+        math.prod(error("lagrange", word, 1e-10, end=1000, start=k) for k in range(4))
         for word in ("8", "8 compensated")
     )
     assert carried < plain / 10**4

@@ -30,7 +30,7 @@ def draw(plt: Any, found: OrbitFamily, axes: Any = None) -> Any:
             at = getattr(one.point, found.by), getattr(one.point, name)
             panel.plot(*at, mark, color=colour, ms=4, mfc="none", label=label)
         panel.set_ylabel(name)
-    residue_axis(below, [point.residue for point in found.points])
+    residue_axis(below)
     below.set_xlabel(f"{found.by}, at {'f' if found.by == 'h' else 'h'} = {_held(found):.6g}")
     if found.bifurcations:
         above.legend(frameon=False, fontsize=8)

@@ -162,11 +162,11 @@ def _search(plt: Drawn, found: Drawn, axes: Drawn) -> Drawn:
     periods = [point.period for point in found.orbits]
     residues = [point.residue for point in found.orbits]
     panels[0, 0].plot(periods, residues, "o", color=BODY)
-    residue_axis(panels[0, 0], residues)
+    residue_axis(panels[0, 0])
     if periods:  # equal but for rounding they stand above each other
         margin = max(0.05 * (max(periods) - min(periods)), 0.02 * max(periods))
         panels[0, 0].set_xlim(min(periods) - margin, max(periods) + margin)
-    panels[0, 0].set_xlabel("period")
+    panels[0, 0].set(xlabel="period", ylabel="residue")
     return figure
 
 

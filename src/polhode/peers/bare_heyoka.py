@@ -2,51 +2,13 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from functools import cache
 
-from polhode.peers.field import of_pattern, returning
+from polhode.peers.field import of_pattern
 from polhode.peers.prepared import Array, Run, Top
-from polhode.peers.protocol import Problem, Solution, Solve, serve
 
 LANES = 8  # of doubles in a batch: 0.6 to 0.9 of the time that the recommended 4 take
-
-
-def load() -> str:
-    """Import heyoka."""
-    import heyoka
-
-    return f"heyoka {heyoka.__version__}"
-
-
-def build(problem: Problem) -> Solve:
-    """An integrator a tolerance, which fixes the order that is compiled in; kept for later runs."""
-    import numpy as np
-
-    grid = np.array(problem.times)
-
-    def solve(tol: float) -> Solution:
-        began = time.perf_counter()
-        integrator = _integrator(problem.coefficients, tol)
-        building = time.perf_counter() - began
-        integrator.time = 0.0
-        integrator.state[:] = problem.start
-        *_, steps, _, rows = integrator.propagate_grid(grid)
-        return Solution(rows, int(steps), building)
-
-    _integrator(problem.coefficients, 2.0**-52)
-    return solve
-
-
-@cache
-def _integrator(coefficients: tuple[float, ...], tol: float) -> Array:
-    """The integrator of one body and tolerance."""
-    import heyoka as hy
-
-    variables = hy.make_vars("p", "q", "r", "g1", "g2", "g3")
-    system = list(zip(variables, returning(coefficients)(*variables), strict=True))
-    return hy.taylor_adaptive(system, [0.0] * 6, tol=tol)
 
 
 def _system(present: Sequence[bool]) -> tuple[list[int], Array]:
@@ -112,7 +74,3 @@ def prepared_many(present: Sequence[bool], method: str) -> Run:
         return columns.transpose(0, 2, 1).reshape(-1, 6)[: len(start)]
 
     return run
-
-
-if __name__ == "__main__":
-    serve(load, build)

@@ -6,44 +6,6 @@ from collections.abc import Sequence
 
 from polhode.peers.field import of_pattern
 from polhode.peers.prepared import Array, Run, Top
-from polhode.peers.protocol import Problem, Solution, Solve, serve
-
-
-def load() -> str:
-    """Import CyRK and numba."""
-    import CyRK
-    import numba
-
-    return f"CyRK {CyRK.__version__}, numba {numba.__version__}"
-
-
-def prepare() -> None:
-    """Compile numba's side of the solver, which CyRK does not keep on disk."""
-    at_rest = Problem((0.0,) * 9, (0.0, 0.0, 0.0, 0.0, 0.0, 1.0), (0.0, 1.0), "DOP853")
-    build(at_rest)(1e-3)
-
-
-def build(problem: Problem) -> Solve:
-    """Compile the right-hand side."""
-    import numpy as np
-    from CyRK import nbsolve2_ivp
-    from CyRK.nb.numba_solver import cyjit_sig
-
-    from polhode.peers.numba_field import rates_time_state
-
-    field = rates_time_state(problem.coefficients, cyjit_sig)
-    start, times = np.array(problem.start), np.array(problem.times)
-    span = (times[0], times[-1])
-
-    def solve(tol: float) -> Solution:
-        found = nbsolve2_ivp(
-            field.address, span, start, method=problem.method, t_eval=times, rtol=tol, atol=tol
-        )
-        if not found.success:
-            raise ArithmeticError(found.message)
-        return Solution(found.y.T.copy(), int(found.steps_taken))
-
-    return solve
 
 
 def prepared(present: Sequence[bool], method: str) -> Run:
@@ -118,7 +80,3 @@ def _in_python(present: Sequence[bool], method: str) -> Run:
         return found.y.T
 
     return run
-
-
-if __name__ == "__main__":
-    serve(load, build, prepare)

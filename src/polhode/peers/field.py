@@ -25,51 +25,6 @@ TERMS = (
 )
 
 
-def returning(c: Sequence[float]) -> Callable[..., tuple[Scalar, ...]]:
-    """Rates as a tuple, from six scalars of any kind."""
-    c0, c1, c2, c3, c4, c5, c6, c7, c8 = c
-
-    def rates(
-        p: Scalar, q: Scalar, r: Scalar, g1: Scalar, g2: Scalar, g3: Scalar
-    ) -> tuple[Scalar, ...]:
-        dp, dq, dr = c0 * q * r, c3 * r * p, c6 * p * q
-        if c1 != 0.0:
-            dp = dp + c1 * g2
-        if c2 != 0.0:
-            dp = dp + c2 * g3
-        if c4 != 0.0:
-            dq = dq + c4 * g3
-        if c5 != 0.0:
-            dq = dq + c5 * g1
-        if c7 != 0.0:
-            dr = dr + c7 * g1
-        if c8 != 0.0:
-            dr = dr + c8 * g2
-        return dp, dq, dr, r * g2 - q * g3, p * g3 - r * g1, q * g1 - p * g2
-
-    return rates
-
-
-def filling(y: Scalar, dy: Scalar, c: Sequence[float]) -> None:
-    """Rates written into an array, for numba: constants and branches vanish when it compiles."""
-    p, q, r, g1, g2, g3 = y[0], y[1], y[2], y[3], y[4], y[5]
-    dp, dq, dr = c[0] * q * r, c[3] * r * p, c[6] * p * q
-    if c[1] != 0.0:
-        dp += c[1] * g2
-    if c[2] != 0.0:
-        dp += c[2] * g3
-    if c[4] != 0.0:
-        dq += c[4] * g3
-    if c[5] != 0.0:
-        dq += c[5] * g1
-    if c[7] != 0.0:
-        dr += c[7] * g1
-    if c[8] != 0.0:
-        dr += c[8] * g2
-    dy[0], dy[1], dy[2] = dp, dq, dr
-    dy[3], dy[4], dy[5] = r * g2 - q * g3, p * g3 - r * g1, q * g1 - p * g2
-
-
 def of_pattern(present: Sequence[bool]) -> Callable[..., tuple[Scalar, ...]]:
     """Rates of six scalars and coefficients of any kind, with the terms that are ``present``.
 

@@ -18,11 +18,9 @@ The step is fixed, at most tol^(1/order) over the larger of |w| at the start and
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 from polhode.peers.prepared import Array, Run, Top
-from polhode.peers.protocol import Problem, Solution, Solve, serve
 
 _FIVE = 1 / (4 - 4 ** (1 / 3))
 #: Weights of the leapfrogs of a step by order, up to the middle one.
@@ -38,56 +36,6 @@ WEIGHTS = {
         *(0.31529309239676659663, -0.79688793935291635402),
     ),
 }
-
-
-def load() -> str:
-    """Import numba."""
-    import numba
-
-    return f"numba {numba.__version__}"
-
-
-def prepare() -> None:
-    """Compile the step, which all problems share; numba's disk cache is used."""
-    at_rest = (0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
-    build(Problem((0.0,) * 9, at_rest, (0.0, 1.0), "4", (1.0, 1.0, 1.0, 0.0, 0.0, 1.0)))(1e-3)
-
-
-def build(problem: Problem) -> Solve:
-    """Axes and coefficients of the parts."""
-    import numpy as np
-
-    from polhode.peers.splitting_steps import advance
-
-    order, _, word = problem.method.partition(" ")
-    half = WEIGHTS[int(order)]
-    weights = np.array([*half, *half[-2::-1]])
-    moments, torque = np.array(problem.body[:3]), np.array(problem.body[3:])
-    i, k, j = (int(n) for n in np.argsort(moments, kind="stable"))
-    turns = np.array([1 / moments[i] - 1 / moments[k], 1 / moments[j] - 1 / moments[k]])
-    omega = np.array(problem.start[:3])
-    fastest = max(math.hypot(*omega), math.sqrt(math.hypot(*torque) / min(moments)))
-
-    def solve(tol: float) -> Solution:
-        step = tol ** (1 / int(order)) / fastest
-        state = np.array([*(moments * omega), *problem.start[3:]])
-        lost = np.zeros(6)
-        rows: list[Array] = []
-        taken, now = 0, 0.0
-        for time in problem.times:
-            count = math.ceil(abs(time - now) / step)
-            if count:
-                length = (time - now) / count
-                axes = np.array([i, j])
-                advance(
-                    *(state, lost, axes, turns, 1 / moments[k], torque),
-                    *(weights, length, count, word == "compensated"),
-                )
-            rows.append([*(state[:3] / moments), *state[3:]])
-            taken, now = taken + count, time
-        return Solution(rows, taken)
-
-    return solve
 
 
 def prepared(present: Sequence[bool], method: str) -> Run:
@@ -109,7 +57,3 @@ def prepared(present: Sequence[bool], method: str) -> Run:
         )
 
     return run
-
-
-if __name__ == "__main__":
-    serve(load, build, prepare)

@@ -8,7 +8,6 @@ body is that of another start, ``euler body 1 start 3``.
 from __future__ import annotations
 
 import random
-import re
 from collections.abc import Sequence
 from fractions import Fraction
 
@@ -17,7 +16,6 @@ from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 
 SEED = 20
-_NAME = re.compile(r"(\w+)(?: body ([1-9]\d*))? start ([1-9]\d*)")
 
 
 def hundredths(dice: random.Random, least: float, most: float) -> Fraction:
@@ -84,15 +82,6 @@ def random_scene(
     square = u * u + v * v
     gamma = (2 * u / (1 + square), 2 * v / (1 + square), (1 - square) / (1 + square))
     return Scene(body, (p, q, r), gamma, times=tuple(times), name=f"{name} start {index + 1}")
-
-
-def named(name: str) -> Scene | None:
-    """The scene of a name, or None where it is none of ours."""
-    found = _NAME.fullmatch(name)
-    if found is None or found[1] not in STARTED:
-        return None
-    body_of = None if found[2] is None else int(found[2]) - 1
-    return random_scene(found[1], int(found[3]) - 1, body_of=body_of)
 
 
 def _moments(dice: random.Random) -> list[Fraction]:

@@ -19,7 +19,7 @@ from polhode.equations.forms import principal
 from polhode.numbers import number_types
 from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import DOUBLE, NumberType
-from polhode.peers.field import TERMS, returning
+from polhode.peers.field import TERMS, of_pattern
 from polhode.scenes.output_times import even_times
 from polhode.taylor.backend import heyoka_numbers
 
@@ -52,7 +52,7 @@ def by_hand(scene: polhode.Scene, number: NumberType = DOUBLE) -> Job:
             value = heyoka_numbers.scalar(k[name], number)
             terms[i] = value if number == DOUBLE else hy.expression(value)
     variables = hy.make_vars("p", "q", "r", "g1", "g2", "g3")
-    rates = returning(terms)(*variables)
+    rates = of_pattern([name in k for name in TERMS])(*variables, terms)
     first = heyoka_numbers.array([heyoka_numbers.scalar(x, number) for x in start(scene)], number)
     times = heyoka_numbers.array([heyoka_numbers.scalar(t, number) for t in scene.times], number)
     zero, end = heyoka_numbers.scalar(Fraction(0), number), times[-1]

@@ -145,6 +145,18 @@ def remark(axes: Any, text: str) -> None:
     axes.tick_params(axis="y", left=False, labelleft=False)
 
 
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def power_of_ten(exponent: float) -> str:
+    """10 with its exponent, a whole number, in letters.
+
+    >>> power_of_ten(-12.0)
+    '10⁻¹²'
+    """
+    return "10" + f"{exponent:.0f}".translate(_RAISED)
+
+
 #: What a figure can be written as, by the ending of its file's name.
 SUFFIXES = (".svg", ".png", ".pdf")
 

@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from polhode.figures.canvas.canvas import panels, time_label
+from polhode.figures.canvas.canvas import panels, power_of_ten, time_label
 from polhode.figures.canvas.curve_sampling import Samples
-from polhode.figures.canvas.log_ticks import RAISED
 
 GREY = "#777777"
 
@@ -45,7 +44,7 @@ def draw(
     axes.set_xlim(min(t), max(t))
     axes.set_ylim(*_decades(found, names))
     axes.yaxis.set_major_locator(plt.MaxNLocator(5, integer=True))
-    axes.yaxis.set_major_formatter(lambda power, _: "10" + f"{power:.0f}".translate(RAISED))
+    axes.yaxis.set_major_formatter(lambda power, _: power_of_ten(power))
     made[-1, 0].set_xlabel(time_label(found.scene))
     figure.align_ylabels()
     return figure

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from copy import copy
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from polhode.figures.canvas import panel
 from polhode.figures.canvas.canvas import BODY, REST, SPACE, as_svg, paper
-from polhode.figures.canvas.direct_labels import WIDTH, Look
-from polhode.figures.canvas.panel import LEGEND, Axis, Panel, Point, Series
+from polhode.figures.canvas.residue_axis import residue_axis
 from polhode.figures.chaos_proof import Crossings, draw_crossings
 from polhode.output.json_object import JsonObject
+from polhode.studies.page import drawing
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _COLOURS = {"elliptic": BODY, "hyperbolic": SPACE, "inverse hyperbolic": REST}
 _COLUMNS = 2
@@ -30,7 +33,8 @@ def svgs(found: JsonObject) -> dict[str, str]:
 def manifolds(drawn: JsonObject) -> str:
     """The manifolds of an unstable orbit on a section, and the sets of the proof."""
     with paper() as plt:
-        figure, axes = plt.subplots(figsize=(WIDTH, 4.4), layout="constrained", dpi=_DOTS_PER_INCH)
+        size = drawing.WIDTH, 4.4
+        figure, axes = plt.subplots(figsize=size, layout="constrained", dpi=_DOTS_PER_INCH)
         points = (np.array(drawn[key]) for key in Crossings._fields)
         draw_crossings(axes, Crossings(*((x, y) for x, y in points)))
         place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "ncols": 2}
@@ -38,26 +42,39 @@ def manifolds(drawn: JsonObject) -> str:
         shown = [copy(handle) for handle in handles]
         for handle in shown[:2]:
             handle.set_markersize(6)
-        axes.legend(shown, names, **place, **LEGEND)
+        axes.legend(shown, names, **place, **drawing.LEGEND)
         return as_svg(figure)
 
 
 def residues(tops: list[JsonObject]) -> str:
     """A panel a top: the residue of every orbit over its period."""
-    height = 0.4 + 1.6 * -(-len(tops) // _COLUMNS)
-    labels = "period", "residue (shaded: elliptic, 0 to 1)"
-    return panel.svg([_top(top) for top in tops], height, _COLUMNS, labels=labels, legend=4)
+    lines = -(-len(tops) // _COLUMNS)
+    with paper() as plt:
+        size = drawing.WIDTH, 0.6 + 1.6 * lines
+        figure, panels = plt.subplots(
+            lines, _COLUMNS, figsize=size, layout="constrained", squeeze=False
+        )
+        for axes in panels.flat[len(tops) :]:
+            axes.set_axis_off()
+        for axes, top in zip(panels.flat, tops, strict=False):
+            _draw_top(axes, top)
+        figure.supxlabel("period", size=9)
+        figure.supylabel("residue (shaded: elliptic, 0 to 1)", size=9)
+        drawing.legend(figure, 4)
+        return as_svg(figure)
 
 
-def _top(top: JsonObject) -> Panel:
+def _draw_top(axes: Axes, top: JsonObject) -> None:
+    axes.axhspan(0, 1, color=drawing.SHADE, lw=0)
     orbits = top["orbits"]
     kinds = [
-        (kind, Look(colour, "o", ""), [row for row in orbits if row.get("kind") == kind])
+        (kind, colour, "o", [row for row in orbits if row.get("kind") == kind])
         for kind, colour in _COLOURS.items()
     ]
-    kinds.append(("not proved", Look("#555555", "x", ""), [r for r in orbits if not r["proved"]]))
-    series = [
-        Series([Point(row["period"], row["residue"]) for row in rows], look, name)
-        for name, look, rows in kinds
-    ]
-    return Panel(series, y=Axis(scale="symlog"), title=top["what"], shaded=[(0, 1)])
+    kinds.append(("not proved", "#555555", "x", [row for row in orbits if not row["proved"]]))
+    for name, colour, mark, rows in kinds:
+        at = [row["period"] for row in rows], [row["residue"] for row in rows]
+        axes.plot(*at, mark, color=colour, ms=4, label=name)
+    residue_axis(axes)
+    axes.set_title(top["what"], size=9, loc="left")
+    drawing.plain(axes)

@@ -21,7 +21,7 @@ from typing import Any
 from polhode.common.executors import cores, in_order
 from polhode.common.progress import Message
 from polhode.numbers.decimals import significant
-from polhode.studies.peer_processes import ask
+from polhode.studies.processes import ask
 from polhode.studies.row_filter import Only
 from polhode.studies.speed import draws
 from polhode.studies.speed.contest import LEVELS

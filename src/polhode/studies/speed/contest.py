@@ -20,7 +20,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from polhode.peers.prepared import Run
-from polhode.peers.protocol import end_with_parent, write
+from polhode.peers.process import end_with_parent, write
 from polhode.studies.speed.draws import (
     DRAWS,
     MANY_JUDGED,

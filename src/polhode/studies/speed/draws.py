@@ -68,6 +68,12 @@ class Draw(NamedTuple):
     top: Top
     start: Any
 
+    def run(self, tol: float) -> dict[str, Any]:
+        """The run of a job of :mod:`polhode.peers.process`."""
+        times = [float(t) for t in self.scene.times]
+        top = [x.tolist() for x in self.top]
+        return {"top": top, "start": self.start.tolist(), "times": times, "tol": tol}
+
 
 class Truth(NamedTuple):
     """States at the judged times as sums of two doubles, and the scale of w, without dimensions.

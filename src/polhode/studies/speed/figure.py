@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import statistics
-from collections.abc import Iterator, Sequence
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
-from polhode.figures.canvas import panel
-from polhode.figures.canvas.direct_labels import LOOKS
-from polhode.figures.canvas.panel import Axis, Guide, Panel, Point, Series
+from polhode.figures.canvas.canvas import as_svg, paper
 from polhode.output.json_object import JsonObject
-from polhode.studies.speed.contenders import TYPES_SHOWN
+from polhode.studies.page import drawing
+from polhode.studies.page.drawing import GUIDE, LOOKS, WIDTH
+from polhode.studies.speed.number_types import TYPES_SHOWN
 from polhode.studies.speed.programs import OURS
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 SHOWN_OUTPUTS = 101
-_AXES = Axis(scale="log"), Axis("error", "log")
 PROJECTED, PLAIN = "polhode double projected", "polhode double"
 
 
@@ -28,35 +31,43 @@ def svgs(found: JsonObject) -> dict[str, str]:
 def work_precision(motions: Sequence[JsonObject]) -> str:
     """Error against seconds, a panel a motion, and the wider types on one of them."""
     shown = next((m for m in motions if m["motion"] == TYPES_SHOWN), motions[0])
-    panels = [*(_motion(motion) for motion in motions), _types(shown)]
-    return panel.svg(panels, 2.1 * len(panels))
+    count = len(motions) + 1
+    with paper() as plt:
+        figure, panels = plt.subplots(count, figsize=(WIDTH, 2.1 * count), layout="constrained")
+        for axes, motion in zip(panels, motions, strict=False):
+            _draw_motion(axes, motion)
+        _draw_types(panels[-1], shown)
+        for axes in panels:
+            axes.set(xscale="log", yscale="log", ylabel="error")
+            drawing.plain(axes)
+        panels[-1].set(xlabel="seconds of a run")
+        drawing.legend(figure, 2)
+        return as_svg(figure)
 
 
 def lengths(cells: Sequence[JsonObject]) -> str:
     """The time of each program over polhode's over the length of a run, a panel a level."""
     levels = [level["digits"] for level in cells[0]["levels"]]
-    panels = [
-        Panel(
-            [*_programs(cells, digits)],
-            Axis("t at the end" if digits == levels[-1] else "", "log"),
-            Axis("time over polhode's", "log"),
-            f"To {digits:g} digits",
-            guides=[Guide("y", 1.0, line="-", name=OURS)],
+    names = dict.fromkeys(program["program"] for program in cells[0]["levels"][0]["programs"])
+    ends = sorted({cell["end"] for cell in cells})
+    with paper() as plt:
+        size = WIDTH, 2.4 * len(levels) + 1
+        figure, panels = plt.subplots(
+            len(levels), figsize=size, layout="constrained", sharex=True, squeeze=False
         )
-        for digits in levels
-    ]
-    return panel.svg(panels, 2.8 * len(levels), share="x")
-
-
-def _programs(cells: Sequence[JsonObject], digits: float) -> Iterator[Series]:
-    names = [program["program"] for program in cells[0]["levels"][0]["programs"]]
-    for name in dict.fromkeys(names):
-        points = []
-        for end in sorted({cell["end"] for cell in cells}):
-            if ratios := _ratios(cells, end, digits, name):
-                points.append(Point(end, statistics.median(ratios)))
-        if points:
-            yield Series(points, LOOKS[name], end=name)
+        for axes, digits in zip(panels[:, 0], levels, strict=True):
+            axes.axhline(1.0, color=GUIDE, lw=0.8, label=OURS)
+            for name in names:
+                ratios = {end: _ratios(cells, end, digits, name) for end in ends}
+                medians = {end: statistics.median(x) for end, x in ratios.items() if x}
+                if medians:
+                    axes.plot([*medians], [*medians.values()], label=name, **LOOKS[name])
+            axes.set(xscale="log", yscale="log", ylabel="time over polhode's")
+            axes.set_title(f"To {digits:g} digits", size=9, loc="left")
+            drawing.plain(axes)
+        panels[-1, 0].set(xlabel="t at the end")
+        drawing.legend(figure, 2)
+        return as_svg(figure)
 
 
 def _ratios(cells: Sequence[JsonObject], end: int, digits: float, name: str) -> list[float]:
@@ -76,16 +87,17 @@ def _ratios(cells: Sequence[JsonObject], end: int, digits: float, name: str) -> 
     return []
 
 
-def _motion(motion: JsonObject) -> Panel:
+def _draw_motion(axes: Axes, motion: JsonObject) -> None:
     """Doubles as they come, projected at eps, and extended, on one motion."""
     methods = {method["method"]: method for method in motion["methods"]}
     curves = {"polhode": _composite(methods)}
     for name in ("polhode extended", "polhode extended projected"):
         if name in methods:
             curves[name] = methods[name]["points"]
-    floor = motion.get("floor")
-    guides = [] if floor is None else [Guide("y", 10.0**-floor, name="3 × double's bound")]
-    return Panel([*_curves(curves)], *_AXES, _title(motion), guides=guides)
+    if (floor := motion.get("floor")) is not None:
+        axes.axhline(10.0**-floor, color=GUIDE, lw=0.8, ls=":", label="3 × double's bound")
+    _draw_curves(axes, curves)
+    axes.set_title(_title(motion), size=9, loc="left")
 
 
 def _composite(methods: JsonObject) -> list[JsonObject]:
@@ -98,25 +110,24 @@ def _composite(methods: JsonObject) -> list[JsonObject]:
     return [*(p for p in plain if p["tol"] > eps), *(p for p in projected if p["tol"] <= eps)]
 
 
-def _types(motion: JsonObject) -> Panel:
+def _draw_types(axes: Axes, motion: JsonObject) -> None:
     """polhode in all number types on one motion."""
     curves = {
         method["method"]: method["points"]
         for method in motion["methods"]
         if method["method"].startswith("polhode") and method["number"] != "double"
     }
-    x = Axis("seconds of a run", "log")
-    return Panel([*_curves(curves)], x, _AXES[1], f"{_title(motion)}, wider types")
+    _draw_curves(axes, curves)
+    axes.set_title(f"{_title(motion)}, wider types", size=9, loc="left")
 
 
 def _title(motion: JsonObject) -> str:
     return f"{motion['motion'][0].upper()}{motion['motion'][1:]}, t = {motion['end']}"
 
 
-def _curves(curves: JsonObject) -> Iterator[Series]:
-    """Curves with their names."""
+def _draw_curves(axes: Axes, curves: Mapping[str, Sequence[JsonObject]]) -> None:
     for name, points in curves.items():
-        marks = [Point(p["seconds_min"], 10.0 ** -p["digits"]) for p in points if p.get("digits")]
+        marks = [(p["seconds_min"], 10.0 ** -p["digits"]) for p in points if p.get("digits")]
         if marks:
-            look, end = LOOKS[name]._replace(size=3.5), name.removeprefix("polhode ")
-            yield Series(marks, look, end=end)
+            seconds, errors = zip(*marks, strict=True)
+            axes.plot(seconds, errors, label=name, **LOOKS[name])

@@ -23,7 +23,7 @@ _BEST = (
     Column("to", lambda row: f"{row['motion']}, t = {row['end']}"),
     Column("tol", "tol", ".1e", "the tolerance of the steps, the tightest of several"),
     DIGITS,
-    Column("least s", "seconds_min", ".3g", "seconds of a run, the least of all"),
+    Column("least s", "seconds_min", ".3g", "processor seconds of a run, the least of several"),
 )
 _ELSEWHERE = (
     Column("program", "program"),
@@ -241,14 +241,15 @@ def _best(motions: Sequence[JsonObject]) -> Iterator[JsonObject]:
 
 
 def _faults(found: JsonObject) -> list[JsonObject]:
-    """What failed, was missing or stale, each once."""
+    """What failed or was missing, each once."""
     told = {
         (name, fault): None for cell in found["cells"] for name, fault in cell["faults"].items()
     }
     told |= {
-        (method["method"], f"{method['status']}: {method['reason']}"): None
+        (method["method"], f"at tolerance {point['tol']:.2g}: {point['reason']}"): None
         for motion in found["motions"]
         for method in motion["methods"]
-        if method["status"] != "ok"
+        for point in method["points"]
+        if "reason" in point
     }
     return [{"program": program, "fault": fault} for program, fault in told]

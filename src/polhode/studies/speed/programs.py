@@ -37,6 +37,11 @@ class Program(NamedTuple):
         """Whether it is run in cells of this length and number of outputs, or of starts."""
         return end <= self.last and outputs <= self.outputs and (not starts or self.name in MANY)
 
+    def job(self, present: Sequence[bool], runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+        """The job of :mod:`polhode.peers.process`."""
+        shared = {"module": self.module, "method": self.method}
+        return {**shared, "present": [*present], "runs": [*runs]}
+
     def prepared(self, present: Sequence[bool], many: bool = False) -> Run:
         """Its prepared form for a pattern of the equations, of one start or of many."""
         module = import_module(self.module)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 from polhode.judging.adaptive_precision import integrate
@@ -14,12 +14,11 @@ from polhode.judging.correct_digits import worst_digits
 from polhode.judging.references.reference import reference
 from polhode.numbers import number_types
 from polhode.numbers.rows import Given
-from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
-from polhode.scenes.scene import Scene
 from polhode.studies.row_filter import Only
+from polhode.studies.speed.clock import timed
 
-_REPEATS = 3, 1  # of refined runs and of steps, after one of each that warms up
+_REPEATS, _PATIENCE = 3, 1.0  # timed runs; longer ones are made once
 _SPARE = 12  # digits more that the reference has
 _OUTPUTS = ("angles", "attitude")
 
@@ -85,11 +84,12 @@ def _row(contest: Contest) -> dict[str, Any]:
         steps = integrate(plain, number_types.mp(wide), method="taylor")
         true, row["by"] = steps.states, "steps in more digits"
     runs = []
-    for method, repeats in zip(("refined", "taylor"), _REPEATS, strict=True):
-        run, seconds = _timed(scene, number, method, repeats)
+    for method in ("refined", "taylor"):
+        integrate(scene.at([min(10, scene.end)]), number, method=method)  # loads what is compiled
+        run, timing = timed(partial(integrate, scene, number, method=method), _REPEATS, _PATIENCE)
         runs.append(run.states)
         row[method] = {
-            "cpu": float(f"{seconds:.3g}"),
+            "cpu": float(f"{timing.seconds:.3g}"),
             "digits": round(worst_digits(run.states, true, scene, cap=wide), 2),
             "method": run.method,
         }
@@ -98,16 +98,3 @@ def _row(contest: Contest) -> dict[str, Any]:
     row["agreement"] = round(worst_digits(runs[1], runs[0], scene, cap=wide), 2)
     row["gain"] = float(f"{row['taylor']['cpu'] / row['refined']['cpu']:.3g}")
     return row
-
-
-def _timed(
-    scene: Scene, number: number_types.NumberType, method: str, repeats: int
-) -> tuple[Trajectory, float]:
-    """A run after one to t = 10 that loads what is compiled, and the least CPU seconds."""
-    integrate(scene.at([min(10, scene.end)]), number, method=method)
-    least = math.inf
-    for _ in range(repeats):
-        began = time.process_time()
-        run = integrate(scene, number, method=method)
-        least = min(least, time.process_time() - began)
-    return run, least

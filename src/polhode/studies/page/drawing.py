@@ -1,0 +1,164 @@
+"""What figures of studies share: looks of programs, logarithmic axes, legends, strips of dots."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from polhode.figures.canvas.canvas import COLOURS, MARKS, as_svg, paper, power_of_ten
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
+    from matplotlib.figure import Figure
+
+WIDTH = 4.4  # inches: text of 8 points is 9 pixels on a page 400 pixels wide
+GUIDE, SHADE = "#777777", "#f4f4f4"
+LEGEND: dict[str, Any] = {
+    "frameon": False,
+    "fontsize": 8,
+    "handletextpad": 0.3,
+    "columnspacing": 1,
+}
+_SHORT = 60.0  # from end to end: an axis without two powers of ten far from each other
+_OURS, _LIGHT = COLOURS["double"], "#56b4e9"
+
+
+def _look(color: str, marker: str, ls: str = "-", lw: float = 1.1) -> dict[str, Any]:
+    """Keywords of matplotlib's plot."""
+    return {"color": color, "marker": marker, "ls": ls, "lw": lw, "ms": 4}
+
+
+#: Keywords of matplotlib's plot: a hue a program; what differs within one has its mark and line.
+LOOKS: dict[str, dict[str, Any]] = {
+    "polhode": _look(_OURS, "o", lw=2.2),
+    "double": _look(_LIGHT, "o", "--"),
+    "double projected": _look(_OURS, "o"),
+    **{f"polhode {x}": _look(COLOURS[x], MARKS[x], "--") for x in COLOURS},
+    **{f"polhode {x} projected": _look(COLOURS[x], MARKS[x]) for x in COLOURS},
+    "heyoka by hand": _look("#000000", "x", ":"),
+    "polhode integrate": _look(_LIGHT, "o", "--"),
+    "SciPy DOP853": _look("#999999", "s"),
+    "SciPy LSODA": _look("#999999", "v", ":"),
+    "CyRK DOP853": _look("#d55e00", "s"),
+    "CyRK VERN8": _look("#d55e00", "^", "--"),
+    "numbalsoda dop853": _look("#b8860b", "s"),
+    "numbalsoda lsoda": _look("#b8860b", "v", ":"),
+    "diffrax Dopri8": _look("#8c2d04", "D"),
+    "splitting 8": _look("#6a3d9a", "D", "--"),
+    "splitting 8 compensated": _look("#6a3d9a", "o"),
+}
+
+
+def logarithmic(axis: Axis) -> None:
+    """Label the powers of ten of a logarithmic axis; of a short one twice and five times them."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    low, high = axis.get_view_interval()
+    axis.set_major_locator(LogLocator(numticks=8))
+    axis.set_major_formatter(lambda x, _: _label(x))
+    if high < low * _SHORT:
+        axis.set_minor_locator(LogLocator(subs=(2, 5)))
+        axis.set_minor_formatter(lambda x, _: f"{x:g}")
+    else:
+        axis.set_minor_formatter(NullFormatter())
+
+
+def _label(x: float) -> str:
+    """A power of ten, written out where it is short."""
+    return f"{x:g}" if 9e-4 < x < 2e4 else power_of_ten(math.log10(x))
+
+
+def plain(axes: Axes) -> None:
+    """Pale lines at the labels of both axes, which are logarithmic where their scales are."""
+    axes.grid(lw=0.3, color="#dddddd")
+    for axis in (axes.xaxis, axes.yaxis):
+        if axis.get_scale() == "log":
+            logarithmic(axis)
+
+
+def legend(figure: Figure, columns: int) -> None:
+    """Every name of the panels once, above them."""
+    handles: dict[str, Any] = {}
+    for axes in figure.axes:
+        for handle, name in zip(*axes.get_legend_handles_labels(), strict=True):
+            handles.setdefault(name, handle)
+    place = LEGEND | {"loc": "outside upper center", "ncols": columns}
+    figure.legend(handles.values(), handles.keys(), **place)
+
+
+#: Digits that a number type holds, and that the runs in mp are asked for.
+HELD = {"double": 53 * 0.30103, "extended": 64 * 0.30103, "quad": 113 * 0.30103}
+ASKED = 50
+_STRIP = (
+    "correct digits, worst of all output times\n"
+    "(dotted: what the type holds; ringed: fewer\nthan nine in ten such runs)"
+)
+_GOLDEN = 0.618034  # of a strip's height from one dot to the next: any few in a row lie apart
+_HEIGHT = 0.3  # inches of a strip
+
+
+class Dot(NamedTuple):
+    """One run: its digits, and whether it has fewer than the least expected."""
+
+    digits: float
+    number: str
+    behind: bool
+
+
+def dots(runs: Sequence[Mapping[str, Any]]) -> list[Dot]:
+    """The dots of the runs in a study's JSON that have digits."""
+    return [
+        Dot(run["correct_digits"], run["number"], _is_behind(run))
+        for run in runs
+        if "correct_digits" in run
+    ]
+
+
+def _is_behind(run: Mapping[str, Any]) -> bool:
+    expected = run.get("expected")
+    return expected is not None and run["correct_digits"] < expected[0]
+
+
+def strips(groups: Mapping[str, Sequence[Dot]]) -> str:
+    """A figure of dots, a strip a group from the top down, a colour a number type."""
+    count = max(len(groups), 1)
+    with paper() as plt:
+        size = WIDTH, 1.1 + _HEIGHT * count
+        figure, axes = plt.subplots(figsize=size, layout="constrained")
+        for level in range(0, count, 2):
+            axes.axhspan(level - 0.5, level + 0.5, color=SHADE, lw=0)
+        for number, digits in HELD.items():
+            axes.axvline(digits, color=COLOURS[number], lw=0.8, ls=":")
+        for number in COLOURS:
+            _draw_dots(axes, number, [*groups.values()])
+        axes.set(xlabel=_STRIP, xlim=(-1, None), ylim=(count - 0.5, -0.5))
+        axes.set_yticks(range(len(groups)), [*groups])
+        axes.tick_params(axis="y", length=0)
+        axes.grid(axis="x", lw=0.3, color="#dddddd")
+        legend(figure, len(COLOURS))
+        return as_svg(figure)
+
+
+def _draw_dots(axes: Axes, number: str, groups: Sequence[Sequence[Dot]]) -> None:
+    """The dots of a number type, and rings about those that are behind."""
+    placed = [
+        (dot, level + 0.8 * (k * _GOLDEN % 1 - 0.5))
+        for level, group in enumerate(groups)
+        for k, dot in enumerate(sorted(dot for dot in group if dot.number == number))
+    ]
+    name = f"{number}, {ASKED} asked" if number == "mp" else number
+    for ring, label in ((False, name), (True, None)):
+        shown = [(dot.digits, y) for dot, y in placed if dot.behind or not ring]
+        axes.plot(
+            [x for x, _ in shown],
+            [y for _, y in shown],
+            MARKS[number],
+            color=COLOURS[number],
+            ms=3.4,
+            mec="#000000" if ring else "none",
+            mew=0.9,
+            alpha=0.85,
+            label=label,
+        )
