@@ -32,7 +32,6 @@ from polhode.enclosures.certify import certify as certify
 from polhode.enclosures.events import CertifiedEvents as CertifiedEvents
 from polhode.enclosures.events import certify_events as certify_events
 from polhode.enclosures.result import Enclosure as Enclosure
-from polhode.enclosures.variations.flow_derivative import FlowDerivative as FlowDerivative
 from polhode.equations.plain_field import field as field
 from polhode.figures.drawing import plot as plot
 from polhode.figures.drawing import view as view

@@ -11,10 +11,9 @@ import pytest
 from flint import arb, ctx
 
 import polhode
-from polhode.certificates import certificate_file, grid, verify
-from polhode.certificates.orbit_certificate import Stated, certificate
+from polhode.certificates import grid, orbit_certificate, verify
+from polhode.certificates.orbit_certificate import Choice, Problem
 from polhode.cli import main
-from polhode.common.errors import BadInput
 from shared.mutation import altered
 
 BODY = {"moments": [2, "3/2", 1], "centre": ["3/10", "1/5", "1/2"], "weight": 1}
@@ -40,23 +39,6 @@ def guess(kind):
     return polhode.top(**BODY, omega=omega, gamma=gamma, normalise=True, end=period)
 
 
-def of(found):
-    """The certificate of a proved orbit."""
-    return certificate(found.scene.name, found.scene.body, stated(found))
-
-
-def stated(found):
-    return Stated(
-        found.h,
-        found.f,
-        found.kind,
-        [x.decimals for x in (*found.omega, *found.gamma)],
-        found.period.decimals,
-        found.residue.decimals,
-        [f"{0.9 * x:.3e}" for x in found.unique_within],
-    )
-
-
 def proved(kind, digits=30, **level):
     near = guess(kind)
     return polhode.prove_orbit(near, near, digits=digits, **LEVEL | level)
@@ -75,7 +57,7 @@ def few():
 
 @pytest.fixture(scope="module")
 def small(few):
-    return of(few)
+    return json.loads(few.certificate)
 
 
 def told(given):
@@ -192,21 +174,28 @@ def test_guesses_prove_nothing_false(small):
 
 
 @pytest.mark.parametrize(("kind", "times"), [("hyperbolic", 2), ("elliptic", 3)])
-def test_several_periods_are_not_the_least_one(orbits, monkeypatch, kind, times):
-    monkeypatch.setattr(certificate_file, "_MORE", (0,))
+def test_several_periods_are_not_the_least_one(orbits, kind, times):
     found = orbits[kind]
-    middle, _ = found.period.decimals
-    trace = [Fraction(2), 2 - 4 * Fraction(found.residue.decimals[0])]  # of powers
-    for _ in range(times - 1):
-        trace.append(trace[1] * trace[-1] - trace[-2])
-    several = stated(found)._replace(
-        start=[(x, "1e-30") for x, _ in stated(found).start],
-        period=(str(times * Fraction(middle)), "1e-30"),
-        residue=(str((2 - trace[-1]) / 4), "1e-2"),
-        alone=["1e-30", "1e-30", "1e-30"],
+    start = [x.centre for x in (*found.omega, *found.gamma)]
+    period = times * found.period.centre
+    problem = Problem(found.scene.body, found.h, found.f, start, period)
+    zero = orbit_certificate.proved(
+        orbit_certificate.guesses(problem, Choice(Fraction(1, 10**22), 140, 0.2))
     )
-    with pytest.raises(BadInput, match=f"the period may be {times} times the least one"):
-        certificate("several", found.scene.body, several)
+    assert zero.repeated == f"the period may be {times} times the least one"
+    statement = json.loads(found.certificate)["statement"]
+    claim = verify.read_orbit(statement)._replace(
+        period=(period, Fraction(1, 10**20)), residue=(Fraction(0), Fraction(10**9)), alone=[0] * 3
+    )
+    claim = claim._replace(kind=kind_of(zero), start=[(x, Fraction(1, 10**20)) for x in start])
+    with ctx.workprec(400):
+        with pytest.raises(verify.NotProved, match=f"may be {times} times the least one"):
+            verify.check_orbit(claim, zero)
+        verify.check_orbit(claim._replace(least=False), zero)
+
+
+def kind_of(zero):
+    return next(kind for kind, test in verify.STABILITY.items() if test(zero.residue) is True)
 
 
 SHIFT = 1  # the checker's unit of time is 2^-SHIFT
@@ -228,7 +217,8 @@ def made_of(small, bits, monkeypatch, corner=None, later=0, point=False):
         at = [verify.ball((x * power + sign * size, Fraction(0))) for x, sign, size in start]
         given |= grid.steps(body, at, period, 200, fine, 0.15)
         ctx.prec = 53
-    given["grid"][-1] += later * (1 << (given["time_bits"] + 2 - bits - SHIFT))
+    if later:
+        given["grid"][-1] += later * (1 << (given["time_bits"] + 2 - bits - SHIFT))
     held = []
     found = verify.derivative_of_f
 
@@ -329,6 +319,73 @@ def test_dependent_gradients_are_refused(small, monkeypatch):
     small_r = 2.0 ** -small["radius_bits"] * 4
     monkeypatch.setattr(verify, "gradients", dependent)
     assert "may be dependent" in told(small)
+
+
+@pytest.fixture
+def closing(small, monkeypatch):
+    """What the theorem at the period's end is given: the run, columns, period, r, the level."""
+    held, closed = [], verify._closed
+
+    def kept(*arguments):
+        held.append(arguments)
+        return closed(*arguments)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(verify, "_closed", kept)
+        assert told(small).startswith("proved")
+    with ctx.workprec(200):
+        yield held[0]
+
+
+def test_a_period_within_its_box_of_0_proves_nothing(closing):
+    run, end, _, r, values = closing
+    with pytest.raises(verify.NotProved, match="no longer than its box"):
+        verify._closed(run, end, 3 * r, r, values)
+    verify._closed(run, end, 5 * r, r, values)
+
+
+def test_a_plane_that_may_touch_the_motion_proves_nothing(closing, monkeypatch):
+    *_, r, _ = closing
+    rates, least = verify.rates, float(r) / 4
+
+    def turned(body, box):
+        found = rates(body, box)
+        is_box = least < float(box[0].rad()) < 1.5 * float(r)
+        return [y + arb(0, 100) for y in found] if is_box else found
+
+    monkeypatch.setattr(verify, "rates", turned)
+    with pytest.raises(verify.NotProved, match="the plane of the start may touch"):
+        verify._closed(*closing)
+
+
+def test_how_far_an_orbit_is_alone_is_less_by_slope_and_distance(closing):
+    """Of a level that is off by a part of the box, so that the zero is away from the centre."""
+    run, end, period, r, values = closing
+    values = [values[0] + r / 30, *values[1:]]
+    zero, _ = verify._closed(run, end, period, r, values)
+    x, box = run.centres[0], float(r)
+    f = [float(y) for y in verify.rates(run.body, x)]
+    slope = max(map(abs, f)) * sum(map(abs, f)) / sum(y * y for y in f)
+    away = [float(abs(y * u - z).upper()) for y, u, z in zip(zero.start, run.rates, x, strict=True)]
+    unit = float(run.rates[0])
+    later = float(abs(zero.period / run.rates[0] - period).upper())
+    assert max(away) > 0.01 * box / (1 + slope)
+    assert later > 0.001 * box
+    expected = box / (1 + slope) - max(away)
+    omega, gamma, time = map(float, zero.alone)
+    assert gamma == pytest.approx(expected, rel=1e-3, abs=0)
+    assert omega == pytest.approx(expected / unit, rel=1e-3, abs=0)
+    assert time == pytest.approx((4 * box - later) * unit, rel=1e-5, abs=0)
+
+
+def test_a_part_of_the_period_ends_outside_of_the_box_at_every_time(closing):
+    """It differs from the start by more than the box, and what its end may be later, or less."""
+    run, _, _, r, _ = closing
+    x = run.centres[0]
+    reach = arb(verify.around(run.body, x, 2 * r)[0].rad())  # of half a period, known to 2 r
+    for more, said in (("0.5", "the period may be 2 times the least one"), (2, "")):
+        back = {2: [y + reach + arb(more) * r for y in x]}
+        assert verify._repeated(run, r, back, arb("1.5")) == said
 
 
 @pytest.mark.slow

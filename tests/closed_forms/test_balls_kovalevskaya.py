@@ -34,7 +34,7 @@ def test_of_two_places_that_fit_the_start_the_attitude_takes_neither():
     """The first was a wrong one in 14 of 1504 set-ups: more bits, until one is left."""
     top = top_of(*GENERIC["e-ee+"])
     with ctx.workprec(107):
-        motion = top._solution().state
+        motion = top._solution().motion
         theta_attitude.ThetaAttitude(motion, top._first_turn())
         motion.choices.append(motion.choices[0])
         with pytest.raises(TooFewBits):
@@ -147,6 +147,19 @@ def test_neighbours_that_have_left_the_motion_tell_nothing():
     (few,), (many,) = top.at([100], 15), top.at([100], 40)
     with mpmath.workdps(50):
         assert 1e-60 < max(abs(mpf(x) - mpf(y)) for x, y in zip(few, many, strict=True)) < 1e-15
+
+
+@pytest.mark.slow
+def test_neighbours_in_too_many_bits_are_refused():
+    """The limit was 7000 bits for 200 digits, many minutes; 150 have to be there, and right."""
+    top = polhode.reference("kovalevskaya/asymptotic")
+    begin = time.process_time()
+    with pytest.raises(polhode.BadInput, match=r"1000 bits give 1[6-9]\d of 300 digits"):
+        top.at([1], 300)
+    (few,), (many,) = top.at([1], 60), top.at([1], 150)
+    assert time.process_time() - begin < 90
+    with mpmath.workdps(160):
+        assert 1e-110 < max(abs(x - y) for x, y in zip(few, many, strict=True)) < 1e-60
 
 
 def test_of_a_separatrix_it_is_known_at_once_that_its_attitude_is_not_proven():

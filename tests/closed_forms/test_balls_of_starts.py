@@ -31,7 +31,7 @@ ROUGH = {
     "lagrange": (4, 8, 100, FEW_BITS, TIMES, 900, "1e-60", 21),
     "pendulum": (4, 8, 100, FEW_BITS, TIMES, 900, "1e-60", 21),
     "hess": (3, 20, 240, FEW_BITS[::2], TIMES, 280, "1e-60", 21),
-    "kovalevskaya": (0, 6, 60, FEW_BITS[1:-1], TIMES[:2], 420, "1e-12", 21),
+    "kovalevskaya": (0, 6, 60, FEW_BITS[1:-1], TIMES[:2], 420, "1e-12", 20),
     "goryachev-chaplygin": (2, 24, 240, FEW_BITS, (F(7), F(-(10**6))), 420, "1e-12", 36),
     **dict.fromkeys(
         ("staude", *orbit_members.MEMBERS), (1, 2, 20, FEW_BITS[1:-1], TIMES[:2], 330, "1e-60", 21)

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import random
 from fractions import Fraction
 
-import mpmath
 import numpy as np
 import pytest
 from flint import arb
 
 import polhode
-from polhode.dynamics.levels import descents, effective_potential
-from polhode.dynamics.levels.rotation_arcs import RationalBody
+from polhode.dynamics.levels import regions
+from polhode.dynamics.levels.permanent_rotations import families
+from polhode.dynamics.levels.rational_body import RationalBody
 from polhode.numbers.flint_context import ctx
+from polhode.numbers.polynomials import middle
 from polhode.scenes.body import Body
 
 START = {"omega": ("0.3", "0.2", "1.1"), "gamma": ("3/5", 0, "4/5")}
@@ -83,13 +83,13 @@ def test_regions_by_counting_critical_points(moments, f):
     """Their energies, and sum (2 - k) over the parts = minima - saddles + maxima below."""
     points = counted(moments, float(f))
     assert sum((-1) ** index for _, _, index in points) == 2  # none is missed
-    regions = found_of(moments).regions(f)
+    found = found_of(moments).regions(f)
     energies = []
     for value, _, _ in points:
         if not energies or value - energies[-1] > 1e-12 * abs(value):
             energies.append(value)
-    assert [h for h, _ in regions] == pytest.approx(energies, rel=1e-14)
-    for low, region in regions:
+    assert [h for h, _ in found] == pytest.approx(energies, rel=1e-14)
+    for low, region in found:
         below = [index for value, _, index in points if value <= low + 1e-13 * abs(low)]
         assert sum(2 - k for k in region) == sum((-1) ** index for index in below)
         if set(below) == {0}:
@@ -109,8 +109,7 @@ def test_two_discs_join_over_the_saddle_between_them(f):
     along = float(f) ** 2 / (2 * (2 * np.cos(angle) ** 2 + 2.01 * np.sin(angle) ** 2))
     along -= np.cos(angle)
     assert along.max() <= saddle * (1 + 1e-15)
-    regions = [region for _, region in found_of(NEAR).regions(f)]
-    assert regions == [(1, 1), (1,), (2,), (0,)]
+    assert [region for _, region in found_of(NEAR).regions(f)] == [(1, 1), (1,), (2,), (0,)]
     assert saddle > one
 
 
@@ -149,55 +148,66 @@ def test_a_rational_level_is_called_so(tmp_path, capsys):
     assert found.here.region == (2,)
 
 
-# -- what proves a descent -------------------------------------------------------------------------
+# -- which minima are joined -----------------------------------------------------------------------
 
 
-def test_derivatives_along_a_great_circle_and_their_bounds():
-    """At 50 digits, beside Taylor's coefficients of mpmath; the bounds hold and are not slack."""
-    rng = random.Random(5)
-    nearest = [0.0, 0.0]
-    for k in range(80):  # a nearly spherical free body comes close to the bounds
-        apart, heavy = (40, 1) if k % 2 else (4000, 0)
-        moments = [1 + Fraction(rng.randint(-20, 30), apart) for _ in range(3)]
-        if k % 3 == 0:
-            moments[0] /= 100
-        torque = tuple(heavy * Fraction(rng.randint(-30, 30), 30) for _ in range(3))
-        f = Fraction(rng.randint(1, 60), 20)
-        with mpmath.workdps(60), ctx.workprec(220):
-            g, u = frame(rng)
-            body = RationalBody(tuple(moments), torque, True)
-            known = descents.Potential.of(body, f)
-            of = [tuple(arb(str(x)) for x in vector) for vector in (g, u)]
-            a, t = ([mpmath.mpf(x.numerator) / x.denominator for x in y] for y in (moments, torque))
-
-            half = mpmath.mpf(f.numerator) ** 2 / f.denominator**2 / 2
-
-            def along(angle, a=a, t=t, g=g, u=u, half=half):
-                cos, sin = mpmath.cos(angle), mpmath.sin(angle)
-                at = [cos * x + sin * y for x, y in zip(g, u, strict=True)]
-                inertia = sum(m * x * x for m, x in zip(a, at, strict=True))
-                return half / inertia + sum(x * y for x, y in zip(t, at, strict=True))
-
-            right = [mpmath.factorial(k) * c for k, c in enumerate(mpmath.taylor(along, 0, 4))]
-            for got, expected in zip(known.derivatives(*of), right[1:4], strict=True):
-                assert abs(float(got - arb(str(expected)))) < 1e-45
-            least = known.least_inertia(*of, arb(0))  # here
-            assert float(least) == pytest.approx(
-                float(sum(m * x * x for m, x in zip(a, g, strict=True)))
+@pytest.mark.parametrize("heavy", [1, 0])
+def test_an_arc_lies_below_an_energy_above_all_of_its_own_and_below_no_lower_one(heavy):
+    """W_f along 300 arcs between random points, from 2001 samples; h beside the largest of them."""
+    rng = np.random.default_rng(11)
+    part = np.linspace(0, 1, 2001)[:, None]
+    inner = 0
+    for _ in range(300):
+        moments, torque = rng.integers(2, 60, 3) / 20, heavy * rng.integers(-30, 30, 3) / 10
+        f = int(rng.integers(1, 40)) / 10
+        body = RationalBody(*(tuple(map(Fraction, x.tolist())) for x in (moments, torque)), True)
+        ends = rng.normal(size=(2, 3))
+        ends /= np.linalg.norm(ends, axis=1)[:, None]
+        angle = np.arccos(ends[0] @ ends[1])
+        g = (np.sin((1 - part) * angle) * ends[0] + np.sin(part * angle) * ends[1]) / np.sin(angle)
+        along = f * f / (2 * (moments * g * g).sum(axis=1)) + g @ torque
+        most = int(np.argmax(along))
+        inner += 0 < most < 2000
+        with ctx.workprec(128):
+            one, other = (
+                regions.Critical(tuple(arb(x) for x in end), arb(value), 0)
+                for end, value in ((ends[0].tolist(), along[0]), (ends[1].tolist(), along[-1]))
             )
-            for which, bound in enumerate(known.bounds(least)):
-                ratio = float(abs(arb(str(right[2 * which + 2]))) / bound)
-                assert ratio <= 1
-                nearest[which] = max(nearest[which], ratio)
-    assert min(nearest) > 0.75
+            for off in (1e-5, -1e-5):
+                h = Fraction(float(along[most] + off * (1 + along.max() - along.min())))
+                assert regions.arc_below(body, h, Fraction(f), one, other) == (off > 0)
+    assert inner > 60  # its largest energy is not always at an end
 
 
-def frame(rng):
-    """Two unit vectors at right angles, in mpmath's precision."""
-    g, u = (mpmath.matrix([rng.gauss(0, 1) for _ in range(3)]) for _ in range(2))
-    g /= mpmath.norm(g)
-    u -= (g.T * u)[0] * g
-    return list(g), list(u / mpmath.norm(u))
+def test_minima_are_joined_only_over_a_saddle_whose_arcs_are_below():
+    """Two minima and a saddle below two maxima and a saddle: one disc, or an annulus and a disc."""
+    moments, torque = ((Fraction(x) for x in v) for v in ((2, "2.01", 1), (1, 0, 0)))
+    body = RationalBody(tuple(moments), tuple(torque), True)
+    at = regions.critical_points(body, families(body), Fraction(21))
+    assert [point.morse for point in at.points] == [0, 0, 1, 1, 2, 2]
+    assert regions.parts(body, at, 3) == (1,)
+    low, other, saddle, *above = at.points
+    elsewhere = saddle._replace(gamma=above[-1].gamma)  # arcs from there come down from above
+    false = at._replace(points=[low, other, elsewhere, *above])
+    with pytest.raises(regions.Undecided, match="parts is not known"):
+        regions.parts(body, false, 3)
+    one_maximum = at._replace(points=[low, other, elsewhere, above[-1]])
+    assert regions.parts(body, one_maximum, 3) == (1,)  # what is left is one disc: no arc is asked
+
+
+@pytest.mark.parametrize("unit", [Fraction(1), Fraction(2) ** 900])
+def test_two_discs_join_by_a_chain_where_no_arc_lies_below(unit):
+    """Two saddles, nearly mirror images: from the lower one no arc leads down to a minimum."""
+    f = Fraction("2.8585818648") * unit
+    moments = tuple(Fraction(x) * unit for x in ("2", "0.7", "1.6"))
+    body = RationalBody(moments, tuple(Fraction(x) * unit for x in ("0.8", "0.4", "1e-6")), True)
+    at = regions.critical_points(body, families(body), f)
+    low, other, saddle = at.points[:3]
+    h = (middle(saddle.value) + middle(at.points[3].value)) / 2
+    assert [regions.arc_below(body, h, f, saddle, m) for m in (low, other)] == [False, True]
+    assert [regions.parts(body, at, count) for count in range(1, 7)] == [
+        *((1,), (1, 1), (1,), (2,), (1,), (0,))
+    ]
 
 
 # -- the figure ------------------------------------------------------------------------------------
@@ -244,14 +254,14 @@ def test_the_figure_shows_the_regions_of_close_rotations():
 @pytest.mark.slow
 def test_an_undecided_column_is_hatched(monkeypatch):
     """It is not filled with a neighbour's colour."""
-    decided = effective_potential.regions_between
+    decided = regions.regions_between
 
-    def partly(body, arcs, f, known=None):
+    def partly(body, known, f):
         if Fraction("20.5") < f < Fraction("21.5"):
-            raise descents.Undecided("for a test")
-        return decided(body, arcs, f, known)
+            raise regions.Undecided("for a test")
+        return decided(body, known, f)
 
-    monkeypatch.setattr(effective_potential, "regions_between", partly)
+    monkeypatch.setattr(regions, "regions_between", partly)
     found = found_of(NEAR)
     axes = drawn(found).axes[0]
     assert [shades_at(axes, place) for place in PLACES] == [{"not decided"}] * 4

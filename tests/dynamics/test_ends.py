@@ -12,8 +12,7 @@ import pytest
 
 import polhode
 from polhode.common import memory
-from polhode.dynamics.levels import rotation_arcs
-from polhode.dynamics.levels.rotation_arcs import RationalBody, Reach
+from polhode.dynamics.levels.rational_body import MOST_SPREAD, RationalBody, Reach
 from polhode.dynamics.sections import coordinates, jobs
 from polhode.dynamics.sections.starts import asked_of
 from polhode.scenes.vocabulary import STATE
@@ -182,7 +181,7 @@ def test_reach_of_exact_levels():
     assert Fraction(10) ** -42 not in reach
     near = body._replace(moments=(1 + Fraction(1, 2**60), Fraction(1), Fraction(3, 2)))
     narrow = Reach.of(near)
-    bits = rotation_arcs.MOST_SPREAD - 2 * (60 + np.log2(1.5))
+    bits = MOST_SPREAD - 2 * (60 + np.log2(1.5))
     assert np.log2(narrow.most / narrow.least) == pytest.approx(2 * bits, abs=1e-6)
     none = Reach.of(near._replace(moments=(1 + Fraction(1, 2**80), Fraction(1), Fraction(2))))
     assert none.most < none.least

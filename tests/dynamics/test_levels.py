@@ -1,4 +1,4 @@
-"""Levels (h, f): arcs of permanent rotations, their types, and regions, each found another way."""
+"""Levels (h, f): curves of permanent rotations, types, and regions, each found another way."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ from flint import arb
 
 import polhode
 from polhode.cli import main
-from polhode.dynamics.levels import effective_potential, permanent_rotations
-from polhode.dynamics.levels.rotation_arcs import RationalBody
+from polhode.dynamics.levels.permanent_rotations import between, families
+from polhode.dynamics.levels.rational_body import RationalBody
+from polhode.dynamics.levels.regions import region, regions_between
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.polynomials import middle, rational
+from polhode.numbers.polynomials import rational
 from polhode.scenes.body import Body
 
 BODIES = {
@@ -36,23 +37,15 @@ def body(name):
     return RationalBody.of(Body.of_moments(moments, centre, 1))
 
 
-def inside(arc, segment, part=Fraction(1, 3)):
-    """A parameter on a piece."""
-    first, last = (None if x is None else middle(x) for x in (segment.first, segment.last))
-    if first is None:
-        return last - 3
-    return first + (part * (last - first) if last is not None else 2)
-
-
 @pytest.mark.parametrize("name", BODIES)
 def test_energy_grows_by_omega_times_area(name):
     """dh = om df, by differences of 1e-25 in balls of 320 bits: an error of their square."""
-    for arc in permanent_rotations.arcs(body(name)):
-        for segment in arc.segments:
+    for family in families(body(name)):
+        for piece in family.pieces:
             with ctx.workprec(320):
-                at = inside(arc, segment)
+                at = between(piece.first, piece.last)
                 step = Fraction(1, 10**25)
-                low, here, high = (arc.at(arb(rational(x))) for x in (at - step, at, at + step))
+                low, here, high = (family.at(arb(rational(x))) for x in (at - step, at, at + step))
                 slope = (high.h - low.h) / (high.f - low.f)
                 assert abs(float(slope / here.om - 1)) < 1e-44
 
@@ -61,16 +54,19 @@ def test_energy_grows_by_omega_times_area(name):
 def test_the_points_are_permanent_rotations_of_their_type(name):
     """At gamma and om the field vanishes; the eigenvalues of its derivative say the type."""
     known = body(name)
-    for arc in permanent_rotations.arcs(known):
-        for segment in arc.segments:
+    for family in families(known):
+        for piece in family.pieces:
             with ctx.workprec(320):
-                point = arc.at(arb(rational(inside(arc, segment))))
-            gamma = np.array([float(x) for x in arc.gamma(point)])
+                point = family.at(arb(rational(between(piece.first, piece.last))))
+            gamma = np.array([float(x) for x in point.gamma])
             om = float(point.om)
+            assert abs(float(np.linalg.norm(gamma)) - 1) < 1e-15
             assert np.abs(field(known, om * gamma, gamma)).max() < 1e-14 * max(1, om * om)
             inertia = gamma * gamma @ [float(a) for a in known.moments]
             assert float(point.f) == pytest.approx(om * inertia, rel=1e-14)
-            assert type_by_eigenvalues(known, om * gamma, gamma) == segment.type
+            energy = om * float(point.f) / 2 + gamma @ [float(t) for t in known.torque]
+            assert float(point.h) == pytest.approx(energy, rel=1e-13, abs=1e-14)
+            assert type_by_eigenvalues(known, om * gamma, gamma) == piece.type
 
 
 def field(known, w, g):
@@ -124,6 +120,16 @@ def test_the_lagrange_top_sleeps_from_its_critical_spin_on():
     found = polhode.levels("lagrange/nutation")
     (hopf,) = [mark for mark in found.marks if mark.kind == "Hamiltonian-Hopf"]
     assert (float(hopf.f), float(hopf.h)) == (2.0, 5.0)
+
+
+def test_no_curve_is_a_single_point():
+    """At a branch that is a Hamiltonian-Hopf point as well a curve of 259 equal points was told."""
+    found = polhode.levels("published/hairer-vilmart")
+    marks = sorted(float(mark.parameter) for mark in found.marks if mark.family == "first")
+    assert len(set(marks)) < len(marks)
+    for curve in found.curves:
+        assert curve.first is None or curve.last is None or curve.first < curve.last
+        assert np.ptp(curve.points, axis=0).min() > 0
 
 
 # -- regions, counted on a grid of the sphere ------------------------------------------------------
@@ -183,30 +189,28 @@ FS = {
 @pytest.mark.parametrize(("name", "f"), [(name, f) for name, fs in FS.items() for f in fs])
 def test_regions_by_counting_on_a_grid(name, f):
     known, f = body(name), Fraction(f)
-    found = permanent_rotations.arcs(known)
-    column = effective_potential.regions_between(known, found, f)
+    found = families(known)
+    column = regions_between(known, found, f)
     energies = [h for h, _ in column]
     gap = (energies[-1] - energies[0]) / 30
     looked = 0
-    for k, (low, region) in enumerate(column):
+    for k, (low, shape) in enumerate(column):
         high = energies[k + 1] if k + 1 < len(energies) else low + 1
         if high - low > gap:  # the grid does not see less
             h = (low + high) / 2
-            assert region_on_a_grid(known, h, float(f)) == region, h
-            assert effective_potential.region(known, found, Fraction(h), f) == region
+            assert region_on_a_grid(known, h, float(f)) == shape, h
+            assert region(known, found, Fraction(h), f) == shape
             looked += 1
     assert looked >= 2
-    assert effective_potential.region(known, found, Fraction(energies[0] - gap), f) == ()
+    assert region(known, found, Fraction(energies[0] - gap), f) == ()
 
 
 def test_a_level_has_two_discs_or_three_edges():
     """The levels at which the number of critical points alone would mislead."""
     generic = body("generic")
-    arcs = permanent_rotations.arcs(generic)
-    assert effective_potential.region(generic, arcs, Fraction("1.495"), Fraction("2.3")) == (1, 1)
+    assert region(generic, families(generic), Fraction("1.495"), Fraction("2.3")) == (1, 1)
     kovalevskaya = body("kovalevskaya")
-    arcs = permanent_rotations.arcs(kovalevskaya)
-    assert effective_potential.region(kovalevskaya, arcs, Fraction("1.9"), Fraction("1.9")) == (3,)
+    assert region(kovalevskaya, families(kovalevskaya), Fraction("1.9"), Fraction("1.9")) == (3,)
 
 
 def test_on_a_bifurcation_there_is_no_region():

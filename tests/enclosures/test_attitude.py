@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from flint import fmpz, fmpz_poly
 
 import polhode
 from polhode.enclosures import (
@@ -26,10 +25,11 @@ from polhode.enclosures import (
     step_bound,
     winding_number,
 )
-from polhode.enclosures.approximation import attitude_series
+from polhode.enclosures.approximation import newton_correction
 from polhode.enclosures.fixed_point_problem import Refused
 from polhode.enclosures.quaternion import Turned, Turns
 from polhode.enclosures.result import Part
+from polhode.enclosures.taylor_polynomials import Pieces
 from polhode.judging.adaptive_precision import integrate
 from polhode.numbers import vectors
 from polhode.numbers.conversion import exactly
@@ -81,11 +81,11 @@ def test_random_tops_have_their_attitude_and_angles_inside(kinds: Sequence[str])
 # -- one term alone, and without it ----------------------------------------------------------
 
 
-def _turn(scene: Scene, problem: Any, last: int, approximate: Any) -> tuple[list[Any], float]:
+def _turn(scene: Scene, problem: Any, last: int, solution: Any) -> tuple[list[Any], float]:
     """The midpoint of the turn since the start, in principal axes, and its claimed error."""
     motion = fixed_point_problem.motion(replace(scene, outputs=("attitude",)))
     times = [fixed_point_problem.ball(Fraction(last), 400)]
-    watch = attitude.Watch(motion, problem, times, approximate, False)
+    watch = attitude.Watch(motion, problem, times, solution, False)
     proof_loop.run(problem, times, integral_contraction.prepared(motion, 400), watchers=[watch])
     centre = [Fraction(int(x), 1 << problem.fine) for x in watch._turned.centre]
     return centre, watch._turned.radius * 2.0**-problem.noise
@@ -111,21 +111,22 @@ def _of_the_sphere(rate: Fraction, last: int) -> list[Fraction]:
         return [exactly(mpmath.cos(half)), Fraction(0), Fraction(0), exactly(mpmath.sin(half))]
 
 
-def _wrong_start(sharp: Any, noise: int) -> Any:
-    rows, level = attitude_series.approximate(sharp, noise)
-    bent = [[x + (fmpz(1) << (level - 40)) * (k == 3) for k, x in enumerate(row)] for row in rows]
-    return bent, level
+def _wrong_start(a: Any, defects: Any, start: Any) -> Any:
+    found = newton_correction.forced(a, defects, start)
+    found[:, 0, 3] += 2.0**-40 * bool(np.any(start))  # of v itself, not of a correction
+    return found
 
 
-def _wrong_slope(sharp: Any, noise: int) -> Any:
-    rows, level = attitude_series.approximate(sharp, noise)
-    by = fmpz_poly([0, fmpz(1) << (level - 40)])
-    return [[x + by * (k == 3) for k, x in enumerate(row)] for row in rows], level
+def _wrong_slope(a: Any, defects: Any, start: Any) -> Any:
+    """A coefficient that is wrong by 2**-40, of v and again by whatever is corrected."""
+    found = newton_correction.forced(a, defects, start)
+    found[:, 1, 3] += 2.0**-40 if np.any(start) else 2.0**50  # 2**(90 - 40)
+    return found
 
 
-def _by_a_fault(approximate: Any) -> float:
+def _by_a_fault(solution: Any) -> float:
     problem = fixed_point_problem.problem(fixed_point_problem.motion(SPHERE), 90)
-    centre, claimed = _turn(SPHERE, problem, 4, approximate)
+    centre, claimed = _turn(SPHERE, problem, 4, solution)
     return _off(centre, _of_the_sphere(Fraction(1, 2), 4)) / claimed
 
 
@@ -136,7 +137,7 @@ def _by_the_state() -> float:
     ticks = 1 << (problem.fine - 50)
     start = (*problem.start[:2], problem.start[2] + ticks, *problem.start[3:])
     boxed = replace(problem, start=start, spread=(0.0, 0.0, 2.0**40, 0.0, 0.0, 0.0))
-    centre, claimed = _turn(SPHERE, boxed, 4, attitude_series.approximate)
+    centre, claimed = _turn(SPHERE, boxed, 4, newton_correction.forced)
     assert unit == 0
     return _off(centre, _of_the_sphere(Fraction(1, 2), 4)) / claimed
 
@@ -152,67 +153,50 @@ def _by_rounding() -> float:
         level = 60
         unit = [Fraction(1 - size, 1 + size), *(Fraction(2 * x, 1 + size) for x in (a, b, c))]
         v = [round(x * 2**level) for x in unit]
-        turned.step(Turns([[fmpz_poly([x]) for x in v]], level, np.zeros(1)), 0)
+        table = np.array([[[x] for x in v]], dtype=np.int64)
+        pieces = Pieces((0, 1), level, ((level, table),), np.zeros((1, 1, 4)), np.zeros((1, 1)))
+        turned.step(Turns(pieces, None, np.zeros(1)), 0)
         true = vectors.quaternion_product(true, [Fraction(x, 2**level) for x in v])
     centre = [Fraction(int(x), 1 << problem.fine) for x in turned.centre]
     return _off(centre, true) / (turned.radius * 2.0**-problem.noise)
 
 
-def _overwriting(sharp: Any, noise: int) -> Any:
-    """Right, and the polynomials of w that it was given are others afterwards."""
-    found = attitude_series.approximate(sharp, noise)
-    for _, part in sharp.parts:
-        part.low[:] = 0
-        part.high[:] = 0
-    for row in sharp.rows:
-        for x in row:
-            x[0] += 1 << 40
-    sharp.near[:] = 0.0
-    sharp.gap[:] = 0.0
+def _overwriting(a: Any, defects: Any, start: Any) -> Any:
+    """Right, and all that it was given is other numbers afterwards."""
+    found = newton_correction.forced(a, defects, start)
+    for given in (a, defects, start):
+        given[:] = 1.0
     return found
 
 
-def _of_zeroed(sharp: Any, noise: int) -> Any:
-    """The turn of a body that stands still, and the polynomials of w zeroed to match it."""
-    for _, part in sharp.parts:
-        part.low[:] = 0
-        part.high[:] = 0
-    return attitude_series.approximate(sharp, noise)
+def _of_zeroed(a: Any, defects: Any, start: Any) -> Any:
+    """The turn of a body that stands still."""
+    a[:] = 0.0
+    return newton_correction.forced(a, defects, start)
 
 
-@pytest.mark.parametrize("fault", [_overwriting, _of_zeroed])
-def test_a_turn_that_writes_into_the_polynomials_it_is_given_is_bounded(fault: Any) -> None:
+class _Hoarding:
+    """Right; what it has returned is other numbers as soon as it is asked again."""
+
+    def __init__(self) -> None:
+        self.kept: list[Any] = []
+
+    def __call__(self, a: Any, defects: Any, start: Any) -> Any:
+        for x in self.kept:
+            x *= 2.0
+        self.kept.append(newton_correction.forced(a, defects, start))
+        return self.kept[-1]
+
+
+@pytest.mark.parametrize("fault", [_overwriting, _of_zeroed, _Hoarding()])
+def test_a_turn_that_writes_into_what_it_is_given_or_has_returned_is_bounded(fault: Any) -> None:
     assert _by_a_fault(fault) <= 1.0
-
-
-def _hoarding(sharp: Any, noise: int) -> Any:
-    """Right, and changed once it is returned."""
-    rows, level = attitude_series.approximate(sharp, noise)
-    _KEPT.extend(x for row in rows for x in row)
-    return rows, level
-
-
-_KEPT: list[Any] = []
-
-
-def test_a_turn_may_be_changed_once_it_is_returned(monkeypatch: pytest.MonkeyPatch) -> None:
-    honest = quaternion.turns
-
-    def spoiling(*given: Any) -> Any:
-        found = honest(*given)
-        for x in _KEPT:
-            x[0] = x[0] + 1
-            x[1] = x[1] * 2
-        return found
-
-    monkeypatch.setattr(quaternion, "turns", spoiling)
-    assert _by_a_fault(_hoarding) <= 1.0
 
 
 #: The turn that shows a term, and how the term is dropped.
 TERMS: dict[str, tuple[Any, tuple[Any, str, str, str]]] = {
-    "defect": (lambda: _by_a_fault(_wrong_slope), (quaternion, "turns", "+ defect", "")),
-    "v(0)": (lambda: _by_a_fault(_wrong_start), (quaternion, "turns", "begin +", "")),
+    "defect": (lambda: _by_a_fault(_wrong_slope), (quaternion, "turns", "first + defect", "first")),
+    "v(0)": (lambda: _by_a_fault(_wrong_start), (quaternion, "turns", "first +", "")),
     "w": (_by_the_state, (quaternion, "turns", "* off)", "* 1e-20)")),
     "rounding": (_by_rounding, (quaternion, "Turned.step", "+ lost)", ")")),
     "radius carried": (
@@ -241,13 +225,11 @@ def test_no_fault_in_the_approximated_turn_makes_a_wrong_attitude() -> None:
     spoiled = 0
     for _ in range(12):
 
-        def faulty(sharp: Any, noise: int) -> Any:
-            rows, level = attitude_series.approximate(sharp, noise)
-            rows = [list(row) for row in rows]
-            n, k = rng.randrange(len(rows)), rng.randrange(4)
-            power, size = rng.randrange(sharp.near.shape[1]), rng.randrange(level + 2)
-            rows[n][k] += fmpz_poly([0] * power + [fmpz(rng.choice((-1, 1))) << size])
-            return rows, level
+        def faulty(a: Any, defects: Any, start: Any) -> Any:
+            found = newton_correction.forced(a, defects, start)
+            place = tuple(rng.randrange(n) for n in found.shape)
+            found[place] += rng.choice((-1, 1)) * np.max(np.abs(found)) * 2.0 ** -rng.randrange(50)
+            return found
 
         problem = fixed_point_problem.problem(motion, rng.choice((60, 90, 126)))
         watch = attitude.Watch(motion, problem, times, faulty, True)

@@ -154,16 +154,27 @@ def test_what_is_zero_all_along_or_no_polynomial_is_refused(zero: str, why: str)
         certify_events(wheel(zero))
 
 
-@pytest.mark.parametrize(("before", "count"), [(-1, 1), (1, 0)])
-def test_intervals_on_both_sides_of_a_boundary_hold_a_zero_between_opposite_signs(
-    before: int, count: int
+@pytest.mark.parametrize(
+    ("slopes", "before", "after", "count", "contacts"),
+    [
+        ((1, 1), -1, 1, 1, 0),
+        ((1, 1), 1, 1, 0, 0),
+        ((1, 0), -1, 1, 0, 1),
+        ((1, -1), -1, 1, 0, 1),
+        ((1, 1), 0, 1, 0, 1),
+        ((1, 1), -1, 0, 0, 1),
+    ],
+)
+def test_a_group_of_intervals_holds_a_zero_between_opposite_signs_if_it_is_steep(
+    slopes: tuple[int, int], before: int, after: int, count: int, contacts: int
 ) -> None:
     zero = certified_zeros.Zero(arb(1), (arb(0),) * 6)
     search = certified_zeros.Search(None, None)
-    search._left = certified_zeros._Part(before, 1, zero, arb(0), arb(1))
-    search._part(certified_zeros._Part(1, 1, zero, arb(1), arb(2)), True, False)
+    pieces = [certified_zeros._Piece(s, zero, arb(k), arb(k + 1)) for k, s in enumerate(slopes)]
+    search._group = certified_zeros._Group(before, pieces)
+    search._close(after)
     search.finish()
-    assert (len(search.crossings), search.contacts) == (count, [])
+    assert (len(search.crossings), len(search.contacts)) == (count, contacts)
 
 
 def _of(g: Any, noise: int, **given: Any) -> certified_zeros.Search:
@@ -172,6 +183,7 @@ def _of(g: Any, noise: int, **given: Any) -> certified_zeros.Search:
     problem = fixed_point_problem.problem(motion, noise)
     search = certified_zeros.Search(g.balls(400), rate(g, motion.field).balls(400), **given)
     proof_loop.run(problem, fixed_point_problem.times(motion, [Fraction(12)]), watchers=[search])
+    search.finish()
     return search
 
 
@@ -218,6 +230,7 @@ def _searched(
     search.window = window  # type: ignore[method-assign]
     end = fixed_point_problem.times(motion, [Fraction(12)], 300)
     proof_loop.run(problem, end, watchers=[search])
+    search.finish()
     return search, grid
 
 
@@ -276,6 +289,7 @@ def _at_corners() -> list[float]:
         boxed = replace(problem, start=start, spread=spread)
         search = certified_zeros.Search(g.balls(400), rate(g, motion.field).balls(400))
         proof_loop.run(boxed, fixed_point_problem.times(motion, [Fraction(4)]), watchers=[search])
+        search.finish()
         (crossing,) = search.crossings
         with mpmath.workdps(60):
             true = exactly(2 * mpmath.acos(mpmath.mpf(1) / 3))  # w is 1/2 in the proof's unit
@@ -287,7 +301,7 @@ def _at_corners() -> list[float]:
 def test_a_time_holds_for_every_start_in_the_box() -> None:
     honest = max(_at_corners())
     assert 1e-4 < honest <= 1.0  # exp(alpha) of the step is in the radius
-    with without(certified_zeros, "_OnStep._newton", "[self.step.r] * 6", "[0.0] * 6"):
+    with without(certified_zeros, "_OnStep.fine", "[self.step.r] * 6", "[0.0] * 6"):
         assert max(_at_corners()) > 1.0
 
 
@@ -306,7 +320,8 @@ def _coarse_holds_fine() -> bool:
         for tau in (arb((k, -4)) for k in range(17)):
             with ctx.workprec(64):
                 wide = on.coarse(tau)
-            fine = zonotope.around(known, n, tau, [step.r] * 6)  # type: ignore[arg-type]
+            with ctx.workprec(on.bits):
+                fine = on.fine(tau)
             held = held and all(x.contains(y) for x, y in zip(wide, fine, strict=True))
     return held
 

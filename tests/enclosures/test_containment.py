@@ -163,9 +163,6 @@ class Spoiler:
         for x, y in zip(before, after, strict=True):
             self.worst = max(self.worst, float(np.max(np.abs(x - y))))
 
-    def finish(self) -> None:
-        pass
-
 
 def test_what_was_given_or_returned_may_be_changed() -> None:
     what = trials.trial(trials.random_scene(random.Random(8), "generic"), [Fraction(20)], 260)

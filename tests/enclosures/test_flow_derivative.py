@@ -29,59 +29,6 @@ def truth_at(time):
     return orbit_newton.derivative(*body_of(CHAOTIC), [*CHAOTIC.omega, *CHAOTIC.gamma], time)
 
 
-@pytest.mark.slow
-def test_it_holds_what_an_integration_in_plain_mpmath_gives():
-    time = Fraction(2)
-    found = polhode.certify(CHAOTIC, at=[time], digits=20, derivatives=True)
-    (matrix,) = found.derivatives.matrices
-    off = [
-        float(abs(x - y) / Fraction(r))
-        for row, centres, radii in zip(truth_at(time), matrix.centres, matrix.radii, strict=True)
-        for x, y, r in zip(row, centres, radii, strict=True)
-    ]
-    assert 1e-8 < max(off) <= 1  # slack by less than 1e8, since doubles are
-    assert max(map(max, matrix.radii)) < 1e-9
-
-
-@pytest.mark.sample(1)
-@pytest.mark.parametrize("name", ["grioli/turned-axes", "euler/backward", "euler/tiny-units"])
-def test_axes_units_and_the_sign_of_time_are_those_of_the_scene(name):
-    """Against differences of proven states."""
-    scene = polhode.load(name)
-    time = next(t for t in scene.times if t)
-    found = polhode.certify(scene, at=[time], digits=20, derivatives=True)
-    (matrix,) = found.derivatives.matrices
-    unit = Fraction(found.derivatives.unit)
-    step, scales = unit / 10**12, [unit] * 3 + [Fraction(1)] * 3
-    for k in range(3):
-        ends = []
-        for side in (1, -1):
-            omega = [w + side * step * (i == k) for i, w in enumerate(scene.omega)]
-            moved = replace(scene, omega=tuple(omega))
-            ends.append(polhode.certify(moved, at=[time], digits=36).centres[0])
-        for i, (a, b) in enumerate(zip(*ends, strict=True)):
-            off = abs((a - b) / (2 * step) - matrix.centres[i][k]) * unit / scales[i]
-            allowed = Fraction(matrix.radii[i][k]) * unit / scales[i]
-            assert off <= allowed + Fraction(1, 10**18)
-            assert allowed < 1e-5
-
-
-def test_amplification_and_exponent_are_bounds_and_a_body_without_gamma_has_three_rows():
-    found = polhode.certify(CHAOTIC, at=[5, -3], digits=15, derivatives=True).derivatives
-    for t, matrix, (low, high), exponent in zip(
-        found.times, found.matrices, found.amplification, found.exponents, strict=True
-    ):
-        scale = np.array([found.unit] * 3 + [1.0] * 3)
-        middle = np.array([[float(x) for x in row] for row in matrix.centres])
-        about = np.linalg.norm(middle * scale / scale[:, None], 2)
-        assert low * (1 - 1e-12) <= about <= high * (1 + 1e-12) < 1.01 * low
-        assert exponent[0] <= np.log(about) / abs(float(t)) <= exponent[1]
-    free = polhode.certify("euler/no-gamma", at=[0, 1], derivatives=True)
-    assert [len(m.centres) for m in free.derivatives.matrices] == [3, 3]
-    start = free.derivatives.matrices[0]
-    assert np.max(np.abs(np.array(start.centres, dtype=float) - np.eye(3))) < 1e-12
-
-
 def altered(first):
     """The honest matrices but for one number of V_1, or of V_0, of one step."""
 

@@ -180,7 +180,7 @@ def _by_a_matrix_that_cancels() -> float:
         settled = np.zeros((6, 6))
         settled[0, 0] = 1e12
         carried = zonotope._Carried(settled)
-        shape = SimpleNamespace(rows=[[fmpz_poly([])] * 6], level=60)
+        shape = SimpleNamespace(polynomials=lambda _: [fmpz_poly([])] * 6, level=60)
         known: Any = SimpleNamespace(
             problem=SimpleNamespace(noise=60),
             pieces=shape,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from contextlib import suppress
 from fractions import Fraction
 from typing import Any
 
@@ -15,57 +16,36 @@ from polhode.enclosures import (
     fixed_point_problem,
     kronecker_substitution,
     proof_loop,
+    quaternion,
     step_bound,
     taylor_polynomials,
     zonotope,
 )
 from polhode.enclosures.fixed_point_problem import Refused
-from polhode.enclosures.kronecker_substitution import MOST_FACTOR, Double
+from polhode.enclosures.kronecker_substitution import Packing
 from shared import enclosure_trials as trials
 from shared.mutation import without
 
 EDGES = (0, 1, -1, 2**62 - 1, -(2**62), 2**32, -(2**32), 2**32 - 1, 2**63 - 1, -(2**63))
-CARRIED = 0x55555555FFFFFFFF  # times 3, the product of its lower half decides the upper word
-WIDE = (*EDGES, CARRIED, 2**64, -(2**64), 2**64 - 1, 2**114 - 1, -(2**114), 2**96 + 2**32)
-
-
-def _of(integers: list[list[int]]) -> Double:
-    low = np.array([[x & (2**64 - 1) for x in row] for row in integers], dtype=np.uint64)
-    return Double(np.array([[x >> 64 for x in row] for row in integers], dtype=np.int64), low)
 
 
 def _drawn(rng: random.Random, count: int) -> list[int]:
-    return [rng.choice((*WIDE, rng.randrange(-(2**114), 2**114))) for _ in range(count)]
+    return [rng.choice((*EDGES, rng.randrange(-(2**63), 2**63))) for _ in range(count)]
 
 
-def test_packed_is_the_value_of_the_polynomial() -> None:
+def test_a_polynomial_and_its_slope_are_their_values_at_a_power_of_two() -> None:
     rng = random.Random(1)
     for _ in range(100):
-        count, words = rng.randrange(1, 9), rng.randrange(2, 6)
+        count, words = rng.randrange(2, 20), rng.randrange(1, 6)
+        packs = Packing(count, words)
         rows = [_drawn(rng, count) for _ in range(3)]
-        factors = [rng.choice((0, 1, 7, MOST_FACTOR, rng.randrange(MOST_FACTOR))) for _ in rows[0]]
         at = fmpz(1) << (64 * words)
-        plain = kronecker_substitution.packed(_of(rows), words)
-        risen = kronecker_substitution.packed(_of(rows), words, np.array(factors))
-        for row, x, y in zip(rows, plain, risen, strict=True):
+        for row, x in zip(rows, packs.values(np.array(rows)), strict=True):
             assert x == fmpz_poly(row)(at)
-            assert y == fmpz_poly([a * b for a, b in zip(row, factors, strict=True)])(at)
-
-
-def test_sums_of_words_are_exact() -> None:
-    rng = random.Random(2)
-    for _ in range(100):
-        shift = rng.randrange(1, 64)
-        most = 2 ** (125 - shift)
-        old = [rng.choice((most, -most, rng.randrange(-most, most), *EDGES[:8])) for _ in range(9)]
-        old = [x if abs(x) <= most else 0 for x in old]
-        new = np.array([[rng.choice(EDGES) for _ in old]], dtype=np.int64)
-        found = kronecker_substitution.shifted_sum(_of([old]), shift, new)
-        true = [(x << shift) + y for x, y in zip(old, new[0].tolist(), strict=True)]
-        assert found.integers().tolist() == [true]
-        assert kronecker_substitution.double(new).integers().tolist() == new.tolist()
-        kept = _of([[x >> 12 for x in true]])
-        assert kept.total().tolist() == [sum(x >> 12 for x in true)]
+            assert packs.slope(x) == fmpz_poly(row).derivative()(at)
+        most = 2 ** (64 * words - 1) - 1
+        row = [rng.choice((most, -most, 0, rng.randrange(-most, most))) for _ in range(count)]
+        assert packs.slope(fmpz_poly(row)(at)) == fmpz_poly(row).derivative()(at)
 
 
 def test_unpacked_is_right_relatively() -> None:
@@ -78,7 +58,7 @@ def test_unpacked_is_right_relatively() -> None:
         row = [rng.choice((-1, 1)) * rng.choice((most, rng.randrange(1 << n))) for n in sizes]
         power = rng.randrange(-900, 100)
         value = fmpz_poly(row)(fmpz(1) << (64 * words))
-        (found,) = kronecker_substitution.unpacked([value], count, words, np.array([power]))
+        (found,) = Packing(count, words).doubles([value], np.array([power]))
         for x, y in zip(row, found, strict=True):
             true, near = Fraction(x) * Fraction(2) ** power, Fraction(float(y))
             assert abs(near - true) <= allowed * abs(true)
@@ -87,34 +67,38 @@ def test_unpacked_is_right_relatively() -> None:
 
 
 FAULTS = [
-    ("packed", " + (((low & _LOW) * by) >> _32)", ""),
-    ("packed", "high * by + carried", "high * by"),
-    ("shifted_sum", "+ carried", ""),
-    ("shifted_sum", " + (values >> 63)", ""),
-    ("shifted_sum", " + (x.low >> (_64 - by)).astype(np.int64)", ""),
-    ("unpacked", "found = np.ldexp(negative.astype(float), powers[:, None])", "found = 0.0"),
-    ("unpacked", "~np.uint64(0)", "np.uint64(0)"),
-    ("unpacked", "word = word ^ _HALF", "pass"),
-    ("unpacked", "-found, found", "found, found"),
+    ("values", " ^ _HALF", ""),
+    ("values", " - self._low_signs", ""),
+    ("slope", "value + self._signs", "value"),
+    ("slope", " - self._signs_slope", ""),
+    ("slope", "risen >> self.bits", "risen"),
+    ("_times_powers", " << bit", ""),
+    ("doubles", "found = np.ldexp(negative.astype(float), powers[:, None])", "found = 0.0"),
+    ("doubles", "~np.uint64(0)", "np.uint64(0)"),
+    ("doubles", "word = word ^ _HALF", "pass"),
+    ("doubles", "-found, found", "found, found"),
 ]
-TESTS = {
-    "packed": test_packed_is_the_value_of_the_polynomial,
-    "shifted_sum": test_sums_of_words_are_exact,
-    "unpacked": test_unpacked_is_right_relatively,
-}
 
 
 @pytest.mark.parametrize(("name", "old", "new"), FAULTS)
 def test_a_fault_in_the_words_is_noticed(name: str, old: str, new: str) -> None:
-    with without(kronecker_substitution, name, old, new), pytest.raises(AssertionError):
-        TESTS[name]()
+    test = (
+        test_unpacked_is_right_relatively
+        if name == "doubles"
+        else test_a_polynomial_and_its_slope_are_their_values_at_a_power_of_two
+    )
+    with (
+        without(kronecker_substitution, f"Packing.{name}", old, new),
+        pytest.raises(AssertionError),
+    ):
+        test()
 
 
 def test_numbers_beyond_the_doubles_are_refused() -> None:
     value = fmpz_poly([1 << 100])(fmpz(1) << 128)
     with pytest.raises(Refused):
-        kronecker_substitution.unpacked([value], 1, 2, np.array([1000]))
-    (last,) = kronecker_substitution.unpacked([fmpz(1)], 1, 2, np.array([1023]))
+        Packing(1, 2).doubles([value], np.array([1000]))
+    (last,) = Packing(1, 2).doubles([fmpz(1)], np.array([1023]))
     assert last[0] == 2.0**1023
 
 
@@ -135,12 +119,12 @@ def test_defects_are_those_of_exact_polynomials(
 ) -> None:
     problem, shapes = _shapes(kind, bits, monkeypatch)
     assert len(shapes) >= 3
-    assert len(shapes[1].parts) == 1  # two words still hold it
-    assert len(shapes[-1].parts) > 1
+    assert [len(shape.parts) for shape in shapes] == [*range(1, len(shapes) + 1)]
     for shape in shapes:
         known = defect.defects(problem, shape)
         unit = Fraction(2) ** (problem.noise - 2 * shape.level)
-        for n, row in enumerate(shape.rows):
+        for n in range(shape.count):
+            row = shape.polynomials(n)
             h = Fraction(shape.times[n + 1] - shape.times[n], 1 << fixed_point_problem.CLOCK)
             assert [x(1) for x in row] == shape.ends[n].tolist()
             assert [x[0] for x in row] == shape.starts[n].tolist()
@@ -177,3 +161,48 @@ def test_words_hold_the_largest_coefficient_and_no_word_is_spare(
     monkeypatch.setattr(defect, "_words", lambda *_: words - 1)
     with pytest.raises((OverflowError, AssertionError)):
         assert defect.defects(problem, shape).values[0, 0, 0] == true
+
+
+def _steep(rows: int, size: float) -> taylor_polynomials.Pieces:
+    """Polynomials of one step with three coefficients of one size."""
+    near = np.full((1, 3, rows), size)
+    near[0, :, 0] *= -1.0
+    return taylor_polynomials.of_doubles((0, 3 << fixed_point_problem.CLOCK), near, rows)
+
+
+def _turn_is_exact(size: float) -> bool:
+    """Whether the defect of a turn, and its coefficients, are those of exact polynomials."""
+    w, v = _steep(3, size), _steep(4, 2.0 * size)
+    near, values, _ = quaternion.defects(w, v, 90)
+    unit = Fraction(2) ** (90 - w.level - v.level)
+    x, y = v.polynomials(0), w.polynomials(0)
+    known, allowed = [], Fraction(step_bound.gamma(kronecker_substitution.UNPACKED))
+    for i, terms in enumerate(quaternion.PRODUCT):
+        turned = sum((x[a] * y[b] * sign for sign, a, b in terms), fmpz_poly([]))
+        steep = x[i].derivative() * (fmpz(1) << w.level)
+        for k in range(5):
+            true = (int(steep[k]) - Fraction(3, 2) * int(turned[k])) * unit
+            known.append((true, Fraction(values[0, k, i])))
+        known += [(Fraction(int(x[i][k]), 1 << v.level), Fraction(near[0, k, i])) for k in range(3)]
+    return all(abs(one - other) <= allowed * abs(one) for one, other in known)
+
+
+def test_the_defect_of_a_turn_is_that_of_exact_polynomials() -> None:
+    sizes = [2.0**k for k in range(-20, 20)]
+    assert all(map(_turn_is_exact, sizes))
+    for old, new in ((" * w.most", ""), (" * v.most", ""), (" + v.level)", ")")):
+        with without(quaternion, "defects", old, new):
+            found = []
+            for size in sizes:
+                with suppress(OverflowError):
+                    found.append(_turn_is_exact(size))
+            assert len(found) < len(sizes) or not all(found)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_sum_of_the_moduli_holds_what_corrections_have_added(sign: float) -> None:
+    shape = taylor_polynomials.of_doubles((0, 1), np.full((1, 8, 6), sign * 64.0))
+    shape = taylor_polynomials.improved(shape, np.full((1, 8, 6), sign * 32.0), 0, shape.level)
+    true = sum(abs(int(x)) for x in shape.polynomials(0)[0].coeffs()) / 2.0**shape.level
+    assert true == 8 * 96.0 <= shape.most <= true + 2
+    assert shape.ends[0, 0] == sign * true * 2.0**shape.level

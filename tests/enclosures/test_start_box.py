@@ -157,6 +157,13 @@ def test_a_wide_box_is_followed_as_far_as_it_goes(tmp_path, capsys):
     assert len(told.out.splitlines()) == 2
 
 
+def test_times_before_0_are_not_reached_where_those_after_it_are_not():
+    found = polhode.certify("general/asymmetric-chaotic", at=[-1, 1, 60], omega_radius="1e-5")
+    assert found.outcome is Outcome.TOO_WIDE
+    assert found.times == (1,)
+    assert 1 < found.until < 60
+
+
 def test_a_narrow_box_costs_no_more_digits_than_it_leaves():
     scene = SCENES["lagrange/nutation"]
     wide = polhode.certify(scene, [2], digits=200, omega_radius="1e-6")

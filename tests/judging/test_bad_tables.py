@@ -12,7 +12,7 @@ import pytest
 
 import polhode
 from polhode import BadInput, cli
-from polhode.judging.tables import array_file
+from polhode.judging.tables import table_file
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 from shared.tables import right, text, through
 
@@ -99,7 +99,10 @@ BAD = [
     (npz(t=np.array([0, 1], dtype=object), p=np.zeros(2)), {}, "arrays of numbers that NumPy"),
     *(
         (saved_run(about), {}, "a trajectory that polhode saved")
-        for about in ("[]", "{", '{"bits": 53}', '{"number": "double", "bits": 1' + "0" * 18 + "}")
+        for about in (
+            *("[]", "{", '{"bits": 53}', '{"number": "double", "bits": 54}'),
+            *('{"number": "mp", "bits": 63}', '{"number": "mp", "bits": 1' + "0" * 18 + "}"),
+        )
     ),
     (npz(t=ZEROS, omega=np.zeros((3, 2))), {}, ": omega"),
     (npz(t=ZEROS, picture=np.zeros((3, 3))), {}, ": picture"),
@@ -167,7 +170,7 @@ def test_an_archive_that_unpacks_to_too_much_is_refused(tmp_path, monkeypatch):
     path = tmp_path / "x.npz"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
         file.writestr("t.npy", bytes(10**6))
-    monkeypatch.setattr(array_file, "MAX_BYTES", 10**5)
+    monkeypatch.setattr(table_file, "MAX_BYTES", 10**5)
     with pytest.raises(BadInput, match="bytes of arrays, more than 100000"):
         polhode.compare(path, CASE)
 

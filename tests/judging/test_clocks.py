@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import polhode
+from polhode.judging.diagnosis.motion_in_double import sampled
 from shared.tables import of_run, text, through
 
 SCENE = "lagrange/nutation"
@@ -134,3 +135,10 @@ def test_rows_of_no_time_are_refused_a_clock_soon(scene):
         assert said in str(found)
         assert found.reading is None
     assert time.process_time() - begun < 8  # it was 31 s
+
+
+def test_a_motion_is_sampled_in_any_order_on_both_sides_of_the_start():
+    times = [-2.0, 1.0, -0.5, 0.0, -2.0, -1.0]
+    found = sampled(polhode.load("lagrange/nutation"), np.array(times))
+    true = polhode.reference("lagrange/nutation").at(times, 20)
+    assert np.allclose(found.states, [[float(x) for x in row] for row in true], rtol=0, atol=1e-12)

@@ -13,6 +13,7 @@ import pytest
 
 import polhode
 from polhode import BadInput, cli
+from polhode.numbers import number_types
 from polhode.numbers.number_types import EXTENDED, extended_here
 from polhode.scenes.vocabulary import ATTITUDE, STATE
 from shared.tables import DOORS, of_run, right, text, through
@@ -95,6 +96,7 @@ LAYOUTS = {
     "a column without a name": (indexed(lines()), [], []),
     "a cell of two lines": (in_two_lines(lines()), [], []),
     "spaces about commas": (lines(" , "), [], []),
+    "no number, between blanks": (lines(" , ").rstrip().rpartition(" ")[0] + " nan \n", [], []),
     "names in quotation marks": (lines(names=[f'"{name}"' for name in NAMES]), [], []),
     "an open quotation mark in a comment": ('#,"open\n' + lines().rstrip(), [], []),
     "no zero before the point": (lines().replace(",0.", ",+.").replace("e-", "E-0"), [], []),
@@ -159,6 +161,14 @@ def test_an_array_without_names_needs_them(tmp_path, capsys):
     assert "shape = (13, 11): expected fields with names" in capsys.readouterr().err
 
 
+def test_a_saved_run_may_have_more_bits_than_digits_can_be_asked_for(tmp_path):
+    """Those that its motion loses."""
+    about = np.array(json.dumps({"number": "mp", "bits": number_types.mp(4100).bits}))
+    start = [[str(x) for x in polhode.reference(CASE).at([0], 20)[0]]]
+    np.savez(tmp_path / "x.npz", about=about, times=np.array(["0"]), states=np.array(start))
+    assert polhode.compare(tmp_path / "x.npz", CASE).subject.number == number_types.mp(4100)
+
+
 def test_an_array_has_no_column_twice(tmp_path):
     """The last one was judged, without a word."""
     one, many = tmp_path / "x.npy", tmp_path / "x.npz"
@@ -220,7 +230,7 @@ def test_a_column_that_is_told_is_chosen():
     some = {"t": [0.0], "wx": [0.16], "gyro_x": [7.0], "foo": [0.3]}
     found = polhode.compare(some, CASE, columns=["wx=p", "foo=q"])
     assert found.worst > 15
-    assert found.subject.columns == ("p", "q")
+    assert found.subject.state == ("p", "q")
 
 
 # -- types of numbers -------------------------------------------------------------------------
@@ -328,7 +338,7 @@ def test_a_run_that_is_not_projected_its_file_and_its_array_have_the_same_limits
     assert others == [one, one]
     assert judged[1].drift == judged[2].drift == pytest.approx(judged[0].drift, rel=1e-3)
     some = polhode.compare(run.states[:, 3:], run.scene, at=run.times, columns=STATE[3:])
-    assert some.subject.columns == STATE[3:]
+    assert some.subject.state == STATE[3:]
     assert all(d >= w for d, w in zip(some.digits, judged[0].digits, strict=True))
     assert "column p is not in the file" in some.notes
 
@@ -392,7 +402,7 @@ def test_columns_about_the_vertical_are_named_where_the_scene_has_none():
     unjudged = [f"column {n} was not judged: the scene has no gamma" for n in ("gamma1", "psi")]
     missing = [f"column {name} is not in the file" for name in "qr"]
     assert [x for x in found.notes if x in (*unjudged, *missing)] == [*unjudged, *missing]
-    assert found.subject.columns == ("p",)
+    assert found.subject.state == ("p",)
 
 
 def test_rows_that_begin_later_are_as_they_are():

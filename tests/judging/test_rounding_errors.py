@@ -54,6 +54,35 @@ def test_inputs_exact_in_the_type_cost_nothing():
     assert 14 < conditioning(scene).expected()[-1].middle < 15.5
 
 
+def test_stretches_of_any_lengths_lead_where_one_leads():
+    """Between outputs at uneven times: products of Phi, and the states, of fewer outputs."""
+    scene = asymmetric("1.1", [1])
+    times = [F(0), *(F(k * k, 7) for k in range(1, 12)), F(18), F(91, 5), F(30)]
+    few, many = (passage(scene.at(t)) for t in (times[-1:], times))
+    told = {stretch.time: stretch for stretch in few.stretches}
+    product, compared = np.eye(6), 0
+    for stretch in many.stretches:
+        product = stretch.carried @ product
+        if stretch.time in told:
+            other = told[stretch.time]
+            assert np.abs(product - other.carried).max() < 1e-10 * np.abs(other.carried).max()
+            assert np.abs(stretch.state - other.state).max() < 1e-10
+            product, compared = np.eye(6), compared + 1
+    assert compared == len(few.stretches) > 2
+
+
+@pytest.mark.parametrize("most", [2, 40, 100])
+def test_a_limit_of_steps_keeps_the_stretches_that_are_whole(most):
+    scene = asymmetric("1.1", [2, 40, 80])
+    whole, cut = passage(scene), passage(scene, most)
+    assert not whole.note
+    assert f"more than {most} steps" in cut.note
+    assert len(cut.stretches) < len(whole.stretches)
+    for ours, other in zip(cut.stretches, whole.stretches, strict=False):
+        assert ours.time == other.time
+        assert (ours.carried == other.carried).all()
+
+
 def test_amplification_is_the_most_that_a_change_on_the_way_grows_to():
     """A change at s = 14 of README's tumbling body: runs from the state there, by differences."""
     scene = asymmetric("1.1", [40])

@@ -16,6 +16,7 @@ from polhode.enclosures.fixed_point_problem import Refused
 from polhode.numbers.flint_context import ctx
 from polhode.proofs.chaos import chain_candidate, h_set, homoclinic, theorem, transit
 from polhode.proofs.chaos.h_set import HSet
+from polhode.proofs.chaos.prove_chaos import balls_on
 from polhode.proofs.chaos.theorem import Chain
 from polhode.proofs.level import largest
 from shared import chaos_chains as chains
@@ -230,7 +231,7 @@ def test_an_orbit_of_another_level_is_refused():
     chain = chains.example().chain
     orbit = chains.example().orbit
     theorem.holds(proofs.level(), chain, orbit.start, orbit.period, BITS)
-    other = proofs.proved(proofs.ELLIPTIC).theorem
+    other = balls_on(proofs.level(), proofs.proved(proofs.ELLIPTIC))
     with pytest.raises(Refused):
         theorem.holds(proofs.level(), chain, other.start, orbit.period, BITS)
     with pytest.raises(Refused, match="period"):

@@ -13,8 +13,8 @@ from polhode.proofs.chaos import chain_candidate, homoclinic, theorem
 from polhode.proofs.chaos.h_set import Chart
 from polhode.proofs.chaos.homoclinic import Homoclinic, Saddle
 from polhode.proofs.chaos.lanes import Lanes
+from polhode.proofs.chaos.prove_chaos import OrbitBalls, balls_on
 from polhode.proofs.chaos.theorem import Chain, Horseshoe
-from polhode.proofs.periodic_orbit import Theorem
 from shared import orbit_proofs as proofs
 
 #: As the search finds it.
@@ -25,7 +25,7 @@ NOISE = chain_candidate.NOISE
 class Example(NamedTuple):
     """What a proof is made of."""
 
-    orbit: Theorem
+    orbit: OrbitBalls
     lanes: Lanes
     saddle: Saddle
     size: float
@@ -40,7 +40,7 @@ class Example(NamedTuple):
 def example() -> Example:
     """The proof at h = 261/200, f = 31/25."""
     level = proofs.level()
-    orbit = proofs.proved(proofs.HYPERBOLIC).theorem
+    orbit = balls_on(level, proofs.proved(proofs.HYPERBOLIC))
     lanes = Lanes.of(level.motion)
     point = np.array([float(x.mid()) for x in orbit.start])
     at = homoclinic.saddle(lanes, point, float(orbit.period.mid()))

@@ -28,7 +28,7 @@ def checked(known: Bounds, n: int, constants: Sequence[Fraction]) -> dict[str, t
     h = fmpq(pieces.times[n + 1] - pieces.times[n], 1 << CLOCK)
     k = [fmpq(x.numerator, x.denominator) for x in constants]
     scale = fmpq(1, fmpz(1) << pieces.level)
-    x = [fmpq_poly(row) * scale for row in pieces.rows[n]]
+    x = [fmpq_poly(row) * scale for row in pieces.polynomials(n)]
     e = [_poly(known.correction[n, :, i], fmpq(1, fmpz(1) << noise)) for i in range(6)]
     a = _jacobian(x, k, h)
     residual = []
@@ -80,7 +80,7 @@ def jump(known: Bounds, n: int, centre: Sequence[int]) -> list[Fraction]:
     noise, pieces = known.problem.noise, known.pieces
 
     def value(step: int, i: int, at: int) -> Fraction:
-        x = pieces.rows[step][i]
+        x = pieces.polynomials(step)[i]
         whole = Fraction(int(x(at)), 1 << pieces.level) * 2**noise
         coefficients = known.correction[step, :, i]
         return whole + sum(map(Fraction, coefficients if at else coefficients[:1]))

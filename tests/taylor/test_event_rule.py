@@ -262,3 +262,65 @@ def test_contacts_are_no_crossings_of_a_section():
     assert np.abs(pairs.times[:, ::2] - plain.times[:, :4]).max() < 1e-4
     with pytest.raises(polhode.BadInput, match="an expression that becomes zero"):
         polhode.section("general/asymmetric-chaotic", by="(q - 1/10)**2", **asked)
+
+
+@pytest.mark.parametrize(
+    ("name", "plain", "flat"),
+    [
+        ("general/asymmetric-chaotic", "q - 1/10", "(q - 1/10)**3"),
+        ("general/asymmetric-chaotic", "q - 1/10", "q**3 - 3/10*q**2 + 3/100*q - 1/1000"),
+        ("general/asymmetric-chaotic", "q*gamma2", "(q*gamma2)**3"),
+        ("general/asymmetric-regular", "gamma3", "gamma3**3"),
+        ("general/asymmetric-regular", "gamma3", "gamma3**5"),
+    ],
+)
+def test_no_section_loses_flat_crossings(name, plain, flat):
+    """heyoka gives a triple zero up now and then, two of a step or of a stretch among them."""
+    asked = {"grid": (2, 3), "crossings": 10, "h": 3, "f": "1/2"}
+    one, other = (polhode.section(name, by=by, **asked) for by in (plain, flat))
+    assert one.complete
+    assert other.outcomes == one.outcomes
+    assert np.abs(one.times - other.times).max() < 1e-2
+
+
+@pytest.mark.parametrize("direction", ["any", "rising", "falling"])
+def test_no_first_zero_and_no_event_of_a_run_is_lost_where_it_is_flat(direction):
+    starts = {"start.omega[1]": [str(Fraction(k, 9)) for k in range(1, 17)]}
+    body = {"moments": [1, "1.4", 2], "centre": ["0.3", "0.2", "0.5"], "weight": 1, "at": [30]}
+    firsts, runs = [], []
+    for zero in ("gamma3 - 1/5", "(gamma3 - 1/5)**3"):
+        scene = top(Event("e", zero, direction), **body)
+        firsts.append(polhode.reduce_many(scene, starts, "first e")["t of first e"])
+        runs.append(polhode.integrate(scene).events[0])
+    assert np.isfinite(firsts[0]).all()
+    assert firsts[1] == pytest.approx(firsts[0], abs=1e-4)
+    assert runs[1].complete
+    assert runs[1].signs == runs[0].signs
+    assert len(runs[0].signs) >= 2
+    assert runs[1].t == pytest.approx(runs[0].t, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    "by", ["momentum", "gamma3 - 1/10", "(q - 1/10)*(q - 3/25)*(q - 7/50)", "sin(40*gamma3)*q"]
+)
+def test_a_section_finds_again_what_heyoka_loses(by, monkeypatch):
+    """Of all crossings that it meets, in either direction, every seventh; several of one step.
+
+    Of three in a step the second was told at the step's begin once the first was found.
+    """
+    from polhode.taylor.events.batch_zeros import Met
+
+    asked = {"by": by, "grid": (3, 3), "crossings": 12, "h": 3, "f": "1/2"}
+    whole = polhode.section("general/asymmetric-chaotic", **asked)
+    count, met = [0], Met.__call__
+
+    def deaf(self, ta, time, sign, lane):
+        count[0] += 1
+        if count[0] % 7:
+            met(self, ta, time, sign, lane)
+
+    monkeypatch.setattr(Met, "__call__", deaf)
+    other = polhode.section("general/asymmetric-chaotic", **asked, workers=1)
+    assert count[0] > 100
+    assert other.outcomes == whole.outcomes
+    np.testing.assert_allclose(other.times, whole.times, rtol=0, atol=1e-10)

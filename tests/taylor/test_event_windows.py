@@ -16,7 +16,8 @@ import pytest
 
 import polhode
 from polhode.motion.outcomes import Outcome
-from shared.event_windows import TEXTS, Truth, Window, windows
+from polhode.numbers.number_types import DOUBLE
+from shared.event_windows import NAMES, TEXTS, Sized, Truth, Window, rates, value, windows
 
 U = {"double": 2.0**-53, "extended": 2.0**-64, "quad": 2.0**-113}
 
@@ -179,3 +180,32 @@ def test_crossings_of_random_expressions(number, count, windows):
 @pytest.mark.parametrize("part", range(10))
 def test_crossings_of_very_many_expressions(part):
     assert_right(total([Case(1000 + 100 * part + k, "double") for k in range(100)]), 350)
+
+
+@pytest.mark.parametrize("text", ["p*q*r", "gamma1 + t/10", "p/(2 + gamma3)"])
+def test_rounding_errors_are_those_of_an_evaluation_written_down_here(text):
+    """A second pass over the rates makes some larger; signs of what is added up make none less."""
+    import heyoka as hy
+
+    from polhode.equations.forms import principal
+    from polhode.taylor.events.batch_zeros import Watched
+    from polhode.taylor.events.functions import typed_constant
+    from polhode.taylor.events.jets import jet_of, marks_at
+
+    given = {"moments": [1, "1.5", 2], "centre": ["0.3", "-0.4", "0.5"], "weight": 1}
+    body = polhode.top(**given, omega=[1, 0, 0], gamma=[0, 0, 1], at=[1]).body
+    coefficients = {name: float(x) for name, x in principal.coefficients(body).items()}
+    formulas = Watched((*coefficients,), NAMES, text).formulas
+    band, constant = Fraction(16) * DOUBLE.eps, typed_constant(DOUBLE)
+    jet = jet_of(formulas, hy.make_vars(*NAMES), DOUBLE, band, constant)
+    states, times = np.random.default_rng(7).normal(size=(6, 40)), np.linspace(-2, 2, 40)
+    found = jet._replace(numbers=np.array([1, 1, *coefficients.values()])).noise(
+        marks_at(times, states)
+    )
+    k = [1, 1.5, 2, 0.3, -0.4, 0.5]
+    for error, row, t in zip(found, states.T, times, strict=True):
+        leaves = [
+            Sized(x, abs(x) + rate.error / 2)
+            for x, rate in zip(row, rates([Sized(x, abs(x)) for x in row], k), strict=True)
+        ]
+        assert 0.9 < error / value(text, leaves, Sized(t, abs(t))).error < 4

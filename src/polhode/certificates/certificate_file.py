@@ -11,7 +11,7 @@ from typing import TypeAlias
 from polhode.certificates import verify
 from polhode.common.arguments import of_kind
 from polhode.common.errors import UNREADABLE, BadInput
-from polhode.common.files import write_whole
+from polhode.common.files import check_writable, write_whole
 from polhode.common.progress import Progress
 from polhode.numbers.flint_context import ctx
 
@@ -58,7 +58,8 @@ def refuse_another(path: str | Path) -> None:
         raise BadInput(str(place), "file", None, expected)
 
 
-def write(path: str | Path, found: Made) -> None:
-    """The file, whole or not at all; raises BadInput."""
+def write(path: str | Path, text: str) -> None:
+    """A certificate's file, whole or not at all; raises BadInput."""
+    check_writable(Path(path), [".json"], [])
     refuse_another(path)
-    write_whole({Path(path): json.dumps(found) + "\n"})
+    write_whole({Path(path): text + "\n"})

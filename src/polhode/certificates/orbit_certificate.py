@@ -1,118 +1,104 @@
-"""A certificate of a proved periodic orbit: its statement, and guesses that its checker needs."""
+"""A certificate of a periodic orbit: guesses near an approximate one, and what the checker proves.
+
+Nothing here is believed but the body's and the level's numbers.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from fractions import Fraction
-from pathlib import Path
 from typing import NamedTuple
 
 from polhode.certificates import grid, verify
-from polhode.certificates.certificate_file import Made, checked, write
-from polhode.certificates.state_certificate import Ball
-from polhode.common.files import check_writable
+from polhode.certificates.certificate_file import Made
 from polhode.common.progress import Progress
 from polhode.numbers.exact import ONE, Exact
 from polhode.numbers.flint_context import ctx
 from polhode.scenes.body import Body
 
-_SPARE = 40  # bits beyond the smallest radius
-_WIDER = 8  # the box, beside how far the orbit is alone
-_NEARER = 4  # and how much less of that is stated where this does not succeed
-_STEPS = (0.3, 0.15, 0.1, 0.1, 0.1)  # of the radius of convergence: large boxes ask for short ones
 _DIVISORS = 2  # times as many as the steepness at the start asks: primes to divide the period by
 
 
-class Stated(NamedTuple):
-    """What is to be proved of an orbit; ``alone``: in omega, gamma and the period."""
+class Problem(NamedTuple):
+    """A body, and every other one within a relative tolerance of it; the level; T* and x*.
 
+    ``start``, ``period``: near an orbit, in the scene's axes and units; with a tolerance in the
+    principal axes, where a body of the certificate has three moments and no more.
+    """
+
+    body: Body
     h: Exact
     f: Exact
-    kind: str
-    start: Sequence[Ball]
-    period: Ball
-    residue: Ball
-    alone: Sequence[str | Fraction]
+    start: Sequence[Fraction]
+    period: Fraction
+    tolerance: Fraction = Fraction(0)
 
 
-def save(
-    name: str, body: Body, stated: Stated, path: str | Path, progress: Progress | None = None
-) -> None:
-    """Write the certificate of a periodic orbit of a body, checked before.
+class Choice(NamedTuple):
+    """``radius``: of the box, states being about 1; ``bits``; ``part``: of the radius of
+    convergence that a step is."""
 
-    ``name``: of the scene.  How far the orbit is alone is stated in full if the checker proves it,
-    else less of it.  Raises BadInput for what cannot be proved so, or cannot be written.
-    """
-    check_writable(Path(path), [".json"], [])
-    write(path, certificate(name, body, stated, progress))
+    radius: Fraction
+    bits: int
+    part: float
 
 
-def certificate(name: str, body: Body, stated: Stated, progress: Progress | None = None) -> Made:
-    """The certificate as JSON's objects, checked; raises BadInput."""
-    least = min(float(radius) for _, radius in (*stated.start, stated.period))
-    statement = {
-        "kind": stated.kind,
-        "start": [list(ball) for ball in stated.start],
-        "period": list(stated.period),
-        "residue": list(stated.residue),
-        "least": True,
+def guesses(problem: Problem, choice: Choice, progress: Progress | None = None) -> Made:
+    """A certificate but for its statement."""
+    wide = choice.bits + verify.COARSE
+    numbers = grid.body_numbers(problem.body, wide, problem.tolerance)
+    level = [grid.number(x, wide) for x in (problem.h, problem.f, ONE)]
+    with ctx.workprec(choice.bits + 2 * verify.COARSE):
+        found = _steps(numbers, problem, choice, progress)
+    return {
+        "format": verify.FORMAT,
+        "kind": "orbit",
+        "scene": {**numbers, "level": level},
+        **found,
+        "bits": choice.bits,
     }
 
-    def made(bits: int, tried: int) -> Made:
-        alone = [Fraction(x) / _NEARER ** max(0, tried - 1) for x in stated.alone]
-        numbers = grid.body_numbers(body, bits + verify.COARSE)
-        level = [grid.number(x, bits + verify.COARSE) for x in (stated.h, stated.f, ONE)]
-        with ctx.workprec(bits + 2 * verify.COARSE):
-            guesses = _guesses(numbers, stated._replace(alone=alone), bits, _STEPS[tried], progress)
-        return {
-            "format": verify.FORMAT,
-            "kind": "orbit",
-            "scene": {**numbers, "level": level},
-            **guesses,
-            "bits": bits,
-            "statement": {**statement, "alone": [str(x) for x in alone]},
-        }
 
-    bits = max(verify.COARSE, math.ceil(-math.log2(least))) + _SPARE
-    return checked(name, made, bits, progress)
+def proved(made: Made, progress: Progress | None = None) -> verify.Zero:
+    """What the checker proves of guesses; raises its NotProved."""
+    with ctx.workprec(verify.COARSE):  # which the checker changes as it likes
+        try:
+            return verify.zero_near(made, progress)
+        except (ZeroDivisionError, OverflowError):
+            raise verify.NotProved("a number is too large, or too small") from None
 
 
-def _guesses(
-    numbers: dict[str, object],
-    stated: Stated,
-    bits: int,
-    part: float,
-    progress: Progress | None,
+def stated(made: Made, statement: Made, zero: verify.Zero) -> Made:
+    """The certificate with its statement, which the checker compares with what it proved."""
+    with ctx.workprec(int(str(made["bits"])) + verify.COARSE):
+        verify.check_orbit(verify.read_orbit(statement), zero)
+    return {**made, "statement": statement}
+
+
+def _steps(
+    numbers: dict[str, object], problem: Problem, choice: Choice, progress: Progress | None
 ) -> Made:
     """Steps of one period, the box's radius, and by how much the period is divided."""
-    start = [Fraction(middle) for middle, _ in stated.start]
-    period = Fraction(stated.period[0])
-    x = [verify.ball((x, Fraction(0))) for x in start]
-    found = grid.steps(numbers, x, period, bits, bits, part, progress)
+    bits, part = choice.bits, choice.part
+    x = [verify.ball((x, Fraction(0))) for x in problem.start]
+    found = grid.steps(numbers, x, problem.period, bits, bits, part, progress)
     state_bits = bits + 8  # the first centre is x* itself
     centres = found["centres"]
     assert isinstance(centres, list)
     more = state_bits - int(str(found["state_bits"]))
     centres = [[x << more for x in row] for row in centres]
-    centres[0] = [round(x * (1 << state_bits)) for x in start]
-    rows, (centre, (weight,)), _ = verify.read_body(numbers, ())
-    inertia = [[verify.ball(x) for x in row] for row in rows]
-    torque = [verify.ball(weight) * verify.ball(x) for x in centre]
+    centres[0] = [round(x * (1 << state_bits)) for x in problem.start]
+    inertia, torque, _ = verify.balls_of(verify.read_body(numbers, ()))
     held = {**found, "state_bits": state_bits, "centres": centres, "bits": bits}
     guesses = verify.read_guesses([held[name] for name in verify.Guesses._fields])
     run = verify.Run(guesses, inertia, torque)
-    steep = max(
-        float(verify.steepness(verify.slope(run.body, x)).mid()) for x in run.centres
-    ) * float(period * Fraction(2) ** run.shift)
-    omega, gamma, beside = (Fraction(x) for x in stated.alone)
-    unit = Fraction(2) ** run.shift
-    least = max(Fraction(radius) for _, radius in (*stated.start, stated.period))
-    radius = _WIDER * max(omega / unit, gamma, beside * unit / 4, least)
+    steep = max(float(verify.steepness(verify.slope(run.body, x)).mid()) for x in run.centres)
+    steep *= float(problem.period * Fraction(2) ** run.shift)
     return {
         **found,
         "state_bits": state_bits,
         "centres": centres,
-        "radius_bits": math.floor(-math.log2(radius)),
+        "radius_bits": math.floor(-math.log2(choice.radius)),
         "divided_to": math.ceil(_DIVISORS * steep / (2 * math.pi)),
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Sequence
 from fractions import Fraction
@@ -11,7 +12,6 @@ from typing import NamedTuple, TypeAlias
 from polhode.certificates import grid, verify
 from polhode.certificates.certificate_file import Made, checked, write
 from polhode.common.errors import BadInput
-from polhode.common.files import check_writable
 from polhode.common.progress import Progress
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
@@ -46,8 +46,7 @@ def save(
     It is checked before it is written, with more bits where that does not succeed at once.  Raises
     BadInput for what has no certificate, or cannot be written.
     """
-    check_writable(Path(path), [".json"], [])
-    write(path, certificate(scene, times, balls, progress, attitude))
+    write(path, json.dumps(certificate(scene, times, balls, progress, attitude)))
 
 
 def certificate(

@@ -40,7 +40,7 @@ import math
 import re
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import pairwise
 from typing import NamedTuple, TypeAlias, TypeVar
@@ -60,6 +60,7 @@ SHORT = 600  # digits that Python itself reads and prints, however low its limit
 FARTHEST = 20_000  # bits of a time or a state, before or after the point
 MOST_WORK, EACH, HARD = 20_000_000_000, 100, 1000  # about an hour; see Run
 NAMES = ("p", "q", "r", "gamma1", "gamma2", "gamma3")
+UNKNOWN = (*NAMES, "the period", "lam1", "lam2", "lam3")
 TURN = ("q0", "q1", "q2", "q3")
 GROUP = 24  # steps
 COARSE = 64  # bits of matrices and bounds
@@ -993,13 +994,32 @@ def orbit(certificate: object, tell: Tell | None = None) -> list[str]:
     """What a certificate of a periodic orbit proves; raises NotProved, Damaged."""
     held = _held(certificate, ("radius_bits", "divided_to"))
     claim = read_orbit(held["statement"])
+    check_orbit(claim, zero_near(held, tell))
+    return _told(claim, read_body(held["scene"], ("level",))[2])
+
+
+class Zero(NamedTuple):
+    """The zero of F: state, period and residue as balls, in the scene's units.
+
+    ``alone``: how far in omega, gamma and period no other orbit passes; ``repeated``: why the
+    period may not be the least one, empty where it is.
+    """
+
+    start: list[arb]
+    period: arb
+    residue: arb
+    alone: list[arb]
+    repeated: str
+
+
+def zero_near(held: Mapping[str, object], tell: Tell | None = None) -> Zero:
+    """The zero that guesses prove, whatever is stated of it; raises NotProved, Damaged."""
     radius_bits = _whole(held["radius_bits"], 1, MOST_BITS, "radius_bits")
     parts = _primes(_whole(held["divided_to"], 0, MOST_PARTS, "divided_to"))
     guesses = read_guesses([held[name] for name in Guesses._fields], more=len(parts))
     if guesses.grid[-1] < 0:
         raise Damaged("grid: expected a period that is positive")
-    bits = guesses.bits
-    ctx.prec = bits + 2 * COARSE
+    ctx.prec = guesses.bits + 2 * COARSE
     scene = read_body(held["scene"], ("level",))
     inertia, torque, _ = balls_of(scene)
     level, run = scene[2], Run(guesses, inertia, torque)
@@ -1015,34 +1035,27 @@ def orbit(certificate: object, tell: Tell | None = None) -> list[str]:
             p = waiting.pop()
             back[p] = [row[1] for row in stage.at(Fraction(run.grid[-1], p))]
         end = stage.at(Fraction(stage.last)) if stage.last == run.grid[-1] else []
-    ctx.prec = bits
+    ctx.prec = guesses.bits + COARSE  # radii may be smaller than 2^-bits
     period = dyadic(run.grid[-1], run.shift - run.time_bits)
     values = [2 * ball(level[0]) * run.rates[0] ** 2, ball(level[1]) * run.rates[0], ball(level[2])]
-    near = _closed(run, end, period, r, values)
-    _check_orbit(claim, near, run)
-    if claim.least:
-        box = [x + arb(0, r) for x in run.centres[0]]
-        steep = steep.max(steepness(slope(run.body, near.reached)))
-        most = upper((period + 4 * r) * steep / (2 * arb.pi()))
-        certainly(most < MOST_PARTS, "the orbit is too long for its least period to be decided")
-        for p in _primes(int(float(most)) + 1):
-            certainly(p in back, f"whether the period is {p} times the least one was not looked at")
-            there = around(run.body, back[p], 4 * r / p)
-            apart = any(x.overlaps(y) is False for x, y in zip(box, there, strict=True))
-            certainly(apart, f"the period may be {p} times the least one")
-    return _told(claim, level)
+    found, reached = _closed(run, end, period, r, values)
+    steep = steep.max(steepness(slope(run.body, reached)))
+    most = upper((period + 4 * r) * steep / (2 * arb.pi()))
+    return found._replace(repeated=_repeated(run, r, back, most))
 
 
-class Zero(NamedTuple):
-    """The zero of F: the state, the period and the residue as balls; ``near``, ``beside``: how near
-    a motion that passes is this one; ``reached``: where the orbit is when it closes."""
-
-    start: list[arb]
-    period: arb
-    residue: arb
-    near: arb
-    beside: arb
-    reached: list[arb]
+def _repeated(run: Run, r: arb, back: Mapping[int, Sequence[arb]], most: arb) -> str:
+    """Why the period may be several times the least one; ``back``: the box after a p-th of it."""
+    if (most < MOST_PARTS) is not True:
+        return "the orbit is too long for its least period to be decided"
+    box = [x + arb(0, r) for x in run.centres[0]]
+    for p in _primes(int(float(most)) + 1):
+        if p not in back:
+            return f"whether the period is {p} times the least one was not looked at"
+        there = around(run.body, back[p], 4 * r / p)
+        if not any(x.overlaps(y) is False for x, y in zip(box, there, strict=True)):
+            return f"the period may be {p} times the least one"
+    return ""
 
 
 def derivative_of_f(
@@ -1068,8 +1081,13 @@ def drift(body: Body, reached: Sequence[arb], span: arb) -> arb:
     return upper((span * row_sum(slope(body, reached))).expm1())
 
 
-def _closed(run: Run, end: Table, period: arb, r: arb, values: Sequence[arb]) -> Zero:
-    """The theorem; raises NotProved.  ``end``: of x*, of the box, and D, at T*."""
+def _closed(
+    run: Run, end: Table, period: arb, r: arb, values: Sequence[arb]
+) -> tuple[Zero, list[arb]]:
+    """The theorem, and where the orbit is when it closes; raises NotProved.
+
+    ``end``: of x*, of the box, and D, at T*.
+    """
     certainly(r > 0, "the box is empty")
     certainly(period > 4 * r, "the period is no longer than its box")
     x, body = run.centres[0], run.body
@@ -1088,7 +1106,9 @@ def _closed(run: Run, end: Table, period: arb, r: arb, values: Sequence[arb]) ->
     for i in range(10):
         size = summed(upper(left[i, j] - int(i == j)) * radii[j] for j in range(10))
         moved.append(arb(0, upper(size)) - newton[i])
-        certainly(upper(moved[i]) < radii[i], f"Krawczyk's test, component {i + 1}")
+        factor = float(upper(moved[i]) / radii[i])
+        line = f"Krawczyk's test fails in {UNKNOWN[i]}, by a factor {factor:.2g}"
+        certainly(upper(moved[i]) < radii[i], line)
     hull = [
         y + arb(0, upper(4 * r * summed(upper(column[i]) for column in w)))
         for i, y in enumerate(box)
@@ -1098,15 +1118,15 @@ def _closed(run: Run, end: Table, period: arb, r: arb, values: Sequence[arb]) ->
     there = rates(body, box)
     along = summed(y * z for y, z in zip(a, there, strict=True)).lower()
     certainly(along > 0, "the plane of the start may touch the motion")
-    near = r / (1 + largest(there) * summed(map(abs, a)) / along)
+    near = r / (1 + largest(there) * summed(map(abs, a)) / along) - largest(moved[:6])
+    unit = run.rates[0]  # of a time, inverse
     return Zero(
-        [y + z for y, z in zip(x, moved, strict=False)],
-        period + moved[6],
+        [(y + z) / rate for y, z, rate in zip(x, moved, run.rates, strict=False)],
+        (period + moved[6]) * unit,
         -summed(df[i, i] for i in range(6)) / 4,
-        near - largest(moved[:6]),
-        4 * r - upper(moved[6]),
-        reached,
-    )
+        [near / unit, near, (4 * r - upper(moved[6])) * unit],
+        "",
+    ), reached
 
 
 def integrals(run: Run, x: Sequence[arb]) -> list[arb]:
@@ -1167,16 +1187,16 @@ def around(body: Body, box: Sequence[arb], span: arb) -> list[arb]:
     raise NotProved("the motion near the period's end has no bound")
 
 
-def _check_orbit(claim: Orbit, found: Zero, run: Run) -> None:
-    for name, x, rate, pair in zip(NAMES, found.start, run.rates, claim.start, strict=True):
-        _inside(x / rate, pair, f"{name} of the start")
-    unit = run.rates[0]  # of a time, inverse
-    _inside(found.period * unit, claim.period, "the period")
+def check_orbit(claim: Orbit, found: Zero) -> None:
+    """Whether a zero is what is stated; raises NotProved."""
+    for name, x, pair in zip(NAMES, found.start, claim.start, strict=True):
+        _inside(x, pair, f"{name} of the start")
+    _inside(found.period, claim.period, "the period")
     _inside(found.residue, claim.residue, "the residue")
     certainly(STABILITY[claim.kind](found.residue), f"that the orbit is {claim.kind}")
-    omega, gamma, period = (ball((x, Fraction(0))) for x in claim.alone)
-    for x, most in ((omega * unit, found.near), (gamma, found.near), (period / unit, found.beside)):
-        certainly(x <= most.lower(), "that no other orbit is so near")
+    for far, most in zip(claim.alone, found.alone, strict=True):
+        certainly(ball((far, Fraction(0))) <= most.lower(), "that no other orbit is so near")
+    certainly(not (claim.least and found.repeated), found.repeated)
 
 
 def _inside(x: arb, pair: Interval, name: str) -> None:

@@ -35,9 +35,9 @@ from polhode.closed_forms.membership.misfit import Misfit
 from polhode.closed_forms.membership.normal_form import Condition, Placed, equal, positive
 from polhode.closed_forms.membership.principal_scene import PrincipalScene, in_principal_axes
 from polhode.closed_forms.pendulum import conditions as pendulum
-from polhode.closed_forms.rounding import number
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
+from polhode.numbers.conversion import to_mpf as number
 from polhode.numbers.mpmath_context import mpmath
 from polhode.scenes import added_families
 from polhode.scenes.scene import Scene

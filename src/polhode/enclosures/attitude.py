@@ -6,7 +6,7 @@ principal axes, rows of the matrix from the scene's axes to them,
     q(t) = q(0) (U_0, A^T U_v),    q(0) = Rz(psi) Rx(theta) Rz(phi) at the start,
 
 both factors unit quaternions, so that the distance of U from its midpoint is that of q.  theta and
-phi come from gamma, psi from the third axis in space; their turns from ``windings``.
+phi come from gamma, psi from the third axis in space; their turns from ``winding_number``.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from flint import arb
 
 from polhode.common.deadline import NONE, Deadline
 from polhode.enclosures import quaternion
-from polhode.enclosures.fixed_point_problem import TIME_BITS, UP, Motion, Problem, Refused, sharp
+from polhode.enclosures.fixed_point_problem import TIME_BITS, UP, Motion, Problem, sharp
 from polhode.enclosures.polynomial import ball
-from polhode.enclosures.quaternion import Approximation, Turned
+from polhode.enclosures.quaternion import Turned
 from polhode.enclosures.step_bound import TINY, Bounds, gamma
 from polhode.enclosures.winding_number import Followed, Leaving, Pace
 from polhode.enclosures.zonotope import Step, inside, places
@@ -53,11 +53,11 @@ class Watch:
         what: Motion,
         problem: Problem,
         times: Sequence[Any],
-        approximate: Approximation,
+        solution: quaternion.Solution,
         angles: bool,
         deadline: Deadline = NONE,
     ) -> None:
-        self.problem, self.times, self.approximate = problem, times, approximate
+        self.problem, self.times, self.solution = problem, times, solution
         self.deadline = deadline
         self.poses: list[Pose] = []
         self._turned = Turned(problem)
@@ -102,7 +102,7 @@ class Watch:
     def window(self, known: Bounds, steps: Sequence[Step]) -> None:
         """A window whose steps have been accepted."""
         pieces = known.pieces
-        found = quaternion.turns(known, steps, self.approximate)
+        found = quaternion.turns(known, steps, self.solution)
         asked = inside(self.times[len(self.poses) :], pieces.times[-1])
         with ctx.workprec(TIME_BITS):
             where = places(pieces.times, asked)
@@ -115,9 +115,6 @@ class Watch:
                 self.poses.append(Pose(self._scene(*self._turned.at(found, n, tau)), about))
             self._turned.step(found, n)
 
-    def finish(self) -> None:
-        """Nothing is left at the end."""
-
     @property
     def lost(self) -> float | None:
         """About the time at which psi and phi were lost, in the proof's unit, forward."""
@@ -129,14 +126,8 @@ class Watch:
         if not self._followed.known:
             return None
         pieces, noise = known.pieces, self.problem.noise
-        near = pieces.near[n]
-        v = np.zeros((max(len(row) for row in found.rows[n]), 4))
-        try:
-            for i, row in enumerate(found.rows[n]):
-                v[: len(row), i] = [math.ldexp(int(c), -found.level) for c in row.coeffs()]
-        except OverflowError:
-            raise Refused("an approximation is too large") from None
-        before = np.array([math.ldexp(int(x), -self.problem.fine) for x in self._turned.centre])
+        near, v = pieces.near[n], found.near[n]
+        before = np.array([math.ldexp(x, -self.problem.fine) for x in self._turned.centre])
 
         def at(nodes: Doubles) -> Complexes:
             return two_numbers(nodes, near[:, 3:], v, before, self._first, self._turn)

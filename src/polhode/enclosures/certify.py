@@ -9,40 +9,29 @@ from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
-from functools import partial
-from numbers import Real
 from pathlib import Path
 from typing import Any
 
-from polhode.common.arguments import each, steps, whole
-from polhode.common.deadline import NONE, Deadline
+from polhode.common.arguments import each
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
-from polhode.enclosures import (
-    attitude,
-    fixed_point_problem,
-    integral_contraction,
-    proof_loop,
-)
-from polhode.enclosures.approximation import attitude_series, precision_choice
+from polhode.enclosures import attitude
+from polhode.enclosures.approximation import newton_correction, precision_choice
 from polhode.enclosures.derived import derived_balls
 from polhode.enclosures.fixed_point_problem import (
     CLOCK,
-    LEAST_NOISE,
+    CYCLE,
     MOST_NOISE,
     Motion,
+    Problem,
     Refused,
     in_scene_axes,
-    motion,
     upper,
 )
 from polhode.enclosures.polynomial import midpoint
-from polhode.enclosures.proof_loop import HONEST, SHORT_STEPS
 from polhode.enclosures.result import Enclosure, Part, digits_of
 from polhode.enclosures.statement import assumed
-from polhode.enclosures.variations import flow_derivative
-from polhode.enclosures.variations.flow_derivative import BallMatrix, FlowDerivative
-from polhode.enclosures.variations.variational_bound import Derivatives
+from polhode.enclosures.task import MAX_STEPS, Side, Task, digits_of_box, task
 from polhode.equations.column import derived_words
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact
@@ -56,11 +45,8 @@ from polhode.scenes.scene import Scene
 from polhode.scenes.start_box import StartBox
 from polhode.scenes.vocabulary import COLUMNS
 
-MOST_DIGITS = 250
-MAX_STEPS = 300_000
 _MOST_TRIES = 6
 _SPARE = 6
-_BEYOND_A_BOX = 8  # digits that the proof has more than the box
 _TENTHS = 12  # of a box that is too wide
 
 
@@ -74,7 +60,6 @@ def certify(
     max_steps: int = MAX_STEPS,
     max_seconds: float | None = None,
     forecast: Callable[[float], None] | None = None,
-    derivatives: bool = False,
     omega_radius: AnyNumber | AnyVector | None = None,
 ) -> Enclosure:
     """Enclose the exact motion of any body in proven balls.
@@ -100,9 +85,6 @@ def certify(
         the ``outcome`` says so.
     forecast : callable, optional
         Called once, before the proof, with a rough estimate of its seconds.
-    derivatives : bool
-        Whether the derivative of the states by the start is enclosed too, to as many digits as
-        doubles allow; its steps are shorter.
     omega_radius : number or three numbers, optional
         The balls then hold every motion whose omega at the start differs from the scene's by at
         most this, in each component in body axes.  As many digits are proven as the box allows,
@@ -142,43 +124,23 @@ def certify(
         times = each(scene.name, "at", at, reader(scene.units, TIME), "a list of times")
     if not times:
         raise BadInput(scene.name, "at", None, "at least one time")
-    digits = whole(scene.name, "digits", digits, 1, MOST_DIGITS)
-    max_steps = steps(scene.name, max_steps)
-    deadline = time_limit(scene, max_seconds)
+    asked = task(box, "at", times, digits, max_steps, max_seconds, progress, integrals)
     began = time.process_time()
-    if box.radii is not None:
-        if scene.starts_at_pole and "angles" in scene.modelled:
-            expected = "no angles: where the third axis leaves the vertical depends on omega"
-            raise BadInput(scene.name, "outputs", "angles", expected)
-        digits = min(digits, digits_of_box(box))
-    sides = [_Side(box, times, backward) for backward in (False, True)]
-    sides = [side for side in sides if side.places]
-    for side in sides:
-        if (needed := precision_choice.steps(side.motion, side.last)) > max_steps:
-            expected = f"a time that {max_steps} steps reach; this one takes about {needed:.2g}"
-            raise BadInput(scene.name, "at", shown(side.last), expected)
-    forecasts = [
-        precision_choice.forecast(side.motion, side.last, digits, deadline) for side in sides
-    ]
-    bits = max(found.bits for found in forecasts)
-    noise = max(LEAST_NOISE, *(math.ceil(found.bits + found.grown) for found in forecasts))
-    if forecast is not None:
-        turned = bool({"angles", "attitude"} & {*scene.modelled})
-        forecast(sum(found.seconds(noise, turned) for found in forecasts))
+    if box.radii is not None and scene.starts_at_pole and "angles" in scene.modelled:
+        expected = "no angles: where the third axis leaves the vertical depends on omega"
+        raise BadInput(scene.name, "outputs", "angles", expected)
+    asked.foretell(forecast)
+    noise: int | None = asked.noise
     best: Enclosure | None = None
     refusal = ""
     for tries in range(1, _MOST_TRIES + 1):
-        noise = min(noise, MOST_NOISE)
+        if noise is None:
+            break
         started = time.process_time()
         try:
-            found = _found(
-                box, times, sides, digits, noise, integrals, progress, deadline, derivatives
-            )
+            found = _enclosure(asked, noise)
         except Refused as why:
-            refusal = str(why)
-            if noise == MOST_NOISE or (box.radii is not None and tries > 1):
-                break
-            noise = precision_choice.raised(noise, bits, why)
+            refusal, noise = str(why), asked.raised(noise, why, tries)
             continue
         seconds = time.process_time() - started
         in_all = time.process_time() - began
@@ -191,42 +153,31 @@ def certify(
             break
         if noise == MOST_NOISE:
             break
-        noise += math.ceil(precision_choice.BITS_A_DIGIT * (digits - best.fewest)) + _SPARE
+        missing = precision_choice.BITS_A_DIGIT * (asked.digits - best.fewest)
+        noise = min(MOST_NOISE, noise + math.ceil(missing) + _SPARE)
     if box.radii is not None:
-        raise _too_wide(box, times, deadline)
+        raise _too_wide(asked)
     had = f"{best.fewest:.1f} proven" if best else refusal
-    expected = f"digits that can be proven to t = {_farthest(times)} ({had})"
-    raise BadInput(scene.name, "digits", digits, expected)
+    expected = f"digits that can be proven to t = {shown(max(times, key=abs))} ({had})"
+    raise BadInput(scene.name, "digits", asked.digits, expected)
 
 
-def digits_of_box(box: StartBox) -> int:
-    """Digits beyond those that a box leaves of the start."""
-    most = max(box.radii or (Fraction(0),))
-    if not most:
-        return MOST_DIGITS
-    mantissa, exponent = exact.rounded(most, 8)
-    left = -(exponent + mantissa.bit_length()) / precision_choice.BITS_A_DIGIT
-    return min(MOST_DIGITS, max(1, math.ceil(left)) + _BEYOND_A_BOX)
-
-
-def _too_wide(box: StartBox, times: Sequence[Exact], deadline: Deadline) -> BadInput:
+def _too_wide(asked: Task) -> BadInput:
     """The complaint about a box that was followed to none of the times."""
+    box = asked.box
     zero = Fraction(0)
-    (a, b, c), at = box.radii or (zero, zero, zero), [min(times, key=abs)]
+    (a, b, c), at = box.radii or (zero, zero, zero), [min(asked.times, key=abs)]
     size = max([Fraction(1), *map(abs, map(_fraction_near, box.scene.omega))])
     first = next(k for k in itertools.count(1) if max(a, b, c) <= size * 10 ** (k - 1))
     expected = f"narrower intervals, to be followed to t = {shown(at[0])}"
     for k in range(first, first + _TENTHS):
         narrower = StartBox(box.scene, (a / 10**k, b / 10**k, c / 10**k))
-        side = _Side(narrower, at, sign(at[0]) < 0)
-        fine = digits_of_box(narrower)
-        needed = precision_choice.forecast(side.motion, side.last, fine, deadline)
-        noise = min(max(LEAST_NOISE, math.ceil(needed.bits + needed.grown)), MOST_NOISE)
+        tried = Task(narrower, at, digits_of_box(narrower), asked.deadline)
         with suppress(Refused):
-            if _found(narrower, at, [side], fine, noise, True, None, deadline, False).times:
+            if _enclosure(tried, tried.noise).times:
                 expected += f"; a part in {10**k if k < 7 else f'1e{k}'} of these works"
                 break
-        if deadline.passed:
+        if asked.deadline.passed:
             break
     return BadInput(box.scene.name, start_box.KEY, box.told, expected)
 
@@ -235,107 +186,51 @@ def _fraction_near(x: Exact) -> Fraction:
     return exact.binary(*exact.rounded(x, 53))
 
 
-def time_limit(scene: Scene, seconds: float | None) -> Deadline:
-    """The deadline so many seconds from now; raises BadInput."""
-    if seconds is None:
-        return NONE
-    if isinstance(seconds, bool) or not isinstance(seconds, Real) or not seconds > 0:
-        raise BadInput(scene.name, "max_seconds", seconds, "a number above 0")
-    return Deadline.after(float(seconds))
-
-
-class _Side:
-    """The times of one sign, in order and once each, and where they stand among those asked."""
-
-    def __init__(self, box: StartBox, times: Sequence[Exact], backward: bool) -> None:
-        chosen = [n for n, t in enumerate(times) if (sign(t) < 0) == backward]
-        order = sorted(chosen, key=lambda n: abs(times[n]))  # exact, and so compared
-        self.motion: Motion = motion(box.scene, backward, radii=box.radii)
-        self.ordered: list[Exact] = []
-        self.places: dict[int, int] = {}  # index among those asked -> index in ``ordered``
-        for n in order:
-            if not self.ordered or sign(times[n] - self.ordered[-1]) != 0:
-                self.ordered.append(times[n])
-            self.places[n] = len(self.ordered) - 1
-
-    @property
-    def last(self) -> Exact:
-        """The time farthest from 0."""
-        return self.ordered[-1]
-
-
-def _found(
-    box: StartBox,
-    times: Sequence[Exact],
-    sides: Sequence[_Side],
-    digits: int,
-    noise: int,
-    integrals: bool,
-    progress: Progress | None,
-    deadline: Deadline,
-    derivatives: bool,
-) -> Enclosure:
+def _enclosure(asked: Task, noise: int) -> Enclosure:
     """The enclosure at one noise level, as far as it came; raises Refused."""
-    scene = box.scene
+    scene, times, bits = asked.box.scene, asked.times, noise + 100
+    turned = bool({"angles", "attitude"} & {*scene.modelled})
+    solution, angles = newton_correction.forced, "angles" in scene.modelled
+
+    def watch(side: Side, problem: Problem, at: Sequence[Any]) -> list[attitude.Watch]:
+        if not turned:
+            return []
+        return [attitude.Watch(side.motion, problem, at, solution, angles, asked.deadline)]
+
     rows: dict[int, list[Any]] = {}
     poses: dict[int, attitude.Pose] = {}
-    slopes: dict[int, BallMatrix] = {}
-    steps, outcome, ends = 0, Outcome.REACHED_END, []
     lost: list[float] = []
-    for side in sides:
-        if not outcome.done:
-            break
-        problem = fixed_point_problem.problem(side.motion, noise)
-        asked = fixed_point_problem.times(side.motion, side.ordered)
-        known = (
-            integral_contraction.prepared(side.motion, 2 * problem.fine + 100) if integrals else []
-        )
-        watch = _watch(side, problem, asked, deadline)
-        flow = [Derivatives(asked)] if derivatives else []
-        proof = proof_loop.run(
-            problem,
-            asked,
-            known,
-            untrusted=SHORT_STEPS if derivatives or box.radii is not None else HONEST,
-            progress=progress,
-            watchers=[*watch, *flow],
-            deadline=deadline,
-        )
+    steps, outcome, until = 0, Outcome.REACHED_END, 0.0
+    for side, watches, proof in asked.proofs(noise, watch):
         steps, outcome = steps + proof.steps, proof.outcome
-        way = -1.0 if side.motion.backward else 1.0
-        ends.append(way * math.ldexp(proof.end.time, side.motion.unit - CLOCK))
-        turned = [in_scene_axes(side.motion, row, noise + 100) for row in proof.rows]
-        followed = [len(one.poses) for one in watch] + [len(one.found) for one in flow]
-        had = min([len(turned), *followed])
+        way, unit = -1.0 if side.motion.backward else 1.0, side.motion.unit
+        until = way * math.ldexp(proof.end.time, unit - CLOCK)
+        had = min([len(proof.rows), *(len(one.poses) for one in watches)])
+        states = [in_scene_axes(side.motion, row, bits) for row in proof.rows[:had]]
         reached = {n: place for n, place in side.places.items() if place < had}
-        rows |= {n: turned[place] for n, place in reached.items()}
-        for one in watch:
+        rows |= {n: states[place] for n, place in reached.items()}
+        for one in watches:
             poses |= {n: one.poses[place] for n, place in reached.items()}
-            if "angles" in scene.modelled and one.lost is not None:
-                lost.append(way * math.ldexp(one.lost, side.motion.unit))
-        for derived in flow:
-            turn = partial(flow_derivative.matrix_in_scene_axes, side.motion, bits=noise + 100)
-            slopes |= {n: turn(derived.found[place]) for n, place in reached.items()}
+            if angles and one.lost is not None:
+                lost.append(way * math.ldexp(one.lost, unit))
     order = sorted(rows)
-    centres, radii = balls([rows[n] for n in order], noise + 100)
     given: dict[str, Sequence[Sequence[Any]]] = {"state": [rows[n] for n in order]}
     if "attitude" in scene.modelled:
         given["attitude"] = [poses[n].quaternion for n in order]
-    if "angles" in scene.modelled:
-        given["angles"] = [attitude.angles(poses[n], rows[n][3:], noise + 100) for n in order]
+    if angles:
+        given["angles"] = [attitude.angles(poses[n], rows[n][3:], bits) for n in order]
     for word in derived_words():
         if word in scene.outputs:
-            given[word] = derived_balls(word, scene, given, noise + 100)
-    parts = {
-        word: Part(*balls(found, noise + 100)) for word, found in given.items() if word in COLUMNS
-    }
+            given[word] = derived_balls(word, scene, given, bits)
+    centres, radii = balls(given["state"], bits)
+    parts = {word: Part(*balls(x, bits)) for word, x in given.items() if word in COLUMNS}
     return Enclosure(
         scene,
         tuple(times[n] for n in order),
         centres,
         radii,
-        _digits(scene, sides, centres, radii),
-        digits,
+        _digits(scene, asked.sides, centres, radii),
+        asked.digits,
         noise,
         steps,
         0.0,
@@ -345,30 +240,11 @@ def _found(
         parts.pop("attitude", None),
         outcome,
         parts,
-        FlowDerivative(
-            tuple(times[n] for n in order),
-            tuple(slopes[n] for n in order),
-            flow_derivative.fastest(scene, centres),
-        )
-        if derivatives
-        else None,
         assumed(scene, times),
         tuple(lost),
-        box.radii,
-        ends[-1],
+        asked.box.radii,
+        until,
     )
-
-
-def _watch(
-    side: _Side, problem: fixed_point_problem.Problem, times: Sequence[Any], deadline: Deadline
-) -> list[attitude.Watch]:
-    """What follows the attitude, if the scene's outputs ask for it."""
-    modelled = side.motion.scene.modelled
-    if not {"angles", "attitude"} & {*modelled}:
-        return []
-    approximate = attitude_series.approximate
-    angles = "angles" in modelled
-    return [attitude.Watch(side.motion, problem, times, approximate, angles, deadline)]
 
 
 def balls(rows: Sequence[Sequence[Any]], bits: int) -> tuple[Any, Any]:
@@ -380,7 +256,7 @@ def balls(rows: Sequence[Sequence[Any]], bits: int) -> tuple[Any, Any]:
         )
 
 
-def _digits(scene: Scene, sides: Sequence[_Side], centres: Any, radii: Any) -> tuple[float, ...]:
+def _digits(scene: Scene, sides: Sequence[Side], centres: Any, radii: Any) -> tuple[float, ...]:
     """Proven correct digits at each time, rounded down to a hundredth."""
     if not centres:
         return ()
@@ -404,12 +280,5 @@ def _at_rest(what: Motion) -> bool:
     if what.radii or any(sign(x) for x in what.start[:3]):
         return False
     pull, push, gamma = what.constants[3:6], what.constants[6:], what.start[3:]
-    torques = (
-        pull[i] * gamma[a] + push[i] * gamma[b]
-        for i, (a, b) in enumerate(fixed_point_problem.CYCLE)
-    )
+    torques = (pull[i] * gamma[a] + push[i] * gamma[b] for i, (a, b) in enumerate(CYCLE))
     return all(sign(x) == 0 for x in torques)
-
-
-def _farthest(times: Sequence[Exact]) -> str:
-    return shown(max(times, key=abs))

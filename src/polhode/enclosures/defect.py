@@ -1,27 +1,19 @@
 """What the polynomials of a window miss: their defects and their jumps, exact in integers.
 
-Trusted.  d = x~' - h f(x~) of ``bound``, and x~_{n-1}(1) - x~_n(0), each rounded to doubles at the
-very end, so that they are right relatively.
+Trusted.  d = x~' - h f(x~) of ``step_bound``, and x~_{n-1}(1) - x~_n(0), each rounded to doubles at
+the very end, so that they are right relatively.
 """
 
 from __future__ import annotations
 
-import itertools
-import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from flint import fmpz
 
-from polhode.enclosures.fixed_point_problem import CLOCK, CYCLE, UP, Problem, Refused
-from polhode.enclosures.kronecker_substitution import (
-    MOST_FACTOR,
-    UNPACKED,
-    Double,
-    packed,
-    unpacked,
-)
+from polhode.enclosures.fixed_point_problem import CLOCK, CYCLE, Problem, Refused
+from polhode.enclosures.kronecker_substitution import UNPACKED, packing, words_of
 from polhode.enclosures.taylor_polynomials import Pieces
 
 
@@ -37,57 +29,35 @@ class Defects:
 def defects(problem: Problem, pieces: Pieces) -> Defects:
     """d of every step, exact in integers, then as doubles, right to a few roundings.
 
-    With X packed (``digits``), c_i the constants' numerators and n_i their denominator, what is
-    found for the rows of w is n_i 2**(CLOCK + 2 level) d, for those of gamma the same without n_i.
+    With X packed, c_i the constants' numerators and n_i their denominator, what is found for the
+    rows of w is n_i 2**(CLOCK + 2 level) d, for those of gamma the same without n_i.
     """
-    level, terms = pieces.level, pieces.near.shape[1]
-    used = _used(pieces)
-    if used > MOST_FACTOR:
-        raise Refused("the polynomials are too long")
+    level, used = pieces.level, pieces.used
     words = _words(problem, pieces)
-    x = _packed(pieces, words, 0, used)
-    rates = _packed(pieces, words, 1, used, np.arange(1, used))
+    packs = packing(used, words)
+    x = pieces.packed(packs)
     constants = [[fmpz(c) for c in problem.constants[i::3]] for i in range(3)]
     below = [fmpz(n) << (CLOCK + level) for n in problem.denominators]
     numbers = []
     for n in range(pieces.count):
         length = fmpz(pieces.times[n + 1] - pieces.times[n])
-        row, rate = x[6 * n : 6 * n + 6], rates[6 * n : 6 * n + 6]
+        row = x[6 * n : 6 * n + 6]
         for i, (a, b) in enumerate(CYCLE):
             bend, pull, push = constants[i]
             turned = ((row[3 + a] * pull + row[3 + b] * push) << level) + row[a] * row[b] * bend
-            numbers.append(rate[i] * below[i] - turned * length)
+            numbers.append(packs.slope(row[i]) * below[i] - turned * length)
         for i, (a, b) in enumerate(CYCLE):
             turned = row[3 + a] * row[b] - row[3 + b] * row[a]
-            numbers.append((rate[3 + i] << (CLOCK + level)) - turned * length)
+            numbers.append((packs.slope(row[3 + i]) << (CLOCK + level)) - turned * length)
     whole = problem.noise - 2 * level - CLOCK
     twos = [(n & -n).bit_length() - 1 for n in problem.denominators]
     powers = np.tile([whole - two for two in (*twos, 0, 0, 0)], pieces.count)
-    found = unpacked(numbers, 2 * used - 1, words, powers).reshape(pieces.count, 6, -1)
+    found = packing(2 * used - 1, words).doubles(numbers, powers).reshape(pieces.count, 6, -1)
     for i, n in enumerate(problem.denominators):
         found[:, i] /= float(n >> twos[i])
-    values = np.zeros((pieces.count, 2 * terms - 1, 6))
+    values = np.zeros((pieces.count, 2 * pieces.near.shape[1] - 1, 6))
     values[:, : 2 * used - 1] = found.transpose(0, 2, 1)
     return Defects(pieces, values, UNPACKED + 1)
-
-
-def _used(pieces: Pieces) -> int:
-    """One more than the last power of any polynomial; at least 2."""
-    filled = [
-        np.flatnonzero(np.any(part.low | part.high.view(np.uint64), axis=(0, 1)))
-        for _, part in pieces.parts
-    ]
-    return max([2, *(int(powers[-1]) + 1 for powers in filled if len(powers))])
-
-
-def _packed(pieces: Pieces, words: int, first: int, end: int, factors: Any = None) -> list[Any]:
-    """X of all steps, packed: the coefficients from ``first`` to before ``end`` times factors."""
-    found = [fmpz(0)] * (6 * pieces.count)
-    for level, part in pieces.parts:
-        used = [x[:, :, first:end].reshape(-1, end - first) for x in part]
-        more = packed(Double(*used), words, factors)
-        found = [x + (y << (pieces.level - level)) for x, y in zip(found, more, strict=True)]
-    return found
 
 
 def _words(problem: Problem, pieces: Pieces) -> int:
@@ -95,16 +65,13 @@ def _words(problem: Problem, pieces: Pieces) -> int:
 
     With m >= sum_k |x~_k|, those of x~' are at most p m, those of a product at most m**2.
     """
-    sums = np.sum(np.abs(pieces.near) + pieces.gap[:, :, None], axis=1)
-    most = int(UP * float(np.max(sums))) + 1
-    longest = max(b - a for a, b in itertools.pairwise(pieces.times))
+    most, longest = pieces.most, pieces.longest
     steep = pieces.near.shape[1] * most << CLOCK
     largest = steep + 2 * longest * most * most
     for i, n in enumerate(problem.denominators):
         bend, pull, push = (abs(c) for c in problem.constants[i::3])
         largest = max(largest, n * steep + longest * most * (bend * most + pull + push))
-    bits: int = (largest << (2 * pieces.level)).bit_length() + 1
-    return max(2, bits // 64 + 1)
+    return words_of(largest << (2 * pieces.level))
 
 
 def gaps(problem: Problem, pieces: Pieces, start: tuple[int, ...]) -> Any:
@@ -113,26 +80,20 @@ def gaps(problem: Problem, pieces: Pieces, start: tuple[int, ...]) -> Any:
     The first one is from the state ``start``, integers times 2**-fine.
     """
     found = np.zeros((pieces.count, 6))
-    first = zip(start, pieces.starts[0], strict=True)
-    found[0] = [difference(x, problem.fine, y, pieces.level, problem.noise) for x, y in first]
-    jumps = pieces.ends[:-1] - pieces.starts[1:]
-    power = problem.noise - pieces.level
-    for n, row in enumerate(jumps, start=1):
-        found[n] = [scaled(x, power) for x in row]
+    level, noise, first = pieces.level, problem.noise, np.array(start, dtype=object)
+    found[0] = difference(first, problem.fine, pieces.starts[0], level, noise)
+    found[1:] = difference(pieces.ends[:-1], level, pieces.starts[1:], level, noise)
     return found
 
 
-def difference(x: int, x_bits: int, y: int, y_bits: int, noise: int) -> float:
-    """x·2**-x_bits - y·2**-y_bits in units of 2**-noise: exact in integers, then rounded once."""
+def difference(x: Any, x_bits: int, y: Any, y_bits: int, noise: int) -> Any:
+    """x·2**-x_bits - y·2**-y_bits in units of 2**-noise: exact in integers, then rounded once.
+
+    Of integers, or of arrays of them.  Raises Refused beyond the doubles.
+    """
     bits = max(x_bits, y_bits)
-    return scaled((x << (bits - x_bits)) - (y << (bits - y_bits)), noise - bits)
-
-
-def scaled(exact: int, power: int) -> float:
-    """exact·2**power, rounded once; infinite beyond the doubles."""
-    if exact == 0:
-        return 0.0
+    exact = (x << (bits - x_bits)) - (y << (bits - y_bits))
     try:
-        return float(exact << power) if power >= 0 else exact / (1 << -power)
+        return (exact << max(0, noise - bits)) / (1 << max(0, bits - noise))
     except OverflowError:
-        return math.inf
+        raise Refused("an approximation is too large") from None

@@ -7,40 +7,31 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from flint import arb
 
-from polhode.common.arguments import each, steps, whole
-from polhode.common.deadline import Deadline
+from polhode.common.arguments import each
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
-from polhode.enclosures import fixed_point_problem, integral_contraction, proof_loop
+from polhode.enclosures import fixed_point_problem
 from polhode.enclosures._zeros.certified_zeros import Search
 from polhode.enclosures._zeros.zero_at_start import first_derivative, is_still
-from polhode.enclosures.approximation import precision_choice
-from polhode.enclosures.certify import (
-    MAX_STEPS,
-    MOST_DIGITS,
-    balls,
-    digits_of_box,
-    time_limit,
-)
+from polhode.enclosures.certify import balls
 from polhode.enclosures.fixed_point_problem import (
-    LEAST_NOISE,
-    MOST_NOISE,
+    CLOCK,
     TIME_BITS,
     Motion,
+    Problem,
     Refused,
     in_scene_axes,
-    motion,
     upper,
 )
 from polhode.enclosures.polynomial import Polynomial, constant, midpoint, rate, total, variable
+from polhode.enclosures.task import MAX_STEPS, Side, Task, task
 from polhode.numbers import expression
 from polhode.numbers.balls import Ball
-from polhode.numbers.decimals import shown
-from polhode.numbers.exact import Exact, sign
+from polhode.numbers.exact import sign
 from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.scalars import AnyNumber, AnyVector
@@ -191,70 +182,51 @@ def certify_events(
         (last,) = each(scene.name, "end", (end,), reader(scene.units, TIME), "a time")
     if sign(last) == 0:
         raise BadInput(scene.name, "end", "0", "a time other than 0")
-    digits = whole(scene.name, "digits", digits, 1, MOST_DIGITS)
-    max_steps = steps(scene.name, max_steps)
-    what = motion(scene, backward=sign(last) < 0, radii=box.radii)
-    if box.radii is not None:
-        digits = min(digits, digits_of_box(box))
-    if (needed := precision_choice.steps(what, last)) > max_steps:
-        expected = f"a time that {max_steps} steps reach; this one takes about {needed:.2g}"
-        raise BadInput(scene.name, "end", shown(last), expected)
-    polynomials = [of_event(what, n, event) for n, event in enumerate(scene.events)]
+    asked = task(box, "end", [last], digits, max_steps, max_seconds, progress)
+    (side,) = asked.sides
+    polynomials = [of_event(side.motion, n, event) for n, event in enumerate(scene.events)]
     for n, (event, g) in enumerate(zip(scene.events, polynomials, strict=True)):
-        if is_still(what, g):
+        if is_still(side.motion, g):
             key, text = f"events[{n + 1}].zero", event.expression or event.name
             expected = "an expression that is not zero at all times of the motion"
             raise BadInput(scene.name, key, text, expected)
-    deadline = time_limit(scene, max_seconds)
-    needed_for = precision_choice.forecast(what, last, digits, deadline)
-    noise = max(LEAST_NOISE, math.ceil(needed_for.bits + needed_for.grown))
-    if forecast is not None:
-        outputs = bool({"angles", "attitude"} & {*scene.modelled})
-        forecast(_DEARER * needed_for.seconds(noise, outputs))
-    for _ in range(_MOST_TRIES):
+    asked.foretell(forecast, _DEARER)
+    noise: int | None = asked.noise
+    for tries in range(1, _MOST_TRIES + 1):
+        if noise is None:
+            break
         try:
-            return _found(what, polynomials, last, noise, progress, deadline)
+            return _events(asked, polynomials, noise)
         except Refused as why:
-            noise = min(MOST_NOISE, precision_choice.raised(noise, needed_for.bits, why))
+            noise = asked.raised(noise, why, tries)
     if box.radii is not None:
         raise BadInput(scene.name, start_box.KEY, box.told, "narrower intervals")
-    raise BadInput(scene.name, "digits", digits, "digits that can be proven to the end")
+    raise BadInput(scene.name, "digits", asked.digits, "digits that can be proven to the end")
 
 
-def _found(
-    what: Motion,
-    polynomials: Sequence[Polynomial],
-    last: Exact,
-    noise: int,
-    progress: Progress | None,
-    deadline: Deadline,
+def _events(
+    asked: Task, polynomials: Sequence[Polynomial], noise: int
 ) -> tuple[CertifiedEvents, ...]:
-    problem = fixed_point_problem.problem(what, noise)
-    bits = 2 * problem.fine + 100
-    end = fixed_point_problem.times(what, [last])[0]
-    field = what.field
-    searches = []
-    for g in polynomials:
-        first = first_derivative(what, g)
-        at_start = None if first is None else first.balls(bits)
-        searches.append(Search(g.balls(bits), rate(g, field).balls(bits), at_start, deadline))
-    known = integral_contraction.prepared(what, bits)
-    proof = proof_loop.run(
-        problem,
-        [end],
-        known,
-        untrusted=proof_loop.SHORT_STEPS if what.radii else proof_loop.HONEST,
-        progress=progress,
-        watchers=searches,
-        deadline=deadline,
-    )
-    done = proof.outcome.done
-    until = end if done else arb((proof.end.time, -fixed_point_problem.CLOCK))
-    found = [
-        _named(what, event, search, until, noise)
-        for event, search in zip(what.scene.events, searches, strict=True)
-    ]
-    if not done:
+    """The events proven at one noise level, as far as it came; raises Refused."""
+
+    def watch(side: Side, problem: Problem, times: Sequence[Any]) -> list[Search]:
+        bits, searches = 2 * problem.fine + 100, []
+        for g in polynomials:
+            first = first_derivative(side.motion, g)
+            at_start = None if first is None else first.balls(bits)
+            slope = rate(g, side.motion.field).balls(bits)
+            searches.append(Search(g.balls(bits), slope, at_start, asked.deadline))
+        return searches
+
+    ((side, searches, proof),) = asked.proofs(noise, watch)
+    for search in searches:
+        search.finish()
+    what = side.motion
+    (end,) = fixed_point_problem.times(what, side.ordered)
+    until = end if proof.outcome.done else arb((proof.end.time, -CLOCK))
+    events = zip(asked.box.scene.events, searches, strict=True)
+    found = [_named(what, event, search, until, noise) for event, search in events]
+    if not proof.outcome.done:
         missed = _interval(what, until, end, end)
         found = [replace(row, undecided=(*row.undecided, missed)) for row in found]
     return tuple(found)
@@ -318,8 +290,8 @@ def of_event(what: Motion, n: int, event: Event) -> Polynomial:
     columns = {}
     for k, name in enumerate(STATE):
         part, i = divmod(k, 3)
-        turned = total([variable(3 * part + j).scaled(rows[j][i]) for j in range(3)])
-        columns[name] = turned if part else turned.scaled(unit)
+        turned = total([variable(3 * part + j) * rows[j][i] for j in range(3)])
+        columns[name] = turned if part else turned * unit
     if scene.gamma is None:
         columns = {name: columns[name] for name in STATE[:3]}
     functions = dict.fromkeys(expression.FUNCTIONS, _refuse)

@@ -146,8 +146,8 @@ class Motion:
         bend, pull, push = self.constants[:3], self.constants[3:6], self.constants[6:]
         rows = []
         for i, (a, b) in enumerate(CYCLE):
-            terms = [(x[a] * x[b]).scaled(bend[i])]
-            terms += [x[3 + a].scaled(pull[i]), x[3 + b].scaled(push[i])]
+            terms = [x[a] * x[b] * bend[i]]
+            terms += [x[3 + a] * pull[i], x[3 + b] * push[i]]
             rows.append(total(terms))
         for a, b in CYCLE:
             rows.append(x[3 + a] * x[b] - x[3 + b] * x[a])

@@ -58,10 +58,10 @@ def first_integrals(what: Motion) -> dict[str, Polynomial]:
     x = [variable(i) for i in range(6)]
     largest = max(what.moments)
     inertia = [m / largest for m in what.moments]
-    momentum = [x[i].scaled(inertia[i]) for i in range(3)]
+    momentum = [x[i] * inertia[i] for i in range(3)]
     torque = [exact.divide(k, largest) for k in what.torque]
     kinetic = total([momentum[i] * x[i] for i in range(3)])
-    weight = total([x[3 + i].scaled(torque[i]).scaled(2) for i in range(3)])
+    weight = total([x[3 + i] * torque[i] * 2 for i in range(3)])
     found = {"h": kinetic + weight}
     if what.scene.gamma is not None:
         found["f"] = total([momentum[i] * x[3 + i] for i in range(3)])
@@ -71,7 +71,7 @@ def first_integrals(what: Motion) -> dict[str, Polynomial]:
         candidates = {"|G|^2": total([part * part for part in momentum])}
         for i, name in enumerate("pqr"):
             candidates[name] = x[i]
-        candidates["w.k"] = total([x[i].scaled(torque[i]) for i in range(3)])
+        candidates["w.k"] = total([x[i] * torque[i] for i in range(3)])
         for order in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
             candidates[f"K^2, axis {order[2] + 1}"] = _kovalevskaya(x, what, order)
         for name, candidate in candidates.items():
@@ -85,8 +85,8 @@ def _kovalevskaya(x: Sequence[Polynomial], what: Motion, order: tuple[int, int, 
     i, j, k = order
     c1, c2 = (what.torque[n] / what.moments[k] for n in (i, j))
     u, v, g, h = x[i], x[j], x[3 + i], x[3 + j]
-    real = [u * u, -(v * v), g.scaled(-c1), h.scaled(c2)]
-    imaginary = [(u * v).scaled(2), h.scaled(-c1), g.scaled(-c2)]
+    real = [u * u, -(v * v), g * -c1, h * c2]
+    imaginary = [u * v * 2, h * -c1, g * -c2]
     a, b = total(real), total(imaginary)
     return a * a + b * b
 
@@ -132,18 +132,14 @@ def shrunk(problem: Problem, state: State, integrals: Sequence[Integral]) -> Sta
     size = np.abs(gain)
     columns = (np.eye(6) - gain @ g.T) @ state.columns
     rounding = size @ (np.abs(g).T @ radii) + radii + size @ np.abs(rest)
-    moved = gain @ rest
-    centre, left = [], np.zeros(6)
-    for i in range(6):
-        ticks = math.ldexp(float(moved[i]), problem.fine - problem.noise)
-        if not abs(ticks) < 2.0**900:
-            return state
-        by = round(ticks)
-        centre.append(state.centre[i] + by)
-        left[i] = math.ldexp(1.0, problem.noise - problem.fine)
+    ticks = np.ldexp(gain @ rest, problem.fine - problem.noise)
+    if not np.all(np.abs(ticks) < 2.0**900):
+        return state
+    centre = tuple(x + round(by) for x, by in zip(state.centre, ticks.tolist(), strict=True))
+    left = math.ldexp(1.0, problem.noise - problem.fine)
     lost = gamma(g.shape[1] + 8) * rounding  # products of k, then a difference and products of 6
     box = UP * (size @ width + lost + left) + TINY
-    found = State(state.time, tuple(centre), np.hstack([columns, np.diag(box)]))
+    found = State(state.time, centre, np.hstack([columns, np.diag(box)]))
     return found if np.sum(found.radii) < np.sum(radii) else state
 
 

@@ -20,6 +20,7 @@ from polhode.numbers.flint_context import ctx
 SIZE = 6
 MOST_POWER = 12
 _NOTHING = (0,) * SIZE
+_ZERO = arb(0)
 
 
 @dataclass(frozen=True)
@@ -34,18 +35,19 @@ class Polynomial:
             terms[key] = terms[key] + value if key in terms else value
         return Polynomial({key: value for key, value in terms.items() if not _is_zero(value)})
 
-    def __mul__(self, other: Polynomial) -> Polynomial:
+    def __mul__(self, other: Polynomial | Exact | int) -> Polynomial:
+        factor = other if isinstance(other, Polynomial) else constant(other)
         found = Polynomial({})
         for a, x in self.terms.items():
             moved = {
                 tuple(i + j for i, j in zip(a, b, strict=True)): exact.multiply(x, y)
-                for b, y in other.terms.items()
+                for b, y in factor.terms.items()
             }
             found = found + Polynomial(moved)
         return found
 
     def __neg__(self) -> Polynomial:
-        return self.scaled(-1)
+        return self * -1
 
     def __sub__(self, other: Polynomial) -> Polynomial:
         return self + -other
@@ -53,7 +55,7 @@ class Polynomial:
     def __truediv__(self, other: Polynomial) -> Polynomial:
         if set(other.terms) != {_NOTHING}:
             raise ValueError("a polynomial is divided by numbers alone")
-        return self.scaled(exact.divide(exact.ONE, other.terms[_NOTHING]))
+        return self * exact.divide(exact.ONE, other.terms[_NOTHING])
 
     def __pow__(self, exponent: int) -> Polynomial:
         if not 0 <= exponent <= MOST_POWER:
@@ -62,10 +64,6 @@ class Polynomial:
         for _ in range(exponent):
             found = found * self
         return found
-
-    def scaled(self, factor: Exact | int) -> Polynomial:
-        """The polynomial times a number."""
-        return self * constant(factor)
 
     def derivative(self, variable: int) -> Polynomial:
         """The partial derivative by one of the six variables."""
@@ -81,6 +79,10 @@ class Polynomial:
         """Whether every coefficient is a fraction."""
         return all(isinstance(value, Fraction) for value in self.terms.values())
 
+    def at(self, state: Sequence[Fraction]) -> Any:
+        """The exact value at a state of fractions, where the coefficients are fractions."""
+        return BallPolynomial(tuple(self.terms.items())).at(state, Fraction(0))
+
     def balls(self, bits: int) -> BallPolynomial:
         """The same with coefficients as balls of so many bits."""
         return BallPolynomial(tuple((key, ball(x, bits)) for key, x in self.terms.items()))
@@ -91,9 +93,8 @@ class BallPolynomial(NamedTuple):
 
     terms: tuple[tuple[tuple[int, ...], Any], ...]
 
-    def at(self, state: Sequence[Any]) -> Any:
-        """A ball around the values at every point of a box of six balls."""
-        total = arb(0)
+    def at(self, state: Sequence[Any], total: Any = _ZERO) -> Any:
+        """A ball around the values at every point of a box of six balls; ``total``: its zero."""
         for key, value in self.terms:
             for x, power in zip(state, key, strict=True):
                 for _ in range(power):  # x**power is no number where a ball holds 0

@@ -58,9 +58,6 @@ class Watcher(Protocol):
     def window(self, known: step_bound.Bounds, steps: Sequence[zonotope.Step]) -> None:
         """A window whose steps have been accepted."""
 
-    def finish(self) -> None:
-        """The proof is at its end."""
-
 
 @dataclass(frozen=True)
 class Proof:
@@ -135,8 +132,6 @@ def run(
         outcome = Outcome.TIME_LIMIT
     except KeyboardInterrupt:
         outcome = Outcome.INTERRUPTED
-    for watcher in watchers:
-        watcher.finish()
     return Proof(rows, steps, whole, outcome)
 
 
@@ -166,7 +161,7 @@ def _window(
         known = defect.defects(problem, shape)
         gaps = defect.gaps(problem, shape, state.centre)
         e = untrusted.correction(a, known.values.copy(), v, gaps)
-        size = newton_correction.size(e, problem.noise)
+        size = taylor_polynomials.size(e, problem.noise)
         if size > _LOST or size >= last:
             return None
         # its square and its rounding are noise

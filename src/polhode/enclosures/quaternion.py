@@ -19,20 +19,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from flint import arb, arb_poly, fmpz, fmpz_poly
+from flint import arb, arb_poly, fmpz
 
-from polhode.enclosures.fixed_point_problem import CLOCK, UP, Problem, Refused
-from polhode.enclosures.kronecker_substitution import floored
+from polhode.enclosures.fixed_point_problem import CLOCK, UP, Problem
+from polhode.enclosures.kronecker_substitution import packing, words_of
 from polhode.enclosures.step_bound import TINY, Bounds
-from polhode.enclosures.taylor_polynomials import Pieces, improved
+from polhode.enclosures.taylor_polynomials import Pieces, improved, of_doubles, size
 from polhode.enclosures.zonotope import Step
 from polhode.numbers.flint_context import ctx
+from polhode.numbers.rows import Doubles
 from polhode.numbers.vectors import quaternion_product
 
-_MOST_WIDTH = 10_000
 _ROOT_OF_3 = 1.7320508076  # above it
 #: (sign, component of v, component of w) of the terms of each component of v (0, w).
 PRODUCT = (
@@ -42,20 +43,20 @@ PRODUCT = (
     ((1, 0, 2), (1, 1, 1), (-1, 2, 0)),
 )
 
+#: e' = A e - d from A, d and e(0), as ``newton_correction.forced``; may be wrong in any way.
+Solution = Callable[[Doubles, Doubles, Doubles], Doubles]
+
 
 class Turns(NamedTuple):
-    """The turns v of each step of a window: W rows of four integer polynomials times 2**-level.
+    """The turns v of each step of a window, four polynomials each.
 
-    ``miss``: (W,), of the module's theorem.
+    ``near``: doubles of their coefficients, (W, count, 4), off by UNPACKED roundings; ``miss``:
+    (W,), of the module's theorem.
     """
 
-    rows: Sequence[Sequence[Any]]
-    level: int
+    pieces: Pieces
+    near: Any
     miss: Any
-
-
-#: Turns of a window from w~; may be wrong in any way.
-Approximation = Callable[[Pieces, int], tuple[Sequence[Sequence[Any]], int]]
 
 
 class Turned:
@@ -63,22 +64,23 @@ class Turned:
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
-        self.centre = (fmpz(1) << problem.fine, fmpz(0), fmpz(0), fmpz(0))  # times 2**-fine
+        self.centre = (1 << problem.fine, 0, 0, 0)  # times 2**-fine
         self.radius = 0.0
 
     def at(self, turns: Turns, n: int, tau: Any) -> tuple[Sequence[Any], float]:
         """The turn at tau in step n: the four balls of Q~ v(tau), and its distance from U."""
         with ctx.workprec(self.problem.noise + 104):
-            unit = arb((1, -turns.level))
-            v = [arb_poly(x)(tau) * unit for x in turns.rows[n]]
-            before = [arb((int(x), -self.problem.fine)) for x in self.centre]
+            unit = arb((1, -turns.pieces.level))
+            v = [arb_poly(x)(tau) * unit for x in turns.pieces.polynomials(n)]
+            before = [arb((x, -self.problem.fine)) for x in self.centre]
             return quaternion_product(before, v), self._after(float(turns.miss[n]))
 
     def step(self, turns: Turns, n: int) -> None:
         """To the end of step n, the centre rounded to 2**-fine."""
-        exact = quaternion_product(self.centre, [x(1) for x in turns.rows[n]])
-        half = fmpz(1) << (turns.level - 1)
-        self.centre = tuple((x + half) >> turns.level for x in exact)  # off by 1/2 each, 1 in all
+        exact = quaternion_product(self.centre, turns.pieces.ends[n].tolist())
+        level = turns.pieces.level
+        half = 1 << (level - 1)
+        self.centre = tuple((x + half) >> level for x in exact)  # off by 1/2 each, 1 in all
         lost = math.ldexp(1.0, self.problem.noise - self.problem.fine)
         self.radius = UP * (self._after(float(turns.miss[n])) + lost) + TINY
 
@@ -87,54 +89,69 @@ class Turned:
         return UP * (self.radius + grown * miss) + TINY
 
 
-def turns(known: Bounds, steps: Sequence[Step], approximate: Approximation) -> Turns:
-    """The turns of a window whose steps have been accepted, with their errors."""
-    problem, old = known.problem, known.pieces
-    level = max(problem.fine, old.level)
-    sharp = improved(old, known.correction, problem.noise, level)
-    made, level = approximate(sharp.copy(), problem.noise)
-    fine = int(level)
-    rows = [[fmpz_poly(x) for x in row] for row in made]  # who made them may change them
-    if len(rows) != sharp.count or any(len(row) != 4 for row in rows):
-        raise Refused("an approximation does not fit")
-    _, defect = defects(sharp, rows, fine, problem.noise)
+def turns(known: Bounds, steps: Sequence[Step], solution: Solution) -> Turns:
+    """The turns of a window whose steps have been accepted, with their errors.
+
+    v is found by Newton's corrections, until they make the defect no smaller.
+    """
+    noise, old = known.problem.noise, known.pieces
+    state = improved(old, known.correction, noise, max(known.problem.fine, old.level))
+    parts = tuple((level, part[:, :3]) for level, part in state.parts)
+    w = replace(state, parts=parts, near=state.near[:, :, :3])
+    a = np.zeros((*w.near.shape[:2], 4, 4))
+    for i, terms in enumerate(PRODUCT):
+        for sign, j, k in terms:
+            a[:, :, i, j] = 0.5 * sign * w.near[:, :, k] * w.lengths[:, None]
+    begin = np.array([1.0, 0.0, 0.0, 0.0])
+    v = of_doubles(w.times, solution(a, np.zeros((w.count, 0, 4)), begin), 4)
+    least = math.inf
+    while True:
+        near, values, defect = defects(w, v, noise)
+        largest = float(np.max(defect))
+        if largest < 1.0 or not largest < 0.5 * least:
+            break
+        least = largest
+        e = np.array(solution(a, values, np.zeros(4)))
+        v = improved(v, e, noise, max(v.level, min(w.level, 53 - size(e, noise))))
     # w is within r of x~ + e, whose coefficients are rounded by half a unit of 2**-level each
-    rounded = 0.5 * old.near.shape[1] * math.ldexp(1.0, problem.noise - level)
+    rounded = 0.5 * w.near.shape[1] * math.ldexp(1.0, noise - w.level)
     off = _ROOT_OF_3 * (np.array([step.r for step in steps]) + rounded)
-    begin = np.array([_start(row, fine, problem.noise) for row in rows])
-    miss = UP * (begin + defect + 0.5 * sharp.lengths * off) + TINY
-    return Turns(rows, fine, miss)
+    first = np.array([_start(row, v.level, noise) for row in v.starts.tolist()])
+    return Turns(v, near, UP * (first + defect + 0.5 * w.lengths * off) + TINY)
 
 
-def _start(row: Sequence[Any], level: int, noise: int) -> float:
+def _start(row: Sequence[int], level: int, noise: int) -> float:
     """A bound of |1 - v(0)|."""
-    wrong = [abs(int(x[0]) - ((1 << level) if k == 0 else 0)) for k, x in enumerate(row)]
-    if not any(wrong):
+    wrong = abs(row[0] - (1 << level)) + sum(map(abs, row[1:]))
+    if not wrong:
         return 0.0
     with ctx.workprec(64):
-        return UP * float((arb(sum(wrong)) * arb((1, noise - level))).abs_upper())
+        return UP * float((arb(wrong) * arb((1, noise - level))).abs_upper())
 
 
-def defects(sharp: Pieces, rows: Sequence[Any], level: int, noise: int) -> tuple[Any, Any]:
-    """d of every step as doubles, (W, K, 4), and bounds of int |d|, exact in integers first."""
-    shift = fmpz(1) << (sharp.level + CLOCK + 1)
-    width = 2 * sharp.near.shape[1] - 1
-    table = np.zeros((sharp.count, 4, width), dtype=np.int64)
-    powers = np.zeros((sharp.count, 4), dtype=np.int64)
-    for n, (v, w) in enumerate(zip(rows, sharp.rows, strict=True)):
-        length = fmpz(sharp.times[n + 1] - sharp.times[n])
-        for i, terms in enumerate(PRODUCT):
-            turned = fmpz_poly([])
-            for sign, a, b in terms:
-                turned += v[a] * w[b] * sign
-            found, bits = floored(v[i].derivative() * shift - turned * length)
-            table[n, i, : len(found)] = found
-            powers[n, i] = bits + noise - level - sharp.level - CLOCK - 1
-    values = np.ldexp(table.astype(float), powers[:, :, None])
-    weights = 1.0 / np.arange(1, width + 1)
-    sizes = np.sum(np.abs(values), axis=1)  # |.|_2 <= |.|_1
-    # UP holds what the floors take too: less than 1 a coefficient of a row whose largest, if any
-    # was taken, is 2**59 at least, and has the weight 1/width at least: width**2/2**59 < 1e-9
-    if width > _MOST_WIDTH:
-        raise Refused("the polynomials are too long")
-    return values.transpose(0, 2, 1), UP * np.sum(sizes * weights, axis=1) + TINY
+def defects(w: Pieces, v: Pieces, noise: int) -> tuple[Any, Any, Any]:
+    """v as doubles, (W, K, 4), d of every step, (W, 2 K - 1, 4), and bounds of int |d|.
+
+    Exact in integers, which are 2**(CLOCK + 1 + the levels of both) d, and then right to UNPACKED
+    roundings, which UP holds.
+    """
+    used, terms = max(w.used, v.used), v.near.shape[1]
+    largest = ((terms << (CLOCK + 1)) + 3 * v.longest) * v.most * w.most
+    words = words_of(largest << (w.level + v.level))
+    packs, shift = packing(used, words), w.level + CLOCK + 1
+    turning, rates = v.packed(packs), w.packed(packs)
+    numbers = []
+    for n in range(w.count):
+        length = fmpz(w.times[n + 1] - w.times[n])
+        x, y = turning[4 * n : 4 * n + 4], rates[3 * n : 3 * n + 3]
+        for i, row in enumerate(PRODUCT):
+            turned = sum((x[a] * y[b] * sign for sign, a, b in row), fmpz(0))
+            numbers.append((packs.slope(x[i]) << shift) - turned * length)
+    power = np.full(len(turning), noise - v.level - shift)
+    found = packing(2 * used - 1, words).doubles(numbers, power)
+    values = found.reshape(w.count, 4, -1).transpose(0, 2, 1)
+    near = packs.doubles(turning, np.full(len(turning), -v.level))
+    sizes = np.sum(np.abs(values), axis=2)  # |.|_2 <= |.|_1
+    weights = 1.0 / np.arange(1, values.shape[1] + 1)
+    bound = UP * np.sum(sizes * weights, axis=1) + TINY
+    return near.reshape(w.count, 4, -1).transpose(0, 2, 1), values, bound

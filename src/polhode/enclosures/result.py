@@ -15,7 +15,6 @@ from polhode.common.progress import Progress
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
 from polhode.enclosures.statement import stated
-from polhode.enclosures.variations.flow_derivative import FlowDerivative
 from polhode.equations.kinematics import starting_attitude
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.balls import Ball, decimal_ball, guaranteed
@@ -77,7 +76,7 @@ class Enclosure(Result, ByValue):
     ``digits``: proven correct digits at each time (-log10 of the larger of the radius of w over the
     largest |w| at the times and the radius of gamma).  ``angles`` (psi theta phi) and ``attitude``
     (q0 q1 q2 q3): if the scene's outputs ask for them, else None; ``derived``: outputs made of
-    these, by their words.  ``derivatives``: of the states by the start, if they were asked for.
+    these, by their words.
     ``outcome``: REACHED_END, or TIME_LIMIT or INTERRUPTED: ``times`` are then those reached.
     ``noise``: the proof's noise level is 2**-noise in its own unit of time.  ``steps`` and
     ``seconds``: of the run that proved it; ``tries``: the number of runs; ``seconds_in_all``:
@@ -111,7 +110,6 @@ class Enclosure(Result, ByValue):
     attitude: Part | None = None
     outcome: Outcome = Outcome.REACHED_END
     derived: Mapping[str, Part] = field(default_factory=dict)
-    derivatives: FlowDerivative | None = None
     assumed: tuple[str, ...] = ()
     lost: tuple[float, ...] = ()
     omega_radius: tuple[Fraction, ...] | None = None
@@ -201,10 +199,7 @@ class Enclosure(Result, ByValue):
 
     def decimals(self) -> list[list[tuple[str, str]]]:
         """Balls as decimals: midpoints rounded a little beyond the radius, radii that allow it."""
-        return [
-            [decimal_ball(x, r) for x, r in zip(row, radii, strict=True)]
-            for row, radii in zip(self.centres, self.radii, strict=True)
-        ]
+        return Part(self.centres, self.radii).decimals()
 
     def save(self, path: str | Path, progress: Progress | None = None) -> None:
         """Write the enclosure, or as .json the certificate that ``polhode verify`` checks.

@@ -1,7 +1,7 @@
 """The theorem of one step, and its numbers from the polynomials as they are.
 
 Trusted.  On a step, tau = (t - t_n)/h in [0, 1], the motion x' = h f(x), f(x) = L x + B(x, x), is
-approximated by xhat = x~ + e, x~ an integer polynomial (``pieces``), e one with double
+approximated by xhat = x~ + e, x~ an integer polynomial (``taylor_polynomials``), e one with double
 coefficients.  With A = h f'(x~), d = x~' - h f(x~) and z = x - xhat, exactly
 
     z' = A z + h B(e + z, e + z) - (d + e' - A e).                                          (1)

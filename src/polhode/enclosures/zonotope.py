@@ -6,7 +6,7 @@ Trusted.  At the grid time t_n the exact state minus the approximation's end is
 
 G the columns as they were last settled, T the product of the V since, H the columns born since.
 J_n = xhat_{n-1}(1) - xhat_n(0) is the jump of the approximation, so the step's z(0) is z_n + J_n,
-and by the theorem of one step (``bound``)
+and by the theorem of one step (``step_bound``)
 
     z_{n+1} in V (z_n + J_n) + [-s, s]**6.
 
@@ -176,19 +176,15 @@ def _lost(known: Bounds) -> float:
 
 def _centre(known: Bounds) -> tuple[tuple[int, ...], Any]:
     """The approximation's end rounded to 2**-fine, and bounds of what that leaves, (6,)."""
-    problem, pieces = known.problem, known.pieces
+    level, fine, noise = known.pieces.level, known.problem.fine, known.problem.noise
     ends = np.sum(known.correction[-1], axis=0)
     sizes = np.sum(np.abs(known.correction[-1]), axis=0)
-    level, fine, noise = pieces.level, problem.fine, problem.noise
-    centre, rest = [], np.zeros(6)
-    for i, end in enumerate(pieces.ends[-1]):
-        correction = round(math.ldexp(float(ends[i]), fine - noise)) if ends[i] else 0
-        whole = end << (fine - level) if fine >= level else end >> (level - fine)
-        near = whole + correction
-        centre.append(near)
-        exact = difference(end, level, near, fine, noise)
-        rest[i] = UP * (abs(exact + float(ends[i])) + _lost(known) * (float(sizes[i]) + abs(exact)))
-    return tuple(centre), rest + TINY
+    end = known.pieces.ends[-1]
+    moved = [round(math.ldexp(x, fine - noise)) for x in ends.tolist()]
+    centre = ((end << max(0, fine - level)) >> max(0, level - fine)) + np.array(moved, dtype=object)
+    exact = difference(end, level, centre, fine, noise).astype(float)
+    rest = UP * (np.abs(exact + ends) + _lost(known) * (sizes + np.abs(exact)))
+    return tuple(centre.tolist()), rest + TINY
 
 
 def inside(times: Sequence[Any], end: int) -> list[Any]:
@@ -227,7 +223,7 @@ def _balls(
     eps: float,
     step: Step,
 ) -> list[list[Any]]:
-    """Six balls around the exact state at each tau in step n, by (2) of ``bound``."""
+    """Six balls around the exact state at each tau in step n, by (2) of ``step_bound``."""
     v = known.matrices[n]
     terms = v.shape[0]
     near = np.array([float(tau.mid()) for tau in taus])
@@ -242,29 +238,25 @@ def _balls(
     radii = radii + np.abs(w) @ (jump + gamma(16) * hull)
     lost = gamma(2 * terms + 6) + UP * terms * off  # |V(tau) - V(near)| <= sum k |V_k| off
     radii = UP * (radii + step.s + (lost * float(known.sizes[n]) * eps)[:, None]) + TINY
-    with ctx.workprec(known.problem.noise + 104):
-        centre = _approximation(known, n)
-        return [_widened(known, centre, *at) for at in zip(taus, radii.tolist(), strict=True)]
+    noise = known.problem.noise
+    with ctx.workprec(noise + 104):
+        centre = approximation(known, n)
+        return [widened(centre, *at, noise) for at in zip(taus, radii.tolist(), strict=True)]
 
 
-def around(known: Bounds, n: int, tau: Any, radii: Sequence[float]) -> list[Any]:
-    """The approximation at tau in step n as balls, widened by radii in units of 2**-noise."""
-    with ctx.workprec(known.problem.noise + 104):
-        return _widened(known, _approximation(known, n), tau, radii)
-
-
-def _approximation(known: Bounds, n: int) -> list[arb_poly]:
-    """The polynomials of step n, corrections added to them."""
+def approximation(known: Bounds, n: int) -> list[arb_poly]:
+    """The polynomials of step n, corrections added to them, to the working precision."""
     pieces = known.pieces
     unit, level = arb((1, -known.problem.noise)), arb((1, -pieces.level))
     return [
         arb_poly(x) * level + arb_poly([arb(float(c)) for c in known.correction[n, :, i]]) * unit
-        for i, x in enumerate(pieces.rows[n])
+        for i, x in enumerate(pieces.polynomials(n))
     ]
 
 
-def _widened(
-    known: Bounds, centre: Sequence[arb_poly], tau: arb, radii: Sequence[float]
+def widened(
+    polynomials: Sequence[arb_poly], tau: arb, radii: Sequence[float], noise: int
 ) -> list[arb]:
-    unit = arb((1, -known.problem.noise))
-    return [p(tau) + arb(0, float(r)) * unit for p, r in zip(centre, radii, strict=True)]
+    """The values at tau as balls, widened by radii in units of 2**-noise."""
+    unit = arb((1, -noise))
+    return [p(tau) + arb(0, float(r)) * unit for p, r in zip(polynomials, radii, strict=True)]

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from polhode.dynamics.levels.effective_potential import Region
 from polhode.dynamics.levels.levels import Column, Levels
+from polhode.dynamics.levels.regions import Region
 from polhode.figures.canvas import canvas
 from polhode.figures.canvas.canvas import SPACE
 from polhode.numbers.conversion import to_double

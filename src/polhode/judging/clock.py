@@ -8,7 +8,7 @@ that fits.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from typing import NamedTuple, TypeAlias
 
@@ -19,9 +19,8 @@ from polhode.judging.diagnosis.conventions import whole_parts
 from polhode.judging.diagnosis.motion_in_double import sampled
 from polhode.judging.diagnosis.rotation_matrices import matrices
 from polhode.judging.diagnosis.time_unit import UNITS, clock_words
-from polhode.judging.diagnosis.ways import Right
-from polhode.judging.tables.candidate import Subject
 from polhode.judging.tables.reading import WRONG, TimeChange
+from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import to_double
 from polhode.numbers.decimals import brief
 from polhode.numbers.rows import Doubles
@@ -43,8 +42,8 @@ _SAME = 1e-2  # of integrals: the first row is on the scene's level
 _ROUNDING = 4 * 2.0**-52
 _SPARED = 3  # decimal places that a short offset does not need
 
-#: What is compared with the motion: of rows of it, arrays with a row for each.
-Signal: TypeAlias = Callable[[Right], Doubles]
+#: What is compared with the motion: the parts of it whose numbers are.
+Signal: TypeAlias = tuple[str, ...]
 
 
 class Clock(NamedTuple):
@@ -67,7 +66,7 @@ class Clock(NamedTuple):
         return clock_words(self.change)
 
 
-def clock(rows: Subject, scene: Scene) -> Clock | None:
+def clock(rows: Table, scene: Scene) -> Clock | None:
     """The offset at which rows, the first ones of a table, belong to the scene's motion; None
     where there is none, or where they belong to the times that they have."""
     parts, times = whole_parts(rows)
@@ -83,7 +82,7 @@ def clock(rows: Subject, scene: Scene) -> Clock | None:
         if motion is None:
             return None
         for number, (signal, values) in enumerate(wanted):
-            path = signal(motion)
+            path = _joined(motion.part(name) for name in signal)
             starts = _starts(path, values[0])
             for unit in _units(path, starts, values, [t - times[0] for t in times], _STEP / rate):
                 since = np.array([to_double(unit * (t - times[0])) for t in times])
@@ -95,7 +94,7 @@ def clock(rows: Subject, scene: Scene) -> Clock | None:
     return None
 
 
-def unknown_clock(subject: Subject, scene: Scene, is_sought: bool = True) -> tuple[str, ...]:
+def unknown_clock(subject: Table, scene: Scene, is_sought: bool = True) -> tuple[str, ...]:
     """That times that are far and close together look like a clock's, in words.
 
     ``is_sought``: whether the offset was looked for.
@@ -127,7 +126,7 @@ def _units(
 
 
 def _clock(
-    time: float, digits: float, off: float, unit: Fraction, rows: Subject, nearest: Fraction
+    time: float, digits: float, off: float, unit: Fraction, rows: Table, nearest: Fraction
 ) -> Clock | None:
     """The clock of rows of which the one ``nearest`` to t = 0 belongs to a time that is off by so
     much at most."""
@@ -157,35 +156,29 @@ def _on_level(parts: dict[str, Doubles], scene: Scene) -> bool:
     """Whether the first row has the scene's integrals, so that it is worth while to look far."""
     if not {"omega", "gamma"} <= {*parts}:
         return False
-    state = np.concatenate([parts["omega"][:1], parts["gamma"][:1]], axis=1)
+    state = _joined([parts["omega"][:1], parts["gamma"][:1]])
     return all(abs(float(x[0])) < _SAME for x in departures(scene, state).values())
 
 
 def _signals(parts: dict[str, Doubles]) -> Iterator[tuple[Signal, Doubles]]:
     """What the rows have of the motion, in usual units: all of the state first."""
 
-    def omega(right: Right) -> Doubles:
-        return right.states[:, :3]
+    held = dict(parts)
+    if "attitude" in held:
+        held["attitude"] = matrices(held["attitude"]).reshape(len(held["attitude"]), -1)
+    for signal in (("omega", "gamma"), ("omega",), ("gamma",), ("attitude",)):
+        if not {*signal} <= held.keys():
+            continue
+        values = _joined(held[name] for name in signal)
+        if values.size >= _FEWEST:
+            yield signal, values
+            if signal == ("omega",):
+                yield signal, np.radians(values)
 
-    def gamma(right: Right) -> Doubles:
-        return right.states[:, 3:]
 
-    def attitude(right: Right) -> Doubles:
-        turned = right.matrices
-        assert turned is not None
-        return turned.reshape(len(turned), -1)
-
-    found: list[tuple[Signal, Doubles]] = []
-    if {"omega", "gamma"} <= {*parts}:
-        both = np.concatenate([parts["omega"], parts["gamma"]], axis=1)
-        found.append((lambda right: right.states, both))
-    if "omega" in parts:
-        found += [(omega, parts["omega"]), (omega, np.radians(parts["omega"]))]
-    if "gamma" in parts:
-        found.append((gamma, parts["gamma"]))
-    if "attitude" in parts:
-        found.append((attitude, matrices(parts["attitude"]).reshape(len(parts["attitude"]), -1)))
-    return ((signal, values) for signal, values in found if values.size >= _FEWEST)
+def _joined(parts: Iterable[Doubles]) -> Doubles:
+    """Arrays of the same rows side by side."""
+    return np.concatenate([*parts], axis=1)
 
 
 def _starts(motion: Doubles, row: Doubles) -> list[int]:
@@ -246,7 +239,7 @@ class _Fit(NamedTuple):
         right = sampled(self.scene, wanted, self.values.shape[1] > 6)
         if right is None:
             return None
-        motion = self.signal(right)
+        motion = _joined(right.part(name) for name in self.signal)
         scale = np.maximum(1.0 if self.values.shape[1] > 6 else 0.0, np.max(np.abs(motion)))
         off = motion.reshape(len(times), *self.values.shape) - self.values
         found: Doubles = (off / scale).reshape(len(times), -1)

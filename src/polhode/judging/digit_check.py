@@ -89,7 +89,8 @@ def _proof(
     progress: Progress | None,
 ) -> _Judge | None:
     """Midpoints of proven balls; None where there are none, or the second run costs less."""
-    from polhode.enclosures.certify import MOST_DIGITS, certify
+    from polhode.enclosures.certify import certify
+    from polhode.enclosures.task import MOST_DIGITS
 
     if digits + _SPARE > MOST_DIGITS or not (wanted or run.number.bits > 64):
         return None

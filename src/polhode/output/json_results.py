@@ -282,7 +282,7 @@ def of_judgement(judged: Judgement) -> JsonObject:
         "scene": reference.scene.name,
         "reference": reference.kind,
         "regime": reference.regime,
-        "judged": [*subject.columns, *judged.parts],
+        "judged": [*subject.state, *judged.parts],
         "times": [in_full(t) for t in judged.times],
         "rows_judged": judged.rows_judged,
         "correct_digits": [

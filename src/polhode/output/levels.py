@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from polhode.dynamics.levels.effective_potential import Region
 from polhode.dynamics.levels.levels import Curve, Levels, Mark, topology
+from polhode.dynamics.levels.regions import Region
 from polhode.numbers.decimals import shown
 from polhode.numbers.mpmath_context import mpf
 from polhode.output.json_object import JsonObject

@@ -42,7 +42,7 @@ def of_proof(found: ProvedOrbit) -> dict[str, object]:
             "multipliers": [[_ball(x) for x in pair] for pair in multipliers],
         },
         "digits_proven": round(found.digits - 0.005, 2),
-        "noise": found.noise,
+        "bits": found.bits,
         "runs": found.runs,
         "seconds": round(found.seconds, 3),
         "provenance": dict(found.provenance),

@@ -1,6 +1,5 @@
 """Computer-assisted proofs: periodic orbits of exact levels.
 
-What is found by approximation is a guess, corrected by Newton's method and then proved or refused.
-A proof rests on ``polhode.enclosures`` and on the modules here that import nothing that
-approximates: ``level``, ``flow_tube``, ``krawczyk``, ``periodic_orbit``, ``least_period``.
+What is found here is a guess, and becomes a certificate in memory; ``certificates/verify.py``, a
+file that imports nothing of polhode, proves or refuses it.
 """

@@ -2,31 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import json
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from fractions import Fraction
 from pathlib import Path
 from typing import NamedTuple
 
 from flint import arb
 
-from polhode.common.errors import BadInput
-from polhode.common.progress import Progress
+from polhode.certificates import certificate_file, orbit_certificate, verify
+from polhode.certificates.certificate_file import Made
 from polhode.common.value_semantics import ByValue
+from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.enclosures.fixed_point_problem import upper
-from polhode.enclosures.polynomial import midpoint
+from polhode.enclosures.polynomial import ball, midpoint
 from polhode.numbers.balls import Ball
 from polhode.numbers.decimals import brief, shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import DOUBLE
-from polhode.proofs.periodic_orbit import ELLIPTIC, HYPERBOLIC
+from polhode.proofs import certified_orbit
+from polhode.proofs.refusals import NotProved
 from polhode.results.cells import EXACT
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
+from polhode.scenes.body import PrincipalAxes
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, unit_of
 from polhode.scenes.vocabulary import STATE
+
+_FLOOR = Context(prec=2, rounding=ROUND_FLOOR)
+_CEILING = Context(prec=6, rounding=ROUND_CEILING)
+_TURN_BITS = 256  # of a state of many bodies, which has few digits
 
 
 class Within(NamedTuple):
@@ -46,10 +56,12 @@ class ProvedOrbit(Result, ByValue):
     Greene's, (6 - tr M)/4, M the monodromy matrix.  ``kind``: hyperbolic, elliptic or inverse
     hyperbolic, of the linear motion on this level alone.  ``unique_within``: a periodic motion of
     the level that passes within these distances of the point (Euclidean norms of omega and gamma)
-    and whose period is within this distance of ``period`` is this orbit.  ``noise``: the proof's
-    noise level is 2**-noise; ``runs``: of the enclosure, with those that corrected the guess;
-    ``seconds``: CPU time.  ``tolerance``: relative, of every moment and every component of Mg r0 in
-    principal axes; the theorem then holds for each body within it, and the balls for all of them.
+    and whose period is within this distance of ``period`` is this orbit.  ``digits``: proven ones
+    of start and period.  ``bits``: of the certificate's polynomials; ``runs``: of the checker,
+    until it proved a certificate with the digits wanted; ``seconds``: CPU time.  ``certificate``:
+    the JSON text that ``polhode verify`` checks.  ``tolerance``: relative, of every moment and
+    every component of Mg r0 in principal axes; the theorem then holds for each body within it, and
+    the balls for all of them.
 
     >>> import polhode
     >>> found = polhode.prove_orbit("grioli/precession")
@@ -69,25 +81,26 @@ class ProvedOrbit(Result, ByValue):
     kind: str
     unique_within: Within
     digits: float
-    noise: int
+    bits: int
     runs: int
     seconds: float = field(compare=False)
+    certificate: str
     provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
     tolerance: Fraction = Fraction(0)
 
     @property
     def multipliers(self) -> tuple[tuple[Ball, Ball], tuple[Ball, Ball]]:
         """Real and imaginary part of the two that may differ from 1; their product is 1."""
-        with ctx.workprec(self.noise + 128):
+        with ctx.workprec(self.bits + 128):
             r = as_arb(self.residue)
             half, square = 1 - 2 * r, 4 * r * (r - 1)  # mu + 1/mu = 2 half, square = half**2 - 1
             zero = Ball(Fraction(0), 0.0)
-            if self.kind == ELLIPTIC:
+            if self.kind == "elliptic":
                 side = ball_of((-square).sqrt())
                 middle = ball_of(half)
                 return (middle, side), (middle, Ball(-side.centre, side.radius))
             root = square.sqrt()
-            first = half + root if self.kind == HYPERBOLIC else half - root
+            first = half + root if self.kind == "hyperbolic" else half - root
             return (ball_of(first), zero), (ball_of(1 / first), zero)
 
     def table(self) -> Table:
@@ -124,49 +137,29 @@ class ProvedOrbit(Result, ByValue):
             Fact("multipliers", Table(multipliers, 0), "that may differ from 1"),
             *(Fact(f"unique_within_{k}", x, "lower bound") for k, x in near._asdict().items()),
             Fact("digits_proven", self.digits),
-            Fact("noise", self.noise, "the proof's noise level is 2 to minus this"),
-            Fact("runs", self.runs, "of the enclosure"),
+            Fact("bits", self.bits, "of the certificate's polynomials"),
+            Fact("runs", self.runs, "of the checker"),
             provenance_fact(self.provenance),
         ]
 
-    def save(self, path: str | Path, progress: Progress | None = None) -> None:
-        """Write the theorem, or as .json the certificate that ``polhode verify`` checks.
-
-        The certificate is checked before it is written, and states less of ``unique_within`` where
-        the checker does not prove it all.
+    def save(self, path: str | Path) -> None:
+        """Write the theorem, or as .json its certificate, which ``polhode verify`` checks.
 
         Parameters
         ----------
         path : str or Path
             ``.json``: the certificate.  Other endings as of any result; those load again by
             :func:`polhode.load_result`.
-        progress : callable, optional
-            Told the part of the certificate's check that is done, and how many steps.
 
         Raises
         ------
         BadInput
-            What the checker does not prove, a theorem of many bodies as a certificate, and a file
-            that cannot be written.
+            A file that cannot be written.
         """
         if Path(path).suffix.lower() not in (".json", ""):  # "-" is stdout
             super().save(path)
             return
-        if self.tolerance:
-            expected = "no tolerance: a certificate is for one body"
-            raise BadInput(self.scene.name, "tolerance", brief(self.tolerance), expected)
-        from polhode.certificates import orbit_certificate
-
-        stated = orbit_certificate.Stated(
-            self.h,
-            self.f,
-            self.kind,
-            [x.decimals for x in (*self.omega, *self.gamma)],
-            self.period.decimals,
-            self.residue.decimals,
-            [down(x) for x in self.unique_within],
-        )
-        orbit_certificate.save(self.scene.name, self.scene.body, stated, path, progress)
+        certificate_file.write(path, self.certificate)
 
     def __repr__(self) -> str:
         name, period = self.scene.name, float(self.period)
@@ -180,7 +173,7 @@ class ProvedOrbit(Result, ByValue):
             for name, balls in (("omega", self.omega), ("gamma", self.gamma))
         )
         mu = self.multipliers[0]
-        side = f" + {mu[1]} i" if self.kind == ELLIPTIC else ""
+        side = f" + {mu[1]} i" if self.kind == "elliptic" else ""
         return (
             f"proved: {self.bodies}on the level {self.level} exactly one periodic orbit with a "
             f"period within {down(near.period)} of {self.period} passes within "
@@ -207,6 +200,71 @@ class ProvedOrbit(Result, ByValue):
         )
 
 
+def of_proof(
+    on: Surface, found: certified_orbit.Proof, tolerance: Fraction, seconds: float
+) -> ProvedOrbit:
+    """What the checker proved, stated in its certificate; raises NotProved."""
+    zero, name = found.zero, on.scene.name
+    tests = verify.STABILITY.items()
+    kind = next((word for word, test in tests if test(zero.residue) is True), None)
+    if kind is None:
+        line = f"the residue {zero.residue.str(6)} may be 0 or 1: a multiplier may be 1 or -1"
+        raise NotProved(f"{name}: {line}; try more digits")
+    within = Within(*map(_below, zero.alone))
+    if not min(within) > 0.0:
+        raise NotProved(f"{name}: the box is no larger than the error of its centre")
+    state = [ball_of(x) for x in zero.start]
+    period, residue = ball_of(zero.period), ball_of(zero.residue)
+    statement: Made = {
+        "kind": kind,
+        "start": [list(x.decimals) for x in state],
+        "period": list(period.decimals),
+        "residue": list(residue.decimals),
+        "least": True,
+        "alone": [down(x) for x in within],
+    }
+    made = orbit_certificate.stated(found.made, statement, zero)
+    if tolerance:
+        state = [ball_of(x) for x in _in_scene_axes(on.scene.body.axes, zero.start)]
+    return ProvedOrbit(
+        on.scene,
+        on.h,
+        on.f,
+        period,
+        tuple(state[:3]),
+        tuple(state[3:]),
+        residue,
+        kind,
+        within,
+        found.digits,
+        int(str(made["bits"])),
+        found.runs,
+        seconds,
+        json.dumps(made),
+        on.scene.provenance(),
+        tolerance,
+    )
+
+
+def _in_scene_axes(axes: PrincipalAxes, start: Sequence[arb]) -> list[arb]:
+    """A state of principal axes."""
+    if axes.trivial:
+        return [*start]
+    turn = [[ball(x, _TURN_BITS) for x in unit] for unit in axes.rows]
+    with ctx.workprec(_TURN_BITS):
+        return [
+            turn[0][i] * x + turn[1][i] * y + turn[2][i] * z
+            for x, y, z in (start[:3], start[3:])
+            for i in range(3)
+        ]
+
+
+def _below(x: arb) -> float:
+    """A double not above a positive number; 0 where that is none."""
+    low = float(x.lower()) * (1.0 - 1e-9)
+    return low if math.isfinite(low) else 0.0
+
+
 def ball_of(x: arb) -> Ball:
     """A ball with a radius that is a double."""
     return Ball(midpoint(x), upper(x - x.mid()))
@@ -219,12 +277,10 @@ def as_arb(x: Ball) -> arb:
 
 
 def down(value: float) -> str:
-    """A positive bound as a short decimal that is not above it."""
-    text = f"{value:.1e}"
-    return text if Fraction(text) <= Fraction(value) else f"{value * 0.97:.1e}"
+    """A positive bound as a decimal of two digits that is not above it."""
+    return f"{float(_FLOOR.create_decimal(value)):.1e}"
 
 
 def up(value: float) -> str:
-    """A bound as a short decimal that is not below it."""
-    text = f"{value:.6g}"
-    return text if float(text) >= value else f"{value * (1 + 2e-6):.6g}"
+    """A bound as a decimal of six digits that is not below it."""
+    return f"{float(_CEILING.create_decimal(value)):.6g}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import NamedTuple
 
 from polhode.common.arguments import of_kind
@@ -43,6 +44,11 @@ class Event(NamedTuple):
         if self.name.startswith(SECTION):
             return self.name.removeprefix(SECTION)
         return READY_MADE.get(self.name, "")
+
+    @property
+    def timed(self) -> bool:
+        """Whether the time enters what vanishes."""
+        return "t" in re.findall(r"\w+", self.expression or "")
 
     @property
     def needs_zero(self) -> bool:

@@ -189,7 +189,7 @@ def _chaos(options: Namespace, path: Path, suffix: str) -> int:
 
 def is_file(name: str) -> bool:
     """Whether a trajectory file is meant: by its ending, or an existing path that is no scene."""
-    from polhode.judging.tables.array_file import ENDINGS
+    from polhode.judging.tables.table_file import ENDINGS
 
     suffix = Path(name).suffix.lower()
     return suffix in (".csv", *ENDINGS) or (

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from polhode.common.errors import BadInput
 from polhode.common.files import check_writable, is_stdout
+from polhode.common.text_tables import counted
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.verbs.section import read_grid
@@ -76,9 +77,6 @@ def main(options: Namespace) -> int:
         raise BadInput(scene.name, "--pick", options.pick, "--search, whose orbits it counts")
     if options.file is not None and options.search is not None and options.pick is None:
         raise BadInput(scene.name, "-o", options.file, "--pick, which chooses one orbit")
-    if options.file is not None and options.tolerance is not None:
-        expected = "no --tolerance with it: a certificate is for one body"
-        raise BadInput(scene.name, "-o", options.file, expected)
     _check_place(options)
     if options.search is not None:
         return _search(options, scene)
@@ -115,13 +113,7 @@ def _orbit(options: Namespace, scene: Scene) -> int:
         except NotProved as why:
             progress.clear()
             return _refused(why)
-        _save(options, found, progress)
     return _one(options, found)
-
-
-def _save(options: Namespace, found: ProvedOrbit | ProvedChaos, progress: ProgressLine) -> None:
-    if options.file is not None:
-        found.save(options.file, progress.show)
 
 
 def _chaos(options: Namespace, scene: Scene) -> int:
@@ -145,7 +137,8 @@ def _chaos(options: Namespace, scene: Scene) -> int:
         except NotProved as why:
             progress.clear()
             return _refused(why)
-        _save(options, found, progress)
+        if options.file is not None:
+            found.save(options.file, progress.show)
     return _told(options, found)
 
 
@@ -167,8 +160,11 @@ def _told(options: Namespace, found: ProvedChaos) -> int:
 
 
 def _one(options: Namespace, found: ProvedOrbit) -> int:
+    from polhode.certificates.verdict import trusted_base
     from polhode.output import proofs as output
 
+    if options.file is not None:
+        found.save(options.file)
     alone = options.file is not None and is_stdout(Path(options.file))
     tell = note if alone else say  # a certificate on stdout stands there alone
     if options.json:
@@ -180,9 +176,10 @@ def _one(options: Namespace, found: ProvedOrbit) -> int:
     if options.file is not None:
         tell_certificate(found.scene.name, options.file)
     note(
-        f"{found.scene.name}: every digit is proven; {found.runs} runs at a noise level of "
-        f"2**-{found.noise}, {found.seconds:.2f} s"
+        f"{found.scene.name}: every digit is proven; {counted(found.runs, 'run')} of the checker "
+        f"at {found.bits} bits, {found.seconds:.2f} s"
     )
+    note(trusted_base())
     return DONE
 
 
@@ -208,7 +205,6 @@ def _search(options: Namespace, scene: Scene) -> int:
                 raise BadInput(scene.name, "--pick", options.pick, expected)
             try:
                 one = prove_found(found, options.pick - 1, digits, progress.say, bodies)
-                _save(options, one, progress)
             except NotProved as why:
                 progress.clear()
                 return _refused(why)

@@ -133,6 +133,8 @@ def main(options: Namespace) -> int:
         expected = "a scene with a closed form, or --certified"
         raise BadInput(scene.name, "reference", reference.regime, expected)
     answer = json_results.of_reference(reference, times, options.digits)
+    if not reference.proven:
+        note(f"{scene.name}: the digits are reproduced, not proven")
     if path is not None:
         csv_tables.write_trajectory(path, answer)
     if options.json:
@@ -162,8 +164,9 @@ def _is_table(path: Path, options: Namespace) -> bool:
 def _certified(box: StartBox, times: Sequence[Exact], options: Namespace) -> int:
     """A proven enclosure, and proven events; on stdout nothing but proven digits."""
     from polhode.certificates import state_certificate
-    from polhode.enclosures.certify import MAX_STEPS, certify
+    from polhode.enclosures.certify import certify
     from polhode.enclosures.events import certify_events
+    from polhode.enclosures.task import MAX_STEPS
     from polhode.motion.outcomes import Outcome
 
     scene, radii = box

@@ -15,7 +15,7 @@ from typing import Protocol
 from flint import acb, arb
 
 from polhode.closed_forms.balls.core import ball, root
-from polhode.closed_forms.balls.frames import Frame, Rows, Turn
+from polhode.closed_forms.balls.frames import Frame, OwnMotion, OwnTurning, Rows, SeenMotion, Turn
 from polhode.closed_forms.balls.periodic_attitude import (
     Equations,
     PeriodicAttitude,
@@ -28,7 +28,7 @@ from polhode.closed_forms.membership.normal_form import Condition, Placed, place
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import ONE, ZERO, noted, sign, sqrt
-from polhode.numbers.vectors import dot, quaternion_product
+from polhode.numbers.vectors import dot
 
 
 def orbit_family(name: str, motion: type[PlacedMotion]) -> Family:
@@ -36,20 +36,12 @@ def orbit_family(name: str, motion: type[PlacedMotion]) -> Family:
     return by_conditions(name, motion.conditions, lambda: motion)
 
 
-class NormalMotion(Protocol):
+class NormalMotion(OwnMotion, OwnTurning, Protocol):
     """The motion in the axes of the normal form, at one precision."""
 
     @property
     def period(self) -> arb | None:
         """Of w and gamma; None where there is none."""
-        ...
-
-    def at(self, t: arb) -> Sequence[arb]:
-        """p, q, r, gamma1, gamma2, gamma3."""
-        ...
-
-    def turn(self, t: arb, state: Sequence[arb]) -> Turn:
-        """How far the axes have turned since t = 0; ``state`` is that at t."""
         ...
 
 
@@ -74,31 +66,7 @@ class OnOrbit:
         return self._attitude()
 
 
-class PlacedSolution:
-    """The motion in the scene's axes, at one precision; ``speed`` is a bound of |w|.
-
-    ``frame``: right-handed axes, which are those of the normal form or, where ``mirrored``, their
-    opposites: w has the same components in both.
-    """
-
-    def __init__(
-        self, motion: NormalMotion, frame: Frame, mirrored: bool, start: Turn | None, speed: arb
-    ) -> None:
-        self.motion, self.speed = motion, speed
-        self._frame, self._mirrored, self._start = frame, mirrored, start
-
-    def row(self, t: arb, attitude: bool) -> Sequence[arb]:
-        """p q r gamma1 gamma2 gamma3 [q0 q1 q2 q3]."""
-        state = self.motion.at(t)
-        up = [-x for x in state[3:]] if self._mirrored else state[3:]
-        row = [*self._frame.back(state[:3]), *self._frame.back(up)]
-        if attitude:
-            assert self._start is not None
-            row += quaternion_product(self._start, self._frame.turn(self.motion.turn(t, state)))
-        return row
-
-
-class PlacedMotion(ClosedForm[PlacedSolution]):
+class PlacedMotion(ClosedForm[SeenMotion[NormalMotion]]):
     """The motion of one heavy body from one start in a family's closed form.
 
     A family says its conditions in the axes of its normal form, the name of the motion, and the
@@ -141,9 +109,10 @@ class PlacedMotion(ClosedForm[PlacedSolution]):
     def _motion(self) -> NormalMotion:
         """The motion in the normal axes, at the precision in force."""
 
-    def _solved(self) -> PlacedSolution:
-        start = self._start().attitude
-        return PlacedSolution(self._motion(), self._frame, self._mirrored, start, self._speed())
+    def _solved(self) -> SeenMotion[NormalMotion]:
+        motion, start = self._motion(), self._start().attitude
+        side = -1 if self._mirrored else 1
+        return SeenMotion(motion, lambda: motion, self._frame, start, self._speed(), vertical=side)
 
     def _speed(self) -> arb:
         """A bound of |w|; positive, 1 at rest."""

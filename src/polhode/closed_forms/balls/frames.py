@@ -11,13 +11,14 @@ answers is ``product(start_attitude(...), frame.turn(product(conjugate(q(0)), q(
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 
 from flint import acb, arb
 
 from polhode.closed_forms.balls.core import Kept, ball, enclosed
+from polhode.common.cached_property import cached_property
 from polhode.numbers import exact
 from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt
 from polhode.numbers.vectors import Vector, dot, quaternion_product
@@ -168,6 +169,67 @@ class Start:
         if self.gamma is None or self.attitude is None:
             return omega
         return (*omega, *turned_back(turn, self.gamma), *quaternion_product(self.attitude, turn))
+
+
+class OwnMotion(Protocol):
+    """A motion in axes and units of its own."""
+
+    def at(self, t: arb) -> Sequence[arb]:
+        """p, q, r, and the vertical, of any length, at a time."""
+        ...
+
+
+class OwnTurning(Protocol):
+    """The attitude of one."""
+
+    def turn(self, t: arb, state: Sequence[arb]) -> Turn:
+        """How far its axes have turned since t = 0; ``state`` is that at t."""
+        ...
+
+
+M = TypeVar("M", bound=OwnMotion)
+
+
+class SeenMotion(Generic[M]):
+    """A motion in axes and units of its own, seen in the scene's, at one precision.
+
+    ``turning``: makes its attitude when that is first asked for.  ``frame``: its axes; ``start``:
+    the attitude at t = 0.  ``speed``: a bound of |w| in its units, of which ``unit`` are in one of
+    the scene's.  ``vertical``: the length of its vertical, negative where its axes are the
+    opposites of the frame's: w has the same components in both.
+    """
+
+    def __init__(
+        self,
+        motion: M,
+        turning: Callable[[], OwnTurning],
+        frame: Frame,
+        start: Turn | None,
+        speed: arb,
+        unit: arb | int = 1,
+        vertical: arb | int = 1,
+    ) -> None:
+        self.motion, self.speed, self.unit = motion, speed * unit, unit
+        self._made_turning = turning
+        self._frame, self._start, self._vertical = frame, start, vertical
+
+    def row(self, t: arb, attitude: bool) -> Sequence[arb]:
+        """p q r gamma1 gamma2 gamma3 [q0 q1 q2 q3]."""
+        now = t * self.unit
+        state = self.motion.at(now)
+        row = [
+            *self._frame.back([x * self.unit for x in state[:3]]),
+            *self._frame.back([x / self._vertical for x in state[3:]]),
+        ]
+        if attitude:
+            assert self._start is not None
+            row += quaternion_product(self._start, self._frame.turn(self.turning.turn(now, state)))
+        return row
+
+    @cached_property
+    def turning(self) -> Any:
+        """The attitude: states need none of its constants."""
+        return self._made_turning()
 
 
 def halves(gamma: Sequence[Exact], psi: Exact) -> tuple[acb, acb]:

@@ -19,6 +19,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
+from flint import arb
+
+from polhode.closed_forms.balls.core import ball
 from polhode.closed_forms.balls.frames import Frame, Rows
 from polhode.closed_forms.membership.normal_form import Condition, Placed, equal
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
@@ -97,6 +100,10 @@ class KovalevskayaStart:
             exponent=self.exponent,
         )
 
+    def speed_bound(self) -> arb:
+        """A bound of |w| at the precision in force: w^2/2 <= H - G1 <= H + |G|."""
+        return (2 * (ball(self.H) + ball(self.a2).sqrt())).sqrt()
+
     @cached_property
     def log2_speed(self) -> float:
         """log2 of a bound of |w|, in these units: r^2/2 + p^2 + q^2 <= H + |G|."""
@@ -109,51 +116,42 @@ class KovalevskayaStart:
         return min(found, self.log2_speed) if found > -math.inf else 0.0
 
 
-@dataclass(frozen=True)
-class KovalevskayaAxes:
-    """The top's axes in principal ones, and in the scene's."""
+def top_start(scene: PrincipalScene, within: Rows | None) -> tuple[Frame, KovalevskayaStart]:
+    """The top's axes, ``within`` the rows of the principal ones; the start and the integrals.
 
-    frame: Frame
-    order: tuple[int, int, int]  # principal axes, right-handed, the third that of the moment C
-    centre: tuple[Exact, Exact]  # X + iY = Mg (x0 + i y0)/C in the first two
-    weight: Exact  # n^2
-
-    def start(self, omega: Vector, gamma: Vector) -> KovalevskayaStart:
-        """From principal axes: the start and the integrals, rational where n^2 alone is not."""
-        (p, q, r), (g1, g2, g3) = ([v[i] for i in self.order] for v in (omega, gamma))
-        X, Y = self.centre
-        exponent = round(log2(self.weight) / 2)
-        unit = exact(2) ** exponent if exponent >= 0 else 1 / exact(2) ** -exponent
-        n2, square = self.weight, X * X + Y * Y
-        over, over2 = 1 / unit, 1 / (unit * unit)
-        along, across = X * p + Y * q, X * q - Y * p  # n^2 times p and q of the top
-        G1, G2 = X * g1 + Y * g2, X * g2 - Y * g1
-        pi, level = p * p + q * q, g1 * g1 + g2 * g2
-        area = p * g1 + q * g2 + r * g3 / 2
-        # Re conj(p + iq)^2 (G1 + iG2), in axes turned back by the direction of the centre.
-        mixed = (p * p - q * q) * (g1 * X - g2 * Y) + 2 * p * q * (g1 * Y + g2 * X)
-        k2 = pi * pi + square * level - 2 * mixed
-        if sign(k2) == 0:
-            k2 = ZERO
-        return KovalevskayaStart(
-            omega=(along / n2 * over, across / n2 * over, r * over),
-            G=(G1 * over2, G2 * over2, n2 * g3 * over2),
-            H=(pi + r * r / 2 + G1) * over2,
-            m=n2 * area * over * over2,
-            m2=square * area * area * over2 * over2 * over2,
-            a2=square * (level + g3 * g3) * over2 * over2,
-            k2=k2 * over2 * over2,
-            weight=n2 * over2,
-            exponent=exponent,
-        )
-
-
-def top_axes(moments: Vector, torque: Vector, rows: Rows | None) -> KovalevskayaAxes:
-    """The axes of the top; raises ValueError for a body that is none (:func:`fits`)."""
+    From principal axes these are rational where n^2 alone is not.  Raises ValueError for a body
+    that is no Kovalevskaya top (:func:`fits`).
+    """
+    moments, torque, omega, gamma = scene
     kind, axis = classical_top(moments, torque)
-    if kind != KOVALEVSKAYA or axis is None:
+    if kind != KOVALEVSKAYA or axis is None or gamma is None:
         raise ValueError("not a Kovalevskaya top")
     i, j, k = with_last(axis)
     X, Y = torque[i] / moments[k], torque[j] / moments[k]
-    frame = Frame.equatorial((i, j, k), X, Y, rows)
-    return KovalevskayaAxes(frame, (i, j, k), (X, Y), sqrt(X * X + Y * Y))
+    (p, q, r), (g1, g2, g3) = ((v[i], v[j], v[k]) for v in (omega, gamma))
+    square = X * X + Y * Y
+    n2 = sqrt(square)
+    exponent = round(log2(n2) / 2)
+    unit = exact(2) ** exponent if exponent >= 0 else 1 / exact(2) ** -exponent
+    over, over2 = 1 / unit, 1 / (unit * unit)
+    along, across = X * p + Y * q, X * q - Y * p  # n^2 times p and q of the top
+    G1, G2 = X * g1 + Y * g2, X * g2 - Y * g1
+    pi, level = p * p + q * q, g1 * g1 + g2 * g2
+    area = p * g1 + q * g2 + r * g3 / 2
+    # Re conj(p + iq)^2 (G1 + iG2), in axes turned back by the direction of the centre.
+    mixed = (p * p - q * q) * (g1 * X - g2 * Y) + 2 * p * q * (g1 * Y + g2 * X)
+    k2 = pi * pi + square * level - 2 * mixed
+    if sign(k2) == 0:
+        k2 = ZERO
+    start = KovalevskayaStart(
+        omega=(along / n2 * over, across / n2 * over, r * over),
+        G=(G1 * over2, G2 * over2, n2 * g3 * over2),
+        H=(pi + r * r / 2 + G1) * over2,
+        m=n2 * area * over * over2,
+        m2=square * area * area * over2 * over2 * over2,
+        a2=square * (level + g3 * g3) * over2 * over2,
+        k2=k2 * over2 * over2,
+        weight=n2 * over2,
+        exponent=exponent,
+    )
+    return Frame.equatorial((i, j, k), X, Y, within), start

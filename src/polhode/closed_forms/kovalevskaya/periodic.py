@@ -22,7 +22,6 @@ from polhode.closed_forms.balls.core import ball
 from polhode.closed_forms.balls.weierstrass import Quartic, Weierstrass, WeierstrassSolution
 from polhode.closed_forms.kovalevskaya import regimes
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
-from polhode.closed_forms.kovalevskaya.motion import speed_bound
 from polhode.numbers.exact import ZERO, Exact, exact, sign, sqrt
 
 #: p, q, r, G1, G2, G3 of a complex time.
@@ -42,7 +41,7 @@ class Periodic:
             regimes.PENDULUM_Y: _pendulum,
             regimes.APPELROT: _appelrot,
         }[regime]
-        self.speed = speed_bound(start)
+        self.speed = start.speed_bound()
         function = Weierstrass(quartic(start, regime))
         self.complex_state: ComplexState = make(start, function)
         #: The period; None of a motion that tends to a steady one.

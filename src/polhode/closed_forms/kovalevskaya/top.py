@@ -5,27 +5,36 @@
 (Yehia 3.13-3.17).  w = (p, q, r) and the upward vertical gamma in body axes.  Any start, any time,
 any number of digits: generic motion by genus-2 theta functions (Kowalevski, Acta Math. 12 (1889)
 177), one-frequency motions by Weierstrass' functions, others on a degenerate curve as the mean of
-six neighbours.  Units: any consistent set, angles in radians.
+six neighbours: digits of these are reproduced, not proven.  Units: any consistent set, angles in
+radians.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from typing import Any
 
 from flint import arb
 
 from polhode.closed_forms.balls.angles import Arguments
-from polhode.closed_forms.balls.core import Kept, Refused, ball
-from polhode.closed_forms.balls.frames import Rows, Turn, halves, quaternion
+from polhode.closed_forms.balls.core import Kept, Refused, ball, enclosed
+from polhode.closed_forms.balls.frames import (
+    OwnMotion,
+    OwnTurning,
+    Rows,
+    SeenMotion,
+    Turn,
+    halves,
+    quaternion,
+)
 from polhode.closed_forms.balls.one_axis import OneAxis, Permanent
 from polhode.closed_forms.balls.periodic_attitude import Equations, InTime, PeriodicAttitude, Strip
 from polhode.closed_forms.closed_form import ClosedForm
 from polhode.closed_forms.kovalevskaya import regimes
-from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart, top_axes
+from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart, top_start
 from polhode.closed_forms.kovalevskaya.branch_points import branch_points, discriminant
-from polhode.closed_forms.kovalevskaya.motion import TopMotion, TurningMotion
-from polhode.closed_forms.kovalevskaya.neighbours import Neighbours, NeighboursAttitude
+from polhode.closed_forms.kovalevskaya.neighbours import MOST_BITS, Neighbours, NeighboursAttitude
 from polhode.closed_forms.kovalevskaya.periodic import Periodic, quartic
 from polhode.closed_forms.kovalevskaya.theta.cycles import rates
 from polhode.closed_forms.kovalevskaya.theta.theta_attitude import ThetaAttitude
@@ -41,7 +50,7 @@ _SEPARATRIX_REACH = 300.0
 _EQUATIONS = Equations((arb(2), arb(2), arb(1)), (arb(1), arb(0), arb(0)))
 
 
-class KovalevskayaTop(ClosedForm[TopMotion]):
+class KovalevskayaTop(ClosedForm[SeenMotion[Any]]):
     """The motion of one Kovalevskaya top from one start.
 
     ``regime`` is, of a generic motion, the type of its curve
@@ -51,9 +60,7 @@ class KovalevskayaTop(ClosedForm[TopMotion]):
     is_dear = True
 
     def _set_up(self, scene: PrincipalScene, axes: Rows | None) -> None:
-        self._axes = top_axes(scene.moments, scene.torque, axes)
-        assert scene.gamma is not None
-        self.begin = self._axes.start(scene.omega, scene.gamma)
+        self._frame, self.begin = top_start(scene, axes)
         self.regime = regimes.regime(self.begin)
         self._disc = discriminant(self.begin)
         self._strip: Strip | None = None
@@ -65,24 +72,32 @@ class KovalevskayaTop(ClosedForm[TopMotion]):
 
     def _most_bits(self, digits: int) -> int:
         """Ever more bits would take minutes: near some motions no number of them is enough."""
-        return 20 * digits + 3_000
+        return MOST_BITS if self.regime in regimes.DEGENERATE else 20 * digits + 3_000
 
-    def _solved(self) -> TopMotion:
+    def _solved(self) -> SeenMotion[Any]:
         start, regime = self.begin, self.regime
-        made = partial(TopMotion, start, self._axes.frame, self._start())
         if regime in regimes.STEADY:
             steady = Permanent([ball(x) for x in (*start.omega, *start.G)])
-            return made(steady, lambda: steady)
+            return self._seen(steady, steady.speed, lambda: steady)
+        speed = start.speed_bound()
         if regime in regimes.DEGENERATE:
             near = Neighbours(start)
-            return made(near, lambda: NeighboursAttitude(near, self._first_turn()))
+            return self._seen(near, speed, lambda: NeighboursAttitude(near, self._first_turn()))
         if regime in regimes.ONE_FREQUENCY:
             periodic = Periodic(start, regime)
-            return made(periodic, partial(self._periodic_turning, periodic))
+            return self._seen(periodic, speed, partial(self._periodic_turning, periodic))
         state = ThetaState(start, self._disc)
-        return made(state, lambda: ThetaAttitude(state, self._first_turn()))
+        return self._seen(state, speed, lambda: ThetaAttitude(state, self._first_turn()))
 
-    def _periodic_turning(self, motion: Periodic) -> TurningMotion:
+    def _seen(
+        self, motion: OwnMotion, speed: arb, turning: Callable[[], OwnTurning]
+    ) -> SeenMotion[Any]:
+        """A motion of the top's axes in the scene's."""
+        unit, weight = arb(2) ** self.begin.exponent, enclosed(self.begin.weight)
+        attitude = self._start().attitude
+        return SeenMotion(motion, turning, self._frame, attitude, speed, unit, weight)
+
+    def _periodic_turning(self, motion: Periodic) -> OwnTurning:
         """The attitude of a motion that has a period, or that tends to a steady one."""
         if motion.period is None:
             near = Neighbours(self.begin)
@@ -121,9 +136,9 @@ class KovalevskayaTop(ClosedForm[TopMotion]):
     def _period_ball(self) -> arb | None:
         """The period of w and gamma; None for a motion of two frequencies, or without any."""
         motion = self._solution()
-        if not isinstance(motion.state, Periodic) or motion.state.period is None:
+        if not isinstance(motion.motion, Periodic) or motion.motion.period is None:
             return None
-        period: arb = motion.state.period / motion.unit
+        period: arb = motion.motion.period / motion.unit
         return period
 
     def curve(self, digits: int) -> dict[str, object]:
@@ -135,7 +150,7 @@ class KovalevskayaTop(ClosedForm[TopMotion]):
 
         def parts() -> dict[str, arb]:
             named = {"H": ball(start.H), "K2": ball(start.k2)}
-            state = self._solution().state
+            state = self._solution().motion
             rows = {"e": branch_points(start, self._disc)[:3]}
             if isinstance(state, ThetaState):
                 rows["tau"] = list(state.jacobian.lattice.tau)
@@ -166,9 +181,9 @@ class KovalevskayaTop(ClosedForm[TopMotion]):
         One-frequency motion: "body".  Others: none.
         """
         motion = self._solution()
-        if not isinstance(motion.state, ThetaState):
+        if not isinstance(motion.motion, ThetaState):
             return super()._rate_balls()
-        one, two = rates(motion.state.jacobian.points)
+        one, two = rates(motion.motion.jacobian.points)
         return {"s1": one * motion.unit, "s2": two * motion.unit}
 
 

@@ -10,49 +10,42 @@ Analytical Dynamics, art. 71; Goldstein, Classical Mechanics, section 5.7):
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from typing import Any
 
-from polhode.closed_forms.textbook.legendre import TooFewDigits, third_integral
-from polhode.closed_forms.textbook.vectors import Row
+from polhode.closed_forms.textbook.third_integral import third_integral
 from polhode.numbers.mpmath_context import mpf, mpmath
 
 _EQUAL = 2**20  # rounding errors by which two equal roots may differ
 
 
 def motion(
-    equatorial: mpf, axial: mpf, weight: mpf, omega: Sequence[mpf], gamma: Sequence[mpf]
-) -> Callable[[mpf], Row]:
+    moments: Any, weight: mpf, omega: Any, gamma: Any, regime: str
+) -> Callable[[mpf], list[mpf]]:
     """The state p q r gamma1 gamma2 gamma3 in the top's axes, as a function of time.
 
-    ``equatorial``, ``axial``: the moments.  ``weight``: Mg z0 > 0.  ``omega``, ``gamma``: at t = 0.
-    Raises ValueError for a motion through a pole, where psi and phi have no rates.
+    ``moments``, ``omega``, ``gamma``: at t = 0, in these axes.  ``weight``: Mg z0 > 0.  Raises
+    ValueError for a motion through a pole, where psi and phi have no rates, ArithmeticError where
+    rounding makes a pair of three roots that are nearly equal.
     """
+    del regime
     (p, q, r), (g1, g2, u0) = omega, gamma
-    a, n = 2 * weight / equatorial, axial * r / equatorial
-    turning = p * g1 + q * g2
-    F, b = turning + n * u0, u0 + (p * p + q * q) / a
+    a, n = 2 * weight / moments[0], moments[2] * r / moments[0]
+    F, b = p * g1 + q * g2 + n * u0, u0 + (p * p + q * q) / a
     near = mpmath.sqrt(mpmath.eps)
     cubic = [a * b - F * F, 2 * F * n - a, -a * b - n * n, a]
     roots = mpmath.polyroots(cubic, asc=True, maxsteps=400, extraprec=4 * mpmath.prec)
     u1, u2, u3 = sorted(mpmath.re(z) for z in roots)
     if max(u2, u0) >= 1 - near or min(u1, u0) <= -1 + near:  # of nearly triple roots u0 knows more
         raise ValueError("a motion through a pole, where psi and phi have no rates")
-    phi0 = mpmath.atan2(g1, g2)
-
-    def psi_rate(u: mpf) -> mpf:
-        return (F - n * u) / (1 - u * u)
-
-    if u2 - u1 < _EQUAL * mpmath.eps:  # steady, or a pair that only rounding made complex
-        if max(abs(mpmath.im(z)) for z in roots) > _EQUAL * near * mpmath.sqrt(1 - u0 * u0):
-            raise TooFewDigits("three roots are equal to this precision")
-        rate = r - u0 * psi_rate(u0)
-        return lambda t: _state(u0, mpmath.mpf(0), psi_rate(u0), phi0 + rate * t, r)
-
+    if max(abs(mpmath.im(z)) for z in roots) > _EQUAL * near * mpmath.sqrt(1 - u0 * u0):
+        raise ArithmeticError("three roots are equal to this precision")
     parameter = (u2 - u1) / (u3 - u1)
     rate = mpmath.sqrt(a * (u3 - u1)) / 2
-    sine = mpmath.sqrt(min(1, max(0, (u0 - u1) / (u2 - u1))))
+    steady = u2 - u1 < _EQUAL * mpmath.eps
+    sine = 0 if steady else mpmath.sqrt(min(1, max(0, (u0 - u1) / (u2 - u1))))
     way = -1 if g1 * q - g2 * p < 0 else 1
-    phase = way * mpmath.ellipf(mpmath.asin(sine), parameter)
+    begin = way * mpmath.ellipf(mpmath.asin(sine), parameter)
 
     def turned(v: mpf) -> mpf:
         """phi without its growth at the rate r - n."""
@@ -60,28 +53,18 @@ def motion(
         below = third_integral((u1 - u2) / (1 + u1), v, parameter) * (F + n) / (1 + u1)
         return (below - above) / (2 * rate)
 
-    begin = turned(phase)
+    phi0 = mpmath.atan2(g1, g2) - turned(begin)
 
-    def state(t: mpf) -> Row:
-        v = phase + rate * t
+    def state(t: mpf) -> list[mpf]:
+        v = begin + rate * t
         sn, cn, dn = (mpmath.ellipfun(kind, v, m=parameter) for kind in ("sn", "cn", "dn"))
         u = u1 + (u2 - u1) * sn * sn
-        slope = 2 * rate * (u2 - u1) * sn * cn * dn
-        return _state(u, slope, psi_rate(u), phi0 + (r - n) * t + turned(v) - begin, r)
+        phi = phi0 + (r - n) * t + turned(v)
+        # Euler's kinematic equations
+        sine, c, s = mpmath.sqrt(1 - u * u), mpmath.cos(phi), mpmath.sin(phi)
+        tilting = -2 * rate * (u2 - u1) * sn * cn * dn / sine  # theta'
+        turning = (F - n * u) / sine  # psi' sin theta
+        w = [tilting * c + turning * s, turning * c - tilting * s, r]
+        return [*w, sine * s, sine * c, u]
 
     return state
-
-
-def _state(u: mpf, slope: mpf, psi_rate: mpf, phi: mpf, r: mpf) -> Row:
-    """Euler's kinematic equations: w and gamma from the angles and their rates."""
-    sine = mpmath.sqrt(1 - u * u)
-    theta_rate = -slope / sine
-    c, s = mpmath.cos(phi), mpmath.sin(phi)
-    return [
-        theta_rate * c + psi_rate * sine * s,
-        psi_rate * sine * c - theta_rate * s,
-        r,
-        sine * s,
-        sine * c,
-        u,
-    ]

@@ -22,6 +22,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from polhode.common.arguments import each
 from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.errors import BadInput
@@ -217,8 +219,6 @@ def chaos_map(
     >>> found.counts["chaotic"] > 6
     True
     """
-    import numpy as np
-
     from polhode.taylor.variations import tangent_batches
 
     scene = library.load(scene)
@@ -297,8 +297,6 @@ def chaos_map(
 
 def _judged(sizes: Any, last: Any, length: float) -> dict[str, Any]:
     """Growth, FLI, MEGNO, exponent and verdict of ln|u| at evenly spaced looks."""
-    import numpy as np
-
     n, looks = sizes.shape[0], sizes.shape[1] - 1
     step = length / looks
     rows = np.arange(n)

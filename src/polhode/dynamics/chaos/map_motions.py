@@ -5,9 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from polhode.common.arguments import cells
 from polhode.common.errors import BadInput
+from polhode.dynamics.sections import coordinates as geometry
 from polhode.dynamics.sections.starts import asked_of, starts_of
+from polhode.equations.forms import principal
 from polhode.equations.section_functions import HEIGHT, MOMENTUM
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
@@ -55,19 +59,7 @@ def on_section(
 
     ``foretold``: see :func:`starts_of`.
     """
-    import numpy as np
-
-    from polhode.dynamics.sections import coordinates as geometry
-    from polhode.equations.forms import principal
-
-    plan = scene.section
-    asked = asked_of(
-        scene,
-        plan.by if by is None else by,
-        plan.extremum if extremum is None else extremum,
-        h,
-        f,
-    )
+    asked = asked_of(scene, by, extremum, h, f)
     if asked.by not in (MOMENTUM, HEIGHT):
         raise BadInput(scene.name, "by", asked.by, "momentum or height, for a map")
     on = geometry.ground(scene, asked.h, asked.f)
@@ -97,10 +89,6 @@ def of_varied(scene: Scene, varied: vary.Vary, foretold: Callable[[int], object]
 
     ``foretold``: told how many they are before they are made, to refuse them.
     """
-    import numpy as np
-
-    from polhode.equations.forms import principal
-
     grid = vary.grid(varied, scene.name, scene.units)
     if len(grid.keys) != 2:
         raise BadInput(scene.name, "vary", ", ".join(grid.keys), "two numbers of the scene")

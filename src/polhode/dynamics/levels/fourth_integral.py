@@ -21,15 +21,14 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from flint import arb, fmpq_poly
+from flint import arb, arb_poly, fmpq_poly
 
-from polhode.dynamics.levels.rotation_arcs import BITS, RationalBody, value_at
+from polhode.dynamics.levels.rational_body import BITS, RationalBody
 from polhode.equations.integrals import exact_values, first_integrals
-from polhode.numbers import exact
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.polynomials import middle, rational, real_roots
+from polhode.numbers.polynomials import Polynomial, middle, rational, real_roots
 from polhode.scenes import classification
 from polhode.scenes.scene import Scene
 
@@ -55,24 +54,24 @@ def fourth_integral(
     """Of a scene on the level (h, f); None where its body has no fourth integral there."""
     torque = scene.body.axes.components(scene.body.torque)
     top = classification.classical_top(scene.body.moments, torque)
-    size = exact.sqrt(exact.total(t * t for t in torque))
     with ctx.workprec(BITS):
+        size = arb(rational(body.heavy)).sqrt()
         found: Sequence[tuple[arb | Fraction, str]]
         if top.kind == classification.EULER:
             name, found = "|G|^2", _euler(body, h, f)
         elif top.kind in (classification.LAGRANGE, classification.SPHERE):
-            name, found = "L", _lagrange(body, top.axis, _ball(size), h, f)
+            name, found = "L", _lagrange(body, top.axis, size, h, f)
         elif top.kind == classification.KOVALEVSKAYA and top.axis is not None:
-            name, found = "K^2", _kovalevskaya(body.moments[top.axis], _square(body), h, f)
+            name, found = "K^2", _kovalevskaya(body.moments[top.axis], body.heavy, h, f)
         elif top.kind == classification.CHAPLYGIN and top.axis is not None and f == 0:
-            name, found = "F", _chaplygin(body.moments[top.axis], _ball(size), h)
+            name, found = "F", _chaplygin(body.moments[top.axis], size, h)
         else:
             return None
     critical = sorted({CriticalValue(float(value), what) for value, what in found})
-    return FourthIntegral(name, _own(scene, name), tuple(critical))
+    return FourthIntegral(name, _own(scene, name, top.axis or 0), tuple(critical))
 
 
-def _own(scene: Scene, name: str) -> float:
+def _own(scene: Scene, name: str, axis: int) -> float:
     """The scene's value, in its own units."""
     known = first_integrals(scene)
     found: Exact = exact_values(scene, known)[-1]
@@ -80,10 +79,7 @@ def _own(scene: Scene, name: str) -> float:
     if name == "|G|^2":
         return to_double(found * (largest / unit) * (largest / unit))
     if name == "L":
-        moments = scene.body.moments
-        torque = scene.body.axes.components(scene.body.torque)
-        axis = classification.classical_top(moments, torque).axis
-        return to_double(found / unit * moments[axis if axis is not None else 0])
+        return to_double(found / unit * scene.body.moments[axis])
     return to_double(found / unit ** (4 if name == "K^2" else 3))
 
 
@@ -115,7 +111,7 @@ def _lagrange(
     found = []
     for root in real_roots(gap):
         at = root.ball
-        ball = [value_at(x, at) for x in (a, b, c, d)]
+        ball = [_value(x, at) for x in (a, b, c, d)]
         below = 2 * (ball[1] ** 2 - 3 * ball[0] * ball[2])
         if below.contains(0):  # a triple root
             u = -ball[1] / (3 * ball[0])
@@ -143,7 +139,7 @@ def _kovalevskaya(
     s = fmpq_poly([0, 1])
     cubic = s * (s + rational(energy)) ** 2 + rational(m2)
     for root in real_roots(cubic):
-        value = value_at(rational(a2) + 3 * s * s + 2 * rational(energy) * s, root.ball)
+        value = _value(rational(a2) + 3 * s * s + 2 * rational(energy) * s, root.ball)
         if root.ball < 0 and not value < 0:
             found.append((value, "IV"))
     return found
@@ -159,9 +155,5 @@ def _chaplygin(c: Fraction, torque: arb, h: Fraction) -> list[tuple[arb, str]]:
     return found
 
 
-def _square(body: RationalBody) -> Fraction:
-    return sum((t * t for t in body.torque), Fraction(0))
-
-
-def _ball(x: Exact) -> arb:
-    return arb(rational(exact.binary(*exact.rounded(x, BITS)))) if x else arb(0)
+def _value(polynomial: Polynomial, at: arb) -> arb:
+    return arb_poly(polynomial)(at)

@@ -3,24 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
-from polhode.dynamics.levels import effective_potential, permanent_rotations, rotation_arcs
-from polhode.dynamics.levels.arc_sampling import points
-from polhode.dynamics.levels.descents import Undecided
-from polhode.dynamics.levels.effective_potential import Region
+from polhode.dynamics.levels import permanent_rotations, regions
 from polhode.dynamics.levels.fourth_integral import FourthIntegral, fourth_integral
-from polhode.dynamics.levels.permanent_rotations import Arc
-from polhode.dynamics.levels.rotation_arcs import RationalBody, Segment
+from polhode.dynamics.levels.permanent_rotations import POLE, START, End, Family, Piece
+from polhode.dynamics.levels.rational_body import BITS, BODY_BITS, RationalBody, refuse_far
+from polhode.dynamics.levels.regions import Region, Undecided
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
+from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf
 from polhode.numbers.polynomials import fraction_near, nearest
 from polhode.numbers.rows import Doubles
@@ -126,7 +126,7 @@ class Levels(Result, ByValue):
     @property
     def cusps(self) -> tuple[Mark, ...]:
         """The cusps, where two permanent rotations meet."""
-        return tuple(mark for mark in self.marks if mark.kind == rotation_arcs.CUSP)
+        return tuple(mark for mark in self.marks if mark.kind == permanent_rotations.CUSP)
 
     def table(self) -> Table:
         """A row a point of a branch of permanent rotations."""
@@ -213,13 +213,13 @@ class Levels(Result, ByValue):
         are not decided, such as f = 0 of a free body, where every position is a rotation's.
         """
         (given,) = each(self.scene.name, "f", (f,), reader(self.scene.units, AREA), "a number")
-        near = fraction_near(given, rotation_arcs.BODY_BITS)[0]
-        refuse_far(self.scene.name, "f", RationalBody.of(self.scene.body), near)
-        (found,) = self._regions([given])
-        if isinstance(found, Undecided):
-            expected = f"an f at which the regions are decided ({found})"
-            raise BadInput(self.scene.name, "f", shown(given), expected)
-        return found
+        near, body = fraction_near(given, BODY_BITS)[0], RationalBody.of(self.scene.body)
+        refuse_far(self.scene.name, "f", body, near)
+        try:
+            return regions.regions_between(body, permanent_rotations.families(body), near)
+        except Undecided as fault:
+            expected = f"an f at which the regions are decided ({fault})"
+            raise BadInput(self.scene.name, "f", shown(given), expected) from None
 
     def columns(self, first: float, last: float, count: int = COLUMNS) -> list[Column]:
         """The regions at so many f, evenly spaced; none in a column where they are not decided."""
@@ -227,42 +227,13 @@ class Levels(Result, ByValue):
         for end in (first, last):
             refuse_far(self.scene.name, "f", body, Fraction(end))
         step = (Fraction(last) - Fraction(first)) / max(1, count - 1)
-        at = [Fraction(first) + k * step for k in range(count)]
-        pairs = zip(at, self._regions(at), strict=True)
-        return [
-            Column(float(f), (), ())
-            if isinstance(found, Undecided)
-            else Column(float(f), *zip(*found, strict=True))
-            for f, found in pairs
-        ]
-
-    def _regions(self, at: Sequence[Exact]) -> list[list[tuple[float, Region]] | Undecided]:
-        body, known = RationalBody.of(self.scene.body), effective_potential.Known()
-        arcs = permanent_rotations.arcs(body)
-        found: list[list[tuple[float, Region]] | Undecided] = []
-        for f in at:
-            near = fraction_near(f, rotation_arcs.BODY_BITS)[0]
-            try:
-                found.append(effective_potential.regions_between(body, arcs, near, known))
-            except Undecided as fault:
-                found.append(fault)
+        families, found = permanent_rotations.families(body), []
+        for f in (Fraction(first) + k * step for k in range(count)):
+            pairs: tuple[Any, ...] = ((), ())
+            with suppress(Undecided):
+                pairs = (*zip(*regions.regions_between(body, families, f), strict=True),)
+            found.append(Column(float(f), *pairs))
         return found
-
-
-def refuse_far(name: str, key: str, body: RationalBody, f: Fraction) -> None:
-    """Raise BadInput for an f that exact arithmetic does not reach within seconds."""
-    reach = rotation_arcs.Reach.of(body)
-    if f in reach:
-        return
-    if reach.most < reach.least:
-        expected = (
-            "moments, gaps between them and components of Mg r0 within "
-            f"{2 ** (rotation_arcs.MOST_SPREAD / 2):.0e} of each other, for exact levels"
-        )
-        raise BadInput(name, "body", None, expected)
-    low = f"0, or from {reach.least:.3g}" if reach.least else "0"
-    expected = f"of a size within the reach of exact levels: {low} to {reach.most:.3g}"
-    raise BadInput(name, key, shown(f), expected)
 
 
 def topology(region: Region | None) -> str:
@@ -306,30 +277,48 @@ def levels(scene: Scene | str | Path) -> Levels:
     body = RationalBody.of(scene.body)
     area = scene.integrals.area
     assert area is not None
-    refuse_far(scene.name, "start: f", body, fraction_near(area, rotation_arcs.BODY_BITS)[0])
-    found = permanent_rotations.arcs(body)
-    curves = tuple(_curve(arc, segment) for arc in found for segment in arc.segments)
+    refuse_far(scene.name, "start: f", body, fraction_near(area, BODY_BITS)[0])
+    families = permanent_rotations.families(body)
+    curves = tuple(_curve(family, piece) for family in families for piece in family.pieces)
     marks = tuple(
-        Mark(special.kind, arc.family, *(nearest(x, DIGIT_BITS) for x in parts))
-        for arc in found
-        for special in arc.special
-        for parts in [(special.at.parameter, special.at.f, special.at.h)]
+        _mark(family, end)
+        for family in families
+        for end in family.ends
+        if end.kind not in (POLE, START)
     )
-    here, exact = _here(scene, body, found)
+    here, exact = _here(scene, body, families)
     return Levels(scene, curves, marks, here, body.exact and exact, scene.provenance())
 
 
-def _here(scene: Scene, body: RationalBody, found: tuple[Arc, ...]) -> tuple[Here, bool]:
+def _curve(family: Family, piece: Piece) -> Curve:
+    ends = [None if end is None else _parameter(family, end) for end in (piece.first, piece.last)]
+    points = family.points(piece)
+    return Curve(family.name, family.axis, piece.type, piece.morse, ends[0], ends[1], points)
+
+
+def _mark(family: Family, end: End) -> Mark:
+    with ctx.workprec(BITS):
+        point = family.at(end.x)
+    f, h = (nearest(x, DIGIT_BITS) for x in (point.f, point.h))
+    return Mark(end.kind, family.name, _parameter(family, end), f, h)
+
+
+def _parameter(family: Family, end: End) -> mpf:
+    with ctx.workprec(BITS):
+        return nearest(family.parameter(end.x), DIGIT_BITS)
+
+
+def _here(scene: Scene, body: RationalBody, families: Sequence[Family]) -> tuple[Here, bool]:
     energy, area = scene.integrals.energy, scene.integrals.area
     assert area is not None
     energy, area = simplest(energy), simplest(area)
-    (h, h_exact), (f, f_exact) = (fraction_near(x, rotation_arcs.BODY_BITS) for x in (energy, area))
+    (h, h_exact), (f, f_exact) = (fraction_near(x, BODY_BITS) for x in (energy, area))
     region, remark = None, ""
     try:
-        region = effective_potential.region(body, found, h, f)
+        region = regions.region(body, families, h, f)
     except Undecided as fault:
         remark = str(fault)
-    least = least_energy(body, found, f)
+    least = regions.least_energy(body, families, f)
     fourth = fourth_integral(scene, body, h, f)
     return Here(area, energy, least, region, remark, fourth), h_exact and f_exact
 
@@ -341,27 +330,5 @@ def simplest(x: Exact) -> Exact:
     """
     if isinstance(x, Fraction):
         return x
-    near = fraction_near(x, rotation_arcs.BODY_BITS)[0].limit_denominator(2**_SHORT_BITS)
+    near = fraction_near(x, BODY_BITS)[0].limit_denominator(2**_SHORT_BITS)
     return near if x == near else x
-
-
-def least_energy(body: RationalBody, found: tuple[Arc, ...], f: Fraction) -> float:
-    """The least h at one f: that of the lowest permanent rotation."""
-    if f == 0 and not any(body.torque):
-        return 0.0
-    if body.axis is not None:
-        return effective_potential.least_of_symmetric(body, body.axis, found, f)
-    return float(effective_potential.critical_points(body, found, f).points[0].value)
-
-
-def _curve(arc: Arc, segment: Segment) -> Curve:
-    ends = [None if x is None else nearest(x, DIGIT_BITS) for x in (segment.first, segment.last)]
-    return Curve(
-        arc.family,
-        arc.axis,
-        segment.type,
-        segment.morse,
-        ends[0],
-        ends[1],
-        points(arc, segment),
-    )

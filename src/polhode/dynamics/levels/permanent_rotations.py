@@ -1,20 +1,20 @@
-"""Permanent rotations of a body as arcs in the plane of area f and energy h, their types exact.
+"""Permanent rotations of a body as curves in the plane of area f and energy h, their types exact.
 
 The critical points of h at fixed f are Staude's rotations: w = om gamma with
-om^2 (I - s) gamma = Mg r0 (O. Staude, J. reine angew. Math. 113 (1894) 318).  With T = Mg r0:
+om^2 (I - s) gamma = T, T = Mg r0 (O. Staude, J. reine angew. Math. 113 (1894) 318).  They form a
+*first family*, by s, between poles at the moments A_i with T_i != 0, and a *second* one for each
+axis with T_i = 0, which has s = A_i and leaves the first where gamma_i = 0.  In both gamma is along
+a vector g of polynomials in one number x, and om^2 = |g|/|k|:
 
-*First family*, by s on each interval between moments A_i with T_i != 0:
+    first    x = s                      g_j = k T_j/(A_j - x)          k = product of the A_j - x
+    second   om^2 = (x^2 + c)/(2 x)     g_j = 2 x d_j, g_i = x^2 - c   k = 2 x
+             c = sum d_j^2, x > sqrt(c)     d_j = T_j/(A_j - A_i)
 
-    v_i = T_i/(A_i - s),    om^2 = |v|,    gamma = v/om^2,
-    f = om gamma.I gamma,   h = om^2 gamma.I gamma/2 + T.gamma
+    gamma = g/(sign(k) |g|),   f = om gamma.I gamma,   h = om f/2 + T.gamma
 
-*Second family*, at s = A_i where T_i = 0, by om:
-
-    gamma_j = T_j/(om^2 (A_j - A_i)),    gamma_i^2 = 1 - sum gamma_j^2 >= 0.
-
-On every arc dh = om df.  The type is that of the spectrum lam^2 (lam^4 + b lam^2 + d); b, d and the
-derivative of f are polynomials in s, or in y = om^-4, times something positive: their roots are
-isolated exactly.  om and -om mirror f; here om > 0, f > 0.
+On every curve dh = om df.  The type is that of the spectrum lam^2 (lam^4 + b lam^2 + d); b, d and
+the derivative of f are polynomials in x times something positive: their roots are isolated exactly.
+om and -om mirror f; here om > 0, f > 0.
 """
 
 from __future__ import annotations
@@ -22,306 +22,260 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
-from flint import arb, fmpq_poly
+import numpy as np
+from flint import arb, arb_poly, fmpq_poly
 
 from polhode.closed_forms.rotation_stability import spectrum
 from polhode.common.cached_property import cached_property
-from polhode.dynamics.levels.rotation_arcs import (
-    BITS,
-    BRANCH,
-    CUSP,
-    DEGENERATE,
-    FIRST,
-    HOPF,
-    SECOND,
-    Point,
-    RationalBody,
-    S,
-    Segment,
-    Special,
-    is_root,
-    morse_index,
-    product,
-    segments_of,
-    through,
-    type_of,
-    value_at,
-)
+from polhode.dynamics.levels.rational_body import BITS, RationalBody
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.polynomials import (
-    Polynomial,
-    Root,
-    rational,
-    real_roots,
-)
+from polhode.numbers.polynomials import Polynomial, middle, rational, real_roots
+from polhode.numbers.rows import Doubles
+from polhode.numbers.vectors import dot
+
+CENTRE, MIXED, SADDLE = "centre-centre", "centre-saddle", "saddle-saddle"
+
+FOCUS, DEGENERATE = "focus-focus", "degenerate"
+
+CUSP, HOPF, BRANCH = "cusp", "Hamiltonian-Hopf", "branch"
+
+POLE, START = "pole", "start"
+
+FIRST, SECOND = "first", "second"
+
+SAMPLES = 257  # points of a curve's piece
+
+_CLUSTER = 14.0  # pieces are followed to e^-14 of their length from an open end
+
+_X: Polynomial = fmpq_poly([0, 1])
 
 
-@dataclass(frozen=True)
-class FirstArc:
-    """The first family between two of its poles, ``low`` and ``high``; None for an infinite end."""
+class End(NamedTuple):
+    """Where a piece ends: a cusp (f' = 0), a Hamiltonian-Hopf point (b^2 = 4d), a branch, where a
+    second family leaves; a pole, or the start of a second family."""
 
-    body: RationalBody
-    low: Fraction | None
-    high: Fraction | None
-
-    family = FIRST
-    axis = None
-
-    @cached_property
-    def special(self) -> tuple[Special, ...]:
-        """Cusps, Hamiltonian-Hopf points and branches by rising s."""
-        with ctx.workprec(BITS):
-            return tuple(Special(kind, self.at(ball)) for kind, ball in self._marks())
-
-    @cached_property
-    def segments(self) -> tuple[Segment, ...]:
-        """By rising s."""
-        with ctx.workprec(BITS):
-            marks = [ball for _, ball in self._marks()]
-            return segments_of(marks, self.low, self.high, self._type)
-
-    def at(self, s: arb) -> Point:
-        """Where the arc is at s, in balls of the precision in force."""
-        p = _polynomials(self.body)
-        pole, q, n, t = (value_at(x, s) for x in (p.pole, p.q, p.n, p.t))
-        size = abs(pole)
-        root = q.sqrt()
-        om = (root / size).sqrt()
-        # f = N/Q^(3/4), h = (N/2 + T.v)/Q^(1/2), N = n/pole^2, Q = q/pole^2
-        f = n / ((size * root).sqrt() * root)
-        return Point(s, om, f, (n / 2 + t * pole) / (size * root))
-
-    def gamma(self, point: Point) -> list[arb]:
-        """gamma in principal axes."""
-        body, s, square = self.body, point.parameter, point.om * point.om
-        return [
-            arb(0) if t == 0 else rational(t) / ((rational(a) - s) * square)
-            for a, t in zip(body.moments, body.torque, strict=True)
-        ]
-
-    def inside(self, s: arb) -> bool:
-        """Whether s is on this arc."""
-        low, high = self.low, self.high
-        after = low is None or bool(s > rational(low))
-        return after and (high is None or bool(s < rational(high)))
-
-    def meets(self, f: Fraction, bits: int) -> Iterator[arb]:
-        """The s at which the arc has the area f > 0, to so many bits."""
-        for root in _first_family_at(self.body, f, bits):
-            if self.inside(root.ball):
-                yield root.ball
-
-    def _marks(self) -> list[tuple[str, arb]]:
-        p = _polynomials(self.body)
-        gap = p.b * p.b - 4 * p.d
-        found = []
-        for root in real_roots(p.d):
-            if self.inside(root.ball):
-                leaving = [
-                    a for a, t in zip(*self.body[:2], strict=True) if t == 0 and is_root(root, a)
-                ]
-                found.append((BRANCH if leaving else CUSP, root.ball))
-        for root in real_roots(gap):
-            if root.multiplicity % 2 and self.inside(root.ball):
-                found.append((HOPF, root.ball))
-        return sorted(found, key=lambda mark: float(mark[1].mid()))
-
-    def _type(self, s: Fraction) -> tuple[str, int | None]:
-        p, at = _polynomials(self.body), rational(s)
-        b, d = p.b(at), p.d(at)
-        q = p.q(at)
-        squares = [m(at) ** 2 / q for m in p.m]
-        return type_of(b, d), morse_index(self.body, at, squares, d)
+    kind: str
+    x: arb
 
 
-@dataclass(frozen=True)
-class SecondArc:
-    """The second family of the axis ``axis``, by om from where its gamma leaves the others' plane.
+class Piece(NamedTuple):
+    """A piece of one type, between two ends, None for an infinite one.
 
-    ``circle``: its gammas form circles, one at each om.
+    ``morse``: how many directions on the sphere lower W_f; None where it is degenerate.
     """
 
-    body: RationalBody
-    axis: int
+    first: End | None
+    last: End | None
+    type: str
+    morse: int | None
 
-    family = SECOND
+
+class Point(NamedTuple):
+    """A rotation in balls: gamma in principal axes, om, f and h."""
+
+    gamma: tuple[arb, ...]
+    om: arb
+    f: arb
+    h: arb
+
+
+@dataclass(frozen=True)
+class Family:
+    """One family.  ``axis``: i of a second one, None of the first; ``g``, ``k``, ``s``: of x."""
+
+    body: RationalBody
+    axis: int | None
+    g: tuple[Polynomial, ...]
+    k: Polynomial
+    s: Polynomial
+    start: Fraction = Fraction(0)
 
     @property
-    def circle(self) -> bool:
-        """Whether another axis has the same moment and no component of Mg r0 either."""
-        a, i = self.body.moments, self.axis
-        return any(a[j] == a[i] for j in range(3) if j != i)
+    def name(self) -> str:
+        """first or second."""
+        return FIRST if self.axis is None else SECOND
 
     @cached_property
-    def least(self) -> Fraction:
-        """om^4 where the family leaves: sum (T_j/(A_j - A_i))^2."""
-        return sum((x * x for x in self._tilts.values()), Fraction(0))
-
-    @cached_property
-    def special(self) -> tuple[Special, ...]:
-        """Its cusp and Hamiltonian-Hopf points, by rising om."""
+    def ends(self) -> tuple[End, ...]:
+        """All ends of pieces, by rising x."""
+        pairs = [*zip(self.body.moments, self.body.torque, strict=True)]
+        free = [a for a, t in pairs if t == 0]
         with ctx.workprec(BITS):
-            return tuple(Special(kind, self.at(ball)) for kind, ball in self._marks())
+            if self.axis is None:
+                outer = [End(POLE, arb(rational(a))) for a in {a for a, t in pairs if t != 0}]
+            else:
+                outer = [End(START, arb(rational(self.start)).sqrt())]
+            found = []
+            b, d = self._spectrum
+            for root in real_roots(d):
+                # balls that overlap are one root: each holds no other one, and d(A_i) = 0
+                leaves = self.axis is None and any(
+                    root.ball.overlaps(arb(rational(a))) for a in free
+                )
+                found.append(End(BRANCH if leaves else CUSP, root.ball))
+            gap = real_roots(b * b - 4 * d)
+            found += [End(HOPF, root.ball) for root in gap if root.multiplicity % 2]
+            inside = [end for end in found if self.holds(end.x, outer)]
+        return tuple(sorted([*outer, *inside], key=lambda end: middle(end.x)))
 
     @cached_property
-    def segments(self) -> tuple[Segment, ...]:
-        """By rising om."""
+    def pieces(self) -> tuple[Piece, ...]:
+        """By rising x; on a first family that is s, on a second one om rises with it.
+
+        Two ends may be one point, as a branch at which b^2 = 4d: no piece lies between them.
+        """
+        ends = [*self.ends, None] if self.axis is not None else [None, *self.ends, None]
         with ctx.workprec(BITS):
-            first = rational(self.least)
-            low = (arb(first).root(4)) if first else arb(0)
-            if self.circle:
-                return (Segment(low, None, DEGENERATE, None),)
-            marks = [ball for _, ball in self._marks()]
-            return segments_of(marks, low, None, self._type)
+            return tuple(
+                Piece(first, last, *self.type(arb(rational(between(first, last)))))
+                for first, last in pairwise(ends)
+                if first is None or last is None or first.x < last.x
+            )
 
-    def at(self, om: arb) -> Point:
-        """Where the arc is at om."""
-        a, k = rational(self.body.moments[self.axis]), rational(self._excess)
-        square = om * om
-        return Point(om, om, om * a + k / (om * square), square * a / 2 + 3 * k / (2 * square))
+    def holds(self, x: arb, outer: list[End]) -> bool:
+        """Whether a number is on this family."""
+        return all(x > end.x if end.kind == START else not x.overlaps(end.x) for end in outer)
 
-    def gamma(self, point: Point) -> list[arb]:
-        """gamma in principal axes, gamma_i > 0; its mirror image is another."""
-        square = point.om * point.om
-        found = [arb(0)] * 3
-        for j, x in self._tilts.items():
-            found[j] = rational(x) / square
-        found[self.axis] = (1 - rational(self.least) / square**2).sqrt()
-        return found
+    def at(self, x: arb) -> Point:
+        """The rotation at x, in balls of the precision in force."""
+        moments, torque = ([rational(a) for a in numbers] for numbers in self.body[:2])
+        g, k = [arb_poly(p)(x) for p in self.g], arb_poly(self.k)(x)
+        square = dot(g, g)
+        size = square.sqrt()
+        om = (size / abs(k)).sqrt()
+        f = om * dot(g, [a * y for a, y in zip(moments, g, strict=True)]) / square
+        size = size if k > 0 else -size
+        return Point(tuple(y / size for y in g), om, f, om * f / 2 + dot(torque, g) / size)
 
-    def inside(self, om: arb) -> bool:
-        """Whether om is on this arc, past its beginning."""
-        return bool(om > 0) and bool(om**4 > rational(self.least))
+    def parameter(self, x: arb) -> arb:
+        """What a point is told by: s on the first family, om on a second one."""
+        if self.axis is None:
+            return x
+        return self.at(x).om if x > 0 else arb(0)
 
-    def meets(self, f: Fraction, bits: int) -> Iterator[arb]:
-        """The om at which the arc has the area f > 0, to so many bits."""
-        a, k = rational(self.body.moments[self.axis]), rational(self._excess)
-        with ctx.workprec(bits):
-            roots = real_roots(fmpq_poly([k, 0, 0, -rational(f), a]))
-        for root in roots:
-            if self.inside(root.ball):
+    def meets(self, f: Fraction) -> Iterator[arb]:
+        """The x at which f > 0 is the area, in balls of the precision in force."""
+        q, n, f4 = self._square, self._inertia, rational(f) ** 4
+        for root in real_roots(f4 * self.k * self.k * q * q * q - n**4):
+            if self.axis is None or (root.ball > 0 and root.ball**2 > rational(self.start)):
                 yield root.ball
 
-    @property
-    def _tilts(self) -> dict[int, Fraction]:
-        """om^2 gamma_j for the other axes."""
-        body, i = self.body, self.axis
-        return {
-            j: t / (a - body.moments[i])
-            for j, (a, t) in enumerate(zip(body.moments, body.torque, strict=True))
-            if t != 0
-        }
+    def type(self, x: arb) -> tuple[str, int | None]:
+        """The type by the signs of b, d and b^2 - 4d, and the Morse index.
+
+        The second variation of W_f across gamma is
+
+            om^2 [s - I + 4 (I gamma)(I gamma)^T/(gamma.I gamma)];
+
+        its determinant has the sign of d.
+        """
+        b, d = (arb_poly(p)(x) for p in self._spectrum)
+        if d.contains(0):
+            return DEGENERATE, None
+        if d < 0:
+            return MIXED, 1
+        moments = [rational(a) for a in self.body.moments]
+        squares = [y * y for y in self.at(x).gamma]
+        inertia = dot(moments, squares)
+        bend = 4 * dot([a * a for a in moments], squares) / inertia - 3 * inertia
+        trace = 2 * arb_poly(self.s)(x) - sum(moments[1:], moments[0]) + bend
+        kind = FOCUS if b * b < 4 * d else CENTRE if b > 0 else SADDLE
+        return kind, 0 if trace > 0 else 2
+
+    def points(self, piece: Piece) -> Doubles:
+        """f and h on a piece, doubles (n, 2), denser towards its ends."""
+        with ctx.workprec(BITS):
+            first, last = (None if end is None else self.parameter(end.x) for end in piece[:2])
+            parameters = _samples(first, last, self.axis, self._pace)
+            closed = [
+                [] if end is None or end.kind == POLE or end.x == 0 else [end.x]
+                for end in piece[:2]
+            ]
+            at = [*closed[0], *map(self._x, parameters), *closed[1]]
+            found = [self.at(x) for x in at]
+            rows = [(float(point.f), float(point.h)) for point in found]
+        return np.array([row for row in rows if all(map(np.isfinite, row))]).reshape(-1, 2)
+
+    def _x(self, parameter: float) -> arb:
+        at = arb(parameter)
+        return at if self.axis is None else at**2 + (at**4 - rational(self.start)).sqrt()
 
     @property
-    def _excess(self) -> Fraction:
-        """om^4 (gamma.I gamma - A_i) = sum T_j^2/(A_j - A_i)."""
-        return sum((self.body.torque[j] * x for j, x in self._tilts.items()), Fraction(0))
+    def _pace(self) -> float:
+        """A rate of turning, where nothing but the unit of time says one."""
+        heavy = arb(rational(self.body.heavy)).sqrt() / rational(max(self.body.moments))
+        return float(heavy.sqrt()) or 1.0
+
+    @cached_property
+    def _square(self) -> Polynomial:
+        found: Polynomial = dot(self.g, self.g)
+        return found
+
+    @cached_property
+    def _inertia(self) -> Polynomial:
+        found: Polynomial = dot(
+            self.g, [rational(a) * y for a, y in zip(self.body.moments, self.g, strict=True)]
+        )
+        return found
 
     @cached_property
     def _spectrum(self) -> tuple[Polynomial, Polynomial]:
-        """b/om^2 and d/om^4 as polynomials in y = om^-4, of degrees 1 and 2.
-
-        From their values at three y for which gamma_i and om^2 are rational: the points
-        (2 m, 1 - c m^2)/(1 + c m^2) of the conic c om^-4 + gamma_i^2 = 1, c the least om^4.
-        """
-        moments = [rational(a) for a in self.body.moments]
-        points = []
-        for k in (1, 2, 3) if self.least else (1,):
-            m = Fraction(k) / (4 * max(map(abs, self._tilts.values()), default=Fraction(1)))
-            below = 1 + self.least * m * m
-            inverse = 2 * m / below  # om^-2
-            gamma = [rational(self._tilts.get(j, Fraction(0)) * inverse) for j in range(3)]
-            gamma[self.axis] = rational((1 - self.least * m * m) / below)
-            torque = [rational(t * inverse) for t in self.body.torque]
-            points.append((rational(inverse * inverse), spectrum(moments, torque, gamma, gamma)))
-        b, d = (through([(y, found[k]) for y, found in points]) for k in (0, 1))
-        return b, d
-
-    def _marks(self) -> list[tuple[str, arb]]:
-        if self.circle or not self.least:
-            return []
-        b, d = self._spectrum
-        last = 1 / rational(self.least)
-        found = [
-            (CUSP, root.ball)
-            for root in real_roots(d)
-            if bool(root.ball > 0) and bool(root.ball < last)
-        ]
-        found += [
-            (HOPF, root.ball)
-            for root in real_roots(b * b - 4 * d)
-            if root.multiplicity % 2 and bool(root.ball > 0) and bool(root.ball < last)
-        ]
-        oms = [(kind, (1 / y).root(4)) for kind, y in found]
-        return sorted(oms, key=lambda mark: float(mark[1].mid()))
-
-    def _type(self, om: Fraction) -> tuple[str, int | None]:
-        y = rational(1 / om**4)
-        b, d = (x(y) for x in self._spectrum)
-        squares = [rational(self._tilts.get(j, Fraction(0))) ** 2 * y for j in range(3)]
-        squares[self.axis] = 1 - sum(squares[1:], squares[0])
-        return type_of(b, d), morse_index(
-            self.body, rational(self.body.moments[self.axis]), squares, d
-        )
+        moments, torque = ([rational(x) for x in numbers] for numbers in self.body[:2])
+        return spectrum(moments, [t * self.k for t in torque], self.g, self.g)
 
 
-Arc = FirstArc | SecondArc
-
-
-def arcs(body: RationalBody) -> tuple[Arc, ...]:
-    """Every arc: the first family by rising s, then the second families."""
-    poles: list[Fraction] = sorted({a for a, t in zip(*body[:2], strict=True) if t != 0})
-    ends: list[Fraction | None] = [None, *poles, None]
-    found: list[Arc] = []
+def families(body: RationalBody) -> tuple[Family, ...]:
+    """The first family, unless there is no torque, then the second ones."""
+    found, seen = [], []
+    pairs = [*zip(body.moments, body.torque, strict=True)]
+    poles = sorted({a for a, t in pairs if t != 0})
     if poles:
-        found += [FirstArc(body, low, high) for low, high in pairwise(ends)]
-    seen = []
-    for i, (a, t) in enumerate(zip(*body[:2], strict=True)):
-        others = [(body.moments[j], body.torque[j]) for j in range(3) if j != i]
+        k = fmpq_poly([1])
+        for a in poles:
+            k *= rational(a) - _X
+        g = tuple((k // (rational(a) - _X)) * rational(t) if t != 0 else 0 * _X for a, t in pairs)
+        found.append(Family(body, None, g, k, _X))
+    for i, (a, t) in enumerate(pairs):
+        others = [pair for j, pair in enumerate(pairs) if j != i]
         if t == 0 and a not in seen and all(x == 0 or b != a for b, x in others):
-            found.append(SecondArc(body, i))
+            tilts = [x / (b - a) if x != 0 else Fraction(0) for b, x in pairs]
+            start = sum((x * x for x in tilts), Fraction(0))
+            g = tuple(
+                _X * _X - rational(start) if j == i else 2 * _X * rational(x)
+                for j, x in enumerate(tilts)
+            )
+            found.append(Family(body, i, g, 2 * _X, fmpq_poly([rational(a)]), start))
             seen.append(a)
     return tuple(found)
 
 
-@lru_cache(maxsize=4)  # every arc of a body asks for the same
-def _first_family_at(body: RationalBody, f: Fraction, bits: int) -> list[Root]:
-    """The s of all permanent rotations of the first family with the area f, to so many bits."""
-    p, f4 = _polynomials(body), rational(f) ** 4
-    with ctx.workprec(bits):
-        return real_roots(f4 * p.pole * p.pole * p.q * p.q * p.q - p.n**4)
+def between(first: End | None, last: End | None) -> Fraction:
+    """A number between two ends, one of which may be infinite."""
+    low, high = (None if end is None else middle(end.x) for end in (first, last))
+    if low is None:
+        assert high is not None
+        return high - max(abs(high), Fraction(1))
+    if high is None:
+        return low + max(abs(low), Fraction(1))
+    return (low + high) / 2
 
 
-class _Polynomials(NamedTuple):
-    """Of s: m_i = pole v_i, q = |m|^2, n = m.I m, t = T.m; b and d times something positive."""
-
-    pole: Polynomial
-    m: tuple[Polynomial, ...]
-    q: Polynomial
-    n: Polynomial
-    t: Polynomial
-    b: Polynomial
-    d: Polynomial
-
-
-@lru_cache(maxsize=16)
-def _polynomials(body: RationalBody) -> _Polynomials:
-    moments, torque = ([rational(x) for x in numbers] for numbers in body[:2])
-    poles = {a for a, t in zip(*body[:2], strict=True) if t != 0}
-    factors = {a: rational(a) - S for a in poles}
-    pole = fmpq_poly([1])
-    for factor in factors.values():
-        pole = pole * factor
-    m = tuple(
-        (pole // factors[a]) * t if t != 0 else 0 * S
-        for a, t in zip(body.moments, torque, strict=True)
-    )
-    q, n, t = (
-        product(m, by) for by in (m, [a * x for a, x in zip(moments, m, strict=True)], torque)
-    )
-    b, d = spectrum(moments, [x * pole for x in torque], m, m)
-    return _Polynomials(pole, m, q, n, t, b, d)
+def _samples(first: arb | None, last: arb | None, axis: int | None, pace: float) -> list[float]:
+    """Parameters inside a piece."""
+    rising = np.linspace(-_CLUSTER, _CLUSTER, SAMPLES)
+    if first is not None and last is not None:
+        low, high = float(first), float(last)
+        nearer = 1 / (1 + np.exp(np.abs(rising)))  # the part of the length to the nearer end
+        at = np.where(rising < 0, low + (high - low) * nearer, high - (high - low) * nearer)
+    elif last is not None:  # first family, s -> -inf
+        high = float(last)
+        at = high - (abs(high) or 1.0) * np.exp(-rising)
+    else:
+        assert first is not None
+        low = float(first)
+        at = low + (low or pace) * np.exp(rising if axis is None else rising / 2)
+    found: list[float] = at.tolist()
+    return found

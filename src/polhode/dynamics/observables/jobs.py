@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
 
 from polhode.common.checkpoint import Arrays
 from polhode.common.errors import BadInput
@@ -24,14 +28,13 @@ from polhode.runs.sweep.plan import Plan
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation.sweep_scenes import Members
-
-if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
-
-    from polhode.taylor.batches.jobs import Columns
-    from polhode.taylor.events.batch_search import SearchJob
-    from polhode.taylor.variations.tangent_batches import TangentJob
+from polhode.taylor.batches.jobs import Columns
+from polhode.taylor.events import batch_search
+from polhode.taylor.events.batch_search import SearchJob
+from polhode.taylor.events.batch_zeros import Watched
+from polhode.taylor.events.magnitudes import size_of
+from polhode.taylor.variations import tangent_batches
+from polhode.taylor.variations.tangent_batches import TangentJob
 
 _DIRECTIONS = {"falling": -1, "any": 0, "rising": 1}
 STRETCH = 32.0  # of the motions' unit of time, a radian or two, between two looks at an event
@@ -75,11 +78,6 @@ def _of_event(
     scene: Scene, plan: Plan, event: Event, group: npt.NDArray[np.int64], end: float
 ) -> tuple[SearchJob, Singles]:
     """The job of an event, and what it needs where lanes are not sure."""
-    import math
-
-    from polhode.taylor.events.batch_search import SearchJob
-    from polhode.taylor.events.batch_zeros import Watched
-    from polhode.taylor.events.magnitudes import size_of
 
     size, motions = size_of(scene, event), plan.motions.some(group)
     largest = math.frexp(max(float(size.value), float(size.rate)) or 1.0)[1]
@@ -100,7 +98,6 @@ def _of_event(
 
 def _turns(plan: Plan, group: npt.NDArray[np.int64]) -> Doubles | None:
     """From principal axes to the scene's, a row a member; None where there is no turn."""
-    import numpy as np
 
     def row(scene: Scene) -> list[float]:
         return [to_double(x) for axis in scene.body.axes.rows for x in axis]
@@ -112,9 +109,6 @@ def _turns(plan: Plan, group: npt.NDArray[np.int64]) -> Doubles | None:
 
 
 def _tangents(plan: Plan, motions: Columns, end: float) -> TangentJob:
-    import numpy as np
-
-    from polhode.taylor.variations.tangent_batches import TangentJob
 
     six = np.zeros((motions.many, 6))
     columns = motions.starts.shape[1]
@@ -137,8 +131,6 @@ class Reduced(NamedTuple):
     @classmethod
     def of(cls, arrays: Arrays) -> Reduced:
         """From its arrays by name, those of the numbers by their own."""
-        import numpy as np
-
         endings = np.asarray(arrays.pop("endings"), dtype=np.uint8)
         return cls(endings, np.asarray(arrays.pop("counts"), dtype=np.int64), arrays)
 
@@ -183,8 +175,6 @@ class Singles(NamedTuple):
 
 def solve(job: Job, stop: Stop | None = None) -> Reduced:
     """A job's members reduced; with ``stop`` the result may be unfinished, and is to be left."""
-    import numpy as np
-
     parts = list(_parts(job, stop))
     endings, counts = parts[0].endings.copy(), parts[0].counts.copy()
     reached = code(Outcome.REACHED_END)
@@ -199,8 +189,6 @@ def solve(job: Job, stop: Stop | None = None) -> Reduced:
 
 def _parts(job: Job, stop: Stop | None) -> Iterator[Reduced]:
     """What is told by states, by events and by tangents."""
-    import numpy as np
-
     if job.states is not None:
         steps = job.states.steps
         solved_at = np.array([number_value(t, steps.number) for t in steps.times], np.longdouble)
@@ -222,9 +210,6 @@ def _first(
     read: Reader,
     stop: Stop | None,
 ) -> Reduced:
-    import numpy as np
-
-    from polhode.taylor.events import batch_search
 
     found = batch_search.solve(job, stop)
     times = np.ldexp(found.times[:, 0], job.time_unit)
@@ -254,9 +239,6 @@ def _first(
 
 def _exponents(of: Exponents, time_unit: int, stop: Stop | None) -> Reduced:
     """As :func:`polhode.lyapunov` tells them: those of chaotic members with their neighbours'."""
-    import numpy as np
-
-    from polhode.taylor.variations import tangent_batches
 
     job = of.job
     found = tangent_batches.solve(job, stop)
@@ -281,9 +263,6 @@ def _scatter(
     job: TangentJob, which: npt.NDArray[np.int64], exponents: Doubles, stop: Stop | None
 ) -> Doubles:
     """The uncertainty of the exponents of some of a job's motions, from their neighbours."""
-    import numpy as np
-
-    from polhode.taylor.variations import tangent_batches
 
     starts = np.concatenate([job.starts[which] * by for by in lyapunov.MOVED])
     again = np.tile(which, len(lyapunov.MOVED))

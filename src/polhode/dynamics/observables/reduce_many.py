@@ -6,7 +6,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
 
 from polhode.common.arguments import steps, whole
 from polhode.common.checkpoint import JobCheckpoint
@@ -33,10 +35,6 @@ from polhode.scenes.scene_facts import (
 )
 from polhode.scenes.variation import vary
 from polhode.scenes.variation.sweep_scenes import Members
-
-if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
 
 MOST_AT_ONCE = 1 << 22  # numbers of states that one job may hold: 32 MB of doubles
 _JOBS = 256  # at most, but for that
@@ -187,10 +185,8 @@ def reduce_many(
     >>> found["smallest gamma3"].round(3).tolist()
     [0.213, -0.212]
     """
-    import numpy as np
-
     if isinstance(progress, bool):
-        asked_for = {key: value for key, value in locals().items() if key not in ("progress", "np")}
+        asked_for = {key: value for key, value in locals().items() if key != "progress"}
         if not progress:
             return reduce_many(**asked_for)
         with bar(library.load(scene).name) as tell:

@@ -11,8 +11,10 @@ lyapunov         the largest Lyapunov exponent to the last time, as polhode.lyap
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput, nearest
@@ -89,8 +91,6 @@ def extremes(
     kind: NumberType,
 ) -> dict[str, Any]:
     """What is told by states (members, times, columns): arrays with a number a member, by name."""
-    import numpy as np
-
     found: dict[str, Any] = {}
     with np.errstate(all="ignore"):
         for what in which:
@@ -109,9 +109,10 @@ def _values(
     text: str, states: Stack, times: Stack, columns: Sequence[str], kind: NumberType
 ) -> Any:
     """An expression at all times of all members."""
-    import numpy as np
-
-    names = _named({name: states[:, :, i] for i, name in enumerate(columns)}, np)
+    names: dict[str, Any] = {name: states[:, :, i] for i, name in enumerate(columns)}
+    if "gamma3" in names:
+        across = np.hypot(names["gamma1"], names["gamma2"])
+        names["theta"] = np.arctan2(across, names["gamma3"])
     for word in of_state_alone():
         found = column(word)
         if len(columns) == len(STATE) and found.coefficients is None and _named_in(text, word):
@@ -128,15 +129,6 @@ def _named_in(text: str, word: str) -> bool:
     return any(re.search(rf"\b{name}\b", text) for name in COLUMNS[word].names)
 
 
-def _named(columns: Mapping[str, Any], functions: Any) -> dict[str, Any]:
-    """The columns, and theta, which is told as angles are."""
-    names = dict(columns)
-    if "gamma3" in names:
-        across = functions.hypot(names["gamma1"], names["gamma2"])
-        names["theta"] = functions.arctan2(across, names["gamma3"])
-    return names
-
-
 def _read(scene: Scene, text: str) -> Reduction:
     kind, _, of = text.strip().partition(" ")
     of = " ".join(of.split())
@@ -146,8 +138,6 @@ def _read(scene: Scene, text: str) -> Reduction:
         event_of(scene, of)
         return Reduction(kind, of)
     if kind in (LARGEST, SMALLEST) and of:
-        import numpy as np
-
         sample = {name: np.full((1, 1), 0.5 + 0.1 * STATE.index(name)) for name in scene.columns}
         states = np.stack(list(sample.values()), axis=2)
         try:

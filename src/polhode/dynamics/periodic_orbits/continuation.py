@@ -19,10 +19,10 @@ import numpy as np
 from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.dynamics.periodic_orbits.newton_shooting import (
     Closed,
-    Conditions,
     NotClosed,
     bordered,
     closed,
+    conditions,
 )
 from polhode.numbers.rows import Doubles
 
@@ -60,8 +60,8 @@ class Arc:
 
     def __init__(self, on: Surface, first: Closed, by: str) -> None:
         self.on, self.index = on, BY.index(by)
-        self.held = 1 - self.index
-        self.level = on.integrals(first.state)[self.held]
+        self.held = [1 - self.index, 2]
+        self.level = np.append(on.integrals(first.state)[:2], 1.0)
         self.metric = np.append(on.scale(first.state), first.period)
         self.first = self.member(first, None)
 
@@ -69,8 +69,10 @@ class Arc:
         """The member so far along the tangent; raises NotClosed."""
         ahead = np.append(member.found.state, member.found.period)
         ahead = ahead + length * self.metric * member.tangent
-        conditions = self._conditions(ahead, member)
-        found = closed(self.on, ahead[:6], float(ahead[6]), conditions)
+        ways = np.array([np.append(self.on.rates(member.found.state), 0.0), member.tangent])
+        ways[1] /= self.metric
+        along = conditions(self.held, self.on, self.level, ways, ahead)
+        found = closed(self.on, ahead[:6], float(ahead[6]), along)
         return self.member(found, member.tangent)
 
     def between(self, first: Member, last: Member, off: Callable[[Member], float]) -> Member:
@@ -107,31 +109,12 @@ class Arc:
         )
         return float(base.tangent @ (ahead / self.metric))
 
-    def _conditions(self, ahead: Doubles, member: Member) -> Conditions:
-        on, reference = self.on, ahead[:6]
-        along = on.rates(member.found.state)
-        along = along / np.linalg.norm(along)
-        tangent = member.tangent / self.metric
-        tangent = tangent / np.linalg.norm(tangent)
-
-        def conditions(state: Doubles, period: float) -> tuple[Doubles, Doubles]:
-            values, gradients = on.integrals(state), on.gradients(state)
-            way = np.append(state, period) - ahead
-            off = [values[self.held] - self.level, values[2] - 1]
-            rows = np.zeros((4, 7))
-            rows[0, :6], rows[1, :6] = gradients[self.held], gradients[2]
-            rows[2, :6], rows[3] = along, tangent
-            return np.array([*off, along @ (state - reference), tangent @ way]), rows
-
-        return conditions
-
     def member(self, found: Closed, before: Doubles | None) -> Member:
         """An orbit as a member; its tangent in the direction of one before it."""
         on, state = self.on, found.state
         gradients = on.gradients(state)
         rows = np.zeros((4, 7))
-        rows[0, :6], rows[1, :6] = gradients[self.held], gradients[2]
-        rows[2, :6] = on.rates(state)
+        rows[:2, :6], rows[2, :6] = gradients[self.held], on.rates(state)
         matrix = bordered(on, state, state, found.monodromy, rows)[:9]
         matrix[:, :7] *= self.metric
         _, sizes, right = np.linalg.svd(matrix)

@@ -7,8 +7,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
-
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput, nearest
 from polhode.common.progress import Message
@@ -25,6 +23,7 @@ from polhode.dynamics.periodic_orbits.continuation import (
 from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.dynamics.periodic_orbits.newton_shooting import Closed, NotClosed, at_level, closed
 from polhode.dynamics.periodic_orbits.orbit import DIGITS, Orbit, completed, kind_of, orbit
+from polhode.dynamics.sections.coordinates import turned
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
@@ -306,13 +305,11 @@ def _factor(on: Surface, by: str) -> float:
 def point_of(on: Surface, found: Closed) -> FamilyPoint:
     """An orbit in the units and axes of its scene."""
     h, f, _ = on.integrals(found.state)
-    rows = np.array([[to_double(x) for x in row] for row in on.scene.body.axes.rows])
-    unit, state = float(on.unit), found.state
-    turned = np.concatenate([state[:3] @ rows / unit, state[3:] @ rows])
+    state = turned(on.scene, found.state)
     return FamilyPoint(
         float(h) * _factor(on, "h"),
         float(f) * _factor(on, "f"),
-        float(found.period * unit),
+        float(found.period * float(on.unit)),
         float(found.residue),
-        tuple(turned.tolist()),
+        tuple(state.tolist()),
     )

@@ -16,8 +16,9 @@ from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
+from flint import fmpq_mat
 
-from polhode.dynamics.periodic_orbits.level_set import Surface, integrals
+from polhode.dynamics.periodic_orbits.level_set import Surface, gradients, integrals
 from polhode.dynamics.periodic_orbits.newton_shooting import (
     Closed,
     NotClosed,
@@ -31,6 +32,7 @@ from polhode.numbers.conversion import to_double
 from polhode.numbers.decimals import decimal_string
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, NumberType
+from polhode.numbers.polynomials import rational
 from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import EXACT
 from polhode.taylor.variations.flow_map import Flow, NotFollowed
@@ -224,22 +226,15 @@ def monodromy(on: Surface, state: Fractions, time: Fraction, digits: int) -> Mon
     moments, torque = (
         [_binary(x, kind.bits) for x in v] for v in (on.exact_moments, on.exact_torque)
     )
-    w, g = start[:3], start[3:]
-    momentum = [a * x for a, x in zip(moments, w, strict=True)]
-    zero = [Fraction(0)] * 3
-    gradients = [
-        [*momentum, *torque],
-        [*(a * x for a, x in zip(moments, g, strict=True)), *momentum],
-        [*zero, *g],
-    ]
     missed = Fraction(0)
-    for row in gradients:
+    for row in gradients(moments, torque, start):
         moved = [sum((row[i] * rows[i][j] for i in range(6)), Fraction(0)) for j in range(6)]
         off = max(abs(a - b) for a, b in zip(moved, row, strict=True))
         missed = max(missed, off / max(map(abs, row)))
-    determinant = _determinant(rows, kind.bits + 64)
+    off = abs(fmpq_mat([[rational(x) for x in row] for row in rows]).det() - 1)
+    determinant = float(Fraction(int(off.p), int(off.q)))
     trace = sum((rows[i][i] for i in range(6)), Fraction(0))
-    return Monodromy(trace, float(abs(determinant - 1)), float(missed), kind)
+    return Monodromy(trace, determinant, float(missed), kind)
 
 
 def type_for(digits: int, least_bits: int = 0) -> NumberType:
@@ -249,25 +244,6 @@ def type_for(digits: int, least_bits: int = 0) -> NumberType:
         if there and kind.bits >= least_bits and digits <= kind.most_digits - 0.5:
             return kind
     return number_types.mp(digits)
-
-
-def _determinant(rows: Sequence[Fractions], bits: int) -> Fraction:
-    """By elimination with pivots, rounded on the way."""
-    left, found = [list(row) for row in rows], Fraction(1)
-    while left:
-        pivot = max(range(len(left)), key=lambda i: abs(left[i][0]))
-        row = left.pop(pivot)
-        found *= row[0] * (-1) ** pivot
-        if not row[0]:
-            return Fraction(0)
-        left = [
-            [
-                _binary(a - other[0] / row[0] * b, bits)
-                for a, b in zip(other[1:], row[1:], strict=True)
-            ]
-            for other in left
-        ]
-    return found
 
 
 def decimal(x: Fraction, scale: Fraction, digits: int) -> str:

@@ -122,10 +122,7 @@ class Surface(ByValue):
 
     def gradients(self, state: Doubles) -> Doubles:
         """Their gradients, three rows of six."""
-        w, g = state[:3], state[3:]
-        momentum = self.moments * w
-        rows = [(momentum, self.torque), (self.moments * g, momentum), (0 * g, 2 * g)]
-        return np.array([np.concatenate(row) for row in rows])
+        return np.array(gradients(self.moments, self.torque, state))
 
     def scale(self, state: Doubles) -> Doubles:
         """What an error of each component is measured by: the rates' scale, and 1."""
@@ -138,3 +135,14 @@ def integrals(moments: GivenRow, torque: GivenRow, state: GivenRow) -> list[Scal
     w, g = state[:3], state[3:]
     momentum = [a * x for a, x in zip(moments, w, strict=True)]
     return [dot(momentum, w) / 2 + dot(torque, g), dot(momentum, g), dot(g, g)]
+
+
+def gradients(moments: GivenRow, torque: GivenRow, state: GivenRow) -> list[list[Scalar]]:
+    """Their gradients, for any scalars."""
+    w, g = state[:3], state[3:]
+    momentum, inertial = ([a * x for a, x in zip(moments, v, strict=True)] for v in (w, g))
+    return [
+        [*momentum, *torque],
+        [*inertial, *momentum],
+        [*(0 * x for x in g), *(2 * x for x in g)],
+    ]

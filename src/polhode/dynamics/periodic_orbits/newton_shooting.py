@@ -60,14 +60,24 @@ class Closed(NamedTuple):
 
 def at_level(on: Surface, reference: Doubles) -> Conditions:
     """h, f and |gamma|^2 of the level; no way along the motion at a reference."""
-    rates = on.rates(reference)
-    along = rates / np.linalg.norm(rates)
+    along = np.append(on.rates(reference), 0.0)
+    return conditions([0, 1, 2], on, on.level, along[None], np.append(reference, 0.0))
+
+
+def conditions(
+    held: list[int], on: Surface, level: Doubles, ways: Doubles, reference: Doubles
+) -> Conditions:
+    """Some of h, f and |gamma|^2 held at their values, no way from a reference along others.
+
+    ``ways`` (n, 7), ``reference`` (7,): in state and period.
+    """
+    units = ways / np.linalg.norm(ways, axis=1)[:, None]
 
     def conditions(state: Doubles, period: float) -> tuple[Doubles, Doubles]:
-        values = np.append(on.integrals(state) - on.level, along @ (state - reference))
+        off = on.integrals(state)[held] - level[held]
         rows = np.zeros((4, 7))
-        rows[:3, :6], rows[3, :6] = on.gradients(state), along
-        return values, rows
+        rows[: len(held), :6], rows[len(held) :] = on.gradients(state)[held], units
+        return np.append(off, units @ (np.append(state, period) - reference)), rows
 
     return conditions
 

@@ -193,10 +193,7 @@ def _guesses(on: Surface, grid: tuple[int, int], most: int) -> Iterator[Guess]:
     )
     if cut.interrupted:
         raise KeyboardInterrupt
-    rows = np.array([[float(x) for x in row] for row in scene.body.axes.rows])
-    states = np.concatenate(
-        [unit * cut.states[..., :3] @ rows.T, cut.states[..., 3:] @ rows.T], axis=-1
-    )
+    states = geometry.turned(scene, cut.states, back=True)
     for n in range(most):
         off = (states[:, n] - begun.states) / on.scale(begun.states[0])
         distance = np.where(np.isnan(off).any(axis=1), np.inf, np.sqrt((off**2).sum(axis=1)))

@@ -165,8 +165,9 @@ def _roots(on: Ground, kappa: Doubles, sig: Doubles, across: Doubles) -> Doubles
         side = -((kappa[:, None] * size**3 / 2 - h * size) + (weight * f * sig)[:, None]) / weight
         y = np.where(side < 0, -other, other)
         for _ in range(6):  # Newton's method on the equation itself
-            y = y - _excess(on, y, kappa, sig, across) / _steepness(on, y, kappa, sig, across)
-        wrong = np.abs(_excess(on, y, kappa, sig, across)) > 1e-12 * (abs(h) + abs(weight))
+            excess, slope = _excess(on, y, kappa, sig, across)
+            y = y - excess / slope
+        wrong = np.abs(_excess(on, y, kappa, sig, across)[0]) > 1e-12 * (abs(h) + abs(weight))
         y = np.where(wrong | (np.hypot(y, f) < 1e-9 * scale), np.nan, y)
     y = np.sort(y, axis=1)  # nan last
     twice = np.diff(y, axis=1, prepend=-np.inf) < 1e-9 * scale
@@ -174,18 +175,14 @@ def _roots(on: Ground, kappa: Doubles, sig: Doubles, across: Doubles) -> Doubles
     return np.sort(y, axis=1)
 
 
-def _excess(on: Ground, y: Doubles, kappa: Doubles, sig: Doubles, across: Doubles) -> Doubles:
+def _excess(
+    on: Ground, y: Doubles, kappa: Doubles, sig: Doubles, across: Doubles
+) -> tuple[Doubles, Doubles]:
+    """By how much the energy at y exceeds h, and its derivative."""
     size = np.hypot(on.f, y)
     k, s, c = kappa[:, None], sig[:, None], across[:, None]
-    found: Doubles = k * size**2 / 2 + on.weight * (on.f * s + y * c) / size - on.h
-    return found
-
-
-def _steepness(on: Ground, y: Doubles, kappa: Doubles, sig: Doubles, across: Doubles) -> Doubles:
-    size = np.hypot(on.f, y)
-    k, s, c = kappa[:, None], sig[:, None], across[:, None]
-    found: Doubles = k * y + on.weight * (c * on.f**2 - on.f * s * y) / size**3
-    return found
+    excess = k * size**2 / 2 + on.weight * (on.f * s + y * c) / size - on.h
+    return excess, k * y + on.weight * (c * on.f**2 - on.f * s * y) / size**3
 
 
 def momentum_slope(on: Ground, states: Doubles) -> Doubles:
@@ -244,6 +241,15 @@ def height_coordinates(on: Ground, states: Doubles) -> tuple[Doubles, Doubles]:
     gamma = states[..., 3:]
     first, second, third = (gamma @ axis for axis in on.frame)
     return np.mod(np.arctan2(first, second), 2 * np.pi), third
+
+
+def turned(scene: Scene, states: Doubles, back: bool = False) -> Doubles:
+    """States (..., 6) from principal axes and the run's unit of time into the scene's; or back."""
+    rows = np.array([[to_double(x) for x in row] for row in scene.body.axes.rows])
+    unit = 2.0**scene.time_unit
+    if back:
+        rows, unit = rows.T, 1 / unit
+    return np.concatenate([states[..., :3] @ rows / unit, states[..., 3:] @ rows], axis=-1)
 
 
 def cells(first: int, second: int) -> tuple[Doubles, Doubles]:

@@ -17,7 +17,10 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from polhode.dynamics.sections.initial_tangents import tangents_of
+from polhode.equations.forms import principal
 from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles, Integers
@@ -35,10 +38,7 @@ def digits(scene: Scene, starts: Doubles, times: Doubles, workers: int | None = 
     ``starts`` (n, 6): states in principal axes and the run's unit of time; ``times`` (n, m): of the
     crossings in that unit, nan past an orbit's last one.  ``workers``: threads.
     """
-    import numpy as np
-
     from polhode.common.jobs import carried_out
-    from polhode.equations.forms import principal
     from polhode.taylor.variations import tangent_batches
 
     found: Doubles = np.full(times.shape, np.nan)
@@ -92,8 +92,6 @@ def _slowness(starts: Doubles, torque: Doubles, moments: Doubles) -> int:
 
     The unit is the scene's, which may be on another level.
     """
-    import numpy as np
-
     spin = float(np.linalg.norm(starts[:, :3], axis=1).max())
     speed = max(spin, math.sqrt(float(np.linalg.norm(torque)) / float(moments.min())))
     return max(0, -4 - math.floor(math.log2(speed)))
@@ -101,8 +99,6 @@ def _slowness(starts: Doubles, torque: Doubles, moments: Doubles) -> int:
 
 def none_left_from(digits: Doubles) -> Integers:
     """The number, from 1 on, of the first crossing with less than one digit; 0: all have one."""
-    import numpy as np
-
     gone = digits < 1
     found: Integers = np.where(gone.any(axis=1), gone.argmax(axis=1) + 1, 0)
     return found

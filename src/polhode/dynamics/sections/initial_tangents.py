@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from polhode.numbers.rows import Doubles
 
 SEED = 18
@@ -14,8 +16,6 @@ def tangents_of(
 
     ``alike``: the random part is the same for all, so that none depends on the others.
     """
-    import numpy as np
-
     shape = starts.shape[1:] if alike else starts.shape
     found = np.random.default_rng(SEED).normal(size=shape) + 0 * starts
     w, g = starts[:, :3], starts[:, 3:]

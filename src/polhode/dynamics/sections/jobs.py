@@ -5,9 +5,12 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from polhode.common.checkpoint import Arrays
 from polhode.dynamics.sections.coordinates import Ground
 from polhode.dynamics.sections.starts import Asked
+from polhode.equations.forms import principal
 from polhode.equations.integrals import first_integrals
 from polhode.equations.section_functions import HEIGHT, MOMENTUM, SectionZero
 from polhode.numbers.conversion import to_double, to_extended
@@ -30,9 +33,6 @@ def jobs_of(
     asked: Asked, on: Ground, zero: SectionZero, direction: int, count: int, states: Doubles
 ) -> list[SearchJob]:
     """The jobs of orbits from ``states``, LANES of them each, in principal axes and inner units."""
-    import numpy as np
-
-    from polhode.equations.forms import principal
     from polhode.taylor.events.batch_search import SearchJob
     from polhode.taylor.events.batch_zeros import Watched
 
@@ -74,11 +74,9 @@ def zero_of(scene: Scene, on: Ground, by: str) -> SectionZero:
     from polhode.equations.section_functions import SectionZero
 
     moments = tuple(float(a) for a in on.moments)
-    side = -1.0 if on.weight < 0 else 1.0
+    side = -1.0 if on.weight < 0 and by != HEIGHT else 1.0
     size = on.largest_momentum if by == MOMENTUM else on.fastest
     arm = tuple(float(side * x / (size or 1.0)) for x in on.frame[2])
-    if by == HEIGHT:
-        arm = tuple(float(x / (size or 1.0)) for x in on.frame[2])
     rows = tuple(tuple(to_double(x) for x in row) for row in scene.body.axes.rows)
     return SectionZero(by, moments, arm, rows, 2.0**scene.time_unit)  # type: ignore[arg-type]
 
@@ -95,15 +93,11 @@ def worth(jobs: int, crossings: int) -> int:
 
 def packed(result: Crossed) -> Arrays:
     """What a job found as arrays by name, to be kept in a file."""
-    import numpy as np
-
     return {name: np.asarray(value) for name, value in result._asdict().items()}
 
 
 def unpacked(held: Arrays) -> Crossed:
     """What a job found, from those arrays."""
-    import numpy as np
-
     from polhode.taylor.events.batch_search import Crossed
 
     states, times, rests, slopes = (

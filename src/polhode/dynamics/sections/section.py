@@ -6,9 +6,11 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from polhode.common.arguments import whole
 from polhode.common.cached_property import cached_property
@@ -19,9 +21,11 @@ from polhode.common.memory import refuse_too_much
 from polhode.common.progress import Progress
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
+from polhode.dynamics.sections import coordinates as geometry
 from polhode.dynamics.sections import crossing_accuracy
 from polhode.dynamics.sections import jobs as section_jobs
 from polhode.dynamics.sections.starts import MAXIMA, Asked, asked_of, starts_of
+from polhode.equations.forms import principal
 from polhode.equations.section_functions import HEIGHT, MOMENTUM, SectionZero
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
@@ -43,7 +47,6 @@ from polhode.scenes.vocabulary import STATE
 
 if TYPE_CHECKING:
     from polhode.dynamics.sections.coordinates import Ground
-    from polhode.taylor.events.batch_search import Crossed
 
 MOST_CROSSINGS = 1_000_000
 _RATIO = "cosine of the angle between r0 and the angular momentum"
@@ -112,9 +115,9 @@ class Section(Result, ByValue):
         """
         if self.interrupted:
             return self.times * float("nan")
-        unit = 2.0**self.scene.time_unit
-        starts = _turned(self.scene, self.start_states, unit, back=True)
-        return crossing_accuracy.digits(self.scene, starts, self.times / unit)
+        starts = geometry.turned(self.scene, self.start_states, back=True)
+        times = self.times / 2.0**self.scene.time_unit
+        return crossing_accuracy.digits(self.scene, starts, times)
 
     @property
     def none_left_from(self) -> Integers:
@@ -246,19 +249,10 @@ def section(
     >>> found.states.shape
     (4, 5, 6)
     """
-
-    from polhode.dynamics.sections import coordinates as geometry
     from polhode.taylor.events import batch_search
 
     scene = library.load(scene)
-    plan = scene.section
-    asked = asked_of(
-        scene,
-        plan.by if by is None else by,
-        plan.extremum if extremum is None else extremum,
-        h,
-        f,
-    )
+    plan, asked = scene.section, asked_of(scene, by, extremum, h, f)
     count = plan.crossings if crossings is None else crossings
     count = whole(scene.name, "crossings", count, 1, MOST_CROSSINGS)
     if starts is None and grid is None and plan.starts:
@@ -297,19 +291,38 @@ def section(
     if asked.by not in (MOMENTUM, HEIGHT) and not crossed.found.any():
         with _refused(asked, on, kept):
             _refuse_never_zero(asked, on, zero)
-    rows = found.states[finished.rows]
-    made = _result(asked, on, rows, crossed, finished.interrupted, kept)
-    if not accuracy:
-        return replace(made, accuracy=False)
-    _ = made.digits
+    states = found.states[finished.rows]
+    angles = geometry.height_coordinates if asked.by == HEIGHT else geometry.coordinates
+    l, ratio = geometry.coordinates(on, crossed.states)
+    unit = 2.0**scene.time_unit
+    made = Section(
+        scene,
+        asked.h,
+        asked.f,
+        asked.by,
+        asked.extremum,
+        np.stack(angles(on, states), axis=-1),
+        geometry.turned(scene, states),
+        geometry.turned(scene, crossed.states),
+        crossed.times * unit,
+        crossed.rests * unit,
+        l,
+        ratio,
+        crossed.found,
+        crossed.outcomes,
+        crossed.drift,
+        finished.interrupted,
+        kept,
+        scene.provenance(),
+        accuracy,
+    )
+    if accuracy:
+        _ = made.digits
     return made
 
 
 def _refuse_constant(asked: Asked, on: Ground, zero: SectionZero, states: Doubles) -> None:
     """Raise BadInput for an expression that has no value at a start, or no rate at any of them."""
-    import numpy as np
-
-    from polhode.equations.forms import principal
     from polhode.taylor.corrections.level_projection import ARRAYS, TINY
 
     if asked.by in (MOMENTUM, HEIGHT):
@@ -353,10 +366,6 @@ def _refused(asked: Asked, on: Ground, kept: JobCheckpoint | None) -> Iterator[N
 
 def _not_finite(asked: Asked, on: Ground, start: Sequence[float], time: float) -> BadInput:
     """The refusal of an expression that has no finite value on an orbit, at a time of the run."""
-    import numpy as np
-
-    from polhode.dynamics.sections import coordinates as geometry
-
     l, ratio = (float(x) for x in geometry.coordinates(on, np.array(start)))
     t = math.ldexp(time, asked.scene.time_unit)
     expected = (
@@ -367,9 +376,6 @@ def _not_finite(asked: Asked, on: Ground, start: Sequence[float], time: float) -
 
 
 def _refuse_never_zero(asked: Asked, on: Ground, zero: SectionZero) -> None:
-    import numpy as np
-
-    from polhode.dynamics.sections import coordinates as geometry
     from polhode.taylor.corrections.level_projection import ARRAYS
 
     grid = geometry.cells(60, 60)
@@ -380,51 +386,3 @@ def _refuse_never_zero(asked: Asked, on: Ground, zero: SectionZero) -> None:
         f"{np.nanmin(values):.4g} to {np.nanmax(values):.4g}, and no orbit crosses 0"
     )
     raise BadInput(asked.scene.name, "by", asked.by, expected)
-
-
-def _result(
-    asked: Asked,
-    on: Ground,
-    states: Doubles,
-    crossed: Crossed,
-    interrupted: bool,
-    kept: JobCheckpoint | None,
-) -> Section:
-    import numpy as np
-
-    from polhode.dynamics.sections import coordinates as geometry
-
-    scene = asked.scene
-    angles = geometry.height_coordinates if asked.by == HEIGHT else geometry.coordinates
-    l, ratio = geometry.coordinates(on, crossed.states)
-    unit = 2.0**scene.time_unit
-    return Section(
-        scene,
-        asked.h,
-        asked.f,
-        asked.by,
-        asked.extremum,
-        np.stack(angles(on, states), axis=-1),
-        _turned(scene, states, unit),
-        _turned(scene, crossed.states, unit),
-        crossed.times * unit,
-        crossed.rests * unit,
-        l,
-        ratio,
-        crossed.found,
-        crossed.outcomes,
-        crossed.drift,
-        interrupted,
-        kept,
-        scene.provenance(),
-    )
-
-
-def _turned(scene: Scene, states: Doubles, unit: float, back: bool = False) -> Doubles:
-    """States (..., 6) from principal axes and the run's unit into the scene's; or back."""
-    import numpy as np
-
-    rows = np.array([[to_double(x) for x in row] for row in scene.body.axes.rows])
-    if back:
-        rows, unit = rows.T, 1 / unit
-    return np.concatenate([states[..., :3] @ rows / unit, states[..., 3:] @ rows], axis=-1)

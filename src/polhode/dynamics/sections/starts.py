@@ -8,11 +8,14 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
 from polhode.common.arguments import cells, each, of_kind
 from polhode.common.errors import BadInput
-from polhode.dynamics.levels import permanent_rotations, rotation_arcs
-from polhode.dynamics.levels.levels import least_energy, refuse_far
-from polhode.dynamics.levels.rotation_arcs import RationalBody
+from polhode.dynamics.levels.permanent_rotations import families
+from polhode.dynamics.levels.rational_body import BODY_BITS, RationalBody, refuse_far
+from polhode.dynamics.levels.regions import least_energy
+from polhode.dynamics.sections import coordinates as geometry
 from polhode.dynamics.sections.coordinates import Ground
 from polhode.equations.section_functions import HEIGHT, MOMENTUM
 from polhode.numbers import expression
@@ -49,9 +52,15 @@ class Asked(NamedTuple):
 
 
 def asked_of(
-    scene: Scene, by: str, extremum: str, h: AnyNumber | None, f: AnyNumber | None
+    scene: Scene,
+    by: str | None,
+    extremum: str | None,
+    h: AnyNumber | None,
+    f: AnyNumber | None,
 ) -> Asked:
-    """What is asked, checked; ``h`` and ``f`` None for the scene's own.  Raises BadInput."""
+    """What is asked, checked; None for the scene's own section, h or f.  Raises BadInput."""
+    by = scene.section.by if by is None else by
+    extremum = scene.section.extremum if extremum is None else extremum
     if scene.gamma is None:
         raise BadInput(scene.name, "start.gamma", None, "a unit vector, since a level has h and f")
     for key, word in (("by", by), ("extremum", extremum)):
@@ -77,9 +86,9 @@ def asked_of(
     ]
     found = Asked(scene, level[0], level[1], by, extremum)
     body = RationalBody.of(scene.body)
-    near = fraction_near(found.f, rotation_arcs.BODY_BITS)[0]
+    near = fraction_near(found.f, BODY_BITS)[0]
     refuse_far(scene.name, "f", body, near)
-    least = least_energy(body, permanent_rotations.arcs(body), near)
+    least = least_energy(body, families(body), near)
     if to_double(found.h) <= least:
         expected = f"above {least:.12g}, the least energy at f = {shown(found.f)}"
         raise BadInput(scene.name, "h", shown(found.h), expected)
@@ -98,10 +107,6 @@ def starts_of(
     ``foretold``: told a number that a large grid's states surely exceed, before they are found, to
     refuse them.
     """
-    import numpy as np
-
-    from polhode.dynamics.sections import coordinates as geometry
-
     name = asked.scene.name
     if starts is None:
         first, second = cells(name, GRID if grid is None else grid, MOST_STARTS)
@@ -131,10 +136,6 @@ def starts_of(
 
 def _in_cells(asked: Asked, on: Ground, angle: Doubles, cosine: Doubles) -> Found:
     """The states at some cells' centres."""
-    import numpy as np
-
-    from polhode.dynamics.sections import coordinates as geometry
-
     maxima = asked.extremum == MAXIMA
     if asked.by != HEIGHT:
         return geometry.momentum_states(on, angle, cosine, maxima)
@@ -144,8 +145,6 @@ def _in_cells(asked: Asked, on: Ground, angle: Doubles, cosine: Doubles) -> Foun
 
 def _own(asked: Asked, on: Ground) -> Doubles:
     """The scene's own start, on the section or not."""
-    import numpy as np
-
     scene = asked.scene
     assert scene.gamma is not None
     if asked.h != scene.integrals.energy or asked.f != scene.integrals.area:
@@ -156,10 +155,6 @@ def _own(asked: Asked, on: Ground) -> Doubles:
 
 
 def _momentum_start(asked: Asked, on: Ground, key: str, row: Sequence[float]) -> Doubles:
-    import numpy as np
-
-    from polhode.dynamics.sections import coordinates as geometry
-
     name, shown_row = asked.scene.name, f"[{', '.join(f'{x:g}' for x in row)}]"
     if len(row) not in (2, 3) or (len(row) == 3 and row[2] != int(row[2])):
         raise BadInput(name, key, shown_row, "[l, L/G] or [l, L/G, k] with k = 0, 1, ...")
@@ -179,10 +174,6 @@ def _momentum_start(asked: Asked, on: Ground, key: str, row: Sequence[float]) ->
 
 def _where(on: Ground, l: float, maxima: bool) -> str:
     """The range of L/G that has states at this l."""
-    import numpy as np
-
-    from polhode.dynamics.sections import coordinates as geometry
-
     sig = -1 + (np.arange(1000) + 0.5) / 500
     found = geometry.momentum_states(on, np.full(1000, l), sig, maxima)
     if len(found.of) == 0:
@@ -192,10 +183,6 @@ def _where(on: Ground, l: float, maxima: bool) -> str:
 
 
 def _height_start(asked: Asked, on: Ground, key: str, row: Sequence[float]) -> Doubles:
-    import numpy as np
-
-    from polhode.dynamics.sections import coordinates as geometry
-
     name, shown_row = asked.scene.name, f"[{', '.join(f'{x:g}' for x in row)}]"
     length = sum(x * x for x in row[:3]) ** 0.5
     if len(row) != 4 or row[3] not in (1, -1) or abs(length - 1) > 1e-6:
@@ -227,8 +214,6 @@ def _height_start(asked: Asked, on: Ground, key: str, row: Sequence[float]) -> D
 
 def _moving(asked: Asked, on: Ground, key: str, shown_row: str, state: Doubles) -> Doubles:
     """A start that is no permanent rotation."""
-    import numpy as np
-
     w, g = state[:3], state[3:]
     moment = np.cross(g, on.torque) - np.cross(w, w * on.moments)
     speed = float(np.linalg.norm(np.cross(g, w)))

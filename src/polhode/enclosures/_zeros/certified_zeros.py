@@ -1,25 +1,27 @@
 """Certified zeros of a polynomial g along the exact motion: existence, uniqueness, time.
 
-Trusted.  On a step the exact state is in xhat(tau) +- r (``bound``), and the derivative of g along
-it is the polynomial g' = grad g · f, so h g' is that by tau.  With balls over a closed interval I:
+Trusted.  On a step the exact state is in xhat(tau) +- r (``step_bound``), and the derivative of g
+along it is the polynomial g' = grad g · f, so h g' is that by tau.  With balls over a closed
+interval I:
 
     0 not in g(I)                no zero in I;
     0 not in g'(I)               at most one, and exactly one if g has certified opposite signs at
                                  the ends; interval Newton I and (m - g(m)/(h g'(I))) tells where.
 
 Otherwise I is split, off its middle; below 2**-40 of a step it is *undecided*, never counted.  So
-is one that no splitting decides: g has no certified sign at its ends, and on it g' has one, or is
-so small that g stays within a few radii of its ball at the middle.  What is left of a step after
-MOST_PIECES is undecided, too.  Intervals that touch are one.
+is one that no splitting decides: g has no certified sign at its ends, and g' is so small that g
+stays within a few radii of its ball at the middle.  What is left of a step after MOST_PIECES is
+undecided, too.  Undecided intervals that touch are one.
 
-A zero within the radius of a step's boundary has no certified sign there: the intervals on both
-sides are joined, and hold one zero if g' has one certified sign on both and the outer ends have
-opposite ones.  Where g' has one on an undecided interval, only the ball that Newton's steps leave
-of it is undecided, or nothing.  An interval that touches the last time stays undecided; one that
-touches the first does, unless g and its first derivatives along the motion are known to be 0
-there: if g and k - 1 derivatives are, and the k-th is not 0 on [0, b], g has no zero in (0, b].
+Near a zero g has no certified sign: neighbouring intervals without a point of one between them, on
+both sides of a step's boundary too, are a group.  If g' has one sign on all of it, it holds one
+zero where g has opposite signs at its ends, none where they are the same.  Every other group is
+undecided, of an interval with a sign of g' only the ball that Newton's steps leave.  A group that
+touches the last time stays undecided; one that touches the first does, unless g and its first
+derivatives along the motion are known to be 0 there: if g and k - 1 derivatives are, and the k-th
+is not 0 on [0, b], g has no zero in (0, b].
+
 Ends are multiples of 2**-48 of a step, so that a ball's midpoint and radius hold them exactly.
-
 Where there is one zero in I, the state then is among those of the step at all times of I.
 """
 
@@ -32,12 +34,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from flint import arb, arb_poly
 
+from polhode.common.cached_property import cached_property
 from polhode.common.deadline import NONE, Deadline
 from polhode.enclosures.fixed_point_problem import CLOCK, UP
 from polhode.enclosures.integral_contraction import Contradiction
 from polhode.enclosures.polynomial import BallPolynomial
 from polhode.enclosures.step_bound import Bounds
-from polhode.enclosures.zonotope import Step, around
+from polhode.enclosures.zonotope import Step, approximation, widened
 from polhode.numbers.flint_context import ctx
 
 GRAIN = 48  # ends of intervals are integers times 2**-GRAIN of a step
@@ -74,14 +77,27 @@ class Contact(NamedTuple):
     end: Any
 
 
-class _Part(NamedTuple):
-    """An interval of a step that ends at a boundary without a certified sign of g there."""
+class _Piece(NamedTuple):
+    """An interval on which g may have zeros."""
 
-    sign: int  # of g at its other end; 0 where that is not certified either
-    slope: int  # of g' on it
+    slope: int  # of g' on it; 0 where it has no certified sign
     zero: Zero | None  # where its zero is, if it has one; None if Newton shows that it has none
     begin: Any
     end: Any
+
+
+@dataclass
+class _Group:
+    """Neighbouring pieces without a point between them where g has a certified sign."""
+
+    sign: int  # of g where it begins; 0 where that is not certified
+    pieces: list[_Piece] = field(default_factory=list)
+
+    @property
+    def slope(self) -> int:
+        """The sign of g' on all of it; 0 where it has none."""
+        slopes = {piece.slope for piece in self.pieces}
+        return slopes.pop() if len(slopes) == 1 else 0
 
 
 @dataclass
@@ -98,7 +114,7 @@ class Search:
     deadline: Deadline = NONE
     crossings: list[Crossing] = field(default_factory=list)
     contacts: list[Contact] = field(default_factory=list)
-    _left: _Part | None = None  # an interval up to the last boundary, where no sign was certified
+    _group: _Group | None = None  # what is open where the search stands
     _sign: int = 0  # of g at the last boundary
 
     def window(self, known: Bounds, steps: Sequence[Step]) -> None:
@@ -108,82 +124,61 @@ class Search:
 
     def finish(self) -> None:
         """What is left at the last time is undecided."""
-        self._undecided(self._left)
-        self._left = None
+        self._close(0)
 
     def _step(self, on: _OnStep) -> None:
-        self._boundary(on)
+        sign = on.sign(0)
+        if sign * self._sign < 0:
+            raise Contradiction("g has two signs on a step's boundary")
+        on.signs[0] = sign or self._sign
+        if on.signs[0]:
+            self._close(on.signs[0])
         pending, pieces = [(0, WHOLE)], 0
-        found: Crossing | _Part | str
         while pending:
             self.deadline.check()
             a, b = pending.pop()
             pieces += 1
             if pieces > MOST_PIECES:
-                pending, b, found = [], WHOLE, OPEN
+                pending, b, found = [], WHOLE, None
             else:
                 found = on.decide(a, b)
             if found == SPLIT and b - a > _FINEST:
                 middle = on.split(a, b)
                 pending += [(middle, b), (a, middle)]
                 continue
-            if found in (SPLIT, OPEN):
-                found = _Part(0, 0, None, on.time(a), on.time(b))
-            if isinstance(found, _Part):
-                self._part(found, a == 0 and not on.sign(0), b == WHOLE and not on.sign(WHOLE))
+            if found == EMPTY:  # the sign of g is one, from a on
+                self._close(on.sign(b))
                 continue
-            self._undecided(self._left)
-            self._left = None
-            if isinstance(found, Crossing):
-                self.crossings.append(found)
+            if not isinstance(found, _Piece):
+                found = _Piece(0, None, on.time(a), on.time(b))
+            self._group = self._group or _Group(on.sign(a))
+            self._group.pieces.append(found)
+            if on.sign(b):
+                self._close(on.sign(b))
         self._sign = on.sign(WHOLE)
 
-    def _boundary(self, on: _OnStep) -> None:
-        """The sign of g where two steps meet, as either of them certifies it."""
-        sign = on.sign(0)
-        if sign * self._sign < 0:
-            raise Contradiction("g has two signs on a step's boundary")
-        sign = on.signs[0] = sign or self._sign
-        left = self._left
-        if left is None or not sign:
+    def _close(self, sign: int) -> None:
+        """The open group ends where g has this sign; 0 where that is not certified."""
+        group, self._group = self._group, None
+        if group is None:
             return
-        self._left = None
-        if left.slope * left.sign == 0:
-            self._undecided(left)
-        elif left.sign != sign:
-            if left.zero is None:
-                raise Contradiction("a zero before a step's boundary is nowhere")
-            self.crossings.append(Crossing(left.zero, left.slope))
-
-    def _part(self, part: _Part, at_begin: bool, at_end: bool) -> None:
-        """An interval without a certified sign at the step's beginning, its end, or both."""
-        left, self._left = self._left, None
-        if not at_begin:
-            self._undecided(left)
-            if not at_end:
-                self._undecided(part)
-        elif left is None:
-            self._undecided(part)
-        elif left.slope == part.slope != 0 and left.sign * part.sign < 0:
-            zeros = [x.zero for x in (left, part) if x.zero is not None]
+        slope = group.slope
+        if not slope * group.sign * sign:
+            for piece in group.pieces:
+                self._undecided(piece)
+        elif group.sign != sign:
+            zeros = [piece.zero for piece in group.pieces if piece.zero is not None]
             if not zeros:
-                raise Contradiction("a zero on a step's boundary is nowhere")
-            self.crossings.append(Crossing(_either(zeros), left.slope))
-        elif not (left.slope == part.slope != 0 and left.sign * part.sign > 0):
-            self._undecided(left)
-            self._undecided(part)
-        if at_end:
-            self._left = part._replace(sign=0) if at_begin else part
+                raise Contradiction("a zero between two signs is nowhere")
+            self.crossings.append(Crossing(_either(zeros), slope))
 
-    def _undecided(self, part: _Part | None) -> None:
-        if part is None:
-            return
-        begin, end = part.begin, part.end
-        if part.slope:  # one zero at the most, and only where Newton's steps leave it
-            if part.zero is None:
+    def _undecided(self, piece: _Piece) -> None:
+        begin, end = piece.begin, piece.end
+        if piece.slope:  # one zero at the most, and only where Newton's steps leave it
+            if piece.zero is None:
                 return
             with ctx.workprec(_TIMES):
-                begin, end = part.zero.time.lower(), part.zero.time.upper()
+                begin, end = piece.zero.time.lower(), piece.zero.time.upper()
         if self.contacts and not self.contacts[-1].end < begin:
             last = self.contacts.pop()
             begin, end = last.begin, last.end if last.end > end else end
@@ -211,11 +206,20 @@ class _OnStep:
         """The exact states at all tau of a ball."""
         return [row(tau) + self.slack for row in self.rows]
 
-    def fine(self, at: int) -> Any:
-        """g at one point, as sharply as the proof allows."""
-        radii = [self.step.r] * 6
+    @cached_property
+    def polynomials(self) -> list[arb_poly]:
+        """The approximation of the step."""
         with ctx.workprec(self.bits):
-            return self.g.at(around(self.known, self.n, arb((at, -GRAIN)), radii))
+            return approximation(self.known, self.n)
+
+    def fine(self, tau: Any) -> list[Any]:
+        """The exact states at all tau of a ball, as sharply as the proof allows."""
+        return widened(self.polynomials, tau, [self.step.r] * 6, self.known.problem.noise)
+
+    def value(self, at: int) -> Any:
+        """g at one point, likewise."""
+        with ctx.workprec(self.bits):
+            return self.g.at(self.fine(arb((at, -GRAIN))))
 
     def sign(self, at: int) -> int:
         """The certified sign of g at a point; 0 where there is none."""
@@ -223,7 +227,7 @@ class _OnStep:
             with ctx.workprec(_COARSE):
                 value = self.g.at(self.coarse(arb((at, -GRAIN))))
             if value.contains(0):
-                value = self.fine(at)
+                value = self.value(at)
             self.signs[at] = _sign(value)
         return self.signs[at]
 
@@ -241,8 +245,8 @@ class _OnStep:
         with ctx.workprec(self.bits):
             return arb((times[self.n], -CLOCK)) + arb((at, -GRAIN)) * self.h
 
-    def decide(self, a: int, b: int) -> Crossing | _Part | str:
-        """EMPTY, a zero, an interval that has no sign at a boundary of the step, SPLIT or OPEN."""
+    def decide(self, a: int, b: int) -> _Piece | str:
+        """EMPTY, SPLIT, OPEN, or what is known of a zero where g' has a sign."""
         with ctx.workprec(_COARSE):
             over = _ball(a, b)
             states = self.coarse(over)
@@ -257,34 +261,25 @@ class _OnStep:
         left, right = self.sign(a), self.sign(b)
         if not steep:
             return OPEN if not (left or right) and self._flat(a, b) else SPLIT
-        if not (left or a == 0) or not (right or b == WHOLE):
-            return SPLIT if left or right else OPEN
         if left == right != 0:
             return EMPTY
-        where = self._newton(a, b, slope)
-        if not (left and right):
-            return _Part(left or right, _sign(slope), where, self.time(a), self.time(b))
-        if where is None:
-            raise Contradiction("a zero between two signs is nowhere")
-        return Crossing(where, _sign(slope))
+        return _Piece(_sign(slope), self._newton(a, b, slope), self.time(a), self.time(b))
 
     def _away(self, a: int, b: int) -> bool:
         """Whether g has no zero on [a, b], by g(m) + h g'(I)(I - m): for contacts that miss."""
-        radii = [self.step.r] * 6
         with ctx.workprec(self.bits):
             over = _ball(a, b)
-            slope = self.rate.at(around(self.known, self.n, over, radii)) * self.h
+            slope = self.rate.at(self.fine(over)) * self.h
             middle = arb(over.mid())
-            value = self.g.at(around(self.known, self.n, middle, radii))
+            value = self.g.at(self.fine(middle))
             return not (value + slope * (over - middle)).contains(0)
 
     def _flat(self, a: int, b: int) -> bool:
         """Whether g on [a, b] is nowhere far from what its radius at the middle leaves open."""
-        value = self.fine((a + b) // 2)
-        radii = [self.step.r] * 6
+        value = self.value((a + b) // 2)
         with ctx.workprec(self.bits):
             over = _ball(a, b)
-            slope = self.rate.at(around(self.known, self.n, over, radii)) * self.h
+            slope = self.rate.at(self.fine(over)) * self.h
             off = (slope * (over - arb(over.mid()))).abs_upper()
             return bool(value.contains(0) and off <= _FLAT * arb(value.rad()))
 
@@ -293,17 +288,16 @@ class _OnStep:
 
         tau = m - g(m)/(h g'(I)) for the zero in I, whatever m of [0, 1] is taken.
         """
-        radii = [self.step.r] * 6
         times = self.known.pieces.times
         with ctx.workprec(self.bits):
             inside, low, high = _ball(a, b), arb((a, -GRAIN)), arb((b, -GRAIN))
             for _ in range(_NEWTONS):
                 middle = arb(inside.mid())
                 middle = low if middle < low else high if middle > high else middle
-                sharper = self.rate.at(around(self.known, self.n, inside.union(middle), radii))
+                sharper = self.rate.at(self.fine(inside.union(middle)))
                 if not sharper.contains(0):
                     slope = sharper
-                value = self.g.at(around(self.known, self.n, middle, radii))
+                value = self.g.at(self.fine(middle))
                 nearer = middle - value / (slope * self.h)
                 if not nearer.overlaps(inside):
                     return None
@@ -311,7 +305,7 @@ class _OnStep:
                 if smaller.rad() * 2 > inside.rad():
                     break
                 inside = smaller
-            state = around(self.known, self.n, inside, radii)
+            state = self.fine(inside)
             return Zero(arb((times[self.n], -CLOCK)) + inside * self.h, tuple(state))
 
 

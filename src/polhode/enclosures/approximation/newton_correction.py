@@ -5,8 +5,6 @@ Not trusted: what it finds wrong costs digits or a refusal.  All steps are treat
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from polhode.numbers.rows import Doubles
@@ -68,14 +66,6 @@ def forced(a: Doubles, defects: Doubles, start: Doubles) -> Doubles:
             row = row - defects[:, k]
         turned[:, low - rows : low, 0] = row / (k + 1)
     return np.ascontiguousarray(turned.reshape(steps, count, rows)[:, ::-1])
-
-
-def size(values: Doubles, noise: int) -> int:
-    """The exponent of two just above the largest of values in units of 2**-noise."""
-    largest = float(np.max(np.abs(values)))
-    if not math.isfinite(largest):
-        return 10**6
-    return math.frexp(largest)[1] - noise if largest else -(10**6)
 
 
 def _flat(a: Doubles) -> Doubles:

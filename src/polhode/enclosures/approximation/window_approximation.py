@@ -15,6 +15,7 @@ import numpy as np
 
 from polhode.common.deadline import NONE, Deadline
 from polhode.enclosures.fixed_point_problem import CLOCK, CYCLE, Motion, Problem
+from polhode.enclosures.step_bound import jacobian
 from polhode.enclosures.zonotope import State
 from polhode.equations.system import system
 from polhode.numbers.conversion import to_double
@@ -100,13 +101,8 @@ def _grid(
 
 def _speeds(problem: Problem, states: Any) -> Any:
     """The largest row sums of |f'(x)| at states, (n,)."""
-    size = np.abs(states)
-    bend, pull, push = (np.abs(problem.factors[k : k + 3]) for k in (0, 3, 6))
-    rows = []
-    for i, (a, b) in enumerate(CYCLE):
-        rows.append(bend[i] * (size[:, a] + size[:, b]) + pull[i] + push[i])
-        rows.append(size[:, a] + size[:, b] + size[:, 3 + a] + size[:, 3 + b])
-    return np.max(rows, axis=0)
+    slopes = jacobian(problem, states[:, None], np.ones(len(states)))[:, 0]
+    return np.max(np.sum(np.abs(slopes), axis=2), axis=1)
 
 
 def _series(problem: Problem, states: Any, lengths: Any, count: int) -> Any:

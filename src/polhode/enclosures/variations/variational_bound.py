@@ -132,9 +132,6 @@ class Derivatives:
                 self.found.append(self._product.at(v, UP * (eps + lost)))
             self._product.step(known.ends[n], eps)
 
-    def finish(self) -> None:
-        """Nothing is left at the end."""
-
 
 def missed(known: Bounds, n: int, step: Step) -> float:
     """eps of (1); raises Refused where it is no number."""

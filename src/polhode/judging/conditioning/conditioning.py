@@ -46,7 +46,7 @@ from polhode.taylor.variations.state_transition import Passage, passage
 
 T = TypeVar("T")
 
-MAX_STEPS = 400_000  # of 35 µs: about fifteen seconds
+MAX_STEPS = 400_000  # of 10 µs in the lanes of a batch: about four seconds
 _BEYOND = 4  # digits of |Phi| beyond those of the type: kappa, of the inputs alone, may be smaller
 
 

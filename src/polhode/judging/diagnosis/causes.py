@@ -22,11 +22,10 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from polhode.common.errors import BadInput
 from polhode.common.text_tables import few
 from polhode.judging.diagnosis.motion_in_double import integrated
-from polhode.judging.tables.candidate import Subject
-from polhode.judging.tables.reading import GAIN, WRONG
+from polhode.judging.tables.reading import GAIN, WRONG, TimeChange
+from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles
@@ -46,8 +45,8 @@ _FARTHEST = 3e3  # radians or so
 _ALIKE = 1.0  # digits: causes that explain as much
 _TOLD = 3  # causes at most
 
-#: States at the rows' times where the number is so much larger; None where there are none.
-Model: TypeAlias = "Callable[[float, Sequence[Fraction]], Doubles | None]"
+#: The scene where the number is so much larger, and its times; raises ValueError for no body.
+Change: TypeAlias = Callable[[Fraction], tuple[Scene, TimeChange]]
 
 
 class Cause(NamedTuple):
@@ -61,25 +60,27 @@ class Cause(NamedTuple):
 
 
 class _Candidate(NamedTuple):
-    """A number that may be another, ``origin`` and ``unit`` times a change; its ``least`` one."""
+    """A number that may be another, ``origin`` and ``unit`` times a change; its ``least`` one.
+
+    ``part``: the columns that are of the changed motion.
+    """
 
     words: str
-    model: Model
+    change: Change
     origin: float
     unit: float
     least: float = 0.0
+    part: slice = slice(0, 6)
 
 
-def causes(subject: Subject, scene: Scene) -> tuple[Cause, ...]:
+def causes(subject: Table, scene: Scene) -> tuple[Cause, ...]:
     """What explains a table of states that is wrong, the best first; empty where nothing does."""
-    kept = [k for k in few(len(subject.times), _ROWS) if subject.states[k] is not None]
-    columns = [k for k, name in enumerate(scene.columns) if name in subject.columns]
+    some = subject.some(sorted(few(len(subject.times), _ROWS), key=lambda k: abs(subject.times[k])))
+    times, cells = [*some.times], some.rows(some.state)
+    columns = [k for k, name in enumerate(scene.columns) if name in some.state]
     speed = max([1e-300, *(abs(to_double(x)) for x in scene.start[:3])])
-    rows = sorted(kept, key=lambda k: abs(subject.times[k]))
-    times = [subject.times[k] for k in rows]
-    if not columns or abs(to_double(times[-1])) * speed > _FARTHEST:
+    if cells is None or abs(to_double(times[-1])) * speed > _FARTHEST:
         return ()
-    cells = [[subject.states[k][c] for c in columns] for k in rows]
     if any(x is None for row in cells for x in row):
         return ()
     fit = Fit(doubles(cells), times, columns, scene)
@@ -96,23 +97,30 @@ class Fit:
     ) -> None:
         self.table, self.times, self.columns = table, times, columns
         plain = integrated(scene, times, attitude=False)
+        self.plain = None if plain is None else plain.states
         self.scale = np.ones(len(columns))
         self.before = math.inf
-        if plain is not None:
-            rates = float(np.max(np.linalg.norm(plain.states[:, :3], axis=1))) or 1.0
+        if self.plain is not None:
+            rates = float(np.max(np.linalg.norm(self.plain[:, :3], axis=1))) or 1.0
             self.scale = np.array([rates if c < 3 else 1.0 for c in columns])
-            self.before = self._digits((plain.states[:, columns] - table) / self.scale)
+            self.before = self._digits((self.plain[:, columns] - table) / self.scale)
 
     @staticmethod
     def _digits(error: Doubles) -> float:
         worst = float(np.max(np.abs(error)))
         return -math.log10(worst) if worst > 0 else 16.0
 
-    def _error(self, model: Model, x: float, count: int) -> Doubles | None:
+    def _error(self, one: _Candidate, x: float, count: int) -> Doubles | None:
         """The scaled difference from the first rows, in one column; None if too large."""
-        states = model(x, self.times[:count])
-        if states is None:
+        try:
+            scene, moved = one.change(Fraction(x))
+        except ValueError:  # moments of no body
             return None
+        other = integrated(scene, [moved.of(t) for t in self.times[:count]], attitude=False)
+        if other is None or self.plain is None:
+            return None
+        states = self.plain[:count].copy()
+        states[:, one.part] = other.states[:, one.part]
         with np.errstate(over="ignore", invalid="ignore"):
             found: Doubles = ((states[:, self.columns] - self.table[:count]) / self.scale).ravel()
         return found if np.all(np.isfinite(found)) else None
@@ -121,7 +129,7 @@ class Fit:
         """The number, fitted, where it explains the table."""
         x, slope, count = 0.0, 0.0, min(_FIRST, len(self.times))
         while True:
-            found = self.fitted(one.model, x, count)
+            found = self.fitted(one, x, count)
             if found is None:
                 return None
             x, slope, error = found
@@ -139,14 +147,14 @@ class Fit:
         words = one.words.format(f"{value:.{places}g}").replace("+ -", "- ")
         return Cause(words, min(digits, 15.0))
 
-    def fitted(self, model: Model, x: float, count: int) -> tuple[float, float, Doubles] | None:
+    def fitted(self, one: _Candidate, x: float, count: int) -> tuple[float, float, Doubles] | None:
         """The number for the first rows, the largest change by it, and what is left."""
-        error = self._error(model, x, count)
+        error = self._error(one, x, count)
         if error is None:
             return None
         largest = 0.0
         for _ in range(_STEPS):
-            moved = self._error(model, x + _SMALL, count)
+            moved = self._error(one, x + _SMALL, count)
             if moved is None:
                 return None
             slope = (moved - error) / _SMALL
@@ -156,7 +164,7 @@ class Fit:
                 return None
             step = -float(slope @ error) / square
             for _ in range(_HALVINGS):
-                nearer = self._error(model, x + step, count)
+                nearer = self._error(one, x + step, count)
                 if nearer is not None and nearer @ nearer < error @ error:
                     break
                 step /= 2
@@ -171,44 +179,56 @@ class Fit:
 def _candidates(scene: Scene, columns: Sequence[int]) -> Iterator[_Candidate]:
     """Numbers that may be others, the plainer first."""
     yield from _of_clock(scene, columns)
-    body = scene.body
-    if all(body.inertia[i][j] == 0 for i in range(3) for j in range(i)):
-        for i, letter in enumerate("ABC"):
-            own = to_double(body.inertia[i][i])
-            words = f"the moment {letter} = {{}} (the scene's is {own:.6g})"
-            yield _Candidate(words, partial(_of_body, scene, [(i, i)], None), own, own)
-        if equal := _equal_moments(body):
-            own = to_double(body.inertia[equal[0]][equal[0]])
-            letters = " = ".join("ABC"[i] for i in equal)
-            words = f"the moments {letters} = {{}} (the scene's are {own:.6g})"
-            yield _Candidate(
-                words, partial(_of_body, scene, [(i, i) for i in equal], None), own, own
-            )
-    else:
-        for i, j in combinations_with_replacement(range(3), 2):
-            own, unit = to_double(body.inertia[i][j]), to_double(_unit(body, i, j))
-            words = f"the element {'xyz'[i]}{'xyz'[j]} of inertia = {{}} (the scene's is {own:.6g})"
-            yield _Candidate(words, partial(_of_body, scene, [(i, j)], None), own, unit)
-    if scene.columns[3:] and body.weight:
-        own = to_double(body.weight)
-        words = f"a weight, or a distance of the centre, of {{}} times the scene's {own:.6g}"
-        yield _Candidate(words, partial(_of_body, scene, [], None), 1.0, 1.0)
-        size = to_double(max(map(abs, body.centre)))
-        for i, axis in enumerate("xyz"):
-            own = to_double(body.centre[i])
-            words = f"the centre's {axis} = {{}} (the scene's is {own:.6g})"
-            yield _Candidate(words, partial(_of_body, scene, [], i), own, size)
+    yield from _of_body(scene)
     rate = max([to_double(abs(w)) for w in scene.omega]) or 1.0
     for i, name in enumerate(STATE[:3]):
         own = to_double(scene.omega[i])
         words = f"{name} = {{}} at t = 0 (the scene's is {own:.6g})"
-        yield _Candidate(words, partial(_of_start, scene, i, rate), own, rate)
+        yield _Candidate(words, partial(_other_start, scene, i, rate), own, rate)
 
 
-def _equal_moments(body: Body) -> tuple[int, ...]:
-    """The axes of moments that are equal, empty where all differ."""
-    own = [body.inertia[i][i] for i in range(3)]
-    return tuple(i for i in range(3) if own.count(own[i]) > 1)
+def _of_clock(scene: Scene, columns: Sequence[int]) -> Iterator[_Candidate]:
+    """Times that begin elsewhere, for all columns or for omega alone; a clock of another pace."""
+    unit = 2.0**scene.time_unit
+
+    def later(x: Fraction) -> tuple[Scene, TimeChange]:
+        return scene, TimeChange(shift=-Fraction(float(x) * unit))
+
+    yield _Candidate("rows that belong to t + {}", later, 0.0, unit)
+    if any(c < 3 for c in columns) and any(c >= 3 for c in columns):
+        for name, part in (("omega", slice(0, 3)), ("gamma", slice(3, 6))):
+            words = f"{name} that belongs to t + {{}}, and all else to t"
+            yield _Candidate(words, later, 0.0, unit, part=part)
+    words = "a clock of {} times the pace"
+    yield _Candidate(words, lambda x: (scene, TimeChange(unit=1 + x)), 1.0, 1.0, _CLOCK)
+
+
+def _of_body(scene: Scene) -> Iterator[_Candidate]:
+    """Moments, or the elements of a full tensor; the weight; components of the centre."""
+    body = scene.body
+    moments = [body.inertia[i][i] for i in range(3)]
+    if all(body.inertia[i][j] == 0 for i in range(3) for j in range(i)):
+        equal = [i for i in range(3) if moments.count(moments[i]) > 1]
+        for axes in [[0], [1], [2], *([equal] if equal else [])]:
+            own = to_double(moments[axes[0]])
+            letters = " = ".join("ABC"[i] for i in axes)
+            noun, verb = ("moment", "is") if len(axes) == 1 else ("moments", "are")
+            words = f"the {noun} {letters} = {{}} (the scene's {verb} {own:.6g})"
+            elements = [(i, i) for i in axes]
+            yield _Candidate(words, partial(_other_inertia, scene, elements), own, own)
+    else:
+        for i, j in combinations_with_replacement(range(3), 2):
+            own, unit = to_double(body.inertia[i][j]), to_double(_unit(body, i, j))
+            words = f"the element {'xyz'[i]}{'xyz'[j]} of inertia = {{}} (the scene's is {own:.6g})"
+            yield _Candidate(words, partial(_other_inertia, scene, [(i, j)]), own, unit)
+    if scene.columns[3:] and body.weight:
+        own = to_double(body.weight)
+        words = f"a weight, or a distance of the centre, of {{}} times the scene's {own:.6g}"
+        yield _Candidate(words, partial(_other_weight, scene), 1.0, 1.0)
+        for i, axis in enumerate("xyz"):
+            own, size = to_double(body.centre[i]), to_double(max(map(abs, body.centre)))
+            words = f"the centre's {axis} = {{}} (the scene's is {own:.6g})"
+            yield _Candidate(words, partial(_other_centre, scene, i), own, size)
 
 
 def _unit(body: Body, i: int, j: int) -> Exact:
@@ -216,70 +236,36 @@ def _unit(body: Body, i: int, j: int) -> Exact:
     return body.inertia[i][i] if i == j else max(body.inertia[k][k] for k in range(3))
 
 
-def _of_clock(scene: Scene, columns: Sequence[int]) -> Iterator[_Candidate]:
-    """Times that begin elsewhere, for all columns or for omega alone; a clock of another pace."""
-    unit = 2.0**scene.time_unit
-    parts = {"omega": slice(0, 3), "gamma": slice(3, 6)}
-    words = "rows that belong to t + {}"
-    yield _Candidate(words, partial(_later, scene, unit, slice(0, 6)), 0.0, unit)
-    if any(c < 3 for c in columns) and any(c >= 3 for c in columns):
-        for name, part in parts.items():
-            words = f"{name} that belongs to t + {{}}, and all else to t"
-            yield _Candidate(words, partial(_later, scene, unit, part), 0.0, unit)
-    yield _Candidate("a clock of {} times the pace", partial(_faster, scene), 1.0, 1.0, _CLOCK)
-
-
-def _later(
-    scene: Scene, unit: float, part: slice, x: float, times: Sequence[Fraction]
-) -> Doubles | None:
-    """The motion, a part of its columns at times that are later by a change."""
-    later = integrated(scene, [t + Fraction(x * unit) for t in times], attitude=False)
-    plain = integrated(scene, times, attitude=False)
-    if later is None or plain is None:
-        return None
-    found: Doubles = plain.states.copy()
-    found[:, part] = later.states[:, part]
-    return found
-
-
-def _faster(scene: Scene, x: float, times: Sequence[Fraction]) -> Doubles | None:
-    found = integrated(scene, [t * (1 + Fraction(x)) for t in times], attitude=False)
-    return None if found is None else found.states
-
-
-def _of_body(
-    scene: Scene,
-    elements: Sequence[tuple[int, int]],
-    centre: int | None,
-    x: float,
-    times: Sequence[Fraction],
-) -> Doubles | None:
-    """The motion of a body with other inertia, or component of the centre; neither: weight."""
-    body, by = scene.body, Fraction(x)
-    weight = body.weight if centre is not None or elements else body.weight * (1 + by)
+def _other_inertia(
+    scene: Scene, elements: Sequence[tuple[int, int]], x: Fraction
+) -> tuple[Scene, TimeChange]:
+    body = scene.body
     inertia = [*body.inertia]
     for i, j in elements:
         for row, column in {(i, j), (j, i)}:
-            inertia[row] = _moved(inertia[row], column, by * _unit(body, i, j))
+            inertia[row] = _moved(inertia[row], column, x * _unit(body, i, j))
     a, b, c = inertia
-    middle = _moved(body.centre, centre, by * max(map(abs, body.centre)))
-    try:
-        other = Body((a, b, c), middle, weight)
-    except (BadInput, ValueError):  # moments of no body
-        return None
-    found = integrated(replace(scene, body=other), times, attitude=False)
-    return None if found is None else found.states
+    return replace(scene, body=Body((a, b, c), body.centre, body.weight)), TimeChange()
 
 
-def _of_start(
-    scene: Scene, place: int, rate: float, x: float, times: Sequence[Fraction]
-) -> Doubles | None:
-    other = replace(scene, omega=_moved(scene.omega, place, Fraction(rate * x)))
-    found = integrated(other, times, attitude=False)
-    return None if found is None else found.states
+def _other_weight(scene: Scene, x: Fraction) -> tuple[Scene, TimeChange]:
+    body = scene.body
+    other = Body(body.inertia, body.centre, body.weight * (1 + x))
+    return replace(scene, body=other), TimeChange()
 
 
-def _moved(vector: Vector, place: int | None, by: Exact) -> Vector:
-    """A vector with one component, if any, so much larger."""
+def _other_centre(scene: Scene, place: int, x: Fraction) -> tuple[Scene, TimeChange]:
+    body = scene.body
+    centre = _moved(body.centre, place, x * max(map(abs, body.centre)))
+    return replace(scene, body=Body(body.inertia, centre, body.weight)), TimeChange()
+
+
+def _other_start(scene: Scene, place: int, rate: float, x: Fraction) -> tuple[Scene, TimeChange]:
+    omega = _moved(scene.omega, place, Fraction(rate * float(x)))
+    return replace(scene, omega=omega), TimeChange()
+
+
+def _moved(vector: Vector, place: int, by: Exact) -> Vector:
+    """A vector with one component so much larger."""
     a, b, c = (x + by if k == place else x for k, x in enumerate(vector))
     return a, b, c

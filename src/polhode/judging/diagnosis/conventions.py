@@ -44,11 +44,11 @@ from polhode.judging.diagnosis.ways import (
 )
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import AnyReference
-from polhode.judging.tables.candidate import Subject
 from polhode.judging.tables.reading import WRONG, Reading, TimeChange
+from polhode.judging.tables.table import PARTS, Table
 from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.exact import Exact
-from polhode.numbers.rows import Doubles, Given
+from polhode.numbers.rows import Doubles
 from polhode.numbers.vectors import Matrix
 from polhode.scenes.body import Body, exact_vector
 from polhode.scenes.scene import Scene
@@ -98,7 +98,7 @@ class _Part(NamedTuple):
 
 
 def readings(
-    subject: Subject,
+    subject: Table,
     reference: AnyReference,
     wrong: Collection[str],
 ) -> list[Reading]:
@@ -106,11 +106,8 @@ def readings(
 
     ``wrong``: which of omega, gamma, attitude and angles are, or may be.
     """
-    parts, times = whole_parts(subject)
-    if not {*parts} & {*wrong}:
-        return []
-    right = right_at(reference, times)
-    if right is None:
+    parts, times, right = probe(subject, reference)
+    if right is None or not parts.keys() & {*wrong}:
         return []
     first = _World("", right)
 
@@ -212,7 +209,7 @@ def shown_rows(way: Way, times: Sequence[Fraction]) -> tuple[tuple[Fraction, flo
     return tuple((times[k], float(way.rows[k])) for k in sorted({first, middle, last}))
 
 
-def _other_worlds(subject: Subject, scene: Scene, times: Sequence[Fraction]) -> Iterator[_World]:
+def _other_worlds(subject: Table, scene: Scene, times: Sequence[Fraction]) -> Iterator[_World]:
     """The motion at other times, and those of other scenes that may be meant."""
     if len(times) >= LEAST_ROWS:
         for words, change in other_times(subject, scene):
@@ -265,7 +262,7 @@ def _with_attitude(scene: Scene, given: Sequence[float]) -> Scene:
 
 
 def other_times(
-    subject: Subject, scene: Scene, far: bool = False
+    subject: Table, scene: Scene, far: bool = False
 ) -> Iterator[tuple[str, TimeChange]]:
     """Times at which the rows may hold instead: a step off, backward, from another beginning.
 
@@ -287,15 +284,37 @@ def other_times(
             yield f"t {unit.name}", TimeChange(unit=unit.length)
 
 
-def right_at(
-    reference: AnyReference, times: Sequence[Fraction], moved: TimeChange | None = None
-) -> Right | None:
-    """The reference's states and attitudes at these times; None where it gives no states.
+class Probe(NamedTuple):
+    """The parts of a table of which every number is there, as doubles, in the rows that tell.
+
+    ``right``: what the reference has at their times, or at those that are told of; None where it
+    gives no states.
+    """
+
+    parts: dict[str, Doubles]
+    times: list[Fraction]
+    right: Right | None
+
+    @property
+    def digits(self) -> dict[str, float]:
+        """The fewest digits of each part as it stands, where the motion is known."""
+        if self.right is None:
+            return {}
+        plain = {k: next(ways(k, values, self.right), None) for k, values in self.parts.items()}
+        return {k: way.digits for k, way in plain.items() if way is not None}
+
+
+def probe(subject: Table, reference: AnyReference, moved: TimeChange | None = None) -> Probe:
+    """The rows of a table that tell, beside the motion.
 
     ``moved``: where the times are not those of the table, a run in double tells them.
     """
+    parts, times = whole_parts(subject)
+    if not parts:
+        return Probe(parts, times, None)
     if moved is not None or isinstance(reference, Certified):  # whose proof may have far to go
-        return integrated(reference.scene, times)
+        at = times if moved is None else [moved.of(t) for t in times]
+        return Probe(parts, times, integrated(reference.scene, at))
 
     def asked(question: Callable[..., Any]) -> Any:
         try:
@@ -304,27 +323,13 @@ def right_at(
             return None
 
     states, attitude = asked(reference.at), asked(reference.attitude)
-    if states is None:
-        return None
-    return Right(states, attitude, None if attitude is None else matrices(attitude))
+    turned = None if attitude is None else matrices(attitude)
+    return Probe(parts, times, None if states is None else Right(states, attitude, turned))
 
 
-def whole_parts(subject: Subject) -> tuple[dict[str, Doubles], list[Fraction]]:
+def whole_parts(subject: Table) -> tuple[dict[str, Doubles], list[Fraction]]:
     """The parts of which every number is there, as doubles, in the rows that tell; their times."""
-    kept = probed_rows(subject.times)
-
-    def whole(part: Given | None) -> Doubles | None:
-        values = None if part is None else doubles([part[k] for k in kept])
-        return None if values is None or np.isnan(values).any() else values
-
-    found: dict[str, Doubles] = {}
-    if subject.columns:
-        for name, columns in (("omega", slice(0, 3)), ("gamma", slice(3, 6))):
-            values = whole([row[columns] for row in subject.states])
-            if values is not None and values.shape[1] == 3:
-                found[name] = values
-    for name in ("attitude", "angles"):
-        values = whole(getattr(subject, name))
-        if values is not None:
-            found[name] = values
-    return found, [subject.times[k] for k in kept]
+    some = subject.some(probed_rows(subject.times))
+    found = {part: doubles(rows) for part, names in PARTS.items() if (rows := some.rows(names))}
+    whole = {part: values for part, values in found.items() if not np.isnan(values).any()}
+    return whole, [*some.times]

@@ -1,6 +1,6 @@
 """What rounded times cost, such as a clock's late ones.
 
-A row holds at a time that the table has rounded, as :mod:`polhode.judging.tables.time_errors` says:
+A row holds at a time that the table has rounded (:mod:`polhode.judging.tables.type_inference`):
 that may explain all its errors.
 """
 

@@ -16,13 +16,14 @@ from typing import NamedTuple
 import numpy as np
 
 from polhode.equations.plain_field import field
-from polhode.judging.tables.candidate import Subject
 from polhode.judging.tables.reading import TimeChange
+from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.decimals import in_full
 from polhode.numbers.expression import decimal
 from polhode.numbers.rows import Doubles
 from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import ATTITUDE, STATE
 
 _NEAR = 1e-3  # a first row to the start
 _OFF = 0.3  # of 1: by how much a chord of the first row may differ from the start's speed
@@ -74,7 +75,7 @@ def told_clock(words: str) -> TimeChange | None:
     return TimeChange(unit=unit, shift=shift if found[2] == "-" else -shift)
 
 
-def time_unit(subject: Subject, scene: Scene) -> TimeUnit | None:
+def time_unit(subject: Table, scene: Scene) -> TimeUnit | None:
     """The unit in which the times look right that are not the scene's; None where there is none."""
     later = [k for k, t in enumerate(subject.times) if t != 0]
     if not later:
@@ -91,41 +92,45 @@ def time_unit(subject: Subject, scene: Scene) -> TimeUnit | None:
     return None
 
 
-def begins_at_start(subject: Subject, row: int, scene: Scene) -> bool:
+def begins_at_start(subject: Table, row: int, scene: Scene) -> bool:
     """Whether a row is nearly the scene's state at t = 0, or there is none of the state."""
-    start = np.array([to_double(x) for x in scene.start])
-    if subject.states is None:
-        return subject.attitude is not None
     found = []
-    for half in (slice(0, 3), slice(3, 6)):
-        here, there = _numbers(subject.states[row][half]), start[half]
-        if here is not None and len(here) == len(there) == 3:
-            size = float(np.linalg.norm(there)) or 1.0
-            found.append(float(np.linalg.norm(here - there)) < _NEAR * size)
-    return all(found) if found else subject.attitude is not None
+    for here, there, _ in _halves(subject, scene, row):
+        size = float(np.linalg.norm(there)) or 1.0
+        found.append(float(np.linalg.norm(here - there)) < _NEAR * size)
+    return all(found) if found else bool({*ATTITUDE} & subject.columns.keys())
 
 
-def _ratios(subject: Subject, scene: Scene, row: int) -> Iterator[float]:
+def _ratios(subject: Table, scene: Scene, row: int) -> Iterator[float]:
     """Changes to a row over those by the start's speed, of each part that is there."""
-    start = np.array([to_double(x) for x in scene.start])
-    t, speeds = abs(to_double(subject.times[row])), field(scene)(0.0, start)
+    t = abs(to_double(subject.times[row]))
     if not 0 < t < math.inf:  # no double
         return
-    if subject.states is not None:
-        for half in (slice(0, 3), slice(3, 6)):
-            here, before = _numbers(subject.states[row][half]), start[half]
-            speed = float(np.linalg.norm(speeds[half]))
-            if here is not None and len(here) == len(before) == 3 and speed > 0:
-                yield float(np.linalg.norm(here - before)) / (t * speed)
-    if subject.attitude is not None and 0 in subject.times:
-        q = [_numbers(subject.attitude[k]) for k in (row, subject.times.index(0))]
-        speed = float(np.linalg.norm(start[:3]))
+    for here, before, speeds in _halves(subject, scene, row):
+        speed = float(np.linalg.norm(speeds))
+        if speed > 0:
+            yield float(np.linalg.norm(here - before)) / (t * speed)
+    if 0 in subject.times:
+        q = [_numbers(subject, ATTITUDE, k) for k in (row, subject.times.index(0))]
+        speed = float(np.linalg.norm([to_double(x) for x in scene.omega]))
         if q[0] is not None and q[1] is not None and speed > 0:
             sizes = float(np.linalg.norm(q[0])) * float(np.linalg.norm(q[1])) or 1.0
             cosine = min(1.0, abs(float(q[0] @ q[1])) / sizes)
             yield 2 * math.acos(cosine) / (t * speed)
 
 
-def _numbers(cells: Iterable[object]) -> Doubles | None:
-    held = [*cells]
-    return None if None in held else np.array([to_double(exactly(x)) for x in held])
+def _halves(subject: Table, scene: Scene, row: int) -> Iterator[tuple[Doubles, Doubles, Doubles]]:
+    """omega and gamma in a row, where they are there, at the start, and their rates there."""
+    start = np.array([to_double(x) for x in scene.start])
+    rates = field(scene)(0.0, start)
+    for half in (slice(0, 3), slice(3, 6)):
+        here = _numbers(subject, STATE[half], row)
+        if here is not None and len(start[half]) == 3:
+            yield here, start[half], rates[half]
+
+
+def _numbers(subject: Table, names: Iterable[str], row: int) -> Doubles | None:
+    """Some columns in a row; None where a cell is not there."""
+    cells = [subject.columns[name][row] for name in names if name in subject.columns]
+    whole = len(cells) == len([*names]) and None not in cells
+    return np.array([to_double(exactly(x)) for x in cells]) if whole else None

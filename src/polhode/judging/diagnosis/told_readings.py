@@ -12,25 +12,21 @@ from difflib import get_close_matches
 from polhode.common.errors import BadInput, listed
 from polhode.judging.diagnosis.conventions import (
     other_times,
-    right_at,
+    probe,
     shown_rows,
-    whole_parts,
 )
-from polhode.judging.diagnosis.reading import as_read
 from polhode.judging.diagnosis.time_unit import told_clock
-from polhode.judging.diagnosis.ways import Way, as_it_stands, ways
+from polhode.judging.diagnosis.ways import Way, ways
 from polhode.judging.references.reference import AnyReference
-from polhode.judging.tables.candidate import Subject, of_table
 from polhode.judging.tables.reading import LENGTH, TURNS, Reading, TimeChange
-from polhode.judging.tables.table import Table
+from polhode.judging.tables.table import Table, as_judged
 from polhode.numbers.decimals import brief
 from polhode.scenes.scene import Scene
-from polhode.scenes.vocabulary import ANGLES, ATTITUDE
 
 _APPLIED = "a reading that can be applied; this one is reported, and not applied"
 
 
-def read_as_told(subject: Subject, reference: AnyReference, told: str) -> Subject:
+def read_as_told(subject: Table, reference: AnyReference, told: str) -> Table:
     """A table as it is read in readings separated by semicolons, in the words that tell them.
 
     Raises BadInput for one that is none of the table's.
@@ -41,47 +37,35 @@ def read_as_told(subject: Subject, reference: AnyReference, told: str) -> Subjec
         change = _time_changes(subject, reference.scene).get(phrase) or told_clock(phrase)
         if change is not None:
             moved = Reading("t", 0.0, phrase.removeprefix("t "), 0.0, None, change)
-            subject = as_read(subject, [moved])
+            subject = subject.read_as([moved])
         elif phrase != f"attitude {LENGTH}":  # applied before
             of_parts.append(phrase)
-    return as_read(subject, _readings(subject, reference, of_parts)) if of_parts else subject
+    return subject.read_as(_readings(subject, reference, of_parts)) if of_parts else subject
 
 
 def table_as_told(table: Table, reference: AnyReference, told: str) -> Table:
     """A table whose state, angles and attitude are read so; raises BadInput likewise."""
-    scene = reference.scene
-    subject = read_as_told(of_table(table, scene), reference, told)
-    columns = dict(table.columns)
-    parts = (
-        (scene.columns, subject.states),
-        (ANGLES, subject.angles),
-        (ATTITUDE, subject.attitude),
-    )
-    for names, rows in parts:
-        for k, name in enumerate(names):
-            if rows is not None and name in columns:
-                columns[name] = tuple(row[k] for row in rows)
-    return replace(table, times=subject.times, columns=columns)
+    found = read_as_told(as_judged(table, reference.scene), reference, told)
+    return replace(table, times=found.times, columns={**table.columns, **found.columns})
 
 
-def _readings(subject: Subject, reference: AnyReference, phrases: Sequence[str]) -> list[Reading]:
+def _readings(subject: Table, reference: AnyReference, phrases: Sequence[str]) -> list[Reading]:
     """Readings of parts; other times in their words are the same ones in all."""
     changes = _time_changes(subject, reference.scene)
     later = next(filter(None, (_words_of_times(phrase, changes) for phrase in phrases)), "")
     moved = changes.get(later)
-    parts, times = whole_parts(subject)
-    right = right_at(reference, [t if moved is None else moved.of(t) for t in times], moved)
-    if right is None:
+    sample = probe(subject, reference, moved)
+    if sample.right is None and sample.parts:
         raise BadInput(subject.name, "read", phrases[0], "numbers that can be followed in double")
     known: dict[str, tuple[str, Way]] = {}
-    for part, values in parts.items():
-        for way in ways(part, values, right):
+    for part, values in sample.parts.items():
+        for way in ways(part, values, sample.right) if sample.right else ():
             if words := ", ".join(filter(None, (later, way.words))):
                 known.setdefault(f"{part} {words}", (part, way))
-    digits = {part: as_it_stands(part, values, right) or 0.0 for part, values in parts.items()}
+    digits = dict.fromkeys(sample.parts, 0.0) | sample.digits
     found: dict[str, Reading] = {}
     for phrase in phrases:
-        if phrase == TURNS and "angles" in parts:
+        if phrase == TURNS and "angles" in sample.parts:
             continue
         if phrase not in known:
             raise BadInput(subject.name, "read", phrase, _possible(phrase, known, changes))
@@ -90,7 +74,7 @@ def _readings(subject: Subject, reference: AnyReference, phrases: Sequence[str])
             expected = f"no second reading of {part}" if way.change else _APPLIED
             raise BadInput(subject.name, "read", phrase, expected)
         words = phrase.removeprefix(f"{part} ")
-        rows = shown_rows(way, times)
+        rows = shown_rows(way, sample.times)
         found[part] = Reading(part, digits[part], words, way.digits, way.change, moved, rows)
     if TURNS in phrases:
         turned = Reading("angles", digits["angles"], TURNS, digits["angles"])
@@ -98,7 +82,7 @@ def _readings(subject: Subject, reference: AnyReference, phrases: Sequence[str])
     return [*found.values()]
 
 
-def _time_changes(subject: Subject, scene: Scene) -> dict[str, TimeChange]:
+def _time_changes(subject: Table, scene: Scene) -> dict[str, TimeChange]:
     """Changes of times by the words that tell them."""
     first = min(subject.times)
     begun = {f"t from its first row on ({brief(first)})": TimeChange(shift=first)}

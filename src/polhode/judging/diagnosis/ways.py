@@ -25,6 +25,7 @@ from polhode.judging.diagnosis.rotation_matrices import (
 )
 from polhode.judging.tables.reading import TURN, Change
 from polhode.numbers.rows import Doubles
+from polhode.numbers.vectors import quaternion_product
 from polhode.scenes.vocabulary import STATE
 
 LEAST_ROWS = 3  # fewer do not tell other axes from a wrong number
@@ -53,13 +54,16 @@ class Right(NamedTuple):
     attitude: Doubles | None = None  # None where not known
     matrices: Doubles | None = None  # body -> space, likewise
 
+    def part(self, name: str) -> Doubles:
+        """A part's numbers; of attitudes and angles the elements of the matrices."""
+        if name in ("omega", "gamma"):
+            return self.states[:, :3] if name == "omega" else self.states[:, 3:]
+        assert self.matrices is not None
+        return self.matrices.reshape(len(self.matrices), -1)
+
     def moved(self, part: str) -> Doubles:
         """How far a part is from its first row, in the measure that its errors are told in."""
-        if part in ("attitude", "angles"):
-            assert self.matrices is not None
-            return _errors(self.matrices, self.matrices[0])
-        columns = slice(0, 3) if part == "omega" else slice(3, 6)
-        values = self.states[:, columns]
+        values = self.part(part)
         return _errors(values, values[0]) / _size(values, part == "omega")
 
 
@@ -96,12 +100,6 @@ def ways(part: str, values: Doubles, right: Right) -> Iterator[Way]:
         yield from _of_vector(STATE[3:], values, right.states[:, 3:], False)
     elif right.matrices is not None:
         yield from (_of_attitude if part == "attitude" else _of_angles)(values, right)
-
-
-def as_it_stands(part: str, values: Doubles, right: Right) -> float | None:
-    """Digits of a part in the scene's conventions; None where the reference has no such part."""
-    first = next(ways(part, values, right), None)
-    return None if first is None else first.digits
 
 
 def _of_omega(values: Doubles, right: Right) -> Iterator[Way]:
@@ -198,21 +196,14 @@ def _signs(quaternions: Doubles, digits: Doubles, right: Right) -> tuple[Doubles
 
 def _of_same_sign(change: Change, values: Doubles, digits: Doubles, right: Right) -> Change | None:
     """A change after which quaternions have the reference's sign; None where theirs changes."""
-    held = values[:, change.order] * change.signs
-    held = _product(_product(np.array([change.space]), held), np.array([change.body]))
-    signs, sense = _signs(held, digits, right)
+    held = (values[:, change.order] * change.signs).T
+    turned = quaternion_product(quaternion_product(change.space, held), change.body)
+    signs, sense = _signs(np.stack(turned, axis=1), digits, right)
     if np.any(signs == -sense):
         return None
     if sense > 0 or change.space == change.body == (1, 0, 0, 0):
         return change
     return change._replace(signs=tuple(-s for s in change.signs))
-
-
-def _product(a: Doubles, b: Doubles) -> Doubles:
-    """Products of quaternions, scalar first, row by row."""
-    vectors = a[:, :1] * b[:, 1:] + b[:, :1] * a[:, 1:] + np.cross(a[:, 1:], b[:, 1:])
-    scalars = a[:, :1] * b[:, :1] - np.sum(a[:, 1:] * b[:, 1:], axis=1, keepdims=True)
-    return np.concatenate([scalars, vectors], axis=1)
 
 
 class _Frames(NamedTuple):

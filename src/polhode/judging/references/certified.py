@@ -91,7 +91,8 @@ class Certified(Result):
 
         What was proven to as many digits or more at the same times is not proven again.
         """
-        from polhode.enclosures.certify import MOST_DIGITS, certify  # a closed form needs no heyoka
+        from polhode.enclosures.certify import certify  # a closed form needs no heyoka
+        from polhode.enclosures.task import MOST_DIGITS
 
         digits = whole(self.scene.name, "digits", digits, 1, MOST_DIGITS)
         asked = each(self.scene.name, "t", times, reader(self.scene.units, TIME), "a list of times")

@@ -22,12 +22,11 @@ from polhode.judging.score.judgement import Judgement
 from polhode.judging.score.report_text import SHOWN
 from polhode.judging.score.score import does_not_answer
 from polhode.judging.score.table_reading import as_meant, with_unit_quaternions
-from polhode.judging.tables.array_file import ENDINGS
-from polhode.judging.tables.candidate import Subject, of_run, of_table
+from polhode.judging.tables.given_columns import table_of_columns, table_of_rows
 from polhode.judging.tables.naming import PLAIN, Naming, naming
 from polhode.judging.tables.reading import LENGTH
-from polhode.judging.tables.table import Table, table_of_columns, table_of_rows
-from polhode.judging.tables.table_file import read_table
+from polhode.judging.tables.table import Table, as_judged, of_run
+from polhode.judging.tables.table_file import ENDINGS, read_table
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.runs.problem.options import choose_number
@@ -178,9 +177,9 @@ def compare(
         elif not isinstance(what, Table):
             named = scene.columns if columns is None else columns
             what = table_of_rows(what, at, named, kind)
-        subject = of_table(what, scene)
+        subject = as_judged(what, scene)
         _tell_first(first, subject, against)
-    if not (subject.columns or subject.angles or subject.attitude or subject.derived):
+    if not subject.columns:
         expected = f"columns of {', '.join(against.scene.columns)}, angles or attitude"
         raise BadInput(subject.name, "header", None, expected)
     given, offered = subject, None
@@ -221,14 +220,14 @@ def _naming(columns: Sequence[str] | None, of_file: bool = True) -> Naming:
     return names
 
 
-def _unit(subject: Subject, scene: Scene) -> str:
+def _unit(subject: Table, scene: Scene) -> str:
     """The unit that the times seem to have, empty where it is the scene's."""
     unit = time_unit(subject, scene)
     return "" if unit is None else unit.name
 
 
 def _tell_first(
-    first: Callable[[Judgement, int], None] | None, subject: Subject, against: AnyReference
+    first: Callable[[Judgement, int], None] | None, subject: Table, against: AnyReference
 ) -> None:
     """Call ``first`` with some of many rows, if a closed form judges them."""
     count = len(subject.times)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any
 
 from polhode.common.cached_property import cached_property
@@ -15,7 +14,7 @@ from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.diagnosis.error_budget import between
 from polhode.judging.references.reference import by_sign
 from polhode.judging.score.report_text import SHOWN
-from polhode.judging.tables.candidate import Subject
+from polhode.judging.tables.table import Table
 from polhode.numbers.exact import Exact
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import engine
@@ -32,7 +31,7 @@ class Expectation:
     """
 
     scene: Scene
-    subject: Subject
+    subject: Table
     also: int | None = None
     known: Conditioning | None = None
 
@@ -74,7 +73,7 @@ class Expectation:
 
     def _told(self, what: Callable[[Conditioning], tuple[Any, ...]]) -> tuple[Any, ...]:
         """What is known of the times judged."""
-        times: tuple[Fraction, ...] = self.subject.times
+        times = self.subject.times
         if self.known is not None:
             return what(self.known)[: len(times)]
         if not self.conditionings:

@@ -8,7 +8,7 @@ from polhode.common.errors import BadInput
 from polhode.judging.score.judgement import Judgement
 from polhode.judging.tables.table import Table
 from polhode.numbers.decimals import brief
-from polhode.scenes.vocabulary import ANGLES, ATTITUDE, COLUMNS
+from polhode.scenes.vocabulary import ANGLES, ATTITUDE
 
 _DIGITS = 15  # of the angles that are asked for where a table has none
 
@@ -19,8 +19,8 @@ def refuse_incomplete(judged: Judgement) -> None:
     That is a vector of which components are missing, or a cell that is empty or not a number.  An
     angle may be missing where the motion has none: psi and phi at a pole.
     """
-    table = judged.subject.source
-    if isinstance(table, Table):
+    table = judged.subject
+    if table.run is None:
         _refuse_parts(judged, table)
         _refuse_gaps(judged, table)
     _ = judged.worst  # raises BadInput where nothing was judged
@@ -39,21 +39,12 @@ def _refuse_parts(judged: Judgement, table: Table) -> None:
 
 
 def _refuse_gaps(judged: Judgement, table: Table) -> None:
-    gaps = [gap for name in _judged_columns(judged, table) for gap in _gaps(judged, table, name)]
+    gaps = [gap for name in table.columns for gap in _gaps(judged, table, name)]
     if gaps:
         row, name = min(gaps, key=lambda gap: gap[0])
         place = f"{name} in row {row + 1}, t = {brief(table.times[row])}"
         expected = "a number in each cell that is judged (it is empty or not a number)"
         raise BadInput(table.name, place, None, expected)
-
-
-def _judged_columns(judged: Judgement, table: Table) -> list[str]:
-    subject = judged.subject
-    names = [*subject.columns]
-    names += [*ANGLES] if subject.angles is not None else []
-    names += [*ATTITUDE] if subject.attitude is not None else []
-    names += [name for word in subject.derived for name in COLUMNS[word].names]
-    return [name for name in names if name in table.columns]
 
 
 def _gaps(judged: Judgement, table: Table, name: str) -> Iterator[tuple[int, str]]:

@@ -27,7 +27,6 @@ from polhode.judging.score.expectation import FOLLOWED, Expectation
 from polhode.judging.score.report_text import table, together
 from polhode.judging.score.score import STATE_PART, Scores
 from polhode.judging.tables.reading import WRONG, Reading
-from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import doubles
 from polhode.numbers.decimals import brief
 from polhode.numbers.number_types import DIGITS_HELD
@@ -167,7 +166,7 @@ class Judgement(Result, Scores):
     @cached_property
     def _limit(self) -> str:
         about, agreement, worst = self.subject, self.reference.agreement, self.state_worst
-        if about.printed is not None and worst >= about.printed - 1:
+        if about.run is None and worst >= about.printed - 1:
             return "rounding (of the printed digits)"
         held, steps = min(about.held, about.number.most_digits), about.steps
         cheap = limit(worst, held, None, None, agreement, steps)
@@ -189,20 +188,19 @@ class Judgement(Result, Scores):
         about, scene, digits = self.subject, self.reference.scene, self.digits
         if not about.time_errors:
             return None
-        count = len(self.times)
-        kept = [k for k in {*few(count, FOLLOWED), self._lowest} if None not in about.states[k]]
-        if kept and len(about.columns) == len(scene.columns):
-            states = [about.states[k] for k in kept]
-        else:
-            kept = [self._lowest]
-            states = self.reference.at([self.times[k] for k in kept], DIGITS_HELD["double"])
-        worst = selected(count)
+        kept = sorted({*few(len(self.times), FOLLOWED), self._lowest})
+        rows = about.some(kept).rows(scene.columns) or [[None]] * len(kept)
+        states = {k: row for k, row in zip(kept, rows, strict=True) if None not in row}
+        if not states:
+            (row,) = self.reference.at([self.times[self._lowest]], DIGITS_HELD["double"])
+            states = {self._lowest: [*row]}
+        worst = selected(len(self.times))
         return explained(
             scene,
-            doubles(states),
-            [about.time_errors[k] for k in kept],
-            [about.held if (d := digits[k]) is None else d for k in kept],
-            [about.held if (e := self.expected[k]) is None else e.least - worst for k in kept],
+            doubles([*states.values()]),
+            [about.time_errors[k] for k in states],
+            [about.held if (d := digits[k]) is None else d for k in states],
+            [about.held if (e := self.expected[k]) is None else e.least - worst for k in states],
         )
 
     @cached_property
@@ -241,7 +239,7 @@ class Judgement(Result, Scores):
         """Those that are not applied, of a table."""
         from polhode.judging.diagnosis.conventions import readings
 
-        if self.as_it_stands or not isinstance(self.subject.source, Table):
+        if self.as_it_stands or self.subject.run is not None:
             return ()
         wrong = {name for name, digits in self.parts.items() if digits < WRONG}
         if self.digits and self.state_worst < WRONG:
@@ -254,8 +252,7 @@ class Judgement(Result, Scores):
     def causes(self) -> tuple[Cause, ...]:
         """Numbers of which one, if it were another, would make a table right that is not: constants
         of the body, the start, a clock; the best first, fitted, and changed nowhere."""
-        source, digits = self.subject.source, self.digits
-        if not isinstance(source, Table) or not digits or self.offers:
+        if self.subject.run is not None or not self.digits or self.offers:
             return ()
         if self.state_worst >= LAST and not self.limit.startswith("method"):
             return ()

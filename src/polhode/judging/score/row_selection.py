@@ -19,11 +19,12 @@ from polhode.equations.kinematics import principal_angles
 from polhode.judging.diagnosis.motion_in_double import integrated
 from polhode.judging.references.reference import AnyReference
 from polhode.judging.score.report_text import SHOWN
-from polhode.judging.tables.candidate import Subject
+from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import doubles
 from polhode.numbers.number_types import EXTENDED
 from polhode.numbers.rows import Doubles
 from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import ANGLES, ATTITUDE
 
 Indices: TypeAlias = npt.NDArray[np.int64]
 
@@ -45,7 +46,7 @@ class RowSelection(NamedTuple):
         return f"{left} of {count} rows, for their closed form is dear; judged were {chosen}"
 
 
-def selection(subject: Subject, reference: AnyReference) -> RowSelection | None:
+def selection(subject: Table, reference: AnyReference) -> RowSelection | None:
     """The rows that are judged; None for all of them."""
     count = len(subject.times)
     if count <= MOST_DEAR or not reference.is_dear:
@@ -55,25 +56,25 @@ def selection(subject: Subject, reference: AnyReference) -> RowSelection | None:
     return RowSelection(tuple(sorted({*rows, *far})), bool(far))
 
 
-def _far(subject: Subject, scene: Scene, spread: Indices) -> tuple[int, ...]:
+def _far(subject: Table, scene: Scene, spread: Indices) -> tuple[int, ...]:
     """The row whose numbers are farthest from a run, and strays; none where there is no run."""
-    turning = subject.attitude is not None or subject.angles is not None
-    run = integrated(scene, subject.times, turning, EXTENDED)
+    states, attitude, angles = map(subject.rows, (scene.columns, ATTITUDE, ANGLES))
+    run = integrated(scene, subject.times, bool(attitude or angles), EXTENDED)
     if run is None:
         return ()
     away = [np.zeros(len(subject.times))]
     strays: list[int] = []
-    if subject.columns:
+    if states is not None:
         scale = np.ones(len(scene.columns))
         scale[:3] = np.max(np.linalg.norm(run.states[:, :3], axis=1)) or 1.0
-        away.append(_largest((doubles(subject.states) - run.states) / scale))
-    if run.attitude is not None and subject.attitude is not None:
-        own = doubles(subject.attitude)
+        away.append(_largest((doubles(states) - run.states) / scale))
+    if run.attitude is not None and attitude is not None:
+        own = doubles(attitude)
         away.append(np.fmin(*(_largest(side * own - run.attitude) for side in (1, -1))))
         strays += _stray(np.sign(np.sum(own * run.attitude, axis=1, keepdims=True)), spread)
-    if run.attitude is not None and subject.angles is not None:
-        angles = np.stack(principal_angles(run.attitude.T, np.arctan2, np.hypot), axis=1)
-        beside = doubles(subject.angles) - np.unwrap(angles, axis=0)
+    if run.attitude is not None and angles is not None:
+        true = np.stack(principal_angles(run.attitude.T, np.arctan2, np.hypot), axis=1)
+        beside = doubles(angles) - np.unwrap(true, axis=0)
         away.append(_largest(np.angle(np.exp(1j * beside))))
         strays += _stray(np.rint(beside / (2 * np.pi)), spread)
     return int(np.argmax(np.fmax.reduce(away))), *strays

@@ -27,8 +27,8 @@ from polhode.judging.score.part_digits import (
     row_digits,
 )
 from polhode.judging.score.row_selection import RowSelection, selection
-from polhode.judging.tables.candidate import Subject
 from polhode.judging.tables.reading import TURNS, Reading
+from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.rows import Doubles, Given
 from polhode.scenes.vocabulary import COLUMNS, STATE
@@ -58,7 +58,7 @@ class Scores(ByValue):
     angles are right with their whole turns alone.
     """
 
-    subject: Subject
+    subject: Table
     reference: AnyReference
     progress: Progress | None = field(default=None, compare=False)
     as_it_stands: bool = False
@@ -78,7 +78,7 @@ class Scores(ByValue):
         return selection(self.subject, self.reference)
 
     @cached_property
-    def _judged(self) -> Subject:
+    def _judged(self) -> Table:
         """The rows that are judged."""
         return self.subject if self._selected is None else self.subject.some(self._selected.rows)
 
@@ -92,7 +92,7 @@ class Scores(ByValue):
     @cached_property
     def digits(self) -> RowDigits:
         """Correct digits of the state at each time; empty where no number of it is there."""
-        if not self.subject.columns:
+        if not self.subject.state:
             return ()
         found = row_digits(self._errors, self.subject.held)
         return () if all(d is None for d in found) else self._everywhere(found)
@@ -102,7 +102,7 @@ class Scores(ByValue):
         """Digits of omega and of gamma at each time, of what is there of them."""
         found: dict[str, RowDigits] = {}
         for name, half in (("omega", slice(0, 3)), ("gamma", slice(3, 6))):
-            if {*STATE[half]} & {*self.subject.columns}:
+            if {*STATE[half]} & {*self.subject.state}:
                 digits = row_digits(self._errors[:, half], self.subject.held)
                 found[name] = self._everywhere(digits)
         return found
@@ -112,7 +112,7 @@ class Scores(ByValue):
         """Digits of angles, attitude and derived columns, or why there are none."""
         found: dict[str, PartDigits | str] = {}
         for name in COLUMNS:
-            own = self._judged.part(name)
+            own = self._judged.rows(COLUMNS[name].names)
             if own is None:
                 continue
             if all(x is None for row in own for x in row):
@@ -159,7 +159,7 @@ class Scores(ByValue):
     def _errors(self) -> Doubles:
         """log10 of the scaled errors of the state's numbers, shape (rows, columns)."""
         start = [to_mpf(x, self._bits) for x in self.reference.scene.start]
-        times, states = self._judged.times, self._judged.states
+        times, states = self._judged.times, self._judged.rows(self.reference.scene.columns) or []
 
         def errors(true: Answer) -> Doubles:
             rows = [row if t else start for t, row in zip(times, true, strict=True)]
@@ -188,8 +188,8 @@ class Scores(ByValue):
     @cached_property
     def _answers(self) -> Answers:
         """The reference at the times that are judged."""
-        needs = {need for word in self.subject.derived for need in COLUMNS[word].needs}
-        attitude = self.subject.attitude is not None or "attitude" in needs
+        there = [word for word, x in COLUMNS.items() if {*x.names} & self.subject.columns.keys()]
+        attitude = any("attitude" in (word, *COLUMNS[word].needs) for word in there)
         return Answers(self.reference, self._judged.times, attitude, self.progress)
 
     @property

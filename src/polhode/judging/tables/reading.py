@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from functools import cache
 from typing import NamedTuple
 
 from polhode.judging.tables.attitude_forms import root
-from polhode.judging.tables.table import radians
+from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import brief
 from polhode.numbers.vectors import quaternion_product
@@ -21,7 +22,7 @@ TURN = "a constant rotation of "  # how a rotation of an attitude begins
 _EXACT = 12.0  # digits of a row that is right but for rounding
 LENGTH = "of length 1"  # that of quaternions which have another
 
-_ROOT_BITS = 3700  # of the square root of two, as of a degree
+_BITS = 3700  # of a degree, and of the square root of two: far more than any table prints
 
 
 class Change(NamedTuple):
@@ -52,7 +53,7 @@ class Change(NamedTuple):
             return [
                 by * x for x in quaternion_product(quaternion_product(self.space, held), self.body)
             ]
-        return [radians(x * self.degrees) if x and self.degrees else x for x in turned]
+        return [x * self.degrees * degree() if x and self.degrees else x for x in turned]
 
 
 class TimeChange(NamedTuple):
@@ -104,4 +105,10 @@ class Reading(NamedTuple):
 def _length(q: Sequence[int]) -> Fraction:
     """The length of a quaternion of small whole numbers, to far more digits than are printed."""
     square = sum(x * x for x in q)
-    return root(Fraction(square), _ROOT_BITS)
+    return root(Fraction(square), _BITS)
+
+
+@cache
+def degree() -> Fraction:
+    """A degree in radians."""
+    return exact.binary(*exact.rounded(exact.pi() / 180, _BITS))

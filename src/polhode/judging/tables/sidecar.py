@@ -78,7 +78,7 @@ def beside(path: Path) -> Sidecar:
     if not found.keys() & {*_KEYS}:
         return _ignored(name, "it does not describe the file's numbers")
     word, bits, held, projection = (found.get(key) for key in _KEYS)
-    number = _type(word, bits)
+    number = saved_type(word, bits)
     if number is None or type(held) is not int or held != number.bits:
         told = f"number = {short(word, 40)}, bits = {short(bits, 40)}, t_bits = {short(held, 40)}"
         return _ignored(name, f"{told}, no number type of a run")
@@ -95,7 +95,8 @@ def _ignored(name: str, why: str) -> Sidecar:
     return Sidecar(name, remarks=(f"{name} was ignored: {why}",))
 
 
-def _type(word: object, bits: object) -> NumberType | None:
+def saved_type(word: object, bits: object) -> NumberType | None:
+    """The number type that a run's file says; None where no run has such a one."""
     if not isinstance(word, str) or word not in NAMES or type(bits) is not int:
         return None
     if word == "mp":

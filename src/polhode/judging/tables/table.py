@@ -1,44 +1,71 @@
-"""Tables: trajectories of any origin, with any subset of the columns beside t."""
+"""A table: the trajectory that is judged, of whatever origin, with any subset of the columns."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence, Set
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cache
-from typing import Any
+from itertools import chain
+from typing import TypeAlias
 
-from polhode.common.arguments import each
-from polhode.common.errors import BadInput, nearest
+import numpy as np
+
 from polhode.common.text_tables import counted, one_line
-from polhode.judging.tables.attitude_forms import Cells, with_quaternions
-from polhode.judging.tables.column_aliases import Column, known, not_judged, twice
-from polhode.judging.tables.naming import PLAIN, Naming
-from polhode.judging.tables.time_errors import of_decimals, of_type
-from polhode.judging.tables.type_inference import type_of
-from polhode.numbers import exact
-from polhode.numbers.conversion import exact_number, exactly
-from polhode.numbers.number_types import NumberType, bits_for
-from polhode.numbers.scalars import AnyNumber, AnyVector
+from polhode.common.value_semantics import ByValue
+from polhode.equations.integrals import Drift, drift, drift_of_columns
+from polhode.judging.tables.attitude_forms import lengths
+from polhode.judging.tables.column_aliases import not_judged
+from polhode.judging.tables.reading import Reading, TimeChange
+from polhode.numbers.conversion import to_double, to_mpf
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.rows import GivenRow
+from polhode.numbers.scalars import Real
+from polhode.runs.trajectory import Trajectory
+from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import ATTITUDE, COLUMNS, STATE, column_names
 
-NAMING = "--columns 'NAME=COLUMN, ...' (in Python columns=[...])"
-MOST_PRINTED = 60  # digits that rows of exact numbers are counted as
+#: The parts that may have a convention, and their columns.
+PARTS = {
+    "omega": STATE[:3],
+    "gamma": STATE[3:],
+    **{word: COLUMNS[word].names for word in ("attitude", "angles")},
+}
+#: A number of a table, None where there is none.
+Cell: TypeAlias = Real | Fraction | None
+MOST_AT_ONCE = 20.0  # digits of a table whose drift pairs of doubles tell
 
 
-@dataclass(frozen=True, repr=False)
-class Table:
-    """A trajectory from outside: exact times, and columns by name (None where a cell is empty)."""
+@dataclass(frozen=True, eq=False, repr=False)
+class Table(ByValue):
+    """A trajectory by columns: of a run, of a file, of arrays.
+
+    ``times``: exact ones.  ``columns``: cells by name, None where one is empty; of what is judged
+    those that the scene has.  ``number``: the type whose rounding the digits possible are about; of
+    decimals without one double, or one of as many digits as are printed where those are more than
+    a double's 17.  ``held``: the most correct digits that can be told.  ``printed``: the most
+    significant digits of any number beside t.  ``ignored``: names of columns that
+    are not known.  ``projected``: whether the integrals were.  ``notes``: what is not judged.
+    ``remarks``: how it was read.  ``readings``: conventions that were applied to it.
+    ``time_errors``: by which the times may be off, rounded; empty where they are exact.
+    ``signless``: whether the quaternion's sign means nothing at any time.  ``run``: where it is
+    one.
+    """
 
     name: str
     times: tuple[Fraction, ...]
-    columns: dict[str, Cells]
-    ignored: tuple[str, ...]
-    printed: int  # the most significant digits that any number beside t has
-    number: NumberType | None = None  # whose values the numbers are; None: exact decimals
-    projected: bool = False  # whether the integrals were, as the file beside it says
-    remarks: tuple[str, ...] = ()  # what its JSON file says, and what of that was ignored
-    time_errors: tuple[float, ...] = ()  # by which the times may be off, rounded; empty: exact
-    signless: bool = False  # whether its attitude had a form that tells no quaternion's sign
+    columns: Mapping[str, tuple[Cell, ...]]
+    number: NumberType
+    held: float
+    printed: int
+    ignored: tuple[str, ...] = ()
+    projected: bool = False
+    notes: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
+    readings: tuple[Reading, ...] = ()
+    time_errors: tuple[float, ...] = ()
+    signless: bool = False
+    run: Trajectory | None = None
 
     def __post_init__(self) -> None:
         if (name := one_line(self.name)) != self.name:
@@ -49,167 +76,135 @@ class Table:
             f"<Table {self.name}: {', '.join(self.columns)} at {counted(len(self.times), 'time')}>"
         )
 
-    def rows(self, names: Sequence[str]) -> list[list[Fraction | None]] | None:
+    @property
+    def state(self) -> tuple[str, ...]:
+        """The columns of the state that are there."""
+        return tuple(name for name in STATE if name in self.columns)
+
+    @property
+    def steps(self) -> str:
+        """What is to blame where the method is."""
+        if self.run is None:
+            return "steps of the program"
+        tight = self.run.at_full_tolerance
+        return "rounding in the steps" if tight else f"tolerance {self.run.tolerance:.1e}"
+
+    def rows(self, names: Sequence[str]) -> list[list[Cell]] | None:
         """Rows of these columns, None where a cell or a column is not there; None without any."""
-        there = [self.columns.get(name) for name in names]
-        if all(column is None for column in there):
+        if not {*names} & self.columns.keys():
             return None
         none = (None,) * len(self.times)
-        return [list(row) for row in zip(*(column or none for column in there), strict=True)]
+        return [list(row) for row in zip(*(self.columns.get(n, none) for n in names), strict=True)]
 
-
-def table_of_rows(
-    states: Iterable[AnyVector],
-    at: Iterable[AnyNumber] | None,
-    columns: Sequence[str],
-    number: NumberType | None = None,
-) -> Table:
-    """Rows of numbers as a table; raises BadInput.  ``number``: their type, where it is not plain.
-
-    Floats, of Python or of an array, say so themselves; other numbers without ``number`` are exact.
-    """
-    at = at if at is None or hasattr(at, "dtype") or not isinstance(at, Iterable) else list(at)
-    times = each("compare", "at", () if at is None else at, _exactly, "a list of times")
-    try:
-        rows = [list(row) for row in states]
-    except TypeError as fault:
-        expected = f"a run, a file, columns by name or rows of finite numbers ({fault})"
-        raise BadInput("compare", "states", None, expected) from None
-    if at is None or len(times) != len(rows) or not rows:
-        raise BadInput("compare", "at", len(times), f"a time for each of {len(rows)} rows")
-    judged = [name for name in known()[1:] if name not in not_judged()]
-    for name in each("compare", "columns", columns, str, "a list of names"):
-        if name not in judged:
-            raise BadInput("compare", "columns", name, nearest(name, judged))
-    # Here, since of two columns of one name a mapping keeps the last.
-    refuse_names("compare", "columns", columns, PLAIN.columns(columns))
-    if any(len(row) != len(columns) for row in rows):
-        expected = f"{len(columns)} numbers in each row: {', '.join(columns)}"
-        raise BadInput("compare", "states", None, expected)
-    named = dict(zip(columns, zip(*rows, strict=True), strict=True))
-    return replace(table_of_columns({"t": at, **named}, number), name="states")
-
-
-def table_of_columns(
-    given: Any,
-    number: NumberType | None = None,
-    source: str = "compare",
-    names: Naming = PLAIN,
-) -> Table:
-    """Columns by name as a table: a mapping, a pandas DataFrame, an xarray Dataset.
-
-    ``source``: what complaints name.  ``names``: what was said of single names.
-
-    Names are those of a file's header; the time may be a DataFrame's index.  Columns of floats
-    are known as such; nan, NaT and None are empty cells.  Raises BadInput.
-    """
-    if hasattr(given, "iloc"):  # a DataFrame
-        if not hasattr(given, "columns"):
-            expected = "columns by name, t among them: a DataFrame, not one Series"
-            raise BadInput(source, "columns", type(given).__name__, expected)
-        if names.columns([str(given.index.name)])[0].name == "t":
-            given = given.reset_index()
-        held = {str(name): given[name].to_numpy() for name in given.columns}
-    else:
-        present = [*getattr(given, "coords", ()), *given.keys()]
-        held = {str(name): getattr(given[name], "values", given[name]) for name in present}
-    header = [*held]
-    named = names.columns(header)
-    clocks = [(name, one) for name, one in zip(header, named, strict=True) if one.name == "t"]
-    if not clocks:
-        expected = f"a column t among them, or {NAMING} that names it"
-        raise BadInput(source, "columns", ",".join(header), expected)
-    refuse_names(source, "columns", header, named)
-    if number is None:
-        judged = zip(header, named, strict=True)
-        number = type_of(held[name] for name, one in judged if one.name not in (None, "t"))
-    cells = [
-        None if one.name is None else each(source, name, held[name], _cell, "a column of numbers")
-        for name, one in zip(header, named, strict=True)
-    ]
-    printed = number.printed_digits if number else MOST_PRINTED
-    found = table_of_cells(source, header, named, cells, printed, number)
-    factors = {one.factor for _, one in clocks}
-    errors = _errors(found.times, [held[name] for name, _ in clocks], factors)
-    return replace(found, name="columns" if source == "compare" else source, time_errors=errors)
-
-
-def table_of_cells(
-    source: str,
-    header: Sequence[str],
-    named: Sequence[Column],
-    cells: Sequence[Cells | None],
-    printed: int,
-    number: NumberType | None,
-) -> Table:
-    """What cells mean by their columns' names: in the scene's units, one column of each name.
-
-    ``cells``: of each column; None of one that is not known.  Raises BadInput for a row without a
-    time.
-    """
-    found: dict[str, Cells] = {}
-    for (name, degrees, factor, is_part), column in zip(named, cells, strict=True):
-        if name is None or column is None:
-            continue
-        if degrees or factor != 1:
-            scale = factor * _degree() if degrees else factor
-            column = tuple(x and x * scale for x in column)
-        found[name] = _sums(found[name], column) if is_part and name in found else column
-    times = [t for t in found.pop("t") if t is not None]
-    if not times or any(len(column) != len(times) for column in found.values()):
-        expected = "columns as long as t, with a time in each row"
-        raise BadInput(source, "columns", ",".join(header), expected)
-    ignored = tuple(name for name, one in zip(header, named, strict=True) if one.name is None)
-    found, signless = with_quaternions(found, bits_for(printed))
-    return Table(source, tuple(times), found, ignored, printed, number, signless=signless)
-
-
-def _sums(one: Cells, other: Cells) -> Cells:
-    """Columns that are parts of one, cell by cell."""
-    pairs = zip(one, other, strict=True)
-    return tuple(None if x is None or y is None else x + y for x, y in pairs)
-
-
-def refuse_names(source: str, key: str, header: Sequence[str], named: Sequence[Column]) -> None:
-    """Raise BadInput for a column that is there twice, or a header with no column to judge."""
-    if (name := twice(named)) is not None:
-        both = [f"{of!r}" for of, meant in zip(header, named, strict=True) if meant.name == name]
-        expected = f"each column once ({', '.join(both)}), or {NAMING} that chooses one"
-        raise BadInput(source, key, name, expected)
-    if all(meant.name in (None, "t") for meant in named):
-        expected = f"columns besides t that can be judged, of {', '.join(known()[1:])}"
-        raise BadInput(
-            source, key, ",".join(header), f"{expected}; or {NAMING} that translates names"
+    def some(self, which: Sequence[int]) -> Table:
+        """Some of the rows."""
+        return replace(
+            self,
+            times=tuple(self.times[k] for k in which),
+            columns={n: tuple(cells[k] for k in which) for n, cells in self.columns.items()},
+            time_errors=tuple(self.time_errors[k] for k in which) if self.time_errors else (),
         )
 
+    def with_rows(self, names: Sequence[str], rows: Iterable[GivenRow]) -> Table:
+        """The table with other cells in some columns."""
+        return replace(
+            self, columns={**self.columns, **dict(zip(names, zip(*rows, strict=True), strict=True))}
+        )
 
-def _errors(
-    times: Sequence[Fraction], given: Sequence[Any], factors: Set[Fraction]
-) -> tuple[float, ...]:
-    """By how much times may be off that were given so: in floats, or in units of a clock."""
-    number = type_of(given)
-    if len(factors) > 1 or number is None:  # of whole seconds and nanoseconds: exact
-        return of_decimals(times, min(map(abs, factors))) if min(factors) < 1 else ()
-    return of_type(times, number)
+    def at_other_times(self, change: TimeChange, off: float | None = None) -> Table:
+        """The same rows at changed times; ``off``: by how much their origin may be off, as much as
+        the first time unless given."""
+        times, unit = tuple(change.of(t) for t in self.times), abs(to_double(change.unit))
+        errors = [unit * x for x in self.time_errors or [0.0] * len(times)]
+        off = (errors[0] if change.shift else 0.0) if off is None else off
+        told = tuple(x + off for x in errors) if any(errors) or off else ()
+        return replace(self, times=times, time_errors=told)
+
+    def read_as(self, readings: Sequence[Reading]) -> Table:
+        """The table in other conventions, as far as readings can be applied."""
+        table = self
+        for reading in readings:
+            names, change = PARTS.get(reading.part, ()), reading.change
+            rows = table.rows(names)
+            if rows is not None and change is not None and change.order:
+                table = table.with_rows(names, map(change.row, rows))
+        moved = next((one.times for one in readings if one.times is not None), None)
+        if moved is not None:
+            table = table.at_other_times(moved)
+        return replace(table, readings=(*table.readings, *readings))
+
+    def drift(self, scene: Scene, bits: int) -> Drift | str:
+        """Drift of the integrals, or why it says nothing."""
+        if self.projected:
+            return "they were projected"
+        if self.run is not None:
+            return self.run.drift
+        columns = [self.columns.get(name, (None,)) for name in scene.columns]
+        if any(x is None for x in chain(*columns)):  # asked so, for a Fraction's == is slow
+            return "a column of the state is missing"
+        if self.held <= MOST_AT_ONCE:
+            from polhode.numbers.double_double import of_fractions
+
+            with suppress(OverflowError):  # a number beyond doubles
+                pairs = [of_fractions(x) for x in columns]  # type: ignore[arg-type]
+                if (at_once := drift_of_columns(scene, pairs)) is not None:
+                    return at_once
+        rows = zip(*columns, strict=True)
+        return drift(scene, [[to_mpf(x, bits) for x in row] for row in rows], bits)
 
 
-def _cell(value: Any) -> Fraction | None:
-    """A cell's exact number, None where it is empty."""
-    if value is None or value != value:
-        return None
-    return _exactly(value)
+def of_run(run: Trajectory) -> Table:
+    """A run as a table."""
+    outputs = [(COLUMNS[word].names, rows) for word, rows in run.outputs.items()]
+    columns: dict[str, tuple[Cell, ...]] = {}
+    for names, rows in [(run.columns, run.states), *outputs]:
+        cells = rows.tolist() if isinstance(rows, np.ndarray) else rows
+        columns |= dict(zip(names, zip(*cells, strict=True), strict=True))
+    columns = {name: cells for name, cells in columns.items() if name not in not_judged()}
+    return Table(
+        f"{run.scene.name}: {run.number.name} ({run.number.bits} bits)",
+        tuple(run.times),
+        columns,
+        run.number,
+        run.number.most_digits,
+        run.number.printed_digits,
+        projected=run.projected,
+        run=run,
+    )
 
 
-def _exactly(value: Any) -> Fraction:
-    return exactly(exact_number(value))
+def as_judged(table: Table, scene: Scene) -> Table:
+    """A table with those columns alone that the scene has, and notes of the others."""
+    there, unjudged = table.columns, not_judged()
+    notes = [f"column {_quoted(name)} is not known and was not judged" for name in table.ignored]
+    notes += [f"column {n} was not judged: {why}" for n, why in unjudged.items() if n in there]
+    others = [name for name in column_names() if name not in unjudged]
+    if not scene.columns[3:]:
+        notes += [
+            f"column {name} was not judged: the scene has no gamma"
+            for name in (*STATE[3:], *others)
+            if name in there
+        ]
+        others = []
+    notes += [f"column {name} is not in the file" for name in scene.columns if name not in there]
+    columns = {name: there[name] for name in (*scene.columns, *others) if name in there}
+    if any(x is None for name in scene.columns for x in columns.get(name, ())):
+        notes.append("empty cells were not judged")
+    found = replace(table, columns=columns, notes=tuple(notes))
+    return replace(found, remarks=(*table.remarks, *_length(found)))
 
 
-def radians(degrees: Fraction) -> Fraction:
-    """An angle in radians, to far more digits than any table prints."""
-    return degrees * _degree()
+def _length(table: Table) -> list[str]:
+    """That quaternions have another length than 1."""
+    attitude = table.rows(ATTITUDE)
+    found = None if attitude is None else lengths(attitude)
+    if found is None:
+        return []
+    least, most = (f"{x:.6g}" for x in found)
+    told = f"is {least}" if least == most else f"is between {least} and {most}"
+    return [f"the quaternion's length {told}, not 1"]
 
 
-@cache
-def _degree() -> Fraction:
-    """pi/180 to 1100 digits."""
-    return exact.binary(*exact.rounded(exact.pi() / 180, 3700))
+def _quoted(name: str) -> str:
+    """A column's name, in quotation marks where it is no word."""
+    return name if name and not any(map(str.isspace, name)) else repr(name)

@@ -1,5 +1,10 @@
-"""Of which number type the cells of a table are: what arrays and lists of floats say themselves,
-and decimals that are numbers of a type, printed with more digits than the type has."""
+"""Of which number type the cells of a table are, and by how much its times may be off.
+
+Arrays and lists of floats say their type themselves; decimals may be numbers of a type, printed
+with more digits than the type has.  A row of a right program holds at a time that the table has
+only in a number type, or in decimals of so many places: late in a clock's time that costs digits
+that the program did not lose.
+"""
 
 from __future__ import annotations
 
@@ -7,9 +12,11 @@ import math
 from collections.abc import Iterable, Sequence
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
 from polhode.common.text_tables import few
+from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, SINGLE, NumberType
 
 _WIDER = (SINGLE, DOUBLE, EXTENDED)
@@ -17,6 +24,9 @@ _KINDS = {"float32": 0, "float": 1, "float64": 1, "longdouble": 2}
 _NEUTRAL = ("bool", "int", "NoneType")  # exact in every type, or empty, or refused elsewhere
 
 _LOOKED_AT = 1000  # cells of a column
+_TIMES = 2000  # that are looked at
+_MANY = 8  # times that are not evenly spaced, of which the last digits tell
+_ROUND = 3  # one in so many may end in 0
 _FARTHEST = 400  # places of a cell that is looked at
 _SURE = 4.0  # log10 of how seldom other decimals are of a type by chance
 
@@ -96,3 +106,30 @@ def _told(cell: str, kind: NumberType) -> float | None:
         return None
     spacing = math.log10(x) - (kind.bits - 1) * math.log10(2)
     return max(0.0, spacing - math.log10(2))
+
+
+def of_type(times: Sequence[Fraction], number: NumberType) -> tuple[float, ...]:
+    """Half a unit in the last place, at most, of times of a number type."""
+    return tuple(abs(to_double(t)) * 2.0**-number.bits for t in times)
+
+
+def of_decimals(times: Sequence[Fraction], unit: Fraction) -> tuple[float, ...]:
+    """Half a unit of the last decimal place, if the times are rounded to it; empty if not.
+
+    They are if they are evenly spaced but for a unit; or if they are not evenly spaced, and their
+    last digits are of any kind.
+
+    >>> thirds = [Fraction(k, 3) for k in range(4)]
+    >>> of_decimals([Fraction(round(1000 * t), 1000) for t in thirds], Fraction(1, 1000))
+    (0.0005, 0.0005, 0.0005, 0.0005)
+    >>> of_decimals([Fraction(k, 10) for k in range(4)], Fraction(1, 10))
+    ()
+    """
+    counts = [t / unit for t in times[:_TIMES]]
+    steps = [after - before for before, after in pairwise(counts)]
+    uneven = max(steps, default=Fraction(0)) - min(steps, default=Fraction(0))
+    ending = sum(count % 10 == 0 for count in counts)
+    arbitrary = len(counts) >= _MANY and ending * _ROUND <= len(counts)
+    if uneven == 0 or (uneven > 2 and not arbitrary) or any(step == 0 for step in steps):
+        return ()
+    return (to_double(unit) / 2,) * len(times)

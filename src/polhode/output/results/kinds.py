@@ -30,7 +30,6 @@ Value: TypeAlias = Any
 
 #: Where each class is: a document names nothing else.
 HOMES = {
-    "BallMatrix": "enclosures.variations.flow_derivative",
     "Bifurcation": "dynamics.periodic_orbits.families",
     "Ball": "proofs.proved_orbit",
     "Body": "scenes.body",
@@ -47,7 +46,6 @@ HOMES = {
     "EventTime": "enclosures.events",
     "EventTimes": "motion.outcomes",
     "FamilyPoint": "dynamics.periodic_orbits.families",
-    "FlowDerivative": "enclosures.variations.flow_derivative",
     "Floats": "numbers.exact_sequences",
     "FourthIntegral": "dynamics.levels.fourth_integral",
     "Frequencies": "dynamics.frequencies.frequencies",
@@ -77,7 +75,6 @@ HOMES = {
     "SectionPlan": "scenes.scene",
     "Solid": "scenes.shapes",
     "Spaced": "numbers.exact_sequences",
-    "Subject": "judging.tables.candidate",
     "Surface": "dynamics.periodic_orbits.level_set",
     "Table": "judging.tables.table",
     "TimeChange": "judging.tables.reading",

@@ -201,7 +201,7 @@ def _event_times(found: EventTimes) -> Table:
 def _proved_orbit(found: ProvedOrbit) -> Table:
     balls = dict(zip(("period", "residue"), (found.period, found.residue), strict=True))
     balls |= dict(zip(STATE, (*found.omega, *found.gamma), strict=True))
-    digits = round(found.noise * LOG10_2)
+    digits = round(found.bits * LOG10_2)
     columns: dict[str, Value] = {"orbit": [1], "kind": [found.kind]}
     columns |= {name: [_wide(x.centre, digits)] for name, x in balls.items()}
     columns |= {f"radius_{name}": [x.radius] for name, x in balls.items()}

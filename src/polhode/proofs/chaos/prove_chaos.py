@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from flint import arb
@@ -14,10 +15,12 @@ from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.dynamics.periodic_orbits.orbit import Orbit
 from polhode.dynamics.periodic_orbits.search import orbit_search
 from polhode.dynamics.sections.starts import MAXIMA, asked_of
-from polhode.enclosures.fixed_point_problem import Refused
+from polhode.enclosures.fixed_point_problem import Refused, motion, unit_for
+from polhode.enclosures.polynomial import ball
 from polhode.equations.section_functions import MOMENTUM
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.scalars import AnyNumber
+from polhode.proofs.certified_orbit import Candidate, of_closed
 from polhode.proofs.chaos import chain_candidate, homoclinic, theorem
 from polhode.proofs.chaos.homoclinic import Homoclinic, Saddle
 from polhode.proofs.chaos.lanes import Lanes
@@ -25,9 +28,8 @@ from polhode.proofs.chaos.proved_chaos import Guess as Begun
 from polhode.proofs.chaos.proved_chaos import ProvedChaos
 from polhode.proofs.chaos.theorem import Horseshoe
 from polhode.proofs.level import Level
-from polhode.proofs.periodic_orbit import ELLIPTIC, Theorem
-from polhode.proofs.prove_orbit import Guess, guess_in, guess_of, of_guess
-from polhode.proofs.proved_orbit import ProvedOrbit
+from polhode.proofs.prove_orbit import near_scene, proved
+from polhode.proofs.proved_orbit import ProvedOrbit, as_arb
 from polhode.proofs.refusals import NotProved
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
@@ -95,7 +97,7 @@ def prove_chaos(
     on = Surface(scene, asked.h, asked.f)
     if orbit is not None:
         near = orbit.scene if isinstance(orbit, Orbit) else library.load(orbit)
-        return _Search(on, most, progress).found([guess_of(on, near)])
+        return _Search(on, most, progress).found([near_scene(on, near)])
     if progress is not None:
         progress("unstable periodic orbits of the level")
     some = orbit_search(scene, _GRID, _RETURNS, h, f)
@@ -105,7 +107,34 @@ def prove_chaos(
     unstable = [k for k in order if not 0.0 <= float(some.closed[k].residue) <= 1.0]
     if not unstable:
         raise NotProved(f"{scene.name}: no unstable periodic orbit was found on the level")
-    return _Search(on, most, progress).found([guess_in(some, k) for k in unstable[:_ORBITS]])
+    guesses = [of_closed(some.surface, some.closed[k]) for k in unstable[:_ORBITS]]
+    return _Search(on, most, progress).found(guesses)
+
+
+class OrbitBalls(NamedTuple):
+    """An orbit in principal axes and the unit of time of a level's motion."""
+
+    start: list[arb]
+    period: arb
+
+
+def _level_of(on: Surface, told: ProvedOrbit) -> Level:
+    """The level, in the unit of time that a proved orbit suggests."""
+    p, q, r = (x.centre for x in told.omega)
+    return Level(motion(on.scene, unit=unit_for(on.scene.body, (p, q, r))), on.h, on.f)
+
+
+def balls_on(level: Level, told: ProvedOrbit) -> OrbitBalls:
+    """A proved orbit in the axes and the unit of time of a level's motion."""
+    bits = told.bits + 64
+    with ctx.workprec(bits):
+        by = arb((1, level.motion.unit))
+        rows = [[ball(x, bits) for x in row] for row in told.scene.body.axes.rows]
+        vectors = [[as_arb(x) for x in v] for v in (told.omega, told.gamma)]
+        omega, gamma = (
+            [row[0] * v[0] + row[1] * v[1] + row[2] * v[2] for row in rows] for v in vectors
+        )
+        return OrbitBalls([*(by * x for x in omega), *gamma], as_arb(told.period) / by)
 
 
 class _Search:
@@ -117,13 +146,14 @@ class _Search:
         self.began = time.process_time()
         self.causes: list[str] = []
 
-    def found(self, guesses: list[Guess]) -> ProvedChaos:
+    def found(self, guesses: list[Candidate]) -> ProvedChaos:
         """The first proof that holds; raises NotProved."""
         each = self.most if len(guesses) == 1 else _EACH
         for guess in guesses:
             try:
-                level, orbit, told = of_guess(self.on, guess, _DIGITS)
-                made = self._beside(level, orbit.theorem, told, each)
+                told = proved(guess, _DIGITS)
+                level = _level_of(self.on, told)
+                made = self._beside(level, balls_on(level, told), told, each)
             except NotProved as why:
                 self.causes.append(str(why).partition(": ")[2])
                 continue
@@ -139,9 +169,9 @@ class _Search:
         )
 
     def _beside(
-        self, level: Level, orbit: Theorem, told: ProvedOrbit, each: int
+        self, level: Level, orbit: OrbitBalls, told: ProvedOrbit, each: int
     ) -> ProvedChaos | None:
-        if told.kind == ELLIPTIC:
+        if told.kind == "elliptic":
             self.causes.append("the periodic orbit is elliptic")
             return None
         lanes = Lanes.of(level.motion)
@@ -201,7 +231,7 @@ class _Search:
 
 
 def chained(
-    lanes: Lanes, level: Level, at: Saddle, near: Homoclinic, size: float, orbit: Theorem
+    lanes: Lanes, level: Level, at: Saddle, near: Homoclinic, size: float, orbit: OrbitBalls
 ) -> tuple[Horseshoe, float]:
     """The theorem along one homoclinic orbit with sets of about a size; raises Refused."""
     moved, rho = homoclinic.towards(at, near, size)

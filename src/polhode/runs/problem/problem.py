@@ -124,13 +124,14 @@ class Problem:
         return found
 
     def rules(self, scene: Scene) -> Rules:
-        """What the events are looked for by, kept with the times: t in one is as large as those."""
+        """What the events are looked for by; t in one is as large as the end."""
         from polhode.taylor.events.rules import Rules
 
         def made() -> Rules:
             return Rules(scene, self.number, self.tolerance, self.still)
 
-        return _rules.get(self.schedule(scene), None, made)
+        timed = any(event.timed for event in scene.events)
+        return _rules.get(self, self.schedule(scene).exact[-1] if timed else None, made)
 
     @cached_property
     def _schedules(self) -> list[tuple[OutputTimes[Exact], Schedule]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterable
 from concurrent.futures import Executor
@@ -33,8 +34,9 @@ if TYPE_CHECKING:
 
     from polhode.taylor.batches.jobs import Solved
 
-_JOBS = 16, 1024  # so many at least and at most: each costs a fraction of a millisecond
+_JOBS = 16, 1024  # so many at least and at most
 _JOB = 0.05  # seconds that one should take
+_SHORTEST = 0.002  # seconds that one takes at least, of threads here: it costs a part of one
 _STEPS_PER_RADIAN = 2.0  # about, at the fastest rate, in double
 _SHARE = 0.25  # of a scalar step that a lane's costs
 
@@ -163,7 +165,8 @@ def integrate_many(
     if method == "refined" and plan.number.flat:
         raise BadInput(scene.name, "method", method, "quad or more digits, or the method taylor")
     prepared = time.perf_counter()
-    groups = list(plan.groups(width(plan.number), _most_jobs(plan)))
+    here = executor is None and parts is None
+    groups = list(plan.groups(width(plan.number), _most_jobs(plan, here)))
     key = scene.text, plan.times, method, plan.varied, plan.number, plan.tolerance, plan.max_steps
     kept = JobCheckpoint.at(parts, "sweep", *key, *groups)
     jobs: list[FlatJob | WideJob] = [
@@ -219,12 +222,14 @@ def _solved(job: FlatJob | WideJob, stop: Stop | None = None) -> Solved:
     return job.solved(stop)
 
 
-def _most_jobs(plan: Plan) -> int:
-    """In about how many jobs a sweep is cut."""
+def _most_jobs(plan: Plan, here: bool) -> int:
+    """In about how many jobs a sweep is cut; ``here``: for threads of this process, none kept."""
     least, most = _JOBS
     if not plan.number.flat:
         return most
     radians = float(plan.rates.sum()) * abs(float(plan.times[-1]))
     share = _SHARE if plan.number.name == "double" else 1.0
     seconds = share * defaults.seconds(plan.number, _STEPS_PER_RADIAN * radians)
+    if here:
+        least = max(1, math.ceil(min(least, seconds / _SHORTEST)))
     return int(min(most, max(least, seconds / _JOB)))

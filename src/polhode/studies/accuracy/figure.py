@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from polhode.output.json_object import JsonObject
-from polhode.studies.page import drawing
+from polhode.studies.page import strips
 
 
 def svg(found: JsonObject) -> str:
     """Correct digits of every case in every number type, from the study's JSON object."""
-    groups: dict[str, list[drawing.Dot]] = {}
+    groups: dict[str, list[strips.Dot]] = {}
     for case in found["cases"]:
-        groups.setdefault(case["case"].partition("/")[0], []).extend(drawing.dots(case["runs"]))
-    return drawing.strips(groups)
+        groups.setdefault(case["case"].partition("/")[0], []).extend(strips.dots(case["runs"]))
+    return strips.svg(groups)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import ceil
+
 from polhode.output.json_object import JsonObject
 from polhode.studies.page.case_runs import (
     ABOUT,
@@ -144,7 +146,7 @@ def facts(found: JsonObject) -> dict[str, object]:
         "better": sum(gain > 0 for gain in gains),
         "gain": median(gains, "+.1f"),
         "least_gain": f"{min(gains, default=0):+.1f}",
-        "apart": max((min(one, two) - agreement for one, two, agreement in both), default=0),
+        "apart": ceil(10 * max((min(one, two) - x for one, two, x in both), default=0)) / 10,
         "contained": share(row["inside"] for row in found["proven"]),
         "agreement": between([row["digits_right"] for row in stands["printout"]], ".1f"),
         **{kind: share(row["stands"] for row in rows) for kind, rows in stands.items()},

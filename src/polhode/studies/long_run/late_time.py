@@ -31,7 +31,7 @@ TOLERANCES = {
 #: Run from all starts; the others, up to 8 seconds each and no close call, from the first half.
 CHEAP = (ENGINE,)
 NOT_RUN = {
-    "CyRK LSODA, diffrax Dopri8, splitting 4": "minutes a top; in the study speed",
+    "CyRK LSODA, diffrax Dopri8, splitting 4": "minutes a top",
     "SciPy DOP853, SciPy LSODA": "a minute or more a start: their steps are taken in Python",
     "mpmath odefun": "hours: a Taylor method in Python",
 }

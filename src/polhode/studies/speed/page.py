@@ -132,6 +132,8 @@ def facts(found: JsonObject) -> dict[str, object]:
         "once_above": f"{found['once_above']:g}",
         "refined_time": between([1 / row["gain"] for row in refined], ".3f"),
         "refined_digits": between(better, "+.1f"),
+        "refined_runs": _runs(refined, "refined"),
+        "steps_runs": _runs(refined, "taylor"),
         "quad": _in_quad(refined) or DASH,
     }
 
@@ -186,6 +188,11 @@ def _engine(cells: Sequence[JsonObject]) -> str:
         if ratios:
             told.append(f"{median(ratios, '.2f')} (at most {max(ratios):.2f}) at t = {end}")
     return ", ".join(told)
+
+
+def _runs(rows: Sequence[JsonObject], method: str) -> str:
+    """Of how many runs of a method the least was taken."""
+    return " or ".join(map(str, sorted({row[method]["runs"] for row in rows}))) or DASH
 
 
 def _in_quad(rows: Sequence[JsonObject]) -> str:

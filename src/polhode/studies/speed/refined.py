@@ -92,6 +92,7 @@ def _row(contest: Contest) -> dict[str, Any]:
             "cpu": float(f"{timing.seconds:.3g}"),
             "digits": round(worst_digits(run.states, true, scene, cap=wide), 2),
             "method": run.method,
+            "runs": timing.calls,
         }
         if run.errors is not None and run.errors[-1] is not None:
             row["estimate"] = float(f"{run.errors[-1]:.2g}")

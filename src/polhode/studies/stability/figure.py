@@ -5,7 +5,7 @@ from __future__ import annotations
 from textwrap import fill
 from typing import Any
 
-from polhode.studies.page import drawing
+from polhode.studies.page import strips
 
 _WIDTH = 24  # letters of a line of a strip's name
 
@@ -15,8 +15,8 @@ def svg(found: dict[str, Any]) -> str:
     runs = {case["case"]: case["runs"] for case in found["cases"]}
     groups = {
         fill(kind["kind"], _WIDTH): [
-            dot for name in kind["cases"] for dot in drawing.dots(runs.get(name, ()))
+            dot for name in kind["cases"] for dot in strips.dots(runs.get(name, ()))
         ]
         for kind in found["kinds"]
     }
-    return drawing.strips({kind: dots for kind, dots in groups.items() if dots})
+    return strips.svg({kind: dots for kind, dots in groups.items() if dots})

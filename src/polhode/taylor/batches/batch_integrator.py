@@ -160,13 +160,13 @@ class _Way:
             ready.stand(start[:, None], coefficients[:, None])
         else:
             ready.stand(start, coefficients)
-        self.found.states[k] = np.nan
         steps, most, reached, outcome = 0, self.job.max_steps, Fraction(0), Outcome.REACHED_END
-        for stretch in self.stretches:
+        for n, stretch in enumerate(self.stretches):
             if steps >= most:
                 outcome = Outcome.STEP_LIMIT
                 break
-            ready.begin()
+            if n:
+                ready.begin()
             advanced = self._in_blocks(stretch, most - steps)
             if advanced is None:
                 self.found.states[k] = np.nan

@@ -5,16 +5,17 @@ direction, for a first zero the earliest.  The clock starts again from 0 at each
 time is the stretch's start and a small rest; states of a section are put back on the first
 integrals there.  When all motions are over, Newton's method puts their crossings on the zero.
 
-How often heyoka has met a zero in a stretch must fit the signs at its two ends.  Where it does not,
-or where one of them is within rounding of zero, a section's lane takes its stretch again, with
-other seams, looking at each crossing; a motion that is still not certain then is *unsure*, as a
-first zero is without a certain slope.  What a lane gives does not depend on its neighbours.
+How often heyoka has met a zero in a step must fit the signs at its two ends: of zeros that are
+multiple it loses some.  Where it does not, a section's lane is searched again there, by signs; a
+motion that is still not certain then is *unsure*, as a first zero is at once, or without a certain
+slope.  Of two multiple zeros that are lost in one step nothing is left to be seen.  What a lane
+gives does not depend on its neighbours.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -24,14 +25,24 @@ from polhode.common.progress import Stop
 from polhode.equations.section_functions import SectionZero
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.rows import Booleans, Doubles, Indices, Integers
+from polhode.numbers.rows import Booleans, Doubles, Indices
 from polhode.taylor.backend.defaults import first_step_offset
+from polhode.taylor.backend.types import HeyokaIntegrator
 from polhode.taylor.batches import step_blocks
 from polhode.taylor.batches.compiled_batch import CompiledBatch
 from polhode.taylor.batches.lane_queue import LaneQueue
 from polhode.taylor.corrections.level_projection import Level, Put
-from polhode.taylor.events.batch_crossings import Judge
-from polhode.taylor.events.batch_zeros import ORIGIN, TINY, Crossings, Met, Watched, built
+from polhode.taylor.events.batch_zeros import (
+    ORIGIN,
+    TINY,
+    Crossings,
+    Judge,
+    Met,
+    Watched,
+    built,
+    crossings_of,
+    joined_crossings,
+)
 from polhode.taylor.events.jets import Marks
 from polhode.taylor.integrator.engine import lent
 from polhode.taylor.integrator.specification import DESK
@@ -39,11 +50,11 @@ from polhode.taylor.integrator.specification import DESK
 DONE, NONE_LEFT, NON_FINITE = "all crossings", "no more crossings", "not finite"
 STOPPED, UNSURE = "stopped", "not certain of a crossing"
 
-_BESIDE = 1e-6  # of a unit of time: a stretch that ends so near to a crossing is not certain of it
 _BEGIN = 1e-9  # of a stretch: a crossing before it is the start itself, where that is on a section
 _AT_START = 2.0**-46  # of the unit of time: the same for a start at zero, exactly
 _BLOCK = 2048  # crossings whose arrays fit into a processor's own memory
-_PARTS, _TRIES = 16, 4  # a stretch taken again is longer by a part, so many times
+_CLOSELY = 4  # times the lanes: at so many times a span is looked at that has lost a crossing
+_NARROWER = 18  # rounds, of a ninth each
 
 
 class Singular(ArithmeticError):
@@ -124,12 +135,14 @@ class _Search:
         self.judge = Judge(job.watched, self.met.jet, numbers)
         stretches = max(1.0, np.ceil(abs(job.end) / job.stretch))
         self.length = job.stretch if stretches == math.inf else job.end / stretches
-        self.last = stretches * _PARTS
+        self.last = stretches
         self.lanes = LaneQueue(n, batch.places)
         self.parameters = np.zeros((DESK + len(numbers), batch.places))
         self.state = job.starts[self.lanes.motion].T.copy()
         self.put = None if job.level is None else Put(job.level, self.state)
         self.parts, self.found, self.quiet = np.zeros((3, batch.places), dtype=int)
+        # of each lane: when its stretch began, and the side of the expression there
+        self.origin, self.side = np.zeros((2, batch.places))
         self.rows: list[tuple[Indices, Doubles, Crossings]] = []  # motions, stretches' begins
         self.steps = np.zeros(n, dtype=np.int64)
         self.outcomes = [STOPPED] * n
@@ -153,35 +166,21 @@ class _Search:
 
     def _stretch(self, stop: Stop | None) -> list[int] | None:
         """Go on by a stretch of time: the lanes whose motions are over; None where stopped."""
-        batch, busy, part = self.batch, self.lanes.busy, self.length / _PARTS
-        origin, begin = self.parts * part, busy & (self.parts == 0)
-        self.parameters[ORIGIN] = origin
+        batch, busy = self.batch, self.lanes.busy
+        begin = busy & (self.parts == 0)
+        self.origin = self.parts * self.length
+        self.parameters[ORIGIN] = self.origin
         batch.parameters[:] = self.parameters[: len(batch.parameters)]  # those that it asks for
         batch.stand(self.state)
-        before = self._side(begin, origin)
-        target = np.where(busy, self.length, 0.0)
-        tries = 0 if self.put is None else _TRIES
-        while True:
-            done = self._onwards(target, begin, origin, stop)
-            if done is None:
-                return None
-            crossings, counts = self._crossings()
-            after, slope = self._looked_at(target)
-            near = self._near(after, origin + target) | (np.abs(after) < _BESIDE * np.abs(slope))
-            fits = (before * after < 0) == (counts % 2 == 1)
-            again = busy & done & (near | ~fits & (before != 0))
-            if tries == 0 or not again.any():
-                break
-            tries -= 1
-            self.met.forget(again)
-            batch.state[:, again] = self.state[:, again]
-            batch.heyoka.set_time(np.where(again, 0.0, target).tolist())
-            target = target + again * part
-        doubt = near | (before == 0) | ~done
-        unsure = busy & (~fits | doubt if self.put is None else ~fits & ~doubt)
-        self._keep(crossings, origin, unsure)
+        spared = self._begun(begin)
+        self.met.begin(batch.heyoka)
+        done = self._onwards(np.where(busy, self.length, 0.0), begin, stop)
+        if done is None:
+            return None
+        crossings, unsure = self._crossings(spared, busy, done)
+        self._keep(crossings.those(~unsure[crossings.lanes]))
         self.state = batch.state.copy() if self.put is None else self.put.back(batch.state.copy())
-        self.parts += np.rint(target / part).astype(int)
+        self.parts += 1
         return self._over(unsure)
 
     def _over(self, unsure: Booleans) -> list[int]:
@@ -195,67 +194,156 @@ class _Search:
             self.outcomes[self.lanes.motion[lane]] = UNSURE if unsure[lane] else outcome
         return lanes
 
-    def _side(self, begin: Booleans, origin: Doubles) -> Doubles:
-        """The sides of the expression where a stretch begins, 0 where it is not certain."""
-        value, slope = self._looked_at(np.zeros(len(origin)))
+    def _begun(self, begin: Booleans) -> Doubles:
+        """Note the sides where motions begin, 0 where that is not certain.
+
+        Up to when a crossing is the start itself.
+        """
+        none = np.zeros(len(begin))
+        value, slope = self._looked_at(self.batch.state, none)
         spared, on_it = _AT_START, begin & (value == 0)
         if self.put is not None:
             spared = _BEGIN * self.length
             on_it = begin & (np.abs(value) <= spared * np.abs(slope))
-        self.met.begin(self.job.direction, self.put is None, np.where(on_it, spared, -1.0))
-        value[self._near(np.where(on_it, np.inf, value), origin)] = 0.0
-        side: Doubles = np.where(on_it, np.sign(slope) * np.sign(self.length), value)
-        return side
+        marks = self._marks(self.batch.state, none)
+        value[self.judge.near(self.lanes.motion, value, marks)] = 0.0
+        side = np.where(on_it, np.sign(slope) * np.sign(self.length), np.sign(value))
+        self.side = np.where(begin, side, self.side)
+        return np.where(on_it, spared, -1.0)
 
-    def _onwards(
-        self, target: Doubles, begin: Booleans, origin: Doubles, stop: Stop | None
-    ) -> Booleans | None:
+    def _onwards(self, target: Doubles, begin: Booleans, stop: Stop | None) -> Booleans | None:
         """Lanes brought to a time, and which are there; None where stopped.  Raises Singular."""
         batch, most, running = self.batch, self.job.max_steps, self.lanes.motion[self.lanes.busy]
         left = None if most is None else max(1, most - int(self.steps[running].max()))
         first = begin & (batch.heyoka.time == 0)
-        ended = through_the_first_step(batch, first, target.tolist(), left, stop)
+        after_step = self.met.after_step
+        ended = through_the_first_step(batch, first, target.tolist(), left, stop, after_step)
         if self.put is not None and Outcome.STEP_UNDERFLOW in ended.outcomes:
             lane = ended.outcomes.index(Outcome.STEP_UNDERFLOW)
             start = tuple(self.job.starts[self.lanes.motion[lane]].tolist())
-            raise Singular(start, float(origin[lane] + batch.heyoka.time[lane]))
+            raise Singular(start, float(self.origin[lane] + batch.heyoka.time[lane]))
         self.steps[running] += ended.steps[self.lanes.busy]
         if ended.stopped:
             return None
         return np.array([outcome is Outcome.REACHED_END for outcome in ended.outcomes])
 
-    def _near(self, values: Doubles, times: Doubles) -> Booleans:
-        """In which lanes the expression is within its rounding error of zero."""
-        asked = np.where(self.lanes.busy, values, np.inf)
-        return self.judge.near(self.lanes.motion, asked, self.batch.state, times)
+    def _looked_at(self, states: Doubles, times: Doubles) -> Doubles:
+        """The expression and its rate in each lane, at times since the stretch began.
 
-    def _looked_at(self, times: Doubles) -> Doubles:
-        """The expression and its rate in each lane, at times since the stretch began."""
-        evaluate, batch = self.met.jet.evaluate, self.batch
-        options = {"time": times} if evaluate.is_time_dependent else {}
+        Or at several states (columns, n) and times of each, one after the other.
+        """
+        marks = self._marks(states, times)
+        which = np.resize(self.lanes.motion, len(times))
         with np.errstate(all="ignore"):
-            found: Doubles = evaluate(
-                batch.state, pars=self.parameters[: evaluate.nparams], **options
-            )[:2]
+            found: Doubles = self.judge.jet(which).at(marks)[:2]
         return found
+
+    def _marks(self, states: Doubles, times: Doubles, lanes: Indices | None = None) -> Marks:
+        """Times since the stretch began, in all lanes over and over or in these."""
+        none = np.zeros(len(times))
+        high = np.resize(self.origin, len(times)) if lanes is None else self.origin[lanes]
+        return Marks(high, none, times, none, states)
 
     # -- crossings ------------------------------------------------------------------------------
 
-    def _crossings(self) -> tuple[Crossings, Integers]:
-        """The crossings of a stretch, on a section each once; and how many each lane has."""
-        counts, found = np.array(self.met.counts), self.met.found()
-        if self.put is None or len(found.lanes) == 0:
-            return found, counts
-        once = self.judge.each_once(self.lanes.motion, found)
-        for crossings, way in ((found, -1), (once, 1)):
-            counts += way * np.bincount(crossings.lanes, minlength=len(counts))
-        return once, counts
+    def _crossings(
+        self, spared: Doubles, busy: Booleans, done: Booleans
+    ) -> tuple[Crossings, Booleans]:
+        """The crossings of a stretch, each once; and the lanes that are not certain of theirs.
 
-    def _keep(self, met: Crossings, origin: Doubles, unsure: Booleans) -> None:
-        """Keep the crossings in the direction asked for."""
-        met = met.those((met.signs * self.job.direction >= 0) & ~unsure[met.lanes])
+        From one step's end to another the expression changes its side as often as it was met at
+        zero, but for even numbers.  Where it does not, a section's lane is searched again there.
+        """
+        met = self.met.found()
+        met = met.those(busy[met.lanes] & (np.abs(met.times) > spared[met.lanes]))
+        marks = self._marks(met.states.T, met.times, met.lanes)
+        met = self.judge.each_once(self.lanes.motion[met.lanes], marks, met)
+        times, states = self.met.ends()
+        sides = self._sides(times, states)
+        first_zero = self.put is None
+        unsure = busy & first_zero & ((self.side == 0) | (sides[-1] == 0) | ~done)
+        for lane in np.flatnonzero(busy & done & ~unsure).tolist():
+            steps = met.steps[met.lanes == lane]
+            (certain,) = np.nonzero(sides[:, lane])
+            changes = np.diff(np.searchsorted(steps, certain))
+            fits = (changes % 2 == 1) == (np.diff(sides[certain, lane]) != 0)
+            for i in np.flatnonzero(~fits).tolist():
+                unsure[lane] |= first_zero
+                if first_zero:
+                    break
+                first, last = certain[i : i + 2]
+                span, side = times[[first, last], lane], sides[first, lane]
+                wrong = (met.lanes == lane) & (met.steps >= first) & (met.steps < last)
+                known = met.times[wrong]
+                again = self._again(lane, first, span, states[first, :, lane], side, known)
+                met = joined_crossings([met.those(~wrong), again])
+                unsure[lane] |= side * (-1) ** len(again.lanes) != sides[last, lane]
+            if len(certain):
+                after = met.those((met.lanes == lane) & (met.steps >= certain[-1]))
+                self.side[lane] = sides[certain[-1], lane] * (-1) ** len(after.lanes)
+        return met.those(np.lexsort((np.abs(met.times), met.lanes))), unsure
+
+    def _sides(self, times: Doubles, states: Doubles) -> Doubles:
+        """The sides of the expression at the steps' ends, 0 where that is not certain."""
+        steps, columns, places = states.shape
+        flat, rows = times.ravel(), states.transpose(1, 0, 2).reshape(columns, -1)
+        value, _ = self._looked_at(rows, flat)
+        which = np.resize(self.lanes.motion, len(flat))
+        unknown = ~np.isfinite(value) | self.judge.near(which, value, self._marks(rows, flat))
+        sides: Doubles = np.where(unknown, 0.0, np.sign(value)).reshape(steps, places)
+        sides[0] = self.side
+        return sides
+
+    def _again(
+        self, lane: int, step: int, span: Doubles, state: Doubles, before: float, met: Doubles
+    ) -> Crossings:
+        """The crossings of a lane in a span of time, by looking closely.
+
+        It begins at a state, on the side ``before``.  ``met``: times of crossings, between which it
+        is looked at, too.
+        """
+        batch, (begin, end) = self.batch, span
+        kept = batch.state.copy(), batch.parameters.copy(), batch.heyoka.time.copy()
+        self.met.muted = True
+        batch.parameters[:] = self.parameters[: len(batch.parameters), [lane]]
+        found: list[tuple[int, float, int, Doubles, int]] = []
+        which = np.full(batch.places, lane)
+
+        def at(time: float, state: Doubles, times: Doubles) -> tuple[Doubles, Doubles]:
+            batch.state[:] = state[:, None]
+            batch.heyoka.set_time(time)
+            batch.heyoka.propagate_until(times.tolist())
+            marks = self._marks(batch.state.copy(), times, which)
+            return self.judge.jet(self.lanes.motion[which]).at(marks)[0], marks.columns
+
+        low, met = (begin, state), np.sort(met)
+        looks = [
+            *np.linspace(begin, end, _CLOSELY * batch.places + 1)[1:],
+            *(met[1:] + met[:-1]) / 2,
+        ]
+        looks += [end] * (-len(looks) % batch.places)
+        for times in np.array(sorted(looks, key=abs)).reshape(-1, batch.places):
+            values, states = at(begin, state, times)
+            for i, value in enumerate(values.tolist()):
+                high = float(times[i]), states[:, i]
+                if before * value < 0:
+                    time, where = _narrowed(at, low, high, before, batch.places)
+                    sign = int(np.sign(value) * np.sign(self.length))
+                    found.append((lane, time, sign, where, step))
+                low, before = high, value or before
+        for values, old in zip((batch.state, batch.parameters), kept, strict=False):
+            values[:] = old
+        batch.heyoka.set_time(kept[2].tolist())
+        self.met.muted = False
+        return crossings_of(found, len(state))
+
+    def _keep(self, met: Crossings) -> None:
+        """Keep the crossings in the direction asked for, as many as a motion still needs."""
+        met = met.those(met.signs * self.job.direction >= 0)
+        nth = np.arange(len(met.lanes)) - np.searchsorted(met.lanes, met.lanes)
+        met = met.those(nth < self.job.most - self.found[met.lanes])
         if len(met.lanes):
-            self.rows.append((self.lanes.motion[met.lanes], origin[met.lanes], met))
+            self.rows.append((self.lanes.motion[met.lanes], self.origin[met.lanes], met))
         counts = np.bincount(met.lanes, minlength=len(self.found))
         self.found += counts
         self.quiet = np.where(counts > 0, 0, self.quiet + 1)
@@ -313,13 +401,34 @@ def through_the_first_step(
     ends: Sequence[float],
     most: int | None = None,
     stop: Stop | None = None,
+    after_step: Callable[[HeyokaIntegrator], bool] | None = None,
 ) -> step_blocks.Ended:
     """Every lane to an end of its own, some of them from the beginning of their motions."""
     taken = np.zeros(len(ends), dtype=np.int64)
     if beginning.any():
         batch.parameters[TINY] = float(first_step_offset(DOUBLE)) * beginning
-        taken = batch.in_blocks(ends, 1, stop).steps
+        taken = batch.in_blocks(ends, 1, stop, after_step=after_step).steps
         batch.parameters[TINY] = 0.0
         most = None if most is None else max(1, most - 1)
-    ended = batch.in_blocks(ends, most, stop)
+    ended = batch.in_blocks(ends, most, stop, after_step=after_step)
     return ended._replace(steps=taken + ended.steps)
+
+
+def _narrowed(
+    at: Callable[[float, Doubles, Doubles], tuple[Doubles, Doubles]],
+    low: tuple[float, Doubles],
+    high: tuple[float, Doubles],
+    before: float,
+    places: int,
+) -> tuple[float, Doubles]:
+    """Where a value leaves the side ``before``, between two times: time and state."""
+    for _ in range(_NARROWER):
+        times = np.linspace(low[0], high[0], places + 2)[1:-1]
+        values, states = at(*low, times)
+        over = np.flatnonzero(values * before <= 0)
+        i = int(over[0]) if len(over) else places
+        low, high = (
+            low if i == 0 else (float(times[i - 1]), states[:, i - 1]),
+            high if i == places else (float(times[i]), states[:, i]),
+        )
+    return high

@@ -35,19 +35,13 @@ class End(NamedTuple):
     @property
     def near(self) -> bool:
         """Whether it is within its noise of zero."""
-        return not abs(self.value) > self.place.noise[0]
+        return bool(self.place.near[0])
 
 
-class Standing(NamedTuple):
-    """How far a decision has come: on which ``side`` the expression was last for certain.
-
-    ``since``: the place that witnessed it, -1 for the start.  ``starting``: it has not left its
-    noise yet.
-    """
-
-    side: int
-    since: int
-    starting: bool
+def at_the_end(place: Places) -> End:
+    """An end with the sign that was computed there."""
+    value = float(place.values[0, 0])
+    return End(int(np.sign(value)) if np.isfinite(value) else 0, place)
 
 
 class Happening(NamedTuple):
@@ -68,11 +62,6 @@ class Happening(NamedTuple):
 Search: TypeAlias = Callable[[int, int, int], "Places | None"]
 
 
-def at_the_start(start: End) -> Standing:
-    """The standing there."""
-    return Standing(start.side, -1, start.near)
-
-
 def alternating(
     places: Places, first: int, side: int, end: End, way: int
 ) -> list[Happening] | None:
@@ -81,8 +70,7 @@ def alternating(
     None unless they fit the sides of the extrema.
     """
     root = places.root[first:]
-    near = ~(np.abs(places.values[0, first:]) > places.noise[first:])
-    if end.near or not side or not np.array_equal(near, root):
+    if end.near or not side or not np.array_equal(places.near[first:], root):
         return None
     if not places.steep[first:][root].all():
         return None
@@ -102,16 +90,17 @@ def alternating(
 
 
 class Decision:
-    """One pass over places in order of time, from a standing on up to an end.
+    """One pass over places in order of time, from the start up to an end.
 
     ``way``: -1 for a run backward in time.  ``alike``: within so many ulps, of this size, two zeros
     of one slope are one.  ``found``: what happens; ``complete``: whether nothing is lost.
+    Meanwhile, ``side``: where the expression was last for certain; ``since``: the place that
+    witnessed it, -1 for the start.  ``starting``: it has not left its noise yet.
     """
 
     def __init__(
         self,
         places: Places,
-        before: Standing,
         start: End,
         end: End,
         way: int,
@@ -120,31 +109,25 @@ class Decision:
     ) -> None:
         self.places, self.start, self.end, self.search = places, start, end, search
         self.way, self.alike = way, alike
-        self.side, self.since, self.starting = before
+        self.side, self.since, self.starting = start.side, -1, start.near
         self.found: list[Happening] = []
         self.inside: list[int] = []  # places within their noise since the last witness
         self.last: int | None = None  # the last plain zero
         self.complete = True
         self._run()
 
-    @property
-    def standing(self) -> Standing:
-        """The standing at the end."""
-        return Standing(self.side, self.since, self.starting)
-
     def _run(self) -> None:
         places, count = self.places, len(self.places.ahead)
-        near = ~(np.abs(places.values[0]) > places.noise)
+        near = places.near
         known = np.isfinite(places.values[0])
         signs = np.sign(places.values[:2])
         quick = True
-        for i in range(self.since + 1, count):
+        for i in range(count):
             if quick and not self.starting:
                 quick = False
                 plain = alternating(places, i, self.side, self.end, self.way)
                 if plain is not None:
                     self.found += plain
-                    self.side, self.since = self.end.side, count - 1
                     return
             if not known[i]:
                 continue
@@ -193,7 +176,6 @@ class Decision:
             return
         if not self.end.near:
             self._witness(count, self.end.side)
-            self.since = count - 1
         elif self.inside and not self.starting:
             self._happens_inside(0)
         elif self.side and self.end.place.steep[0] and not self.starting:

@@ -23,18 +23,6 @@ from polhode.taylor.events.magnitudes import middle_axis
 TIME = constant(lambda: hy.make_vars("t"))
 
 
-def event_expression(
-    scene: Scene, event: Event, number: NumberType, variables: Sequence[Expression]
-) -> Expression:
-    """An event's expression in the variables of a run (of its form and more) and :data:`TIME`."""
-    form, constant = equations(scene), typed_constant(number)
-    k = {name: constant(x) for name, x in form.coefficients.items()}
-    exactly_turned = kinematics.turn_coefficients(form.axes)
-    turn = {name: constant(x) for name, x in exactly_turned.items()}
-    values = variables[: len(form.variables)]
-    return value_of(scene, event, values, TIME, (k, turn), constant, heyoka_numbers.EXPRESSIONS)
-
-
 def typed_constant(number: NumberType) -> Callable[[Number], Expression]:
     """What makes a number a constant of heyoka's, rounded once to a number type."""
     return lambda x: hy.expression(heyoka_numbers.scalar(x, number))
@@ -45,7 +33,7 @@ def value_of(
     event: Event,
     variables: Sequence[Scalar],
     clock: Scalar,
-    numbers: tuple[Mapping[str, Scalar], Mapping[str, Scalar]],
+    numbers: Mapping[str, Scalar],
     constant: Callable[[Number], Scalar],
     fn: Functions,
 ) -> Scalar:
@@ -54,12 +42,14 @@ def value_of(
     ``numbers``: the form's coefficients, and the turn from its axes to the scene's.  ``constant``:
     a number as such a scalar.
     """
-    form, (k, turn) = equations(scene), numbers
-    vectors = form.state(variables, k, fn)
+    vectors = equations(scene).state(variables, numbers, fn)
     if event.expression is None:
         return _along_the_middle_axis(scene, vectors[0], constant)
     columns = [
-        x for vector in vectors if vector for x in kinematics.in_scene_axes(vector, turn, fn.zero)
+        x
+        for vector in vectors
+        if vector
+        for x in kinematics.in_scene_axes(vector, numbers, fn.zero)
     ]
     if scene.time_unit:
         unit = Fraction(2) ** scene.time_unit
@@ -91,7 +81,7 @@ def rate(
     return sum((hy.diff(value, x) * dx for x, dx in terms), hy.diff(value, TIME))
 
 
-def jet(
+def derivatives(
     values: Sequence[Expression],
     variables: Sequence[Expression],
     rates: Sequence[Expression],

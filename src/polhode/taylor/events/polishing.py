@@ -7,17 +7,20 @@ where zeros lie together, and at extrema, in the form that converges at multiple
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
 
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Booleans, Flat, Indices
+from polhode.numbers.rows import Booleans, Flat, Indices, Integers
 from polhode.numbers.scalars import Scalar
 from polhode.taylor.backend.heyoka_numbers import array, as_fraction, scalar
-from polhode.taylor.events.jets import Jet, Marks
+from polhode.taylor.events.jets import Jet, Marks, joined_marks
+
+#: What a mark is near to: a zero of the expression, of its rate, a zero of both, or nothing.
+ZEROS, EXTREMA, MULTIPLE, ENDS = range(4)
 
 #: How far a zero may be from where heyoka met it, in the run's unit.
 _NEAR = Fraction(1, 1000)
@@ -29,9 +32,11 @@ _FLAT = 2.0**-7
 
 _SMALL, _SHIFT = 2.0**-300, 300
 
+_NOWHERE = np.empty((4, 0)), np.empty(0)
+
 
 class Places(NamedTuple):
-    """Polished zeros of an expression (``root``) and extrema, in order of time.
+    """Polished zeros of an expression (``root``) and extrema.
 
     ``ahead``: the time since the start in the direction of the run, numbers of the run's type.
     ``values`` (4, n): the expression and its derivatives divided by BAND u, plain numbers of numpy;
@@ -51,54 +56,56 @@ class Places(NamedTuple):
 
     def those(self, which: Booleans | Indices | list[int]) -> Places:
         """Some of them."""
-        return Places(
-            self.marks.those(which),
-            self.ahead[which],
-            self.values[:, which],
-            self.noise[which],
-            self.root[which],
-            self.steep[which],
-            self.reach[which],
-            self.width[which],
-        )
+        return Places._make([self.marks.those(which), *(a[..., which] for a in self[1:])])
+
+    @property
+    def order(self) -> Indices:
+        """Their order in time."""
+        order: Indices = np.argsort(self.ahead, kind="stable")
+        return order
+
+    @property
+    def near(self) -> Booleans:
+        """Where the expression is within its noise of zero, or nothing is known of it."""
+        near: Booleans = ~(np.abs(self.values[0]) > self.noise)
+        return near
 
 
-#: The rounding error of the expression at columns and times, see taylor/events/roundoff.py.
-Noise = Callable[[Flat, Flat], Flat]
-
-
-def polished(jet: Jet, met: Sequence[Marks], band: Fraction, noise: Noise, way: int) -> Places:
+def polished(jet: Jet, met: Sequence[Marks], ends: Marks, way: int) -> tuple[Places, Places]:
     """The places that heyoka has met: zeros of the expression, and zeros of its rate.
 
-    ``band``: BAND u.  ``way``: -1 for a run backward in time.
+    ``way``: -1 for a run backward in time.  And the same of the motion's ``ends``, as they are.
     """
-    roots, extrema = met
+    kinds = np.repeat([ZEROS, EXTREMA, ENDS], [*(len(marks.time) for marks in (*met, ends))])
     with np.errstate(all="ignore"):
-        roots = refined(jet, roots, "zeros")
-        first = places(jet, roots, band, noise, way, True)
-        if not first.steep.all():
-            multiple = refined(jet, roots.those(~first.steep), "multiple")
-            second = places(jet, multiple, band, noise, way, True)
-            second.steep[:] = False
-            first = joined([first.those(first.steep), second])
-        extrema = refined(jet, extrema, "extrema")
-    both = joined([first, places(jet, extrema, band, noise, way, False)])
-    return both.those(np.argsort(both.ahead, kind="stable"))
+        marks = joined_marks([refined(jet, joined_marks(met), kinds[kinds != ENDS]), ends])
+        root = kinds != EXTREMA
+        every = places(jet, marks, way, root)
+        found, last = every.those(kinds != ENDS), every.those(kinds == ENDS)
+        multiple = (kinds[kinds != ENDS] == ZEROS) & ~found.steep
+        if multiple.any():
+            flat = found.marks.those(multiple)
+            flat = refined(jet, flat, np.full(len(flat.time), MULTIPLE))
+            flatter = places(jet, flat, way, found.root[multiple])
+            flatter.steep[:] = False
+            plain = found.those(found.root & ~multiple)
+            found = joined([plain, flatter, found.those(~found.root)])
+    return found, last
 
 
-def refined(jet: Jet, marks: Marks, kind: str) -> Marks:
+def refined(jet: Jet, marks: Marks, kinds: Integers) -> Marks:
     """The same by some rounds of Newton's method, or Schroeder's, for multiple zeros."""
     converged = Fraction(1, 1 << (jet.number.bits // 2 + 6))  # the error is its square
     zero, near, small = (scalar(x, jet.number) for x in (Fraction(0), _NEAR, converged))
-    going = np.ones(len(marks.time), dtype=bool)  # no last bit depends on neighbours
-    for _ in range(_ROUNDS if len(marks.time) else 0):
+    going = np.ones(len(kinds), dtype=bool)  # no last bit depends on neighbours
+    extrema, multiple = kinds == EXTREMA, kinds == MULTIPLE
+    for _ in range(_ROUNDS if going.any() else 0):
         value, rate, bend, third = jet.at(marks)
-        if kind == "zeros":
-            step = -value / rate
-        elif kind == "extrema":
-            step = -rate * bend / (bend * bend - rate * third)
-        else:
-            step = -value * rate / (rate * rate - value * bend)
+        step = -value / rate
+        if extrema.any():
+            step[extrema] = (-rate * bend / (bend * bend - rate * third))[extrema]
+        if multiple.any():
+            step[multiple] = (-value * rate / (rate * rate - value * bend))[multiple]
         step[~(going & (abs(step) < near))] = zero
         marks = jet.moved(marks, step)
         going = abs(step) > small
@@ -107,16 +114,11 @@ def refined(jet: Jet, marks: Marks, kind: str) -> Marks:
     return marks
 
 
-def places(jet: Jet, marks: Marks, band: Fraction, noise: Noise, way: int, root: bool) -> Places:
-    """What rounding leaves certain at some marks."""
-    count = len(marks.time)
+def places(jet: Jet, marks: Marks, way: int, root: Booleans) -> Places:
+    """What rounding leaves certain at some marks; ``root``: at which of them a zero was met."""
     ahead = marks.since_start if way > 0 else -marks.since_start
-    unit = scalar(band, jet.number)
-    if count:
-        values = plain(jet.at(marks) / unit, jet.number)
-        error = noise(plain(marks.columns, jet.number), plain(marks.since_start, jet.number))
-    else:
-        values, error = np.empty((4, 0)), np.empty(0)
+    count = len(marks.time)
+    values, error = (jet.relative(marks), jet.noise(marks)) if count else _NOWHERE
     with np.errstate(all="ignore"):
         value, rate, bend, third = np.abs(values)
         across = 2 * (error + value) / rate
@@ -124,13 +126,10 @@ def places(jet: Jet, marks: Marks, band: Fraction, noise: Noise, way: int, root:
         reach = 2 * _half_width(values, error)
         width = 4 * _half_width(values, error + value)
         certain = error / rate / 16
-    flat = np.flatnonzero(~steep & ~(width < 4 * _FLAT))
+    flat = np.flatnonzero(~steep & ~(width < 4 * _FLAT) & ~(value > error))
     if len(flat):
-        width[flat] = _sought(jet.those(flat), marks.those(flat), unit, error[flat])
-    return Places(
-        *(marks, ahead, values, error),
-        *(np.full(count, root), steep, reach, np.where(steep, certain, width)),
-    )
+        width[flat] = _sought(jet.those(flat), marks.those(flat), error[flat])
+    return Places(marks, ahead, values, error, root, steep, reach, np.where(steep, certain, width))
 
 
 def _half_width(values: Flat, height: Flat) -> Flat:
@@ -142,14 +141,14 @@ def _half_width(values: Flat, height: Flat) -> Flat:
     return least
 
 
-def _sought(jet: Jet, marks: Marks, unit: Scalar, error: Flat) -> Flat:
+def _sought(jet: Jet, marks: Marks, error: Flat) -> Flat:
     """How far from a place the expression stays within twice its noise, by looking."""
     found = np.full(len(error), _WIDTHS[-1], dtype=error.dtype)
     open_still = np.ones(len(error), dtype=bool)
     for width in _WIDTHS:
         step: Scalar = array([scalar(Fraction(width), jet.number)] * len(error), jet.number)
         for side in (step, -step):
-            value = plain(jet.at(jet.moved(marks, side))[0] / unit, jet.number)
+            value = jet.relative(jet.moved(marks, side))[0]
             out = open_still & (np.abs(value) > 2 * error)
             found[out] = width
             open_still &= ~out
@@ -158,29 +157,14 @@ def _sought(jet: Jet, marks: Marks, unit: Scalar, error: Flat) -> Flat:
     return found
 
 
-def plain(values: Scalar, number: NumberType) -> Flat:
-    """Numbers of a run's type as numpy's own: doubles of doubles, else longdoubles."""
-    if number.flat:
-        found: Flat = np.asarray(values)
-        return found
-    several = np.array([np.longdouble(str(x)) for x in values.ravel().tolist()], np.longdouble)
-    return several.reshape(values.shape)
-
-
 def joined(parts: Sequence[Places]) -> Places:
     """Several lists as one, in this order."""
     parts = [part for part in parts if len(part.ahead)] or parts[:1]
     if len(parts) == 1:
         return parts[0]
-    high, low, time, rest = (
-        np.concatenate(x) for x in zip(*(p.marks[:4] for p in parts), strict=True)
-    )
-    columns = np.concatenate([p.marks.columns for p in parts], axis=1)
-    marks = Marks(high, low, time, rest, columns)
-    ahead = np.concatenate([p.ahead for p in parts])
-    values = np.concatenate([p.values for p in parts], axis=1)
-    more = (np.concatenate(x) for x in zip(*(p[3:] for p in parts), strict=True))
-    return Places(marks, ahead, values, *more)
+    marks = joined_marks([part.marks for part in parts])
+    more = [np.concatenate(arrays, axis=-1) for arrays in zip(*(p[1:] for p in parts), strict=True)]
+    return Places._make([marks, *more])
 
 
 def exact_times(times: Scalar, time_unit: int, number: NumberType) -> tuple[Fraction, ...]:

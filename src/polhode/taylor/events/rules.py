@@ -11,7 +11,7 @@ from polhode.numbers.number_types import NumberType
 from polhode.scenes.scene import Scene
 from polhode.taylor.events.callbacks import is_entire
 from polhode.taylor.events.magnitudes import sign_at_start, size_of
-from polhode.taylor.events.roundoff import BAND, RoundingErrors
+from polhode.taylor.events.roundoff import BAND
 
 
 class Rules:
@@ -19,8 +19,8 @@ class Rules:
 
     ``start``: the exact signs of the expressions at t = 0.  ``asked``: whether heyoka asks after
     each step.  ``damping``: powers of two by which heyoka sees the expressions smaller.  ``band``:
-    a rounding error of 1, times BAND; ``errors``: those of the expressions.  ``still``: the state
-    never changes, and the events do choose the steps.
+    a rounding error of 1, times BAND.  ``still``: the state never changes, and the events do choose
+    the steps.
     """
 
     def __init__(
@@ -31,7 +31,6 @@ class Rules:
         self.asked = any(e.stop or not is_entire(scene, e) for e in scene.events)
         eps = max(number.eps, tolerance or ZERO)
         self.band = BAND * eps / 2
-        self.errors = RoundingErrors(scene, number, eps / 2, still)
         small = Fraction(1)
         if not still:
             small = Fraction(2) ** -(((1 / eps).numerator.bit_length() - 1) // 2)

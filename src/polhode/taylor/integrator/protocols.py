@@ -6,7 +6,7 @@ watcher; none of the three reaches for one through another.  No heyoka is needed
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from fractions import Fraction
 from typing import Protocol
 
@@ -60,12 +60,12 @@ class Watcher(Protocol):
         self,
         variables: Sequence[Expression],
         rates: Sequence[Expression],
-        known: Sequence[Expression],
+        pattern: Mapping[str, Expression],
     ) -> tuple[list[HeyokaEvent], Desk]:
         """heyoka's events for an integrator about to be built, in its variables; and their desk.
 
         ``rates``: with the integrator's parameters, which its events share with its equations.
-        ``known``: the same rates with the parameters of the desk's functions.
+        ``pattern``: those of the desk's functions, by the names of the coefficients.
         """
 
     def sit_down(self, desk: Desk, numbers: Array) -> None:

@@ -138,7 +138,7 @@ def built(
     stepped = list(zip(x, rates, strict=True))
     if equations.tangents:
         stepped += _tangents(equations, field, x, rates)
-        options["compact_mode"] = not equations.lanes
+        options["compact_mode"] = not equations.lanes or equations.tangents > 1
     else:
         kept = tuple(i for i, rate in enumerate(rates) if rate == EXPRESSIONS.zero)
         inside = list(x)
@@ -149,7 +149,8 @@ def built(
         options["tol"] = scalar(equations.tolerance, number)
     with disk_cache(number):
         if watcher is not None:
-            events, desk = watcher.attach(x, rates, field(x, equations.coefficients(DESK)))
+            parameters = {name: hy.par[i] for i, name in enumerate(pattern, DESK)}
+            events, desk = watcher.attach(x, rates, parameters)
             options["nt_events"] = events
             options |= compact_beyond(LONG, [event.expression for event in events])
         if system is not None:

@@ -1,15 +1,14 @@
 """Variational equations of the Euler–Poisson equations (3.29), by heyoka, in double.
 
-Beside the state x, tangents v obey v' = J(x) v, or v' = J(x) v + s·f where f is the field's change
-when an input of the body changes; J by symbolic differentiation.  The equations are compiled once
-for any body: their numbers are parameters.  Tangents are linear, so they may be scaled at any time:
-s carries the scale of those that are driven.
+Beside the state x, tangents v obey v' = J(x) v, J by symbolic differentiation.  The equations are
+compiled once for any body: their numbers are parameters.  Tangents are linear, so they may be
+scaled at any time.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -29,37 +28,21 @@ class Variations:
     """A state in principal axes and tangents to it, marched together.
 
     ``coefficients``: of :mod:`polhode.equations.forms.principal`; ``start``: six doubles;
-    ``tangents``: shape (6, n), of which the last ``len(drives)`` are driven by these
-    changes of the coefficients.  ``exponent``: the tangents are 2**exponent times what is kept.
+    ``tangents``: shape (6, n).  ``exponent``: the tangents are 2**exponent times what is kept.
     """
 
     def __init__(
-        self,
-        coefficients: Mapping[str, Number],
-        start: Doubles,
-        tangents: Doubles,
-        drives: Sequence[Mapping[str, Number]] = (),
+        self, coefficients: Mapping[str, Number], start: Doubles, tangents: Doubles
     ) -> None:
-        count = tangents.shape[1]
-        equations = Equations(STATE, principal.NAMES, tangents=count, driven=len(drives))
+        equations = Equations(STATE, principal.NAMES, tangents=tangents.shape[1])
         self._ready = principal_engine(equations, Engine)
-        self._pars = np.array(
-            [
-                to_double(by.get(name, 0))
-                for by in (coefficients, *drives)
-                for name in principal.NAMES
-            ]
-        )
+        numbers = np.array([to_double(coefficients.get(name, 0)) for name in principal.NAMES])
         self.exponent = self.steps = 0
-        self._ready.stand(np.concatenate([start, tangents.T.ravel()]), self._pars)
+        self._ready.stand(np.concatenate([start, tangents.T.ravel()]), numbers)
 
     def release(self) -> None:
         """Leave the compiled code to the next motion; the last call of all."""
         self._ready.release()
-
-    def restart(self, tangents: Doubles) -> None:
-        """Begin with other tangents where the state stands."""
-        self._tangents[:] = tangents.T
 
     @property
     def time(self) -> float:
@@ -108,5 +91,3 @@ class Variations:
         by = math.frexp(largest)[1]
         self._tangents[:] = np.ldexp(self._tangents, -by)
         self.exponent += by
-        driven = len(principal.NAMES)
-        self._ready.parameters[driven:] = np.ldexp(self._pars[driven:], -self.exponent)

@@ -7,6 +7,7 @@ equations' coefficients k in units u of their own, go over into
 
 all in principal axes and the scene's own unit of time.  Stretches are short enough that a double
 holds each Phi; products of them are taken by :mod:`polhode.judging.conditioning.rounding_errors`.
+Where a run leads to is where the next stretch begins, so that the lanes of a batch have one each.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
@@ -24,20 +26,22 @@ from polhode.equations.equilibrium import at_rest
 from polhode.equations.forms import principal
 from polhode.equations.system import System, system
 from polhode.motion.outcomes import Outcome
-from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles
 from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend import defaults
+from polhode.taylor.batches.compiled_batch import LANES, CompiledBatch, in_lanes
 from polhode.taylor.integrator.prepared_system import PreparedSystem
+from polhode.taylor.integrator.specification import Equations, principal_engine
 from polhode.taylor.integrator.stepping import Integrator
-from polhode.taylor.variations.equations import Variations
 from polhode.taylor.variations.reference_trajectory import Leader, pendulum, six
 
 STRIDES = (1.0, 8.0)  # units of the scene's own time a stretch: at least, at most
 MOST_STRETCHES = 4000  # of the shortest
 _TRIED = 20_000  # steps after which it is seen that no output is within reach
-_DOUBLES_TRUE = 8.0  # log10 of |Phi| up to which the motion in double is the scene's to 7 digits
+_BLOCK = 8 * LANES  # stretches that are followed before anybody asks how much errors have grown
 
 
 class Stretch(NamedTuple):
@@ -94,57 +98,101 @@ class Passage:
 def passage(scene: Scene, max_steps: int = 400_000, until: float = math.inf) -> Passage:
     """The stretches of a scene's motion to its output times.
 
-    Once the motion in double is no longer the scene's, it is led along one in a wider type.
-    ``max_steps``: of about 35 µs; where not even the first output is within them, some are taken.
-    ``until``: log10 of |Phi| of the whole way beyond which nothing is wanted; the passage ends
-    there without a note.
+    Each begins where a run in double leads to or, once that is no longer the scene's motion, one
+    in a wider type.  ``max_steps``: of the tangents, of about 10 µs; where not even the first
+    output is within them, some are taken.  ``until``: log10 of |Phi| of the whole way beyond which
+    nothing is wanted; the passage ends there without a note.
     """
     unit = 2.0**scene.time_unit
     outputs = tuple(to_double(t / Fraction(2) ** scene.time_unit) for t in scene.times)
     plain = system(replace(scene, form="principal"), ())
-    start = six(plain.start)
-    w = float(np.linalg.norm(start[:3])) or pendulum(scene)
+    time, state = 0.0, six(plain.start)
+    w = float(np.linalg.norm(state[:3])) or pendulum(scene)
     sizes = np.array([w, w, w, 1.0, 1.0, 1.0])
-    units = np.array(coefficient_units(scene))
-    used = np.flatnonzero(units)  # of a free body three: the fewer tangents, the shorter it takes
-    tangents = np.hstack([np.diag(sizes), np.zeros((6, len(used)))])
-    drives = [{principal.NAMES[k]: exactly(units[k])} for k in used]
-    flow = Variations(plain.coefficients, start, tangents, drives)
-    leader: Leader | None = None
+    leader, tangents = Leader(plain), _Tangents(plain, sizes, np.array(coefficient_units(scene)))
     still = at_rest(scene).state
     found: list[Stretch] = []
-    whole, height, before, note = np.eye(6), 0.0, 0, ""
+    whole, height, steps, note = np.eye(6), 0.0, 0.0, ""
     nearest = min((abs(t) for t in outputs if t), default=0.0)
-    for t in _moments(outputs):
-        flow.restart(tangents)
-        if flow.steps > _TRIED and 2 * abs(flow.time) * max_steps < nearest * flow.steps:
-            note = f"not followed beyond t = {flow.time * unit:.3g}: more than {max_steps} steps"
-            break
-        if not (t == 0 or flow.to(t, max_steps - flow.steps)) or not flow.finite:
-            more = flow.steps >= max_steps
-            why = f"more than {max_steps} steps" if more else "not finite in double"
-            note = f"not followed beyond t = {flow.time * unit:.3g}: {why}"
-            break
-        if still:
-            flow.state = start
-        elif leader is not None:
-            flow.state = leader.at(t, height)
-        carried = flow.tangents[:, :6] / sizes
-        driven = np.zeros((6, len(units)))
-        driven[:, used] = flow.tangents[:, 6:]
-        found.append(Stretch(t, flow.state.copy(), flow.steps - before, carried, driven))
-        before = flow.steps
-        whole = carried @ whole
-        largest = float(np.max(np.abs(whole / sizes[:, None] * sizes)))
-        height += math.log10(largest)
-        whole /= largest
-        if height > until:
-            break
-        if leader is None and not still and height > _DOUBLES_TRUE:
-            leader = Leader(plain)
-            flow.state = leader.at(t, height)
-    flow.release()
+    moments = _moments(outputs)
+    ahead = [*islice(moments, _BLOCK)]
+    while ahead and not note and height <= until:
+        states = np.tile(state, (len(ahead), 1)) if still else leader.rows(ahead, height)
+        begun, known = np.vstack([state, states[:-1]]), len(found)
+        parts = tangents.over(begun, np.diff([time, *ahead]), max_steps - int(steps))
+        for t, reached, (carried, driven, taken) in zip(ahead, states, parts, strict=True):
+            if steps > _TRIED and 2 * abs(time) * max_steps < nearest * steps:
+                taken = math.inf
+            if steps + taken > max_steps or not np.isfinite(carried).all():
+                more = steps + taken > max_steps
+                why = f"more than {max_steps} steps" if more else "not finite in double"
+                note = f"not followed beyond t = {time * unit:.3g}: {why}"
+                break
+            time, state, steps = t, reached, steps + taken
+            found.append(Stretch(t, reached, taken, carried, driven))
+            whole = carried @ whole
+            largest = float(np.max(np.abs(whole / sizes[:, None] * sizes)))
+            height += math.log10(largest)
+            whole /= largest
+            if height > until:
+                break
+            if not (still or leader.holds(height)):
+                state = leader.at(t, height)
+                break
+        ahead = ahead[len(found) - known :] or [*islice(moments, _BLOCK)]
+    leader.release()
+    tangents.release()
     return Passage(scene, outputs, tuple(_with_plain_steps(found, plain)), note)
+
+
+class _Tangents:
+    """Phi and U over stretches, as many at a time as a batch has lanes.
+
+    ``sizes``: of the components of the state, for the choice of steps.  ``units``: of the
+    coefficients, 0 for those that have no tangent: the fewer there are, the shorter it takes.
+    """
+
+    def __init__(self, plain: System, sizes: Doubles, units: Doubles) -> None:
+        self._sizes, self._units = sizes, units
+        self._used = np.flatnonzero(units)
+        count = len(self._used)
+        equations = Equations(STATE, principal.NAMES, tangents=6 + count, driven=count, lanes=LANES)
+        self._ready = principal_engine(equations, CompiledBatch)
+        columns = np.hstack([np.diag(sizes), np.zeros((6, count))])
+        self._start = np.repeat(columns.T.ravel()[:, None], LANES, axis=1)
+        numbers = [to_double(plain.coefficients.get(name, 0)) for name in principal.NAMES]
+        drives = np.diag(units)[self._used]
+        self._numbers = np.concatenate([numbers, drives.ravel()])[:, None]
+
+    def over(
+        self, starts: Doubles, lengths: Doubles, most: int
+    ) -> Iterator[tuple[Doubles, Doubles, float]]:
+        """Phi, U and the steps of stretches from states on, of such lengths.
+
+        Each in at most so many steps, infinitely many where they do not suffice; nan where it is
+        not finite.
+        """
+        order = np.argsort(np.abs(lengths))
+        columns, steps = np.empty((len(order), 6, 6 + len(self._used))), np.empty(len(order))
+        batches = in_lanes(starts[order]), in_lanes(lengths[order, None])
+        for k, (state, length) in enumerate(zip(*batches, strict=True)):
+            self._ready.stand(np.concatenate([state, self._start]), self._numbers)
+            ended = self._ready.in_blocks(length[0].tolist(), most)
+            here = order[k * LANES : (k + 1) * LANES]
+            lanes = self._ready.state[6:].reshape(-1, 6, LANES).transpose(2, 1, 0)
+            columns[here] = lanes[: len(here)]
+            short = [
+                outcome in (Outcome.STEP_LIMIT, Outcome.STEP_UNDERFLOW)
+                for outcome in ended.outcomes
+            ]
+            steps[here] = np.where(short, math.inf, ended.steps)[: len(here)]
+        driven = np.zeros((len(order), 6, len(self._units)))
+        driven[:, :, self._used] = columns[:, :, 6:]
+        yield from zip(columns[:, :, :6] / self._sizes, driven, steps.tolist(), strict=True)
+
+    def release(self) -> None:
+        """Leave the compiled code to the next motion; the last call of all."""
+        self._ready.release()
 
 
 def _with_plain_steps(found: list[Stretch], plain: System) -> list[Stretch]:

@@ -29,7 +29,6 @@ from polhode.closed_forms.balls.quadrature import Pair
 from polhode.closed_forms.balls.theta2 import Theta2, added
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.branch_points import branch_points
-from polhode.closed_forms.kovalevskaya.motion import speed_bound
 from polhode.closed_forms.kovalevskaya.theta.jacobian import Jacobian
 from polhode.closed_forms.kovalevskaya.theta.separation import places
 from polhode.common.cached_property import cached_property
@@ -112,7 +111,7 @@ class ThetaState:
     @cached_property
     def speed(self) -> arb:
         """A bound of |w|."""
-        return speed_bound(self.start)
+        return self.start.speed_bound()
 
     def at(self, t: arb) -> list[arb]:
         """p, q, r, G1, G2, G3."""

@@ -1,0 +1,175 @@
+"""Tables of columns: what their names and cells mean, wherever they come from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence, Set
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+from polhode.common.arguments import each
+from polhode.common.errors import BadInput, nearest
+from polhode.judging.tables.attitude_forms import Cells, with_quaternions
+from polhode.judging.tables.column_aliases import Column, known, not_judged, twice
+from polhode.judging.tables.naming import PLAIN, Naming
+from polhode.judging.tables.reading import degree
+from polhode.judging.tables.table import Table
+from polhode.judging.tables.type_inference import of_decimals, of_type, type_of
+from polhode.numbers.conversion import exact_number, exactly
+from polhode.numbers.number_types import DOUBLE, NumberType, bits_for, mp
+from polhode.numbers.scalars import AnyNumber, AnyVector
+
+NAMING = "--columns 'NAME=COLUMN, ...' (in Python columns=[...])"
+MOST_PRINTED = 60  # digits that rows of exact numbers are counted as
+MOST_DIGITS = 1000.0  # that are told of a table
+
+
+def table_of_rows(
+    states: Iterable[AnyVector],
+    at: Iterable[AnyNumber] | None,
+    columns: Sequence[str],
+    number: NumberType | None = None,
+) -> Table:
+    """Rows of numbers as a table; raises BadInput.  ``number``: their type, where it is not plain.
+
+    Floats, of Python or of an array, say so themselves; other numbers without ``number`` are exact.
+    """
+    at = at if at is None or hasattr(at, "dtype") or not isinstance(at, Iterable) else list(at)
+    times = each("compare", "at", () if at is None else at, _exactly, "a list of times")
+    try:
+        rows = [list(row) for row in states]
+    except TypeError as fault:
+        expected = f"a run, a file, columns by name or rows of finite numbers ({fault})"
+        raise BadInput("compare", "states", None, expected) from None
+    if at is None or len(times) != len(rows) or not rows:
+        raise BadInput("compare", "at", len(times), f"a time for each of {len(rows)} rows")
+    judged = [name for name in known()[1:] if name not in not_judged()]
+    for name in each("compare", "columns", columns, str, "a list of names"):
+        if name not in judged:
+            raise BadInput("compare", "columns", name, nearest(name, judged))
+    # Here, since of two columns of one name a mapping keeps the last.
+    refuse_names("compare", "columns", columns, PLAIN.columns(columns))
+    if any(len(row) != len(columns) for row in rows):
+        expected = f"{len(columns)} numbers in each row: {', '.join(columns)}"
+        raise BadInput("compare", "states", None, expected)
+    named = dict(zip(columns, zip(*rows, strict=True), strict=True))
+    return replace(table_of_columns({"t": at, **named}, number), name="states")
+
+
+def table_of_columns(
+    given: Any,
+    number: NumberType | None = None,
+    source: str = "compare",
+    names: Naming = PLAIN,
+) -> Table:
+    """Columns by name as a table: a mapping, a pandas DataFrame, an xarray Dataset.
+
+    ``source``: what complaints name.  ``names``: what was said of single names.
+
+    Names are those of a file's header; the time may be a DataFrame's index.  Columns of floats
+    are known as such; nan, NaT and None are empty cells.  Raises BadInput.
+    """
+    if hasattr(given, "iloc"):  # a DataFrame
+        if not hasattr(given, "columns"):
+            expected = "columns by name, t among them: a DataFrame, not one Series"
+            raise BadInput(source, "columns", type(given).__name__, expected)
+        if names.columns([str(given.index.name)])[0].name == "t":
+            given = given.reset_index()
+        held = {str(name): given[name].to_numpy() for name in given.columns}
+    else:
+        present = [*getattr(given, "coords", ()), *given.keys()]
+        held = {str(name): getattr(given[name], "values", given[name]) for name in present}
+    header = [*held]
+    named = names.columns(header)
+    clocks = [(name, one) for name, one in zip(header, named, strict=True) if one.name == "t"]
+    if not clocks:
+        expected = f"a column t among them, or {NAMING} that names it"
+        raise BadInput(source, "columns", ",".join(header), expected)
+    refuse_names(source, "columns", header, named)
+    if number is None:
+        judged = zip(header, named, strict=True)
+        number = type_of(held[name] for name, one in judged if one.name not in (None, "t"))
+    cells = [
+        None if one.name is None else each(source, name, held[name], _cell, "a column of numbers")
+        for name, one in zip(header, named, strict=True)
+    ]
+    printed = number.printed_digits if number else MOST_PRINTED
+    found = table_of_cells(source, header, named, cells, printed, number)
+    factors = {one.factor for _, one in clocks}
+    errors = _errors(found.times, [held[name] for name, _ in clocks], factors)
+    return replace(found, name="columns" if source == "compare" else source, time_errors=errors)
+
+
+def table_of_cells(
+    source: str,
+    header: Sequence[str],
+    named: Sequence[Column],
+    cells: Sequence[Cells | None],
+    printed: int,
+    number: NumberType | None,
+) -> Table:
+    """What cells mean by their columns' names: in the scene's units, one column of each name.
+
+    ``cells``: of each column; None of one that is not known.  Raises BadInput for a row without a
+    time.
+    """
+    found: dict[str, Cells] = {}
+    for (name, degrees, factor, is_part), column in zip(named, cells, strict=True):
+        if name is None or column is None:
+            continue
+        if degrees or factor != 1:
+            scale = factor * degree() if degrees else factor
+            column = tuple(x and x * scale for x in column)
+        found[name] = _sums(found[name], column) if is_part and name in found else column
+    times = [t for t in found.pop("t") if t is not None]
+    if not times or any(len(column) != len(times) for column in found.values()):
+        expected = "columns as long as t, with a time in each row"
+        raise BadInput(source, "columns", ",".join(header), expected)
+    ignored = tuple(name for name, one in zip(header, named, strict=True) if one.name is None)
+    found, signless = with_quaternions(found, bits_for(printed))
+    yardstick = number or (DOUBLE if printed <= DOUBLE.printed_digits else mp(printed))
+    told = number.most_digits if number else min(printed + 2.0, MOST_DIGITS)
+    held = min(told, yardstick.most_digits)
+    return Table(
+        source, tuple(times), found, yardstick, held, printed, ignored=ignored, signless=signless
+    )
+
+
+def _sums(one: Cells, other: Cells) -> Cells:
+    """Columns that are parts of one, cell by cell."""
+    pairs = zip(one, other, strict=True)
+    return tuple(None if x is None or y is None else x + y for x, y in pairs)
+
+
+def refuse_names(source: str, key: str, header: Sequence[str], named: Sequence[Column]) -> None:
+    """Raise BadInput for a column that is there twice, or a header with no column to judge."""
+    if (name := twice(named)) is not None:
+        both = [f"{of!r}" for of, meant in zip(header, named, strict=True) if meant.name == name]
+        expected = f"each column once ({', '.join(both)}), or {NAMING} that chooses one"
+        raise BadInput(source, key, name, expected)
+    if all(meant.name in (None, "t") for meant in named):
+        expected = f"columns besides t that can be judged, of {', '.join(known()[1:])}"
+        raise BadInput(
+            source, key, ",".join(header), f"{expected}; or {NAMING} that translates names"
+        )
+
+
+def _errors(
+    times: Sequence[Fraction], given: Sequence[Any], factors: Set[Fraction]
+) -> tuple[float, ...]:
+    """By how much times may be off that were given so: in floats, or in units of a clock."""
+    number = type_of(given)
+    if len(factors) > 1 or number is None:  # of whole seconds and nanoseconds: exact
+        return of_decimals(times, min(map(abs, factors))) if min(factors) < 1 else ()
+    return of_type(times, number)
+
+
+def _cell(value: Any) -> Fraction | None:
+    """A cell's exact number, None where it is empty."""
+    if value is None or value != value:
+        return None
+    return _exactly(value)
+
+
+def _exactly(value: Any) -> Fraction:
+    return exactly(exact_number(value))
