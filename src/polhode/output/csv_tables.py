@@ -7,11 +7,10 @@ from fractions import Fraction
 from pathlib import Path
 
 from polhode.common.files import check_writable, is_stream, write_whole
+from polhode.common.json_text import JsonObject, as_json
 from polhode.numbers.decimals import shortest
 from polhode.numbers.number_types import NumberType
-from polhode.output.json_object import JsonObject
-from polhode.output.json_results import as_json, rows_of_column
-from polhode.scenes.scene import Scene
+from polhode.output.json_results import rows_of_column
 from polhode.scenes.vocabulary import COLUMNS
 
 
@@ -47,12 +46,6 @@ def write_table(path: Path, rows: Iterable[Sequence[str]], beside: JsonObject) -
     """Rows as CSV and what is not in them as JSON beside it; a stream has nothing beside it."""
     texts = {path: "".join(",".join(row) + "\n" for row in rows)}
     write_whole(texts if is_stream(path) else texts | {sidecar(path): as_json(beside)})
-
-
-def columns_of(scene: Scene) -> list[str]:
-    """All columns that a run of the scene gives."""
-    asked = (found.names for word, found in COLUMNS.items() if word in scene.outputs)
-    return [*scene.columns, *(name for names in asked for name in names)]
 
 
 def rows_of(answer: JsonObject, *, short: bool = False) -> tuple[list[str], list[list[str]]]:

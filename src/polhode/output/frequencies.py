@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from polhode.common.json_text import JsonObject
 from polhode.dynamics.frequencies.frequencies import Frequencies
-from polhode.output.json_object import JsonObject
 
 
 def of_frequencies(found: Frequencies) -> JsonObject:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from polhode.common.json_text import JsonObject
 from polhode.equations.column import Texts, column, derived_words
 from polhode.judging.diagnosis.error_budget import is_lost
 from polhode.judging.references.right_rows import right_rows
@@ -18,7 +19,6 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.mpmath_context import mpmath, own
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Real
-from polhode.output.json_object import JsonObject
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.classification import kind_of_body
 from polhode.scenes.scene import Scene
@@ -242,34 +242,6 @@ def held_times(scene: Scene, times: Sequence[Exact], digits: int) -> list[Exact]
     bits = number_types.bits_for(digits + 1)
     fine = NumberType("mp", 3 * bits + 64 + int(4 * scene.at(tuple(times)).log10_angle))
     return [t if is_decimal(t) else fine.rounded(t) for t in times]
-
-
-def as_json(value: object) -> str:
-    """JSON text, ASCII: a line for each key of an object and for each row of a table."""
-    from json import dumps
-
-    return _json(value, 0, partial(dumps, ensure_ascii=True, allow_nan=False)) + "\n"
-
-
-def _json(value: object, depth: int, dumps: Callable[[object], str]) -> str:
-    inner, outer = "\n" + " " * (depth + 1), "\n" + " " * depth
-    if isinstance(value, dict) and value:
-        lines = [f"{dumps(str(k))}: {_json(v, depth + 1, dumps)}" for k, v in value.items()]
-        return "{" + inner + ("," + inner).join(lines) + outer + "}"
-    if isinstance(value, list) and value and isinstance(value[0], (list, dict)):
-        lines = [_json(v, depth + 1, dumps) for v in value]
-        return "[" + inner + ("," + inner).join(lines) + outer + "]"
-    return dumps(value)
-
-
-def frequencies(reference: Reference, digits: int = 17) -> dict[str, str | None]:
-    """Period and frequencies of a reference as decimal strings."""
-    number = NumberType("mp", number_types.bits_for(digits))
-    found: dict[str, Real | None] = {"period": reference.period, **reference.frequencies}
-    return {
-        name: None if value is None else strings([[value]], number)[0][0]
-        for name, value in found.items()
-    }
 
 
 def of_judgement(judged: Judgement) -> JsonObject:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from polhode.common.json_text import JsonObject
 from polhode.dynamics.levels.levels import Curve, Levels, Mark, topology
 from polhode.dynamics.levels.regions import Region
 from polhode.numbers.decimals import shown
 from polhode.numbers.mpmath_context import mpf
-from polhode.output.json_object import JsonObject
 
 DIGITS = 36
 
@@ -44,14 +44,14 @@ def arrays(found: Levels) -> JsonObject:
     """The arrays of an NPZ file: ``points`` (n, 2) of f and h, ``curve`` the curve of each."""
     import numpy as np
 
-    from polhode.output import json_results
+    from polhode.common import json_text
 
     counts = [len(curve.points) for curve in found.curves]
     return {
         "points": np.concatenate([curve.points for curve in found.curves]),
         "curve": np.repeat(np.arange(len(counts)), counts),
         "type": np.array([curve.type for curve in found.curves]),
-        "about": np.array(json_results.as_json(of_levels(found))),
+        "about": np.array(json_text.as_json(of_levels(found))),
     }
 
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from polhode.common.json_text import JsonObject
 from polhode.dynamics.chaos.chaos_map import ChaosMap
 from polhode.numbers.decimals import shown
-from polhode.output.json_object import JsonObject
 
 _ROWS = ("at", "cell", "verdict", "fli", "megno", "growth", "exponent", "until")
 
@@ -20,9 +20,9 @@ def arrays(found: ChaosMap) -> JsonObject:
     """The arrays of an NPZ file; ``verdict`` 0 regular, 1 undecided, 2 chaotic or unstable."""
     import numpy as np
 
-    from polhode.output import json_results
+    from polhode.common import json_text
 
-    about = json_results.as_json(_about(found) | {"provenance": dict(found.provenance)})
+    about = json_text.as_json(_about(found) | {"provenance": dict(found.provenance)})
     return {name: getattr(found, name) for name in _ROWS} | {"about": np.array(about)}
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 
+from polhode.common.json_text import JsonObject
 from polhode.dynamics.periodic_orbits import high_precision
 from polhode.dynamics.periodic_orbits.families import Bifurcation, FamilyPoint, OrbitFamily
 from polhode.dynamics.periodic_orbits.orbit import Orbit
@@ -13,7 +14,6 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import decimal_string, in_full, shown
 from polhode.numbers.exact import Exact
-from polhode.output.json_object import JsonObject
 
 
 def of_orbit(found: Orbit) -> JsonObject:
@@ -71,7 +71,7 @@ def arrays(found: OrbitFamily | OrbitSearch) -> JsonObject:
     """The arrays of an NPZ file: ``state`` (n, 6), ``h``, ``f``, ``period``, ``residue``."""
     import numpy as np
 
-    from polhode.output import json_results
+    from polhode.common import json_text
 
     family = isinstance(found, OrbitFamily)
     points = found.points if isinstance(found, OrbitFamily) else found.orbits
@@ -82,7 +82,7 @@ def arrays(found: OrbitFamily | OrbitSearch) -> JsonObject:
     }
     if family:
         del about["orbits"]
-    return held | {"about": np.array(json_results.as_json(about))}
+    return held | {"about": np.array(json_text.as_json(about))}
 
 
 def residue(found: Orbit) -> str:

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 from polhode.common.files import is_stream, npz, write_whole
 from polhode.common.interrupts import Delay
+from polhode.common.json_text import JsonObject, as_json
 from polhode.motion.outcomes import OUTCOMES
 from polhode.numbers.decimals import shown, strings
-from polhode.output import csv_tables, json_results
-from polhode.output.json_object import JsonObject
+from polhode.output import csv_tables
 from polhode.output.sweeps import values, values_of
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def arrays(found: Reductions) -> JsonObject:
         **values_of(found.varied),
         "outcomes": np.array([outcome.value for outcome in OUTCOMES])[found.endings],
         "steps": found.counts,
-        "about": np.array(json_results.as_json(about)),
+        "about": np.array(as_json(about)),
     }
 
 

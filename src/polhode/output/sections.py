@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from polhode.common import json_text
+from polhode.common.json_text import JsonObject
 from polhode.dynamics.sections.section import Section
 from polhode.numbers.decimals import shown
-from polhode.output import json_results
-from polhode.output.json_object import JsonObject
 
 if TYPE_CHECKING:
     import numpy as np
@@ -53,7 +53,7 @@ def arrays(found: Section) -> JsonObject:
         "count": found.counts,
         "outcome": np.array(found.outcomes),
         "about": np.array(
-            json_results.as_json(_about(found) | {"provenance": dict(found.provenance)})
+            json_text.as_json(_about(found) | {"provenance": dict(found.provenance)})
         ),
     }
 

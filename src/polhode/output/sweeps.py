@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from polhode.common.files import check_writable, is_stream, npz, write_whole
 from polhode.common.interrupts import Delay
+from polhode.common.json_text import JsonObject, as_json
 from polhode.equations.integrals import Drift
 from polhode.motion.outcomes import OUTCOMES
 from polhode.numbers import decimals
@@ -17,7 +18,6 @@ from polhode.numbers.decimals import in_full, shortest, shown, strings
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Stack
 from polhode.output import csv_tables, json_results
-from polhode.output.json_object import JsonObject
 from polhode.scenes.vocabulary import COLUMNS
 
 if TYPE_CHECKING:
@@ -126,7 +126,7 @@ def arrays(found: Ensemble) -> JsonObject:
         "reached": _texts(found.arrived),
         "steps": found.counts,
         "drift": found.drift,
-        "about": np.array(json_results.as_json(about)),
+        "about": np.array(as_json(about)),
     }
 
 

@@ -16,7 +16,6 @@ from polhode.common.text_tables import counted
 from polhode.numbers import number_types
 from polhode.numbers.exact import Exact
 from polhode.output import csv_tables, json_results
-from polhode.output.results import files
 from polhode.scenes import library, start_box
 from polhode.scenes.scene import Scene
 from polhode.scenes.start_box import StartBox
@@ -200,7 +199,7 @@ def _certified(box: StartBox, times: Sequence[Exact], options: Namespace) -> int
     if options.events:
         answer["events"] = [json_results.of_certified_events(event) for event in events]
     if path is not None and not certificate and found.times:
-        files.save(found, path, {k: x for k, x in answer.items() if k in _BESIDE})
+        found.save(path)
     if options.json:
         print_json(answer)
     else:

@@ -211,7 +211,7 @@ def tell_certificate(name: str, file: str) -> None:
 
 def print_json(value: Any) -> None:
     """One JSON value on stdout."""
-    from polhode.output.json_results import as_json
+    from polhode.common.json_text import as_json
 
     write_stdout(as_json(value))
 
