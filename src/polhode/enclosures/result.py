@@ -122,7 +122,7 @@ class Enclosure(Result, ByValue):
         return [[ordinary(to_mpf(x, bits)) for x in row] for row in self.centres]
 
     @property
-    def reached(self) -> bool:
+    def complete(self) -> bool:
         """Whether the digits asked for are proven at every time, of the angles and attitude too;
         of a box, whether it was followed to the last time."""
         whole = self.fewest >= self.asked or self.omega_radius is not None
@@ -180,7 +180,7 @@ class Enclosure(Result, ByValue):
             Fact("statement", list(self.statement), "what is proven", type=TEXT),
             Fact("assumed", list(self.assumed), "what it rests on besides", type=TEXT),
             Fact("outcome", self.outcome.value, "how the proof ended"),
-            Fact("complete", self.reached, "whether the digits asked for are proven"),
+            Fact("complete", self.complete, "whether the digits asked for are proven"),
             Fact("angles_lost", list(self.lost), "psi and phi are not known from then on"),
             Fact("omega_radius", box, "radii of the start's box"),
             Fact("until", self.until, "to which time the proof went"),

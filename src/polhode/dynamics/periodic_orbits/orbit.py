@@ -13,6 +13,7 @@ import numpy as np
 
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
+from polhode.common.files import check_writable, write_whole
 from polhode.common.progress import Message
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.periodic_orbits import high_precision
@@ -45,7 +46,7 @@ from polhode.scenes import library, scene_file
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, unit_of
-from polhode.scenes.scene_text import written
+from polhode.scenes.scene_text import as_toml, written
 from polhode.scenes.validation import Literal
 from polhode.scenes.variation.sweep_scenes import tables_of
 from polhode.scenes.vocabulary import STATE
@@ -182,6 +183,25 @@ class Orbit(Result, ByValue):
             provenance_fact(self.provenance),
         ]
 
+    def save(self, path: str | Path) -> None:
+        """Write the orbit as any result, or as .toml its start: a scene that ends after a period.
+
+        Raises
+        ------
+        BadInput
+            A place that cannot be written to.
+        """
+        if Path(path).suffix.lower() not in (".toml", ""):  # "-" is stdout
+            super().save(path)
+            return
+        check_writable(Path(path), [".toml"])
+        write_whole({Path(path): as_toml(self.scene)})
+
+    def __str__(self) -> str:
+        from polhode.dynamics.periodic_orbits.report import report
+
+        return report(self)
+
     def _near(self, x: Real | None) -> Real | None:
         """A number of the type that its digits need."""
         return None if x is None else ordinary(to_mpf(exactly(x), bits_for(self.digits + 2)))
@@ -205,6 +225,8 @@ def orbit(
     period: AnyNumber | None = None,
     returns: int | None = None,
     progress: Message | None = None,
+    search: tuple[int, int] | None = None,
+    pick: int | None = None,
 ) -> Orbit:
     """Find a periodic orbit of omega and gamma near a scene's start, to the digits wanted.
 
@@ -215,16 +237,20 @@ def orbit(
     scene : Scene, str or Path
         A scene, a path, or the name of a case.
     digits : int
-        The correct digits of start and period.
+        The correct digits of start and period (15).
     h, f : number, optional
-        The level of the orbit: energy and vertical momentum; the scene's own unless given.
+        The level's energy h or vertical momentum f, if not the scene's.
     period : number, optional
-        A guess, in the scene's unit of time.  Without one the times at which the motion returns
-        near its start are tried.
+        A guess of the period, in the scene's unit of time.  Without one the times at which the
+        motion returns near its start are tried.
     returns : int, optional
-        How many of these to try; 10 by default.
+        The number of near returns of the motion to try (10); in a search, of crossings (3).
     progress : callable, optional
         Called with a line of text now and then.
+    search : tuple of int, optional
+        Cells of the level's section to search for orbits instead, of which ``pick`` is one.
+    pick : int, optional
+        The number of an orbit among those of a search, as :func:`polhode.orbit_search` lists them.
 
     Returns
     -------
@@ -248,6 +274,12 @@ def orbit(
     """
     scene = library.load(scene)
     wanted = whole(scene.name, "digits", digits, 1, MAX_DIGITS)
+    if search is not None or pick is not None:
+        from polhode.dynamics.periodic_orbits.search import picked
+
+        if period is not None:
+            raise BadInput(scene.name, "period", period, "no search together with it")
+        return picked(scene, search, pick, returns, h, f, progress, wanted)
     most = RETURNS if returns is None else whole(scene.name, "returns", returns, 1, MOST_RETURNS)
     if scene.gamma is not None:
         _refuse_permanent(scene)

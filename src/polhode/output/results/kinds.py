@@ -84,9 +84,9 @@ _OWN_NAMES = {"Solid": "Part"}  # where two classes have one name
 #: Not part of a value: unfinished work, who waits for it, and what is computed again.
 _LEFT_OUT = {
     "ChaosMap": ("kept",),
-    "Ensemble": ("parts",),
+    "Ensemble": ("kept",),
     "Judgement": ("known", "progress"),
-    "Reductions": ("parts",),
+    "Reductions": ("kept",),
     "Section": ("kept",),
 }
 #: The fields of classes that declare none; a word stands for one of these classes.
