@@ -35,7 +35,7 @@ from polhode.numbers.exact import sign
 from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.scalars import AnyNumber, AnyVector
-from polhode.results.cells import EXACT, INTEGER
+from polhode.results.cells import EXACT, INTEGER, TEXT
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.scenes import start_box
@@ -89,19 +89,8 @@ class CertifiedEvents(Result):
 
     def table(self) -> Table:
         """A row an event: its time and the state then, as balls, and the slope of the event."""
-        width = len(self.times[0].state) if self.times else 0
-        states = (
-            Column(name, [Ball(x.state[k], x.radii[k]) for x in self.times], type=EXACT)
-            for k, name in enumerate(STATE[:width])
-        )
-        return Table(
-            [
-                Column("event", [*range(1, len(self.times) + 1)], type=INTEGER),
-                Column("t", [Ball(x.time, x.radius) for x in self.times], "time", type=EXACT),
-                Column("slope", [x.slope for x in self.times], "its sign", type=INTEGER),
-                *states,
-            ]
-        )
+        count = Column("event", [*range(1, len(self.times) + 1)], type=INTEGER)
+        return Table([count, *_columns(self.times)])
 
     def facts(self) -> list[Fact]:
         """Which event, whether there are no others, and where that is not decided."""
@@ -116,6 +105,39 @@ class CertifiedEvents(Result):
     def __repr__(self) -> str:
         others = f"{len(self.undecided)} undecided" if self.undecided else "no others"
         return f"<CertifiedEvents of {self.name}: {len(self.times)}, {others}>"
+
+
+def facts_of(events: Sequence[CertifiedEvents]) -> list[Fact]:
+    """Several events as facts of one result: the table of all, and what is not decided."""
+    rows = [(x.name, k, time) for x in events for k, time in enumerate(x.times, 1)]
+    columns = [
+        Column("event", [name for name, _, _ in rows], type=TEXT),
+        Column("count", [k for _, k, _ in rows], "with those before", type=INTEGER),
+        *_columns([time for _, _, time in rows]),
+    ]
+    ends = [(x.name, *pair) for x in events for pair in x.undecided]
+    undecided = [
+        Column("event", [name for name, _, _ in ends], type=TEXT),
+        Column("first", [first for _, first, _ in ends]),
+        Column("last", [last for _, _, last in ends]),
+    ]
+    return [
+        Fact("events", Table(columns, 2), "of the scene, proven"),
+        Fact("events_proven", [x.proven for x in events], "whether there are no others"),
+        Fact("events_undecided", Table(undecided, 0), "intervals of time"),
+    ]
+
+
+def _columns(times: Sequence[EventTime]) -> list[Column]:
+    width = len(times[0].state) if times else 0
+    return [
+        Column("t", [Ball(x.time, x.radius) for x in times], "time", type=EXACT),
+        Column("slope", [x.slope for x in times], "its sign", type=INTEGER),
+        *(
+            Column(name, [Ball(x.state[k], x.radii[k]) for x in times], type=EXACT)
+            for k, name in enumerate(STATE[:width])
+        ),
+    ]
 
 
 def certify_events(

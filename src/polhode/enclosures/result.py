@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
@@ -26,10 +26,14 @@ from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.scalars import Real
 from polhode.results.cells import EXACT, TEXT
 from polhode.results.result import Result
+from polhode.results.shown import lines
 from polhode.results.table import Column, Fact, Table
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, unit_of
 from polhode.scenes.vocabulary import COLUMNS
+
+if TYPE_CHECKING:
+    from polhode.enclosures.events import CertifiedEvents
 
 
 class Part(NamedTuple):
@@ -85,7 +89,8 @@ class Enclosure(Result, ByValue):
     the approximate times, one for each sign of t, from which on psi and phi are None, because the
     third axis is, or passes, too near the vertical for their turns to be counted in double.
     ``omega_radius``: the radii of the start's box, in body axes; None if the start is the scene's
-    own.  ``until``: the time to which the proof went, on the side where it ended.
+    own.  ``until``: the time to which the proof went, on the side where it ended.  ``events``: the
+    scene's, proven too, where they were asked for.
 
     >>> import polhode
     >>> found = polhode.certify("euler/largest-axis", at=[1], digits=20)
@@ -114,6 +119,7 @@ class Enclosure(Result, ByValue):
     lost: tuple[float, ...] = ()
     omega_radius: tuple[Fraction, ...] | None = None
     until: float = math.nan
+    events: tuple[CertifiedEvents, ...] | None = None
 
     @cached_property
     def midpoints(self) -> list[list[Real]]:
@@ -127,6 +133,11 @@ class Enclosure(Result, ByValue):
         of a box, whether it was followed to the last time."""
         whole = self.fewest >= self.asked or self.omega_radius is not None
         return self.outcome.done and whole
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C ended the proof."""
+        return self.outcome is Outcome.INTERRUPTED
 
     @property
     def proven(self) -> float:
@@ -187,8 +198,16 @@ class Enclosure(Result, ByValue):
             Fact("noise", self.noise, "the proof's noise level is 2 to minus this"),
             Fact("steps", self.steps),
             Fact("tries", self.tries, "runs of the proof"),
+            *self._event_facts(),
             provenance_fact(self.scene.provenance()),
         ]
+
+    def _event_facts(self) -> list[Fact]:
+        if not self.events:
+            return []
+        from polhode.enclosures.events import facts_of
+
+        return facts_of(self.events)
 
     def strings(self) -> list[list[str]]:
         """The states as decimals of which every digit is proven; see :func:`guaranteed`."""
@@ -238,12 +257,7 @@ class Enclosure(Result, ByValue):
         return f"<Enclosure of {self.scene.name}: {times}, {how}>"
 
     def __str__(self) -> str:
-        lines = []
-        for t, row, digits in zip(self.times, self.strings(), self.digits, strict=True):
-            lines.append(f"t = {shown(t)}: {digits:.1f} digits proven")
-            names = self.scene.columns
-            lines += [f"  {name:>6} {text}" for name, text in zip(names, row, strict=True)]
-        return "\n".join(lines)
+        return "\n".join(lines(self.table()))
 
 
 def digits_of(error: float) -> float:

@@ -15,7 +15,8 @@ class Verb(NamedTuple):
     whose names differ from the parameters'; one without dashes is an argument, None for none.
     ``scene``: options that change the scene before the function takes it.  ``counts``: what its
     progress counts.  ``own``: the ending of a file of the kind's own, which a stream gets, too;
-    ``checks``: whether that is a certificate whose check takes long.
+    ``checks``: whether that is a certificate whose check takes long.  ``is_box``: whether its
+    scene's start may be a box.
     """
 
     name: str
@@ -28,6 +29,7 @@ class Verb(NamedTuple):
     counts: str = "steps"
     own: str = ""
     checks: bool = False
+    is_box: bool = False
     has_figure: bool = True
     figure_options: Mapping[str, Mapping[str, Any]] = {}
 
@@ -40,8 +42,35 @@ ROWS = (
     Verb(
         *("run", "polhode.judging.adaptive_precision", "integrate", "Trajectory"),
         "integrate a scene",
-        {"at": None, "inputs": None},
+        {"at": None, "inputs": None, "proved": "--prove"},
         (TIMES, FORM, OUTPUTS),
+    ),
+    Verb(
+        *("reference", "polhode.judging.references.reference_table", "reference_table"),
+        "ReferenceTable",
+        "the closed form alone, to any number of digits, no integration",
+        {"at": None},
+        (TIMES,),
+    ),
+    Verb(
+        *("certify", "polhode.verbs.certify", "certified", "Enclosure"),
+        "a proven enclosure of any motion: only proven digits are printed",
+        {"certificate": None},
+        (TIMES, OUTPUTS),
+        own=".json",
+        checks=True,
+        is_box=True,
+    ),
+    Verb(
+        *("compare", "polhode.verbs.compare", "judged", "Judgement"),
+        "judge a trajectory that another program computed",
+        {"scene": "scene"},
+    ),
+    Verb(
+        *("order", "polhode.verbs.compare", "order", "ObservedOrder"),
+        "the order of a method, from files that it made with different steps",
+        {"scene": "scene"},
+        has_figure=False,
     ),
     Verb(
         *("sweep", "polhode.verbs.sweep", "sweep", "Ensemble"),
@@ -82,6 +111,11 @@ ROWS = (
         "frequency analysis (Laskar) of a motion, from a scene or a trajectory file",
     ),
     Verb(
+        *("verify", "polhode.certificates.verdict", "verify", "Verdict"),
+        "check a proof's certificate by code of its own",
+        has_figure=False,
+    ),
+    Verb(
         *("prove orbit", "polhode.proofs.prove_orbit", "prove_orbit", "ProvedOrbit"),
         "that a periodic orbit exists, where, how stable it is",
         own=".json",
@@ -95,3 +129,28 @@ ROWS = (
 )
 
 VERBS = {verb.name: verb for verb in ROWS}
+
+#: Verbs of several words by the first one, and what that is about.
+GROUPS = {"prove": "proofs: that a periodic orbit exists, where; that a level is chaotic"}
+
+#: Options of 0.2 that are now elsewhere.
+MOVED = {
+    "run": {
+        "--proved": "--prove",
+        "--unproved": "--no-prove",
+        "--project-every": "--project N",
+    },
+    "reference": dict.fromkeys(
+        ("--certified", "--events", "--max-seconds", "--max-steps", "--statement"),
+        "polhode certify SCENE",
+    ),
+    "compare": {
+        "--orders": "polhode order FILE FILE... SCENE",
+        "--steps": "polhode order FILE FILE... SCENE --steps H,H",
+    },
+    "orbit": {
+        "--prove": "polhode prove orbit SCENE",
+        "--continue": "polhode family SCENE --by h --to VALUE",
+    },
+    "levels": {"--f": "--f-range A:B", "--h": "--h-range A:B"},
+}

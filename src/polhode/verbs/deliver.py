@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput
 from polhode.common.files import check_writable, is_stdout, is_stream, write_stdout, write_whole
-from polhode.scenes import library
+from polhode.scenes import library, start_box
+from polhode.scenes.start_box import StartBox
 from polhode.verbs import notes, options, scene_options
 from polhode.verbs.catalogue import Verb
 from polhode.verbs.terminal import (
@@ -19,6 +20,7 @@ from polhode.verbs.terminal import (
     FAILED,
     INTERRUPTED,
     NOT_REACHED,
+    NotEnough,
     ProgressLine,
     note,
     say,
@@ -57,18 +59,27 @@ def main(verb: Verb, function: options.Front, asked: Namespace) -> int:
     """Carry out a verb that is a function; the exit code."""
     from polhode.proofs.refusals import NotProved
 
-    given = {x.name: v for x in function.parameters if (v := vars(asked).get(x.name)) is not None}
+    given = {
+        x.name: vars(asked)[x.name]
+        for x in function.parameters
+        if verb.named.get(x.name, x.name) is not None and vars(asked).get(x.name) is not None
+    }
     first = function.parameters[0].name
     inputs = [library.path_of(x) for x in _sources(given)]
     places = Places(verb, [*map(Path, asked.files or ())], asked.json, inputs)
     places.check()
     if verb.scene:
-        given[first] = scene_options.applied(asked, library.load(given[first]), verb.scene)
+        box = start_box.read(given[first]) if verb.is_box else StartBox(library.load(given[first]))
+        scene = scene_options.applied(asked, box.scene, verb.scene)
+        given[first] = StartBox(scene, box.radii) if verb.is_box else scene
     with ProgressLine(verb.name) as line:
         try:
             made = import_module(verb.home)
-            given |= _callbacks(function, line, verb.counts, places.parts())
-            found = getattr(made, verb.function)(**given)
+            given |= places.told(function, line)
+            try:
+                found, missed = getattr(made, verb.function)(**given), ""
+            except NotEnough as fault:
+                found, missed = fault.found, str(fault)
             places.write(found, vars(asked), line)
             text = None if asked.json or places.paths else shown(found)
         except NotProved as why:
@@ -81,6 +92,9 @@ def main(verb: Verb, function: options.Front, asked: Namespace) -> int:
         say(text)
     for told in notes.of(verb.name, found, places.paths, asked):
         note(told)
+    if missed:
+        note(missed)
+        return NOT_REACHED
     return code_of(found)
 
 
@@ -88,22 +102,6 @@ def _sources(given: Mapping[str, object]) -> Iterable[str]:
     """What may be a file that is read."""
     for value in given.values():
         yield from (x for x in (value if isinstance(value, list) else [value]) if type(x) is str)
-
-
-def _callbacks(
-    function: options.Front, line: ProgressLine, counts: str, parts: Path | None
-) -> dict[str, object]:
-    """What a function takes that no option says: how it tells its progress, where it keeps parts."""
-    made: dict[str, object] = {
-        "Progress": partial(line.show, what=counts),
-        "Progress | bool": partial(line.show, what=counts),
-        "Message": line.say,
-        "ProgressLine": line,
-    }
-    found = {x.name: made[x.annotation] for x in function.parameters if x.annotation in made}
-    if parts is not None and any(x.name == "parts" for x in function.parameters):
-        found["parts"] = parts
-    return found
 
 
 class Places:
@@ -138,12 +136,28 @@ class Places:
 
                 check_place(path, self.verb.kind, self.inputs)
 
-    def parts(self) -> Path | None:
-        """Where unfinished work is kept: beside the first file of data."""
-        from polhode.common import checkpoint
+    def told(self, function: options.Front, line: ProgressLine) -> dict[str, object]:
+        """What a function takes that no option says: how it tells its progress, what it is for.
 
+        Unfinished work is kept in ``parts`` beside the first file of data.
+        """
+        show = partial(line.show, what=self.verb.counts)
+        calls = {
+            "Progress": show,
+            "Progress | bool": show,
+            "Message": line.say,
+            "ProgressLine": line,
+        }
+        found = {x.name: calls[x.annotation] for x in function.parameters if x.annotation in calls}
+        names = {x.name for x in function.parameters}
+        if "certificate" in names:
+            found["certificate"] = any(map(self._is_own, self.paths))
         data = [x for x in self.paths if not self._is_figure(x)]
-        return checkpoint.beside(data[0]) if data else None
+        if "parts" in names and data:
+            from polhode.common import checkpoint
+
+            found["parts"] = checkpoint.beside(data[0])
+        return found
 
     def write(self, found: Result, asked: Mapping[str, Any], line: ProgressLine) -> None:
         """Write all files, unless what was interrupted is kept in parts, which go otherwise."""

@@ -9,7 +9,10 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from polhode.common.files import is_stdout
 from polhode.common.text_tables import counted
+from polhode.motion.outcomes import Outcome
+from polhode.numbers.balls import guaranteed
 from polhode.numbers.decimals import brief
 
 if TYPE_CHECKING:
@@ -17,6 +20,8 @@ if TYPE_CHECKING:
     from polhode.dynamics.frequencies.frequencies import Frequencies
     from polhode.dynamics.periodic_orbits.orbit import Orbit
     from polhode.dynamics.sections.section import Section
+    from polhode.enclosures.events import CertifiedEvents
+    from polhode.enclosures.result import Enclosure
     from polhode.motion.outcomes import EventTimes
     from polhode.proofs.chaos.proved_chaos import ProvedChaos
     from polhode.proofs.proved_orbit import ProvedOrbit
@@ -29,9 +34,9 @@ Found = Any
 def of(verb: str, found: Found, paths: Sequence[Path], asked: Namespace) -> Iterator[str]:
     """The lines about a result of a verb."""
     yield from _NOTES.get(verb, _itself)(found, asked)
-    if certificates := [x for x in paths if x.suffix.lower() == ".json" or x.name == "-"]:
-        if hasattr(found, "certificate"):
-            yield _certificate(found.scene.name, certificates[0])
+    own = [x for x in paths if x.suffix.lower() == ".json" or is_stdout(x)]
+    if verb in ("certify", "prove orbit", "prove chaos") and own:
+        yield _certificate(found.scene.name, own[0])
 
 
 def name_of(found: Found) -> str:
@@ -45,8 +50,6 @@ def _itself(found: Found, asked: Namespace) -> Iterator[str]:
 
 
 def _certificate(name: str, path: Path) -> str:
-    from polhode.common.files import is_stdout
-
     if is_stdout(path):
         return f"{name}: certificate on the standard output; polhode verify - reads it"
     return f"{name}: certificate in {path}; polhode verify {path}"
@@ -169,6 +172,51 @@ def _orbit(found: Orbit, asked: Namespace) -> Iterator[str]:
     )
 
 
+def _reference(found: Found, asked: Namespace) -> Iterator[str]:
+    if not found.proven:
+        yield f"{found.scene.name}: the digits are reproduced, not proven"
+
+
+def _certify(found: Enclosure, asked: Namespace) -> Iterator[str]:
+    name, outcome = found.scene.name, found.outcome
+    if not asked.json:
+        yield from map(_proven_event, found.events or ())
+        least = (
+            f"at least {found.fewest:.1f} at each time" if found.times else "no time was reached"
+        )
+        yield (
+            f"{name}: every digit is proven, {least}; {counted(found.steps, 'step')} at a "
+            f"noise level of 2**-{found.noise}, {found.seconds_in_all:.1f} s"
+        )
+    for what in found.assumed:
+        yield f"{name}: assumed by the rule for equal numbers, not proven: {what}"
+    for since in found.lost:
+        yield (
+            f"{name}: psi and phi are not given beyond t = {since:.6g}: the third axis is, "
+            "or passes, too near the vertical for their turns to be counted"
+        )
+    if not outcome.done:
+        followed = f"followed to t = {found.until:.6g}: " if outcome is Outcome.TOO_WIDE else ""
+        times = counted(len(found.times), "time")
+        yield f"polhode: {name}: {times} reached: {followed}{outcome.cause}; {outcome.advice}"
+
+
+def _proven_event(event: CertifiedEvents) -> str:
+    """One line about proven events: how many, and the first of them."""
+    shown = [guaranteed(t.time, t.radius) for t in event.times[:10]]
+    more = ", ..." * (len(event.times) > len(shown))
+    when = f" at t = {', '.join(shown)}{more}" if shown else ""
+    left = ", no others"
+    if event.undecided:
+        open_ = [f"{low:.6g} to {high:.6g}" for low, high in event.undecided[:3]]
+        left = f"; undecided from {', '.join(open_)}" + ", ..." * (len(event.undecided) > 3)
+    return f"event {event.name}: {len(event.times)} proven{when}{left}"
+
+
+def _nothing(found: Found, asked: Namespace) -> Iterator[str]:
+    yield from ()
+
+
 def _search(found: Found, asked: Namespace) -> Iterator[str]:
     yield f"{found.scene.name}: {found!r}; no list is complete"
 
@@ -198,6 +246,12 @@ def _proved_chaos(found: ProvedChaos, asked: Namespace) -> Iterator[str]:
 
 _NOTES: dict[str, Callable[[Found, Namespace], Iterator[str]]] = {
     "run": _run,
+    "reference": _reference,
+    "certify": _certify,
+    "compare": _nothing,
+    "order": _nothing,
+    "levels": _nothing,
+    "verify": _nothing,
     "sweep": _sweep,
     "section": _section,
     "map": _map,

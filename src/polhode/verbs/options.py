@@ -38,7 +38,9 @@ class Front(NamedTuple):
         part = self.docstring.partition("Parameters\n----------\n")[2].partition("\n\n")[0]
         entries = re.findall(r"^([\w*, ]+) : .*\n((?: .*\n?)+)", part + "\n", re.M)
         return {
-            name.strip(): _first_sentence(text) for names, text in entries for name in names.split(",")
+            name.strip(): _first_sentence(text)
+            for names, text in entries
+            for name in names.split(",")
         }
 
 
@@ -115,6 +117,13 @@ def word(text: str) -> str:
     return text
 
 
+def folder(text: str) -> str:
+    """An option that names a folder."""
+    if not text:
+        raise ArgumentTypeError("a folder's name; . is the current one")
+    return text
+
+
 def names(text: str) -> list[str]:
     """Names between commas."""
     found = [name.strip() for name in text.split(",")]
@@ -152,7 +161,7 @@ KINDS = {
     "Iterable[AnyNumber]": Kind("X,X...", names),
     "Iterable[str]": Kind("NAME,NAME...", names),
     "Sequence[str]": Kind("NAME,NAME...", names),
-    "Sequence[str] | str": Kind("WHAT", str, _REPEATED),
+    "list[str]": Kind("WHAT", str, _REPEATED),
     "tuple[int, int]": Kind("NxM", grid),
     "vary.Vary": Kind("KEY=FROM:TO:N", str, _REPEATED),
     "Iterable[AnyVector] | str": Kind("FILE", word),
