@@ -7,13 +7,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
+from polhode.enclosures.certified_events import CertifiedEvents, facts_of
 from polhode.enclosures.statement import stated
 from polhode.equations.kinematics import starting_attitude
 from polhode.motion.outcomes import Outcome
@@ -31,9 +32,6 @@ from polhode.results.table import Column, Fact, Table
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, unit_of
 from polhode.scenes.vocabulary import COLUMNS
-
-if TYPE_CHECKING:
-    from polhode.enclosures.events import CertifiedEvents
 
 
 class Part(NamedTuple):
@@ -198,16 +196,9 @@ class Enclosure(Result, ByValue):
             Fact("noise", self.noise, "the proof's noise level is 2 to minus this"),
             Fact("steps", self.steps),
             Fact("tries", self.tries, "runs of the proof"),
-            *self._event_facts(),
+            *(facts_of(self.events) if self.events else ()),
             provenance_fact(self.scene.provenance()),
         ]
-
-    def _event_facts(self) -> list[Fact]:
-        if not self.events:
-            return []
-        from polhode.enclosures.events import facts_of
-
-        return facts_of(self.events)
 
     def strings(self) -> list[list[str]]:
         """The states as decimals of which every digit is proven; see :func:`guaranteed`."""

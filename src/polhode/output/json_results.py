@@ -25,7 +25,7 @@ from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import COLUMNS
 
 if TYPE_CHECKING:  # a run needs none of these
-    from polhode.enclosures.events import CertifiedEvents
+    from polhode.enclosures.certified_events import CertifiedEvents
     from polhode.enclosures.result import Enclosure
     from polhode.equations.integrals import Drift
     from polhode.judging.conditioning.lyapunov import Lyapunov

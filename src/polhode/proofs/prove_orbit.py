@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
 
 from polhode.common.arguments import whole
 from polhode.common.errors import BadInput
@@ -13,7 +12,7 @@ from polhode.common.progress import Message
 from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.dynamics.periodic_orbits.orbit import Orbit
 from polhode.dynamics.periodic_orbits.orbit import orbit as approximate
-from polhode.dynamics.periodic_orbits.search import OrbitSearch
+from polhode.dynamics.periodic_orbits.search import OrbitSearch, picked
 from polhode.dynamics.sections.starts import MAXIMA, asked_of
 from polhode.equations.section_functions import MOMENTUM
 from polhode.numbers.conversion import exact_number
@@ -96,14 +95,13 @@ def prove_orbit(
     scene = library.load(scene)
     wanted = whole(scene.name, "digits", digits, 1, MOST_DIGITS)
     bodies = tolerance_of(scene.name, tolerance)
-    guess: dict[str, Any] = {
-        "period": period,
-        "returns": returns,
-        "search": search,
-        "pick": pick,
-    }
-    if orbit is None:
-        orbit = approximate(scene, h=h, f=f, progress=progress, **guess)
+    guess = {"period": period, "returns": returns, "search": search, "pick": pick}
+    if orbit is None and search is pick is None:
+        orbit = approximate(scene, h=h, f=f, period=period, returns=returns, progress=progress)
+    elif orbit is None and period is None:
+        orbit = picked(scene, search, pick, returns, h, f, progress)
+    elif orbit is None:
+        raise BadInput(scene.name, "search", None, "no period with it")
     elif any(x is not None for x in guess.values()):
         raise BadInput(scene.name, "orbit", None, f"no {', '.join(guess)} with it")
     asked = asked_of(scene, MOMENTUM, MAXIMA, h, f)

@@ -93,7 +93,7 @@ ROWS = (
         counts="motions",
     ),
     Verb(
-        *("orbit", f"{_ORBITS}.orbit", "orbit", "Orbit"),
+        *("orbit", "polhode.verbs.orbit", "orbit", "Orbit"),
         "a periodic orbit to any number of digits, and its stability",
         own=".toml",
     ),

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from polhode.dynamics.frequencies.frequencies import Frequencies
     from polhode.dynamics.periodic_orbits.orbit import Orbit
     from polhode.dynamics.sections.section import Section
-    from polhode.enclosures.events import CertifiedEvents
+    from polhode.enclosures.certified_events import CertifiedEvents
     from polhode.enclosures.result import Enclosure
     from polhode.motion.outcomes import EventTimes
     from polhode.proofs.chaos.proved_chaos import ProvedChaos

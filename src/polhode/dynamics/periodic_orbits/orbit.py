@@ -225,8 +225,6 @@ def orbit(
     period: AnyNumber | None = None,
     returns: int | None = None,
     progress: Message | None = None,
-    search: tuple[int, int] | None = None,
-    pick: int | None = None,
 ) -> Orbit:
     """Find a periodic orbit of omega and gamma near a scene's start, to the digits wanted.
 
@@ -247,10 +245,6 @@ def orbit(
         The number of near returns of the motion to try (10); in a search, of crossings (3).
     progress : callable, optional
         Called with a line of text now and then.
-    search : tuple of int, optional
-        Cells of the level's section to search for orbits instead, of which ``pick`` is one.
-    pick : int, optional
-        The number of an orbit among those of a search, as :func:`polhode.orbit_search` lists them.
 
     Returns
     -------
@@ -274,12 +268,6 @@ def orbit(
     """
     scene = library.load(scene)
     wanted = whole(scene.name, "digits", digits, 1, MAX_DIGITS)
-    if search is not None or pick is not None:
-        from polhode.dynamics.periodic_orbits.search import picked
-
-        if period is not None:
-            raise BadInput(scene.name, "period", period, "no search together with it")
-        return picked(scene, search, pick, returns, h, f, progress, wanted)
     most = RETURNS if returns is None else whole(scene.name, "returns", returns, 1, MOST_RETURNS)
     if scene.gamma is not None:
         _refuse_permanent(scene)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import Any
 
 from polhode.common.text_tables import counted
 from polhode.dynamics.periodic_orbits import high_precision
@@ -13,8 +13,8 @@ from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import decimal_string, in_full, shown
 from polhode.numbers.exact import Exact
 
-if TYPE_CHECKING:
-    from polhode.dynamics.periodic_orbits.orbit import Orbit
+#: An orbit, whose class imports this.
+Orbit = Any
 
 
 def report(found: Orbit) -> str:

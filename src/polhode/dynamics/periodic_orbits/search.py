@@ -188,7 +188,7 @@ def picked(
 ) -> Orbit:
     """The orbit of this number among those of a search, from 1, to so many digits."""
     if grid is None or pick is None:
-        expected = "both a search and the number of an orbit in it; orbit_search lists them"
+        expected = "a search and the number of an orbit in it; polhode orbits lists them"
         raise BadInput(scene.name, "pick", pick, expected)
     found = orbit_search(scene, grid, crossings, h, f, progress)
     if not 1 <= pick <= len(found.orbits):

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from polhode.dynamics.periodic_orbits.orbit import Orbit
     from polhode.dynamics.periodic_orbits.search import OrbitSearch
     from polhode.dynamics.sections.section import Section
-    from polhode.enclosures.events import CertifiedEvents
+    from polhode.enclosures.certified_events import CertifiedEvents
     from polhode.enclosures.result import Enclosure
     from polhode.judging.conditioning.lyapunov import Lyapunov
     from polhode.judging.references.certified import Certified
