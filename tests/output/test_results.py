@@ -14,7 +14,6 @@ import polhode
 from polhode.cli import main
 from shared.results import MAKERS, result_of_kind, watched
 
-
 #: Kinds that have no figure.
 UNDRAWN = ("Conditioning", "ReferenceTable", "Textbook", "Verdict")
 

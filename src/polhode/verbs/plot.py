@@ -16,6 +16,7 @@ from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME, in_text
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, SPACE, STATE
+from polhode.verbs.options import whole, word
 from polhode.verbs.terminal import (
     DONE,
     INTERRUPTED,
@@ -25,8 +26,6 @@ from polhode.verbs.terminal import (
     print_json,
     refuse_two_on_stdout,
     say,
-    whole,
-    word,
 )
 
 if TYPE_CHECKING:

@@ -8,7 +8,8 @@ from pathlib import Path
 from polhode.common.errors import BadInput
 from polhode.scenes import library
 from polhode.verbs import plot
-from polhode.verbs.terminal import DONE, print_json, refuse_two_on_stdout, say, whole, word
+from polhode.verbs.options import whole, word
+from polhode.verbs.terminal import DONE, print_json, refuse_two_on_stdout, say
 
 HELP = "a motion as one animated HTML page that needs nothing else"
 
