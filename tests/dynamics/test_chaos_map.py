@@ -14,7 +14,6 @@ from polhode.cli import main
 from polhode.common import checkpoint
 from polhode.dynamics.chaos import chaos_map
 from polhode.dynamics.sections.initial_tangents import tangents_of
-from polhode.output import maps as output
 
 GENERIC = polhode.load("general/asymmetric-chaotic")
 LEVEL = {"h": 3, "f": Fraction(1, 2)}

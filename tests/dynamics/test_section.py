@@ -17,7 +17,6 @@ from polhode.common.checkpoint import JobCheckpoint
 from polhode.dynamics.sections import coordinates as geometry
 from polhode.dynamics.sections import jobs as section_jobs
 from polhode.dynamics.sections import starts as section_starts
-from polhode.output import sections as output
 from polhode.scenes import scene_file
 from polhode.taylor.events import batch_search, batch_zeros
 
