@@ -96,7 +96,7 @@ def prove_orbit(
     wanted = whole(scene.name, "digits", digits, 1, MOST_DIGITS)
     bodies = tolerance_of(scene.name, tolerance)
     guess = {"period": period, "returns": returns, "search": search, "pick": pick}
-    if orbit is None and search is pick is None:
+    if orbit is None and search is None and pick is None:
         orbit = approximate(scene, h=h, f=f, period=period, returns=returns, progress=progress)
     elif orbit is None and period is None:
         orbit = picked(scene, search, pick, returns, h, f, progress)

@@ -97,7 +97,7 @@ def refuse_two_on_stdout(path: Path, json: bool) -> None:
 
 def print_json(value: Any) -> None:
     """One JSON value on stdout."""
-    from polhode.output.json_results import as_json
+    from polhode.common.json_text import as_json
 
     write_stdout(as_json(value))
 
