@@ -203,10 +203,10 @@ def test_where_no_estimate_can_be_had_a_second_run_tells_the_error():
 )
 def test_an_estimate_is_told_only_where_there_is_one(told, said):
     """Without any but the start's, "estimated error 0.0e+00" was told."""
-    from polhode.verbs import run as run_verb
+    from polhode.verbs import notes
 
     found = polhode.integrate(SCENE, "quad", at=[0, 5, 20])
-    assert run_verb._accuracy(replace(found, errors=told)) == said
+    assert notes._accuracy(replace(found, errors=told)) == said
 
 
 def test_no_errors_from_where_two_runs_have_parted(tmp_path):
