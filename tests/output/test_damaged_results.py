@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.common.result import Result
 from polhode.output.results import document, kinds
+from polhode.results.result import Result
 from shared.results import MAKERS, result_of_kind, watched
 
 Arrays = dict[str, Any]

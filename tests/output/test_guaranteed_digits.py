@@ -10,8 +10,8 @@ import pytest
 
 import polhode
 from polhode.cli import main
+from polhode.judging.references.right_rows import right_rows
 from polhode.numbers.conversion import exactly, to_mpf
-from polhode.output.guaranteed_digits import right_rows
 
 
 @pytest.mark.parametrize(

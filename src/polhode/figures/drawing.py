@@ -11,7 +11,6 @@ import numpy as np
 
 from polhode.common.errors import BadInput, nearest
 from polhode.common.html_page import Page
-from polhode.common.result import Result
 from polhode.figures import motion_page, results
 from polhode.figures.canvas import canvas, curve_sampling, over_time
 from polhode.figures.canvas.curve_sampling import Samples
@@ -20,6 +19,7 @@ from polhode.figures.sampled_motion import ANOTHER, of_samples
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers.exact import Exact
 from polhode.numbers.scalars import AnyNumber
+from polhode.results.result import Storable
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME, reader
@@ -63,14 +63,14 @@ def plot(
 ) -> Axes: ...
 @overload
 def plot(
-    what_of: Result | Scene | str | Path,
+    what_of: Storable | Scene | str | Path,
     what: str = "",
     axes: object = None,
     *,
     end: AnyNumber | None = None,
 ) -> Axes | npt.NDArray[np.object_]: ...
 def plot(
-    what_of: Result | Scene | str | Path,
+    what_of: Storable | Scene | str | Path,
     what: str = "",
     axes: object = None,
     *,
@@ -110,7 +110,7 @@ def plot(
     ['ψ (rad)', 'θ (rad)', 'φ (rad)']
     """
     plt = canvas.pyplot(own=False)
-    if isinstance(what_of, Result) and not isinstance(what_of, Trajectory):
+    if isinstance(what_of, Storable) and not isinstance(what_of, Trajectory):
         if what or end is not None:
             raise BadInput("plot", "what", what or end, "nothing: such a result has one figure")
         figure = results.draw(plt, what_of, axes)

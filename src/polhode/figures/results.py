@@ -10,12 +10,12 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from polhode.common.errors import BadInput
-from polhode.common.result import Result
 from polhode.figures import frequencies, levels, map, orbit_family, section
 from polhode.figures.canvas import canvas
 from polhode.figures.canvas.canvas import BODY, REST, SPACE, rate_unit, time_label
 from polhode.figures.canvas.residue_axis import residue_axis
 from polhode.numbers.conversion import to_double
+from polhode.results.result import Storable
 from polhode.scenes.output_times import even_times
 from polhode.scenes.scene import Scene
 
@@ -25,7 +25,7 @@ Drawn: TypeAlias = Any
 MOST = 200  # times at which a reference is drawn; members of a sweep
 
 
-def draw(plt: Drawn, found: Result, axes: Drawn = None) -> Drawn:
+def draw(plt: Drawn, found: Storable, axes: Drawn = None) -> Drawn:
     """The figure of a result; raises BadInput for a kind that has none."""
     make = _FIGURES.get(type(found).__name__)
     if make is None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from polhode.equations.column import Texts, column, derived_words
 from polhode.judging.diagnosis.error_budget import is_lost
+from polhode.judging.references.right_rows import right_rows
 from polhode.motion.outcomes import EventTimes
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly
@@ -17,7 +18,6 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.mpmath_context import mpmath, own
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Real
-from polhode.output.guaranteed_digits import right_rows
 from polhode.output.json_object import JsonObject
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.classification import kind_of_body

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from polhode.common.result import Result
 from polhode.common.text_tables import counted, few, printable
 from polhode.figures.canvas.canvas import BODY, REST, SPACE
 from polhode.judging.references.certified import Certified
@@ -17,6 +16,7 @@ from polhode.judging.score.judgement import Judgement
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.decimals import brief, shown
 from polhode.output.results.tables import table
+from polhode.results.result import Storable
 from polhode.runs.sweep.ensemble import Ensemble
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.classification import kind_of_body
@@ -46,7 +46,7 @@ def of_scene(scene: Scene) -> str:
     return _table(scene.title or scene.name, facts)
 
 
-def of_result(found: Result) -> str:
+def of_result(found: Storable) -> str:
     """What a notebook shows of any result."""
     if isinstance(found, Trajectory):
         return of_run(found)
@@ -57,7 +57,7 @@ def of_result(found: Result) -> str:
     return _head(found)
 
 
-def _head(found: Result) -> str:
+def _head(found: Storable) -> str:
     """The line that names a result, and the first rows of its table; not of what must compute."""
     told = f"<p>{escape(printable(repr(found).strip('<>')))}</p>"
     if isinstance(found, (Reference, Certified)):

@@ -114,7 +114,7 @@ def texts(values: Values, kind: str) -> list[str]:
     if kind == TEXT:
         return ["" if x is None else _whole_characters(str(x)) for x in values]
     digits = 0 if kind == EXACT else _digits(kind) or _number(kind).printed_digits
-    return ["" if x is None else _wide(x, digits) for x in values]
+    return ["" if x is None else wide(x, digits) for x in values]
 
 
 def doubles(values: Values) -> Doubles:
@@ -131,7 +131,8 @@ def _whole_characters(text: str) -> str:
     return text.encode(errors="replace").decode().replace("\0", "?")
 
 
-def _wide(x: Value, digits: int) -> str:
+def wide(x: Value, digits: int) -> str:
+    """An exact or wide number to so many digits, of 0 in full; empty for nan."""
     if isinstance(x, Irrational):
         x = exact.binary(*exact.rounded(x, 4 * digits))
     if x != x:

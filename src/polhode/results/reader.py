@@ -41,9 +41,10 @@ _HEAD = 4096  # bytes of a JSON file that tell its kind
 
 #: The kinds of results, by the names of their classes.
 KINDS = (
-    *("CertifiedEvents", "ChaosMap", "Enclosure", "Ensemble", "EventTimes", "Frequencies"),
-    *("Judgement", "Levels", "Lyapunov", "ObservedOrder", "Orbit", "OrbitFamily", "OrbitSearch"),
-    *("ProvedOrbit", "Reductions", "Section", "Trajectory"),
+    *("CertifiedEvents", "ChaosMap", "Conditioning", "Enclosure", "Ensemble", "EventTimes"),
+    *("Frequencies", "Judgement", "Levels", "Lyapunov", "ObservedOrder", "Orbit", "OrbitFamily"),
+    *("OrbitSearch", "ProvedChaos", "ProvedOrbit", "Reductions", "ReferenceTable", "Section"),
+    *("Trajectory", "Verdict"),
 )
 #: What a file that is none makes reading it raise.
 DAMAGED = (LookupError, TypeError, AttributeError, ArithmeticError, MemoryError, *UNREADABLE)

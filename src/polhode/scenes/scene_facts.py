@@ -74,15 +74,19 @@ def time_column(
     times: Sequence[Fraction] | Doubles,
     number: NumberType,
     *,
-    digits: int = 6,
+    digits: int | None = None,
 ) -> Column:
-    """Times of a type: doubles as they are, wider ones with every digit."""
+    """Times of a type: doubles as they are, wider ones with every digit.
+
+    ``digits``: on a terminal; unless given those that decimals of the type keep.
+    """
     values: Values = times
     if number.bits == 53 and not hasattr(times, "dtype"):
         held = times if isinstance(times, OutputTimes) else OutputTimes(tuple(times))
         values = held.doubles()
     kind = bits_word(number) if number.bits == 53 else EXACT
-    return Column("t", values, "time", unit_of(scene, "t"), kind, digits)
+    shown = number.printed_digits - 2 if digits is None else digits
+    return Column("t", values, "time", unit_of(scene, "t"), kind, shown)
 
 
 def row_columns(
@@ -91,12 +95,15 @@ def row_columns(
     rows: Given | Stack | Sequence[Sequence[Value]],
     number: NumberType,
     *,
-    digits: int = 6,
+    digits: int | None = None,
 ) -> list[Column]:
-    """Columns of rows of one type, which may have gaps."""
-    word = bits_word(number)
+    """Columns of rows of one type, which may have gaps.
+
+    ``digits``: on a terminal; unless given as many as round-trip.
+    """
+    word, shown = bits_word(number), number.printed_digits if digits is None else digits
     return [
-        Column(name, _column(rows, k), _MEANINGS.get(name, ""), unit_of(scene, name), word, digits)
+        Column(name, _column(rows, k), _MEANINGS.get(name, ""), unit_of(scene, name), word, shown)
         for k, name in enumerate(names)
     ]
 

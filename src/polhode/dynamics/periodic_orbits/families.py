@@ -78,7 +78,7 @@ def points_table(scene: Scene, points: Sequence[FamilyPoint]) -> Table:
             Column("period", [x.period for x in points], "", unit_of(scene, "t"), digits=12),
             Column("residue", [x.residue for x in points], "Greene's"),
             text_column("kind", [x.kind for x in points], "of its stability"),
-            *row_columns(scene, STATE, states, DOUBLE),
+            *row_columns(scene, STATE, states, DOUBLE, digits=6),
         ]
     )
 

@@ -18,7 +18,6 @@ import numpy as np
 from mpmath import libmp
 
 from polhode.common.errors import BadInput, FileName
-from polhode.common.result import Result
 from polhode.judging.references.reference import Reference, reference
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import ball_rules
@@ -27,6 +26,7 @@ from polhode.numbers.lossless_mpf import real
 from polhode.output import archive
 from polhode.output.results import kinds
 from polhode.output.results.kinds import Value
+from polhode.results.result import Result
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
 

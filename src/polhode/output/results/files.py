@@ -12,7 +12,6 @@ import numpy as np
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput, nearest
 from polhode.common.files import check_writable, npz, read_npz, read_whole, write_whole
-from polhode.common.result import Result
 from polhode.output import archive, csv_tables, frames
 from polhode.output.json_object import JsonObject
 from polhode.output.json_results import as_json
@@ -20,6 +19,7 @@ from polhode.output.results import document, summaries
 from polhode.output.results.kinds import Value
 from polhode.output.results.tables import table
 from polhode.results import reader
+from polhode.results.result import Result
 from polhode.runs import saved
 from polhode.runs.sweep.ensemble import Ensemble
 from polhode.runs.trajectory import Trajectory

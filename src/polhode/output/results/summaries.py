@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from polhode.common.result import Result
 from polhode.judging.references.reference import reference
 from polhode.output import csv_tables, json_results
 from polhode.output.json_object import JsonObject
 from polhode.output.results.tables import table
 from polhode.output.results.texts import text_of
+from polhode.results.result import Result
 from polhode.runs.sweep.ensemble import Ensemble
 from polhode.runs.trajectory import Trajectory
 

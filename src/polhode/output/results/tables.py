@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 import numpy as np
 
 from polhode.common.errors import BadInput
-from polhode.common.result import Result
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.number_types import LOG10_2
 from polhode.output.results.texts import text_of
 from polhode.output.sweeps import spread
+from polhode.results.result import Storable
 from polhode.scenes.vocabulary import COLUMNS, STATE
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ class Table(NamedTuple):
         return [[*self.columns], *(list(row) for row in zip(*texts, strict=True))]
 
 
-def table(found: Result) -> Table:
+def table(found: Storable) -> Table:
     """The table of a result; raises BadInput for one that has none."""
     make = KINDS.get(type(found).__name__)
     if make is None:

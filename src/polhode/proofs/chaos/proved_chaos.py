@@ -16,7 +16,10 @@ from polhode.proofs.chaos.lanes import Lanes
 from polhode.proofs.chaos.theorem import Horseshoe
 from polhode.proofs.level import Level
 from polhode.proofs.proved_orbit import ProvedOrbit, down, up
+from polhode.results.result import Result
+from polhode.results.table import Fact, Table
 from polhode.scenes.scene import Scene
+from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of
 
 
 class Guess(NamedTuple):
@@ -28,7 +31,7 @@ class Guess(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ProvedChaos(ByValue):
+class ProvedChaos(Result, ByValue):
     """A level on which the motion is chaotic: a theorem.
 
     ``orbit``: the proved unstable periodic orbit whose manifolds meet.  ``sets``, ``coverings``:
@@ -66,13 +69,40 @@ class ProvedChaos(ByValue):
     guess: Guess = field(compare=False)
     provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
 
+    def table(self) -> Table:
+        """One row: the orbit whose manifolds meet, as balls."""
+        return self.orbit.table()
+
+    def facts(self) -> list[Fact]:
+        """The theorem, its bounds and margins, and what it took."""
+        time = unit_of(self.scene, "t")
+        return [
+            *scene_facts(self.scene),
+            Fact("proven", True),
+            Fact("theorem", str(self)),
+            Fact("h", self.h, "energy"),
+            Fact("f", self.f, "vertical momentum"),
+            Fact("entropy", self.entropy, "lower bound of the topological entropy", f"1/{time}"),
+            Fact("loops", [self.short, self.long], "upper bounds of their times", time),
+            Fact("sets", self.sets),
+            Fact("coverings", self.coverings),
+            Fact("stretch", self.stretch, "the least; above 1"),
+            Fact("height", self.height, "the largest; below 1"),
+            Fact("cone", self.cone, "the least; above 0"),
+            Fact("size", self.size, "of the sets, in the proof's scale"),
+            Fact("tries", self.tries, "of homoclinic orbits and sizes"),
+            *(x for x in self.orbit.facts() if x.name in ("kind", "multipliers", "digits_proven")),
+            provenance_fact(self.provenance),
+        ]
+
     def save(self, path: str | Path, progress: Progress | None = None) -> None:
-        """Write the certificate of the theorem, which ``polhode verify`` checks.
+        """Write the theorem, or as .json its certificate, which ``polhode verify`` checks.
 
         Parameters
         ----------
         path : str or Path
-            Ends in ``.json``.  The certificate is checked before it is written.
+            ``.json``: the certificate, checked before it is written.  Other endings as of any
+            result; those load again by :func:`polhode.load_result`.
         progress : callable, optional
             Told the part of the certificate's check that is done, and how many steps.
 
@@ -81,6 +111,9 @@ class ProvedChaos(ByValue):
         BadInput
             Where the checker does not prove it, or the file cannot be written.
         """
+        if Path(path).suffix.lower() not in (".json", ""):  # "-" is stdout
+            super().save(path)
+            return
         from polhode.certificates import chaos_certificate
         from polhode.proofs.chaos.statement import stated
 
