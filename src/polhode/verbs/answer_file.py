@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from polhode.common.files import check_writable, is_stdout, npz, write_whole
+from polhode.figures import catalogue
 from polhode.figures.canvas import canvas
+from polhode.results.result import Storable
 from polhode.verbs.terminal import refuse_two_on_stdout
 
 ARRAYS = ".npz"
@@ -35,9 +37,9 @@ class AnswerFile:
         """Write arrays, whole."""
         write_whole({self.path: npz(arrays)})
 
-    def draw(self, draw: Callable[[Any, Any], Any], shown: Any, title: str) -> None:
-        """Write the figure that ``draw(pyplot, shown)`` makes, whole."""
-        write_whole({self.path: canvas.drawn(draw, shown, self.suffix, title)})
+    def draw(self, found: Storable, of: str, what: str | None = None, **options: Any) -> None:
+        """Write a figure of a result, whole; ``of``: whose it is."""
+        write_whole({self.path: catalogue.drawn(found, self.suffix, of, what, **options)})
 
 
 def answer_file(

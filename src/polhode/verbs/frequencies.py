@@ -28,7 +28,6 @@ def options(parser: ArgumentParser) -> None:
 def main(options: Namespace) -> int:
     """Find the lines and print them."""
     from polhode.dynamics.frequencies.frequencies import LINES, frequencies
-    from polhode.figures import frequencies as figure
     from polhode.figures.canvas import canvas
     from polhode.output import frequencies as output
     from polhode.verbs.answer_file import answer_file
@@ -40,7 +39,7 @@ def main(options: Namespace) -> int:
         raise BadInput(options.what_of, "--of", options.of, "names of signals, commas between")
     found = frequencies(options.what_of, of, options.end, options.lines or LINES)
     if file is not None:
-        file.draw(figure.draw, found, f"polhode: frequencies of {found.name}")
+        file.draw(found, found.name)
     if options.json:
         print_json(output.of_frequencies(found))
         return DONE

@@ -35,7 +35,6 @@ def options(parser: ArgumentParser) -> None:
 def main(options: Namespace) -> int:
     """Print the special points and the scene's level; draw the diagram."""
     from polhode.dynamics.levels.levels import levels
-    from polhode.figures import levels as figure
     from polhode.figures.canvas import canvas
     from polhode.output import levels as output
     from polhode.verbs.answer_file import ARRAYS, answer_file
@@ -51,8 +50,8 @@ def main(options: Namespace) -> int:
     if file is not None and file.holds_arrays:
         file.save(output.arrays(found))
     elif file is not None:
-        shown = figure.Diagram(found, figure.window(found, *ranges))
-        file.draw(figure.draw, shown, f"polhode: levels of {scene.name}")
+        told = dict(zip(("f_range", "h_range"), ranges, strict=True))
+        file.draw(found, scene.name, **told)
     if options.json:
         print_json(output.of_levels(found))
     elif file is None or not file.on_stdout:

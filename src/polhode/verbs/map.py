@@ -42,7 +42,6 @@ def main(options: Namespace) -> int:
     """Follow the motions; print the counts, write the map."""
     from polhode.common import checkpoint
     from polhode.dynamics.chaos.chaos_map import TOLERANCE, chaos_map
-    from polhode.figures import map as figure
     from polhode.figures.canvas import canvas
     from polhode.output import maps as output
     from polhode.scenes.variation import vary
@@ -72,8 +71,7 @@ def main(options: Namespace) -> int:
         if file.holds_arrays:
             file.save(output.arrays(found))
         else:
-            shown = figure.Shown(found, options.what or "fli")
-            file.draw(figure.draw, shown, f"polhode: map of {scene.name}")
+            file.draw(found, scene.name, options.what)
         if found.kept is not None:
             found.kept.remove()
     if options.json:

@@ -251,7 +251,6 @@ def read_range(name: str, text: str) -> Range:
 def _family(options: Namespace, scene: Any) -> int:
     from polhode.dynamics.periodic_orbits.families import orbit_family
     from polhode.dynamics.periodic_orbits.orbit import orbit
-    from polhode.figures import orbit_family as figure
     from polhode.figures.canvas import canvas
     from polhode.output import orbits as output
     from polhode.verbs.answer_file import ARRAYS, answer_file
@@ -282,7 +281,7 @@ def _family(options: Namespace, scene: Any) -> int:
         if file.holds_arrays:
             file.save(output.arrays(found))
         else:
-            file.draw(figure.draw, found, f"polhode: periodic orbits of {scene.name}")
+            file.draw(found, scene.name)
     if options.json:
         print_json(output.of_family(found))
     elif file is None or not file.on_stdout:

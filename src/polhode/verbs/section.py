@@ -57,7 +57,6 @@ def main(options: Namespace) -> int:
     from polhode.common import checkpoint
     from polhode.dynamics.sections.section import section
     from polhode.dynamics.sections.starts import OWN, read_starts
-    from polhode.figures import section as figure
     from polhode.figures.canvas import canvas
     from polhode.output import sections as output
     from polhode.verbs.answer_file import ARRAYS, answer_file
@@ -89,7 +88,7 @@ def main(options: Namespace) -> int:
         if file.holds_arrays:
             file.save(output.arrays(found))
         else:
-            file.draw(figure.draw, found, f"polhode: section of {scene.name}")
+            file.draw(found, scene.name)
         if found.kept is not None:
             found.kept.remove()
     if options.json:

@@ -72,9 +72,9 @@ def compare(
     what : Trajectory, str, Path, mapping, DataFrame, Dataset or rows
         A run, or the path of a file that polhode saved; the path of a CSV file (``-``: the standard
         input) with a column t and any of p q r gamma1 gamma2 gamma3 psi theta phi q0 q1 q2 q3, or
-        of a derived output; of an .npz, .npy or .parquet file of such columns; the same columns as a mapping of names to arrays, a pandas
-        DataFrame or an xarray Dataset; or rows of numbers, which hold at the times ``at`` and have
-        the columns ``columns``.
+        of a derived output; of an .npz, .npy or .parquet file of such columns; the same columns as
+        a mapping of names to arrays, a pandas DataFrame or an xarray Dataset; or rows of numbers,
+        which hold at the times ``at`` and have the columns ``columns``.
     against : reference, Scene, str or Path, optional
         A reference, or the scene whose reference it is; of a run its own scene unless given.
     number : str or NumberType, optional

@@ -1,4 +1,4 @@
-"""Tables in files: results of our own, CSV, NumPy's .npz and .npy, Parquet where pandas reads it."""
+"""Tables in files: our own results, CSV, NumPy's .npz and .npy, Parquet if pandas reads it."""
 
 from __future__ import annotations
 
