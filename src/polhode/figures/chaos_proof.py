@@ -70,7 +70,7 @@ def draw_crossings(axes: Axes, points: Crossings) -> None:
         ("stable", INTO, points.stable),
     ):
         gid = f"{name} manifold"
-        look = {"ms": 1.4, "mew": 0, "color": colour, "rasterized": True}
+        look: dict[str, Any] = {"ms": 1.4, "mew": 0, "color": colour, "rasterized": True}
         axes.plot(*where, ".", label=gid, gid=gid, **look)
     axes.plot(*points.sets, "+", ms=5, color=SETS, label="sets, each in its own plane", gid="sets")
     section_axes.label(axes, height=True)
@@ -89,7 +89,7 @@ def _sets(axes: Axes, found: ProvedChaos) -> None:
     x, y = _outline(chain.images[0])
     axes.fill(x / home.width, y / home.height, color=OUT, alpha=0.35, lw=0, label="image of N0")
     x, y = _outline(chain.images[-1])
-    look = {"color": INTO, "alpha": 0.6, "lw": 1.0}
+    look: dict[str, Any] = {"color": INTO, "alpha": 0.6, "lw": 1.0}
     axes.fill(x / home.width, y / home.height, label=f"image of M{len(chain.sets)}", **look)
     axes.set(xlabel="along the unstable direction", ylabel="along the stable direction")
     axes.set(ylim=(-1.4, 1.4))

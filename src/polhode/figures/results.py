@@ -50,8 +50,8 @@ def period(plt: Any, found: Storable, axes: Any = None) -> Any:
     """omega over one period of a periodic orbit, found or proved."""
     orbit = told(found)
     scene = orbit.scene
-    state = [orbit.column(name)[0] for name in scene.columns]
-    start = {"omega": state[:3], "gamma": state[3:] or None, "normalise": len(state) > 3}
+    p, q, r, *gamma = (orbit.column(name)[0] for name in scene.columns)
+    start: dict[str, Any] = {"omega": (p, q, r), "gamma": gamma or None, "normalise": bool(gamma)}
     near = replace(scene, **start, outputs=(), events=())
     (last,) = orbit.column("period")
     run = solve(near.at(even_times(last, MOST)), DOUBLE)

@@ -18,7 +18,7 @@ def folder() -> Path:
 
 
 #: Endings of files that are tables.
-_TABLES = (".csv", ".json", ".npz", ".npy", ".parquet")
+_TABLES = (".csv", ".npz", ".npy", ".parquet")
 
 
 def names() -> list[str]:

@@ -50,8 +50,8 @@ def main(options: Namespace) -> int:
     if file is not None and file.holds_arrays:
         file.save(output.arrays(found))
     elif file is not None:
-        told = dict(zip(("f_range", "h_range"), ranges, strict=True))
-        file.draw(found, scene.name, **told)
+        f_range, h_range = ranges
+        file.draw(found, scene.name, f_range=f_range, h_range=h_range)
     if options.json:
         print_json(output.of_levels(found))
     elif file is None or not file.on_stdout:

@@ -109,11 +109,10 @@ def make(options: Namespace, endings: tuple[str, ...], words: str = "") -> int:
             return NOT_REACHED
         for told in found.notes:
             note(told)
-        made: str | bytes
         answer = {"file": str(path), "what": found.what, "of": found.name} | _span(found)
         if suffix == PAGE:
             command = " ".join(("polhode", options.verb, called(Path(options.what_of)), words))
-            made = page_of(found, command.rstrip())
+            made = page_of(found, command.rstrip()).encode()
         elif suffix in FILMS:
             filmed = film.filmed(
                 samples_of(found), suffix, lambda done: progress.say(f"{100 * done:.0f} %"), look
@@ -129,7 +128,7 @@ def make(options: Namespace, endings: tuple[str, ...], words: str = "") -> int:
             made = catalogue.drawn(found.found, suffix, found.name, found.what, **own)
     write_whole({path: made})
     if options.json:
-        print_json(answer)
+        print_json(answer | {"bytes": len(made)})
     elif not is_stdout(path):
         say(str(path))
     return DONE

@@ -143,7 +143,8 @@ def pale(colour: str) -> str:
     """The same hue, lighter, for what is hidden behind a surface."""
     from matplotlib.colors import to_hex, to_rgb
 
-    return HIDDEN.get(colour) or to_hex([1 - 0.35 * (1 - x) for x in to_rgb(colour)])
+    red, green, blue = (1 - 0.35 * (1 - x) for x in to_rgb(colour))
+    return HIDDEN.get(colour) or to_hex((red, green, blue))
 
 
 def time_label(scene: Scene | None) -> str:
