@@ -27,8 +27,8 @@ from polhode.dynamics.periodic_orbits.search import OrbitSearch as OrbitSearch
 from polhode.dynamics.periodic_orbits.search import orbit_search as orbit_search
 from polhode.dynamics.sections.section import Section as Section
 from polhode.dynamics.sections.section import section as section
+from polhode.enclosures.certified_events import CertifiedEvents as CertifiedEvents
 from polhode.enclosures.certify import certify as certify
-from polhode.enclosures.events import CertifiedEvents as CertifiedEvents
 from polhode.enclosures.events import certify_events as certify_events
 from polhode.enclosures.result import Enclosure as Enclosure
 from polhode.equations.plain_field import field as field

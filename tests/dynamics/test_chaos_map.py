@@ -117,7 +117,7 @@ def test_bodies_can_vary():
     """From a Lagrange top across asymmetric bodies: the integrable column alone has no chaos."""
     scene = polhode.load("general/asymmetric-chaotic")
     varied = {"body.moments[1]": ["1.5", "2"], "start.omega[3]": "1:1.3:6"}
-    found = polhode.chaos_map(scene, varied=varied, end=1000)
+    found = polhode.chaos_map(scene, vary=varied, end=1000)
     assert found.keys == ("body.moments[1]", "start.omega[3]")
     assert found.at[0].tolist() == [1.5, 1.0]
     assert len(found.verdict) == 12

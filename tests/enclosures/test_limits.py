@@ -48,7 +48,7 @@ def test_what_was_proven_until_an_interruption_is_kept() -> None:
     whole = polhode.certify(SCENE, at=[1, 5, 60], digits=15)
     found = polhode.certify(SCENE, at=[60, 1, 5], digits=15, progress=_stop)
     assert found.outcome is Outcome.INTERRUPTED
-    assert not found.reached
+    assert not found.complete
     assert found.times == (1, 5)
     assert found.centres == whole.centres[:2]
     assert "interrupted" in repr(found)

@@ -148,7 +148,7 @@ def test_a_wide_box_is_followed_as_far_as_it_goes(tmp_path, capsys):
     assert found.outcome is Outcome.TOO_WIDE
     assert [*found.times] == [1, 2]
     assert 8 < found.until < 100
-    assert not found.reached
+    assert not found.complete
     path = tmp_path / "wide.toml"
     path.write_text(FILE.replace("1e-8", "1e-5").replace("end = 5", "at = [1, 500]"))
     assert main(["reference", str(path), "--certified"]) == 3

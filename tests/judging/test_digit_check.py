@@ -60,7 +60,7 @@ def test_what_cannot_be_proved_is_not_said_to_be_right(monkeypatch):
 
 def test_digits_are_checked_only_where_they_are_asked_for(capsys):
     with pytest.raises(polhode.BadInput, match="proved = True: expected digits"):
-        polhode.integrate("euler/sphere", proved=True)
+        polhode.integrate("euler/sphere", prove=True)
     assert cli.main(["run", "euler/sphere", "--unproved"]) == 2
     assert cli.main(["run", "euler/sphere", "--digits", "20", "--unproved", "--proved"]) == 2
     capsys.readouterr()

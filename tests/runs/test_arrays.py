@@ -310,7 +310,7 @@ def test_members_of_arrays_are_those_of_exact_values_to_the_bit(body, keys, at):
     assert np.array_equal(one.states, many.states)
     assert np.array_equal(one.counts, many.counts)
     assert [*map(tuple, one.varied.rows)] == [*map(tuple, many.varied.rows)]
-    assert (many.done, many.reached) == (True, one.reached)
+    assert (many.complete, many.reached) == (True, one.reached)
     for k in (0, COUNT // 2, COUNT - 1):
         alone = {key: rows[k : k + 1] for key, rows in columns.items()}
         assert np.array_equal(polhode.integrate_many(told, alone, at=at).states[0], many.states[k])

@@ -258,7 +258,7 @@ def test_members_of_a_sweep_are_refined_or_take_steps():
         polhode.integrate_many(SCENE, vary, number="quad", at=[2, 30], workers=1, method=method)
         for method in ("auto", "taylor")
     )
-    assert many.done
+    assert many.complete
     for k, member in enumerate(many.members):
         alone = refined(member, [2, 30])
         assert (many[k].method, many[k].errors) == ("refined", alone.errors)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from flint import arb
 
@@ -17,6 +17,7 @@ from polhode.common.progress import Progress
 from polhode.enclosures import fixed_point_problem
 from polhode.enclosures._zeros.certified_zeros import Search
 from polhode.enclosures._zeros.zero_at_start import first_derivative, is_still
+from polhode.enclosures.certified_events import CertifiedEvents, EventTime
 from polhode.enclosures.certify import balls
 from polhode.enclosures.fixed_point_problem import (
     CLOCK,
@@ -30,14 +31,10 @@ from polhode.enclosures.fixed_point_problem import (
 from polhode.enclosures.polynomial import Polynomial, constant, midpoint, rate, total, variable
 from polhode.enclosures.task import MAX_STEPS, Side, Task, task
 from polhode.numbers import expression
-from polhode.numbers.balls import Ball
 from polhode.numbers.exact import sign
 from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.scalars import AnyNumber, AnyVector
-from polhode.results.cells import EXACT, INTEGER
-from polhode.results.result import Result
-from polhode.results.table import Column, Fact, Table
 from polhode.scenes import start_box
 from polhode.scenes.event import Event
 from polhode.scenes.given_numbers import TIME, reader
@@ -46,76 +43,6 @@ from polhode.scenes.vocabulary import STATE
 
 _MOST_TRIES = 4
 _DEARER = 1.4  # with events than without
-
-
-class EventTime(NamedTuple):
-    """A proven event: its time is within ``radius`` of ``time``; slope 1 rising, -1 falling.
-
-    The state then is within ``radii`` of ``state``: p q r [gamma1 gamma2 gamma3] in body axes.
-    """
-
-    time: Fraction
-    radius: float
-    slope: int
-    state: tuple[Fraction, ...]
-    radii: tuple[float, ...]
-
-
-@dataclass(frozen=True, repr=False)
-class CertifiedEvents(Result):
-    """The proven events of one name between 0 and the end, in order away from 0.
-
-    Zeros at 0 and at the end are not among them, as in a run.  ``undecided``: intervals of time in
-    which it is not decided whether, or how often, the event happens: a grazing contact, a zero at
-    the end, or at 0 if that is not known exactly.  The count is proven if there are no such
-    intervals.  Times are in the scene's unit.
-
-    >>> import polhode
-    >>> event = polhode.Event("level", "gamma3 - 1/2")
-    >>> scene = polhode.Scene(polhode.Body.of_moments((1, 1, 1)), (1, 0, 0), (0, 0, 1),
-    ...                       events=(event,))
-    >>> polhode.certify_events(scene, end=10)  # cos t = 1/2
-    (<CertifiedEvents of level: 3, no others>,)
-    """
-
-    name: str
-    times: tuple[EventTime, ...]
-    undecided: tuple[tuple[float, float], ...]
-
-    @property
-    def proven(self) -> bool:
-        """Whether there are these events and no others."""
-        return not self.undecided
-
-    def table(self) -> Table:
-        """A row an event: its time and the state then, as balls, and the slope of the event."""
-        width = len(self.times[0].state) if self.times else 0
-        states = (
-            Column(name, [Ball(x.state[k], x.radii[k]) for x in self.times], type=EXACT)
-            for k, name in enumerate(STATE[:width])
-        )
-        return Table(
-            [
-                Column("event", [*range(1, len(self.times) + 1)], type=INTEGER),
-                Column("t", [Ball(x.time, x.radius) for x in self.times], "time", type=EXACT),
-                Column("slope", [x.slope for x in self.times], "its sign", type=INTEGER),
-                *states,
-            ]
-        )
-
-    def facts(self) -> list[Fact]:
-        """Which event, whether there are no others, and where that is not decided."""
-        first, last = [[pair[k] for pair in self.undecided] for k in range(2)]
-        undecided = [Column("first", first), Column("last", last)]
-        return [
-            Fact("event", self.name),
-            Fact("proven", self.proven, "whether there are these events and no others"),
-            Fact("undecided", Table(undecided, 0), "intervals of time"),
-        ]
-
-    def __repr__(self) -> str:
-        others = f"{len(self.undecided)} undecided" if self.undecided else "no others"
-        return f"<CertifiedEvents of {self.name}: {len(self.times)}, {others}>"
 
 
 def certify_events(

@@ -14,6 +14,7 @@ from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
+from polhode.enclosures.certified_events import CertifiedEvents, facts_of
 from polhode.enclosures.statement import stated
 from polhode.equations.kinematics import starting_attitude
 from polhode.motion.outcomes import Outcome
@@ -26,6 +27,7 @@ from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.scalars import Real
 from polhode.results.cells import EXACT, TEXT
 from polhode.results.result import Result
+from polhode.results.shown import lines
 from polhode.results.table import Column, Fact, Table
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, unit_of
@@ -85,7 +87,8 @@ class Enclosure(Result, ByValue):
     the approximate times, one for each sign of t, from which on psi and phi are None, because the
     third axis is, or passes, too near the vertical for their turns to be counted in double.
     ``omega_radius``: the radii of the start's box, in body axes; None if the start is the scene's
-    own.  ``until``: the time to which the proof went, on the side where it ended.
+    own.  ``until``: the time to which the proof went, on the side where it ended.  ``events``: the
+    scene's, proven too, where they were asked for.
 
     >>> import polhode
     >>> found = polhode.certify("euler/largest-axis", at=[1], digits=20)
@@ -114,6 +117,7 @@ class Enclosure(Result, ByValue):
     lost: tuple[float, ...] = ()
     omega_radius: tuple[Fraction, ...] | None = None
     until: float = math.nan
+    events: tuple[CertifiedEvents, ...] | None = None
 
     @cached_property
     def midpoints(self) -> list[list[Real]]:
@@ -122,11 +126,16 @@ class Enclosure(Result, ByValue):
         return [[ordinary(to_mpf(x, bits)) for x in row] for row in self.centres]
 
     @property
-    def reached(self) -> bool:
+    def complete(self) -> bool:
         """Whether the digits asked for are proven at every time, of the angles and attitude too;
         of a box, whether it was followed to the last time."""
         whole = self.fewest >= self.asked or self.omega_radius is not None
         return self.outcome.done and whole
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C ended the proof."""
+        return self.outcome is Outcome.INTERRUPTED
 
     @property
     def proven(self) -> float:
@@ -180,13 +189,14 @@ class Enclosure(Result, ByValue):
             Fact("statement", list(self.statement), "what is proven", type=TEXT),
             Fact("assumed", list(self.assumed), "what it rests on besides", type=TEXT),
             Fact("outcome", self.outcome.value, "how the proof ended"),
-            Fact("complete", self.reached, "whether the digits asked for are proven"),
+            Fact("complete", self.complete, "whether the digits asked for are proven"),
             Fact("angles_lost", list(self.lost), "psi and phi are not known from then on"),
             Fact("omega_radius", box, "radii of the start's box"),
             Fact("until", self.until, "to which time the proof went"),
             Fact("noise", self.noise, "the proof's noise level is 2 to minus this"),
             Fact("steps", self.steps),
             Fact("tries", self.tries, "runs of the proof"),
+            *(facts_of(self.events) if self.events else ()),
             provenance_fact(self.scene.provenance()),
         ]
 
@@ -238,12 +248,7 @@ class Enclosure(Result, ByValue):
         return f"<Enclosure of {self.scene.name}: {times}, {how}>"
 
     def __str__(self) -> str:
-        lines = []
-        for t, row, digits in zip(self.times, self.strings(), self.digits, strict=True):
-            lines.append(f"t = {shown(t)}: {digits:.1f} digits proven")
-            names = self.scene.columns
-            lines += [f"  {name:>6} {text}" for name, text in zip(names, row, strict=True)]
-        return "\n".join(lines)
+        return "\n".join(lines(self.table()))
 
 
 def digits_of(error: float) -> float:

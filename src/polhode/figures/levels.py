@@ -8,18 +8,21 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from polhode.common.errors import BadInput
 from polhode.dynamics.levels.levels import Column, Levels, levels
 from polhode.dynamics.levels.regions import Region
 from polhode.figures.canvas import canvas
 from polhode.figures.canvas.canvas import series
 from polhode.figures.results import told
-from polhode.numbers.conversion import to_double
+from polhode.numbers import expression
+from polhode.numbers.conversion import exact_number, to_double
 from polhode.results.result import Storable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 COLUMNS = 160
+_LARGEST = 1e306  # of what an axis shows
 LINES: dict[str, Any] = {
     "centre-centre": ("-", "#000000"),
     "centre-saddle": ((0, (4, 1.6)), "#000000"),
@@ -94,6 +97,7 @@ class Window(NamedTuple):
 def window(found: Levels, f: Any = None, h: Any = None) -> Window:
     """The window asked for; unless given, one that holds every special point and the scene."""
     here = to_double(found.here.f), to_double(found.here.h)
+    f = None if f is None else _range(found.scene.name, "--f-range", f)
     if f is None:
         marks = [float(mark.f) for mark in found.marks]
         span = max([1.5 * x for x in marks] + [1.4 * abs(here[0])], default=0.0)
@@ -107,7 +111,25 @@ def window(found: Levels, f: Any = None, h: Any = None) -> Window:
                 high.extend(column.energies[-1:])
         margin = 0.08 * (max(high) - min(low)) or 1.0
         h = (min(low) - margin, max(high) + margin)
-    return Window((float(f[0]), float(f[1])), (float(h[0]), float(h[1])))
+    source = found.scene.name
+    return Window(_range(source, "--f-range", f), _range(source, "--h-range", h))
+
+
+def _range(source: str, key: str, given: Any) -> tuple[float, float]:
+    """A range that was given as two numbers, or as a text A:B; raises BadInput."""
+    parts = given.split(":") if isinstance(given, str) else given
+    try:
+        first, last = (
+            to_double(expression.number(x) if isinstance(x, str) else exact_number(x))
+            for x in parts
+        )
+    except (TypeError, ValueError):
+        raise BadInput(source, key, given, "A:B, two numbers") from None
+    if max(abs(first), abs(last)) > _LARGEST:
+        raise BadInput(source, key, given, f"A:B, two numbers of at most {_LARGEST:g}")
+    if not first < last:
+        raise BadInput(source, key, given, "A:B with A below B")
+    return first, last
 
 
 def _shades(axes: Axes, found: Levels, shown: Window) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from polhode.common.errors import BadInput
 from polhode.common.files import check_writable, is_stream
+from polhode.results.packages import needed
 from polhode.results.reader import kind_at
 from polhode.results.writer import ENDINGS, beside
 
@@ -20,6 +21,8 @@ def check_place(path: Path, kind: str, inputs: Iterable[Path | None] = ()) -> No
     places = [path, beside(path)] if path.suffix.lower() == ".csv" else [path]
     for place in places:
         check_writable(place, ENDINGS, inputs)
+    if path.suffix.lower() == ".parquet":
+        needed("pyarrow")
     if is_stream(path):
         return
     for place in places:

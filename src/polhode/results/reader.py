@@ -48,6 +48,7 @@ KINDS = (
 )
 #: What a file that is none makes reading it raise.
 DAMAGED = (LookupError, TypeError, AttributeError, ArithmeticError, MemoryError, *UNREADABLE)
+CERTIFICATE = "polhode certificate"
 FOREIGN = "polhode did not write it"
 CHANGED = "it was changed since polhode wrote it"
 
@@ -200,6 +201,8 @@ def _head_of(path: Path) -> str:
 
 def _object(data: bytes) -> dict[str, Value]:
     found = json.loads(data, parse_constant=_no_constant)
+    if isinstance(found, dict) and str(found.get("format")).startswith(CERTIFICATE):
+        raise ValueError("this is a certificate, which polhode.verify checks")
     if not isinstance(found, dict) or found.get("format") != FORMAT:
         raise ValueError("another format")
     return found

@@ -369,6 +369,16 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         return self.tolerance <= float(self.number.eps)
 
     @property
+    def complete(self) -> bool:
+        """Whether the run did what was asked: it reached its end, with the digits wanted."""
+        return self.outcome.done
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C ended it."""
+        return self.outcome is Outcome.INTERRUPTED
+
+    @property
     def columns(self) -> tuple[str, ...]:
         """Names of the state's columns."""
         return self.scene.columns

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from polhode.common.errors import BadInput
 from polhode.scenes import library
+from polhode.verbs.options import whole, word
 from polhode.verbs.terminal import (
     DONE,
     NOT_REACHED,
@@ -16,8 +17,6 @@ from polhode.verbs.terminal import (
     print_json,
     refuse_two_on_stdout,
     say,
-    whole,
-    word,
 )
 
 if TYPE_CHECKING:

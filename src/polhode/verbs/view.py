@@ -7,7 +7,7 @@ from pathlib import Path
 
 from polhode.common.errors import BadInput
 from polhode.verbs import plot
-from polhode.verbs.terminal import word
+from polhode.verbs.options import word
 
 HELP = "a motion as one animated HTML page that needs nothing else"
 

@@ -123,6 +123,11 @@ class Levels(Result, ByValue):
         curves = counted(len(self.curves), "curve")
         return f"<Levels of {self.scene.name}: {curves}, {counted(len(self.cusps), 'cusp')}>"
 
+    def __str__(self) -> str:
+        from polhode.dynamics.levels.report import report
+
+        return report(self, topology(self.here.region))
+
     @property
     def cusps(self) -> tuple[Mark, ...]:
         """The cusps, where two permanent rotations meet."""

@@ -56,7 +56,7 @@ class Reductions(Ended):
 
     ``numbers``: arrays (members,) by name, float64 or longdouble, in the scene's body axes and
     units; nan for members that did not reach the end, and for a first event that does not happen.
-    ``parts``: the folder of finished jobs, to be removed.  ``endings``: indices into
+    ``kept``: the folder of finished jobs, to be removed.  ``endings``: indices into
     ``polhode.motion.outcomes.OUTCOMES``; ``counts``: steps.
     """
 
@@ -69,7 +69,7 @@ class Reductions(Ended):
     endings: npt.NDArray[np.uint8]
     counts: npt.NDArray[np.int64]
     provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
-    parts: JobCheckpoint | None = field(default=None, compare=False)
+    kept: JobCheckpoint | None = field(default=None, compare=False)
 
     def __len__(self) -> int:
         return len(self.members)
@@ -93,14 +93,14 @@ class Reductions(Ended):
         """A row a member: what is varied, how it ended, and its numbers."""
         import numpy as np
 
-        member = np.arange(len(self))
+        member, digits = np.arange(len(self)), self.number.printed_digits
         return Table(
             [
                 Column("member", member + 1),
                 *varied_columns(self.varied, member),
                 text_column("outcome", [OUTCOMES[k].value for k in self.endings.tolist()]),
                 Column("steps", self.counts),
-                *(Column(name, values) for name, values in self.numbers.items()),
+                *(Column(name, x, digits=digits) for name, x in self.numbers.items()),
             ]
         )
 
@@ -114,7 +114,7 @@ class Reductions(Ended):
             Fact("bits", self.number.bits, "of its significand"),
             Fact("end", self.scene.end, "the last time", unit_of(self.scene, "t")),
             Fact("projected", False, "whether put back on the first integrals"),
-            Fact("complete", self.done, "whether every member reached the end"),
+            Fact("complete", self.complete, "whether every member reached the end"),
             provenance_fact(self.provenance),
         ]
 

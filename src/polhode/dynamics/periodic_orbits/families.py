@@ -171,8 +171,11 @@ def orbit_family(
     by: str,
     to: AnyNumber,
     *,
-    first: AnyNumber | None = None,
     points: int = POINTS,
+    h: AnyNumber | None = None,
+    f: AnyNumber | None = None,
+    period: AnyNumber | None = None,
+    returns: int | None = None,
     progress: Message | None = None,
 ) -> OrbitFamily:
     """Follow a family of periodic orbits from one orbit to another value of h or f.
@@ -185,13 +188,15 @@ def orbit_family(
     start : Orbit, Scene, str or Path
         An orbit, or a scene near one (see :func:`polhode.orbit`).
     by : {"h", "f"}
-        What varies: the energy or the vertical momentum; the other one is kept fixed.
+        What varies, the energy or the vertical momentum; the other one is kept fixed.
     to : number
         The value at which to end.
-    first : number, optional
-        The value of a scene's first orbit; by default the scene's own.
     points : int
-        The largest number of orbits.
+        The largest number of orbits (200).
+    h, f : number, optional
+        The level of a scene's first orbit, if not the scene's.
+    period, returns : number and int, optional
+        A guess of its period, or the number of near returns to try, as in :func:`polhode.orbit`.
     progress : callable, optional
         Called with a line of text now and then.
 
@@ -215,13 +220,12 @@ def orbit_family(
     """
     if by not in BY:
         raise BadInput("orbit_family", "by", by, nearest(by, [*BY]))
-    if isinstance(start, Orbit):
-        if first is not None:
-            raise BadInput(start.name, "first", first, "none: the orbit given is the first")
+    if not isinstance(start, Orbit):
+        found = orbit(start, h=h, f=f, period=period, returns=returns, progress=progress)
+    elif h is f is period is returns is None:
         found = start
     else:
-        h, f = (first, None) if by == "h" else (None, first)
-        found = orbit(start, h=h, f=f, progress=progress)
+        raise BadInput(start.name, "start", None, "a scene, whose first orbit is looked for")
     on = found.surface
     name = on.scene.name
     most = whole(name, "points", points, 2, MOST_POINTS)

@@ -13,6 +13,7 @@ import numpy as np
 
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
+from polhode.common.files import check_writable, write_whole
 from polhode.common.progress import Message
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.periodic_orbits import high_precision
@@ -45,7 +46,7 @@ from polhode.scenes import library, scene_file
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, unit_of
-from polhode.scenes.scene_text import written
+from polhode.scenes.scene_text import as_toml, written
 from polhode.scenes.validation import Literal
 from polhode.scenes.variation.sweep_scenes import tables_of
 from polhode.scenes.vocabulary import STATE
@@ -182,6 +183,25 @@ class Orbit(Result, ByValue):
             provenance_fact(self.provenance),
         ]
 
+    def save(self, path: str | Path) -> None:
+        """Write the orbit as any result, or as .toml its start: a scene that ends after a period.
+
+        Raises
+        ------
+        BadInput
+            A place that cannot be written to.
+        """
+        if Path(path).suffix.lower() not in (".toml", ""):  # "-" is stdout
+            super().save(path)
+            return
+        check_writable(Path(path), [".toml"])
+        write_whole({Path(path): as_toml(self.scene)})
+
+    def __str__(self) -> str:
+        from polhode.dynamics.periodic_orbits.report import report
+
+        return report(self)
+
     def _near(self, x: Real | None) -> Real | None:
         """A number of the type that its digits need."""
         return None if x is None else ordinary(to_mpf(exactly(x), bits_for(self.digits + 2)))
@@ -215,14 +235,14 @@ def orbit(
     scene : Scene, str or Path
         A scene, a path, or the name of a case.
     digits : int
-        The correct digits of start and period.
+        The correct digits of start and period (15).
     h, f : number, optional
-        The level of the orbit: energy and vertical momentum; the scene's own unless given.
+        The level's energy h or vertical momentum f, if not the scene's.
     period : number, optional
-        A guess, in the scene's unit of time.  Without one the times at which the motion returns
-        near its start are tried.
+        A guess of the period, in the scene's unit of time.  Without one the times at which the
+        motion returns near its start are tried.
     returns : int, optional
-        How many of these to try; 10 by default.
+        The number of near returns of the motion to try (10); in a search, of crossings (3).
     progress : callable, optional
         Called with a line of text now and then.
 

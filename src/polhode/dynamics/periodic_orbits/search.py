@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polhode.common.arguments import cells, whole
+from polhode.common.errors import BadInput
 from polhode.common.progress import Message
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
@@ -127,11 +128,11 @@ def orbit_search(
     scene : Scene, str or Path
         A scene, a path, or the name of a case.
     grid : tuple of int, optional
-        The cells of the section's coordinates l and L/G; 20 by 20 unless given.
+        The cells of the section's coordinates l and L/G (20x20 unless given).
     crossings : int, optional
-        The largest number of crossings in a period; 3 unless given.
+        The largest number of crossings in a period (3 unless given).
     h, f : number, optional
-        The level: energy and vertical momentum; the scene's own unless given.
+        The level's energy h or vertical momentum f, if not the scene's.
     progress : callable, optional
         Called with a line of text now and then.
 
@@ -173,6 +174,27 @@ def orbit_search(
     found.sort(key=lambda one: float(one.period))
     points = tuple(point_of(on, one) for one in found)
     return OrbitSearch(scene, points, tried, interrupted, tuple(found), on, scene.provenance())
+
+
+def picked(
+    scene: Scene,
+    grid: tuple[int, int] | None,
+    pick: int | None,
+    crossings: int | None,
+    h: AnyNumber | None,
+    f: AnyNumber | None,
+    progress: Message | None,
+    digits: int = DIGITS,
+) -> Orbit:
+    """The orbit of this number among those of a search, from 1, to so many digits."""
+    if grid is None or pick is None:
+        expected = "a search and the number of an orbit in it; polhode orbits lists them"
+        raise BadInput(scene.name, "pick", pick, expected)
+    found = orbit_search(scene, grid, crossings, h, f, progress)
+    if not 1 <= pick <= len(found.orbits):
+        expected = f"a number to {len(found.orbits)}: so many orbits were found"
+        raise BadInput(scene.name, "pick", pick, expected)
+    return found.orbit(pick - 1, digits)
 
 
 def _guesses(on: Surface, grid: tuple[int, int], most: int) -> Iterator[Guess]:

@@ -184,7 +184,7 @@ def section(
     scene: Scene | str | Path,
     by: str | None = None,
     extremum: str | None = None,
-    starts: Iterable[AnyVector] | str | None = None,
+    starts: Iterable[AnyVector] | str | Path | None = None,
     grid: tuple[int, int] | None = None,
     crossings: int | None = None,
     h: AnyNumber | None = None,
@@ -208,18 +208,19 @@ def section(
         which every orbit crosses; or an expression in p q r gamma1 gamma2 gamma3, whose zeros in
         either direction are taken.
     extremum : {"max", "min"}, optional
-        Which extrema; "max" unless given.
-    starts : iterable of vectors, or "scene", optional
+        Which extrema are crossings, max unless given.
+    starts : iterable of vectors, "scene" or path, optional
+        The word "scene" for the scene's own start, or a text file of starts, one a line.  Or rows:
         [l, L/G], or [l, L/G, k], the k-th of several by rising y, for momentum and expressions;
-        [gamma1, gamma2, gamma3, ±1] in the scene's axes for height; or "scene", its own start.
+        [gamma1, gamma2, gamma3, ±1] in the scene's axes for height.
     grid : tuple of int, optional
-        Cells of both coordinates instead, with starts in their centres; 9 by 8 by default.
+        Cells of both coordinates, with starts in their centres (9x8 by default).
     crossings : int, optional
         The number of crossings of each orbit.
     h, f : number, optional
-        The level: energy and vertical momentum; the scene's own unless given.
+        The level's energy h or vertical momentum f, if not the scene's.
     workers : int, optional
-        Processes; as many as there are cores unless given.
+        Processes, as many as there are cores unless given.
     executor : Executor, optional
         An executor of ``concurrent.futures`` instead.
     parts : Path, optional

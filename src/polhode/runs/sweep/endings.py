@@ -34,11 +34,11 @@ class Ended(Result, ByValue):
         return Outcome.NOT_RUN in self.tally()
 
     @property
-    def done(self) -> bool:
+    def complete(self) -> bool:
         """Whether every member reached the end."""
         return all(outcome.done for outcome in self.tally())
 
     def _reached(self) -> str:
         """How many members reached the end, in words."""
         count = sum(n for outcome, n in self.tally().items() if outcome.done)
-        return "all reached the end" if self.done else f"{count} of them reached the end"
+        return "all reached the end" if self.complete else f"{count} of them reached the end"

@@ -18,6 +18,7 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Flat, Rows, Stack, read_only
 from polhode.numbers.scalars import Real
 from polhode.results.cells import DOUBLE, EXACT
+from polhode.results.shown import lines
 from polhode.results.table import Column, Fact, Table
 from polhode.runs.sweep.endings import Ended
 from polhode.runs.trajectory import ERROR, Trajectory
@@ -56,7 +57,7 @@ class Ensemble(Ended):
     ``steps``, ``reached``, ``errors``: one for each member, made of the arrays ``endings``,
     ``counts``, ``arrived`` and of ``told`` when asked for.  ``ensemble[k]`` is member k as a
     Trajectory, and iteration gives all of them.  ``projected``: False, the states are not projected
-    onto the first integrals.  ``parts``: the folder in which finished members were kept.
+    onto the first integrals.  ``kept``: the folder in which finished members were kept.
     """
 
     scene: Scene
@@ -73,7 +74,7 @@ class Ensemble(Ended):
     projected: bool = False
     told: Mapping[int, tuple[float | None, ...]] = field(default_factory=dict)
     provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
-    parts: JobCheckpoint | None = field(default=None, compare=False)
+    kept: JobCheckpoint | None = field(default=None, compare=False)
 
     def __len__(self) -> int:
         return len(self.members)
@@ -84,6 +85,27 @@ class Ensemble(Ended):
             f"<Ensemble of {self.scene.name}: {members} in {self.number.name}, "
             f"{counted(len(self.times), 'time')} to t = {shown(self.times[-1])}, {self._reached()}>"
         )
+
+    def __str__(self) -> str:
+        """A line a member: what is varied, how it ended, its last state."""
+        import numpy as np
+
+        member = np.arange(len(self))
+        last = (self.states[:, :, 0] == self.states[:, :, 0]).sum(axis=1) - 1
+        scene, place = self.scene, np.maximum(last, 0)
+        t = time_column(scene, self.times, self.number)
+        columns = [
+            Column("member", member + 1),
+            *varied_columns(self.varied, member),
+            text_column("outcome", [x.value for x in self.outcomes]),
+            Column("steps", self.counts),
+            t._replace(values=[None if k < 0 else t.values[k] for k in last.tolist()]),
+            *row_columns(scene, scene.columns, self.states[member, place], self.number),
+        ]
+        for word, rows in self.outputs.items():
+            names = COLUMNS[word].names
+            columns += row_columns(scene, names, rows[member, place], self.number)
+        return "\n".join(lines(Table(columns)))
 
     def __iter__(self) -> Iterator[Trajectory]:
         return (self[k] for k in range(len(self)))
@@ -202,7 +224,7 @@ class Ensemble(Ended):
             Fact("form", self.scene.form, "of the equations"),
             Fact("tolerance", self.tolerance, "of a step, relative"),
             Fact("projected", self.projected, "whether put back on the first integrals"),
-            Fact("complete", self.done, "whether every member reached the end"),
+            Fact("complete", self.complete, "whether every member reached the end"),
             Fact("members", self._members()),
             provenance_fact(self.provenance),
         ]
