@@ -97,8 +97,9 @@ class _Parser(ArgumentParser):
         options = self._option_string_actions
         known = [name for name in options if name.startswith("--")]
         moved = catalogue.MOVED.get(self.prog.removeprefix("polhode "), {})
-        if first in moved:
-            raise BadInput(self.prog, "option", first, f"{moved[first]} from version 0.3 on")
+        for option in (x.partition("=")[0] for x in rest):
+            if option in moved:
+                raise BadInput(self.prog, "option", option, f"{moved[option]} from version 0.3 on")
         if first.startswith("-"):
             name = first.lstrip("-").replace("-", "_")
             here = called_here(name, [option.lstrip("-") for option in options])

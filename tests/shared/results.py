@@ -46,6 +46,7 @@ MAKERS: dict[str, Callable[[], Storable]] = {
     "OrbitSearch": lambda: polhode.orbit_search("general/asymmetric-regular", (4, 4), crossings=1),
     "Orbit": lambda: polhode.orbit("grioli/precession", digits=20),
     "ProvedOrbit": lambda: polhode.prove_orbit("grioli/precession"),
+    "ProvedOrbits": lambda: polhode.prove_orbits("general/asymmetric-regular", (4, 4), crossings=1),
     "ProvedChaos": lambda: polhode.prove_chaos("general/asymmetric-chaotic"),
     "Verdict": lambda: polhode.Verdict(False, "not proved: the condition of the step"),
     "Lyapunov": lambda: polhode.lyapunov("euler/largest-axis", 200),

@@ -43,7 +43,15 @@ _HEAD = 4096  # bytes of a JSON file that tell its kind
 KINDS = (
     *("CertifiedEvents", "ChaosMap", "Conditioning", "Enclosure", "Ensemble", "EventTimes"),
     *("Frequencies", "Judgement", "Levels", "Lyapunov", "ObservedOrder", "Orbit", "OrbitFamily"),
-    *("OrbitSearch", "ProvedChaos", "ProvedOrbit", "Reductions", "ReferenceTable", "Section"),
+    *(
+        "OrbitSearch",
+        "ProvedChaos",
+        "ProvedOrbit",
+        "ProvedOrbits",
+        "Reductions",
+        "ReferenceTable",
+        "Section",
+    ),
     *("Trajectory", "Verdict"),
 )
 #: What a file that is none makes reading it raise.

@@ -6,7 +6,9 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from polhode.numbers.exact_sequences import Floats
+from polhode.numbers import exact
+from polhode.numbers.exact import Irrational
+from polhode.numbers.exact_sequences import Floats, Spaced
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Doubles, Given, Indices
 from polhode.results.cells import EXACT, TEXT, bits_word
@@ -42,10 +44,14 @@ def scene_facts(
 ) -> list[Fact]:
     """The first facts of every result: the scene's name and text.
 
-    ``times``: of the column t; the text leaves out an array of the same times.
+    ``times``: of the column t; the text leaves out an array of the same times.  Irrational times,
+    which no text holds, stand in it as those of the column, or rounded to 160 bits.
     """
     asked = scene.output_times.numbers
     in_column = times is not None and isinstance(asked, Floats) and OutputTimes(asked) == times
+    ends = (asked.first, asked.last) if isinstance(asked, Spaced) else asked
+    if not isinstance(asked, Floats) and any(isinstance(t, Irrational) for t in ends):
+        scene = scene.at(times or tuple(exact.binary(*exact.rounded(t, 160)) for t in asked))
     text = as_toml(scene.at(()) if in_column else scene)
     return [
         Fact("scene", name or scene.name, "the scene's name"),

@@ -134,6 +134,11 @@ ROWS = (
         own=".json",
     ),
     Verb(
+        *("prove orbits", "polhode.proofs.prove_orbits", "prove_orbits", "ProvedOrbits"),
+        "which orbits of a search of a level exist",
+        has_figure=False,
+    ),
+    Verb(
         *("prove chaos", "polhode.proofs.chaos.prove_chaos", "prove_chaos", "ProvedChaos"),
         "that the motion on a level is chaotic",
         own=".json",

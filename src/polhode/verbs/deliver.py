@@ -45,7 +45,7 @@ def add_options(parser: ArgumentParser, verb: Verb) -> None:
         endings += "; what was interrupted continues from FILE.parts"
     told = f"write a file, its ending says what: {endings}"
     parser.add_argument(
-        "-o", dest="files", type=options.word, metavar="FILE", action="append", help=told
+        "-o", dest="places", type=options.word, metavar="FILE", action="append", help=told
     )
     parser.set_defaults(main=partial(main, verb, function))
 
@@ -66,7 +66,7 @@ def main(verb: Verb, function: options.Front, asked: Namespace) -> int:
     }
     first = function.parameters[0].name
     inputs = [library.path_of(x) for x in _sources(given)]
-    places = Places(verb, [*map(Path, asked.files or ())], asked.json, inputs)
+    places = Places(verb, [*map(Path, asked.places or ())], asked.json, inputs)
     places.check()
     places.check_figure(vars(asked))
     if verb.scene:

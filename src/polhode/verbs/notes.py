@@ -120,8 +120,9 @@ def _sweep(found: Found, asked: Namespace) -> Iterator[str]:
     from polhode.motion.outcomes import code
 
     if not asked.json:
-        words = [x for x in found.scene.outputs if x not in getattr(found, "outputs", found.keep)]
-        left_out = f"; {', '.join(words)} left out" if words and hasattr(found, "outputs") else ""
+        made = getattr(found, "outputs", found.scene.outputs)  # of numbers alone there are none
+        words = [word for word in found.scene.outputs if word not in made]
+        left_out = f"; {', '.join(words)} left out" if words else ""
         unchecked = ""
         if getattr(asked, "digits", None) is not None:
             unchecked = f"; number type chosen for {asked.digits} digits, members not checked"
@@ -257,6 +258,7 @@ _NOTES: dict[str, Callable[[Found, Namespace], Iterator[str]]] = {
     "map": _map,
     "orbit": _orbit,
     "orbits": _search,
+    "prove orbits": _search,
     "frequencies": _frequencies,
     "prove orbit": _proved_orbit,
     "prove chaos": _proved_chaos,

@@ -297,7 +297,7 @@ class Judgement(Result, Scores):
             Fact("proven", against.proven is True, "whether the reference is proven"),
             Fact("assumed", against.proven if isinstance(against.proven, str) else None, type=TEXT),
             Fact("reference_digits", agreement, "of the reference"),
-            Fact("judged", [*subject.columns, *self.parts], "columns and outputs", type=TEXT),
+            Fact("judged", [*subject.state, *self.parts], "columns and outputs", type=TEXT),
             Fact("rows_judged", self.rows_judged),
             Fact("worst", self.worst if told and not self.lost else None, "fewest digits"),
             Fact("worst_time", self.worst_time if told else None, "where they are"),
