@@ -46,6 +46,7 @@ def test_frequencies_verb(tmp_path, capsys):
     pytest.importorskip("matplotlib")
     figure = tmp_path / "f.svg"
     assert main(["frequencies", "euler/attitude", "--end", "200", "-o", str(figure)]) == 0
+    assert main(["frequencies", "euler/attitude", "--end", "200"]) == 0
     told = capsys.readouterr()
     assert "- polhode" in told.out
     assert "closed form: precession" in told.err

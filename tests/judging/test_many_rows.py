@@ -9,6 +9,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from polhode.output.json_results import of_judgement
 
 import polhode
 from polhode.closed_forms.euler.top import EulerTop
@@ -16,7 +17,6 @@ from polhode.common.text_tables import few
 from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.diagnosis.error_budget import between
 from polhode.judging.score import row_selection
-from polhode.output.json_results import of_judgement
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 from shared.tables import right
 

@@ -173,6 +173,8 @@ def kind_at(path: Path) -> str:
     """
     suffix = path.suffix.lower()
     try:
+        if path.exists() and not path.is_file():  # a pipe would be waited for
+            raise ValueError
         if suffix == ".csv":
             head = _head_of(beside(path))
             data = read_whole(path, MOST_BYTES, "a table") if path.exists() else b""
@@ -199,6 +201,8 @@ def kind_at(path: Path) -> str:
 
 
 def _head_of(path: Path) -> str:
+    if not path.is_file():
+        return ""
     with open(path, encoding="utf-8", errors="replace") as file:
         return file.read(_HEAD)
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput, nearest
@@ -17,11 +17,8 @@ from polhode.common.provenance import __version__
 from polhode.results.table import Content, Fact, Table, Value, Values
 
 if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
     import pandas as pd
     import xarray as xr
-    from matplotlib.axes import Axes
 
 
 class Storable:
@@ -54,13 +51,17 @@ class Storable:
         places.check_place(path, content.kind)
         write_whole(writer.files(content, path))
 
-    def plot(self, ax: object = None) -> Axes | npt.NDArray[np.object_]:
-        """Draw the result with matplotlib.
+    def plot(self, what: str | None = None, ax: object = None, **options: Any) -> Any:
+        """Draw the result with matplotlib, see :func:`polhode.plot`.
 
         Parameters
         ----------
+        what : str, optional
+            Which of its figures; the first of its kind unless given.
         ax : matplotlib axes, optional
             To draw into, as many as the figure has panels; new ones unless given.
+        **options
+            Of the figure, such as ``title``, ``cmap``, and ``end`` of a run.
 
         Returns
         -------
@@ -69,7 +70,7 @@ class Storable:
         """
         from polhode.figures import drawing
 
-        return drawing.plot(self, axes=ax)
+        return drawing.plot(self, what, ax, **options)
 
     def to_json(self) -> str:
         """Give the text of a JSON file: facts by name, and columns under ``columns``.

@@ -39,12 +39,11 @@ from polhode.runs.error_estimate import Expected, by_errors, expected
 from polhode.scenes.output_times import OutputTimes
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, time_column
-from polhode.scenes.vocabulary import COLUMNS, Several, Single
+from polhode.scenes.vocabulary import COLUMNS
 
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
-    from matplotlib.axes import Axes
     from typing_extensions import TypeVar  # whose variables have defaults
 
     from polhode.common.html_page import Page
@@ -243,40 +242,6 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         from polhode.runs import reevaluate
 
         return reevaluate.at_times(self, "angles", t)
-
-    @overload  # type: ignore[override]  # a run has many figures
-    def plot(
-        self, what: Several, axes: object = None, *, end: AnyNumber | None = None
-    ) -> npt.NDArray[np.object_]: ...
-    @overload
-    def plot(self, what: Single, axes: object = None, *, end: AnyNumber | None = None) -> Axes: ...
-    @overload
-    def plot(
-        self,
-        what: str | Axes = "",
-        axes: object = None,
-        *,
-        end: AnyNumber | None = None,
-        ax: object = None,
-    ) -> Axes | npt.NDArray[np.object_]: ...
-    def plot(
-        self,
-        what: str | Axes = "",
-        axes: object = None,
-        *,
-        end: AnyNumber | None = None,
-        ax: object = None,
-    ) -> Axes | npt.NDArray[np.object_]:
-        """Draw a figure with matplotlib, see :func:`polhode.plot`; the axes drawn into.
-
-        ``ax``: the same as ``axes``, which may come first, too, as in other results' ``plot``; into
-        one pair of axes omega is drawn unless ``what`` says something else.
-        """
-        if not isinstance(what, str):
-            what, axes = "", what
-        from polhode.figures import drawing
-
-        return drawing.plot(self, what, axes if ax is None else ax, end=end)
 
     def view(self, *, end: AnyNumber | None = None) -> Page:
         """The motion as an animated page, see :func:`polhode.view`."""

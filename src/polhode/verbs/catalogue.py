@@ -36,7 +36,16 @@ class Verb(NamedTuple):
 
 _DYNAMICS = "polhode.dynamics"
 _ORBITS = f"{_DYNAMICS}.periodic_orbits"
-_RANGE = {"metavar": "A:B"}
+_RANGE = {"metavar": "A:B", "help": "the range that a figure shows"}
+_TITLE = {"metavar": "TEXT", "help": "of a figure, in place of its own"}
+_CMAP = {"metavar": "NAME", "help": "matplotlib's colours of a figure (viridis)"}
+_MOTION = "angles (default), omega, momentum, attitude, hodographs, sphere, integrals or error"
+_MAP = "fli (default), megno, exponent or verdict"
+
+
+def _what(words: str) -> Mapping[str, str]:
+    return {"metavar": "WORD", "help": f"what a figure shows: {words}"}
+
 
 ROWS = (
     Verb(
@@ -44,6 +53,7 @@ ROWS = (
         "integrate a scene",
         {"at": None, "inputs": None, "proved": "--prove"},
         (TIMES, FORM, OUTPUTS),
+        figure_options={"--what": _what(_MOTION), "--title": _TITLE},
     ),
     Verb(
         *("reference", "polhode.judging.references.reference_table", "reference_table"),
@@ -76,11 +86,13 @@ ROWS = (
         *("sweep", "polhode.verbs.sweep", "sweep", "Ensemble"),
         "many tops at once: numbers of a scene varied; not projected, not checked",
         scene=(TIMES,),
+        figure_options={"--title": _TITLE},
         counts="members",
     ),
     Verb(
         *("levels", f"{_DYNAMICS}.levels.levels", "levels", "Levels"),
         "the (f, h) diagram in closed form: permanent rotations, cusps, where a scene lies",
+        figure_options={"--f-range": _RANGE, "--h-range": _RANGE, "--title": _TITLE},
     ),
     Verb(
         *("section", f"{_DYNAMICS}.sections.section", "section", "Section"),
@@ -90,6 +102,7 @@ ROWS = (
     Verb(
         *("map", f"{_DYNAMICS}.chaos.chaos_map", "chaos_map", "ChaosMap"),
         "a chaos map: growth of one tangent per motion, over a grid or two varied numbers",
+        figure_options={"--what": _what(_MAP), "--cmap": _CMAP, "--title": _TITLE},
         counts="motions",
     ),
     Verb(

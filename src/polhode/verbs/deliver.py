@@ -68,6 +68,7 @@ def main(verb: Verb, function: options.Front, asked: Namespace) -> int:
     inputs = [library.path_of(x) for x in _sources(given)]
     places = Places(verb, [*map(Path, asked.places or ())], asked.json, inputs)
     places.check()
+    places.check_figure(vars(asked))
     if verb.scene:
         box = start_box.read(given[first]) if verb.is_box else StartBox(library.load(given[first]))
         scene = scene_options.applied(asked, box.scene, verb.scene)
@@ -136,6 +137,19 @@ class Places:
 
                 check_place(path, self.verb.kind, self.inputs)
 
+    def check_figure(self, asked: Mapping[str, Any]) -> None:
+        """Refuse options of a figure where none is written, and figures that there are not."""
+        given = {x: asked[x] for x in _figure_options(self.verb) if asked[x] is not None}
+        if not any(map(self._is_figure, self.paths)):
+            for name, value in given.items():
+                option = f"--{name.replace('_', '-')}"
+                expected = f"it with a figure: -o FILE{_FIGURES[0]}"
+                raise BadInput(self.verb.name, option, value, expected)
+        elif "what" in given:
+            from polhode.figures import catalogue
+
+            catalogue.chosen(self.verb.kind, given["what"], self.verb.name)
+
     def told(self, function: options.Front, line: ProgressLine) -> dict[str, object]:
         """What a function takes that no option says: how it tells its progress, what it is for.
 
@@ -202,12 +216,20 @@ def _foretell(name: str, seconds: float) -> None:
 
 
 def _drawn(found: Result, suffix: str, verb: Verb, asked: Mapping[str, Any]) -> bytes:
-    """The figure of a result."""
-    from polhode.figures import results as figures
-    from polhode.figures.canvas import canvas
+    """The figure of a result; of a run its scene's, integrated at as many times as curves need."""
+    from polhode.figures import catalogue
+    from polhode.figures.source import Asked, shown
 
-    title = f"polhode: {verb.name} of {notes.name_of(found)}"
-    return canvas.drawn(figures.draw, found, suffix, title)
+    seen = shown(found, asked.get("what"), Asked())
+    for told in seen.notes:
+        note(told)
+    given = {name: asked.get(name) for name in _figure_options(verb) if name != "what"}
+    return catalogue.drawn(seen.found, suffix, notes.name_of(found), seen.what, **given)
+
+
+def _figure_options(verb: Verb) -> Sequence[str]:
+    """The options of a verb's figures, by the names of the parameters of what draws."""
+    return [option.removeprefix("--").replace("-", "_") for option in verb.figure_options]
 
 
 def shown(found: Result) -> str:

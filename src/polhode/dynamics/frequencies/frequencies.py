@@ -19,7 +19,7 @@ from polhode.common.value_semantics import ByValue
 from polhode.dynamics.frequencies import naff
 from polhode.judging.references.reference import reference
 from polhode.judging.tables.table import Table
-from polhode.judging.tables.table_file import read_table
+from polhode.judging.tables.table_file import is_table, read_table
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import DOUBLE
@@ -150,7 +150,8 @@ def frequencies(
     Parameters
     ----------
     source : Scene, Trajectory, str or Path
-        A scene, a run, or a CSV with a column t; the times of a run or file are equally spaced.
+        A scene, a run, or the file of one, or of a table with a column t, as for
+        :func:`polhode.compare`; the times of a run or file are equally spaced.
     of : sequence of str, optional
         Among "p+iq", "gamma1+i gamma2", "p", "q", "r", "gamma1", "gamma2", "gamma3" and "axis", the
         third body axis in space; "p+iq" and "gamma3" unless given.
@@ -188,10 +189,13 @@ def frequencies(
         if end is not None:
             raise BadInput(source.scene.name, "end", end, "no end: a run is analysed whole")
         return _of_run(source, _names(source.scene.name, of, source.scene), count)
-    if isinstance(source, (str, Path)) and Path(source).suffix.lower() == ".csv":
+    if isinstance(source, (str, Path)) and is_table(source):
         if end is not None:
             raise BadInput(str(source), "end", end, "no end: a file is analysed whole")
-        return _of_table(read_table(Path(source)), of, count)
+        table = read_table(Path(source))
+        if table.run is None:
+            return _of_table(table, of, count)
+        return _of_run(table.run, _names(table.name, of, table.run.scene), count)
     scene = library.load(source)
     names = _names(scene.name, of, scene)
     last: Exact = Fraction(LENGTH) if sign(scene.end) == 0 else scene.end
