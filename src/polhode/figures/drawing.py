@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
@@ -17,13 +17,40 @@ from polhode.figures.sampled_motion import ANOTHER, of_samples
 from polhode.figures.source import MOTION, Asked, Shown, Source, shown
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers.scalars import AnyNumber
+from polhode.scenes.vocabulary import Several, Single
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+    from matplotlib.axes import Axes
 
 _ASKED = [x.name for x in fields(Asked)]
 
 
+@overload
 def plot(
-    what_of: Source, what: str | None = None, ax: object = None, *, title: str = "", **options: Any
-) -> Any:
+    what_of: Source, what: Several, ax: object = None, *, title: str = "", **options: object
+) -> npt.NDArray[np.object_]: ...
+@overload
+def plot(
+    what_of: Source, what: Single, ax: object = None, *, title: str = "", **options: object
+) -> Axes: ...
+@overload
+def plot(
+    what_of: Source,
+    what: str | None = None,
+    ax: object = None,
+    *,
+    title: str = "",
+    **options: object,
+) -> Axes | npt.NDArray[np.object_]: ...
+def plot(
+    what_of: Source,
+    what: str | None = None,
+    ax: object = None,
+    *,
+    title: str = "",
+    **options: object,
+) -> Axes | npt.NDArray[np.object_]:
     """Draw a figure with matplotlib; the colours of a style that is in use are taken.
 
     Parameters
@@ -64,13 +91,16 @@ def plot(
     ['ψ (rad)', 'θ (rad)', 'φ (rad)']
     """
     plt = canvas.pyplot(own=False)
-    asked = {name: options.pop(name) for name in _ASKED if name in options}
+    asked: dict[str, Any] = {name: options.pop(name) for name in _ASKED if name in options}
     usual = "omega" if hasattr(ax, "plot") else "angles"
     found = shown(what_of, what, Asked(**asked), usual=usual)
     figure = catalogue.draw(plt, found.found, ax, found.what, title=title, **options)
     made = catalogue.own_panels(figure) if ax is None else ax
-    several = np.ravel(np.asarray(made, dtype=object))
-    return several if len(several) != 1 else several[0]
+    several: npt.NDArray[np.object_] = np.ravel(np.asarray(made, dtype=object))
+    if len(several) != 1:
+        return several
+    only: Axes = several[0]
+    return only
 
 
 def view(what_of: Source, *, end: AnyNumber | None = None) -> Page:

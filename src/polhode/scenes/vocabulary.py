@@ -100,3 +100,8 @@ UNITS = ("", "SI")
 
 #: Which of the two spins on a level of h and f.
 SIGNS = ("+", "-")
+
+
+#: Figures of several panels, and of one.
+Several: TypeAlias = Literal["angles", "hodographs", "sphere", "integrals", "error"]
+Single: TypeAlias = Literal["omega", "momentum", "attitude"]
