@@ -21,10 +21,10 @@ DOORS = {
         (GENERIC, {"h": -1}, "the least energy at f"),
         (GENERIC, {"by": "p"}, "momentum or height, for a map"),
         (GENERIC, {"tol": 1e-20}, "a tolerance from"),
-        (GENERIC, {"varied": {"start.omega[1]": [1]}}, "two numbers of the scene"),
+        (GENERIC, {"vary": {"start.omega[1]": [1]}}, "two numbers of the scene"),
         (
             GENERIC,
-            {"varied": {"start.omega[1]": [1], "start.omega[2]": [1]}, "h": 3},
+            {"vary": {"start.omega[1]": [1], "start.omega[2]": [1]}, "h": 3},
             "no grid or level",
         ),
     ],
@@ -93,11 +93,11 @@ def test_a_door_refuses_in_one_line(door, scene, asked, said):
 #: Commands, R: the regular top, and what is said; o: the output's place.
 VERBS = {
     "section R --grid 99999x99999": "grid = 99999x99999: expected at most 1000000 cells",
-    "orbit R --search 99999x99999": "grid = 99999x99999: expected at most 1000000 cells",
+    "orbits R --grid 99999x99999": "grid = 99999x99999: expected at most 1000000 cells",
     "map R --grid 9999x9999": "grid = 9999x9999: expected at most 1000000 cells",
     "section R --h 1e60 --f 0": "h = 1.0000000000000000e+60: expected of a size that doubles have",
     "map R --h 1e60 --f 0": "h = 1.0000000000000000e+60: expected of a size that doubles",
-    "orbit R --search 2x2 --h 1e60 --f 0": "h = 1.0000000000000000e+60: expected of a size",
+    "orbits R --grid 2x2 --h 1e60 --f 0": "h = 1.0000000000000000e+60: expected of a size",
     "levels R --h-range=-1e308:1e308 -o l.svg": "--h-range = -1e308:1e308: expected A:B, two nu",
     "section R --h 1e400 --f 0": "h = 1.0000000000000000e+400: expected of a size",
     "section euler/prolate --h 1e-130 --f 0": "h = 1.0000000000000000e-130: expected of a",
@@ -116,7 +116,7 @@ VERBS = {
         for by in ("sqrt(p-5)", "sqrt(q)", "1/(q-q)")
     },
     "frequencies euler/attitude --of x": "of = x: expected p+iq",
-    "frequencies euler/attitude --of r,": "--of = r,: expected names of signals",
+    "frequencies euler/attitude --of r,": "--of = r,: expected names with commas between",
     "frequencies euler/no-gamma --of gamma3": "a scene with start.gamma",
     "frequencies euler/attitude --end 0": "end = 0: expected a time other than 0",
     "frequencies euler/attitude --end 1e9": "more samples take too long",
@@ -124,14 +124,13 @@ VERBS = {
     "levels euler/attitude --f-range 3:1 -o x.svg": "--f-range = 3:1: expected A:B with A below B",
     "levels euler/attitude --h-range 3 -o x.svg": "--h-range = 3: expected A:B, two nu",
     "levels euler/attitude -o x.txt": "x.txt",
-    "orbit G --continue x=3": "--continue = x=3: expected h=TO",
-    "orbit G --continue h=1:2:1": "with N from 2",
-    "orbit G --continue h=0.8:0.9 --h 1": "--h = 1: expected it in --continue alone",
-    "orbit G --continue h=1 --digits 20": "a family is one of doubles",
-    "orbit G --pick 3": "--pick = 3: expected --search",
-    "orbit G --search --period 3": "neither --continue nor --period",
-    "orbit G --search 0x3": "--grid = 0x3",
-    "orbit G -o x.csv": "ends in .toml",
+    "family G --by x --to 3": "by = x: expected h, f",
+    "family G --by h --to 1:2:1": "to[1] = 1:2:1: expected a number",
+    "family G --by h --to 1 --digits 20": "option = --digits: expected",
+    "orbit G --continue h=1": "option = --continue: expected polhode family",
+    "orbit G --pick 3": "pick = 3: expected a search and the number of an orbit in it",
+    "orbit G --search 2x2 --pick 1 --period 3": "expected no --period with it",
+    "orbits G --grid 0x3": "--grid = 0x3: expected NxM",
 }
 
 

@@ -336,7 +336,7 @@ def test_starts_are_arrays_of_omega_and_gamma_in_any_order_and_number():
     )
     assert np.array_equal(bodies.states, many.states)
     none = polhode.integrate_many(scene(), starts=np.empty((0, 6)), at=[1, 2])
-    assert (len(none), none.states.shape, none.done, list(none)) == (0, (0, 2, 6), True, [])
+    assert (len(none), none.states.shape, none.complete, list(none)) == (0, (0, 2, 6), True, [])
     assert none.drift.shape == (0, 4)
 
 
@@ -386,9 +386,12 @@ def test_a_sweep_of_arrays_is_saved_as_it_is_also_one_of_nothing(tmp_path):
         many = polhode.integrate_many(scene(), starts=rows, at=[0, 2], number=number)
         many.save(tmp_path / "x.npz")
         back = polhode.load_result(tmp_path / "x.npz")
-        assert (back.varied, back.outcomes) == (many.varied, many.outcomes)
-        assert [column.values.dtype for column in back.varied.rows.columns] == [rows.dtype] * 6
-        assert np.array_equal(back.states, many.states)
+        ended = {x.name: x.values for x in back.fact("members").columns}["outcome"]
+        assert list(ended) == [x.value for x in many.outcomes]
+        held = [back.column(f"start.{name}[{k}]") for name in ("omega", "gamma") for k in (1, 2, 3)]
+        assert [column.dtype for column in held] == [rows.dtype] * 6
+        states = np.array([back.column(name) for name in many.columns])
+        assert np.array_equal(states.T, many.states.reshape(-1, 6))
 
 
 def test_extended_arrays_stay_extended():

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from polhode.common.arguments import of_kind
 from polhode.common.cached_property import cached_property
@@ -28,9 +28,6 @@ from polhode.scenes import scene_file
 from polhode.scenes.output_times import listed_times
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE
-
-if TYPE_CHECKING:
-    pass
 
 
 class Saved(Result):
@@ -123,7 +120,33 @@ def load_result(path: str | Path) -> Trajectory | Saved:
 
 
 def load_run(path: str | Path) -> Trajectory:
-    """Load a run as :func:`load_result` does; raises BadInput for any other result."""
+    """Load a run, as :func:`load_result` does.
+
+    Parameters
+    ----------
+    path : str or Path
+        A file in which a run was saved.
+
+    Returns
+    -------
+    Trajectory
+        Equal to what was saved, and callable.
+
+    Raises
+    ------
+    BadInput
+        Any other file, that of another kind of result, too.
+
+    Examples
+    --------
+    >>> import os, tempfile, polhode
+    >>> run = polhode.integrate("lagrange/nutation", at=[1, 2])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     run.save(os.path.join(folder, "run.npz"))
+    ...     again = polhode.load_run(os.path.join(folder, "run.npz"))
+    >>> again == run
+    True
+    """
     found = load_result(path)
     if not isinstance(found, Trajectory):
         expected = f"a run that polhode saved (it holds a result {found.kind})"

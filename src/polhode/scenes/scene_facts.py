@@ -133,7 +133,8 @@ def varied_columns(varied: Grid, member: Indices) -> list[Column]:
         else:
             known = [*values]
             held = [known[k] for k in place.tolist()]
-        columns.append(Column(key, held, "varied", type="" if len(member) else EXACT))
+        told = len(member) > 0 or isinstance(values, Floats)
+        columns.append(Column(key, held, "varied", type="" if told else EXACT))
     return columns
 
 

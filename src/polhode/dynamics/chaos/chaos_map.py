@@ -168,6 +168,7 @@ class ChaosMap(Result, ByValue):
             Fact("end", self.end, "how far motions are followed", unit_of(self.scene, "t")),
             Fact("least_end", self.enough, "the least end at which one is called regular"),
             Fact("counts", self.counts, "motions of each verdict"),
+            Fact("meaning", self.meaning, "what the verdicts rest on"),
             Fact("complete", not self.interrupted, "whether all motions were followed"),
             provenance_fact(self.provenance),
         ]
