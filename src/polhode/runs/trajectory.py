@@ -244,7 +244,7 @@ class Trajectory(Result, ByValue, Generic[S_co]):
 
         return reevaluate.at_times(self, "angles", t)
 
-    @overload  # type: ignore[override]  # a run has many figures
+    @overload
     def plot(
         self, what: Several, ax: object = None, **options: object
     ) -> npt.NDArray[np.object_]: ...

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, TypeAlias
 
 #: What ``reference.kind`` may ask for: the first that fits, a closed form by the name of its family
 #: (polhode.closed_forms.families), or a proven enclosure.
