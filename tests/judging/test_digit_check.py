@@ -59,13 +59,13 @@ def test_what_cannot_be_proved_is_not_said_to_be_right(monkeypatch):
 
 
 def test_digits_are_checked_only_where_they_are_asked_for(capsys):
-    with pytest.raises(polhode.BadInput, match="proved = True: expected digits"):
+    with pytest.raises(polhode.BadInput, match="prove = True: expected digits"):
         polhode.integrate("euler/sphere", prove=True)
-    assert cli.main(["run", "euler/sphere", "--unproved"]) == 2
-    assert cli.main(["run", "euler/sphere", "--digits", "20", "--unproved", "--proved"]) == 2
+    assert cli.main(["run", "euler/sphere", "--no-prove"]) == 2
+    assert cli.main(["run", "euler/sphere", "--digits", "20", "--no-prove", "--prove"]) == 2
     capsys.readouterr()
     assert (
-        cli.main(["run", "general/asymmetric-regular", "--digits", "20", "--at", "3", "--proved"])
+        cli.main(["run", "general/asymmetric-regular", "--digits", "20", "--at", "3", "--prove"])
         == 0
     )
     assert "are right by the proof" in capsys.readouterr().err
