@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
@@ -17,13 +17,28 @@ from polhode.figures.sampled_motion import ANOTHER, of_samples
 from polhode.figures.source import MOTION, Asked, Shown, Source, shown
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers.scalars import AnyNumber
+from polhode.scenes.vocabulary import Several, Single
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+    from matplotlib.axes import Axes
 
 _ASKED = [x.name for x in fields(Asked)]
 
 
+@overload
 def plot(
-    what_of: Source, what: str | None = None, ax: object = None, *, title: str = "", **options: Any
-) -> Any:
+    what_of: Source, what: Several, ax: object = None, **options: object
+) -> npt.NDArray[np.object_]: ...
+@overload
+def plot(what_of: Source, what: Single, ax: object = None, **options: object) -> Axes: ...
+@overload
+def plot(
+    what_of: Source, what: str | None = None, ax: object = None, **options: object
+) -> Axes | npt.NDArray[np.object_]: ...
+def plot(
+    what_of: Source, what: str | None = None, ax: object = None, **options: object
+) -> Axes | npt.NDArray[np.object_]:
     """Draw a figure with matplotlib; the colours of a style that is in use are taken.
 
     Parameters
@@ -38,10 +53,8 @@ def plot(
         given the first of these, of a motion omega into one pair of axes.
     ax : matplotlib axes, optional
         As many as the figure has panels, to draw into; new ones unless given.
-    title : str
-        In place of the figure's own.
     **options
-        Of a motion: ``end``, the last time drawn, in the scene's unit (unless given the scene's
+        ``title``, in place of the figure's own.  Of a motion: ``end``, the last time drawn, in the scene's unit (unless given the scene's
         own, but no more than 100 radians; of integrals and error all), ``number``, ``digits``; of a
         table also ``scene``, ``read`` and ``columns``.  Of a map and an ensemble ``cmap``; of
         levels ``f_range`` and ``h_range``, two numbers each.
@@ -64,13 +77,17 @@ def plot(
     ['ψ (rad)', 'θ (rad)', 'φ (rad)']
     """
     plt = canvas.pyplot(own=False)
-    asked = {name: options.pop(name) for name in _ASKED if name in options}
+    drawn: dict[str, Any] = dict(options)
+    asked = {name: drawn.pop(name) for name in _ASKED if name in options}
     usual = "omega" if hasattr(ax, "plot") else "angles"
     found = shown(what_of, what, Asked(**asked), usual=usual)
-    figure = catalogue.draw(plt, found.found, ax, found.what, title=title, **options)
+    figure = catalogue.draw(plt, found.found, ax, found.what, **drawn)
     made = catalogue.own_panels(figure) if ax is None else ax
-    several = np.ravel(np.asarray(made, dtype=object))
-    return several if len(several) != 1 else several[0]
+    several: npt.NDArray[np.object_] = np.ravel(np.asarray(made, dtype=object))
+    if len(several) != 1:
+        return several
+    only: Axes = several[0]
+    return only
 
 
 def view(what_of: Source, *, end: AnyNumber | None = None) -> Page:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput, nearest
@@ -17,8 +17,11 @@ from polhode.common.provenance import __version__
 from polhode.results.table import Content, Fact, Table, Value, Values
 
 if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
     import pandas as pd
     import xarray as xr
+    from matplotlib.axes import Axes
 
 
 class Storable:
@@ -51,7 +54,9 @@ class Storable:
         places.check_place(path, content.kind)
         write_whole(writer.files(content, path))
 
-    def plot(self, what: str | None = None, ax: object = None, **options: Any) -> Any:
+    def plot(
+        self, what: str | None = None, ax: object = None, **options: object
+    ) -> Axes | npt.NDArray[np.object_]:
         """Draw the result with matplotlib, see :func:`polhode.plot`.
 
         Parameters

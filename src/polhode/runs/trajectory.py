@@ -39,11 +39,12 @@ from polhode.runs.error_estimate import Expected, by_errors, expected
 from polhode.scenes.output_times import OutputTimes
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, time_column
-from polhode.scenes.vocabulary import COLUMNS
+from polhode.scenes.vocabulary import COLUMNS, Several, Single
 
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
+    from matplotlib.axes import Axes
     from typing_extensions import TypeVar  # whose variables have defaults
 
     from polhode.common.html_page import Page
@@ -242,6 +243,22 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         from polhode.runs import reevaluate
 
         return reevaluate.at_times(self, "angles", t)
+
+    @overload
+    def plot(
+        self, what: Several, ax: object = None, **options: object
+    ) -> npt.NDArray[np.object_]: ...
+    @overload
+    def plot(self, what: Single, ax: object = None, **options: object) -> Axes: ...
+    @overload
+    def plot(
+        self, what: str | None = None, ax: object = None, **options: object
+    ) -> Axes | npt.NDArray[np.object_]: ...
+    def plot(
+        self, what: str | None = None, ax: object = None, **options: object
+    ) -> Axes | npt.NDArray[np.object_]:
+        """Draw a figure with matplotlib, see :func:`polhode.plot`; the axes drawn into."""
+        return super().plot(what, ax, **options)
 
     def view(self, *, end: AnyNumber | None = None) -> Page:
         """The motion as an animated page, see :func:`polhode.view`."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, TypeAlias
 
 #: What ``reference.kind`` may ask for: the first that fits, a closed form by the name of its family
 #: (polhode.closed_forms.families), or a proven enclosure.
@@ -100,3 +100,8 @@ UNITS = ("", "SI")
 
 #: Which of the two spins on a level of h and f.
 SIGNS = ("+", "-")
+
+
+#: Figures of several panels, and of one.
+Several: TypeAlias = Literal["angles", "hodographs", "sphere", "integrals", "error"]
+Single: TypeAlias = Literal["omega", "momentum", "attitude"]
