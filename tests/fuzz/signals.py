@@ -88,7 +88,7 @@ WORKS = ENDING | {
     "map-far": "map C --grid 2x2 --end 1e5 --h 40 --f 0 -o x.npz",
     "orbits": "orbits C --grid 12x12",
     "orbit-search": "orbit C --search 12x12 --pick 1",
-    "prove": "prove orbit C --search 12x12 --pick 1",
+    "prove": "prove orbits C --grid 12x12",
     "prove-digits": "prove orbit grioli/precession --digits 200",
     "orbit-digits": "orbit grioli/precession --digits 400",
     "orbit-period": "orbit R --period 1e9",

@@ -344,7 +344,7 @@ def test_the_command_line_prints_events_and_a_stop_is_success(tmp_path, capsys):
     assert answer["columns"]["t"] == [1, 4]
     events = answer["events"]
     assert {*events["event"]} <= {"nutation", "flip", "section:gamma3 - 0.9"}
-    assert {"count", "t", "p", "gamma3", "sign", "grazing", "uncertainty", "depth"} < {*events}
+    assert {"count", "t", "p", "gamma3", "sign", "uncertainty", "depth"} < {*events}
     assert len({len(column) for column in events.values()}) == 1
     assert len(answer["events_complete"]) == 3
     (stop,) = (t for name, t in zip(events["event"], events["t"], strict=True) if name == "flip")

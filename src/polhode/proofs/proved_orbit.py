@@ -171,24 +171,22 @@ class ProvedOrbit(Result, ByValue):
         for real, imaginary in self.multipliers:
             sign, size = "-" if imaginary.centre < 0 else "+", str(imaginary).lstrip("-")
             multipliers.append(f"{real} {sign} {size} i" if imaginary.centre else str(real))
-        return "\n".join(
-            [
-                f"period      {self.period}",
-                f"omega       {', '.join(map(str, self.omega))}",
-                f"gamma       {', '.join(map(str, self.gamma))}",
-                f"level       {self.level}",
-                *([f"bodies      {self.bodies.rstrip(', ')}"] if self.tolerance else []),
-                f"residue     {self.residue}, {self.kind}",
-                *(f"multiplier  {text}" for text in multipliers),
-                f"alone       within {down(near.omega)} of omega and {down(near.gamma)} of gamma, "
-                f"with a period within {down(near.period)}",
-                self.theorem,
-            ]
-        )
+        lines = [
+            f"period      {self.period}",
+            f"omega       {', '.join(map(str, self.omega))}",
+            f"gamma       {', '.join(map(str, self.gamma))}",
+            f"level       {self.level}",
+            *([f"bodies      {self.bodies.rstrip(', ')}"] if self.tolerance else []),
+            f"residue     {self.residue}, {self.kind}",
+            *(f"multiplier  {text}" for text in multipliers),
+            f"alone       within {down(near.omega)} of omega and {down(near.gamma)} of gamma, "
+            f"with a period within {down(near.period)}",
+        ]
+        return "\n".join([*lines, self.theorem])
 
     @property
     def theorem(self) -> str:
-        """What is proved, in words."""
+        """The theorem in words."""
         near, (middle, radius) = self.unique_within, self.period.decimals
         point = " and ".join(
             f"{name} ({', '.join(map(str, balls))})"

@@ -52,7 +52,8 @@ class ReferenceTable(Result, ByValue):
     ``scene``: with these times and outputs.  ``kind``: which closed form; ``regime``: the kind of
     motion.  ``times``: decimals as they were asked for, others rounded where no digit notices.
     ``states``: rows p q r [gamma1 gamma2 gamma3] as mpf; ``radii``: proven bounds of the errors of
-    these as they are printed, None where the digits are only reproduced.  ``outputs``: rows by the words of the scene's outputs.  ``proven``: as of the reference.
+    these as they are printed, None where the digits are only reproduced.  ``outputs``: rows by the
+    words of the scene's outputs.  ``proven``: as of the reference.
 
     >>> import polhode
     >>> found = polhode.reference_table("euler/largest-axis", at=[1], digits=20)

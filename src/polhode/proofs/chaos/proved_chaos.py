@@ -128,23 +128,20 @@ class ProvedChaos(Result, ByValue):
     def __str__(self) -> str:
         """The numbers, a line each, and the theorem."""
         orbit = self.orbit
-        return "\n".join(
-            [
-                f"level       {orbit.level}",
-                f"orbit       {orbit.kind}, period {orbit.period}, multiplier "
-                f"{orbit.multipliers[0][0]}",
-                f"sets        {self.sets}, {self.coverings} coverings with cones",
-                f"margins     stretch {self.stretch:.3g} > 1, height {self.height:.3g} < 1, "
-                f"cone {self.cone:.3g} > 0",
-                f"loops       shorter than {up(self.short)} and {up(self.long)}",
-                f"entropy     at least {down(self.entropy)}",
-                self.theorem,
-            ]
-        )
+        lines = [
+            f"level       {orbit.level}",
+            f"orbit       {orbit.kind}, period {orbit.period}, multiplier {orbit.multipliers[0][0]}",
+            f"sets        {self.sets}, {self.coverings} coverings with cones",
+            f"margins     stretch {self.stretch:.3g} > 1, height {self.height:.3g} < 1, "
+            f"cone {self.cone:.3g} > 0",
+            f"loops       shorter than {up(self.short)} and {up(self.long)}",
+            f"entropy     at least {down(self.entropy)}",
+        ]
+        return "\n".join([*lines, self.theorem])
 
     @property
     def theorem(self) -> str:
-        """What is proved, in words."""
+        """The theorem in words."""
         period, radius = self.orbit.period.decimals
         return (
             f"proved: on the level {self.orbit.level} the {self.orbit.kind} periodic orbit of "
