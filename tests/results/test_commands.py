@@ -27,7 +27,9 @@ SAME: dict[str, Callable[[], polhode.Trajectory]] = {
     f"reference {TOP} --at 1/3 --digits 40": lambda: polhode.reference_table(
         TOP, at=["1/3"], digits=40
     ),
-    f"certify {GENERAL} --at 1 --digits 20": lambda: polhode.certify(GENERAL, [1], digits=20),
+    f"certify {GENERAL} --at 1 --digits 20": lambda: polhode.certify(
+        polhode.load(GENERAL).at([1]), digits=20
+    ),
     f"sweep {TOP} --vary 'start.omega[3]=2:4:3' --at 0,1": lambda: polhode.integrate_many(
         TOP, VARY, at=[0, 1]
     ),
