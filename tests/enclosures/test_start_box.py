@@ -205,7 +205,7 @@ def test_what_takes_one_motion_refuses_intervals(tmp_path, refusal, verb):
     (tmp_path / "box.toml").write_text(FILE, encoding="utf-8")
     line = refusal(verb, "box.toml")
     assert "start.omega" in line
-    assert "certify" in line
+    assert "polhode certify" in line
 
 
 @pytest.mark.parametrize(
