@@ -83,7 +83,7 @@ def verify(path: str | Path, progress: Progress | None = None) -> Verdict:
     ----------
     path : str or Path
         A file that ``save`` of an enclosure, a proved orbit or proved chaos wrote, or ``-o`` of
-        ``polhode reference --certified`` or ``polhode prove``; ``-`` is the standard input.
+        ``polhode certify`` or ``polhode prove``; ``-`` is the standard input.
     progress : callable, optional
         Called with the fraction of the steps done, and how many.
 

@@ -127,7 +127,7 @@ class ProvedOrbit(Result, ByValue):
         return [
             *scene_facts(self.scene),
             Fact("proven", True),
-            Fact("theorem", str(self)),
+            Fact("theorem", self.theorem),
             Fact("h", self.h, "energy"),
             Fact("f", self.f, "vertical momentum"),
             Fact("tolerance", self.tolerance, "of the body's numbers, relative"),
@@ -166,6 +166,26 @@ class ProvedOrbit(Result, ByValue):
         return f"<ProvedOrbit of {name}: period {period:.6g}, {self.kind}>"
 
     def __str__(self) -> str:
+        """The numbers, a line each, and the theorem."""
+        near, multipliers = self.unique_within, []
+        for real, imaginary in self.multipliers:
+            sign, size = "-" if imaginary.centre < 0 else "+", str(imaginary).lstrip("-")
+            multipliers.append(f"{real} {sign} {size} i" if imaginary.centre else str(real))
+        lines = [
+            f"period      {self.period}",
+            f"omega       {', '.join(map(str, self.omega))}",
+            f"gamma       {', '.join(map(str, self.gamma))}",
+            f"level       {self.level}",
+            *([f"bodies      {self.bodies.rstrip(', ')}"] if self.tolerance else []),
+            f"residue     {self.residue}, {self.kind}",
+            *(f"multiplier  {text}" for text in multipliers),
+            f"alone       within {down(near.omega)} of omega and {down(near.gamma)} of gamma, "
+            f"with a period within {down(near.period)}",
+        ]
+        return "\n".join([*lines, self.theorem])
+
+    @property
+    def theorem(self) -> str:
         """The theorem in words."""
         near, (middle, radius) = self.unique_within, self.period.decimals
         point = " and ".join(

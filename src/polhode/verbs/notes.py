@@ -198,8 +198,8 @@ def _certify(found: Enclosure, asked: Namespace) -> Iterator[str]:
         )
     if not outcome.done:
         followed = f"followed to t = {found.until:.6g}: " if outcome is Outcome.TOO_WIDE else ""
-        times = counted(len(found.times), "time")
-        yield f"polhode: {name}: {times} reached: {followed}{outcome.cause}; {outcome.advice}"
+        times = f"{len(found.times)} of {len(found.scene.times)} times"
+        yield f"polhode: {name}: {times}: {followed}{outcome.cause}; {outcome.advice}"
 
 
 def _proven_event(event: CertifiedEvents) -> str:

@@ -79,7 +79,7 @@ class ProvedChaos(Result, ByValue):
         return [
             *scene_facts(self.scene),
             Fact("proven", True),
-            Fact("theorem", str(self)),
+            Fact("theorem", self.theorem),
             Fact("h", self.h, "energy"),
             Fact("f", self.f, "vertical momentum"),
             Fact("entropy", self.entropy, "lower bound of the topological entropy", f"1/{time}"),
@@ -126,6 +126,21 @@ class ProvedChaos(Result, ByValue):
         return f"<ProvedChaos of {self.scene.name}: {coverings}, entropy at least {entropy}>"
 
     def __str__(self) -> str:
+        """The numbers, a line each, and the theorem."""
+        orbit = self.orbit
+        lines = [
+            f"level       {orbit.level}",
+            f"orbit       {orbit.kind}, period {orbit.period}, multiplier {orbit.multipliers[0][0]}",
+            f"sets        {self.sets}, {self.coverings} coverings with cones",
+            f"margins     stretch {self.stretch:.3g} > 1, height {self.height:.3g} < 1, "
+            f"cone {self.cone:.3g} > 0",
+            f"loops       shorter than {up(self.short)} and {up(self.long)}",
+            f"entropy     at least {down(self.entropy)}",
+        ]
+        return "\n".join([*lines, self.theorem])
+
+    @property
+    def theorem(self) -> str:
         """The theorem in words."""
         period, radius = self.orbit.period.decimals
         return (
