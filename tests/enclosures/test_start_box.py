@@ -153,7 +153,7 @@ def test_a_wide_box_is_followed_as_far_as_it_goes(tmp_path, capsys):
     path.write_text(FILE.replace("1e-8", "1e-5").replace("end = 5", "at = [1, 500]"))
     assert main(["certify", str(path)]) == 3
     told = capsys.readouterr()
-    assert "1 of 2 times: followed to t = " in told.err
+    assert "1 time reached: followed to t = " in told.err
     assert len(told.out.splitlines()) == 2
 
 
@@ -205,7 +205,7 @@ def test_what_takes_one_motion_refuses_intervals(tmp_path, refusal, verb):
     (tmp_path / "box.toml").write_text(FILE, encoding="utf-8")
     line = refusal(verb, "box.toml")
     assert "start.omega" in line
-    assert "certify" in line
+    assert "polhode certify" in line
 
 
 @pytest.mark.parametrize(

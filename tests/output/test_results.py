@@ -66,7 +66,7 @@ def test_times_of_events_have_the_digits_of_their_type_wherever_they_are_printed
     command = ["run", str(scene), f"--{key}", str(value)]
     assert main([*command, "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
-    first = answer["events"][0]["times"][0]
+    first = answer["events"]["t"][0]
     assert main(command) == 0
     said = capsys.readouterr().err
     told = re.search(r"at t = ([0-9.]+)", said)[1]

@@ -50,15 +50,15 @@ class ReferenceTable(Result, ByValue):
     """A reference at given times, each number to so many correct digits of its own.
 
     ``scene``: with these times and outputs.  ``kind``: which closed form; ``regime``: the kind of
-    motion.  ``times``: decimals as they were asked for, others rounded
-    where no digit notices.  ``states``: rows p q r [gamma1 gamma2 gamma3] as mpf; ``radii``: proven
-    bounds of the errors of these as they are printed, None where the digits are only reproduced.
-    ``outputs``: rows by the words of the scene's outputs.  ``proven``: as of the reference.
+    motion.  ``times``: decimals as they were asked for, others rounded where no digit notices.
+    ``states``: rows p q r [gamma1 gamma2 gamma3] as mpf; ``radii``: proven bounds of the errors of
+    these as they are printed, None where the digits are only reproduced.  ``outputs``: rows by the
+    words of the scene's outputs.  ``proven``: as of the reference.
 
     >>> import polhode
     >>> found = polhode.reference_table("euler/largest-axis", at=[1], digits=20)
-    >>> found
-    <ReferenceTable of euler/largest-axis: euler, epicycloidal, 1 time, 20 digits>
+    >>> found.regime, found.digits
+    ('polhode about the largest-moment axis', 20)
     >>> print(found.column("p")[0])
     0.447808688218415
     """
