@@ -253,7 +253,7 @@ def test_a_threshold_that_is_no_number_is_refused(tmp_path, refusal, wanted):
         polhode.testing.assert_digits(path, CASE, at_least=wanted)
     if wanted != "12":
         said = refusal("compare", path, CASE, "--at-least", wanted)
-        assert "a number of digits" in said
+        assert f"--at-least = {wanted}: expected a number" in said
 
 
 def test_fewer_digits_than_wanted_end_with_three(tmp_path, capsys):

@@ -30,13 +30,14 @@ MOTION: Mapping[str, tuple[str, str]] = {
 _MAPS = {word: ("map", word) for word in ("fli", "megno", "exponent", "verdict")}
 _PERIOD = {"omega": ("results", "period")}
 _ROWS = {"omega": ("results", "reference")}
+_PROVEN = {"digits": ("results", "proven")}
 _EVENTS = {"intervals": ("results", "intervals")}
 #: Of each kind of result its figures, the first is the default.
 FIGURES: Mapping[str, Mapping[str, tuple[str, str]]] = {
-    "Certified": _ROWS,
+    "Certified": _PROVEN,
     "CertifiedEvents": _EVENTS,
     "ChaosMap": _MAPS,
-    "Enclosure": {"digits": ("results", "proven")},
+    "Enclosure": _PROVEN,
     "Ensemble": {"members": ("results", "members")},
     "EventTimes": _EVENTS,
     "Frequencies": {"lines": ("frequencies", "draw")},

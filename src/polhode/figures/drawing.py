@@ -57,8 +57,7 @@ def plot(
         ``title``, in place of the figure's own.  Of a motion: ``end``, the last time drawn, in the
         scene's unit (unless given the scene's own, but no more than 100 radians; of integrals and
         error all), ``number``, ``digits``; of a table also ``scene``, ``read`` and ``columns``.  Of
-        a map and an ensemble ``cmap``; of
-        levels ``f_range`` and ``h_range``, two numbers each.
+        a map and an ensemble ``cmap``; of levels ``f_range`` and ``h_range``, two numbers each.
 
     Returns
     -------

@@ -103,8 +103,9 @@ def shown(
     as it is, and so is a file of which a scene, conventions or columns were told.  ``usual``: the
     default of a motion.
     """
+    name = type(source).__name__
     if isinstance(source, (str, Path)) and is_table(source):
-        path = Path(source)
+        path, name = Path(source), str(source)
         told = (asked.scene, asked.read, asked.columns) != (None, None, None)
         if told or not reader.is_result(path):
             return _of_table(path, what or usual, asked)
@@ -112,7 +113,7 @@ def shown(
     if isinstance(source, Trajectory):
         return _of_scene(source.scene, what or usual, asked, source.number, progress)
     if isinstance(source, Storable):
-        name, kind = repr(source), catalogue.kind_of(source)
+        kind = catalogue.kind_of(source)
         asked.refuse(name, [*vars(asked)], "no --{}: it is for a motion")
         return Shown(source, catalogue.chosen(kind, what, name), name)
     scene = library.load(source)
