@@ -37,7 +37,6 @@ from polhode.results.table import Value, Values
 DOUBLE, INTEGER, TRUTH, TEXT, EXACT, OBJECT = (
     *("double", "integer", "truth", "text", "exact", "object"),
 )
-OF_DTYPES = {"f8": DOUBLE, "i8": INTEGER, "b1": TRUTH}  # what arrays hold as they are
 MOST_BITS = 1 << 16
 #: Of a decimal: a number of that many bits in full.
 MOST_CHARACTERS, MOST_EXPONENT = 70_000, 20_000
