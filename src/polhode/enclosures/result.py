@@ -158,7 +158,7 @@ class Enclosure(Result, ByValue):
 
     def table(self) -> Table:
         """A row a time: balls of the state and of outputs, and the digits that are proven."""
-        columns = [Column("t", list(self.times), "time", unit_of(self.scene, "t"))]
+        columns = [Column("t", list(self.times), "time", unit_of(self.scene, "t"), digits=17)]
         columns += self._balls(self.scene.columns, self.centres, self.radii)
         parts = {"angles": self.angles, "attitude": self.attitude, **self.derived}
         for word, part in parts.items():

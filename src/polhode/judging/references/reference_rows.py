@@ -83,7 +83,7 @@ class ReferenceTable(Result, ByValue):
         """A row a time: the state and the outputs, and bounds of the state's errors."""
         printed = self.number.printed_digits
         word = digits_word(printed)
-        columns = [Column("t", list(self.times), "time", unit_of(self.scene, "t"), EXACT)]
+        columns = [Column("t", list(self.times), "time", unit_of(self.scene, "t"), EXACT, printed)]
         parts: list[tuple[Sequence[str], Given]] = [(self.scene.columns, self.states)]
         parts += [(COLUMNS[name].names, rows) for name, rows in self.outputs.items()]
         for names, rows in parts:
