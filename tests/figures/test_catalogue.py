@@ -80,7 +80,9 @@ def test_the_command_draws_what_python_draws(tmp_path, monkeypatch):
     assert points[0].tolist() == points[1].tolist()
     x, y = ((tmp_path / name).read_text().splitlines() for name in ("x.svg", "y.svg"))
     differing = [a for a, b in zip(x, y, strict=True) if a != b]
-    assert differing == [f"    <dc:title>polhode: crossings of {TOP}</dc:title>"]
+    title = f"title>polhode: crossings of {TOP}</"
+    assert differing
+    assert all(title in line for line in differing)
 
 
 def test_a_runs_file_is_drawn_as_the_run(tmp_path):
