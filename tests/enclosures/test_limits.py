@@ -70,7 +70,7 @@ def test_what_was_proven_until_a_limit_on_the_time_is_kept(
     out, err = capsys.readouterr()
     assert json.loads(out)["outcome"] == "time limit"
     assert json.loads(out)["columns"]["t"] == ["1"]
-    assert "1 time reached: the end needs more seconds" in err
+    assert "1 of 2 times: the end needs more seconds" in err
 
 
 def test_a_proof_stopped_before_the_first_time_has_no_rows(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -153,7 +153,7 @@ def test_a_wide_box_is_followed_as_far_as_it_goes(tmp_path, capsys):
     path.write_text(FILE.replace("1e-8", "1e-5").replace("end = 5", "at = [1, 500]"))
     assert main(["certify", str(path)]) == 3
     told = capsys.readouterr()
-    assert "1 time reached: followed to t = " in told.err
+    assert "1 of 2 times: followed to t = " in told.err
     assert len(told.out.splitlines()) == 2
 
 

@@ -16,7 +16,7 @@ class Verb(NamedTuple):
     ``scene``: options that change the scene before the function takes it.  ``counts``: what its
     progress counts.  ``own``: the ending of a file of the kind's own, which a stream gets, too;
     ``checks``: whether that is a certificate whose check takes long.  ``is_box``: whether its
-    scene's start may be a box.
+    scene's start may be a box.  ``other_kinds``: of the result where a parameter is given.
     """
 
     name: str
@@ -30,6 +30,7 @@ class Verb(NamedTuple):
     own: str = ""
     checks: bool = False
     is_box: bool = False
+    other_kinds: Mapping[str, str] = {}
     has_figure: bool = True
     figure_options: Mapping[str, Mapping[str, Any]] = {}
 
@@ -88,6 +89,7 @@ ROWS = (
         scene=(TIMES,),
         figure_options={"--title": _TITLE},
         counts="members",
+        other_kinds={"keep": "Reductions"},
     ),
     Verb(
         *("levels", f"{_DYNAMICS}.levels.levels", "levels", "Levels"),

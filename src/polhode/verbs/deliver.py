@@ -66,7 +66,9 @@ def main(verb: Verb, function: options.Front, asked: Namespace) -> int:
     }
     first = function.parameters[0].name
     inputs = [library.path_of(x) for x in _sources(given)]
-    places = Places(verb, [*map(Path, asked.places or ())], asked.json, inputs)
+    others = [kind for name, kind in verb.other_kinds.items() if name in given]
+    kind = others[0] if others else verb.kind
+    places = Places(verb, kind, [*map(Path, asked.places or ())], asked.json, inputs)
     places.check()
     places.check_figure(vars(asked))
     if verb.scene:
@@ -109,9 +111,14 @@ class Places:
     """The files that a verb is to write."""
 
     def __init__(
-        self, verb: Verb, paths: Sequence[Path], json: bool, inputs: Sequence[Path | None]
+        self,
+        verb: Verb,
+        kind: str,
+        paths: Sequence[Path],
+        json: bool,
+        inputs: Sequence[Path | None],
     ) -> None:
-        self.verb, self.paths, self.json, self.inputs = verb, paths, json, inputs
+        self.verb, self.kind, self.paths, self.json, self.inputs = verb, kind, paths, json, inputs
 
     def check(self) -> None:
         """Refuse, before any work is done, what cannot or must not be written; raises BadInput."""
@@ -135,7 +142,7 @@ class Places:
             else:
                 from polhode.results.places import check_place
 
-                check_place(path, self.verb.kind, self.inputs)
+                check_place(path, self.kind, self.inputs)
 
     def check_figure(self, asked: Mapping[str, Any]) -> None:
         """Refuse options of a figure where none is written, and figures that there are not."""
@@ -176,14 +183,15 @@ class Places:
     def write(self, found: Result, asked: Mapping[str, Any], line: ProgressLine) -> None:
         """Write all files, unless what was interrupted is kept in parts, which go otherwise."""
         kept = getattr(found, "kept", None)
-        if kept is not None and interrupted(found):
+        if interrupted(found) and kept is not None and kept.folder.exists():
             return
         made: dict[Path, str | bytes] = {}
         for path in self.paths:
             if self._is_figure(path):
                 made[path] = _drawn(found, path.suffix.lower(), self.verb, asked)
             elif self._is_own(path):
-                self._save(found, path, line)
+                if getattr(found, "times", True):  # of nothing there is no certificate
+                    self._save(found, path, line)
             else:
                 from polhode.results import places, writer
 
@@ -251,7 +259,8 @@ def interrupted(found: Result) -> bool:
 def code_of(found: Result) -> int:
     """The exit code that a result means."""
     if interrupted(found):
-        if (kept := getattr(found, "kept", None)) is not None:
+        kept = getattr(found, "kept", None)
+        if kept is not None and kept.folder.exists():
             note(f"polhode: the same command continues from {kept.folder}")
         return INTERRUPTED
     if getattr(found, "passed", None) is False:

@@ -35,7 +35,7 @@ def of(verb: str, found: Found, paths: Sequence[Path], asked: Namespace) -> Iter
     """The lines about a result of a verb."""
     yield from _NOTES.get(verb, _itself)(found, asked)
     own = [x for x in paths if x.suffix.lower() == ".json" or is_stdout(x)]
-    if verb in ("certify", "prove orbit", "prove chaos") and own:
+    if verb in ("certify", "prove orbit", "prove chaos") and own and getattr(found, "times", True):
         yield _certificate(found.scene.name, own[0])
 
 

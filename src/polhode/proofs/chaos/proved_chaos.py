@@ -130,7 +130,8 @@ class ProvedChaos(Result, ByValue):
         orbit = self.orbit
         lines = [
             f"level       {orbit.level}",
-            f"orbit       {orbit.kind}, period {orbit.period}, multiplier {orbit.multipliers[0][0]}",
+            f"orbit       {orbit.kind}, period {orbit.period}, "
+            f"multiplier {orbit.multipliers[0][0]}",
             f"sets        {self.sets}, {self.coverings} coverings with cones",
             f"margins     stretch {self.stretch:.3g} > 1, height {self.height:.3g} < 1, "
             f"cone {self.cone:.3g} > 0",
