@@ -95,6 +95,8 @@ def test_a_runs_file_is_drawn_as_the_run(tmp_path):
     assert curves[0].tolist() == curves[1].tolist()
     assert len(curves[0]) > 1000
     assert curves[0][-1][0] == 3
+    panel = polhode.plot(tmp_path / "x.json", "error", end=1)[0]
+    assert panel.lines[-1].get_ydata()[0] == pytest.approx(np.log10(float(run.number.eps)))
 
 
 @pytest.mark.parametrize("what", ["fli", "megno", "exponent", "verdict"])
