@@ -462,7 +462,8 @@ def test_the_command_line(digits, outputs, tmp_path, capsys):
     assert main([*command, "-o", str(path)]) == 0
     assert main(["verify", str(path), "--json"]) == 0
     out = capsys.readouterr().out
-    assert json.loads(out[out.index("{") :])["proven"] is True
+    answer = json.loads(out)
+    assert answer["proven"] is True
     assert ("at 1 its attitude" in out) == bool(outputs)
     given = json.loads(path.read_text())
     given["statement"][0]["balls"][0][0] = "0.5"

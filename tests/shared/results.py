@@ -44,6 +44,7 @@ MAKERS: dict[str, Callable[[], Storable]] = {
     "Levels": lambda: polhode.levels("general/asymmetric-chaotic"),
     "Frequencies": lambda: polhode.frequencies(TOP, of=["gamma3"], end=100),
     "OrbitSearch": lambda: polhode.orbit_search("general/asymmetric-regular", (4, 4), crossings=1),
+    "Orbit to 5 digits": lambda: polhode.orbit("grioli/precession", digits=5),
     "Orbit": lambda: polhode.orbit("grioli/precession", digits=20),
     "ProvedOrbit": lambda: polhode.prove_orbit("grioli/precession"),
     "ProvedOrbits": lambda: polhode.prove_orbits("general/asymmetric-regular", (4, 4), crossings=1),

@@ -36,10 +36,10 @@ from polhode.numbers.conversion import exactly, to_double, to_mpf
 from polhode.numbers.decimals import decimal_string
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.mpmath_context import mpmath, ordinary
-from polhode.numbers.number_types import DOUBLE, MAX_DIGITS, NumberType, bits_for
+from polhode.numbers.number_types import DOUBLE, MAX_DIGITS, bits_for
 from polhode.numbers.rows import Doubles, doubles
 from polhode.numbers.scalars import AnyNumber, Real
-from polhode.results.cells import EXACT, bits_word, digits_word
+from polhode.results.cells import EXACT, digits_word
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.scenes import library, scene_file
@@ -157,10 +157,10 @@ class Orbit(Result, ByValue):
 
     def facts(self) -> list[Fact]:
         """The level, the period, the multipliers, and how they were found."""
-        word = bits_word(NumberType("mp", bits_for(self.digits + 2)))
+        word = digits_word(self.digits + 2)
         pairs = self.multipliers
         multipliers = [
-            Column(name, [self._near(pair[k]) for pair in pairs], type=word)
+            Column(name, [pair[k] for pair in pairs], type=word)
             for k, name in enumerate(("real", "imaginary"))
         ]
         return [
@@ -168,14 +168,14 @@ class Orbit(Result, ByValue):
             Fact("h", self.h, "energy"),
             Fact("f", self.f, "vertical momentum"),
             Fact("digits", self.digits, "correct digits of start and period"),
-            Fact("period", self.period, "", unit_of(self.scene, "t"), digits_word(self.digits + 2)),
+            Fact("period", self.period, "", unit_of(self.scene, "t"), word),
             Fact("error", self.error, "of start and period, estimated, relative"),
             Fact("kind", self.kind, "of its stability"),
-            Fact("residue", self._near(self.residue), "Greene's", type=word),
+            Fact("residue", self.residue, "Greene's", type=word),
             Fact("residue_error", self.residue_error, "estimated"),
             Fact("multipliers", Table(multipliers, 0), "that may differ from 1"),
             Fact("determinant", self.determinant, "|det M - 1|"),
-            Fact("psi_advance", self._near(self.psi), "in a period", "rad", word),
+            Fact("psi_advance", self.psi, "in a period", "rad", word),
             Fact("psi_with_turns", self.psi_whole, "whether that includes whole turns"),
             Fact("psi_turns", self.turns, "that over 2 pi, where it is a fraction", type=EXACT),
             Fact("moved", self.moved, "distance of the start from the guess, scaled"),
@@ -201,10 +201,6 @@ class Orbit(Result, ByValue):
         from polhode.dynamics.periodic_orbits.report import report
 
         return report(self)
-
-    def _near(self, x: Real | None) -> Real | None:
-        """A number of the type that its digits need."""
-        return None if x is None else ordinary(to_mpf(exactly(x), bits_for(self.digits + 2)))
 
     def __repr__(self) -> str:
         period, residue = to_double(self.period), float(self.residue)
