@@ -12,6 +12,7 @@ import pytest
 
 import polhode
 from polhode import cli
+from polhode.runs.sweep import starts_file
 from polhode.verbs import terminal
 from shared.motions import heavy_file
 
@@ -240,6 +241,20 @@ def test_starts_in_extended_are_read_in_extended(scene, capsys, tmp_path):
     assert code == 0
     with np.load("x.npz", allow_pickle=False) as held:
         assert np.longdouble(held["members.start.omega[1]"][0]) == np.longdouble("0.1") != 0.1
+
+
+@pytest.mark.parametrize("ending", [".csv", ".json", ".npz"])
+@pytest.mark.parametrize("number", ["double", "extended"])
+def test_starts_of_a_result_are_its_states(scene, tmp_path, ending, number):
+    run = polhode.integrate(scene, number, at=[1, 2])
+    path = tmp_path / f"run{ending}"
+    run.save(path)
+    held = starts_file.read(path, run.scene, extended=number == "extended")
+    assert held.dtype == run.states.dtype
+    assert held.tolist() == run.states.tolist()
+    polhode.levels("lagrange/nutation").save(path.with_name(f"levels{ending}"))
+    with pytest.raises(polhode.BadInput, match="expected columns p,q,r,gamma1,gamma2,gamma3"):
+        starts_file.read(path.with_name(f"levels{ending}"), run.scene)
 
 
 NO_STARTS = [

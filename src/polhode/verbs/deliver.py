@@ -11,9 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput
 from polhode.common.files import check_writable, is_stdout, is_stream, write_stdout, write_whole
-from polhode.scenes import library, start_box
-from polhode.scenes.start_box import StartBox
-from polhode.verbs import notes, options, scene_options
+from polhode.verbs import options, scene_options
 from polhode.verbs.catalogue import Verb
 from polhode.verbs.terminal import (
     DONE,
@@ -58,6 +56,9 @@ def _endings(verb: Verb) -> Sequence[str]:
 def main(verb: Verb, function: options.Front, asked: Namespace) -> int:
     """Carry out a verb that is a function; the exit code."""
     from polhode.proofs.refusals import NotProved
+    from polhode.scenes import library, start_box
+    from polhode.scenes.start_box import StartBox
+    from polhode.verbs import notes
 
     given = {
         x.name: vars(asked)[x.name]
@@ -227,12 +228,13 @@ def _drawn(found: Result, suffix: str, verb: Verb, asked: Mapping[str, Any]) -> 
     """The figure of a result; of a run its scene's, integrated at as many times as curves need."""
     from polhode.figures import catalogue
     from polhode.figures.source import Asked, shown
+    from polhode.verbs.notes import name_of
 
     seen = shown(found, asked.get("what"), Asked())
     for told in seen.notes:
         note(told)
     given = {name: asked.get(name) for name in _figure_options(verb) if name != "what"}
-    return catalogue.drawn(seen.found, suffix, notes.name_of(found), seen.what, **given)
+    return catalogue.drawn(seen.found, suffix, name_of(found), seen.what, **given)
 
 
 def _figure_options(verb: Verb) -> Sequence[str]:
