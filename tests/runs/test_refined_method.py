@@ -76,17 +76,18 @@ def test_the_state_at_any_time_of_a_long_run():
 
 
 def test_short_runs_take_heyokas_own_steps_unless_told():
-    """Short: 120 radians, here of 1.16 a unit of time; in a sweep the compiled field is there."""
-    assert polhode.integrate(SCENE, "quad", at=[103]).method == "taylor"
-    assert polhode.integrate(SCENE, "quad", at=[104]).method == "refined"
+    """Short: 20 radians, here of 1.16 a unit of time; alone and in a sweep."""
+    runs = [polhode.integrate(SCENE, "quad", at=[t], project=False) for t in (17, 18)]
+    assert [run.method for run in runs] == ["taylor", "refined"]
+    for run, t in zip(runs, (17, 18), strict=True):
+        (member,) = polhode.integrate_many(SCENE, {"body.weight": [1]}, number="quad", at=[t])
+        assert (member.method, member.states.tolist()) == (run.method, run.states.tolist())
     one, other = refined(SCENE, [50]), polhode.integrate(SCENE, "quad", at=[50], method="taylor")
     assert (other.method, other.errors) == ("taylor", None)
     assert max(errors(one)) < max(errors(other)) / 4  # the inputs' rounding alone costs more
     near, far = (polhode.load(SCENE).at((Fraction(t),)) for t in (30, 110))
-    quad, more = one.number, polhode.integrate(SCENE, at=[1], digits=50).number
-    assert refined_method.worth_it(near, quad, loaded=True)
-    assert not refined_method.worth_it(near, quad)
-    assert not refined_method.worth_it(near, more, loaded=True)
+    more = polhode.integrate(SCENE, at=[1], digits=50).number
+    assert not refined_method.worth_it(near, more)
     assert refined_method.worth_it(far, more)
 
 

@@ -17,7 +17,7 @@ from polhode.common.progress import Stop
 from polhode.dynamics.observables.reductions import FIRST, LYAPUNOV, Reduction, event_of, extremes
 from polhode.judging.conditioning import lyapunov
 from polhode.motion.outcomes import Outcome, code
-from polhode.numbers.conversion import number_value, to_double
+from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles, doubles
 from polhode.runs.problem.options import Options
@@ -191,8 +191,7 @@ def _parts(job: Job, stop: Stop | None) -> Iterator[Reduced]:
     """What is told by states, by events and by tangents."""
     if job.states is not None:
         steps = job.states.steps
-        solved_at = np.array([number_value(t, steps.number) for t in steps.times], np.longdouble)
-        times = solved_at.astype(np.float64) if steps.number.name == "double" else solved_at
+        times = np.ldexp(steps.times, steps.time_unit)
         solved = job.states.solved(stop)
         told = [what for what in job.which if what.kind not in (FIRST, LYAPUNOV)]
         numbers = extremes(told, solved.states, times, job.columns, steps.number)

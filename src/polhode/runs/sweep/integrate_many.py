@@ -159,14 +159,15 @@ def integrate_many(
         scene, vary = from_starts(scene, starts, vary)
     elif vary is None:
         raise BadInput(scene.name, "vary", None, "numbers to vary, or starts")
-    from polhode.taylor.batches.compiled_batch import width
+    from polhode.taylor.batches.compiled_batch import LANES
 
     plan = planned(scene, vary, number, digits, tol, max_steps)
     if method == "refined" and plan.number.flat:
         raise BadInput(scene.name, "method", method, "quad or more digits, or the method taylor")
     prepared = time.perf_counter()
     here = executor is None and parts is None
-    groups = list(plan.groups(width(plan.number), _most_jobs(plan, here)))
+    size = LANES if plan.number.name == "double" else 1
+    groups = list(plan.groups(size, _most_jobs(plan, here)))
     key = scene.text, plan.times, method, plan.varied, plan.number, plan.tolerance, plan.max_steps
     kept = JobCheckpoint.at(parts, "sweep", *key, *groups)
     jobs: list[FlatJob | WideJob] = [
