@@ -215,7 +215,7 @@ def chunks() -> None:
 def cadences() -> None:
     print("## Steps between two projections onto the first integrals, by type\n")
     print(
-        "`--project-every N` sets them, `--no-project` turns projection off; quad and mp are not "
+        "`--project N` sets them, `--no-project` turns projection off; quad and mp are not "
         "projected unless asked. Median error over eight starts a top, and time, against runs that "
         "are not projected: double to t = 10 000, extended to t = 1000.\n"
     )

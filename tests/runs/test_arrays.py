@@ -328,7 +328,7 @@ def test_members_of_arrays_are_those_of_exact_values_to_the_bit(body, keys, at):
     assert np.array_equal(one.states, many.states)
     assert np.array_equal(one.counts, many.counts)
     assert [*map(tuple, one.varied.rows)] == [*map(tuple, many.varied.rows)]
-    assert (many.done, many.reached) == (True, one.reached)
+    assert (many.complete, many.reached) == (True, one.reached)
     for k in (0, COUNT // 2, COUNT - 1):
         alone = {key: rows[k : k + 1] for key, rows in columns.items()}
         assert np.array_equal(polhode.integrate_many(told, alone, at=at).states[0], many.states[k])
@@ -354,7 +354,7 @@ def test_starts_are_arrays_of_omega_and_gamma_in_any_order_and_number():
     )
     assert np.array_equal(bodies.states, many.states)
     none = polhode.integrate_many(scene(), starts=np.empty((0, 6)), at=[1, 2])
-    assert (len(none), none.states.shape, none.done, list(none)) == (0, (0, 2, 6), True, [])
+    assert (len(none), none.states.shape, none.complete, list(none)) == (0, (0, 2, 6), True, [])
     assert none.drift.shape == (0, 4)
 
 
@@ -404,9 +404,12 @@ def test_a_sweep_of_arrays_is_saved_as_it_is_also_one_of_nothing(tmp_path):
         many = polhode.integrate_many(scene(), starts=rows, at=[0, 2], number=number)
         many.save(tmp_path / "x.npz")
         back = polhode.load_result(tmp_path / "x.npz")
-        assert (back.varied, back.outcomes) == (many.varied, many.outcomes)
-        assert [column.values.dtype for column in back.varied.rows.columns] == [rows.dtype] * 6
-        assert np.array_equal(back.states, many.states)
+        ended = {x.name: x.values for x in back.fact("members").columns}["outcome"]
+        assert list(ended) == [x.value for x in many.outcomes]
+        held = [back.column(f"start.{name}[{k}]") for name in ("omega", "gamma") for k in (1, 2, 3)]
+        assert [column.dtype for column in held] == [rows.dtype] * 6
+        states = np.array([back.column(name) for name in many.columns])
+        assert np.array_equal(states.T, many.states.reshape(-1, 6))
 
 
 def test_extended_arrays_stay_extended():

@@ -36,7 +36,7 @@ def assert_own_runs(many: polhode.Ensemble, turned: bool = False) -> None:
 
     Two starts that differ by one rounding part by some tens of eps on these motions.
     """
-    assert many.done
+    assert many.complete
     assert many.states.shape == (len(many), len(many.times), len(many.columns))
     eps = float(many.number.eps)
     for k, member in enumerate(many):

@@ -147,7 +147,7 @@ def certify(
         if not found.outcome.done and best is not None:  # fewer digits, but at every time
             return replace(best, outcome=found.outcome, tries=tries, seconds_in_all=in_all)
         best = replace(found, seconds=seconds, tries=tries, seconds_in_all=in_all)
-        if best.reached or not best.outcome.done or box.radii is not None:
+        if best.complete or not best.outcome.done or box.radii is not None:
             if best.times or best.outcome is not Outcome.TOO_WIDE:
                 return best
             break

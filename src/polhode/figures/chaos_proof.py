@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from types import ModuleType
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from polhode.certificates import verify
+from polhode.common.errors import BadInput
 from polhode.dynamics.sections import coordinates as geometry
-from polhode.figures.canvas import section_axes
+from polhode.figures.canvas import canvas, section_axes
 from polhode.numbers.rows import Doubles
 from polhode.proofs.chaos import homoclinic
 from polhode.proofs.chaos.lanes import backward
 from polhode.proofs.chaos.proved_chaos import ProvedChaos
+from polhode.results.result import Storable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,10 +27,13 @@ Points: TypeAlias = tuple[Doubles, Doubles]
 OUT, INTO, SETS = "#d55e00", "#0072b2", "#222222"
 
 
-def draw(plt: ModuleType, found: ProvedChaos) -> Figure:
+def draw(plt: ModuleType, found: Storable, axes: Any = None) -> Figure:
     """Left the maxima of the height of the centre of mass; right N0's plane, in sizes of N0."""
+    if not isinstance(found, ProvedChaos):
+        expected = "a proof as polhode.prove_chaos gives it: its file has no manifolds"
+        raise BadInput("plot", "what_of", repr(found), expected)
     figure: Figure
-    figure, (left, right) = plt.subplots(1, 2, figsize=(9.2, 4.2), layout="constrained")
+    figure, ((left, right),) = canvas.panels(plt, axes, 1, 2, figsize=(9.2, 4.2))
     draw_crossings(left, crossings(found))
     left.legend(fontsize=7, markerscale=1.5, loc="best")
     left.set_title("maxima of the height of the centre of mass", size=9)
@@ -63,16 +68,9 @@ def draw_crossings(axes: Axes, points: Crossings) -> None:
         ("unstable", OUT, points.unstable),
         ("stable", INTO, points.stable),
     ):
-        axes.plot(
-            *where,
-            ".",
-            ms=1.4,
-            mew=0,
-            color=colour,
-            label=f"{name} manifold",
-            rasterized=True,
-            gid=f"{name} manifold",
-        )
+        gid = f"{name} manifold"
+        look: dict[str, Any] = {"ms": 1.4, "mew": 0, "color": colour, "rasterized": True}
+        axes.plot(*where, ".", label=gid, gid=gid, **look)
     axes.plot(*points.sets, "+", ms=5, color=SETS, label="sets, each in its own plane", gid="sets")
     section_axes.label(axes, height=True)
     axes.set(xlim=(-0.1, 2 * np.pi + 0.1), ylim=(-1.1, 1.1))  # marks at the edges whole
@@ -89,14 +87,8 @@ def _sets(axes: Axes, found: ProvedChaos) -> None:
     x, y = _outline(found.images[0])
     axes.fill(x / home.width, y / home.height, color=OUT, alpha=0.35, lw=0, label="image of N0")
     x, y = _outline(found.images[-1])
-    axes.fill(
-        x / home.width,
-        y / home.height,
-        color=INTO,
-        alpha=0.6,
-        lw=1.0,
-        label=f"image of M{found.sets - 1}",
-    )
+    look: dict[str, Any] = {"color": INTO, "alpha": 0.6, "lw": 1.0}
+    axes.fill(x / home.width, y / home.height, label=f"image of M{found.sets - 1}", **look)
     axes.set(xlabel="along the unstable direction", ylabel="along the stable direction")
     axes.set(ylim=(-1.4, 1.4))
     axes.legend(fontsize=7, loc="lower right")

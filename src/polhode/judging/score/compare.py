@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-_TABLES = (".csv", ".tsv", *ENDINGS)
 MANY = 1000  # rows of a table that has a first answer
 
 
@@ -71,11 +70,11 @@ def compare(
     Parameters
     ----------
     what : Trajectory, str, Path, mapping, DataFrame, Dataset or rows
-        A run; the path of a CSV file (``-``: the standard input) with a column t and any of p q r
-        gamma1 gamma2 gamma3 psi theta phi q0 q1 q2 q3, or of a derived output; of an .npz, .npy or
-        .parquet file of such columns; the same columns as a mapping of names to arrays, a pandas
-        DataFrame or an xarray Dataset; or rows of numbers, which hold at the times ``at`` and have
-        the columns ``columns``.
+        A run, or the path of a file that polhode saved; the path of a CSV file (``-``: the standard
+        input) with a column t and any of p q r gamma1 gamma2 gamma3 psi theta phi q0 q1 q2 q3, or
+        of a derived output; of an .npz, .npy or .parquet file of such columns; the same columns as
+        a mapping of names to arrays, a pandas DataFrame or an xarray Dataset; or rows of numbers,
+        which hold at the times ``at`` and have the columns ``columns``.
     against : reference, Scene, str or Path, optional
         A reference, or the scene whose reference it is; of a run its own scene unless given.
     number : str or NumberType, optional
@@ -149,7 +148,7 @@ def compare(
             forecast(seconds, likely_unit(subject, scene))
 
     proof = partial(Certified, progress=progress, max_seconds=max_seconds, forecast=foretold)
-    if isinstance(against, (str, Path)) and Path(against).suffix.lower() in _TABLES:
+    if isinstance(against, (str, Path)) and Path(against).suffix.lower() in ENDINGS:
         expected = (
             "a scene, a case's name or a .toml file: a table is judged by a motion, and not by "
             f"another table (polhode compare {against} SCENE judges that one)"
@@ -163,9 +162,6 @@ def compare(
             against = proof(against.scene)
     scene = against.scene
     if isinstance(what, Trajectory):
-        if not what.times:
-            ended = f"a time that the run reached ({what.outcome.cause}; {what.outcome.advice})"
-            raise BadInput(what.scene.name, "rows", None, ended)
         subject = of_run(what)
     else:
         if digits is not None and number is None:
@@ -178,6 +174,8 @@ def compare(
         elif not isinstance(what, Table):
             named = scene.columns if columns is None else columns
             what = table_of_rows(what, at, named, kind)
+        if what.run is not None and (read or not _is_of(what.run.scene, scene)):
+            what = replace(what, run=None)  # another's table, as it were
         subject = as_judged(what, scene)
     if not subject.columns:
         expected = f"columns of {', '.join(against.scene.columns)}, angles or attitude"
@@ -219,6 +217,12 @@ def compare(
         found = replace(found, subject=subject, reference=proven, offered=offered)
         _ = found.digits
     return found
+
+
+def _is_of(one: Scene, other: Scene) -> bool:
+    """Whether two scenes have the same motion, in the same units."""
+    keys = ("units", "body", "omega", "gamma")
+    return all(getattr(one, key) == getattr(other, key) for key in keys)
 
 
 def _naming(columns: Sequence[str] | None, of_file: bool = True) -> Naming:

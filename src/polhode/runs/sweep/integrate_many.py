@@ -96,7 +96,7 @@ def integrate_many(
     parts : Path, optional
         A folder to which finished jobs are written about once a second, so that the same call
         continues from there after a kill, with the same results to the bit.  It is made if the
-        sweep takes longer than that, and kept until ``ensemble.parts.remove()``.
+        sweep takes longer than that, and kept until ``ensemble.kept.remove()``.
     method : {"auto", "taylor", "refined"}
         "auto" refines, in quad and mp, each member for which that is possible and faster; "refined"
         each for which it is possible.
@@ -134,7 +134,7 @@ def integrate_many(
     >>> many = polhode.integrate_many(
     ...     "lagrange/nutation", {"start.omega[3]": [2, 3], "body.weight": "1:2:3"}, at=[0, 1]
     ... )
-    >>> len(many), many.varied.keys, many.done
+    >>> len(many), many.varied.keys, many.complete
     (6, ('start.omega[3]', 'body.weight'), True)
     >>> starts = [[0.5, 0, k, 0, 0, 1] for k in range(100)]  # any array (N, 6)
     >>> polhode.integrate_many("lagrange/nutation", starts=starts, at=[1, 2]).states.shape
@@ -214,7 +214,7 @@ def integrate_many(
         digits=digits,
         told=told,
         provenance={**plan.members.provenance(), "seconds": seconds},
-        parts=kept,
+        kept=kept,
     )
 
 

@@ -6,8 +6,8 @@ import statistics
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from polhode.common.json_text import JsonObject
 from polhode.figures.canvas.canvas import as_svg, paper
-from polhode.output.json_object import JsonObject
 from polhode.studies.page import drawing
 from polhode.studies.page.drawing import GUIDE, LOOKS, WIDTH
 from polhode.studies.speed.number_types import TYPES_SHOWN
