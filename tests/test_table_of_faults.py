@@ -179,7 +179,7 @@ def test_a_limit_on_steps_is_one(steps):
     assert (abs(result.end) == 1) == (steps > 10)
     if steps > 10:
         varied = {"start.omega[3]": [1]}
-        assert polhode.integrate_many(FREE, varied, at=[1], max_steps=steps).done
+        assert polhode.integrate_many(FREE, varied, at=[1], max_steps=steps).complete
 
 
 @pytest.mark.parametrize("digits", [1, 5, 15])

@@ -11,7 +11,6 @@ from polhode.closed_forms.families import register_family as register_family
 from polhode.common.errors import BadInput as BadInput
 from polhode.common.html_page import Page as Page
 from polhode.common.provenance import __version__ as __version__
-from polhode.common.result import Result as Result
 from polhode.dynamics.chaos.chaos_map import ChaosMap as ChaosMap
 from polhode.dynamics.chaos.chaos_map import chaos_map as chaos_map
 from polhode.dynamics.frequencies.frequencies import Frequencies as Frequencies
@@ -28,8 +27,8 @@ from polhode.dynamics.periodic_orbits.search import OrbitSearch as OrbitSearch
 from polhode.dynamics.periodic_orbits.search import orbit_search as orbit_search
 from polhode.dynamics.sections.section import Section as Section
 from polhode.dynamics.sections.section import section as section
+from polhode.enclosures.certified_events import CertifiedEvents as CertifiedEvents
 from polhode.enclosures.certify import certify as certify
-from polhode.enclosures.events import CertifiedEvents as CertifiedEvents
 from polhode.enclosures.events import certify_events as certify_events
 from polhode.enclosures.result import Enclosure as Enclosure
 from polhode.equations.plain_field import field as field
@@ -43,6 +42,8 @@ from polhode.judging.conditioning.lyapunov import lyapunov as lyapunov
 from polhode.judging.references.certified import Certified as Certified
 from polhode.judging.references.reference import Reference as Reference
 from polhode.judging.references.reference import reference as reference
+from polhode.judging.references.reference_rows import ReferenceTable as ReferenceTable
+from polhode.judging.references.reference_table import reference_table as reference_table
 from polhode.judging.references.textbook import Textbook as Textbook
 from polhode.judging.rolling_cones import Rolling as Rolling
 from polhode.judging.rolling_cones import rolling as rolling
@@ -51,14 +52,17 @@ from polhode.judging.score.judgement import Judgement as Judgement
 from polhode.motion.outcomes import EventTimes as EventTimes
 from polhode.motion.outcomes import Outcome as Outcome
 from polhode.motion.outcomes import Projection as Projection
-from polhode.output.archive import load_run as load_run
-from polhode.output.results.files import load_result as load_result
 from polhode.proofs.chaos.prove_chaos import prove_chaos as prove_chaos
 from polhode.proofs.prove_orbit import prove_orbit as prove_orbit
+from polhode.proofs.prove_orbits import ProvedOrbits as ProvedOrbits
+from polhode.proofs.prove_orbits import prove_orbits as prove_orbits
 from polhode.proofs.proved_orbit import ProvedOrbit as ProvedOrbit
 from polhode.proofs.refusals import NotProved as NotProved
+from polhode.results.result import Result as Result
 from polhode.runs.propagator import Propagator as Propagator
 from polhode.runs.propagator import propagator as propagator
+from polhode.runs.saved import load_result as load_result
+from polhode.runs.saved import load_run as load_run
 from polhode.runs.sweep.ensemble import Ensemble as Ensemble
 from polhode.runs.sweep.integrate_many import integrate_many as integrate_many
 from polhode.runs.trajectory import Trajectory as Trajectory

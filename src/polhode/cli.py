@@ -12,22 +12,23 @@ import re
 import signal
 import sys
 import threading
-from collections.abc import Sequence
+from argparse import ArgumentParser
+from collections.abc import Iterator, Sequence
 from importlib import import_module
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from polhode.common.arguments import called_here
 from polhode.common.errors import BadInput, StdoutFault, in_verb, listed, nearest
 from polhode.common.files import write_stdout
 from polhode.common.interrupts import INTERRUPTED, heard
 from polhode.common.provenance import __version__
-from polhode.verbs import terminal
+from polhode.verbs import catalogue, deliver, terminal
 from polhode.verbs.terminal import BAD_INPUT, DONE
 
 VERBS = (
-    *("list", "show", "new", "run", "reference", "check", "compare", "sweep", "plot", "view"),
-    *("levels", "section", "map", "orbit", "prove", "verify", "frequencies", "study", "report"),
-    *("benchmark", "guide", "about"),
+    *("list", "show", "new", "run", "reference", "certify", "check", "compare", "order", "sweep"),
+    *("plot", "view", "levels", "section", "map", "orbit", "orbits", "family", "prove", "verify"),
+    *("frequencies", "study", "report", "benchmark", "guide", "about"),
 )
 
 
@@ -39,7 +40,7 @@ _MEANT = {
     **dict.fromkeys(("integrate", "simulate", "solve", "propagate", "compute"), "run SCENE"),
     **dict.fromkeys(("judge", "validate", "diff", "score"), "compare FILE SCENE"),
     **dict.fromkeys(("test", "regression"), "check"),
-    **dict.fromkeys(("certify", "enclose"), "reference SCENE --certified, or prove"),
+    "enclose": "certify SCENE",
     **dict.fromkeys(("animate", "movie", "film"), "view SCENE, or plot SCENE --what motion"),
     **dict.fromkeys(("figure", "draw", "graph"), "plot SCENE"),
     **dict.fromkeys(("ensemble", "scan", "vary"), "sweep SCENE --vary KEY=FROM:TO:N"),
@@ -54,12 +55,6 @@ _MEANT = {
 #: What follows is a name, even if it looks like an option.
 _BEFORE = "the verb and its options before it: what follows -- is read as a name"
 
-#: Options whose numbers may be negative, and written in any way.
-_MAY_BE_NEGATIVE = (
-    *("--at", "--end", "--every", "--tol", "--f", "--h"),
-    *("--period", "--tilt", "--spin"),
-)
-
 WELCOME = f"""\
 polhode {__version__}: how a heavy rigid body moves about a fixed point, to how many correct digits.
 
@@ -72,7 +67,7 @@ polhode guide explains everything, polhode --help lists the verbs.
 """
 
 
-class _Parser(argparse.ArgumentParser):
+class _Parser(ArgumentParser):
     """argparse with the one-line errors of this program."""
 
     def error(self, message: str) -> NoReturn:
@@ -101,6 +96,10 @@ class _Parser(argparse.ArgumentParser):
         first = rest[0].partition("=")[0]
         options = self._option_string_actions
         known = [name for name in options if name.startswith("--")]
+        moved = catalogue.MOVED.get(self.prog.removeprefix("polhode "), {})
+        for option in (x.partition("=")[0] for x in rest):
+            if option in moved:
+                raise BadInput(self.prog, "option", option, f"{moved[option]} from version 0.3 on")
         if first.startswith("-"):
             name = first.lstrip("-").replace("-", "_")
             here = called_here(name, [option.lstrip("-") for option in options])
@@ -135,7 +134,8 @@ def _main(arguments: Sequence[str] | None) -> int:
                 return DONE
             if given[0] == "--":
                 raise BadInput("polhode", "argument", "--", _BEFORE)
-            options, rest = _parser(given).parse_known_args(_joined(given))
+            parser = _parser(given)
+            options, rest = parser.parse_known_args(_joined(given, parser))
             if rest:
                 options.parser.refuse(rest, given)
             with in_verb():
@@ -193,40 +193,81 @@ def _completion(given: Sequence[str]) -> str:
     if len(given) != 1 or given[0] not in shells:
         shell = given[0] if given else None
         raise BadInput("polhode", "--print-completion", shell, nearest(shell, shells))
-    return str(shtab.complete(_parser(()), given[0])).rstrip()
+    return str(shtab.complete(_parser((), whole=True), given[0])).rstrip()
 
 
-def _joined(arguments: Sequence[str]) -> list[str]:
-    """``--at -1,2`` as ``--at=-1,2``: argparse would take a negative time for an option."""
+def _joined(arguments: Sequence[str], parser: ArgumentParser) -> list[str]:
+    """``--at -1,2`` as ``--at=-1,2``: argparse would take a negative number for an option."""
+    known = dict(_options_of(parser))
     joined: list[str] = []
     pending = ""
     for argument in arguments:
+        if pending and argument.partition("=")[0] in known:
+            joined.append(pending)
+            pending = ""
         if pending:
             # argparse drops a "--", wherever it stands, and would give no value at all
             joined += [pending, argument] if argument == "--" else [f"{pending}={argument}"]
             pending = ""
-        elif argument in _MAY_BE_NEGATIVE:
+        elif known.get(argument, False) and argument.startswith("--"):
             pending = argument
         else:
             joined.append(argument)
     return [*joined, pending] if pending else joined
 
 
-def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
-    """The parser of the verb that these arguments begin with; of all verbs where it is none."""
+def _options_of(parser: ArgumentParser) -> Iterator[tuple[str, bool]]:
+    """All options of a parser and of those below it, and whether each takes one value."""
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for below in action.choices.values():
+                yield from _options_of(below)
+        for option in action.option_strings:
+            yield option, action.nargs is None
+
+
+def _parser(given: Sequence[str], whole: bool = False) -> ArgumentParser:
+    """The parser of the verb that these arguments begin with, others by their names alone.
+
+    ``whole``: with the options of all verbs.
+    """
     top = _Parser(
         prog="polhode",
         description="Heavy rigid body about a fixed point: trajectories with proven digits.",
     )
     top.add_argument("--version", action="version", version=f"polhode {__version__}")
     kinds = top.add_subparsers(dest="verb", required=True, metavar="VERB", parser_class=_Parser)
-    for name in given[:1] if given[:1] and given[0] in VERBS else VERBS:
-        verb = import_module(f"polhode.verbs.{name}")
-        added = kinds.add_parser(name, help=verb.HELP, description=verb.HELP, allow_abbrev=False)
-        added.add_argument("--json", action="store_true", help="results as JSON on stdout")
-        verb.options(added)
-        added.set_defaults(main=verb.main, parser=added)
+    known = given[:1] if given[:1] and given[0] in VERBS else VERBS
+    for name in known:
+        in_full = whole or len(known) == 1
+        if name in catalogue.VERBS:
+            _add_row(kinds, catalogue.VERBS[name], name, in_full)
+        elif name in catalogue.GROUPS:
+            about = catalogue.GROUPS[name]
+            group = kinds.add_parser(name, help=about, description=about, allow_abbrev=False)
+            below = group.add_subparsers(
+                dest="what", metavar="WHAT", required=True, parser_class=_Parser
+            )
+            for row in catalogue.ROWS:
+                if row.name.startswith(f"{name} "):
+                    _add_row(below, row, row.name.partition(" ")[2], in_full)
+        else:
+            verb = import_module(f"polhode.verbs.{name}")
+            added = kinds.add_parser(
+                name, help=verb.HELP, description=verb.HELP, allow_abbrev=False
+            )
+            added.add_argument("--json", action="store_true", help="results as JSON on stdout")
+            verb.options(added)
+            added.set_defaults(main=verb.main, parser=added)
     return top
+
+
+def _add_row(kinds: Any, row: catalogue.Verb, name: str, in_full: bool) -> None:
+    added = kinds.add_parser(name, help=row.help, description=row.help, allow_abbrev=False)
+    if in_full:
+        deliver.add_options(added, row)
+        added.add_argument("--json", action="store_true", help="the result as JSON on stdout")
+        added.set_defaults(parser=added)
 
 
 if __name__ == "__main__":

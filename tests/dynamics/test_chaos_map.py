@@ -14,7 +14,6 @@ from polhode.cli import main
 from polhode.common import checkpoint
 from polhode.dynamics.chaos import chaos_map
 from polhode.dynamics.sections.initial_tangents import tangents_of
-from polhode.output import maps as output
 
 GENERIC = polhode.load("general/asymmetric-chaotic")
 LEVEL = {"h": 3, "f": Fraction(1, 2)}
@@ -42,7 +41,7 @@ def test_growing_motions_of_an_integrable_top_are_unstable_and_of_another_chaoti
         found = polhode.chaos_map(case, (2, 2), end=50, **LEVEL)
         grown = replace(found, verdict=np.full_like(found.verdict, 2))
         assert grown.counts[word] == len(found.verdict) == sum(grown.counts.values())
-        assert set(output.of_map(grown)["verdict"]) == {word}
+        assert {*grown.column("verdict")} == {word}
     assert polhode.lyapunov("euler/separatrix").verdict == "unstable"
     assert polhode.lyapunov(GENERIC, 2000).verdict == "chaotic"
 
@@ -93,15 +92,15 @@ def test_nothing_is_called_regular_early_and_a_chaotic_motion_is_left_early():
 
 def test_the_same_in_any_company_and_after_a_stop(tmp_path, monkeypatch):
     """Bit for bit, whatever the neighbours: bodies of two weights in turn, one of them another."""
-    asked = {"end": 200, "varied": {"start.omega[3]": "0.5:3:21", "body.weight": [1, "5/4"]}}
+    asked = {"end": 200, "vary": {"start.omega[3]": "0.5:3:21", "body.weight": [1, "5/4"]}}
     plain = polhode.chaos_map(GENERIC, **asked)
     assert plain.shape == (21, 2)
-    asked["varied"]["body.weight"] = [1, 2]
+    asked["vary"]["body.weight"] = [1, 2]
     other = polhode.chaos_map(GENERIC, **asked)
     for one, again in ((plain.growth, other.growth), (plain.fli, other.fli)):
         assert (one[::2] == again[::2]).all()
         assert (one[1::2] != again[1::2]).all()
-    asked["varied"] = {"start.omega[3]": "0.5:3:40", "start.omega[1]": "0.1:1:8"}
+    asked["vary"] = {"start.omega[3]": "0.5:3:40", "start.omega[1]": "0.1:1:8"}
     plain, folder = polhode.chaos_map(GENERIC, **asked), tmp_path / "m.part"
     monkeypatch.setattr(checkpoint, "EVERY", 0.0)
     polhode.chaos_map(GENERIC, parts=folder, **asked)
@@ -117,7 +116,7 @@ def test_bodies_can_vary():
     """From a Lagrange top across asymmetric bodies: the integrable column alone has no chaos."""
     scene = polhode.load("general/asymmetric-chaotic")
     varied = {"body.moments[1]": ["1.5", "2"], "start.omega[3]": "1:1.3:6"}
-    found = polhode.chaos_map(scene, varied=varied, end=1000)
+    found = polhode.chaos_map(scene, vary=varied, end=1000)
     assert found.keys == ("body.moments[1]", "start.omega[3]")
     assert found.at[0].tolist() == [1.5, 1.0]
     assert len(found.verdict) == 12
@@ -129,10 +128,11 @@ def test_map_verb(tmp_path, capsys):
     assert main([*command, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["counts"]["chaotic"] == 0
-    assert len(found["megno"]) == len(found["cell"])
+    columns = found["columns"]
+    assert len(columns["megno"]) == len(columns["cell"])
     assert main([*command, "-o", str(held)]) == 0
     with np.load(held) as arrays:
-        assert arrays["fli"].tolist() == found["fli"]
+        assert arrays["fli"].tolist() == columns["fli"]
     pytest.importorskip("matplotlib")
     for what in ("fli", "verdict"):
         assert main([*command, "--what", what, "-o", str(figure)]) == 0
@@ -170,7 +170,7 @@ def test_an_end_that_is_too_short_to_decide_is_named(capsys):
     least = 1000 * 2.0 ** polhode.load(scene).time_unit
     assert found["least_end"] == least
     assert found["counts"]["undecided"] == 4
-    assert found["notes"][0] in told.err
+    assert found["meaning"] in told.err
     assert f"t = 20 is too short, none is called regular before t = {least:g}" in told.err
 
 
@@ -188,5 +188,5 @@ def test_the_least_end_decides_and_needs_no_note():
     found = polhode.chaos_map(slow, (2, 1), end=least)
     assert not found.too_short
     assert found.counts["regular"] == len(found.verdict)
-    assert output.of_map(found)["notes"] == []
+    assert "too short" not in found.meaning
     assert polhode.chaos_map(slow, (2, 1), end=least * 0.999).counts["regular"] == 0

@@ -238,7 +238,7 @@ def drawn(found):
     plt = pytest.importorskip("matplotlib.pyplot")
     from polhode.figures import levels as figure
 
-    made = figure.draw(plt, figure.Diagram(found, figure.Window(F, H)))
+    made = figure.draw(plt, found, f_range=F, h_range=H)
     plt.close(made)
     return made
 

@@ -126,19 +126,21 @@ def test_the_verb_tells_them(tmp_path, capsys):
     assert main([*command, "--json"]) == 0
     printed = capsys.readouterr()
     found = json.loads(printed.out)
-    assert len(found["digits"][0]) == 80
-    (first,) = found["none_left_from"]
-    assert found["digits"][0][first - 1] < 1 <= found["digits"][0][first - 2]
+    digits = found["columns"]["digits_expected"]
+    assert len(digits) == 80
+    (first,) = found["orbits"]["none_left_from"]
+    assert digits[first - 1] < 1 <= digits[first - 2]
     assert f"no digits are left from crossing {first} on in 1 of 1 orbits" in printed.err
     assert main([*command, "-o", str(held)]) == 0
     with np.load(held) as arrays:
-        assert arrays["digits"].round(2).tolist() == found["digits"]
-        assert arrays["none_left_from"].tolist() == [first]
-        assert arrays["start_state"].shape == (1, 6)
+        assert arrays["digits_expected"].tolist() == digits
+        assert arrays["orbits.none_left_from"].tolist() == [first]
+        assert arrays["orbits.start_p"].shape == (1,)
     capsys.readouterr()
     assert main(["section", "lagrange/nutation", "--grid", "2x1", "--crossings", "3"]) == 0
     printed = capsys.readouterr()
-    assert printed.out.splitlines()[0].split() == ["orbit", "crossing", "t", "l", "L/G", "digits"]
+    names = ["orbit", "crossing", "t", "l", "L_over_G", "digits_expected"]
+    assert printed.out.splitlines()[0].split() == names
     assert "digits or more are expected at every crossing" in printed.err
 
 

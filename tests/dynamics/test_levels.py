@@ -227,27 +227,29 @@ def test_on_a_bifurcation_there_is_no_region():
 def test_levels_as_json(capsys):
     assert main(["levels", "general/asymmetric-chaotic", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
-    assert found["scene"]["region"] == [1]
-    assert found["scene"]["topology"] == "S3"
-    assert found["cusps"][0]["s"].startswith("1.2627626270")
-    assert len(found["cusps"][0]["s"]) > 35
-    assert {arc["type"] for arc in found["arcs"]} == {
-        *("centre-centre", "centre-saddle", "focus-focus", "saddle-saddle")
-    }
-    assert all(len(arc["f"]) == len(arc["h"]) > 200 for arc in found["arcs"])
+    assert found["region"] == [1]
+    assert found["topology"] == "S3"
+    marks, arcs = found["marks"], found["arcs"]
+    cusp = marks["parameter"][marks["kind"].index("cusp")]
+    assert cusp.startswith("1.2627626270")
+    assert len(cusp) > 35
+    assert {*arcs["type"]} == {*("centre-centre", "centre-saddle", "focus-focus", "saddle-saddle")}
+    points = found["columns"]
+    assert len(points["f"]) == len(points["h"])
+    assert min(points["arc"].count(arc) for arc in arcs["arc"]) > 200
 
 
 @pytest.mark.slow
 def test_levels_as_figure_and_arrays(tmp_path, capsys):
     pytest.importorskip("matplotlib")
     figure, held = tmp_path / "levels.svg", tmp_path / "levels.npz"
-    arguments = ["levels", "lagrange/nutation", "--f", "-1:3"]
-    assert main([*arguments, "-o", str(figure)]) == 0
+    arguments = ["levels", "lagrange/nutation"]
+    assert main([*arguments, "--f-range", "-1:3", "-o", str(figure)]) == 0
     assert "focus-focus" in figure.read_text()
     assert "S²×S¹" in figure.read_text()
     assert main([*arguments, "-o", str(held)]) == 0
     with np.load(held) as arrays:
-        assert arrays["points"].shape == (len(arrays["curve"]), 2)
+        assert arrays["f"].shape == arrays["h"].shape == arrays["arc"].shape
     assert "fourth integral  L = 2.05" in capsys.readouterr().out
 
 

@@ -116,10 +116,11 @@ def test_a_search_finds_orbits_that_close(monkeypatch):
 @pytest.mark.slow
 def test_the_verb(tmp_path, capsys):
     figure, arrays = tmp_path / "family.svg", tmp_path / "family.npz"
-    asked = ["orbit", "grioli/precession", "--continue", "h=0.84"]
+    asked = ["family", "grioli/precession", "--by", "h", "--to", "0.84"]
     assert main([*asked, "-o", str(arrays)]) == 0
     held = np.load(arrays)
-    assert held["state"].shape == (len(held["h"]), 6)
+    assert held["p"].shape == held["h"].shape
+    assert main(asked) == 0
     assert capsys.readouterr().out.split()[:6] == ["orbit", "h", "f", "period", "residue", "kind"]
     assert main([*asked, "-o", str(figure)]) == 0
     assert "family residue" in figure.read_text()
@@ -127,13 +128,14 @@ def test_the_verb(tmp_path, capsys):
     assert main([*asked, "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert told["ended"] == "reached h = 21/25"
-    assert told["orbits"][-1]["h"] == pytest.approx(0.84, rel=1e-15)
-    search = ["orbit", "general/asymmetric-regular", "--search", "8x8", "--returns", "1"]
-    assert main([*search, "--json"]) == 0
-    orbits = json.loads(capsys.readouterr().out)["orbits"]
+    assert told["columns"]["h"][-1] == pytest.approx(0.84, rel=1e-15)
+    case = "general/asymmetric-regular"
+    assert main(["orbits", case, "--grid", "8x8", "--crossings", "1", "--json"]) == 0
+    orbits = json.loads(capsys.readouterr().out)["columns"]
+    search = ["orbit", case, "--search", "8x8", "--returns", "1"]
     assert main([*search, "--pick", "2", "--digits", "20", "--json"]) == 0
     one = json.loads(capsys.readouterr().out)
-    assert float(one["period"]) == pytest.approx(orbits[1]["period"], rel=1e-13)
+    assert float(one["period"]) == pytest.approx(orbits["period"][1], rel=1e-13)
     assert len(one["period"].replace(".", "")) == 22
     assert main([*search, "--pick", "9"]) == 2
     assert "expected a number to 3" in capsys.readouterr().err
@@ -146,7 +148,7 @@ def test_a_family_that_cannot_be_followed_ends_with_code_3(monkeypatch, capsys):
         raise continuation.NotClosed("no step is short enough")
 
     monkeypatch.setattr(families, "stepped", lost)
-    assert main(["orbit", "grioli/precession", "--continue", "h=0.9"]) == 3
+    assert main(["family", "grioli/precession", "--by", "h", "--to", "0.9"]) == 3
     assert "not followed beyond h = 0.851351" in capsys.readouterr().err
 
 

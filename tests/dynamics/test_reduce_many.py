@@ -46,7 +46,7 @@ def test_states_and_extremes_are_those_of_kept_states_to_the_bit(number, turned)
     found = polhode.reduce_many(scene, varied, keep, number=number)
     many = polhode.integrate_many(scene, varied, number=number)
     states, times = many.states, np.array([float(t) for t in many.times], many.states.dtype)
-    assert found.done
+    assert found.complete
     assert np.array_equal(np.array([found[f"final {x}"] for x in many.columns]).T, states[:, -1])
     p, q, r, g = (states[:, :, i] for i in range(4))
     for name, values in (
@@ -146,7 +146,7 @@ def test_a_member_that_fails_has_no_numbers_and_harms_no_neighbour():
     found = polhode.reduce_many(scene, varied, keep, max_steps=300)
     alone = polhode.reduce_many(scene, {"body.weight": [1]}, keep)
     assert found.tally() == {Outcome.REACHED_END: 1, Outcome.STEP_LIMIT: 1}
-    assert not found.done
+    assert not found.complete
     for name in found.names:
         assert np.isnan(found[name][1])
         assert found[name][0] == alone[name][0] or np.isnan(alone[name][0])
@@ -162,7 +162,7 @@ def test_no_more_states_are_held_than_a_job_has(monkeypatch):
     found = polhode.reduce_many(scene, varied, "largest theta", workers=1)
     held = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert found.done
+    assert found.complete
     assert held < 96 * 2001 * 48 / 3  # bytes of all states: 9 MB
 
 
@@ -196,10 +196,10 @@ def test_what_was_interrupted_goes_on_to_the_same_bits(keep, end, many, tmp_path
         scene, varied, keep, parts=tmp_path / "p", progress=lambda _, n: done.append(n)
     )
     assert again == whole
-    assert again.parts is not None
+    assert again.kept is not None
     with pytest.raises(polhode.BadInput, match="the jobs of the same command"):
         polhode.reduce_many(scene, varied, "final", parts=tmp_path / "p")
-    again.parts.remove()
+    again.kept.remove()
     assert not (tmp_path / "p").exists()
 
 

@@ -17,7 +17,6 @@ from polhode.common.checkpoint import JobCheckpoint
 from polhode.dynamics.sections import coordinates as geometry
 from polhode.dynamics.sections import jobs as section_jobs
 from polhode.dynamics.sections import starts as section_starts
-from polhode.output import sections as output
 from polhode.scenes import scene_file
 from polhode.taylor.events import batch_search, batch_zeros
 
@@ -318,12 +317,12 @@ def test_section_verb(tmp_path, capsys):
     command = ["section", "lagrange/nutation", "--grid", "3x2", "--crossings", "7"]
     assert main([*command, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
-    assert [len(row) for row in found["L_over_G"]] == [7] * 6
-    assert len(found["states"][0][0]) == 6
+    assert found["columns"]["orbit"] == [k for k in range(1, 7) for _ in range(7)]
+    assert found["orbits"]["crossings"] == [7] * 6
     assert main([*command, "-o", str(held)]) == 0
     with np.load(held) as arrays:
-        assert arrays["state"].shape == (6, 6, 7)
-        assert arrays["time"][0].tolist() == found["times"][0]
+        for name in ("t", "l", "L_over_G", "p", "gamma3"):
+            assert arrays[name].tolist() == found["columns"][name]
     assert not list(tmp_path.glob("*.parts"))
     pytest.importorskip("matplotlib")
     assert main([*command, "-o", str(figure)]) == 0
@@ -373,6 +372,5 @@ def test_an_interrupted_section_ends_without_digits():
     assert found.interrupted
     assert np.isnan(found.digits).all()
     assert found.digits.shape == found.times.shape
-    told = output.of_section(found)
-    assert {x for row in told["digits"] for x in row} <= {None}
-    json.dumps(told, allow_nan=False)
+    told = json.loads(found.to_json())
+    assert {*told["columns"]["digits_expected"]} <= {None}

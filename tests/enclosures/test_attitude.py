@@ -56,7 +56,7 @@ def _random(rng: random.Random, kind: str, digits: int, longest: int) -> list[fl
     scene = replace(trials.random_scene(rng, kind), outputs=OUTPUTS)
     times = [Fraction(rng.randrange(1, 1000), 1001) * longest, Fraction(longest)]
     found = polhode.certify(scene, at=times, digits=digits)
-    assert found.reached
+    assert found.complete
     run = integrate(scene.at(times), NumberType("mp", 320), max_steps=10**6)
     return _ratios(found, run.attitude, run.angles)
 

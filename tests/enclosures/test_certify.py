@@ -13,7 +13,7 @@ import pytest
 import polhode
 from polhode.enclosures import fixed_point_problem, integral_contraction, proof_loop
 from polhode.enclosures.fixed_point_problem import Refused
-from polhode.enclosures.result import guaranteed
+from polhode.numbers.balls import guaranteed
 from polhode.numbers.conversion import exact_number, exactly
 from polhode.numbers.exact import Irrational
 from polhode.scenes.body import Body
@@ -39,7 +39,7 @@ def _inside(found: Any, rows: Any) -> bool:
 def test_the_digits_asked_for_are_proven_and_not_many_more(digits: int) -> None:
     scene = top()
     found = polhode.certify(scene, at=[1, "1/3", 20], digits=digits)
-    assert found.reached
+    assert found.complete
     assert found.proven == min(found.digits)
     # at few digits the 60 bits of the first polynomials prove more than the noise level asks
     assert digits <= found.digits[2] <= max(digits + 8, 18)
@@ -87,7 +87,7 @@ KINDS = {
 def test_the_truth_is_inside_in_the_scenes_own_axes(kind: str) -> None:
     scene, t = KINDS[kind]
     found = polhode.certify(scene, at=[t], digits=20)
-    assert found.reached
+    assert found.complete
     assert found.tries == 1
     assert len(found.centres[0]) == len(found.midpoints[0]) == (6 if scene.gamma else 3)
     assert _inside(found, trials.truth(scene, [t], 260))
@@ -100,7 +100,7 @@ def test_irrational_data_lie_inside_and_their_rational_neighbours_do_not() -> No
 
     exactly_root = scene("sqrt(5)/1.6")
     found = polhode.certify(exactly_root, at=[10], digits=30)
-    assert found.reached
+    assert found.complete
     assert _inside(found, trials.truth(exactly_root, [10], 240))
     beside = scene(exact_number("sqrt(5)/1.6 + 1/10**28"))
     assert not _inside(found, trials.truth(beside, [10], 240))
@@ -110,7 +110,7 @@ def test_irrational_data_lie_inside_and_their_rational_neighbours_do_not() -> No
 def test_a_body_at_rest_stays_and_its_digits_are_of_the_pendulums_rate(gamma: Any) -> None:
     scene = Scene(Body.of_moments((2, 3, 1), (0, 0, 1), 1), (0, 0, 0), gamma)
     found = polhode.certify(scene, at=[5], digits=12)
-    assert found.reached
+    assert found.complete
     assert _inside(found, [scene.start])
 
 
@@ -321,7 +321,7 @@ def test_a_constant_that_does_not_sharpen_is_refused() -> None:
 @pytest.mark.slow
 def test_a_long_chaotic_motion_takes_one_try_more_at_most() -> None:
     found = polhode.certify("general/asymmetric-chaotic", at=[250], digits=16)
-    assert found.reached
+    assert found.complete
     assert found.tries <= 2
     assert found.proven < 20
 

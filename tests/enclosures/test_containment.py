@@ -236,7 +236,7 @@ def _contained(name: str, digits: int) -> list[float]:
     away = -1 if scene.times[-1] < 0 else 1
     times = [away * Fraction(t) * unit for t in ("1/3", "7", "19")]
     found = polhode.certify(replace(scene, outputs=words), at=times, digits=digits)
-    assert found.reached
+    assert found.complete
     wanted = 2 * digits + 20
     parts: list[tuple[Any, Any]] = [(found, exact.at(times, wanted))]
     parts += [(getattr(found, word), getattr(exact, word)(times, wanted)) for word in words]

@@ -22,7 +22,8 @@ from fuzz.cases import Case, mangled, of, several
 from polhode import cli
 from polhode.common import checkpoint
 from polhode.common.checkpoint import Checkpoint
-from polhode.output.results import document
+from polhode.results.writer import beside
+from polhode.runs.saved import Saved
 from shared.results import CERTIFIED, result_of_kind
 
 Arrays = dict[str, np.ndarray]
@@ -46,7 +47,7 @@ def saved(name: str, suffix: str) -> bytes:
     """The file in which a result of that kind is saved: of a CSV, the one beside it."""
     with tempfile.TemporaryDirectory() as folder:
         result_of_kind(name).save(path := Path(folder) / f"x{suffix}")
-        return path.with_suffix(suffix.replace(".csv", ".json")).read_bytes()
+        return (beside(path) if suffix == ".csv" else path).read_bytes()
 
 
 def places(value: Any, at: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
@@ -74,26 +75,29 @@ def altered(draw: st.DrawFn, value: Any) -> Any:
     return told[""]
 
 
-def asked(name: str, kind: type) -> None:
-    """A result that can be loaded is of its kind, and answers."""
+def asked(name: str) -> None:
+    """A result that can be loaded is a run or what it told, and answers."""
     result = polhode.load_result(name)
-    assert type(result) is kind
+    assert isinstance(result, (polhode.Trajectory, Saved))
     assert repr(result)
     assert result == result
     if isinstance(result, polhode.Trajectory):
         _ = result.drift, result.expected, result.state_strings(), result.time_strings()
         result("0.25")
+    else:
+        assert result.to_json()
 
 
 @st.composite
 def arrays_changed(draw: st.DrawFn, text: bytes) -> bytes:
     """An NPZ file with arrays changed, or left out, or the JSON in it, or a cell."""
     arrays = unpacked(text)
-    told = json.loads(str(arrays["about"])) if "about" in arrays else None
+    told = json.loads(bytes(arrays["about"])) if "about" in arrays else None
     for _ in draw(several(2)):
         name, turn = draw(of(arrays)), draw(st.integers(0, 9))
         if turn < 4 and told is not None:
-            arrays["about"] = np.array(json.dumps(draw(altered(told))))
+            text = json.dumps(draw(altered(told))).encode()
+            arrays["about"] = np.frombuffer(text, dtype=np.uint8)
         elif turn < 6:
             arrays[name] = draw(of(values.arrays(arrays[name])))
         elif turn < 7 and len(arrays) > 1:
@@ -107,21 +111,20 @@ def arrays_changed(draw: st.DrawFn, text: bytes) -> bytes:
 
 @st.composite
 def result(draw: st.DrawFn, names: Sequence[str]) -> Case:
-    """A saved result: a value of its document, whose sum is right again, arrays, or some bytes."""
+    """A saved result: a value of its JSON changed, arrays, or some bytes."""
     name, turn = draw(of(names)), draw(st.integers(0, 2))
-    kind, suffix = type(result_of_kind(name)), ".npz"
-    if turn == 0 and kind is not polhode.Trajectory:
-        told = document.document(result_of_kind(name))
-        told["value"] = draw(altered(told["value"]))
-        told["sum"] = document.checksum(told["kind"], told["value"])
-        text, suffix = json.dumps({"result": json.dumps(told)}).encode(), ".json"
+    suffix = ".npz"
+    if turn == 0:
+        told = draw(altered(json.loads(result_of_kind(name).to_json())))
+        text, suffix = json.dumps(told).encode(), ".json"
     elif turn == 1:
         text = draw(arrays_changed(saved(name, suffix)))
     else:
         suffix = draw(of((".csv", ".npz", ".json")[: 2 + (name not in CERTIFIED)]))
         text = draw(mangled(saved(name, suffix)))
-    files = {f"x{suffix}".replace(".csv", ".json"): text} | {"x.csv": b"t\n0\n"}
-    return Case(name, files, lambda: asked(f"x{suffix}", kind))
+    beside_it = {"x.csv": b"t\n0\n"} if suffix == ".csv" else {}
+    files = {f"x{suffix}".replace(".csv", ".csv.json"): text} | beside_it
+    return Case(name, files, lambda: asked(f"x{suffix}"))
 
 
 # -- finished pieces of a verb's work --------------------------------------------------------------

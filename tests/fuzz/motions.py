@@ -55,7 +55,7 @@ def proof(draw: st.DrawFn) -> Case:
     """Proven events of the same kinds, none of them identically zero."""
     zero = draw(of(z for z in ZEROS if "1e" not in z and "1000*" not in z))
     text = f'{FREE}[[events]]\nname = "x"\nzero = "{zero}"\n'
-    words = ["reference", "case.toml", "--certified", "--events", "--digits", "12"]
+    words = ["certify", "case.toml", "--events", "--digits", "12"]
     words += ["--at", draw(of(("1", "0,1", "0.5"))), "--max-seconds", "5"]
     return Case(zero, {"case.toml": text.encode()}, words)
 

@@ -105,7 +105,7 @@ def of_command(arguments: list[str]) -> tuple[list[str], int | None]:
         if code not in CODES - {2}:
             return set()
         named = {Path(given) for flag, given in pairwise(arguments) if flag == "-o"}
-        return named | {path.with_suffix(".json") for path in named if path.name}
+        return named | {path.with_name(f"{path.name}.json") for path in named if path.name}
 
     def work() -> int:
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):

@@ -27,6 +27,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from polhode.results.reader import kind_at
+
 SECONDS = 5.0
 HANGS = 120.0  # seconds of the clock after which a command never ends
 OBEYED = (signal.SIGINT, signal.SIGTERM)
@@ -63,7 +65,7 @@ WORKS = ENDING | {
     "run-digits": "run R --digits 200 --at 300 -o x.csv",
     "run-quad": "run R --number quad --at 1e5",
     "reference": "reference kovalevskaya/generic --digits 3000",
-    "certified": "reference R --certified --digits 60 --at 20000",
+    "certified": "certify R --digits 60 --at 20000",
     "check": "check euler/* kovalevskaya/* hard/*",
     "compare": "compare given.csv given.toml",
     "sweep": "sweep R --vary start.omega[3]=1:4:100000 -o x.npz",
@@ -78,18 +80,20 @@ WORKS = ENDING | {
     "study": "study stability --quick -o out",
     "study-speed": "study speed --quick -o out",
     "report": "report --quick -o out",
-    "levels": "levels R --f=-1e12:1e12 -o x.svg",
+    "levels": "levels R --f-range=-1e12:1e12 -o x.svg",
     "section": "section C --grid 40x40 --crossings 3000 -o x.npz",
     "section-alone": "section C --grid 30x30 --crossings 500 --workers 1",
     "section-pole": "section R --by p-1e-4/(r*r+1e-12) --crossings 3000",
     "map": "map C --grid 100x100 --end 20000 -o x.npz",
     "map-far": "map C --grid 2x2 --end 1e5 --h 40 --f 0 -o x.npz",
-    "orbit": "orbit C --search 12x12",
-    "prove": "prove orbit C --search 12x12",
+    "orbits": "orbits C --grid 12x12",
+    "orbit-search": "orbit C --search 12x12 --pick 1",
+    "prove": "prove orbits C --grid 12x12",
     "prove-digits": "prove orbit grioli/precession --digits 200",
     "orbit-digits": "orbit grioli/precession --digits 400",
     "orbit-period": "orbit R --period 1e9",
-    "orbit-family": "orbit grioli/precession --continue h=50 -o x.npz",
+    "orbit-family": "family grioli/precession --by h --to 50 -o x.npz",
+    "order": "order given.csv given.csv given.toml --steps 2,1",
     "frequencies": "frequencies R --end 10000 --lines 30",
     "view": "view R --end 1000 --digits 40 -o x.html",
     "benchmark": "benchmark -o out",
@@ -203,6 +207,8 @@ def _alive(group: int) -> bool:
 
 def whole(path: Path) -> bool:
     """Whether a file is one that a command writes, to its end."""
+    if path.name.startswith("x.csv"):
+        return bool(kind_at(Path("x.csv")))
     if path.suffix == ".npz":
         with contextlib.suppress(OSError, zipfile.BadZipFile), zipfile.ZipFile(path) as packed:
             return packed.testzip() is None
@@ -272,7 +278,7 @@ def faults_of(work: str, ended: Ended, by: int) -> list[str]:
     if not SAID.fullmatch(ended.err) or lines > 3 or (ended.code == 130 and not lines):
         faults.append(f"said {ended.err[-1500:]!r}")
     if ended.code == 130:
-        mine = ("given.csv", "given.json", *_GIVEN)
+        mine = ("given.csv", "given.csv.json", *_GIVEN)
         left = [path for path in Path().rglob("*") if path.name not in mine]
         swept = {"x.npz"} if "sweep" in work else set()
         may = [path for path in left if LEFT.fullmatch(str(path)) or str(path) in swept]

@@ -199,7 +199,7 @@ def test_ctrl_c_while_a_sweep_is_read_out_loses_nothing(monkeypatch):
 
     monkeypatch.setattr(results, "put_together", interrupted)
     many = polhode.integrate_many("euler/sphere", {"start.omega[1]": [1, "1.1"]}, at=[0])
-    assert many.done
+    assert many.complete
 
 
 @linux

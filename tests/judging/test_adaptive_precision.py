@@ -82,16 +82,14 @@ def test_a_plain_run_says_from_when_on_no_digit_is_left(capsys, name, at, warned
     assert cli.main(["run", name, "--at", at, "--json"]) == 0
     out, err = capsys.readouterr()
     answer = json.loads(out)
-    early, late = answer["digits_left"]
     assert ("digits printed to be right from t = " in err) == warned
     assert ("and none from t = 10" in err) == warned
-    assert (late == 0) == warned
     if warned:  # kappa·eps reaches 1 at t = 100
-        assert 10 < early < 13
-        assert 80 < answer["no_digits_left_after"] < 120
+        assert answer["digits_expected"] == 0
+        assert 80 < answer["lost_after"] < 120
     else:
-        assert 12.5 < late < early < DOUBLE.most_digits
-        assert answer["no_digits_left_after"] is None
+        assert 12.5 < answer["digits_expected"] < DOUBLE.most_digits
+        assert answer["lost_after"] is None
 
 
 @pytest.mark.sample(3, slow=2)

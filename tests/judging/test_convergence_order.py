@@ -83,9 +83,9 @@ def written(path, method, h, every=1, until=2.0, header="t,p,q,r,gamma1,gamma2,g
 @pytest.mark.parametrize(("method", "order"), [(midpoint, 2), (rk4, 4)])
 def test_the_order_between_two_files_is_told(method, order, tmp_path, capsys):
     coarse, fine = (written(tmp_path / f"{h}.csv", method, h) for h in (0.02, 0.01))
-    assert main(["compare", coarse, fine, SCENE, "--orders"]) == 0
+    assert main(["order", coarse, fine, SCENE]) == 0
     *table, one, other, last = capsys.readouterr().out.splitlines()
-    assert len(table) == 101  # a header, and the times of the coarse one but 0
+    assert not table
     found = float(last.split()[1].rstrip(";"))
     assert abs(found - order) < 0.15
     assert one.startswith("step 0.02 ")
@@ -96,15 +96,16 @@ def test_the_order_between_two_files_is_told(method, order, tmp_path, capsys):
 
 def test_steps_may_be_told_and_three_files_given(tmp_path, capsys):
     files = [written(tmp_path / f"{n}.csv", rk4, 0.1 / n, 5 * n) for n in (1, 2, 4)]
-    command = ["compare", *files, SCENE, "--orders"]
+    command = ["order", *files, SCENE]
     assert main(command) == 2
     assert "the rows of all files are 0.5 apart" in capsys.readouterr().err
     assert main([*command, "--steps", "1/10,0.05,0.025", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["steps"] == [0.1, 0.05, 0.025]
-    assert found["times"] == ["0.5", "1", "1.5", "2"]
-    assert len(found["correct_digits"]) == 3
-    assert 3.8 < found["least"] <= found["order"] <= found["most"] < 4.2
+    columns = found["columns"]
+    assert columns["t"] == ["0.5", "1", "1.5", "2"]
+    assert [*columns][2:] == ["correct_digits_1", "correct_digits_2", "correct_digits_3"]
+    assert 3.8 < found["order_least"] <= found["order"] <= found["order_most"] < 4.2
 
 
 def test_at_each_time_those_steps_count_that_neither_the_first_digit_nor_rounding_rules():
@@ -124,19 +125,18 @@ def test_at_each_time_those_steps_count_that_neither_the_first_digit_nor_roundin
 @pytest.mark.parametrize(
     ("more", "said"),
     [
-        (["--orders", "--steps", "0.1"], "2 different ones above 0, one a file"),
-        (["--orders", "--steps", "0.1,0.1"], "2 different ones above 0, one a file"),
-        (["--orders", "--steps", "0.1,x"], "x"),
-        (["--orders", "--at-least", "3"], "without --at-least"),
-        ([], "with --orders only"),
+        (["--steps", "0.1"], "2 different ones above 0, one a file"),
+        (["--steps", "0.1,0.1"], "2 different ones above 0, one a file"),
+        (["--steps", "0.1,x"], "x"),
+        (["--at-least", "3"], "option = --at-least: expected --help, --steps"),
     ],
 )
 def test_orders_that_cannot_be_told_are_refused(more, said, tmp_path, refusal):
     files = [written(tmp_path / f"{h}.csv", rk4, h) for h in (0.1, 0.05)]
-    assert said in refusal("compare", *files, SCENE, *more)
+    assert said in refusal("order", *files, SCENE, *more)
 
 
 @pytest.mark.slow
 def test_files_at_rounding_have_no_order(tmp_path, refusal):
     files = [written(tmp_path / f"{h}.csv", rk4, h, 100) for h in (0.0005, 0.00025)]
-    assert "2 or more that give 1.5 to" in refusal("compare", *files, SCENE, "--orders")
+    assert "2 or more that give 1.5 to" in refusal("order", *files, SCENE)

@@ -16,7 +16,6 @@ from polhode.common.text_tables import few
 from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.diagnosis.error_budget import between
 from polhode.judging.score import row_selection
-from polhode.output.json_results import of_judgement
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 from shared.tables import right
 
@@ -142,8 +141,8 @@ def test_of_very_many_dear_rows_some_are_judged_and_the_worst(monkeypatch, case,
     assert note.startswith(f"{DEAR - len(told)} of {DEAR} rows, for their closed form is dear")
     assert "farthest from a run" in note
     assert f"(of {len(told)} rows judged of {DEAR})" in str(found)
-    printed = of_judgement(found)
-    assert (printed["rows_judged"], printed["correct_digits"][1]) == (len(told), None)
+    assert found.fact("rows_judged") == len(told)
+    assert found.column("correct_digits")[1] is None
 
 
 def test_the_farthest_row_may_be_one_of_angles_and_whole_turns_put_none_far(monkeypatch):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from fractions import Fraction
 
 import pytest
@@ -10,7 +11,7 @@ from flint import acb
 import polhode
 from polhode.closed_forms.kovalevskaya.theta.theta_attitude import Choice, Moment
 from polhode.closed_forms.lagrange.top import LagrangeTop
-from polhode.output import json_results
+from polhode.scenes.vocabulary import STATE
 
 IRRATIONAL = polhode.top(
     moments=("2*sqrt(2)*sqrt(3)", "2*sqrt(6)", "sqrt(6)"),
@@ -51,8 +52,8 @@ def test_a_verdict_says_what_is_proven_and_only_proofs_have_radii(
     truth = polhode.reference(scene)
     assert isinstance(truth, polhode.Reference)
     rows = [[float(x) for x in row] for row in truth.at([1], 17)]
-    judged = json_results.of_judgement(polhode.compare(rows, scene, at=[1]))
-    for told in (truth.proven, judged["proven"]):
+    judged = polhode.compare(rows, scene, at=[1])
+    for told in (truth.proven, judged.fact("assumed") or judged.fact("proven")):
         if isinstance(said, bool):
             assert told is said
         else:
@@ -63,12 +64,13 @@ def test_a_verdict_says_what_is_proven_and_only_proofs_have_radii(
 
 
 def test_radii_in_json_hold_what_printing_rounds_off() -> None:
-    truth = polhode.reference("kovalevskaya/generic")
-    assert isinstance(truth, polhode.Reference)
-    times = [Fraction(1), Fraction(2), Fraction(3)]
-    few, many = (json_results.of_reference(truth, times, digits) for digits in (5, 40))
-    for row, true, radii in zip(few["states"], many["states"], few["radii"], strict=True):
-        for x, y, radius in zip(row, true, radii, strict=True):
+    tables = [
+        polhode.reference_table("kovalevskaya/generic", at=[1, 2, 3], digits=digits)
+        for digits in (5, 40)
+    ]
+    few, many = (json.loads(table.to_json())["columns"] for table in tables)
+    for name in STATE:
+        for x, y, radius in zip(few[name], many[name], few[f"{name}_radius"], strict=True):
             assert abs(Fraction(x) - Fraction(y)) <= Fraction(radius) < Fraction(1, 10**4)
 
 

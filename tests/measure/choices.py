@@ -215,7 +215,7 @@ def chunks() -> None:
 def cadences() -> None:
     print("## Steps between two projections onto the first integrals, by type\n")
     print(
-        "`--project-every N` sets them, `--no-project` turns projection off; quad and mp are not "
+        "`--project N` sets them, `--no-project` turns projection off; quad and mp are not "
         "projected unless asked. Median error over eight starts a top, and time, against runs that "
         "are not projected: double to t = 10 000, extended to t = 1000.\n"
     )
@@ -247,7 +247,7 @@ def projected(scenes: Any, truths: Any, name: str, project: Any) -> tuple[float,
 
 
 def lanes() -> None:
-    print(f"## Batch width of a sweep: {compiled_batch.width(TYPES['double'])}\n")
+    print(f"## Batch width of a sweep: {compiled_batch.LANES}\n")
     print(
         "The same top in every lane, 20 000 steps each; scalar code with constants and with "
         "parameters for comparison.\n"
@@ -280,7 +280,7 @@ def lanes() -> None:
             lambda m=many, w=width: m.propagate_until(np.full(w, 1e9), max_steps=n), 9
         )
         each = seconds / n / width
-        name = f"**{width}**" if width == compiled_batch.width(TYPES["double"]) else str(width)
+        name = f"**{width}**" if width == compiled_batch.LANES else str(width)
         cells = [f"{build * 1e3:.0f}", f"{each * 1e6:.3f}", f"{scalar / n / each:.2f}"]
         rows.append([name, *cells])
     table(["lanes", "build, ms", "µs a step and lane", "times scalar"], rows)

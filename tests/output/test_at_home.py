@@ -168,7 +168,7 @@ def test_an_ensemble_as_a_dataset_and_a_data_frame():
     dataset = many.to_xarray()
     assert dict(dataset.sizes) == {"member": 3, "t": 2}
     assert np.array_equal(dataset["gamma2"], many.states[..., 4])
-    assert dataset["start.omega[3]"].values.tolist() == [2, 3, 4]
+    assert dataset["start.omega[3]"].values.tolist() == [[2, 2], [3, 3], [4, 4]]
     frame = many.to_pandas()
     assert frame.loc[(2, 1.0), "r"] == many.states[1, 1, 2]
 

@@ -10,8 +10,8 @@ import pytest
 
 import polhode
 from polhode.cli import main
+from polhode.judging.references.right_rows import right_rows
 from polhode.numbers.conversion import exactly, to_mpf
-from polhode.output.guaranteed_digits import right_rows
 
 
 @pytest.mark.parametrize(
@@ -31,8 +31,10 @@ def test_the_last_printed_digit_is_right(name, at, capsys):
     times = at or f"{scene.times[len(scene.times) // 2]},{scene.end}"
     assert main(["reference", name, "--at", times, "--digits", str(digits), "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
-    finer = reference.at([Fraction(t) for t in answer["times"]], digits + 80)
-    for row, true in zip(answer["states"], finer, strict=True):
+    columns = answer["columns"]
+    finer = reference.at([Fraction(t) for t in columns["t"]], digits + 80)
+    states = zip(*(columns[name] for name in scene.columns), strict=True)
+    for row, true in zip(states, finer, strict=True):
         for text, x in zip(row, true, strict=True):
             printed, right = Decimal(text), exactly(x)
             if abs(right) < Fraction(10) ** -100:  # an exact zero

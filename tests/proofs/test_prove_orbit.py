@@ -186,19 +186,12 @@ def test_the_verbs_tell_the_theorem(capsys):
     assert told.out.startswith("period      6.2831853071795864769252867665590")
     assert "proved: on the level h = 63/74, f = 836/1369 exactly one" in told.out
     assert "every digit is proven" in told.err
-    assert main(["orbit", "grioli/precession"]) == 0
-    plain = capsys.readouterr().out
-    assert main(["orbit", "grioli/precession", "--prove"]) == 0
-    told = capsys.readouterr().out
-    assert told.startswith(plain)
-    (line,) = told[len(plain) :].splitlines()
-    assert line.startswith("proof       proved: on the level h = 63/74")
 
 
 def test_a_refused_proof_leaves_nothing(tmp_path, capsys):
-    path = tmp_path / "orbit.toml"
-    asked = ["euler/largest-axis", "--prove", "-o", str(path)]
-    assert main(["orbit", *asked]) == 3
+    path = tmp_path / "orbit.json"
+    asked = ["euler/largest-axis", "-o", str(path)]
+    assert main(["prove", "orbit", *asked]) == 3
     told = capsys.readouterr()
     assert not path.exists()
     assert told.out == ""
@@ -207,15 +200,30 @@ def test_a_refused_proof_leaves_nothing(tmp_path, capsys):
 
 
 def test_a_search_is_proved_orbit_by_orbit(capsys):
-    asked = ["general/asymmetric-regular", "--search", "8x8", "--returns", "1", "--json"]
-    assert main(["prove", "orbit", *asked]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert len(told["proofs"]) == len(told["orbits"]) == 3
-    for orbit, proof in zip(told["orbits"], told["proofs"], strict=True):
-        assert proof["proved"]
-        assert abs(float(proof["period"]) - orbit["period"]) < 1e-12
-        assert proof["kind"] == orbit["kind"]
-        assert abs(float(proof["residue"]) - orbit["residue"]) < 1e-6
+    asked = ["general/asymmetric-regular", "--grid", "8x8", "--crossings", "1"]
+    assert main(["prove", "orbits", *asked, "--json"]) == 0
+    columns = json.loads(capsys.readouterr().out)["columns"]
+    assert columns["proven"] == [True] * 3
+    assert min(columns["digits_proven"]) >= 30
+    found = polhode.prove_orbits(asked[0], (8, 8), crossings=1)
+    assert found.column("period") == columns["period"]
+    for orbit, proof in zip(found.search.orbits, found.proofs, strict=True):
+        assert abs(float(proof.period) - orbit.period) < 1e-12
+        assert proof.kind == orbit.kind
+        assert abs(float(proof.residue.centre) - orbit.residue) < 1e-6
+    assert main(["prove", "orbits", *asked]) == 0
+    assert capsys.readouterr().out.count("proved: ") == 3
+
+
+def test_orbits_that_are_not_proved_say_why(capsys):
+    """On an integrable top they lie on resonant tori."""
+    asked = ["lagrange/looping", "--grid", "5x5", "--crossings", "1"]
+    assert main(["prove", "orbits", *asked, "--json"]) == 3
+    columns = json.loads(capsys.readouterr().out)["columns"]
+    assert columns["proven"]
+    assert not any(columns["proven"])
+    assert set(columns["digits_proven"]) == {None}
+    assert all(columns["cause"])
 
 
 # -- bodies within a tolerance --------------------------------------------------------------------

@@ -238,7 +238,7 @@ def test_ctrl_c_ends_a_run_within_a_second_and_reports_what_was_reached(number):
     assert ended - sent[0] < 5  # of processor time; the whole run would take minutes
 
 
-def test_ctrl_c_of_the_program_exits_130_and_writes_nothing(tmp_path):
+def test_ctrl_c_of_the_program_exits_130_and_writes_what_there_is(tmp_path):
     path = tmp_path / "x.csv"
     asked = ["run", LONG, "--at", "100,1e10", "--max-steps", "1000000000000"]
     with subprocess.Popen(
@@ -252,7 +252,8 @@ def test_ctrl_c_of_the_program_exits_130_and_writes_nothing(tmp_path):
         _, said = program.communicate(timeout=60)  # the run itself would take hours
     assert program.returncode == 130
     assert "interrupted" in said
-    assert not list(tmp_path.iterdir())
+    again = polhode.load_run(path)
+    assert (again.outcome, again.times) == (polhode.Outcome.INTERRUPTED, ())
 
 
 # -- refusals -------------------------------------------------------------------------------------

@@ -37,7 +37,7 @@ def test_a_member_that_fails_carries_its_outcome_and_harms_no_neighbour(end, ste
     many = polhode.integrate_many(heavy(end), {"body.weight": weights}, max_steps=steps)
     ended = [Outcome.REACHED_END] * 2 + [Outcome.STEP_LIMIT] + [Outcome.REACHED_END] * 9
     assert list(many.outcomes) == ended
-    assert (many.done, many.interrupted) == (False, False)
+    assert (many.complete, many.interrupted) == (False, False)
     assert "11 of them reached the end" in repr(many)
     assert list(many.tally().items()) == [(Outcome.REACHED_END, 11), (Outcome.STEP_LIMIT, 1)]
     free = polhode.integrate_many(heavy(end), {"body.weight": weights[:2] + weights[3:]})
@@ -85,7 +85,7 @@ def test_ctrl_c_keeps_what_is_finished(number, end, pool):
             many = polhode.integrate_many(heavy(end), given, **options)
     else:
         many = polhode.integrate_many(heavy(end), given, **options)
-    assert (many.interrupted, many.done) == (True, False)
+    assert (many.interrupted, many.complete) == (True, False)
     finished = [k for k, outcome in enumerate(many.outcomes) if outcome.done]
     assert seen[4] <= len(finished) < 400
     assert not np.any([x != x for k in finished for x in many.states[k].ravel().tolist()])
@@ -153,7 +153,7 @@ def test_an_executor_that_is_shut_down_costs_no_result():
     pool.shutdown()
     with pytest.warns(RuntimeWarning, match="1 of 1 jobs were lost"):
         many = polhode.integrate_many(heavy(), {"body.weight": [1]}, executor=pool)
-    assert many.done
+    assert many.complete
 
 
 def test_a_fault_of_ours_is_not_hidden(monkeypatch):
@@ -223,7 +223,7 @@ def test_an_interrupted_sweep_goes_on_and_ends_as_an_undisturbed_one(number, tmp
     kept = swept(folder, number, progress=lambda _, done: seen.append(done))
     assert alike(kept, whole)
     assert {*seen} <= {len(whole)}
-    kept.parts.remove()
+    kept.kept.remove()
     assert not folder.exists()
 
 
@@ -333,7 +333,7 @@ def test_two_sweeps_do_not_share_a_folder(tmp_path):
                 swept(folder)
             tried.append(str(refusal.value))
 
-    assert swept(folder, progress=progress).done
+    assert swept(folder, progress=progress).complete
     assert "no other command running in this folder" in tried[0]
 
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable
 from dataclasses import replace
+from fractions import Fraction
 
 import polhode
-from polhode.common.result import Result
+from polhode.judging.convergence_order import ObservedOrder
+from polhode.results.result import Storable
 
 TOP = "lagrange/nutation"
 
@@ -17,11 +19,14 @@ def watched() -> polhode.Scene:
     return replace(polhode.load(TOP), events=(polhode.Event("nutation"),))
 
 
-MAKERS: dict[str, Callable[[], Result]] = {
+MAKERS: dict[str, Callable[[], Storable]] = {
     "Trajectory": lambda: polhode.integrate(TOP, at=[1, 2]),
     "Trajectory in quad": lambda: polhode.integrate(TOP, at=[1], number="quad"),
     "Reference": lambda: polhode.reference(polhode.load("euler/largest-axis").at((1, 2))),
     "Certified": lambda: polhode.reference(polhode.load("general/asymmetric-regular").at((1,))),
+    "ReferenceTable": lambda: polhode.reference_table("euler/largest-axis", at=[1, "7/3"]),
+    "Textbook": lambda: polhode.reference(polhode.load(TOP).at((1,)), backend="mpmath"),
+    "Conditioning": lambda: polhode.conditioning("euler/separatrix", [10, 120]),
     "Enclosure": lambda: polhode.certify("euler/largest-axis", at=[1, 2], digits=20),
     "CertifiedEvents": lambda: polhode.certify_events(watched(), end=2)[0],
     "EventTimes": lambda: polhode.integrate(watched(), at=[10], number="extended").events[0],
@@ -38,16 +43,24 @@ MAKERS: dict[str, Callable[[], Result]] = {
     "ChaosMap": lambda: polhode.chaos_map(TOP, grid=(3, 3), end=20),
     "Levels": lambda: polhode.levels("general/asymmetric-chaotic"),
     "Frequencies": lambda: polhode.frequencies(TOP, of=["gamma3"], end=100),
+    "OrbitSearch": lambda: polhode.orbit_search("general/asymmetric-regular", (4, 4), crossings=1),
+    "Orbit to 5 digits": lambda: polhode.orbit("grioli/precession", digits=5),
     "Orbit": lambda: polhode.orbit("grioli/precession", digits=20),
     "ProvedOrbit": lambda: polhode.prove_orbit("grioli/precession"),
+    "ProvedOrbits": lambda: polhode.prove_orbits("general/asymmetric-regular", (4, 4), crossings=1),
+    "ProvedChaos": lambda: polhode.prove_chaos("general/asymmetric-chaotic"),
+    "Verdict": lambda: polhode.Verdict(False, "not proved: the condition of the step"),
     "Lyapunov": lambda: polhode.lyapunov("euler/largest-axis", 200),
+    "ObservedOrder": lambda: ObservedOrder(
+        (4.0, 2.0, 1.0), (Fraction(1, 3), Fraction(2)), ((4.0, 3.0), (5.2, 4.1), (6.4, 5.2)), 12.0
+    ),
     "OrbitFamily": lambda: polhode.orbit_family("grioli/precession", "h", "0.752"),
 }
 #: Whose JSON is its certificate.
-CERTIFIED = ("Enclosure", "ProvedOrbit")
+CERTIFIED = ("Certified", "Enclosure", "ProvedChaos", "ProvedOrbit")
 
 
 @functools.cache
-def result_of_kind(name: str) -> Result:
+def result_of_kind(name: str) -> Storable:
     """That of MAKERS."""
     return MAKERS[name]()

@@ -15,7 +15,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from polhode.output.json_object import JsonObject
+from polhode.common.json_text import JsonObject
 from polhode.studies import report
 from polhode.studies.page.html import html
 from polhode.studies.page.tables import Column, PageTable, table, yes

@@ -341,16 +341,14 @@ def test_the_command_line_prints_events_and_a_stop_is_success(tmp_path, capsys):
     assert main(["run", str(path), "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
     assert answer["outcome"] == "stopped at event"
-    assert answer["times"] == ["1", "4"]
-    names = [event["name"] for event in answer["events"]]
-    assert names == ["nutation", "flip", "section:gamma3 - 0.9"]
-    for event in answer["events"]:
-        each = {"times", "states", "signs", "grazing", "uncertainty", "depths"}
-        assert set(event) == each | {"name", "complete"}
-        assert len({len(event[key]) for key in each}) == 1
-        assert all(isinstance(x, str) for row in event["states"] for x in row)
-    assert answer["reached"] == answer["events"][1]["times"][0]
-    assert Fraction(answer["reached"]) == Fraction(float(answer["reached"]))
+    assert answer["columns"]["t"] == [1, 4]
+    events = answer["events"]
+    assert {*events["event"]} <= {"nutation", "flip", "section:gamma3 - 0.9"}
+    assert {"count", "t", "p", "gamma3", "sign", "uncertainty", "depth"} < {*events}
+    assert len({len(column) for column in events.values()}) == 1
+    assert len(answer["events_complete"]) == 3
+    (stop,) = (t for name, t in zip(events["event"], events["t"], strict=True) if name == "flip")
+    assert Fraction(answer["reached"]) == Fraction(stop)
     assert main(["run", str(path)]) == 0
     assert "event flip: 1 at t = 4.99370553165105" in capsys.readouterr().err
 

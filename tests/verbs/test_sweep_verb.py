@@ -5,12 +5,14 @@ from __future__ import annotations
 import json
 import re
 import signal
+from fractions import Fraction
 
 import numpy as np
 import pytest
 
 import polhode
 from polhode import cli
+from polhode.runs.sweep import starts_file
 from polhode.verbs import terminal
 from shared.motions import heavy_file
 
@@ -35,21 +37,23 @@ def test_every_combination_as_json(scene, capsys):
     code, out, err = run(capsys, scene, *varied, "--json")
     answer = json.loads(out)
     assert (code, err) == (0, "")
-    assert answer["varied"] == ["start.omega[1]", "body.weight"]
+    assert answer["vary"] == ["start.omega[1]", "body.weight"]
     assert answer["projected"] is False
-    assert answer["interrupted"] is False
-    assert answer["times"] == ["0", "10", "20"]
-    values = [member["values"] for member in answer["members"]]
-    assert values[:3] == [["0.1", "1"], ["0.1", "1.4142135623730950"], ["0.2", "1"]]
-    member = answer["members"][4]
+    assert answer["complete"] is True
+    columns, members = answer["columns"], answer["members"]
+    assert columns["member"] == [k for k in range(1, 7) for _ in range(3)]
+    assert columns["t"] == [0.0, 10.0, 20.0] * 6
+    assert members["start.omega[1]"][:3] == ["0.1", "0.1", "0.2"]
+    assert Fraction(members["body.weight"][0]) == 1
+    assert members["body.weight"][1].startswith("1.41421356237309504880168872420969807857")
     single = polhode.integrate(
         polhode.integrate_many(scene, {"start.omega[1]": ["0.3"], "body.weight": [1]})[0].scene
     )
-    assert np.allclose(
-        np.array(member["states"], dtype=float), single.states, rtol=0, atol=128 * 2.0**-52
-    )
-    assert set(member) == {"values", "outcome", "reached", "steps", "drift", "states"}
-    assert set(member["drift"]) == {"h", "f", "gamma", "fourth"}
+    states = np.array([columns[name][12:15] for name in NAMES]).T
+    assert np.allclose(states, single.states, rtol=0, atol=128 * 2.0**-52)
+    assert members["outcome"] == ["reached end"] * 6
+    told = {"member", "start.omega[1]", "body.weight", "outcome", "reached", "steps"}
+    assert {*members} == told | {f"drift_{name}" for name in ("h", "f", "gamma", "fourth")}
 
 
 def test_a_table_on_stdout_and_a_note_on_stderr(scene, capsys):
@@ -68,16 +72,16 @@ def test_npz(scene, capsys, tmp_path, number):
     assert (code, out) == (0, "")
     many = polhode.integrate_many(scene, {"body.weight": [0, 1]}, number=number)
     with np.load(tmp_path / "x.npz", allow_pickle=False) as held:
-        if number == "quad":
-            assert held["states"][1].tolist() == many[1].state_strings()
+        states = np.stack([held[name].reshape(2, 3) for name in NAMES], axis=-1)
+        if number == "double":
+            assert np.array_equal(states, many.states)
         else:
-            assert np.array_equal(held["states"], many.states)
-        assert held["states"].shape == (2, 3, 6)
-        assert held["values"].tolist() == [[0], [1]]
-        assert held["varied"].tolist() == ["body.weight"]
-        assert held["outcomes"].tolist() == ["reached end"] * 2
-        about = json.loads(str(held["about"]))
-    assert (about["number"], about["projected"]) == (number, False)
+            assert states[1].tolist() == many[1].state_strings()
+        assert held["members.body.weight"].tolist() == ["0", "1"]
+        assert held["members.outcome"].tolist() == ["reached end"] * 2
+        about = json.loads(bytes(held["about"]))
+    assert (about["number"], about["projected"], about["vary"]) == (number, False, ["body.weight"])
+    assert polhode.load_result("x.npz").to_json() == many.to_json()
     assert {p.name for p in tmp_path.iterdir()} == {"heavy.toml", "x.npz"}
 
 
@@ -85,12 +89,12 @@ def test_csv(scene, capsys, tmp_path):
     code, out, _ = run(capsys, scene, "--vary", "start.omega[2]=1/3,1", "-o", "x.csv")
     assert (code, out) == (0, "")
     lines = (tmp_path / "x.csv").read_text().splitlines()
-    assert lines[0] == "member,start.omega[2],t,p,q,r,gamma1,gamma2,gamma3"
+    assert lines[0] == "member,t,start.omega[2],p,q,r,gamma1,gamma2,gamma3"
     assert len(lines) == 1 + 2 * 3
-    assert lines[1].startswith("1,1/3,0,0.2999")
-    beside = json.loads((tmp_path / "x.json").read_text())
-    assert [m["outcome"] for m in beside["members"]] == ["reached end"] * 2
-    assert "states" not in beside["members"][0]
+    assert lines[1].startswith("1,0.0,1/3,0.3,")
+    beside = json.loads((tmp_path / "x.csv.json").read_text())
+    assert beside["members"]["outcome"] == ["reached end"] * 2
+    assert "columns" not in beside
 
 
 def test_a_member_that_fails_is_told_and_written(scene, capsys, tmp_path):
@@ -100,8 +104,8 @@ def test_a_member_that_fails_is_told_and_written(scene, capsys, tmp_path):
     assert "1 reached end, 1 step limit" in err
     assert "member 2 (body.weight = 1000000): the end needs more steps than the limit" in err
     with np.load(tmp_path / "x.npz", allow_pickle=False) as held:
-        assert held["outcomes"].tolist() == ["reached end", "step limit"]
-        assert np.isnan(held["states"][1, -1]).all()
+        assert held["members.outcome"].tolist() == ["reached end", "step limit"]
+        assert 3 < len(held["member"]) < 6  # rows that were reached
 
 
 def test_outputs_are_left_out_and_that_is_said(scene, capsys, tmp_path):
@@ -114,8 +118,10 @@ def test_outputs_are_left_out_and_that_is_said(scene, capsys, tmp_path):
 TOLD = r"\d+\.\d %, \d+ members(, \d+ s left)?"
 
 
-def test_ctrl_c_writes_what_is_finished(scene, tmp_path, capsys, monkeypatch):
-    """A sweep of seconds, interrupted: a whole file, its unfinished members marked."""
+def test_what_is_finished_at_ctrl_c_is_kept_and_the_same_command_goes_on(
+    scene, tmp_path, capsys, monkeypatch
+):
+    """A sweep of seconds, interrupted: no file yet, its finished members in a folder."""
     told = []
 
     def say(_, text):
@@ -123,18 +129,22 @@ def test_ctrl_c_writes_what_is_finished(scene, tmp_path, capsys, monkeypatch):
         if len(told) == 2:
             signal.raise_signal(signal.SIGINT)
 
-    monkeypatch.setattr(terminal.ProgressLine, "say", say)
-    varied = ["--vary", "start.omega[3]=0.5:1:400"]
-    code, _, err = run(capsys, scene, "--at", "2000", *varied, "-o", "x.npz")
+    words = ["--at", "2000", "--vary", "start.omega[3]=0.5:1:400"]
+    with monkeypatch.context() as patch:
+        patch.setattr(terminal.ProgressLine, "say", say)
+        code, _, err = run(capsys, scene, *words, "-o", "x.npz")
     assert code == 130
-    with np.load(tmp_path / "x.npz", allow_pickle=False) as held:
-        outcomes = held["outcomes"].tolist()
-        assert json.loads(str(held["about"]))["interrupted"] is True
-    reached = outcomes.count("reached end")
-    assert 0 < reached < 400
-    assert f"; {400 - reached} not run, {reached} reached end\n" in err
-    assert set(outcomes) == {"reached end", "not run"}
+    not_run, reached = map(int, re.search(r"; (\d+) not run, (\d+) reached end\n", err).groups())
+    assert not_run + reached == 400
+    assert min(not_run, reached) > 0
+    assert "polhode: the same command continues from x.npz.parts\n" in err
     assert all(re.fullmatch(TOLD, text) for text in told)
+    assert {p.name for p in tmp_path.iterdir()} == {"heavy.toml", "x.npz.parts"}
+    assert run(capsys, scene, *words, "-o", "x.npz")[0] == 0
+    assert {p.name for p in tmp_path.iterdir()} == {"heavy.toml", "x.npz"}
+    again = polhode.load_result("x.npz")
+    assert again.fact("complete")
+    assert again.to_json() == polhode.integrate_many(scene, [words[3]], at=[2000]).to_json()
 
 
 # -- numbers kept instead of states ---------------------------------------------------------------
@@ -153,31 +163,31 @@ def test_numbers_of_each_member(scene, capsys, tmp_path):
     assert err == "heavy.toml: 2 members, double (53 bits), not projected; 2 reached end\n"
     answer = json.loads(run(capsys, scene, *KEEP, "--json")[1])
     assert answer["keep"] == ["largest theta", "first nutation"]
-    assert set(answer["members"][0]) == {"values", "outcome", "steps", "numbers"}
-    for k, member in enumerate(answer["members"]):
-        assert list(member["numbers"]) == list(found.names)
-        assert [float(x) for x in member["numbers"].values()] == [found[n][k] for n in found.names]
+    names = ["member", "body.weight", "outcome", "steps", *found.names]
+    assert [*answer["columns"]] == names
+    for name in found.names:
+        assert answer["columns"][name] == found[name].tolist()
     assert run(capsys, scene, *KEEP, "-o", "x.csv")[:2] == (0, "")
     rows = [line.split(",") for line in (tmp_path / "x.csv").read_text().splitlines()]
-    assert rows[0] == ["member", "body.weight", "outcome", "steps", *found.names]
+    assert rows[0] == names
     assert [float(x) for x in rows[2][4:]] == [found[n][1] for n in found.names]
-    assert json.loads((tmp_path / "x.json").read_text())["keep"] == answer["keep"]
+    assert json.loads((tmp_path / "x.csv.json").read_text())["keep"] == answer["keep"]
     assert run(capsys, scene, *KEEP, "-o", "x.npz")[:2] == (0, "")
     with np.load(tmp_path / "x.npz", allow_pickle=False) as held:
-        assert held["names"].tolist() == list(found.names)
         assert np.array_equal(held["largest theta"], found["largest theta"])
-        assert held["values"].tolist() == [[0], [1]]
-        assert held["outcomes"].tolist() == ["reached end"] * 2
-    assert {p.name for p in tmp_path.iterdir()} == {"heavy.toml", "x.csv", "x.json", "x.npz"}
+        assert held["body.weight"].tolist() == ["0", "1"]
+        assert held["outcome"].tolist() == ["reached end"] * 2
+    written = {"heavy.toml", "x.csv", "x.csv.json", "x.npz"}
+    assert {p.name for p in tmp_path.iterdir()} == written
 
 
 def test_a_number_that_is_not_there_is_null(scene, capsys):
     varied = ["--vary", "body.weight=1,1e6", "--max-steps", "300", "--keep", "final"]
     code, out, err = run(capsys, scene, *varied, "--json")
-    first, last = json.loads(out)["members"]
+    columns = json.loads(out)["columns"]
     assert code == 3
-    assert first["numbers"]["final p"] is not None
-    assert set(last["numbers"].values()) == {None}
+    assert columns["final p"][0] is not None
+    assert {columns[name][1] for name in columns if name.startswith("final")} == {None}
     assert "member 2 (body.weight = 1000000): the end needs more steps than the limit" in err
 
 
@@ -205,13 +215,12 @@ def test_starts_of_a_csv_or_npy_file(scene, capsys, tmp_path):
         assert (code, out) == (0, "")
         assert err.startswith("heavy.toml: 12 members, double (53 bits)")
         with np.load("x.npz", allow_pickle=False) as held:
-            assert np.array_equal(held["states"], many.states)
-            assert np.array_equal(held["values"], ROWS)
-            assert "values_exact" not in held.files
-            assert held["varied"].tolist()[-1] == "start.gamma[3]"
-    code, out, _ = run(capsys, scene, "--starts", "rows.npy", "--json")
-    values = [member["values"] for member in json.loads(out)["members"]]
-    assert np.array_equal(np.array(values, float), ROWS)
+            states = np.stack([held[name] for name in NAMES], axis=-1)
+            assert np.array_equal(states, many.states.reshape(-1, 6))
+            starts = [
+                f"members.start.{word}[{k}]" for word in ("omega", "gamma") for k in (1, 2, 3)
+            ]
+            assert np.array_equal(np.stack([held[name] for name in starts], axis=-1), ROWS)
     code, out, _ = run(capsys, scene, "--starts", "rows.npy", "--keep", "final", "-o", "x.csv")
     assert code == 0
     assert (tmp_path / "x.csv").read_text().count("\n") == 13
@@ -231,7 +240,21 @@ def test_starts_in_extended_are_read_in_extended(scene, capsys, tmp_path):
     code, _, _ = run(capsys, scene, *options)
     assert code == 0
     with np.load("x.npz", allow_pickle=False) as held:
-        assert held["values"][0, 0] == np.longdouble("0.1") != 0.1
+        assert np.longdouble(held["members.start.omega[1]"][0]) == np.longdouble("0.1") != 0.1
+
+
+@pytest.mark.parametrize("ending", [".csv", ".json", ".npz"])
+@pytest.mark.parametrize("number", ["double", "extended"])
+def test_starts_of_a_result_are_its_states(scene, tmp_path, ending, number):
+    run = polhode.integrate(scene, number, at=[1, 2])
+    path = tmp_path / f"run{ending}"
+    run.save(path)
+    held = starts_file.read(path, run.scene, extended=number == "extended")
+    assert held.dtype == run.states.dtype
+    assert held.tolist() == run.states.tolist()
+    polhode.levels("lagrange/nutation").save(path.with_name(f"levels{ending}"))
+    with pytest.raises(polhode.BadInput, match="expected columns p,q,r,gamma1,gamma2,gamma3"):
+        starts_file.read(path.with_name(f"levels{ending}"), run.scene)
 
 
 NO_STARTS = [

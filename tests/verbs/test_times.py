@@ -35,7 +35,8 @@ def told(capsys, verb: str, options: str) -> list[Fraction]:
     """The times of a verb's answer."""
     more = ["--vary", "start.omega[1]=0"] if verb == "sweep" else []
     assert main([verb, CASE, *more, *options.split(), "--json"]) == 0
-    return [Fraction(t) for t in json.loads(capsys.readouterr().out)["times"]]
+    found = json.loads(capsys.readouterr().out)["columns"]["t"]
+    return [Fraction(t) for t in found]
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,7 @@ from polhode.common import checkpoint, files
 from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.errors import BadInput
 from polhode.numbers.expression import decimal
-from polhode.scenes.vocabulary import STATE
+from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 from polhode.studies import report
 from shared.motions import free_file
 
@@ -58,52 +58,52 @@ def left() -> set[str]:
 
 
 @pytest.mark.parametrize("outputs", ["gamma", "hodographs", "angles,attitude"])
-def test_a_run_that_cannot_reach_its_end_writes_nothing_and_says_what_to_do(capsys, outputs):
+def test_a_run_that_cannot_reach_its_end_writes_what_it_has_and_says_what_to_do(capsys, outputs):
     words = ["run", "euler/flat", "--max-steps", "5", "-o", "x.csv", "--json"]
     words += ["--outputs", outputs] * (outputs != "gamma")
     out, err = ran(capsys, *words, code=3)
     answer = json.loads(out)
     assert (answer["outcome"], answer["steps"]) == ("step limit", 5)
-    for part in ("of 100", "--max-steps", "x.csv was not written"):
+    for part in ("of 100", "--max-steps"):
         assert part in err
-    assert left() == set()
+    assert left() == {"x.csv", "x.csv.json"}
+    assert polhode.load_result("x.csv").to_json() == out
 
 
 def test_the_json_of_a_run_keeps_the_contract(capsys):
     answer = answered(capsys, "run", "watched.toml", "--at", "0.1,1/3,pi")
-    keys = "scene number bits form regime columns times states angles attitude drift outcome steps"
-    assert {*keys.split(), "provenance"} <= answer.keys()
+    keys = "scene scene_text number bits digits form method outcome reached steps tolerance"
+    assert {*keys.split(), "drift_h", "drift_f", "drift_gamma", "provenance"} <= answer.keys()
     assert (answer["number"], answer["bits"], answer["form"]) == ("double", 53, "principal")
-    assert answer["columns"] == [*STATE]
-    for name, width in (("states", 6), ("angles", 3), ("attitude", 4)):
-        assert [len(row) for row in answer[name]] == [width] * 3
-    assert all(isinstance(x, str) for row in answer["states"] for x in row)
-    assert {"h", "f", "gamma"} <= answer["drift"].keys()
+    columns = ["t", *STATE, *ANGLES, *ATTITUDE]
+    assert [*answer["columns"]] == columns == [*answer["about"]["columns"]]
+    assert all(len(answer["columns"][name]) == 3 for name in columns)
+    assert all(isinstance(x, float) for x in answer["columns"]["p"])
     assert answer["outcome"] == "reached end"
-    assert decimal(answer["times"][0]) == Fraction(0.1)  # the double, in full
-    assert decimal(answer["times"][1]) == Fraction(1 / 3)
+    assert answer["columns"]["t"] == [0.1, 1 / 3, math.pi]
 
 
 @pytest.mark.parametrize(("number", "bits"), [("double", 53), ("extended", 64), ("quad", 113)])
 def test_a_csv_round_trips_and_compare_judges_it(capsys, number, bits):
     run = ["run", "watched.toml", "--number", number]
     assert ran(capsys, *run, "-o", "x.csv")[0] == ""
-    assert left() == {"x.csv", "x.json"}
-    written = json.loads(Path("x.json").read_text())
+    assert left() == {"x.csv", "x.csv.json"}
+    written = json.loads(Path("x.csv.json").read_text())
     assert (written["number"], written["bits"], written["scene"]) == (number, bits, "watched.toml")
     header, *lines = Path("x.csv").read_text().splitlines()
     assert header == "t,p,q,r,gamma1,gamma2,gamma3,psi,theta,phi,q0,q1,q2,q3"
-    answer, rows = answered(capsys, *run), [line.split(",") for line in lines]
-    assert [row[0] for row in rows] == answer["times"]
-    assert [row[1:7] for row in rows] == answer["states"]
+    columns = answered(capsys, *run)["columns"]
+    shown = [map(str, values) for values in columns.values()]
+    assert [line.split(",") for line in lines] == [list(row) for row in zip(*shown, strict=True)]
     digits = bits * math.log10(2)
     for flags in ([], ["--number", number]):
         verdict = answered(capsys, "compare", "x.csv", "watched.toml", *flags)
         assert verdict["judged"] == [*STATE, "angles", "attitude"]
         assert verdict["not_judged"] == []
         assert digits - 2 < verdict["worst"] < digits + 2
-        assert {"omega", "gamma", "angles", "attitude"} == {*verdict["parts"]}
-        assert all(digits - 2 < min(part) for part in verdict["parts"].values())
+        for name in ("omega", "gamma", "angles", "attitude"):
+            part = verdict["columns"][f"correct_digits_{name}"]
+            assert all(digits - 2 < x < digits + 2 for x in part)
 
 
 def test_drift_of_a_projected_file_is_no_evidence(capsys):
@@ -132,8 +132,8 @@ def test_a_fraction_of_thousands_of_digits_is_shown(capsys):
 
 def test_angles_at_a_pole_are_null(capsys):
     words = ["run", "lagrange/sleeping-stable", "--at", "1", "--outputs", "angles"]
-    psi, theta, phi = answered(capsys, *words)["angles"][0]
-    assert (psi, phi, float(theta)) == (None, None, 0)
+    columns = answered(capsys, *words)["columns"]
+    assert [columns[name] for name in ANGLES] == [[None], [0.0], [None]]
 
 
 # -- tables of others ------------------------------------------------------------------------------
@@ -169,7 +169,7 @@ def test_a_number_is_judged_for_what_it_is(capsys, old, new, flags, least, most)
 def test_what_is_not_in_a_table_is_told_and_not_judged(capsys):
     verdict = judged(capsys, "q2,gamma3,note,t,p\n,0.8,hello,0,0.3\n")
     assert verdict["judged"] == ["p", "gamma3"]
-    assert verdict["drift"] is None
+    assert "drift_h" not in verdict
     told = "\n".join(verdict["not_judged"])
     for part in ("attitude was not judged: none", "note", "column q is not in the file"):
         assert part in told
@@ -182,11 +182,12 @@ def test_times_may_be_negative_unsorted_and_repeated(capsys):
     rows = {}
     for at in ("0,1", "-0.5,-2"):
         answer = answered(capsys, "reference", "top.toml", f"--at={at}", "--digits", "20")
-        rows |= dict(zip(at.split(","), answer["states"], strict=True))
+        states = zip(*(answer["columns"][name] for name in STATE), strict=True)
+        rows |= dict(zip(at.split(","), states, strict=True))
     rows["1e-400"] = rows["0"]
     times = ["1", "-2", "0", "1", "-0.5", "1e-400"]
     verdict = judged(capsys, HEAD + "".join(",".join([t, *rows[t]]) + "\n" for t in times))
-    assert [Fraction(t) for t in verdict["times"]] == [decimal(t) for t in times]
+    assert [Fraction(t) for t in verdict["columns"]["t"]] == [decimal(t) for t in times]
     assert verdict["worst"] >= 20
 
 
@@ -208,7 +209,7 @@ def test_a_file_stays_what_it_is(capsys):
     reader.join(10)
     assert Path("link.csv").is_symlink()
     assert Path("deep/y.csv").read_text().startswith("t,p,q,r")
-    assert json.loads(Path("link.json").read_text())["number"] == "double"
+    assert json.loads(Path("link.csv.json").read_text())["number"] == "double"
     assert os.stat("mine.csv").st_mode & 0o777 == 0o640
     assert heard[0].startswith("t,p,q,r")
     assert Path("pipe.csv").is_fifo()
@@ -216,12 +217,26 @@ def test_a_file_stays_what_it_is(capsys):
 
 
 def test_a_file_that_is_there_stays_when_it_cannot_be_replaced(capsys):
-    Path("x.csv").write_text("mine")
-    Path("x.json").mkdir()
+    Path("x.csv.json").mkdir()
     _, err = ran(capsys, "run", "top.toml", "-o", "x.csv", code=2)
-    assert "x.json: file: expected a file, not a folder" in err
-    assert Path("x.csv").read_text() == "mine"
-    assert left() == {"x.csv", "x.json"}
+    assert "x.csv.json: file: expected a file, not a folder" in err
+    Path("y.csv").write_text("mine")
+    _, err = ran(capsys, "run", "top.toml", "-o", "y.csv", code=2)
+    assert "y.csv: file: expected another name: polhode did not write it" in err
+    assert Path("y.csv").read_text() == "mine"
+    assert left() == {"x.csv.json", "y.csv"}
+
+
+def test_a_file_of_another_kind_of_result_or_a_changed_one_is_not_replaced(capsys):
+    ran(capsys, "run", "top.toml", "-o", "x.csv", "-o", "y.npz")
+    sweep = ["sweep", "top.toml", "--vary", "body.moments[1]=2"]
+    for name in ("x.csv", "y.npz"):
+        _, err = ran(capsys, *sweep, "-o", name, code=2)
+        assert "expected another name: it holds a result Trajectory" in err
+    ran(capsys, "run", "top.toml", "--at", "0,2", "-o", "x.csv")  # another run takes its place
+    Path("x.csv").write_text(Path("x.csv").read_text() + "0,0,0,0\n")
+    _, err = ran(capsys, "run", "top.toml", "-o", "x.csv", code=2)
+    assert "expected another name: it was changed since polhode wrote it" in err
 
 
 @pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="root may write anywhere")
@@ -232,17 +247,17 @@ def test_a_folder_that_cannot_be_written_to_is_refused(capsys):
     assert "can be written" in err
 
 
-def test_a_certificate_and_the_file_beside_a_table_replace_each_other_never(capsys):
-    """Both orders are refused before the work."""
-    ask = ["reference", "lagrange/nutation", "--at", "1", "--digits", "15", "--certified", "-o"]
+def test_a_certificate_replaces_a_certificate_alone(capsys):
+    """Refused before the work."""
+    ask = ["certify", "lagrange/nutation", "--at", "1", "--digits", "15", "-o"]
     ran(capsys, *ask, "ref.csv")
-    kept = Path("ref.json").read_bytes()
-    assert "a new file, or a certificate's" in ran(capsys, *ask, "ref.json", code=2)[1]
-    assert Path("ref.json").read_bytes() == kept
+    kept = Path("ref.csv.json").read_bytes()
+    assert "a new file, or a certificate's" in ran(capsys, *ask, "ref.csv.json", code=2)[1]
+    assert Path("ref.csv.json").read_bytes() == kept
     for _ in range(2):  # one certificate in place of another
         ran(capsys, *ask, "own.json")
-    assert "perhaps a certificate" in ran(capsys, *ask, "own.csv", code=2)[1]
-    assert not Path("own.csv").exists()
+    run = ["run", "lagrange/nutation", "--at", "1", "-o", "own.json"]
+    assert "another name: polhode did not write it" in ran(capsys, *run, code=2)[1]
 
 
 @pytest.mark.parametrize("words", ["show pipe", "compare pipe top.toml"])

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
 
 from polhode.certificates import verify as checker
 from polhode.common.arguments import of_kind
@@ -11,9 +11,12 @@ from polhode.common.errors import BadInput
 from polhode.common.files import read_stdin, read_whole
 from polhode.common.progress import Progress
 from polhode.numbers.flint_context import ctx
+from polhode.results.result import Result
+from polhode.results.table import Column, Fact, Table
 
 
-class Verdict(NamedTuple):
+@dataclass(frozen=True, repr=False)
+class Verdict(Result):
     """The result of checking a certificate; true if it is proved.
 
     Attributes
@@ -35,6 +38,26 @@ class Verdict(NamedTuple):
 
     def __bool__(self) -> bool:
         return self.proved
+
+    @property
+    def passed(self) -> bool:
+        """Whether it is proved."""
+        return self.proved
+
+    def table(self) -> Table:
+        """The text, a row a line."""
+        lines = self.text.splitlines()
+        return Table([Column("line", [*range(1, len(lines) + 1)]), Column("statement", lines)])
+
+    def facts(self) -> list[Fact]:
+        """Whether it is proved, and on what that rests."""
+        return [Fact("proven", self.proved), Fact("rests_on", trusted_base())]
+
+    def __repr__(self) -> str:
+        return f"<Verdict: {'proved' if self.proved else 'not proved'}>"
+
+    def __str__(self) -> str:
+        return self.text
 
 
 def trusted_base() -> str:
@@ -60,7 +83,7 @@ def verify(path: str | Path, progress: Progress | None = None) -> Verdict:
     ----------
     path : str or Path
         A file that ``save`` of an enclosure, a proved orbit or proved chaos wrote, or ``-o`` of
-        ``polhode reference --certified`` or ``polhode prove``; ``-`` is the standard input.
+        ``polhode certify`` or ``polhode prove``; ``-`` is the standard input.
     progress : callable, optional
         Called with the fraction of the steps done, and how many.
 

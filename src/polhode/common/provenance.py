@@ -8,7 +8,7 @@ import platform
 import sys
 from functools import cache, lru_cache
 
-__version__ = "0.2.0"
+__version__ = "0.3.0"
 
 
 @cache

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from flint import arb
 
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
-from polhode.common.result import Result
 from polhode.enclosures import fixed_point_problem
 from polhode.enclosures._zeros.certified_zeros import Search
 from polhode.enclosures._zeros.zero_at_start import first_derivative, is_still
+from polhode.enclosures.certified_events import CertifiedEvents, EventTime
 from polhode.enclosures.certify import balls
 from polhode.enclosures.fixed_point_problem import (
     CLOCK,
@@ -28,12 +28,13 @@ from polhode.enclosures.fixed_point_problem import (
     in_scene_axes,
     upper,
 )
-from polhode.enclosures.polynomial import Polynomial, constant, midpoint, rate, total, variable
+from polhode.enclosures.polynomial import Polynomial, constant, rate, total, variable
 from polhode.enclosures.task import MAX_STEPS, Side, Task, task
 from polhode.numbers import expression
 from polhode.numbers.exact import sign
 from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.flint_context import ctx
+from polhode.numbers.polynomials import middle
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes import start_box
 from polhode.scenes.event import Event
@@ -43,50 +44,6 @@ from polhode.scenes.vocabulary import STATE
 
 _MOST_TRIES = 4
 _DEARER = 1.4  # with events than without
-
-
-class EventTime(NamedTuple):
-    """A proven event: its time is within ``radius`` of ``time``; slope 1 rising, -1 falling.
-
-    The state then is within ``radii`` of ``state``: p q r [gamma1 gamma2 gamma3] in body axes.
-    """
-
-    time: Fraction
-    radius: float
-    slope: int
-    state: tuple[Fraction, ...]
-    radii: tuple[float, ...]
-
-
-@dataclass(frozen=True, repr=False)
-class CertifiedEvents(Result):
-    """The proven events of one name between 0 and the end, in order away from 0.
-
-    Zeros at 0 and at the end are not among them, as in a run.  ``undecided``: intervals of time in
-    which it is not decided whether, or how often, the event happens: a grazing contact, a zero at
-    the end, or at 0 if that is not known exactly.  The count is proven if there are no such
-    intervals.  Times are in the scene's unit.
-
-    >>> import polhode
-    >>> event = polhode.Event("level", "gamma3 - 1/2")
-    >>> scene = polhode.Scene(polhode.Body.of_moments((1, 1, 1)), (1, 0, 0), (0, 0, 1),
-    ...                       events=(event,))
-    >>> polhode.certify_events(scene, end=10)  # cos t = 1/2
-    (<CertifiedEvents of level: 3, no others>,)
-    """
-
-    name: str
-    times: tuple[EventTime, ...]
-    undecided: tuple[tuple[float, float], ...]
-
-    @property
-    def proven(self) -> bool:
-        """Whether there are these events and no others."""
-        return not self.undecided
-
-    def __repr__(self) -> str:
-        others = f"{len(self.undecided)} undecided" if self.undecided else "no others"
-        return f"<CertifiedEvents of {self.name}: {len(self.times)}, {others}>"
 
 
 def certify_events(
@@ -233,8 +190,8 @@ def _interval(what: Motion, begin: arb, end: arb, last: arb) -> tuple[float, flo
     """Doubles of the scene around all times of two balls, of those from 0 to ``last``."""
     by = _unit(what)
     with ctx.workprec(TIME_BITS):
-        low, high = (midpoint(x) for x in (begin.lower(), end.upper()))
-        most = midpoint(last.upper())
+        low, high = (middle(x) for x in (begin.lower(), end.upper()))
+        most = middle(last.upper())
     one, other = sorted((by * max(low, Fraction(0)), by * min(high, most)))
     below, above = float(one), float(other)
     return (
@@ -246,7 +203,7 @@ def _interval(what: Motion, begin: arb, end: arb, last: arb) -> tuple[float, flo
 def _time(time: arb, by: Fraction, slope: int, row: Sequence[arb], bits: int) -> EventTime:
     radius = upper(arb(time.rad())) * abs(float(by))
     (centres,), (radii,) = balls([row], bits)
-    return EventTime(midpoint(time) * by, radius, slope, centres, radii)
+    return EventTime(middle(time) * by, radius, slope, centres, radii)
 
 
 def of_event(what: Motion, n: int, event: Event) -> Polynomial:

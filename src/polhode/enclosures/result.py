@@ -12,18 +12,26 @@ from typing import NamedTuple
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
-from polhode.common.result import Result
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
+from polhode.enclosures.certified_events import CertifiedEvents, facts_of
 from polhode.enclosures.statement import stated
 from polhode.equations.kinematics import starting_attitude
 from polhode.motion.outcomes import Outcome
+from polhode.numbers.balls import Ball, decimal_ball, guaranteed
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.mpmath_context import ordinary
+from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.scalars import Real
+from polhode.results.cells import EXACT, TEXT
+from polhode.results.result import Result
+from polhode.results.shown import lines
+from polhode.results.table import Column, Fact, Table
 from polhode.scenes.scene import Scene
+from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, unit_of
+from polhode.scenes.vocabulary import COLUMNS
 
 
 class Part(NamedTuple):
@@ -79,7 +87,8 @@ class Enclosure(Result, ByValue):
     the approximate times, one for each sign of t, from which on psi and phi are None, because the
     third axis is, or passes, too near the vertical for their turns to be counted in double.
     ``omega_radius``: the radii of the start's box, in body axes; None if the start is the scene's
-    own.  ``until``: the time to which the proof went, on the side where it ended.
+    own.  ``until``: the time to which the proof went, on the side where it ended.  ``events``: the
+    scene's, proven too, where they were asked for.
 
     >>> import polhode
     >>> found = polhode.certify("euler/largest-axis", at=[1], digits=20)
@@ -108,6 +117,7 @@ class Enclosure(Result, ByValue):
     lost: tuple[float, ...] = ()
     omega_radius: tuple[Fraction, ...] | None = None
     until: float = math.nan
+    events: tuple[CertifiedEvents, ...] | None = None
 
     @cached_property
     def midpoints(self) -> list[list[Real]]:
@@ -116,11 +126,16 @@ class Enclosure(Result, ByValue):
         return [[ordinary(to_mpf(x, bits)) for x in row] for row in self.centres]
 
     @property
-    def reached(self) -> bool:
+    def complete(self) -> bool:
         """Whether the digits asked for are proven at every time, of the angles and attitude too;
         of a box, whether it was followed to the last time."""
         whole = self.fewest >= self.asked or self.omega_radius is not None
         return self.outcome.done and whole
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C ended the proof."""
+        return self.outcome is Outcome.INTERRUPTED
 
     @property
     def proven(self) -> float:
@@ -140,6 +155,50 @@ class Enclosure(Result, ByValue):
         return stated(
             self.scene, self.times, [*outputs, *self.derived], self.assumed, self.omega_radius
         )
+
+    def table(self) -> Table:
+        """A row a time: balls of the state and of outputs, and the digits that are proven."""
+        columns = [Column("t", list(self.times), "time", unit_of(self.scene, "t"), digits=17)]
+        columns += self._balls(self.scene.columns, self.centres, self.radii)
+        parts = {"angles": self.angles, "attitude": self.attitude, **self.derived}
+        for word, part in parts.items():
+            if part is not None:
+                columns += self._balls(COLUMNS[word].names, part.centres, part.radii)
+        return Table([*columns, Column("digits_proven", list(self.digits), digits=4)])
+
+    def _balls(
+        self,
+        names: Sequence[str],
+        centres: Sequence[Sequence[Fraction | None]],
+        radii: Sequence[Sequence[float]],
+    ) -> list[Column]:
+        rows = [
+            [None if x is None else Ball(x, r) for x, r in zip(*pair, strict=True)]
+            for pair in zip(centres, radii, strict=True)
+        ]
+        columns = row_columns(self.scene, names, rows, DOUBLE)
+        return [column._replace(type=EXACT) for column in columns]
+
+    def facts(self) -> list[Fact]:
+        """What is proven, on what it rests, and what it took."""
+        box = None if self.omega_radius is None else list(self.omega_radius)
+        return [
+            *scene_facts(self.scene),
+            Fact("digits", self.asked, "proven digits asked for"),
+            Fact("digits_proven", self.proven, "of the state, the fewest"),
+            Fact("statement", list(self.statement), "what is proven", type=TEXT),
+            Fact("assumed", list(self.assumed), "what it rests on besides", type=TEXT),
+            Fact("outcome", self.outcome.value, "how the proof ended"),
+            Fact("complete", self.complete, "whether the digits asked for are proven"),
+            Fact("angles_lost", list(self.lost), "psi and phi are not known from then on"),
+            Fact("omega_radius", box, "radii of the start's box"),
+            Fact("until", self.until, "to which time the proof went"),
+            Fact("noise", self.noise, "the proof's noise level is 2 to minus this"),
+            Fact("steps", self.steps),
+            Fact("tries", self.tries, "runs of the proof"),
+            *(facts_of(self.events) if self.events else ()),
+            provenance_fact(self.scene.provenance()),
+        ]
 
     def strings(self) -> list[list[str]]:
         """The states as decimals of which every digit is proven; see :func:`guaranteed`."""
@@ -189,66 +248,9 @@ class Enclosure(Result, ByValue):
         return f"<Enclosure of {self.scene.name}: {times}, {how}>"
 
     def __str__(self) -> str:
-        lines = []
-        for t, row, digits in zip(self.times, self.strings(), self.digits, strict=True):
-            lines.append(f"t = {shown(t)}: {digits:.1f} digits proven")
-            names = self.scene.columns
-            lines += [f"  {name:>6} {text}" for name, text in zip(names, row, strict=True)]
-        return "\n".join(lines)
+        return "\n".join(lines(self.table()))
 
 
 def digits_of(error: float) -> float:
     """-log10 of an error, rounded down to a hundredth; 0 from 1 on."""
     return max(0.0, math.floor(-100.0 * math.log10(error)) / 100.0) if error < 1 else 0.0
-
-
-def guaranteed(centre: Fraction, radius: float) -> str:
-    """The longest decimal to which every number of a ball rounds: no digit more than is proven.
-
-    ``centre`` +- ``radius``.  Zeros alone, as many as are proven, where the ball is around 0.
-    Empty where not even the first digit is known.
-    """
-    if not math.isfinite(radius):
-        return ""
-    low, high = centre - Fraction(radius), centre + Fraction(radius)
-    places = math.floor(-math.log10(radius) - math.log10(2.0)) + 1 if radius else 60
-    for n in range(places, places - 40, -1):
-        scale = Fraction(10) ** n
-        near = round(low * scale)
-        if near == round(high * scale):
-            return _written(near, n) if near or n >= 0 else ""
-    return ""
-
-
-def decimal_ball(centre: Fraction, radius: float) -> tuple[str, str]:
-    """A decimal midpoint and a decimal radius of a ball that holds this one."""
-    places = max(0, 3 - math.floor(math.log10(radius))) if radius else 60
-    near = round(centre * 10**places)
-    wider = Fraction(radius) + abs(centre - Fraction(near, 10**places))
-    return _positional(near, places), rounded_up([float(wider) * (1.0 + 1e-9)])[0]
-
-
-def _written(value: int, places: int) -> str:
-    """value·10**-places, with an exponent where that is shorter than many zeros."""
-    digits = str(abs(value))
-    power = len(digits) - 1 - places
-    if value == 0 or (places >= 0 and power > -7):
-        return _positional(value, places)
-    sign, point = "-" * (value < 0), "." * (len(digits) > 1)
-    return f"{sign}{digits[0]}{point}{digits[1:]}e{power:+03d}"
-
-
-def _positional(value: int, places: int) -> str:
-    """value·10**-places."""
-    digits = str(abs(value)).rjust(places + 1, "0")
-    body = digits if places == 0 else f"{digits[:-places]}.{digits[-places:]}"
-    return "-" + body if value < 0 else body
-
-
-def rounded_up(values: Sequence[float]) -> list[str]:
-    """Radii as decimals of three digits, rounded up."""
-    found = []
-    for value in values:
-        text = f"{value:.2e}"
-        found.append(text if float(text) >= value else f"{value * 1.01:.2e}")
-    return found

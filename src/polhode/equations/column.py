@@ -20,9 +20,6 @@ if TYPE_CHECKING:
     from polhode.numbers.rows import Columns, Given, Stack
     from polhode.scenes.scene import Scene
 
-#: Rows as decimal strings.
-Texts = Sequence[Sequence[str | None]]
-
 
 @dataclass(frozen=True)
 class Column:
@@ -31,15 +28,12 @@ class Column:
     ``values``: of a row of what it needs, one after the other (the state is p q r gamma1 gamma2
     gamma3), of coefficients and of the scalar's functions.  ``coefficients``: exact numbers of the
     scene by name, where the formula has any.  ``not_judged``: why a file's column is not held
-    against a reference, where it is not.  ``as_json``: the value in JSON, of the strings of the
-    states and of the column, where it is not the latter; ``from_json`` gives the latter back.
+    against a reference, where it is not.
     """
 
     values: RowFormula
     coefficients: Callable[[Scene], Mapping[str, Exact]] | None = None
     not_judged: str = ""
-    as_json: Callable[[Texts, Texts], Mapping[str, Texts]] | None = None
-    from_json: Callable[[Mapping[str, Texts]], Texts] | None = None
 
     def of(self, scene: Scene) -> Mapping[str, Exact]:
         """The formula's coefficients."""

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from polhode.figures.canvas.canvas import BODY, panels, remark, time_label
+from polhode.figures.canvas.canvas import panels, remark, series, time_label
 from polhode.figures.canvas.curve_sampling import Samples
 from polhode.numbers.rows import Doubles
 from polhode.scenes.vocabulary import ANGLES
@@ -23,7 +23,7 @@ def draw(plt: Any, found: Samples, axes: Any = None) -> Any:
     figure, made = panels(plt, axes, len(names), sharex=True, figsize=size)
     for axes, name in zip(made[:, 0], names, strict=True):
         angle = found.columns[name]
-        axes.plot(*broken(t, angle), color=BODY, gid=name)
+        axes.plot(*broken(t, angle), color=series(plt, 1)[0], gid=name)
         axes.set_ylabel(LABELS[name])
         axes.set_xlim(min(t), max(t))
         if not np.isfinite(angle).any():

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from types import ModuleType
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from polhode.certificates import verify
+from polhode.common.errors import BadInput
 from polhode.dynamics.sections import coordinates as geometry
-from polhode.figures.canvas import section_axes
+from polhode.figures.canvas import canvas, section_axes
 from polhode.numbers.rows import Doubles
 from polhode.proofs.chaos import homoclinic
-from polhode.proofs.chaos.h_set import HSet
 from polhode.proofs.chaos.lanes import backward
 from polhode.proofs.chaos.proved_chaos import ProvedChaos
-from polhode.proofs.chaos.transit import Image
+from polhode.results.result import Storable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,10 +27,13 @@ Points: TypeAlias = tuple[Doubles, Doubles]
 OUT, INTO, SETS = "#d55e00", "#0072b2", "#222222"
 
 
-def draw(plt: ModuleType, found: ProvedChaos) -> Figure:
+def draw(plt: ModuleType, found: Storable, axes: Any = None) -> Figure:
     """Left the maxima of the height of the centre of mass; right N0's plane, in sizes of N0."""
+    if not isinstance(found, ProvedChaos):
+        expected = "a proof as polhode.prove_chaos gives it: its file has no manifolds"
+        raise BadInput("plot", "what_of", repr(found), expected)
     figure: Figure
-    figure, (left, right) = plt.subplots(1, 2, figsize=(9.2, 4.2), layout="constrained")
+    figure, ((left, right),) = canvas.panels(plt, axes, 1, 2, figsize=(9.2, 4.2))
     draw_crossings(left, crossings(found))
     left.legend(fontsize=7, markerscale=1.5, loc="best")
     left.set_title("maxima of the height of the centre of mass", size=9)
@@ -47,14 +51,14 @@ class Crossings(NamedTuple):
 
 def crossings(found: ProvedChaos) -> Crossings:
     """Where the proof's guess of both manifolds crosses the section, and the sets of the proof."""
-    lanes, saddle, _ = found.guess
+    lanes, saddle, charts, sets, _ = found.guess
     out, into, _ = homoclinic.manifolds(lanes, saddle)
     on = geometry.ground(found.scene, found.h, found.f)
-    centres = np.array([_centre(x) for x in (found.proof.chain.home, *found.proof.chain.sets)])
+    centres = [charts[x.chart].centre + charts[x.chart].wide[:, 0] * x.middle for x in sets]
     return Crossings(
         geometry.height_coordinates(on, out.state.T),
         geometry.height_coordinates(on, backward(into.state).T),
-        geometry.height_coordinates(on, centres),
+        geometry.height_coordinates(on, np.array(centres)),
     )
 
 
@@ -64,59 +68,37 @@ def draw_crossings(axes: Axes, points: Crossings) -> None:
         ("unstable", OUT, points.unstable),
         ("stable", INTO, points.stable),
     ):
-        axes.plot(
-            *where,
-            ".",
-            ms=1.4,
-            mew=0,
-            color=colour,
-            label=f"{name} manifold",
-            rasterized=True,
-            gid=f"{name} manifold",
-        )
+        gid = f"{name} manifold"
+        look: dict[str, Any] = {"ms": 1.4, "mew": 0, "color": colour, "rasterized": True}
+        axes.plot(*where, ".", label=gid, gid=gid, **look)
     axes.plot(*points.sets, "+", ms=5, color=SETS, label="sets, each in its own plane", gid="sets")
     section_axes.label(axes, height=True)
     axes.set(xlim=(-0.1, 2 * np.pi + 0.1), ylim=(-1.1, 1.1))  # marks at the edges whole
 
 
 def _sets(axes: Axes, found: ProvedChaos) -> None:
-    chain = found.proof.chain
-    home = chain.home
-    for name, what in (("N0", home), ("M1", chain.sets[0])):
+    home, first = found.guess.sets[:2]
+    for name, what in (("N0", home), ("M1", first)):
         low, high = what.middle - what.width, what.middle + what.width
         x = np.array([low, high, high, low, low]) / home.width
         y = np.array([-1, -1, 1, 1, -1]) * what.height / home.height
         axes.plot(x, y, color=SETS, lw=1.2, gid=name)
         axes.text(what.middle / home.width, 1.06 * y.max(), name, ha="center", size=9)
-    x, y = _outline(chain.images[0])
+    x, y = _outline(found.images[0])
     axes.fill(x / home.width, y / home.height, color=OUT, alpha=0.35, lw=0, label="image of N0")
-    x, y = _outline(chain.images[-1])
-    axes.fill(
-        x / home.width,
-        y / home.height,
-        color=INTO,
-        alpha=0.6,
-        lw=1.0,
-        label=f"image of M{len(chain.sets)}",
-    )
+    x, y = _outline(found.images[-1])
+    look: dict[str, Any] = {"color": INTO, "alpha": 0.6, "lw": 1.0}
+    axes.fill(x / home.width, y / home.height, label=f"image of M{found.sets - 1}", **look)
     axes.set(xlabel="along the unstable direction", ylabel="along the stable direction")
     axes.set(ylim=(-1.4, 1.4))
     axes.legend(fontsize=7, loc="lower right")
     axes.set_title(f"N0's plane, unit {home.width:.2g}", size=9)
 
 
-def _outline(image: Image) -> tuple[Doubles, Doubles]:
+def _outline(image: verify.Image) -> tuple[Doubles, Doubles]:
     """The affine part of an image."""
     corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], dtype=float)
-    rows = [
-        float(image.shift[i, 0].mid())
-        + corners @ [float(image.turn[i, 0].mid()), float(image.turn[i, 1].mid())]
-        for i in range(2)
-    ]
-    return np.asarray(rows[0]), np.asarray(rows[1])
-
-
-def _centre(what: HSet) -> Doubles:
-    chart = what.chart
-    c = np.ldexp(np.array([float(x) for x in chart.centre]), -chart.fine)
-    return np.asarray(c + chart.wide[:, 0] * what.middle)
+    along, up = ([float(x.mid()) for x in column[:2]] for column in image.columns[:2])
+    shift = [float(x.mid()) for x in image.shift[:2]]
+    x, y = (shift[i] + corners @ [along[i], up[i]] for i in range(2))
+    return np.asarray(x), np.asarray(y)

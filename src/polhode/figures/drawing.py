@@ -1,96 +1,63 @@
-"""Figures and pages from Python: of a scene, or of the scene of a run."""
+"""Figures and pages from Python: of a scene, a result, or the file of one."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from importlib import import_module
-from pathlib import Path
-from typing import TYPE_CHECKING, overload
+from dataclasses import fields, replace
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from polhode.common.errors import BadInput, nearest
+from polhode.common.errors import BadInput
 from polhode.common.html_page import Page
-from polhode.common.result import Result
-from polhode.figures import motion_page, results
-from polhode.figures.canvas import canvas, curve_sampling, over_time
+from polhode.figures import catalogue, motion_page
+from polhode.figures.canvas import canvas
 from polhode.figures.canvas.curve_sampling import Samples
 from polhode.figures.explanations import explained
 from polhode.figures.sampled_motion import ANOTHER, of_samples
+from polhode.figures.source import MOTION, Asked, Shown, Source, shown
 from polhode.judging.references.reference import reference as reference_of
-from polhode.numbers.exact import Exact
 from polhode.numbers.scalars import AnyNumber
-from polhode.runs.trajectory import Trajectory
-from polhode.scenes import library
-from polhode.scenes.given_numbers import TIME, reader
-from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import Several, Single
 
 if TYPE_CHECKING:
     import numpy.typing as npt
     from matplotlib.axes import Axes
 
-#: The kinds of figures, and the outputs that a run for them needs.
-OUTPUTS: dict[str, tuple[str, ...]] = {
-    "angles": ("angles",),
-    "omega": (),
-    "momentum": (),
-    "attitude": ("attitude",),
-    "hodographs": ("attitude", "hodographs"),
-    "sphere": ("attitude",),
-    "integrals": (),
-    "error": (),
-}
-OVER_TIME = ("integrals", "error")  # of the whole run: not cut to a window
-FREE_OF_GAMMA = ("omega", "momentum", *OVER_TIME)
+_ASKED = [x.name for x in fields(Asked)]
 
 
 @overload
 def plot(
-    what_of: Trajectory | Scene | str | Path,
-    what: Several = "angles",
-    axes: object = None,
-    *,
-    end: AnyNumber | None = None,
+    what_of: Source, what: Several, ax: object = None, **options: object
 ) -> npt.NDArray[np.object_]: ...
 @overload
-def plot(
-    what_of: Trajectory | Scene | str | Path,
-    what: Single,
-    axes: object = None,
-    *,
-    end: AnyNumber | None = None,
-) -> Axes: ...
+def plot(what_of: Source, what: Single, ax: object = None, **options: object) -> Axes: ...
 @overload
 def plot(
-    what_of: Result | Scene | str | Path,
-    what: str = "",
-    axes: object = None,
-    *,
-    end: AnyNumber | None = None,
+    what_of: Source, what: str | None = None, ax: object = None, **options: object
 ) -> Axes | npt.NDArray[np.object_]: ...
 def plot(
-    what_of: Result | Scene | str | Path,
-    what: str = "",
-    axes: object = None,
-    *,
-    end: AnyNumber | None = None,
+    what_of: Source, what: str | None = None, ax: object = None, **options: object
 ) -> Axes | npt.NDArray[np.object_]:
-    """Draw a figure with matplotlib.
+    """Draw a figure with matplotlib; the colours of a style that is in use are taken.
 
     Parameters
     ----------
-    what_of : Result, Scene, str or Path
-        A scene, or a run, whose scene is integrated anew in its number type at as many times as
-        curves need; or any other result, which has one figure.
-    what : str
+    what_of : Scene, str, Path or any result
+        A scene; a run, whose scene is integrated anew in its number type at as many times as curves
+        need; any other result; or the path of the file of one, or of a table as for
+        :func:`polhode.compare`.
+    what : str, optional
         Of a scene or a run: angles, omega, momentum, attitude, hodographs, sphere, integrals or
-        error; unless given angles, or omega into one pair of axes.
-    axes : matplotlib axes, optional
-        As many as the figure has panels, to draw into.
-    end : number, optional
-        The last time drawn, in the scene's unit; unless given the scene's own, but no more than 100
-        radians (integrals and error: all).
+        error; of a map: fli, megno, exponent or verdict; any other result has one figure.  Unless
+        given the first of these, of a motion omega into one pair of axes.
+    ax : matplotlib axes, optional
+        As many as the figure has panels, to draw into; new ones unless given.
+    **options
+        ``title``, in place of the figure's own.  Of a motion: ``end``, the last time drawn, in the
+        scene's unit (unless given the scene's own, but no more than 100 radians; of integrals and
+        error all), ``number``, ``digits``; of a table also ``scene``, ``read`` and ``columns``.  Of
+        a map and an ensemble ``cmap``; of levels ``f_range`` and ``h_range``, two numbers each.
 
     Returns
     -------
@@ -110,18 +77,12 @@ def plot(
     ['ψ (rad)', 'θ (rad)', 'φ (rad)']
     """
     plt = canvas.pyplot(own=False)
-    if isinstance(what_of, Result) and not isinstance(what_of, Trajectory):
-        if what or end is not None:
-            raise BadInput("plot", "what", what or end, "nothing: such a result has one figure")
-        figure = results.draw(plt, what_of, axes)
-    else:
-        what = what or ("omega" if hasattr(axes, "plot") else "angles")
-        if what not in OUTPUTS:
-            raise BadInput("plot", "what", what, nearest(what, [*OUTPUTS]))
-        found = _samples(what_of, what, end)
-        figure = import_module(f"polhode.figures.{what}").draw(plt, found, axes)
-    own = [panel for panel in figure.axes if panel.get_label() != "<colorbar>"]
-    made = own if axes is None else axes
+    drawn: dict[str, Any] = dict(options)
+    asked = {name: drawn.pop(name) for name in _ASKED if name in options}
+    usual = "omega" if hasattr(ax, "plot") else "angles"
+    found = shown(what_of, what, Asked(**asked), usual=usual)
+    figure = catalogue.draw(plt, found.found, ax, found.what, **drawn)
+    made = catalogue.own_panels(figure) if ax is None else ax
     several: npt.NDArray[np.object_] = np.ravel(np.asarray(made, dtype=object))
     if len(several) != 1:
         return several
@@ -129,13 +90,13 @@ def plot(
     return only
 
 
-def view(what_of: Trajectory | Scene | str | Path, *, end: AnyNumber | None = None) -> Page:
+def view(what_of: Source, *, end: AnyNumber | None = None) -> Page:
     """Show a motion as one page that moves: no network, nothing else needed.
 
     Parameters
     ----------
-    what_of : Trajectory, Scene, str or Path
-        A scene, or a run.
+    what_of : Scene, Trajectory, str or Path
+        A scene, a run, or the file of a run.
     end : number, optional
         The last time shown, as for :func:`polhode.plot`.
 
@@ -154,47 +115,27 @@ def view(what_of: Trajectory | Scene | str | Path, *, end: AnyNumber | None = No
     >>> import polhode
     >>> polhode.view("euler/largest-axis").save("motion.html")  # doctest: +SKIP
     """
-    found = _samples(what_of, "sphere", end)
+    found = shown(what_of, MOTION, Asked(end=end))
     return Page(found.name, page_of(found, "polhode.view"))
 
 
-def page_of(found: Samples, command: str, measured: bool = False) -> str:
-    """The page of a motion in columns; ``measured``: they are a file's, not a run's."""
-    motion = of_samples(found)
+def page_of(found: Shown, command: str) -> str:
+    """The page of a motion in columns, a run's or a file's."""
+    motion = of_samples(samples_of(found))
     scene = motion.scene
-    origin = (
-        "Attitude and omega as the file has them."
-        if measured
-        else ("Attitude and omega by heyoka's Taylor method, in double.")
-    )
+    origin = "Attitude and omega by heyoka's Taylor method, in double."
+    if found.measured:
+        origin = "Attitude and omega as the file has them."
     known = reference_of(replace(scene, reference="auto"))
     title, regime = scene.title or scene.name, known.regime
     words = explained(known.kind, regime, scene)
-    if measured and not motion.on_level():
+    if found.measured and not motion.on_level():
         words = regime = ANOTHER
     return motion_page.page(motion, title, regime, words, origin, command)
 
 
-def _samples(what_of: Trajectory | Scene | str | Path, what: str, end: AnyNumber | None) -> Samples:
-    run = what_of if isinstance(what_of, Trajectory) else None
-    scene = run.scene if run is not None else library.load(what_of)  # type: ignore[arg-type]
-    last: Exact | None = None
-    if end is not None:
-        try:
-            last = reader(scene.units, TIME)(end)
-        except ValueError as fault:
-            raise BadInput(scene.name, "end", end, f"a time ({fault})") from None
-    if scene.gamma is None and what not in FREE_OF_GAMMA:
-        raise BadInput(scene.name, "what", what, "a scene with start.gamma")
-    number = None if run is None else run.number
-    long = what in OVER_TIME
-    times = curve_sampling.shown_times(scene, last, over_time.SAMPLES if long else None)
-    project = False if what == "integrals" else None
-    found = curve_sampling.run(
-        *(scene, times, OUTPUTS[what], number), project=project, interruptible=False
-    )
-    if not found.outcome.done:
-        raise BadInput(scene.name, "end", float(times[-1]), f"an earlier end: {found.cause}")
-    if what == "error":
-        return over_time.errors_of_run(found, reference_of(scene))
-    return over_time.departures_of_run(found) if long else curve_sampling.of_run(found)
+def samples_of(found: Shown) -> Samples:
+    """The samples of a motion that is shown; raises BadInput where that is none."""
+    if not isinstance(found.found, Samples):
+        raise BadInput(found.name, "--what", MOTION, "a scene, a run, or a table of a motion")
+    return found.found

@@ -195,7 +195,7 @@ class _Frames:
     def __init__(self, motion: Motion, axes: Axes, end: float, closed: bool) -> None:
         self.motion, self.axes, self.closed = motion, axes, closed
         scene = motion.scene
-        _, direction = apex(Samples(scene.name, {}, scene))
+        _, direction = apex(scene)
         self.direction = np.array(direction)
         self.times = motion.times[motion.times <= end]
         self.path = self._tips(motion.attitude[: len(self.times)])

@@ -1,4 +1,4 @@
-"""Figure of frequencies: the amplitude spectrum of each signal, its lines marked."""
+"""Figure of frequencies: the lines of each signal, over its amplitude spectrum."""
 
 from __future__ import annotations
 
@@ -9,26 +9,39 @@ import numpy as np
 from polhode.dynamics.frequencies.frequencies import Frequencies
 from polhode.dynamics.frequencies.naff import POWER
 from polhode.figures.canvas import canvas
-from polhode.figures.canvas.canvas import BODY, SPACE
+from polhode.figures.canvas.canvas import series
+from polhode.figures.results import numbers, told
+from polhode.results.result import Storable
+from polhode.scenes.vocabulary import STATE
 
 
-def draw(plt: Any, found: Frequencies, axes: Any = None) -> Any:
-    """|F| over frequency by a window of (1 + cos)^5, and a circle on each line."""
-    count = len(found.lines)
-    size = (6.4, 0.6 + 1.9 * count)
-    figure, panels = canvas.panels(plt, axes, count, figsize=size, sharex=True)
-    every = [line for lines in found.lines.values() for line in lines]
-    fastest = max((abs(line.frequency) for line in every), default=0.0)
-    span = 1.6 * fastest or 1.0
-    for panel, (name, lines) in zip(panels[:, 0], found.lines.items(), strict=True):
-        frequency, power = spectrum(found.signals[name], found.step)
-        shown = np.abs(frequency) <= span
-        panel.semilogy(frequency[shown], power[shown], color=BODY, lw=0.6, gid=f"spectrum {name}")
-        for line in lines:
-            panel.plot(line.frequency, abs(line.amplitude), "o", color=SPACE, ms=3.5, mfc="none")
-        top = max(abs(line.amplitude) for line in lines) if lines else 1.0
+def draw(plt: Any, found: Storable, axes: Any = None) -> Any:
+    """|F| over frequency by a window of (1 + cos)^5, and a circle on each line.
+
+    Of a file, which has no samples, the lines alone.
+    """
+    known = told(found)
+    signal = np.array(known.column("signal"), dtype=np.str_)
+    frequency, amplitude = (numbers(known, name) for name in ("frequency", "amplitude"))
+    samples = found.signals if isinstance(found, Frequencies) else {}
+    names = [*(samples or dict.fromkeys(signal.tolist()))] or ["no signal"]
+    size = (6.4, 0.6 + 1.9 * len(names))
+    figure, panels = canvas.panels(plt, axes, len(names), figsize=size, sharex=True)
+    span = 1.6 * float(np.abs(frequency).max(initial=0.0)) or 1.0
+    curve, mark = series(plt, 2)
+    for panel, name in zip(panels[:, 0], names, strict=True):
+        own = signal == name
+        top = float(amplitude[own].max(initial=0.0)) or 1.0
+        if isinstance(found, Frequencies):
+            at, power = spectrum(samples[name], found.step)
+            shown = np.abs(at) <= span
+            panel.semilogy(at[shown], power[shown], color=curve, lw=0.6, gid=f"spectrum {name}")
+        else:
+            panel.vlines(frequency[own], top * 1e-14, amplitude[own], color=curve, lw=0.6)
+            panel.set_yscale("log")
+        panel.plot(frequency[own], amplitude[own], "o", color=mark, ms=3.5, mfc="none", gid=name)
         panel.set(ylim=(top * 1e-14, top * 5), ylabel=f"|F| of {name}")
-    real = not any(np.any(np.imag(signal)) for signal in found.signals.values())
+    real = all(name in STATE for name in names)
     panels[-1, 0].set(xlim=(0 if real else -span, span), xlabel="frequency (rad / unit of time)")
     return figure
 

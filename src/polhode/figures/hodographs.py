@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from polhode.equations.hodographs import turned
-from polhode.figures.canvas.canvas import BODY, HIDDEN, SPACE, panels
+from polhode.figures.canvas.canvas import pale, panels, series
 from polhode.figures.canvas.curve_sampling import Samples
 from polhode.figures.canvas.globe import facing_most
 from polhode.numbers.conversion import to_double
@@ -45,9 +45,10 @@ def draw(plt: Any, found: Samples, axes: Any = None) -> Any:
 def _views(plt: Any, omega: Doubles, space: Doubles, axes: Any) -> Any:
     figure, made = panels(plt, axes, 2, 2, figsize=(6.4, 6.2))
     size = _largest(omega)
+    body, fixed = series(plt, 2)
     for column, title, points, names, colour in (
-        (0, "in the body", omega, ("p", "q", "r"), BODY),
-        (1, "in space", space, ("ω·X", "ω·Y", "ω·Z"), SPACE),
+        (0, "in the body", omega, ("p", "q", "r"), body),
+        (1, "in space", space, ("ω·X", "ω·Y", "ω·Z"), fixed),
     ):
         for axes, view, (i, j) in zip(
             made[:, column], ("elevation", "plan"), ((0, 2), (0, 1)), strict=True
@@ -69,18 +70,19 @@ def _poinsot(plt: Any, found: Samples, omega: Doubles, space: Doubles, axes: Any
     a, b, c = ((2 * energy / to_double(m)) ** 0.5 for m in body.moments)
     inertia = np.array([[to_double(x) for x in row] for row in body.inertia])
     figure, ((left, right),) = panels(plt, axes, 1, 2, figsize=(7.0, 3.5))
+    colour, other = series(plt, 2)
     if max(a, b, c) > FLATTEST * min(a, b, c):
-        _flat(left, principal[:, 0], principal[:, 2], _largest(omega), BODY, "polhode")
+        _flat(left, principal[:, 0], principal[:, 2], _largest(omega), colour, "polhode")
         left.set(xlabel="ω₁" + UNIT, ylabel="ω₃" + UNIT)
     else:
         globe = facing_most(principal, (a, b, c))
         globe.surface(left)
         globe.arms(left, ("ω₁", "ω₂", "ω₃"))
-        globe.curve(left, principal, BODY, HIDDEN[BODY], "polhode", lw=1.0)
-        globe.mark(left, principal[0], BODY)
+        globe.curve(left, principal, colour, pale(colour), "polhode", lw=1.0)
+        globe.mark(left, principal[0], colour)
     left.set_title("polhode on the ellipsoid of energy", size=9)
     across, along = invariable_plane(found, space, omega[0] @ inertia)
-    _flat(right, space @ across, space @ along, _largest(omega), SPACE, "herpolhode")
+    _flat(right, space @ across, space @ along, _largest(omega), other, "herpolhode")
     right.plot(0, 0, "+", color="#333333", ms=5, mew=0.7)
     right.set(xlabel="ω·ξ" + UNIT, ylabel="ω·η" + UNIT)
     right.set_title("herpolhode in the invariable plane", size=9)

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from polhode.dynamics.levels.levels import Column, Levels
+from polhode.common.errors import BadInput
+from polhode.dynamics.levels.levels import Column, Levels, levels
 from polhode.dynamics.levels.regions import Region
 from polhode.figures.canvas import canvas
-from polhode.figures.canvas.canvas import SPACE
-from polhode.numbers.conversion import to_double
+from polhode.figures.canvas.canvas import series
+from polhode.figures.results import told
+from polhode.numbers import expression
+from polhode.numbers.conversion import exact_number, to_double
+from polhode.results.result import Storable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 COLUMNS = 160
+_LARGEST = 1e306  # of what an axis shows
 LINES: dict[str, Any] = {
     "centre-centre": ("-", "#000000"),
     "centre-saddle": ((0, (4, 1.6)), "#000000"),
@@ -25,6 +31,7 @@ LINES: dict[str, Any] = {
     "degenerate": ("-", "#888888"),
 }
 STABLE = 1.8  # width of a line of Liapunov-stable rotations
+_MARK = {"color": "#000000", "ms": 3.6, "mfc": "#ffffff", "mew": 0.8}
 MARKS = {"cusp": "v", "Hamiltonian-Hopf": "D", "branch": "o"}
 #: Of Brewer's pastel set, by the edges of the parts.
 SHADES: dict[Region, str] = {
@@ -40,6 +47,46 @@ OTHER = "#e4e4e4"
 HATCH = "////"
 
 
+def draw(
+    plt: Any, found: Storable, axes: Any = None, *, f_range: Any = None, h_range: Any = None
+) -> Any:
+    """Regions as shades, arcs as lines by type, special points, and the scene's level.
+
+    ``f_range``, ``h_range``: what is shown; unless given it holds every special point and the
+    scene.  The levels of a file are found anew.
+    """
+    if not isinstance(found, Levels):
+        found = levels(told(found).scene)
+    shown = window(found, f_range, h_range)
+    figure, panels = canvas.panels(plt, axes, 1, figsize=(6.6, 4.4))
+    legend = canvas.legend_of(figure, axes)
+    axes = panels[0, 0]
+    _shades(axes, found, shown)
+    sides = [side for side in (1, -1) if (shown.f[0] < 0 if side < 0 else shown.f[1] > 0)]
+    lines, marks = {}, {}
+    for curve in found.curves:
+        stable = curve.morse == 0
+        style, colour = LINES[curve.type]
+        look = {"linestyle": style, "color": colour, "linewidth": STABLE if stable else 0.9}
+        lines[curve.type, stable] = look
+        for side in sides:
+            gid = f"{curve.family} family, {curve.type}"
+            axes.plot(side * curve.points[:, 0], curve.points[:, 1], gid=gid, **look)
+    for mark in found.marks:
+        look = {"marker": MARKS[mark.kind], "linestyle": "", **_MARK}
+        for side in sides:
+            axes.plot(side * float(mark.f), float(mark.h), **look)
+        if min(shown.f) <= sides[0] * float(mark.f) <= max(shown.f):
+            marks[mark.kind] = look
+    scene = {"marker": "o", "linestyle": "", "color": series(plt, 2)[1], "ms": 5}
+    axes.plot(to_double(found.here.f), to_double(found.here.h), **scene)
+    named = {kind + (", Liapunov stable" if x else ""): lines[kind, x] for kind, x in sorted(lines)}
+    named |= {kind: marks[kind] for kind in sorted(marks)} | {"the scene": scene}
+    _legend(legend, axes, named)
+    axes.set(xlim=shown.f, ylim=shown.h, xlabel="f", ylabel="h")
+    return figure
+
+
 class Window(NamedTuple):
     """What is drawn."""
 
@@ -47,16 +94,10 @@ class Window(NamedTuple):
     h: tuple[float, float]
 
 
-class Diagram(NamedTuple):
-    """Levels and the window in which they are drawn."""
-
-    levels: Levels
-    window: Window
-
-
 def window(found: Levels, f: Any = None, h: Any = None) -> Window:
     """The window asked for; unless given, one that holds every special point and the scene."""
     here = to_double(found.here.f), to_double(found.here.h)
+    f = None if f is None else _range(found.scene.name, "--f-range", f)
     if f is None:
         marks = [float(mark.f) for mark in found.marks]
         span = max([1.5 * x for x in marks] + [1.4 * abs(here[0])], default=0.0)
@@ -70,48 +111,25 @@ def window(found: Levels, f: Any = None, h: Any = None) -> Window:
                 high.extend(column.energies[-1:])
         margin = 0.08 * (max(high) - min(low)) or 1.0
         h = (min(low) - margin, max(high) + margin)
-    return Window((float(f[0]), float(f[1])), (float(h[0]), float(h[1])))
+    source = found.scene.name
+    return Window(_range(source, "--f-range", f), _range(source, "--h-range", h))
 
 
-def draw(plt: Any, what: Diagram, axes: Any = None) -> Any:
-    """Regions as shades, arcs as lines by type, special points, and the scene's level."""
-    found, shown = what.levels, what.window
-    figure, panels = canvas.panels(plt, axes, 1, figsize=(6.6, 4.4))
-    legend = canvas.legend_of(figure, axes)
-    axes = panels[0, 0]
-    _shades(axes, found, shown)
-    sides = [side for side in (1, -1) if (shown.f[0] < 0 if side < 0 else shown.f[1] > 0)]
-    drawn = set()
-    for curve in found.curves:
-        style, colour = LINES[curve.type]
-        for side in sides:
-            axes.plot(
-                side * curve.points[:, 0],
-                curve.points[:, 1],
-                linestyle=style,
-                color=colour,
-                linewidth=STABLE if curve.morse == 0 else 0.9,
-                gid=f"{curve.family} family, {curve.type}",
-            )
-        drawn.add((curve.type, curve.morse == 0))
-    kinds = set()
-    for mark in found.marks:
-        for side in sides:
-            axes.plot(
-                side * float(mark.f),
-                float(mark.h),
-                MARKS[mark.kind],
-                color="#000000",
-                ms=3.6,
-                mfc="#ffffff",
-                mew=0.8,
-            )
-        if min(shown.f) <= sides[0] * float(mark.f) <= max(shown.f):
-            kinds.add(mark.kind)
-    axes.plot(to_double(found.here.f), to_double(found.here.h), "o", color=SPACE, ms=5)
-    _legends(legend, axes, drawn, kinds)
-    axes.set(xlim=shown.f, ylim=shown.h, xlabel="f", ylabel="h")
-    return figure
+def _range(source: str, key: str, given: Any) -> tuple[float, float]:
+    """A range that was given as two numbers, or as a text A:B; raises BadInput."""
+    parts = given.split(":") if isinstance(given, str) else given
+    try:
+        first, last = (
+            to_double(expression.number(x) if isinstance(x, str) else exact_number(x))
+            for x in parts
+        )
+    except (TypeError, ValueError):
+        raise BadInput(source, key, given, "A:B, two numbers") from None
+    if max(abs(first), abs(last)) > _LARGEST:
+        raise BadInput(source, key, given, f"A:B, two numbers of at most {_LARGEST:g}")
+    if not first < last:
+        raise BadInput(source, key, given, "A:B with A below B")
+    return first, last
 
 
 def _shades(axes: Axes, found: Levels, shown: Window) -> None:
@@ -154,42 +172,12 @@ def _strip(
     return seen
 
 
-def _legends(legend: Any, axes: Axes, drawn: set[Any], kinds: set[str]) -> None:
+def _legend(legend: Any, axes: Axes, named: Mapping[str, Mapping[str, Any]]) -> None:
     from matplotlib.lines import Line2D
 
-    lines = [
-        Line2D(
-            [],
-            [],
-            linestyle=LINES[kind][0],
-            color=LINES[kind][1],
-            linewidth=STABLE if stable else 0.9,
-            label=kind + (", Liapunov stable" if stable else ""),
-        )
-        for kind, stable in sorted(drawn)
-    ]
-    lines += [
-        Line2D(
-            [],
-            [],
-            linestyle="",
-            marker=MARKS[kind],
-            color="#000000",
-            ms=3.6,
-            mfc="#ffffff",
-            mew=0.8,
-            label=kind,
-        )
-        for kind in sorted(kinds)
-    ]
-    lines.append(Line2D([], [], linestyle="", marker="o", color=SPACE, ms=5, label="the scene"))
-    patches, names = axes.get_legend_handles_labels()
-    legend(
-        handles=[*lines, *patches],
-        labels=[*(line.get_label() for line in lines), *names],
-        frameon=False,
-        fontsize=7.5,
-    )
+    patches, regions = axes.get_legend_handles_labels()
+    handles = [*(Line2D([], [], **look) for look in named.values()), *patches]
+    legend(handles=handles, labels=[*named, *regions], frameon=False, fontsize=7.5)
 
 
 def name(region: Region) -> str:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from polhode.dynamics.chaos.chaos_map import ChaosMap
 from polhode.figures.canvas import canvas, section_axes
+from polhode.figures.results import numbers, told
+from polhode.numbers.rows import Doubles
+from polhode.results.result import Storable
+from polhode.runs.saved import Saved
 
 LABELS = {"fli": "FLI = max ln|u|", "megno": "MEGNO", "exponent": "exponent (1/unit of time)"}
 #: Above these all is chaotic: the colours are for what is below.
@@ -15,62 +18,80 @@ TOPS = {"fli": 15.0, "megno": 4.0}
 SHADES = ("#cfe3f2", "#f5e6b3", "#b2182b")  # regular, undecided, chaotic
 
 
-class Shown(NamedTuple):
-    """A map and which of its numbers is drawn."""
-
-    map: ChaosMap
-    what: str
+def fli(plt: Any, found: Storable, axes: Any = None, *, cmap: str = "viridis") -> Any:
+    """The fast Lyapunov indicator."""
+    return _scaled(plt, told(found), axes, "fli", cmap)
 
 
-def draw(plt: Any, shown: Shown, axes: Any = None) -> Any:
-    """The cells in colour; white where no motion is on the level."""
-    found, what = shown
+def megno(plt: Any, found: Storable, axes: Any = None, *, cmap: str = "viridis") -> Any:
+    """The mean exponential growth of nearby orbits."""
+    return _scaled(plt, told(found), axes, "megno", cmap)
+
+
+def exponent(plt: Any, found: Storable, axes: Any = None, *, cmap: str = "viridis") -> Any:
+    """Lyapunov's largest exponent."""
+    return _scaled(plt, told(found), axes, "exponent", cmap)
+
+
+def verdict(plt: Any, found: Storable, axes: Any = None) -> Any:
+    """The verdict on each motion, as one of three colours."""
+    from matplotlib.colors import ListedColormap
+    from matplotlib.patches import Patch
+
+    known = told(found)
     figure, panels = canvas.panels(plt, axes, 1, figsize=(6.0, 4.4))
-    legend = canvas.legend_of(figure, axes)
-    axes = panels[0, 0]
-    cells = np.full(found.shape[0] * found.shape[1], np.nan)
-    values = np.asarray(getattr(found, what), dtype=float)
-    early = found.until < found.end * (1 - 1e-9)
-    if what in ("fli", "megno") and early.any() and not early.all():  # chaotic: off the scale
-        values = np.where(early, max(values.max(), values[~early].max()), values)
-    for value, cell in zip(values, found.cell, strict=True):
-        cells[cell] = value if np.isnan(cells[cell]) else max(cells[cell], value)
-    x, y = (_edges(found, k) for k in (0, 1))
-    grid = cells.reshape(found.shape).T
-    if what == "verdict":
-        from matplotlib.colors import ListedColormap
-        from matplotlib.patches import Patch
-
-        options = {"cmap": ListedColormap(SHADES), "vmin": -0.5, "vmax": 2.5}
-        axes.pcolormesh(x, y, grid, rasterized=True, **options)
-        patches = [
-            Patch(color=shade, label=f"{name}: {found.counts[name]}")
-            for name, shade in zip(found.words, SHADES, strict=True)
-        ]
-        legend(handles=patches, frameon=False, fontsize=8)
-    else:
-        top = min(float(np.quantile(values, 0.99)), TOPS.get(what, np.inf))
-        mesh = axes.pcolormesh(x, y, grid, cmap="viridis", vmax=top, rasterized=True)
-        bar = figure.colorbar(mesh, ax=axes, extend="max")
-        bar.set_label(LABELS[what])
-        bar.outline.set_linewidth(0.6)
-    if found.h is None:
-        axes.set(xlabel=found.keys[0], ylabel=found.keys[1])
-    else:
-        height = found.keys[0] == "azimuth"
-        section_axes.label(axes, height, found.scene.body.torque_free)
-    told = ", ".join(f"{n} {name}" for name, n in found.counts.items())
-    axes.set_title(f"up to t = {found.end:g}: {told}", size=9)
+    legend, panel = canvas.legend_of(figure, axes), panels[0, 0]
+    counts = known.fact("counts")
+    words = [*counts][: len(SHADES)]
+    values = np.array([words.index(word) for word in known.column("verdict")], dtype=float)
+    options = {"cmap": ListedColormap(SHADES), "vmin": -0.5, "vmax": 2.5}
+    _mesh(panel, known, values, options)
+    patches = [
+        Patch(color=shade, label=f"{name}: {counts[name]}")
+        for name, shade in zip(words, SHADES, strict=True)
+    ]
+    legend(handles=patches, frameon=False, fontsize=8)
     return figure
 
 
-def _edges(found: ChaosMap, k: int) -> Any:
+def _scaled(plt: Any, known: Saved, axes: Any, what: str, cmap: str) -> Any:
+    """A number of each motion by a colour."""
+    figure, panels = canvas.panels(plt, axes, 1, figsize=(6.0, 4.4))
+    panel, values = panels[0, 0], numbers(known, what)
+    early = numbers(known, "until") < known.fact("end") * (1 - 1e-9)
+    if what in TOPS and early.any() and not early.all():  # chaotic: off the scale
+        values = np.where(early, max(values.max(), values[~early].max()), values)
+    top = min(float(np.quantile(values, 0.99)), TOPS.get(what, np.inf))
+    mesh = _mesh(panel, known, values, {"cmap": cmap, "vmax": top})
+    bar = figure.colorbar(mesh, ax=panel, extend="max")
+    bar.set_label(LABELS[what])
+    bar.outline.set_linewidth(0.6)
+    return figure
+
+
+def _mesh(panel: Any, known: Saved, values: Doubles, options: dict[str, Any]) -> Any:
+    """The largest value of each cell; white where no motion is on the level."""
+    rows, columns = known.fact("grid")
+    cells = np.full(rows * columns, np.nan)
+    np.fmax.at(cells, np.asarray(known.column("cell"), dtype=int), values)
+    x, y = (_edges(known, k) for k in (0, 1))
+    mesh = panel.pcolormesh(x, y, cells.reshape(rows, columns).T, rasterized=True, **options)
+    keys = known.fact("keys")
+    if known.fact("h") is None:
+        panel.set(xlabel=keys[0], ylabel=keys[1])
+    else:
+        section_axes.label(panel, keys[0] == "azimuth", known.scene.body.torque_free)
+    counted = ", ".join(f"{n} {name}" for name, n in known.fact("counts").items())
+    panel.set_title(f"up to t = {known.fact('end'):g}: {counted}", size=9)
+    return mesh
+
+
+def _edges(known: Saved, k: int) -> Doubles:
     """The edges of the cells along one coordinate."""
-    n = found.shape[k]
-    if found.h is not None:
+    if known.fact("h") is not None:
         low, high = ((0.0, 2 * np.pi), (-1.0, 1.0))[k]
-        return np.linspace(low, high, n + 1)
-    middle = np.unique(found.at[:, k])
+        return np.linspace(low, high, known.fact("grid")[k] + 1)
+    middle = np.unique(numbers(known, known.fact("keys")[k]))
     if len(middle) == 1:
         return np.array([middle[0] - 0.5, middle[0] + 0.5])
     inner = (middle[1:] + middle[:-1]) / 2

@@ -19,7 +19,6 @@ import numpy as np
 from polhode.common.errors import BadInput
 from polhode.common.provenance import __version__
 from polhode.common.text_tables import printable
-from polhode.figures.canvas.curve_sampling import Samples
 from polhode.figures.sampled_motion import Motion
 from polhode.figures.solids import solids, unit
 from polhode.figures.sphere import apex
@@ -60,7 +59,7 @@ def page(found: Motion, title: str, regime: str, words: str, origin: str, comman
     ``words``: what is seen, in sentences; ``origin``: where the numbers come from, a sentence.
     """
     scene = found.scene
-    point, _ = apex(Samples(scene.name, {}, scene))
+    point, _ = apex(scene)
     data = _data(found, words)
     scripts = "".join((_PARTS / f"{name}.js").read_text(encoding="utf-8") for name in SCRIPTS)
     what = "its solids" if scene.body.parts else "its ellipsoid of inertia"
@@ -115,7 +114,7 @@ def _data(found: Motion, words: str) -> dict[str, Any]:
     fastest = float(np.max(np.linalg.norm(found.omega, axis=1))) or 1.0
     turn = 2 * math.pi / fastest
     pace = max(turn / TURN_SECONDS, (end - begin) / MOST_SECONDS)
-    _, direction = apex(Samples(scene.name, {}, scene))
+    _, direction = apex(scene)
     inertia = np.array([[to_double(x) for x in row] for row in body.inertia])
     moments = [to_double(x) for x in body.moments]
     weight = [to_double(x) for x in body.torque]

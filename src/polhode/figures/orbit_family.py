@@ -5,38 +5,38 @@ from __future__ import annotations
 from typing import Any
 
 from polhode.dynamics.periodic_orbits.continuation import BRANCH, DOUBLING, FOLD
-from polhode.dynamics.periodic_orbits.families import OrbitFamily
 from polhode.figures.canvas import canvas
-from polhode.figures.canvas.canvas import BODY, PLAIN, REST, SPACE
+from polhode.figures.canvas.canvas import PLAIN, series
 from polhode.figures.canvas.residue_axis import residue_axis
+from polhode.figures.results import numbers, told
+from polhode.results.result import Storable
 
-_MARKS = {FOLD: ("s", SPACE), BRANCH: ("D", REST), DOUBLING: ("o", PLAIN)}
+_MARKS = {FOLD: "s", BRANCH: "D", DOUBLING: "o"}
 
 
-def draw(plt: Any, found: OrbitFamily, axes: Any = None) -> Any:
+def draw(plt: Any, found: Storable, axes: Any = None) -> Any:
     """Period above, residue below; elliptic between 0 and 1."""
+    known = told(found)
     figure, panels = canvas.panels(plt, axes, 2, figsize=(4.8, 4.8), sharex=True)
-    above, below = panels[:, 0]
-    over = [getattr(point, found.by) for point in found.points]
-    for panel, name in ((above, "period"), (below, "residue")):
-        values = [getattr(point, name) for point in found.points]
-        panel.plot(over, values, "-", color=BODY, lw=0.9, gid=f"family {name}")
-        panel.plot(over, values, ".", color=BODY, ms=2.5)
-        told = set()
-        for one in found.bifurcations:
-            mark, colour = _MARKS[one.what]
-            label = None if one.what in told else one.what
-            told.add(one.what)
-            at = getattr(one.point, found.by), getattr(one.point, name)
-            panel.plot(*at, mark, color=colour, ms=4, mfc="none", label=label)
+    by, passed = known.fact("by"), known.fact("bifurcations")
+    first, *others = series(plt, 3)
+    colours = dict(zip(_MARKS, (*others, PLAIN), strict=True))
+    for panel, name in zip(panels[:, 0], ("period", "residue"), strict=True):
+        over, values = numbers(known, by), numbers(known, name)
+        panel.plot(over, values, "-", color=first, lw=0.9, gid=f"family {name}")
+        panel.plot(over, values, ".", color=first, ms=2.5)
+        marked = set()
+        at = zip(*(x.values for x in passed.columns if x.name in ("what", by, name)), strict=True)
+        for what, *point in at:
+            label = None if what in marked else what
+            marked.add(what)
+            look = {"color": colours[what], "ms": 4, "mfc": "none", "label": label}
+            panel.plot(*point, _MARKS[what], **look)
         panel.set_ylabel(name)
+    above, below = panels[:, 0]
     residue_axis(below)
-    below.set_xlabel(f"{found.by}, at {'f' if found.by == 'h' else 'h'} = {_held(found):.6g}")
-    if found.bifurcations:
+    held = "f" if by == "h" else "h"
+    below.set_xlabel(f"{by}, at {held} = {numbers(known, held)[0]:.6g}")
+    if passed.rows:
         above.legend(frameon=False, fontsize=8)
     return figure
-
-
-def _held(found: OrbitFamily) -> float:
-    point = found.points[0]
-    return point.f if found.by == "h" else point.h

@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 
 from polhode.equations.hodographs import turned
-from polhode.figures.canvas.canvas import BODY, HIDDEN, SPACE, panels
+from polhode.figures.canvas.canvas import pale, panels, series
 from polhode.figures.canvas.curve_sampling import Samples
 from polhode.figures.canvas.globe import facing_most
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import sign, sqrt
 from polhode.numbers.vectors import dot
+from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ATTITUDE, STATE
 
 IN_BODY, IN_SPACE = ("x", "y", "z"), ("X", "Y", "Z")
@@ -20,32 +21,33 @@ IN_BODY, IN_SPACE = ("x", "y", "z"), ("X", "Y", "Z")
 
 def draw(plt: Any, found: Samples, axes: Any = None) -> Any:
     """The vertical's trace in the body; with an attitude, the apex's path in space beside it."""
-    spheres = [("γ in the body", found.vectors(STATE[3:]), IN_BODY, BODY)]
+    spheres = [("γ in the body", found.vectors(STATE[3:]), IN_BODY, "gamma")]
     if found.has(ATTITUDE):
-        name, direction = apex(found)
+        name, direction = apex(found.scene)
         path = np.array(turned(found.vectors(ATTITUDE).T, direction)).T
-        spheres.append((f"{name} in space", path, IN_SPACE, SPACE))
+        spheres.append((f"{name} in space", path, IN_SPACE, "apex"))
     size = (3.4 * len(spheres), 3.6)
     figure, made = panels(plt, axes, 1, len(spheres), figsize=size)
-    for axes, (title, points, labels, colour) in zip(made[0], spheres, strict=True):
+    for axes, colour, (title, points, labels, name) in zip(
+        made[0], series(plt, 2), spheres, strict=False
+    ):
         points = points[np.isfinite(points).all(axis=1)]
         points = points / np.linalg.norm(points, axis=1)[:, None]
         globe = facing_most(points)
         globe.surface(axes)
         globe.arms(axes, labels)
-        globe.curve(axes, points, colour, HIDDEN[colour], "gamma" if colour == BODY else "apex")
+        globe.curve(axes, points, colour, pale(colour), name)
         globe.mark(axes, points[0], colour)
         axes.set_title(title, size=9)
     return figure
 
 
-def apex(found: Samples) -> tuple[str, list[float]]:
+def apex(scene: Scene | None) -> tuple[str, list[float]]:
     """What is followed in space: of a heavy body its centre of mass.
 
     Of a free one its axis of symmetry, or the principal axis along which omega begins the largest;
     the third axis where neither is there.
     """
-    scene = found.scene
     if scene is None:
         return "third axis", [0.0, 0.0, 1.0]
     body = scene.body

@@ -38,7 +38,7 @@ class _Options(TypedDict, total=False):
     inputs: NumberType | None
     project: bool | int | None
     method: str
-    proved: bool | None
+    prove: bool | None
     progress: Progress | bool | None
 
 
@@ -100,7 +100,7 @@ def integrate(
     inputs: NumberType | None = None,
     project: bool | int | None = None,
     method: str = "auto",
-    proved: bool | None = None,
+    prove: bool | None = None,
     progress: Progress | bool | None = None,
     **unknown: Never,
 ) -> Trajectory:
@@ -111,32 +111,33 @@ def integrate(
     scene : Scene, str or Path
         A scene, a path, or the name of a case.
     number : str or NumberType, optional
-        "double" (the default), "extended", "quad", "mp" (50 digits), or a NumberType.
+        The number type, double (the default), extended, quad or mp (50 digits); or a NumberType.
     digits : int, optional
-        The correct digits wanted.  The number type is chosen by how much this motion multiplies
-        errors; the run is then checked, by the closed form, a proof or a second run, and repeated
-        in a wider type if digits are missing.
+        The correct digits wanted at every time, which are checked.  The number type is chosen by
+        how much this motion multiplies errors; the run is then checked, by the closed form, a proof
+        or a second run, and repeated in a wider type if digits are missing.
     at : iterable of numbers, optional
         Output times in the scene's unit, instead of the scene's own.
     tol : number, optional
-        The tolerance of a step; the type's eps by default.
+        The tolerance of a step (the type's eps by default).
     max_steps : int, optional
         A limit on the steps; a run that needs more ends there, and its outcome says so.
     inputs : NumberType, optional
         Round start and coefficients to this narrower type first, to see the effect of that rounding
         alone.
     project : bool or int, optional
-        Project the state onto the exact scene's first integrals every so many steps; True: as often
-        as costs about a tenth of the run's time; False: never.  Left out, as True in double and
-        extended at full tolerance, else never, and never in a form other than the principal one.
+        Project the state onto the exact scene's first integrals every so many steps, or never.
+        True: as often as costs about a tenth of the run's time; False: never.  Left out, as True in
+        double and extended at full tolerance, else never, and never in a form other than the
+        principal one.
     method : {"auto", "taylor", "refined"}
-        "taylor": steps in the number type.  "refined": a run in double corrected by exact
-        arithmetic, for quad and more digits.  "auto": refined if that is possible and faster.
-    proved : bool, optional
-        How ``digits`` are checked if no closed form is known.  True: by a proven enclosure.
-        False: by a second run, refined over other intervals or in a wider type, which is an
-        estimate.  Left out: in quad and mp by a proof if that costs less than steps in the wider
-        type, and at most some ten seconds; else by a second run.
+        How to integrate, taylor (steps in the number type), refined (a run in double, corrected
+        exactly, for quad and more digits) or auto (refined if that is possible and faster).
+    prove : bool, optional
+        Check ``digits`` by a proof, or by a second run, if no closed form is known.  True: by a
+        proven enclosure.  False: by a second run, refined over other intervals or in a wider type,
+        which is an estimate.  Left out: in quad and mp by a proof if that costs less than steps in
+        the wider type, and at most some ten seconds; else by a second run.
     progress : callable or bool, optional
         Called from time to time with the fraction of the time done and the steps; True for a bar.
     **unknown
@@ -185,8 +186,8 @@ def integrate(
         scene = scene.at(at)
     if digits is not None:
         digits = whole(scene.name, "digits", digits, 1, number_types.MAX_DIGITS)
-    elif proved is not None:
-        raise BadInput(scene.name, "proved", proved, "digits given, for their check")
+    elif prove is not None:
+        raise BadInput(scene.name, "prove", prove, "digits given, for their check")
     given = Options(method, max_steps, project, None, inputs, digits)
     if digits is None:
         chosen = choose_number(scene, number, None)
@@ -204,7 +205,7 @@ def integrate(
         run = solve(scene, chosen, options, progress)
         if not (run.outcome.done and run.times):
             return run
-        run = _as_expected(run) if hopeless else checked(run, digits, proved, progress)
+        run = _as_expected(run) if hopeless else checked(run, digits, prove, progress)
         right = run.correct_digits or 0.0
         if right >= digits or run.outcome is Outcome.INTERRUPTED:
             return run

@@ -11,13 +11,15 @@ from statistics import linear_regression, median
 
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput
-from polhode.common.result import Result
 from polhode.judging.references.reference import reference
 from polhode.judging.score.compare import compare
 from polhode.judging.score.judgement import Judgement
 from polhode.numbers.conversion import exact_number, to_double
 from polhode.numbers.exact import sign
 from polhode.numbers.scalars import AnyNumber, AnyVector
+from polhode.results.cells import TEXT
+from polhode.results.result import Result
+from polhode.results.table import Column, Fact, Table
 from polhode.scenes.scene import Scene
 
 _HALVINGS = range(5, 12)  # of the time, for the steps that are tried
@@ -43,6 +45,30 @@ class ObservedOrder(Result):
     digits: tuple[tuple[float, ...], ...]
     rounding: float
     names: tuple[str, ...] = ()
+
+    def table(self) -> Table:
+        """A row a time: the order, and the correct digits of each step."""
+        digits = (
+            Column(f"correct_digits_{k}", row, f"of step {k}", digits=4)
+            for k, row in enumerate(self.digits, 1)
+        )
+        return Table(
+            [
+                Column("t", list(self.times), "time"),
+                Column("order", list(self.orders), "of the method, none from too few steps"),
+                *digits,
+            ]
+        )
+
+    def facts(self) -> list[Fact]:
+        """The order, and of what steps."""
+        return [
+            Fact("order", self.order, "the median over the times"),
+            Fact("order_least", self.least, "between two neighbouring steps"),
+            Fact("order_most", self.most, "between two neighbouring steps"),
+            Fact("steps", list(self.steps)),
+            Fact("files", list(self.names), type=TEXT),
+        ]
 
     @property
     def orders(self) -> tuple[float | None, ...]:

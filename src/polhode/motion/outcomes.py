@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from fractions import Fraction
-from typing import TYPE_CHECKING, SupportsIndex, overload
+from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 
 from polhode.common.errors import nearest
-from polhode.common.result import Result
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue, may_wait
 from polhode.numbers.decimals import decimal_string, digits_of, in_full
+from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, NumberType
 from polhode.numbers.rows import States
+from polhode.results.cells import DOUBLE as DOUBLE_WORD
+from polhode.results.cells import INTEGER
+from polhode.results.result import Result
+from polhode.results.table import Column, Fact, Table
+from polhode.scenes.scene import Scene
+from polhode.scenes.scene_facts import row_columns, text_column, time_column
+from polhode.scenes.vocabulary import STATE
 
 if TYPE_CHECKING:
     import numpy as np
@@ -147,6 +154,27 @@ class EventTimes(Result, ByValue):
         super().__setstate__(state)
         self.states.flags.writeable = False
 
+    def table(self) -> Table:
+        """A row an event."""
+        width = self.states.shape[1]
+        columns = [Column("event", [*range(1, len(self.times) + 1)], type=INTEGER)]
+        return Table([*columns, *_columns(None, STATE[:width], [self], self._number)])
+
+    def facts(self) -> list[Fact]:
+        """Which event, and whether all of its times were found."""
+        return [
+            Fact("name", self.name),
+            Fact("complete", self.complete, "whether no crossing was lost, and no pole passed"),
+        ]
+
+    @property
+    def _number(self) -> NumberType:
+        """A type that holds the states: that of the run, or one of as many bits as they have."""
+        if self.states.dtype.kind == "f":
+            return DOUBLE if self.states.dtype.itemsize == 8 else EXTENDED
+        widths = (x._mpf_[3] for row in self.states.tolist() for x in row)
+        return NumberType("mp", max(QUAD.bits, *widths, 0))
+
     def __repr__(self) -> str:
         first = f", the first at t = {self.shown(0)}" if self.times else ""
         return f"<EventTimes of {self.name}: {len(self.times)}{first}>"
@@ -209,6 +237,38 @@ class Events(tuple[EventTimes, ...]):
             if event.name == which:
                 return event
         raise KeyError(f"{which}: expected {nearest(which, [event.name for event in self])}")
+
+    def table(self, scene: Scene, number: NumberType) -> Table:
+        """A row an event, of a run of this scene in numbers of a type."""
+        names = [event.name for event in self for _ in event.times]
+        counts = [k for event in self for k in range(1, len(event.times) + 1)]
+        columns = [
+            text_column("event", names),
+            Column("count", counts, "with those before", type=INTEGER),
+        ]
+        return Table([*columns, *_columns(scene, scene.columns, self, number)], 2)
+
+
+_SIGN = "1 rising, -1 falling, 0 a contact"
+_UNSURE = "how far rounding can move the time"
+_DEPTH = "how far the expression goes beyond zero beside it; at a contact, how far from zero it is"
+
+
+def _columns(
+    scene: Scene | None, names: Sequence[str], events: Sequence[EventTimes], number: NumberType
+) -> list[Column]:
+    """Times, signs, uncertainties, depths and states of events, one after the other."""
+
+    def joined(name: str) -> list[Any]:
+        return [x for event in events for x in getattr(event, name)]
+
+    return [
+        time_column(scene, joined("times"), number),
+        Column("sign", joined("signs"), _SIGN, type=INTEGER),
+        Column("uncertainty", joined("uncertainty"), _UNSURE, type=DOUBLE_WORD, digits=2),
+        Column("depth", joined("depths"), _DEPTH, type=DOUBLE_WORD, digits=2),
+        *row_columns(scene, names, joined("states"), number),
+    ]
 
 
 NO_EVENTS = Events()

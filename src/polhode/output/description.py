@@ -7,15 +7,18 @@ from typing import Any
 from polhode.closed_forms.families import near
 from polhode.common.deadline import TooLong, within
 from polhode.common.errors import BadInput
+from polhode.common.json_text import JsonObject
 from polhode.equations import equilibrium
 from polhode.equations.form import equations, source
 from polhode.judging.references.reference import Reference
 from polhode.judging.references.reference import reference as reference_of
-from polhode.numbers.decimals import shown
-from polhode.output import csv_tables, json_results
-from polhode.output.json_object import JsonObject
+from polhode.numbers import number_types
+from polhode.numbers.decimals import shown, strings
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import Real
 from polhode.scenes.classification import kind_of_body
 from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import COLUMNS
 
 SECONDS = 1.0  # that frequencies may take
 
@@ -54,13 +57,19 @@ def described(scene: Scene) -> JsonObject:
         "form": scene.form,
         "source": source(scene.form),
         "variables": list(equations(scene).variables),
-        "columns": csv_tables.columns_of(scene),
+        "columns": _columns(scene),
         "coefficients": sorted(equations(scene).coefficients),
         "times": len(scene.times),
         "end": shown(scene.end),
         "time_unit": f"2**{scene.time_unit}",
     }
     return facts
+
+
+def _columns(scene: Scene) -> list[str]:
+    """All columns that a run of the scene gives."""
+    asked = (found.names for word, found in COLUMNS.items() if word in scene.outputs)
+    return [*scene.columns, *(name for names in asked for name in names)]
 
 
 def _near(scene: Scene) -> JsonObject:
@@ -74,7 +83,7 @@ def _frequencies(reference: Reference) -> JsonObject:
     found: JsonObject = {}
     try:
         with within(SECONDS):
-            found["frequencies"] = json_results.frequencies(reference)
+            found["frequencies"] = frequencies(reference)
             if reference.curve is not None:
                 found["curve"] = _curve(reference.curve)
             if (rate := reference.approach) is not None:
@@ -86,6 +95,16 @@ def _frequencies(reference: Reference) -> JsonObject:
     except BadInput as fault:
         found["not_told"] = f"frequencies are not known here: {fault.expected}"
     return found
+
+
+def frequencies(reference: Reference, digits: int = 17) -> dict[str, str | None]:
+    """Period and frequencies of a reference as decimal strings."""
+    number = NumberType("mp", number_types.bits_for(digits))
+    found: dict[str, Real | None] = {"period": reference.period, **reference.frequencies}
+    return {
+        name: None if value is None else strings([[value]], number)[0][0]
+        for name, value in found.items()
+    }
 
 
 def _curve(found: JsonObject) -> JsonObject:

@@ -7,9 +7,9 @@ import re
 from pathlib import Path
 
 from polhode.common.errors import BadInput, listed
+from polhode.common.json_text import JsonObject
 from polhode.numbers.quantity import UNITS, named
 from polhode.output import api_reference
-from polhode.output.json_object import JsonObject
 from polhode.scenes import keys
 from polhode.scenes.vocabulary import COLUMNS
 

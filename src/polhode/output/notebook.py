@@ -8,26 +8,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from polhode.common.result import Result
-from polhode.common.text_tables import counted, few, printable
+from polhode.common.text_tables import few, printable
 from polhode.figures.canvas.canvas import BODY, REST, SPACE
-from polhode.judging.references.certified import Certified
-from polhode.judging.references.reference import Reference
-from polhode.judging.score.judgement import Judgement
-from polhode.numbers.conversion import exactly, to_double
-from polhode.numbers.decimals import brief, shown
-from polhode.output.results.tables import table
-from polhode.runs.sweep.ensemble import Ensemble
+from polhode.numbers import decimals
+from polhode.numbers.conversion import to_double
+from polhode.results import shown
+from polhode.results.result import Result, Storable
+from polhode.results.table import Table
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.classification import kind_of_body
-from polhode.scenes.vocabulary import COLUMNS
 
 if TYPE_CHECKING:
     from polhode.scenes.scene import Scene
 
 WIDE, HIGH = 360, 120  # of the curves, in pixels
 MOST_POINTS = 400
-MOST_ROWS = 8
+MOST_ROWS, MOST_LINES = 8, 40
 
 
 def of_scene(scene: Scene) -> str:
@@ -35,83 +31,46 @@ def of_scene(scene: Scene) -> str:
     body = scene.body
     facts = {
         "body": kind_of_body(body),
-        "moments": ", ".join(shown(x) for x in body.moments),
-        "Mg r0": ", ".join(shown(x) for x in body.torque),
-        "omega": ", ".join(shown(x) for x in scene.omega),
+        "moments": ", ".join(decimals.shown(x) for x in body.moments),
+        "Mg r0": ", ".join(decimals.shown(x) for x in body.torque),
+        "omega": ", ".join(decimals.shown(x) for x in scene.omega),
     }
     if scene.gamma is not None:
-        facts["gamma"] = ", ".join(shown(x) for x in scene.gamma)
+        facts["gamma"] = ", ".join(decimals.shown(x) for x in scene.gamma)
     if scene.times:
-        facts["times"] = f"{len(scene.times)}, to t = {shown(scene.end)}"
+        facts["times"] = f"{len(scene.times)}, to t = {decimals.shown(scene.end)}"
     return _table(scene.title or scene.name, facts)
 
 
-def of_result(found: Result) -> str:
-    """What a notebook shows of any result."""
+def of_result(found: Storable) -> str:
+    """What a notebook shows of any result: a report where it has one, else its table's first rows.
+
+    Nothing that must be computed for it.
+    """
     if isinstance(found, Trajectory):
         return of_run(found)
-    if isinstance(found, Ensemble):
-        return of_ensemble(found)
-    if isinstance(found, Judgement):
-        return of_judgement(found)
-    return _head(found)
-
-
-def _head(found: Result) -> str:
-    """The line that names a result, and the first rows of its table; not of what must compute."""
+    report = str(found)
+    if report != repr(found) and report.count("\n") < MOST_LINES:
+        return f"<pre>{escape(printable(report))}</pre>"
     told = f"<p>{escape(printable(repr(found).strip('<>')))}</p>"
-    if isinstance(found, (Reference, Certified)):
-        return told
-    header, *rows = table(found).rows()
+    return told + _rows(found.table()) if isinstance(found, Result) else told
+
+
+def _rows(table: Table) -> str:
+    few_rows = [column._replace(values=column.values[:MOST_ROWS]) for column in table.columns]
+    header, rows = shown.cells(table._replace(columns=few_rows))
     head = "".join(f"<th>{escape(name)}</th>" for name in header)
     lines = "".join(
         "<tr>" + "".join(f"<td>{escape(printable(x[:24]))}</td>" for x in row) + "</tr>"
-        for row in rows[:MOST_ROWS]
+        for row in rows
     )
-    more = f"<p>{len(rows)} rows in all</p>" if len(rows) > MOST_ROWS else ""
-    return f"{told}<table><tr>{head}</tr>{lines}</table>{more}"
+    more = f"<p>{table.rows} rows in all</p>" if table.rows > MOST_ROWS else ""
+    return f"<table><tr>{head}</tr>{lines}</table>{more}"
 
 
 def of_run(run: Trajectory) -> str:
-    """A run's facts, and omega over time."""
-    facts = {
-        "number type": f"{run.number.name}, {run.number.bits} bits",
-        "outcome": f"{run.outcome.value}, {counted(run.steps, 'step')}, "
-        f"{counted(len(run.times), 'time')}",
-        "reached": f"t = {brief(run.reached, 17)}",
-    }
-    if run.correct_digits is not None:
-        facts["correct digits"] = f"{run.correct_digits:.1f}, by the {run.checked_by}"
-    elif run.times:
-        facts["digits expected"] = f"{min(run.expected.digits):.1f} at the worst"
-    for word, rows in run.outputs.items():
-        if len(rows):
-            pairs = zip(COLUMNS[word].names, rows[-1], strict=True)
-            told = [f"{name} {'none' if x is None else brief(exactly(x))}" for name, x in pairs]
-            facts[word] = f"{', '.join(told)} at the end"
-    if run.events:
-        facts["events"] = ", ".join(f"{len(e.times)} {e.name}" for e in run.events)
-    return _table(run.scene.title or run.scene.name, facts) + _curves(run)
-
-
-def of_ensemble(found: Ensemble) -> str:
-    """A sweep's facts."""
-    ended: dict[str, int] = {}
-    for outcome in found.outcomes:
-        ended[outcome.value] = ended.get(outcome.value, 0) + 1
-    facts = {
-        "members": str(len(found)),
-        "varied": ", ".join(found.varied.keys),
-        "number type": f"{found.number.name}, {found.number.bits} bits",
-        "outcomes": ", ".join(f"{n} {name}" for name, n in ended.items()),
-        "times": f"{len(found.times)}, to t = {brief(found.times[-1], 17)}",
-    }
-    return _table(found.scene.title or found.scene.name, facts)
-
-
-def of_judgement(found: Judgement) -> str:
-    """A judgement as it is printed."""
-    return f"<pre>{escape(str(found))}</pre>"
+    """A run's line, omega over time, and its table's first rows."""
+    return f"<p>{escape(printable(repr(run).strip('<>')))}</p>{_curves(run)}{_rows(run.table())}"
 
 
 def _table(title: str, facts: dict[str, str]) -> str:

@@ -12,7 +12,7 @@ from polhode.common.progress import Message
 from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.dynamics.periodic_orbits.orbit import Orbit
 from polhode.dynamics.periodic_orbits.orbit import orbit as approximate
-from polhode.dynamics.periodic_orbits.search import OrbitSearch
+from polhode.dynamics.periodic_orbits.search import OrbitSearch, picked
 from polhode.dynamics.sections.starts import MAXIMA, asked_of
 from polhode.equations.section_functions import MOMENTUM
 from polhode.numbers.conversion import exact_number
@@ -40,6 +40,8 @@ def prove_orbit(
     returns: int | None = None,
     progress: Message | None = None,
     tolerance: AnyNumber | None = None,
+    search: tuple[int, int] | None = None,
+    pick: int | None = None,
 ) -> ProvedOrbit:
     """Prove that a periodic orbit exists, and where: start, period, residue, multipliers, kind.
 
@@ -48,21 +50,22 @@ def prove_orbit(
     scene : Scene, str or Path
         A scene, a path, or the name of a case: its body, and the level unless that is given.
     orbit : Orbit, Scene, str or Path, optional
-        An approximate orbit of the scene's body, as :func:`polhode.orbit` gives it or as a scene
-        that ends after one period; it is only a guess.  Without one, an orbit near the scene's
-        start is searched for.
+        A guess: an orbit of the scene's body, as :func:`polhode.orbit` gives it, or a scene that
+        ends after one period.  Without one, an orbit near the scene's start is searched for.
     digits : int
-        Correct digits wanted of start and period, 1 to MOST_DIGITS.
+        The digits wanted of start and period (30, at most 200).
     h, f : number, optional
-        The exact level of the proof: energy and vertical momentum; the scene's own unless given.
+        The level's energy h or vertical momentum f, exact, if not the scene's.
     period, returns : number and int, optional
-        For the search, as in :func:`polhode.orbit`.
+        A guess of the period, or the number of near returns to try, as in :func:`polhode.orbit`.
     progress : callable, optional
         Called with a line of text now and then.
     tolerance : number, optional
         Prove it for every body whose moments and components of Mg r0, in principal axes, differ
         from the scene's by at most this relative amount, on the one level; above 0, below 1.  The
         balls then hold the orbits of all of them, and are accordingly wide.
+    search, pick : tuple of int and int, optional
+        Cells of a search instead, and which orbit of it to prove, as in :func:`polhode.orbit`.
 
     Returns
     -------
@@ -92,10 +95,15 @@ def prove_orbit(
     scene = library.load(scene)
     wanted = whole(scene.name, "digits", digits, 1, MOST_DIGITS)
     bodies = tolerance_of(scene.name, tolerance)
-    if orbit is None:
+    guess = {"period": period, "returns": returns, "search": search, "pick": pick}
+    if orbit is None and search is None and pick is None:
         orbit = approximate(scene, h=h, f=f, period=period, returns=returns, progress=progress)
-    elif period is not None or returns is not None:
-        raise BadInput(scene.name, "orbit", None, "no period or returns with it")
+    elif orbit is None and period is None:
+        orbit = picked(scene, search, pick, returns, h, f, progress)
+    elif orbit is None:
+        raise BadInput(scene.name, "search", None, "no period with it")
+    elif any(x is not None for x in guess.values()):
+        raise BadInput(scene.name, "orbit", None, f"no {', '.join(guess)} with it")
     asked = asked_of(scene, MOMENTUM, MAXIMA, h, f)
     on = Surface(scene, asked.h, asked.f)
     if isinstance(orbit, Orbit) and _alike(orbit.surface, on):

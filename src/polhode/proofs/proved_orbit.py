@@ -15,42 +15,29 @@ from flint import arb
 
 from polhode.certificates import certificate_file, orbit_certificate, verify
 from polhode.certificates.certificate_file import Made
-from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.enclosures.fixed_point_problem import upper
-from polhode.enclosures.polynomial import ball, midpoint
-from polhode.enclosures.result import decimal_ball, guaranteed
-from polhode.numbers.conversion import to_double
+from polhode.enclosures.polynomial import ball
+from polhode.numbers.balls import Ball
 from polhode.numbers.decimals import brief, shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.flint_context import ctx
+from polhode.numbers.number_types import DOUBLE
+from polhode.numbers.polynomials import middle
 from polhode.proofs import certified_orbit
 from polhode.proofs.refusals import NotProved
+from polhode.results.cells import EXACT
+from polhode.results.result import Result
+from polhode.results.table import Column, Fact, Table
 from polhode.scenes.body import PrincipalAxes
 from polhode.scenes.scene import Scene
+from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, unit_of
+from polhode.scenes.vocabulary import STATE
 
 _FLOOR = Context(prec=2, rounding=ROUND_FLOOR)
 _CEILING = Context(prec=6, rounding=ROUND_CEILING)
 _TURN_BITS = 256  # of a state of many bodies, which has few digits
-
-
-class Ball(NamedTuple):
-    """All numbers within ``radius`` of ``centre``; as text the digits that are proven."""
-
-    centre: Fraction
-    radius: float
-
-    def __str__(self) -> str:
-        return guaranteed(self.centre, self.radius) if self.radius else str(self.centre)
-
-    def __float__(self) -> float:
-        return to_double(self.centre)
-
-    @property
-    def decimals(self) -> tuple[str, str]:
-        """A decimal midpoint and radius of a ball that holds this one."""
-        return decimal_ball(self.centre, self.radius) if self.radius else (str(self.centre), "0")
 
 
 class Within(NamedTuple):
@@ -117,6 +104,45 @@ class ProvedOrbit(Result, ByValue):
             first = half + root if self.kind == "hyperbolic" else half - root
             return (ball_of(first), zero), (ball_of(1 / first), zero)
 
+    def table(self) -> Table:
+        """One row: period, residue and a point of the orbit, as balls."""
+        state = [*self.omega, *self.gamma]
+        return Table(
+            [
+                Column("orbit", [1]),
+                Column("kind", [self.kind], "of its stability"),
+                Column("period", [self.period], "the least", unit_of(self.scene, "t")),
+                Column("residue", [self.residue], "Greene's"),
+                *(
+                    column._replace(type=EXACT)
+                    for column in row_columns(self.scene, STATE, [state], DOUBLE)
+                ),
+            ]
+        )
+
+    def facts(self) -> list[Fact]:
+        """The theorem, its numbers as balls, and what it took."""
+        near, pairs = self.unique_within, self.multipliers
+        real, imaginary = zip(*pairs, strict=True)
+        multipliers = [Column("real", real), Column("imaginary", imaginary)]
+        return [
+            *scene_facts(self.scene),
+            Fact("proven", True),
+            Fact("theorem", self.theorem),
+            Fact("h", self.h, "energy"),
+            Fact("f", self.f, "vertical momentum"),
+            Fact("tolerance", self.tolerance, "of the body's numbers, relative"),
+            Fact("period", self.period, "the least", unit_of(self.scene, "t")),
+            Fact("kind", self.kind, "of its stability"),
+            Fact("residue", self.residue, "Greene's"),
+            Fact("multipliers", Table(multipliers, 0), "that may differ from 1"),
+            *(Fact(f"unique_within_{k}", x, "lower bound") for k, x in near._asdict().items()),
+            Fact("digits_proven", self.digits),
+            Fact("bits", self.bits, "of the certificate's polynomials"),
+            Fact("runs", self.runs, "of the checker"),
+            provenance_fact(self.provenance),
+        ]
+
     def save(self, path: str | Path) -> None:
         """Write the theorem, or as .json its certificate, which ``polhode verify`` checks.
 
@@ -141,6 +167,26 @@ class ProvedOrbit(Result, ByValue):
         return f"<ProvedOrbit of {name}: period {period:.6g}, {self.kind}>"
 
     def __str__(self) -> str:
+        """The numbers, a line each, and the theorem."""
+        near, multipliers = self.unique_within, []
+        for real, imaginary in self.multipliers:
+            sign, size = "-" if imaginary.centre < 0 else "+", str(imaginary).lstrip("-")
+            multipliers.append(f"{real} {sign} {size} i" if imaginary.centre else str(real))
+        lines = [
+            f"period      {self.period}",
+            f"omega       {', '.join(map(str, self.omega))}",
+            f"gamma       {', '.join(map(str, self.gamma))}",
+            f"level       {self.level}",
+            *([f"bodies      {self.bodies.rstrip(', ')}"] if self.tolerance else []),
+            f"residue     {self.residue}, {self.kind}",
+            *(f"multiplier  {text}" for text in multipliers),
+            f"alone       within {down(near.omega)} of omega and {down(near.gamma)} of gamma, "
+            f"with a period within {down(near.period)}",
+        ]
+        return "\n".join([*lines, self.theorem])
+
+    @property
+    def theorem(self) -> str:
         """The theorem in words."""
         near, (middle, radius) = self.unique_within, self.period.decimals
         point = " and ".join(
@@ -242,7 +288,7 @@ def _below(x: arb) -> float:
 
 def ball_of(x: arb) -> Ball:
     """A ball with a radius that is a double."""
-    return Ball(midpoint(x), upper(x - x.mid()))
+    return Ball(middle(x), upper(x - x.mid()))
 
 
 def as_arb(x: Ball) -> arb:

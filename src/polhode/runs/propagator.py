@@ -21,7 +21,7 @@ from polhode.motion.outcomes import OUTCOMES, Outcome, code
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Doubles, Extendeds, Flat, doubles, flat
+from polhode.numbers.rows import Doubles, Extendeds, Flat, double_array, flat
 from polhode.numbers.scalars import AnyNumber, numbers_given
 from polhode.numbers.vectors import scaled
 from polhode.runs.methods.output_loop import march
@@ -29,12 +29,13 @@ from polhode.runs.problem.options import cadence, choose_number, corrections, ro
 from polhode.runs.problem.problem import Problem, problem
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.taylor import lanes
 from polhode.taylor.backend import defaults
 from polhode.taylor.backend.heyoka_numbers import OutOfRange
 from polhode.taylor.backend.step_outcomes import TIME_LIMIT
+from polhode.taylor.batches.jobs import BatchJob, Columns
 from polhode.taylor.corrections.integral_projection import Projector, StartTarget
 from polhode.taylor.integrator.stepping import Integrator
-from polhode.taylor.lanes import STEPS, Lanes
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -113,7 +114,7 @@ class Propagator:
         choices = defaults.of(self.number)
         self._chunk, self._most = choices.chunk, choices.max_steps
         #: (rate t)**2 of a call that needs no limit; none is, where the state is projected
-        self._sure = (choices.chunk / STEPS) ** 2 if every is None else 0.0
+        self._sure = (choices.chunk / lanes.STEPS) ** 2 if every is None else 0.0
         body = self.scene.body
         self._moments, torque = _doubles(body.moments), _doubles(body.torque)
         with np.errstate(all="ignore"):  # inf or nan of a body beyond the range: never sure
@@ -232,10 +233,16 @@ class Propagator:
         refuse_too_much(name, "start", what, rows.size * len(times), _BYTES, _SPLIT)
         ended = np.full(len(rows), code(_REACHED_END), dtype=np.uint8)
         if not self._long and self._every is None:
-            inside = rows if self._plain else self._inside(rows)
-            found, some = self._lanes.states(doubles(inside), doubles(times), self._most, workers)
-            states = found if self._plain else self._read(found)
-            ended = ended if some is None else some
+            inside = double_array(rows if self._plain else self._inside(rows))
+            job = self._job._replace(
+                max_steps=self._most,
+                times=times,
+                motions=self._job.motions._replace(starts=inside),
+            )
+            found = lanes.states(job, lanes.rates(inside, self._moments, self._moment), workers)
+            states = flat(found.states)
+            states = states if self._plain else self._read(states)
+            ended = found.outcomes
         else:
             states = np.empty((len(rows), len(times), width), self._kind)
             for k, row in enumerate(rows):
@@ -248,12 +255,19 @@ class Propagator:
         return states if several else states[:, 0]
 
     @cached_property
-    def _lanes(self) -> Lanes:
+    def _job(self) -> BatchJob:
+        """What the motions of an array have in common."""
         k = principal.coefficients(self.scene.body, self.scene.time_unit)
         numbers = {name: to_double(k[name]) for name in sorted(k)}
+        motions = Columns(np.array([[*numbers.values()]]), np.empty((0, self._shape[0])))
+        asked = (*numbers,), self.number, self._problem.tolerance, self._most, np.zeros(1)
+        return BatchJob(*asked, self.scene.time_unit, motions)
+
+    @cached_property
+    def _moment(self) -> Doubles:
+        """Mg r0 in principal axes and the run's own unit of time."""
         torque = self._problem.form.axes.components(self.scene.body.torque)
-        moment = _doubles(scaled(Fraction(4) ** self.scene.time_unit, torque))
-        return Lanes(numbers, self._shape[0], self._moments, moment, self._problem.tolerance)
+        return _doubles(scaled(Fraction(4) ** self.scene.time_unit, torque))
 
     def _times(self, t: AnyNumber | npt.ArrayLike) -> tuple[Flat, bool]:
         """Times in the run's own unit as an array, and whether several were given."""
@@ -370,7 +384,7 @@ def turned(rows: Flat, turn: Extendeds) -> Flat:
     """Rows in principal axes, each number rounded once."""
     wide = rows.astype(np.longdouble).reshape(-1, 3)
     principal_rows = (wide @ turn.T).reshape(rows.shape)
-    return doubles(principal_rows) if rows.dtype == np.float64 else principal_rows
+    return double_array(principal_rows) if rows.dtype == np.float64 else principal_rows
 
 
 def _doubles(values: Iterable[Exact]) -> Doubles:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING, Generic, Literal, SupportsFloat, cast, overload
 
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import nearest
-from polhode.common.result import Result
-from polhode.common.text_tables import counted
+from polhode.common.text_tables import counted, few
 from polhode.common.value_semantics import ByValue, may_wait
 from polhode.equations.column import derived, derived_words
 from polhode.equations.form import equations
@@ -33,9 +32,13 @@ from polhode.numbers.rows import (
     part_of,
 )
 from polhode.numbers.scalars import AnyNumber, Real
+from polhode.results.cells import DOUBLE
+from polhode.results.result import Result
+from polhode.results.table import Column, Fact, Table
 from polhode.runs.error_estimate import Expected, by_errors, expected
 from polhode.scenes.output_times import OutputTimes
 from polhode.scenes.scene import Scene
+from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, time_column
 from polhode.scenes.vocabulary import COLUMNS, Several, Single
 
 if TYPE_CHECKING:
@@ -53,6 +56,8 @@ else:
 
     S_co = TypeVar("S_co", covariant=True)
 
+ERROR = "estimate of the largest error of the state"
+_LOOKED_AT = 400  # times, for the fewest digits to be expected
 _TORUS = 4  # integrals that fix the torus of an integrable top with gamma
 
 
@@ -239,39 +244,21 @@ class Trajectory(Result, ByValue, Generic[S_co]):
 
         return reevaluate.at_times(self, "angles", t)
 
-    @overload  # type: ignore[override]  # a run has many figures
+    @overload
     def plot(
-        self, what: Several, axes: object = None, *, end: AnyNumber | None = None
+        self, what: Several, ax: object = None, **options: object
     ) -> npt.NDArray[np.object_]: ...
     @overload
-    def plot(self, what: Single, axes: object = None, *, end: AnyNumber | None = None) -> Axes: ...
+    def plot(self, what: Single, ax: object = None, **options: object) -> Axes: ...
     @overload
     def plot(
-        self,
-        what: str | Axes = "",
-        axes: object = None,
-        *,
-        end: AnyNumber | None = None,
-        ax: object = None,
+        self, what: str | None = None, ax: object = None, **options: object
     ) -> Axes | npt.NDArray[np.object_]: ...
     def plot(
-        self,
-        what: str | Axes = "",
-        axes: object = None,
-        *,
-        end: AnyNumber | None = None,
-        ax: object = None,
+        self, what: str | None = None, ax: object = None, **options: object
     ) -> Axes | npt.NDArray[np.object_]:
-        """Draw a figure with matplotlib, see :func:`polhode.plot`; the axes drawn into.
-
-        ``ax``: the same as ``axes``, which may come first, too, as in other results' ``plot``; into
-        one pair of axes omega is drawn unless ``what`` says something else.
-        """
-        if not isinstance(what, str):
-            what, axes = "", what
-        from polhode.figures import drawing
-
-        return drawing.plot(self, what, axes if ax is None else ax, end=end)
+        """Draw a figure with matplotlib, see :func:`polhode.plot`; the axes drawn into."""
+        return super().plot(what, ax, **options)
 
     def view(self, *, end: AnyNumber | None = None) -> Page:
         """The motion as an animated page, see :func:`polhode.view`."""
@@ -307,13 +294,37 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         >>> [round(d) for d in run.expected.digits], 40 < run.expected.lost_after < 140
         ([15, 12, 0], True)
         """
+        return self._expected_at(range(len(self.times)))
+
+    def _expected_at(self, kept: Sequence[int]) -> Expected:
+        """The same at some of the times."""
+        times, states = self.times, self.states
+        if len(kept) < len(times):
+            times, states = [times[k] for k in kept], cast("S_co", states[list(kept)])
         if self.errors is not None:
-            return by_errors(self.errors, self.number, self.times, self.states)
+            return by_errors([self.errors[k] for k in kept], self.number, times, states)
         held = self.projection
         return expected(
-            *(self.scene, self.number, self.tolerance, self.steps, self.times, self.states),
+            *(self.scene, self.number, self.tolerance, self.steps, times, states),
             every=held.every if held is not None and len(held.onto) == _TORUS else 0,
         )
+
+    @cached_property
+    def _least_expected(self) -> tuple[float | None, float | None]:
+        if not self.times or self.correct_digits is not None:
+            return None, None
+        found = self._expected_at(few(len(self.times), _LOOKED_AT))
+        return min(found.digits), found.lost_after
+
+    @property
+    def digits_expected(self) -> float | None:
+        """The fewest digits to expect, at some hundred of the times; None where they were found."""
+        return self._least_expected[0]
+
+    @property
+    def lost_after(self) -> float | None:
+        """The time after which no digit is to be expected; None where some is throughout."""
+        return self._least_expected[1]
 
     @cached_property
     def outputs(self) -> Mapping[str, Columns]:
@@ -375,9 +386,58 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         return self.tolerance <= float(self.number.eps)
 
     @property
+    def complete(self) -> bool:
+        """Whether the run did what was asked: it reached its end, with the digits wanted."""
+        return self.outcome.done
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C ended it."""
+        return self.outcome is Outcome.INTERRUPTED
+
+    @property
     def columns(self) -> tuple[str, ...]:
         """Names of the state's columns."""
         return self.scene.columns
+
+    def table(self) -> Table:
+        """A row a time: t, the state, outputs, and of a refined run the estimate of its error."""
+        columns = [time_column(self.scene, self.times, self.number)]
+        for names, rows in self.named:
+            columns += row_columns(self.scene, names, rows, self.number)
+        if self.errors is not None:
+            columns.append(Column("error", self.errors, ERROR, type=DOUBLE, digits=2))
+        return Table(columns)
+
+    def facts(self) -> list[Fact]:
+        """How the run was made, how it ended, and what is to be expected of it."""
+        facts = scene_facts(self.scene, times=self.times)
+        text, source = facts[-1].value, self.scene.source
+        facts += [
+            Fact("scene_source", None if source == text else source, "where that is no scene_text"),
+            Fact("number", self.number.name, "the type of the numbers"),
+            Fact("bits", self.number.bits, "of its significand"),
+            Fact("digits", self.digits, "correct digits asked for"),
+            Fact("correct_digits", self.correct_digits, "digits that were found correct"),
+            Fact("checked_by", self.checked_by, "by what they were found correct"),
+            Fact("digits_expected", self.digits_expected, "fewest digits to be expected"),
+            Fact("lost_after", self.lost_after, "no digits are to be expected from then on"),
+            Fact("form", self.scene.form, "of the equations"),
+            Fact("method", self.method),
+            Fact("outcome", self.outcome.value, "how the run ended"),
+            Fact("reached", self.reached, "the time that it reached"),
+            Fact("steps", self.steps),
+            Fact("tolerance", self.tolerance, "of a step, relative"),
+        ]
+        for name, value in self.drift._asdict().items():
+            facts.append(Fact(f"drift_{name}", value, "largest departure of an integral, relative"))
+        if self.projection is not None:
+            facts.append(Fact("projection", asdict(self.projection), "onto the first integrals"))
+        if self.scene.events:
+            meaning = "whether all events were found"
+            facts.append(Fact("events", self.events.table(self.scene, self.number)))
+            facts.append(Fact("events_complete", [x.complete for x in self.events], meaning))
+        return [*facts, provenance_fact(self.provenance)]
 
     def time_strings(self) -> list[str]:
         """The times, every digit."""

@@ -152,7 +152,7 @@ class Reading:
         except ValueError as fault:
             if isinstance(value, str) and any(mark in value for mark in PLUS_MINUS):
                 expected = "a number; intervals are allowed in start.omega, for proofs only: "
-                raise self.bad(key, value, expected + "reference --certified") from None
+                raise self.bad(key, value, expected + "polhode certify") from None
             raise self.bad(key, value, f"a number ({fault})") from None
         raise self.bad(key, value, "a number")
 

@@ -23,10 +23,10 @@ from typing import Any
 from polhode.common.errors import UNREADABLE, BadInput, nearest
 from polhode.common.files import check_writable, make_folder, write_whole
 from polhode.common.interrupts import heard
+from polhode.common.json_text import as_json
 from polhode.common.progress import Message
 from polhode.common.provenance import cpu, digest, versions
 from polhode.figures.canvas import canvas
-from polhode.output.json_results import as_json
 from polhode.scenes import library
 from polhode.studies.page.html import html
 from polhode.studies.page.html import require as require_markdown

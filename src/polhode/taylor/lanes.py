@@ -1,34 +1,23 @@
-"""Arrays of starts to arrays of states: the lanes of heyoka's batches with next to nothing between.
+"""Motions sorted by how many steps they take, and shared by threads.
 
 A batch steps until its last lane is there.  So motions are sorted by their energy, which bounds how
-fast they turn, and with that their steps; where the bound is low no call needs a limit.  What this
-does not bring to the end, and what may take long, goes the careful way of
-:mod:`polhode.taylor.batches.batch_integrator`, with the same bits: they depend neither on the
-neighbours in a batch nor on the order, nor on threads.
+fast they turn, and with that their steps; where the bound is low no call needs a limit.  No bit of
+a motion depends on its neighbours in a batch, nor on the order, nor on threads.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from fractions import Fraction
-
 import numpy as np
-import numpy.typing as npt
 
 from polhode.common import executors
 from polhode.common.progress import Stop
-from polhode.motion.outcomes import Outcome, code
-from polhode.numbers.conversion import exactly
-from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.rows import Doubles, Stack
+from polhode.numbers.rows import Doubles, Indices, Stack
 from polhode.taylor.batches import batch_integrator
-from polhode.taylor.batches.compiled_batch import LANES, in_lanes
-from polhode.taylor.batches.jobs import BatchJob, Columns, Solved
-from polhode.taylor.batches.time_slices import longest
+from polhode.taylor.batches.compiled_batch import LANES
+from polhode.taylor.batches.jobs import BatchJob, Solved
 
 STEPS = 4.0  # a radian of the fastest rate takes fewer, at the type's own tolerance
 _SURE = 20_000.0  # steps that need no limit: 20 ms of a batch
-_UNCUT = float(longest(DOUBLE))  # the longest way that is one stretch
 _ALONE = 16  # batches that are not worth a second thread, however long they take
 _SHARED = 50_000.0  # steps of all batches, about: below, a second thread costs more than it gains
 _PARTS = 4  # for each thread: the last of them ends soon after the others
@@ -55,148 +44,28 @@ def rates(starts: Stack, inertia: Doubles, moment: Doubles) -> Doubles:
     return found
 
 
-class Lanes:
-    """Motions of one body in doubles, from any starts.
+def states(job: BatchJob, fastest: Doubles, workers: int | None = None) -> Solved:
+    """What becomes of a job's motions, of which :func:`rates` are known, by so many threads.
 
-    ``coefficients``: by name, in the unit of time in which starts and times are.  ``inertia`` and
-    ``moment``: as :func:`rates` takes them.  Threads may share it.
+    Steps are not counted where none is needed to tell.  Raises KeyboardInterrupt where Ctrl-C came.
     """
+    order, end = np.argsort(fastest), abs(float(job.times[-1]))
+    whole = Solved.undone(np.empty((len(order), len(job.times), job.columns)))
+    steps = STEPS * end * float(fastest[order[-1:]].sum())  # nan, if a start is so large
+    short = end <= batch_integrator.longest(job.number)
+    job = job._replace(sure=short and steps < min(_SURE, job.max_steps))
+    batches, work = -(-len(order) // LANES), STEPS / 2 * end * fastest.sum() / LANES
+    parts, workers = 1, workers or executors.cores()
+    if workers > 1 and batches >= _ALONE and not work < _SHARED:
+        parts = workers * _PARTS
+    size = LANES * max(1, -(-batches // parts))
+    groups = [order[i : i + size] for i in range(0, len(order), size)]
 
-    def __init__(
-        self,
-        coefficients: Mapping[str, float],
-        columns: int,
-        inertia: Doubles,
-        moment: Doubles,
-        tolerance: Fraction | None = None,
-    ) -> None:
-        self.names, self.columns = tuple(coefficients), columns
-        self.inertia, self.moment, self.tolerance = inertia, moment, tolerance
-        self.numbers = np.array([*coefficients.values()])[:, None]
+    def part(group: Indices, stop: Stop | None = None) -> Solved:
+        return batch_integrator.solve(job._replace(motions=job.motions.some(group)), stop)
 
-    def states(
-        self, starts: Doubles, times: Doubles, max_steps: int, workers: int | None = None
-    ) -> tuple[Doubles, npt.NDArray[np.uint8] | None]:
-        """States (n, times, columns) in principal axes; outcomes by number where not all arrive.
-
-        ``starts``: (n, columns), finite.  ``times``: of one sign, leading away from 0.
-        Raises KeyboardInterrupt where Ctrl-C came.
-        """
-        if not len(starts):
-            return np.empty((0, len(times), self.columns)), None
-        fastest, end = rates(starts, self.inertia, self.moment), abs(float(times[-1]))
-        order = np.argsort(fastest)
-        steps = STEPS * end * float(fastest[order[-1]])  # nan, if a start is so large
-        sure = steps < min(_SURE, max_steps) and end <= _UNCUT
-        way = _Rows(self, starts, order, times)
-        if not sure:
-            return way.carefully(np.arange(len(starts)), max_steps, workers)
-        work = STEPS / 2 * end * fastest.sum() / LANES
-        if len(way.lanes) < _ALONE or work < _SHARED or workers == 1:
-            way.part(range(len(way.lanes)))
-        else:
-            way.shared(workers or executors.cores())
-        found = way.found()
-        lost = np.flatnonzero(~np.isfinite(found[:, -1]).all(axis=1))
-        if not len(lost):
-            return found, None
-        lost = np.flatnonzero(way.beside(lost))
-        found[lost], some = way.carefully(lost, max_steps, workers)
-        outcomes = np.full(len(starts), code(Outcome.REACHED_END), dtype=np.uint8)
-        if some is not None:
-            outcomes[lost] = some
-        return found, outcomes
-
-
-class _Rows:
-    """Starts in the lanes of batches, and the states that they lead to, in the starts' order."""
-
-    def __init__(
-        self, of: Lanes, starts: Doubles, order: npt.NDArray[np.int64], times: Doubles
-    ) -> None:
-        self.of, self.starts, self.order, self.times = of, starts, order, times
-        self.lanes, self.grid = in_lanes(starts.take(order, axis=0)), None
-        first = times if times[0] == 0 else np.concatenate([[0.0], times])
-        if len(first) > 2:
-            self.grid = np.repeat(first[:, None], LANES, axis=1)
-            self.motions = in_lanes(order[:, None])[:, 0]  # of each batch
-        self.states = np.full((len(starts), len(times), of.columns), np.nan)
-
-    def part(self, batches: range, stop: Stop | None = None) -> None:
-        """Some of the batches to the end, without a limit; nan where a lane stopped the others."""
-        of, grid, end, states = self.of, self.grid, float(self.times[-1]), self.states
-        skipped = 0 if grid is None else len(grid) - len(self.times)
-        with batch_integrator.prepared_for(of.names, of.columns, DOUBLE, of.tolerance) as ready:
-            ta, state, pars = ready.heyoka, ready.state, ready.parameters
-            ready.tell(of.numbers)
-            for k in batches:
-                if stop is not None and stop():
-                    return
-                x = self.lanes[k]
-                ta.set_time(0.0)
-                state[:] = x
-                for i, column in ready.kept:
-                    pars[i] = x[column]
-                if grid is not None:
-                    rows = ta.propagate_grid(grid)[1][skipped:]
-                    states[self.motions[k]] = rows.transpose(2, 0, 1)
-                    continue
-                if end:
-                    ta.propagate_until(end)
-                x[:] = state
-
-    def found(self) -> Doubles:
-        """The states, when all parts are done."""
-        if self.grid is None:  # the lanes hold the last ones; before them are at most the starts
-            self.states[:, 0] = self.starts
-            rows = self.lanes.transpose(0, 2, 1).reshape(-1, self.of.columns)
-            self.states[self.order, -1] = rows[: len(self.order)]
-        return self.states
-
-    def shared(self, workers: int) -> None:
-        """All batches, by threads; raises KeyboardInterrupt."""
-        size = -(-len(self.lanes) // (workers * _PARTS))
-        parts = [range(i, min(i + size, len(self.lanes))) for i in range(0, len(self.lanes), size)]
-        if not executors.here(self.part, parts, lambda *_: None, workers):
-            raise KeyboardInterrupt
-
-    def beside(self, lost: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
-        """Which motions are in a batch with one of these."""
-        place = np.empty(len(self.order), dtype=np.int64)
-        place[self.order] = np.arange(len(self.order))
-        beside: npt.NDArray[np.bool_] = np.isin(place // LANES, place[lost] // LANES)
-        return beside
-
-    def carefully(
-        self, which: npt.NDArray[np.int64], max_steps: int, workers: int | None
-    ) -> tuple[Doubles, npt.NDArray[np.uint8] | None]:
-        """Some of the motions with a limit, and signals heard; raises KeyboardInterrupt."""
-        of, count = self.of, workers or executors.cores()
-        there = np.zeros(len(self.starts), dtype=bool)
-        there[which] = True
-        sorted_ones = self.order[there[self.order]]
-        size = LANES * -(-len(sorted_ones) // (LANES * count * _PARTS))
-        groups = [sorted_ones[i : i + size] for i in range(0, len(sorted_ones), size)]
-        times = tuple(exactly(t) for t in self.times)
-        jobs = [
-            BatchJob(
-                of.names,
-                DOUBLE,
-                of.tolerance,
-                max_steps,
-                times,
-                0,
-                Columns(np.tile(of.numbers[:, 0], (len(group), 1)), self.starts[group]),
-            )
-            for group in groups
-        ]
-        states = np.full((len(self.starts), len(times), of.columns), np.nan)
-        outcomes = np.full(len(self.starts), code(Outcome.NOT_RUN), dtype=np.uint8)
-
-        def ready(k: int, solved: Solved) -> None:
-            states[groups[k]], outcomes[groups[k]] = solved.states, solved.outcomes
-
-        if not executors.here(batch_integrator.solve, jobs, ready, workers):
-            raise KeyboardInterrupt
-        done = bool((outcomes[which] == code(Outcome.REACHED_END)).all())
-        return states[which], None if done else outcomes[which]
+    if len(groups) == 1:
+        whole.put(order, part(order))
+    elif not executors.here(part, groups, lambda k, some: whole.put(groups[k], some), workers):
+        raise KeyboardInterrupt
+    return whole

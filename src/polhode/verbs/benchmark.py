@@ -5,7 +5,8 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from polhode.verbs.terminal import DONE, ProgressLine, folder, note, print_json, say, word
+from polhode.verbs.options import folder, word
+from polhode.verbs.terminal import DONE, ProgressLine, note, print_json, say
 
 HELP = "the heavy top benchmark: certified values, certificates, checkers in other languages"
 

@@ -10,7 +10,8 @@ from polhode.checks import results
 from polhode.common.errors import BadInput
 from polhode.common.text_tables import one_line
 from polhode.numbers.decimals import shown
-from polhode.verbs.terminal import DONE, FAILED, ProgressLine, print_json, say, word
+from polhode.verbs.options import word
+from polhode.verbs.terminal import DONE, FAILED, ProgressLine, print_json, say
 
 HELP = "regression against references and published figures"
 _MANY = 8  # cases: for fewer, processes of their own take longer to start than they save

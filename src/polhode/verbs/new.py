@@ -9,7 +9,8 @@ from polhode.common.errors import BadInput
 from polhode.common.text_tables import one_line
 from polhode.output import new_scene
 from polhode.scenes import library, scene_file
-from polhode.verbs.terminal import DONE, print_json, refuse_two_on_stdout, say, word
+from polhode.verbs.options import word
+from polhode.verbs.terminal import DONE, print_json, refuse_two_on_stdout, say
 
 HELP = "a commented scene file to begin with, from a case or a shape"
 

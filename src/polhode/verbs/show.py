@@ -6,7 +6,8 @@ from argparse import ArgumentParser, Namespace
 
 from polhode.common.text_tables import one_line
 from polhode.scenes import library
-from polhode.verbs.terminal import DONE, print_json, say, word
+from polhode.verbs.options import word
+from polhode.verbs.terminal import DONE, print_json, say
 
 HELP = "body, regime, integrals, frequencies, columns to be integrated"
 _BOOK = "Yehia, Rigid Body Dynamics: A Lagrangian Approach"

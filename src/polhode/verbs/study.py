@@ -5,7 +5,8 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from polhode.verbs.terminal import DONE, ProgressLine, folder, print_json, say
+from polhode.verbs.options import folder
+from polhode.verbs.terminal import DONE, ProgressLine, print_json, say
 
 HELP = "run one study and write it"
 

@@ -18,7 +18,7 @@ from polhode.runs.sweep import plan as sweep_plan
 from polhode.taylor.backend import heyoka_numbers
 from polhode.taylor.batches import batch_integrator
 from polhode.taylor.batches import jobs as batch_jobs
-from polhode.taylor.batches.compiled_batch import width
+from polhode.taylor.batches.compiled_batch import LANES
 
 MEMBERS = 1000
 BODY: dict[str, Any] = {"centre": ["0.3", "0.2", "0.5"], "weight": 1, "omega": ["0.3", "0.4", 1.1]}
@@ -50,9 +50,9 @@ def sweeps(seconds: float) -> Iterator[Line]:
 
         sweep = partial(polhode.integrate_many, scene, given, workers=1)
         yield Line(f"{name}, {MEMBERS} members", side_by_side([loop, sweep], seconds)[1])
-        lanes = width(plan.number)
+        lanes = LANES
         job = batch_jobs.BatchJob(
-            *(plan.names, plan.number, None, 300, plan.times, 0),
+            *(plan.names, plan.number, None, 300, plan.grid, 0),
             plan.motions.some(np.full(lanes, MEMBERS // 2)),
         )
         batch_integrator.solve(job)  # gives every lane its coefficients

@@ -30,7 +30,6 @@ from polhode.common.errors import BadInput
 from polhode.common.jobs import carried_out
 from polhode.common.memory import refuse_too_much
 from polhode.common.progress import Progress
-from polhode.common.result import Result
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.chaos import map_motions
@@ -40,9 +39,12 @@ from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles, Integers
 from polhode.numbers.scalars import AnyNumber
+from polhode.results.result import Result
+from polhode.results.table import Column, Fact, Table
 from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
+from polhode.scenes.scene_facts import provenance_fact, scene_facts, text_column, unit_of
 from polhode.scenes.variation import vary
 
 END = 1000  # units of the inner time
@@ -116,11 +118,66 @@ class ChaosMap(Result, ByValue):
         known = self.h is not None and is_integrable(self.scene.body)
         return (*VERDICTS[:2], UNSTABLE) if known else VERDICTS
 
+    def table(self) -> Table:
+        """A row a motion: where it starts, its verdict, and what that rests on."""
+        import numpy as np
+
+        return Table(
+            [
+                Column("motion", np.arange(1, len(self.verdict) + 1)),
+                *(Column(key, self.at[:, k]) for k, key in enumerate(self.keys)),
+                Column("cell", self.cell, "its cell of the grid, row by row from 0"),
+                text_column("verdict", [self.words[k] for k in self.verdict.tolist()]),
+                Column("fli", self.fli, "largest logarithm of the tangent", digits=4),
+                Column("megno", self.megno, "mean exponential growth of nearby orbits", digits=4),
+                Column("growth", self.growth, "of the logarithm, in the second half", digits=4),
+                Column("exponent", self.exponent, "of Lyapunov", self._per_time, digits=4),
+                Column("until", self.until, "how far it was followed", unit_of(self.scene, "t")),
+            ]
+        )
+
+    def __str__(self) -> str:
+        """How many motions have each verdict."""
+        each = self.counts.items()
+        share = 100 / max(1, len(self.verdict))
+        return "\n".join(f"{name:<10}{n:>8}  {share * n:.1f} %" for name, n in each)
+
+    @property
+    def meaning(self) -> str:
+        """What the verdicts rest on: how far motions were followed, and whether that is enough."""
+        if not self.too_short:
+            return f"regular means up to t = {self.end:g}"
+        least = f"{self.enough:g}"
+        return (
+            f"{self.counts['undecided']} undecided: t = {self.end:g} is too short, none is called "
+            f"regular before t = {least}; an end of {least} or more can decide"
+        )
+
+    @property
+    def _per_time(self) -> str:
+        return f"1/{unit_of(self.scene, 't')}"
+
+    def facts(self) -> list[Fact]:
+        """The level or the family, the grid, and how many motions have each verdict."""
+        return [
+            *scene_facts(self.scene),
+            Fact("h", self.h, "energy"),
+            Fact("f", self.f, "vertical momentum"),
+            Fact("keys", list(self.keys), "the coordinates of a motion"),
+            Fact("grid", list(self.shape), "rows and columns of cells"),
+            Fact("end", self.end, "how far motions are followed", unit_of(self.scene, "t")),
+            Fact("least_end", self.enough, "the least end at which one is called regular"),
+            Fact("counts", self.counts, "motions of each verdict"),
+            Fact("meaning", self.meaning, "what the verdicts rest on"),
+            Fact("complete", not self.interrupted, "whether all motions were followed"),
+            provenance_fact(self.provenance),
+        ]
+
 
 def chaos_map(
     scene: Scene | str | Path,
     grid: tuple[int, int] | None = None,
-    varied: vary.Vary | None = None,
+    vary: vary.Vary | None = None,
     end: AnyNumber | None = None,
     by: str | None = None,
     extremum: str | None = None,
@@ -142,20 +199,22 @@ def chaos_map(
     scene : Scene, str or Path
         A scene, a path, or the name of a case.
     grid : tuple of int, optional
-        The cells of the section's two coordinates; 50 by 50 unless given.
-    varied : mapping, optional
-        Two numbers of the scene file instead of the grid, as in :func:`polhode.integrate_many`.
+        The cells of the section's two coordinates (50x50 unless given).
+    vary : mapping, optional
+        Two numbers of the scene file and values of each instead of the grid, as in
+        :func:`polhode.integrate_many`.
     end : number, optional
-        The last time of each motion, in the scene's unit; by default 1000 units of the inner time
-        (a power of two of the scene's unit, about a radian of the start's fastest rate).
+        The last time of each motion, in the scene's unit (about 1000 radians by default).  The
+        default is 1000 units of the inner time, a power of two of the scene's unit, about a radian
+        of the start's fastest rate.
     by, extremum : str, optional
-        The section, as in :func:`polhode.section`.
+        The section and which of its extrema, as in :func:`polhode.section`.
     h, f : number, optional
-        The level: energy and vertical momentum in the scene's units; the scene's own unless given.
+        The level's energy h or vertical momentum f, if not the scene's.
     tol : float or None
-        The tolerance of a step; None for the eps of double.
+        The tolerance of a step (1e-8); None for the eps of double.
     workers : int, optional
-        Threads; as many as there are cores unless given.
+        Threads, as many as there are cores unless given.
     executor : Executor, optional
         An executor of ``concurrent.futures`` instead of threads.
     parts : Path, optional
@@ -199,13 +258,13 @@ def chaos_map(
         words = "samples in all; a coarser grid, or an earlier end"
         refuse_too_much(scene.name, "map", what, many * looks, _BYTES, words)
 
-    if varied is None:
+    if vary is None:
         foretold = partial(forecast, more_than="more than ")
         motions = map_motions.on_section(scene, grid, by, extremum, h, f, foretold)
     else:
         if grid is not None or h is not None or f is not None:
             raise BadInput(scene.name, "vary", None, "no grid or level together with it")
-        motions = map_motions.of_varied(scene, varied, forecast)
+        motions = map_motions.of_varied(scene, vary, forecast)
     starts, coefficients = motions.starts, motions.coefficients
     forecast(len(starts))
     first = tangents_of(starts, motions.moments, motions.torques)

@@ -70,7 +70,7 @@ def on_section(
     k = {n: to_double(x) for n, x in principal.coefficients(scene.body, scene.time_unit).items()}
     many = (len(found.states), 1)
     return Motions(
-        keys=("azimuth", "u") if asked.by == HEIGHT else ("l", "L/G"),
+        keys=("azimuth", "u") if asked.by == HEIGHT else ("l", "L_over_G"),
         shape=(first, second),
         at=np.stack([angle[of], cosine[of]], axis=1),
         cell=of,

@@ -15,23 +15,27 @@ import numpy as np
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput, nearest
 from polhode.common.provenance import provenance
-from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.frequencies import naff
 from polhode.judging.references.reference import reference
 from polhode.judging.tables.table import Table
-from polhode.judging.tables.table_file import read_table
+from polhode.judging.tables.table_file import is_table, read_table
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Complexes, Doubles
 from polhode.numbers.scalars import AnyNumber
+from polhode.results.cells import INTEGER
+from polhode.results.result import Result
+from polhode.results.table import Column, Fact
+from polhode.results.table import Table as ResultTable
 from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.output_times import even_times
 from polhode.scenes.scene import Scene
+from polhode.scenes.scene_facts import provenance_fact, text_column
 from polhode.scenes.vocabulary import ATTITUDE, STATE
 
 LINES = 6
@@ -95,6 +99,45 @@ class Frequencies(Result, ByValue):
         told = ", ".join(f"{name} {x:.10g}" for name, x in strongest.items())
         return f"<Frequencies of {self.name}: strongest {told or 'none'}, to t = {self.end:g}>"
 
+    def table(self) -> ResultTable:
+        """A row a line, of each signal the strongest first."""
+        rows = [(name, k + 1, x) for name, lines in self.lines.items() for k, x in enumerate(lines)]
+        lines = [line for _, _, line in rows]
+        phases = [math.atan2(x.amplitude.imag, x.amplitude.real) for x in lines]
+        return ResultTable(
+            [
+                text_column("signal", [name for name, _, _ in rows]),
+                Column("line", [k for _, k, _ in rows], type=INTEGER),
+                Column("frequency", [x.frequency for x in lines], "angular", "rad/time", digits=12),
+                Column("error", [x.error for x in lines], "estimate", "rad/time", digits=2),
+                Column("half", [x.half for x in lines], "from half of the time", "rad/time"),
+                Column("amplitude", [abs(x.amplitude) for x in lines]),
+                Column("phase", phases, "at t = 0", "rad"),
+                text_column("combination", [in_words(x.combination) for x in lines]),
+            ],
+            2,
+        )
+
+    def facts(self) -> list[Fact]:
+        """Of what motion, how long it was followed, and which frequencies are known."""
+        known = [text_column("name", [*self.known]), Column("frequency", [*self.known.values()])]
+        return [
+            Fact("scene", self.name, "a scene's name, or a file"),
+            Fact("end", self.end, "the last time"),
+            Fact("samples", self.samples),
+            Fact("known", ResultTable(known), "of which lines are combinations"),
+            Fact("closed_form", self.closed_form, "whether a closed form tells them"),
+            provenance_fact(self.provenance),
+        ]
+
+
+def in_words(combination: Mapping[str, int]) -> str:
+    """An integer combination of frequencies as text."""
+    return " ".join(
+        f"{'-' if k < 0 else '+'} {'' if abs(k) == 1 else f'{abs(k)} '}{name}"
+        for name, k in combination.items()
+    ).removeprefix("+ ")
+
 
 def frequencies(
     source: Scene | str | Path | Trajectory,
@@ -107,7 +150,8 @@ def frequencies(
     Parameters
     ----------
     source : Scene, Trajectory, str or Path
-        A scene, a run, or a CSV with a column t; the times of a run or file are equally spaced.
+        A scene, a run, or the file of one, or of a table with a column t, as for
+        :func:`polhode.compare`; the times of a run or file are equally spaced.
     of : sequence of str, optional
         Among "p+iq", "gamma1+i gamma2", "p", "q", "r", "gamma1", "gamma2", "gamma3" and "axis", the
         third body axis in space; "p+iq" and "gamma3" unless given.
@@ -145,10 +189,13 @@ def frequencies(
         if end is not None:
             raise BadInput(source.scene.name, "end", end, "no end: a run is analysed whole")
         return _of_run(source, _names(source.scene.name, of, source.scene), count)
-    if isinstance(source, (str, Path)) and Path(source).suffix.lower() == ".csv":
+    if isinstance(source, (str, Path)) and is_table(source):
         if end is not None:
             raise BadInput(str(source), "end", end, "no end: a file is analysed whole")
-        return _of_table(read_table(Path(source)), of, count)
+        table = read_table(Path(source))
+        if table.run is None:
+            return _of_table(table, of, count)
+        return _of_run(table.run, _names(table.name, of, table.run.scene), count)
     scene = library.load(source)
     names = _names(scene.name, of, scene)
     last: Exact = Fraction(LENGTH) if sign(scene.end) == 0 else scene.end

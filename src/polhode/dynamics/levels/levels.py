@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput
-from polhode.common.result import Result
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.levels import permanent_rotations, regions
@@ -26,12 +25,17 @@ from polhode.numbers.mpmath_context import mpf
 from polhode.numbers.polynomials import fraction_near, nearest
 from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import AnyNumber
+from polhode.results import table as told
+from polhode.results.result import Result
+from polhode.results.table import Fact, Table
 from polhode.scenes import library
 from polhode.scenes.given_numbers import AREA, reader
 from polhode.scenes.scene import Scene
+from polhode.scenes.scene_facts import provenance_fact, scene_facts, text_column
 
 DIGIT_BITS = 128  # of what is isolated exactly: 38 digits
 _SHORT_BITS = 256  # of the denominator of a level's rational number
+_MORSE = "directions on the sphere that lower the potential"
 COLUMNS = 48  # of the regions of a diagram
 
 
@@ -119,10 +123,93 @@ class Levels(Result, ByValue):
         curves = counted(len(self.curves), "curve")
         return f"<Levels of {self.scene.name}: {curves}, {counted(len(self.cusps), 'cusp')}>"
 
+    def __str__(self) -> str:
+        from polhode.dynamics.levels.report import report
+
+        return report(self, topology(self.here.region))
+
     @property
     def cusps(self) -> tuple[Mark, ...]:
         """The cusps, where two permanent rotations meet."""
         return tuple(mark for mark in self.marks if mark.kind == permanent_rotations.CUSP)
+
+    def table(self) -> Table:
+        """A row a point of a branch of permanent rotations."""
+        import numpy as np
+
+        sizes = [len(curve.points) for curve in self.curves]
+        each = np.repeat(np.arange(len(sizes)), sizes)
+        points = np.concatenate([np.empty((0, 2)), *(curve.points for curve in self.curves)])
+        places = [k for size in sizes for k in range(1, size + 1)]
+        return Table(
+            [
+                told.Column("arc", each + 1),
+                told.Column("point", np.array(places, dtype=np.int64), "of its arc"),
+                text_column("family", [self.curves[k].family for k in each.tolist()]),
+                text_column("type", [self.curves[k].type for k in each.tolist()]),
+                told.Column("f", points[:, 0], "vertical momentum"),
+                told.Column("h", points[:, 1], "energy"),
+            ],
+            2,
+        )
+
+    def facts(self) -> list[Fact]:
+        """Where the scene lies, the arcs, and their special points."""
+        here, fourth = self.here, []
+        region = None if here.region is None else list(here.region)
+        if here.fourth is not None:
+            critical = [
+                told.Column("value", [x.value for x in here.fourth.critical]),
+                text_column("what", [x.what for x in here.fourth.critical]),
+            ]
+            fourth = [
+                Fact("fourth", here.fourth.value, "the fourth integral"),
+                Fact("fourth_name", here.fourth.name),
+                Fact("critical", Table(critical), "its critical values"),
+            ]
+        return [
+            *scene_facts(self.scene),
+            Fact("f", here.f, "vertical momentum of the scene"),
+            Fact("h", here.h, "energy of the scene"),
+            Fact("least_h", here.least, "least energy at this f"),
+            Fact("region", region, "edges of each part"),
+            Fact("topology", topology(here.region), "of the level"),
+            Fact("remark", here.remark, "why there is no region"),
+            *fourth,
+            Fact("exact", self.exact, "whether all is decided exactly"),
+            Fact("arcs", self._arcs()),
+            Fact("marks", self._marks(), "cusps, branches, Hamiltonian-Hopf bifurcations"),
+            provenance_fact(self.provenance),
+        ]
+
+    def _arcs(self) -> Table:
+        curves, word = self.curves, f"{DIGIT_BITS} bits"
+        return Table(
+            [
+                told.Column("arc", [*range(1, len(curves) + 1)]),
+                text_column("family", [x.family for x in curves]),
+                told.Column("axis", [None if x.axis is None else x.axis + 1 for x in curves]),
+                text_column("type", [x.type for x in curves]),
+                told.Column("morse_index", [x.morse for x in curves], _MORSE),
+                told.Column("first", [x.first for x in curves], "of the parameter", type=word),
+                told.Column("last", [x.last for x in curves], "of the parameter", type=word),
+            ]
+        )
+
+    def _marks(self) -> Table:
+        word = f"{DIGIT_BITS} bits"
+        names = ("parameter", "f", "h")
+        return Table(
+            [
+                text_column("kind", [x.kind for x in self.marks]),
+                text_column("family", [x.family for x in self.marks]),
+                *(
+                    told.Column(name, [getattr(x, name) for x in self.marks], type=word)
+                    for name in names
+                ),
+            ],
+            0,
+        )
 
     def regions(self, f: AnyNumber) -> list[tuple[float, Region]]:
         """At one f: the energies of permanent rotations, ascending, and the region above each.

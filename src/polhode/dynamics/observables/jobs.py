@@ -17,9 +17,9 @@ from polhode.common.progress import Stop
 from polhode.dynamics.observables.reductions import FIRST, LYAPUNOV, Reduction, event_of, extremes
 from polhode.judging.conditioning import lyapunov
 from polhode.motion.outcomes import Outcome, code
-from polhode.numbers.conversion import number_value, to_double
+from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.rows import Doubles, doubles
+from polhode.numbers.rows import Doubles, double_array
 from polhode.runs.problem.options import Options
 from polhode.runs.solve import solve as solve_one
 from polhode.runs.sweep import flat_members
@@ -86,7 +86,7 @@ def _of_event(
     watched = Watched(plan.names, scene.columns, event.expression, 2.0**largest, turns is not None)
     job = SearchJob(
         *(watched, _DIRECTIONS[event.direction], 1, end, STRETCH),
-        *(doubles(motions.coefficients), doubles(motions.starts)),
+        *(double_array(motions.coefficients), double_array(motions.starts)),
         *(int(plan.time_units[group[0]]), turns),
         max_steps=plan.max_steps,
     )
@@ -117,7 +117,7 @@ def _tangents(plan: Plan, motions: Columns, end: float) -> TangentJob:
     tangents[:, :columns] = lyapunov.TANGENT[:columns]
     tangents /= np.linalg.norm(tangents, axis=1)[:, None]
     return TangentJob(
-        plan.names, doubles(motions.coefficients), six, tangents, end, _LOOKS, None, (), 0.0
+        plan.names, double_array(motions.coefficients), six, tangents, end, _LOOKS, None, (), 0.0
     )
 
 
@@ -191,8 +191,7 @@ def _parts(job: Job, stop: Stop | None) -> Iterator[Reduced]:
     """What is told by states, by events and by tangents."""
     if job.states is not None:
         steps = job.states.steps
-        solved_at = np.array([number_value(t, steps.number) for t in steps.times], np.longdouble)
-        times = solved_at.astype(np.float64) if steps.number.name == "double" else solved_at
+        times = np.ldexp(steps.times, steps.time_unit)
         solved = job.states.solved(stop)
         told = [what for what in job.which if what.kind not in (FIRST, LYAPUNOV)]
         numbers = extremes(told, solved.states, times, job.columns, steps.number)

@@ -17,14 +17,22 @@ from polhode.common.progress import Progress, bar
 from polhode.common.text_tables import counted
 from polhode.dynamics.observables.jobs import Reduced, check, job_of, solve
 from polhode.dynamics.observables.reductions import asked
-from polhode.motion.outcomes import Outcome, code
+from polhode.motion.outcomes import OUTCOMES, Outcome, code
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Stack
 from polhode.numbers.scalars import AnyNumber
+from polhode.results.table import Column, Fact, Table
 from polhode.runs.sweep.endings import Ended
 from polhode.runs.sweep.plan import planned
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.scenes.scene_facts import (
+    provenance_fact,
+    scene_facts,
+    text_column,
+    unit_of,
+    varied_columns,
+)
 from polhode.scenes.variation import vary
 from polhode.scenes.variation.sweep_scenes import Members
 
@@ -48,7 +56,7 @@ class Reductions(Ended):
 
     ``numbers``: arrays (members,) by name, float64 or longdouble, in the scene's body axes and
     units; nan for members that did not reach the end, and for a first event that does not happen.
-    ``parts``: the folder of finished jobs, to be removed.  ``endings``: indices into
+    ``kept``: the folder of finished jobs, to be removed.  ``endings``: indices into
     ``polhode.motion.outcomes.OUTCOMES``; ``counts``: steps.
     """
 
@@ -61,7 +69,7 @@ class Reductions(Ended):
     endings: npt.NDArray[np.uint8]
     counts: npt.NDArray[np.int64]
     provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
-    parts: JobCheckpoint | None = field(default=None, compare=False)
+    kept: JobCheckpoint | None = field(default=None, compare=False)
 
     def __len__(self) -> int:
         return len(self.members)
@@ -80,6 +88,35 @@ class Reductions(Ended):
     def names(self) -> tuple[str, ...]:
         """What the numbers are called."""
         return tuple(self.numbers)
+
+    def table(self) -> Table:
+        """A row a member: what is varied, how it ended, and its numbers."""
+        import numpy as np
+
+        member, digits = np.arange(len(self)), self.number.printed_digits
+        return Table(
+            [
+                Column("member", member + 1),
+                *varied_columns(self.varied, member),
+                text_column("outcome", [OUTCOMES[k].value for k in self.endings.tolist()]),
+                Column("steps", self.counts),
+                *(Column(name, x, digits=digits) for name, x in self.numbers.items()),
+            ]
+        )
+
+    def facts(self) -> list[Fact]:
+        """What was varied and kept, and how the members were integrated."""
+        return [
+            *scene_facts(self.scene),
+            Fact("vary", list(self.varied.keys), "what is varied"),
+            Fact("keep", list(self.keep), "what was kept of each member"),
+            Fact("number", self.number.name, "the type of the numbers"),
+            Fact("bits", self.number.bits, "of its significand"),
+            Fact("end", self.scene.end, "the last time", unit_of(self.scene, "t")),
+            Fact("projected", False, "whether put back on the first integrals"),
+            Fact("complete", self.complete, "whether every member reached the end"),
+            provenance_fact(self.provenance),
+        ]
 
 
 def reduce_many(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -10,7 +10,6 @@ from typing import NamedTuple
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput, nearest
 from polhode.common.progress import Message
-from polhode.common.result import Result
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.periodic_orbits.continuation import (
@@ -28,9 +27,21 @@ from polhode.dynamics.sections.coordinates import turned
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
+from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.scalars import AnyNumber
+from polhode.results.cells import INTEGER
+from polhode.results.result import Result
+from polhode.results.table import Column, Fact, Table
 from polhode.scenes.given_numbers import AREA, ENERGY, reader
 from polhode.scenes.scene import Scene
+from polhode.scenes.scene_facts import (
+    provenance_fact,
+    row_columns,
+    scene_facts,
+    text_column,
+    unit_of,
+)
+from polhode.scenes.vocabulary import STATE
 
 POINTS = 200
 LOST = "not followed beyond"
@@ -54,6 +65,22 @@ class FamilyPoint(NamedTuple):
     def kind(self) -> str:
         """elliptic, hyperbolic, inverse hyperbolic or parabolic."""
         return kind_of(self.residue, _KNOWN)
+
+
+def points_table(scene: Scene, points: Sequence[FamilyPoint]) -> Table:
+    """A row an orbit."""
+    states = [point.state for point in points]
+    return Table(
+        [
+            Column("orbit", [*range(1, len(points) + 1)], type=INTEGER),
+            Column("h", [x.h for x in points], "energy"),
+            Column("f", [x.f for x in points], "vertical momentum"),
+            Column("period", [x.period for x in points], "", unit_of(scene, "t"), digits=12),
+            Column("residue", [x.residue for x in points], "Greene's"),
+            text_column("kind", [x.kind for x in points], "of its stability"),
+            *row_columns(scene, STATE, states, DOUBLE, digits=6),
+        ]
+    )
 
 
 class Bifurcation(NamedTuple):
@@ -98,6 +125,29 @@ class OrbitFamily(Result, ByValue):
         orbits = counted(n, "orbit")
         return f"<OrbitFamily of {self.scene.name}: {orbits} along {self.by}, {self.ended}>"
 
+    def table(self) -> Table:
+        """A row an orbit, from the first on."""
+        return points_table(self.scene, self.points)
+
+    def facts(self) -> list[Fact]:
+        """What varies, why the family ends, and its bifurcations."""
+        passed = points_table(self.scene, [x.point for x in self.bifurcations])
+        bifurcations = [
+            text_column("what", [x.what for x in self.bifurcations]),
+            Column("after", [x.after for x in self.bifurcations], "orbits before", type=INTEGER),
+            *passed.columns[1:],
+        ]
+        return [
+            *scene_facts(self.scene),
+            Fact("by", self.by, "what varies"),
+            Fact("h", self.surface.h, "energy of the first orbit"),
+            Fact("f", self.surface.f, "vertical momentum of the first orbit"),
+            Fact("ended", self.ended, "why the family ends there"),
+            Fact("complete", self.complete, "whether followed as far as asked"),
+            Fact("bifurcations", Table(bifurcations, 0)),
+            provenance_fact(self.provenance),
+        ]
+
     @property
     def complete(self) -> bool:
         """Whether it was followed as far as it was asked for, or came back."""
@@ -121,8 +171,11 @@ def orbit_family(
     by: str,
     to: AnyNumber,
     *,
-    first: AnyNumber | None = None,
     points: int = POINTS,
+    h: AnyNumber | None = None,
+    f: AnyNumber | None = None,
+    period: AnyNumber | None = None,
+    returns: int | None = None,
     progress: Message | None = None,
 ) -> OrbitFamily:
     """Follow a family of periodic orbits from one orbit to another value of h or f.
@@ -135,13 +188,15 @@ def orbit_family(
     start : Orbit, Scene, str or Path
         An orbit, or a scene near one (see :func:`polhode.orbit`).
     by : {"h", "f"}
-        What varies: the energy or the vertical momentum; the other one is kept fixed.
+        What varies, the energy or the vertical momentum; the other one is kept fixed.
     to : number
         The value at which to end.
-    first : number, optional
-        The value of a scene's first orbit; by default the scene's own.
     points : int
-        The largest number of orbits.
+        The largest number of orbits (200).
+    h, f : number, optional
+        The level of a scene's first orbit, if not the scene's.
+    period, returns : number and int, optional
+        A guess of its period, or the number of near returns to try, as in :func:`polhode.orbit`.
     progress : callable, optional
         Called with a line of text now and then.
 
@@ -165,13 +220,12 @@ def orbit_family(
     """
     if by not in BY:
         raise BadInput("orbit_family", "by", by, nearest(by, [*BY]))
-    if isinstance(start, Orbit):
-        if first is not None:
-            raise BadInput(start.name, "first", first, "none: the orbit given is the first")
+    if not isinstance(start, Orbit):
+        found = orbit(start, h=h, f=f, period=period, returns=returns, progress=progress)
+    elif h is f is period is returns is None:
         found = start
     else:
-        h, f = (first, None) if by == "h" else (None, first)
-        found = orbit(start, h=h, f=f, progress=progress)
+        raise BadInput(start.name, "start", None, "a scene, whose first orbit is looked for")
     on = found.surface
     name = on.scene.name
     most = whole(name, "points", points, 2, MOST_POINTS)

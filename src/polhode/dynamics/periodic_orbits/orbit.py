@@ -13,8 +13,8 @@ import numpy as np
 
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
+from polhode.common.files import check_writable, write_whole
 from polhode.common.progress import Message
-from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.periodic_orbits import high_precision
 from polhode.dynamics.periodic_orbits.azimuth_advance import advance
@@ -36,15 +36,20 @@ from polhode.numbers.conversion import exactly, to_double, to_mpf
 from polhode.numbers.decimals import decimal_string
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.mpmath_context import mpmath, ordinary
-from polhode.numbers.number_types import MAX_DIGITS, bits_for
-from polhode.numbers.rows import Doubles, doubles
+from polhode.numbers.number_types import DOUBLE, MAX_DIGITS, bits_for
+from polhode.numbers.rows import Doubles, double_array
 from polhode.numbers.scalars import AnyNumber, Real
+from polhode.results.cells import EXACT, digits_word
+from polhode.results.result import Result
+from polhode.results.table import Column, Fact, Table
 from polhode.scenes import library, scene_file
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
-from polhode.scenes.scene_text import written
+from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, unit_of
+from polhode.scenes.scene_text import as_toml, written
 from polhode.scenes.validation import Literal
 from polhode.scenes.variation.sweep_scenes import tables_of
+from polhode.scenes.vocabulary import STATE
 from polhode.taylor.variations.flow_map import NotFollowed
 
 DIGITS = 15
@@ -135,6 +140,68 @@ class Orbit(Result, ByValue):
         near = exact.limit_denominator(MOST_PERIODS)
         return near if abs(exact - near) < Fraction(100, 10**self.digits) else None
 
+    def table(self) -> Table:
+        """One row: period, stability, and the start, to two digits more than were asked for."""
+        scene, word = self.scene, digits_word(self.digits + 2)
+        state = (*scene.omega, *(scene.gamma or ()))
+        columns = zip(row_columns(scene, STATE, [state], DOUBLE), state, strict=True)
+        return Table(
+            [
+                Column("orbit", [1]),
+                Column("period", [self.period], "", unit_of(scene, "t"), word, 17),
+                Column("residue", [float(self.residue)], "Greene's"),
+                Column("kind", [self.kind]),
+                *(column._replace(values=[x], type=word, digits=17) for column, x in columns),
+            ]
+        )
+
+    def facts(self) -> list[Fact]:
+        """The level, the period, the multipliers, and how they were found."""
+        word = digits_word(self.digits + 2)
+        pairs = self.multipliers
+        multipliers = [
+            Column(name, [pair[k] for pair in pairs], type=word)
+            for k, name in enumerate(("real", "imaginary"))
+        ]
+        return [
+            *scene_facts(self.scene, name=self.name),
+            Fact("h", self.h, "energy"),
+            Fact("f", self.f, "vertical momentum"),
+            Fact("digits", self.digits, "correct digits of start and period"),
+            Fact("period", self.period, "", unit_of(self.scene, "t"), word),
+            Fact("error", self.error, "of start and period, estimated, relative"),
+            Fact("kind", self.kind, "of its stability"),
+            Fact("residue", self.residue, "Greene's", type=word),
+            Fact("residue_error", self.residue_error, "estimated"),
+            Fact("multipliers", Table(multipliers, 0), "that may differ from 1"),
+            Fact("determinant", self.determinant, "|det M - 1|"),
+            Fact("psi_advance", self.psi, "in a period", "rad", word),
+            Fact("psi_with_turns", self.psi_whole, "whether that includes whole turns"),
+            Fact("psi_turns", self.turns, "that over 2 pi, where it is a fraction", type=EXACT),
+            Fact("moved", self.moved, "distance of the start from the guess, scaled"),
+            Fact("corrections", list(self.corrections), "in double, and in the wider type"),
+            provenance_fact(self.provenance),
+        ]
+
+    def save(self, path: str | Path) -> None:
+        """Write the orbit as any result, or as .toml its start: a scene that ends after a period.
+
+        Raises
+        ------
+        BadInput
+            A place that cannot be written to.
+        """
+        if Path(path).suffix.lower() not in (".toml", ""):  # "-" is stdout
+            super().save(path)
+            return
+        check_writable(Path(path), [".toml"])
+        write_whole({Path(path): as_toml(self.scene)})
+
+    def __str__(self) -> str:
+        from polhode.dynamics.periodic_orbits.report import report
+
+        return report(self)
+
     def __repr__(self) -> str:
         period, residue = to_double(self.period), float(self.residue)
         return (
@@ -164,14 +231,14 @@ def orbit(
     scene : Scene, str or Path
         A scene, a path, or the name of a case.
     digits : int
-        The correct digits of start and period.
+        The correct digits of start and period (15).
     h, f : number, optional
-        The level of the orbit: energy and vertical momentum; the scene's own unless given.
+        The level's energy h or vertical momentum f, if not the scene's.
     period : number, optional
-        A guess, in the scene's unit of time.  Without one the times at which the motion returns
-        near its start are tried.
+        A guess of the period, in the scene's unit of time.  Without one the times at which the
+        motion returns near its start are tried.
     returns : int, optional
-        How many of these to try; 10 by default.
+        The number of near returns of the motion to try (10); in a search, of crossings (3).
     progress : callable, optional
         Called with a line of text now and then.
 
@@ -269,7 +336,7 @@ def primitive(on: Surface, found: Closed) -> Closed:
         while True:
             time = found.period / part
             try:
-                end = doubles(on.plain_flow.after(found.state, time).state)
+                end = double_array(on.plain_flow.after(found.state, time).state)
                 if np.max(np.abs(end - found.state) / scale) > SAME:
                     break
                 found = closed(on, found.state, time, at_level(on, found.state))

@@ -15,11 +15,11 @@ from typing import NamedTuple
 import numpy as np
 
 from polhode.common.arguments import cells, whole
+from polhode.common.errors import BadInput
 from polhode.common.progress import Message
-from polhode.common.result import Result
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
-from polhode.dynamics.periodic_orbits.families import FamilyPoint, point_of
+from polhode.dynamics.periodic_orbits.families import FamilyPoint, point_of, points_table
 from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.dynamics.periodic_orbits.newton_shooting import Closed, NotClosed, at_level, closed
 from polhode.dynamics.periodic_orbits.orbit import (
@@ -37,8 +37,11 @@ from polhode.equations.section_functions import MOMENTUM
 from polhode.numbers.conversion import exactly
 from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import AnyNumber
+from polhode.results.result import Result
+from polhode.results.table import Fact, Table
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.scenes.scene_facts import provenance_fact, scene_facts
 from polhode.taylor.variations.flow_map import NotFollowed
 
 GRID = (20, 20)
@@ -86,6 +89,21 @@ class OrbitSearch(Result, ByValue):
         guesses = f"{self.guesses} guess" + "es" * (self.guesses != 1)
         return f"<OrbitSearch of {self.scene.name}: {orbits} from {guesses}>"
 
+    def table(self) -> Table:
+        """A row an orbit, by increasing period."""
+        return points_table(self.scene, self.orbits)
+
+    def facts(self) -> list[Fact]:
+        """The level, and how many guesses were tried."""
+        return [
+            *scene_facts(self.scene),
+            Fact("h", self.surface.h, "energy"),
+            Fact("f", self.surface.f, "vertical momentum"),
+            Fact("guesses", self.guesses, "that were tried"),
+            Fact("complete", not self.interrupted, "whether all guesses were tried"),
+            provenance_fact(self.provenance),
+        ]
+
     def orbit(self, k: int, digits: int = DIGITS) -> Orbit:
         """The k-th orbit to so many digits."""
         known = self.closed[k]
@@ -110,11 +128,11 @@ def orbit_search(
     scene : Scene, str or Path
         A scene, a path, or the name of a case.
     grid : tuple of int, optional
-        The cells of the section's coordinates l and L/G; 20 by 20 unless given.
+        The cells of the section's coordinates l and L/G (20x20 unless given).
     crossings : int, optional
-        The largest number of crossings in a period; 3 unless given.
+        The largest number of crossings in a period (3 unless given).
     h, f : number, optional
-        The level: energy and vertical momentum; the scene's own unless given.
+        The level's energy h or vertical momentum f, if not the scene's.
     progress : callable, optional
         Called with a line of text now and then.
 
@@ -158,12 +176,43 @@ def orbit_search(
     return OrbitSearch(scene, points, tried, interrupted, tuple(found), on, scene.provenance())
 
 
+def picked(
+    scene: Scene,
+    grid: tuple[int, int] | None,
+    pick: int | None,
+    crossings: int | None,
+    h: AnyNumber | None,
+    f: AnyNumber | None,
+    progress: Message | None,
+    digits: int = DIGITS,
+) -> Orbit:
+    """The orbit of this number among those of a search, from 1, to so many digits."""
+    if grid is None or pick is None:
+        expected = "a search and the number of an orbit in it; polhode orbits lists them"
+        raise BadInput(scene.name, "pick", pick, expected)
+    found = orbit_search(scene, grid, crossings, h, f, progress)
+    if not 1 <= pick <= len(found.orbits):
+        expected = f"a number to {len(found.orbits)}: so many orbits were found"
+        raise BadInput(scene.name, "pick", pick, expected)
+    return found.orbit(pick - 1, digits)
+
+
 def _guesses(on: Surface, grid: tuple[int, int], most: int) -> Iterator[Guess]:
     """Starts whose return is nearer than those of the cells around, by rising number of it."""
     scene, unit = on.scene, float(on.unit)
     asked = asked_of(scene, MOMENTUM, MAXIMA, on.h, on.f)
     begun = starts_of(asked, geometry.ground(scene, on.h, on.f), None, grid)
-    cut = section(scene, MOMENTUM, MAXIMA, grid=grid, crossings=most, h=on.h, f=on.f, workers=1)
+    cut = section(
+        scene,
+        MOMENTUM,
+        MAXIMA,
+        grid=grid,
+        crossings=most,
+        h=on.h,
+        f=on.f,
+        workers=1,
+        accuracy=False,
+    )
     if cut.interrupted:
         raise KeyboardInterrupt
     states = geometry.turned(scene, cut.states, back=True)

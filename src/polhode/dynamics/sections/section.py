@@ -19,7 +19,6 @@ from polhode.common.errors import BadInput
 from polhode.common.jobs import carried_out
 from polhode.common.memory import refuse_too_much
 from polhode.common.progress import Progress
-from polhode.common.result import Result
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.sections import coordinates as geometry
@@ -30,15 +29,27 @@ from polhode.equations.forms import principal
 from polhode.equations.section_functions import HEIGHT, MOMENTUM, SectionZero
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
+from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles, Integers
 from polhode.numbers.scalars import AnyNumber, AnyVector
+from polhode.results.result import Result
+from polhode.results.table import Column, Fact, Table
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.scenes.scene_facts import (
+    provenance_fact,
+    row_columns,
+    scene_facts,
+    text_column,
+    time_column,
+)
+from polhode.scenes.vocabulary import STATE
 
 if TYPE_CHECKING:
     from polhode.dynamics.sections.coordinates import Ground
 
 MOST_CROSSINGS = 1_000_000
+_RATIO = "cosine of the angle between r0 and the angular momentum"
 _BYTES = 400  # of a crossing, while it is found and put in order
 
 
@@ -52,6 +63,7 @@ class Section(Result, ByValue):
     ``rests`` (n, m): a time is the sum of both.  ``l``, ``ratio`` (n, m): Andoyer's angle l and L/G
     about r0.  ``counts`` (n,): the crossings of each orbit; ``outcomes``: how each orbit ended.
     ``drift``: the largest residual of h, f and |gamma|^2 before a projection, relative.
+    ``accuracy``: whether its table has the digits that are expected of each crossing.
 
     >>> import polhode
     >>> found = polhode.section("lagrange/nutation", starts=[[1, 0.2]], crossings=20)
@@ -79,6 +91,7 @@ class Section(Result, ByValue):
     interrupted: bool = False
     kept: JobCheckpoint | None = None
     provenance: Mapping[str, object] = field(default_factory=dict)
+    accuracy: bool = True
 
     def __repr__(self) -> str:
         orbits = counted(len(self.counts), "orbit")
@@ -90,8 +103,9 @@ class Section(Result, ByValue):
         """Expected correct digits of each crossing's state, nan after the last one: (n, m).
 
         From the growth of a rounding error since the start, estimated by one tangent along each
-        orbit.  That takes as long as the section itself, or longer, and is computed when first
-        asked for.  All are nan for a section that was interrupted.
+        orbit, which takes as long as the section itself, or longer: :func:`section` does it unless
+        ``accuracy`` is False, and they are then computed when first asked for.  All are nan for a
+        section that was interrupted.
 
         >>> import polhode
         >>> scene = polhode.load("general/asymmetric-chaotic")
@@ -118,12 +132,59 @@ class Section(Result, ByValue):
         """Whether every orbit made all its crossings."""
         return not self.interrupted and bool((self.counts == self.times.shape[1]).all())
 
+    def table(self) -> Table:
+        """A row a crossing: its orbit, time, coordinates, and state."""
+        import numpy as np
+
+        there = np.arange(self.times.shape[1]) < self.counts[:, None]
+        orbit, crossing = np.nonzero(there)
+        columns = [
+            Column("orbit", orbit + 1),
+            Column("crossing", crossing + 1, "number of the crossing of its orbit"),
+            time_column(self.scene, (self.times + self.rests)[there], DOUBLE, digits=15),
+            Column("l", self.l[there], "Andoyer's angle about r0", "rad", digits=15),
+            Column("L_over_G", self.ratio[there], _RATIO, digits=15),
+        ]
+        if self.accuracy:
+            digits = self.digits[there]
+            columns.append(Column("digits_expected", digits, "correct digits", digits=3))
+        states = self.states[there]
+        return Table([*columns, *row_columns(self.scene, STATE, states, DOUBLE, digits=0)], 2)
+
+    def facts(self) -> list[Fact]:
+        """The level, the section, and of each orbit its start and its end."""
+        import numpy as np
+
+        first, second = ("azimuth", "cosine") if self.by == "height" else ("l", "L_over_G")
+        starts = [f"start_{name}" for name in (first, second, *STATE)]
+        values = np.concatenate([self.starts, self.start_states], axis=1)
+        orbits = [
+            Column("orbit", np.arange(1, len(self.counts) + 1)),
+            *(Column(name, values[:, k]) for k, name in enumerate(starts)),
+            Column("crossings", self.counts),
+            text_column("outcome", self.outcomes),
+        ]
+        if self.accuracy:
+            meaning = "first crossing without a digit, 0 for none"
+            orbits.append(Column("none_left_from", self.none_left_from, meaning))
+        return [
+            *scene_facts(self.scene),
+            Fact("h", self.h, "energy"),
+            Fact("f", self.f, "vertical momentum"),
+            Fact("by", self.by, "what makes the section"),
+            Fact("extremum", self.extremum),
+            Fact("drift", self.drift, "largest residual of h, f and |gamma|^2, relative"),
+            Fact("complete", self.complete, "whether every orbit made all its crossings"),
+            Fact("orbits", Table(orbits)),
+            provenance_fact(self.provenance),
+        ]
+
 
 def section(
     scene: Scene | str | Path,
     by: str | None = None,
     extremum: str | None = None,
-    starts: Iterable[AnyVector] | str | None = None,
+    starts: Iterable[AnyVector] | str | Path | None = None,
     grid: tuple[int, int] | None = None,
     crossings: int | None = None,
     h: AnyNumber | None = None,
@@ -132,6 +193,7 @@ def section(
     executor: Executor | None = None,
     parts: Path | None = None,
     progress: Progress | None = None,
+    accuracy: bool = True,
 ) -> Section:
     """Follow orbits of a scene's body on a level to their crossings of a section.
 
@@ -146,24 +208,27 @@ def section(
         which every orbit crosses; or an expression in p q r gamma1 gamma2 gamma3, whose zeros in
         either direction are taken.
     extremum : {"max", "min"}, optional
-        Which extrema; "max" unless given.
-    starts : iterable of vectors, or "scene", optional
+        Which extrema are crossings, max unless given.
+    starts : iterable of vectors, "scene" or path, optional
+        The word "scene" for the scene's own start, or a text file of starts, one a line.  Or rows:
         [l, L/G], or [l, L/G, k], the k-th of several by rising y, for momentum and expressions;
-        [gamma1, gamma2, gamma3, ±1] in the scene's axes for height; or "scene", its own start.
+        [gamma1, gamma2, gamma3, ±1] in the scene's axes for height.
     grid : tuple of int, optional
-        Cells of both coordinates instead, with starts in their centres; 9 by 8 by default.
+        Cells of both coordinates, with starts in their centres (9x8 by default).
     crossings : int, optional
         The number of crossings of each orbit.
     h, f : number, optional
-        The level: energy and vertical momentum; the scene's own unless given.
+        The level's energy h or vertical momentum f, if not the scene's.
     workers : int, optional
-        Processes; as many as there are cores unless given.
+        Processes, as many as there are cores unless given.
     executor : Executor, optional
         An executor of ``concurrent.futures`` instead.
     parts : Path, optional
         A folder for finished jobs, from which the same call continues after a kill.
     progress : callable, optional
         Called with the fraction done and the orbits done.
+    accuracy : bool
+        Whether to estimate the correct digits of each crossing, at about the section's own cost.
 
     Returns
     -------
@@ -231,7 +296,7 @@ def section(
     angles = geometry.height_coordinates if asked.by == HEIGHT else geometry.coordinates
     l, ratio = geometry.coordinates(on, crossed.states)
     unit = 2.0**scene.time_unit
-    return Section(
+    made = Section(
         scene,
         asked.h,
         asked.f,
@@ -250,7 +315,11 @@ def section(
         finished.interrupted,
         kept,
         scene.provenance(),
+        accuracy,
     )
+    if accuracy:
+        _ = made.digits
+    return made
 
 
 def _refuse_constant(asked: Asked, on: Ground, zero: SectionZero, states: Doubles) -> None:

@@ -98,7 +98,7 @@ def asked_of(
 def starts_of(
     asked: Asked,
     on: Ground,
-    starts: Iterable[AnyVector] | str | None,
+    starts: Iterable[AnyVector] | str | Path | None,
     grid: tuple[int, int] | None,
     foretold: Callable[[int], object] | None = None,
 ) -> Found:
@@ -123,6 +123,8 @@ def starts_of(
         return found
     if isinstance(starts, str) and starts == OWN:
         return geometry.Found(_own(asked, on)[None, :], np.zeros(1, dtype=int))
+    if isinstance(starts, (str, Path)):
+        starts = read_starts(Path(starts))
     rows = [
         [to_double(x) for x in each(name, f"starts[{k + 1}]", row, exact_number, "numbers")]
         for k, row in enumerate(each(name, "starts", starts, lambda row: row, "a list of starts"))

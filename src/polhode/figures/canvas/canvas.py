@@ -128,6 +128,25 @@ HIDDEN = {BODY: "#a6cbe3", SPACE: "#f3c6a5", REST: "#a6dccb", PLAIN: "#b0b0b0"}
 TIME = "t (units of the scene)"
 
 
+def series(plt: Any, count: int) -> tuple[str, ...]:
+    """So many colours: those of a style that the user chose, else ours."""
+    import matplotlib
+
+    own = matplotlib.rcParamsDefault["axes.prop_cycle"]
+    chosen = plt.rcParams["axes.prop_cycle"]
+    colours = [] if chosen == own else chosen.by_key().get("color", [])
+    colours = colours or SERIES
+    return tuple(colours[k % len(colours)] for k in range(count))
+
+
+def pale(colour: str) -> str:
+    """The same hue, lighter, for what is hidden behind a surface."""
+    from matplotlib.colors import to_hex, to_rgb
+
+    red, green, blue = (1 - 0.35 * (1 - x) for x in to_rgb(colour))
+    return HIDDEN.get(colour) or to_hex((red, green, blue))
+
+
 def time_label(scene: Scene | None) -> str:
     """What an axis of time says: seconds where a scene is in SI."""
     return "t (s)" if scene is not None and scene.units == "SI" else TIME

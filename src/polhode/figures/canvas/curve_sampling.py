@@ -91,15 +91,13 @@ def run(
     digits: int | None = None,
     progress: Progress | None = None,
     project: bool | None = None,
-    *,
-    interruptible: bool = True,
 ) -> Trajectory:
     """A scene integrated at these times with these outputs; of its events only a stop."""
     events = tuple(event for event in scene.events if event.stop)
     asked = replace(scene, times=times, outputs=outputs, events=events)
     chosen = choose_number(asked, number, digits)
     options = Options(project=project, digits=digits)
-    return solve(asked, chosen, options, progress, interruptible=interruptible)
+    return solve(asked, chosen, options, progress, interruptible=False)
 
 
 def of_run(found: Trajectory) -> Samples:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from polhode.figures.canvas.canvas import HIDDEN
+from polhode.figures.canvas.canvas import pale
 from polhode.numbers.rows import Doubles
 
 FRONT, BACK, RIM = "#c4c4c4", "#ececec", "#8a8a8a"
@@ -122,7 +122,7 @@ class Globe:
     def mark(self, axes: Any, point: Doubles, colour: str, hidden: str = "") -> None:
         """A dot, where the motion starts."""
         seen = self.facing(point) >= 0
-        tint = colour if seen else hidden or HIDDEN[colour]
+        tint = colour if seen else hidden or pale(colour)
         axes.plot(*self.onto_page([point]).T, "o", color=tint, ms=2.6, zorder=6 if seen else 1)
 
 

@@ -37,9 +37,13 @@ from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE, LOG10_2, NumberType
 from polhode.numbers.scalars import AnyNumber
+from polhode.results import cells
+from polhode.results.result import Result
+from polhode.results.table import Column, Fact, Table
 from polhode.runs.problem.options import choose_number
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of
 from polhode.taylor.backend import defaults
 from polhode.taylor.variations.error_growth import Growth
 from polhode.taylor.variations.state_transition import Passage, passage
@@ -51,7 +55,7 @@ _BEYOND = 4  # digits of |Phi| beyond those of the type: kappa, of the inputs al
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Conditioning(ByValue):
+class Conditioning(Result, ByValue):
     """How much a motion multiplies errors at each time, as far as it was followed.
 
     ``times``: in the scene's unit.  ``number``: the type for whose digits it was followed.
@@ -165,6 +169,32 @@ class Conditioning(ByValue):
         if self.lost_after is not None or not self.along.note:
             return ""
         return f"kappa {self.along.note}"
+
+    def table(self) -> Table:
+        """A row a time: what the motion multiplies, and the digits that this leaves."""
+        bands = self.expected()
+        columns = [
+            Column("t", list(self.times), "time", unit_of(self.scene, "t"), cells.EXACT),
+            Column("kappa", self.kappa, "what relative changes of the inputs are multiplied by"),
+            Column("log10_amplification", self.log10_amplification, "of the state's errors"),
+        ]
+        for k, name in enumerate(("least", "median", "most")):
+            found = [None if band is None else band[k] for band in bands]
+            columns.append(Column(f"digits_expected_{name}", found, "of a run", digits=4))
+        columns.append(Column("digits_inputs", self.inputs(), "that rounding them leaves"))
+        columns.append(Column("digits_bound", self.digits_bound(), "that are left in any case"))
+        return Table([x._replace(type=x.type or cells.DOUBLE) for x in columns])
+
+    def facts(self) -> list[Fact]:
+        """The number type, and how far the motion was followed."""
+        return [
+            *scene_facts(self.scene),
+            Fact("number", self.number.name, "number type"),
+            Fact("bits", self.number.bits),
+            Fact("lost_after", self.lost_after, "no digits are left then", type=cells.DOUBLE),
+            Fact("note", self.note, "why it was not followed to the end"),
+            provenance_fact(self.scene.provenance()),
+        ]
 
     def __repr__(self) -> str:
         known = [x for x in self.log10_kappa if x is not None]

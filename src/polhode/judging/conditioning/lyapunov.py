@@ -19,7 +19,6 @@ import numpy as np
 
 from polhode.common.arguments import each, steps
 from polhode.common.errors import BadInput
-from polhode.common.result import Result
 from polhode.equations.equilibrium import at_rest
 from polhode.equations.system import system
 from polhode.judging.conditioning import motion_kinds
@@ -35,9 +34,12 @@ from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import sign
 from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import AnyNumber
+from polhode.results.result import Result
+from polhode.results.table import Column, Fact, Table
 from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
+from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of
 from polhode.taylor.variations.equations import Variations
 from polhode.taylor.variations.reference_trajectory import pendulum, six
 
@@ -75,6 +77,30 @@ class Lyapunov(Result):
     end: float
     verdict: str
     reason: str
+
+    def table(self) -> Table:
+        """One row: the verdict, and what it rests on."""
+        time = unit_of(self.scene, "t")
+        return Table(
+            [
+                Column("motion", [1]),
+                Column("verdict", [self.verdict]),
+                Column("exponent", [self.exponent], "", f"1/{time}", digits=4),
+                Column("uncertainty", [self.uncertainty], "", f"1/{time}", digits=2),
+                Column("growth", [self.growth], "of the logarithm, in the second half", digits=4),
+                Column("end", [self.end], "how far it was followed", time),
+            ]
+        )
+
+    def facts(self) -> list[Fact]:
+        """The verdict, and why."""
+        row = self.table().columns[1:]
+        return [
+            *scene_facts(self.scene),
+            *(Fact(x.name, x.values[0], x.meaning, x.unit) for x in row),
+            Fact("reason", self.reason),
+            provenance_fact(self.scene.provenance()),
+        ]
 
     def __repr__(self) -> str:
         return f"<Lyapunov of {self.scene.name}: {self}>"

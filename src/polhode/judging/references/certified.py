@@ -6,16 +6,18 @@ import math
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
-from polhode.common.result import Result
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.scalars import AnyNumber, Real
+from polhode.results.result import Storable
+from polhode.results.table import Content
 from polhode.scenes.classification import kind_of_body
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
@@ -23,8 +25,10 @@ from polhode.scenes.scene import Scene
 if TYPE_CHECKING:
     from polhode.enclosures.result import Enclosure
 
+SAVED_DIGITS = 30
 
-class Certified(Result):
+
+class Certified(Storable):
     """The reference of any scene: balls that contain the exact motion, and their midpoints.
 
     Answers are in the scene's body axes and units.  ``progress``, ``forecast``: called during each
@@ -74,6 +78,19 @@ class Certified(Result):
 
     def __repr__(self) -> str:
         return f"<Certified of {self.scene.name}: {self.regime}>"
+
+    def content(self) -> Content:
+        """What a file of :meth:`proof` holds."""
+        return self.proof.content()
+
+    @property
+    def proof(self) -> Enclosure:
+        """The enclosure at the times of the scene, to 30 digits: what is saved."""
+        return self.enclosure(self.scene.times, SAVED_DIGITS, self.scene.outputs)
+
+    def save(self, path: str | Path) -> None:
+        """Write :attr:`proof` to a file, as :meth:`polhode.Enclosure.save` does."""
+        self.proof.save(path)
 
     def at(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
         """Rows p q r [gamma1 gamma2 gamma3] as mpf, proven to so many digits.

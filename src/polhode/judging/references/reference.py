@@ -15,14 +15,16 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar, overload
 from polhode.closed_forms.families import ClosedForm, closed_form, misfit
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
-from polhode.common.result import Result
 from polhode.equations.hodographs import Hodographs, hodographs
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.derived import column_of
+from polhode.judging.references.reference_rows import tabulated
 from polhode.numbers import exact, number_types
 from polhode.numbers.exact import Exact, Irrational
 from polhode.numbers.mpmath_context import mpmath, ordinary
 from polhode.numbers.scalars import AnyNumber, Real
+from polhode.results.result import Storable
+from polhode.results.table import Content
 from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
@@ -40,7 +42,7 @@ ROUGH = 53  # bits in which a closed form plans; it computes with more
 T = TypeVar("T")
 
 
-class Reference(Result):
+class Reference(Storable):
     """The closed form of a scene.
 
     ``kind``: which closed form; ``regime``: the kind of motion.  Answers are in the scene's body
@@ -70,6 +72,10 @@ class Reference(Result):
 
     def __repr__(self) -> str:
         return f"<Reference of {self.scene.name}: {self.kind}, {self.regime}>"
+
+    def content(self) -> Content:
+        """Its rows at the times of the scene, to 30 digits."""
+        return tabulated(self).content()
 
     def at(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
         """Rows p q r [gamma1 gamma2 gamma3] as mpf, right to so many digits.

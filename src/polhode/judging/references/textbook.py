@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from polhode.closed_forms.families import closed_form
 from polhode.closed_forms.kovalevskaya.regimes import DEGENERATE, ONE_FREQUENCY, STEADY
 from polhode.closed_forms.textbook import top
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
-from polhode.common.result import Result
+from polhode.judging.references.reference_rows import tabulated
 from polhode.numbers import number_types
 from polhode.numbers.mpmath_context import mpmath, ordinary
 from polhode.numbers.scalars import AnyNumber, Real
+from polhode.results.result import Storable
+from polhode.results.table import Content
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 
@@ -20,7 +23,7 @@ FAMILIES = ("euler", "lagrange", "kovalevskaya")
 _SPECIAL = (*DEGENERATE, *ONE_FREQUENCY, *STEADY)  # of Kovalevskaya's: two branch points are equal
 
 
-class Textbook(Result):
+class Textbook(Storable):
     """The state of a classical top as a textbook has it, computed by mpmath alone.
 
     Euler's and Lagrange's tops by Jacobi's functions and Legendre's third integral, generic motions
@@ -65,6 +68,10 @@ class Textbook(Result):
 
     def __repr__(self) -> str:
         return f"<Textbook of {self.scene.name}: {self.kind}, {self.regime}>"
+
+    def content(self) -> Content:
+        """Its states at the times of the scene, to 30 digits."""
+        return tabulated(Textbook(replace(self.scene, outputs=()))).content()
 
     def at(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
         """Rows p q r [gamma1 gamma2 gamma3] as mpf, to so many digits that repeat themselves.

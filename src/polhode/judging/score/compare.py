@@ -12,9 +12,9 @@ from polhode.common.arguments import each, of_kind, refuse_unknown
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.text_tables import few
-from polhode.judging.clock import unknown_clock
 from polhode.judging.conditioning.conditioning import Conditioning
-from polhode.judging.diagnosis.time_unit import time_unit
+from polhode.judging.diagnosis.clock import unknown_clock
+from polhode.judging.diagnosis.conventions import likely_unit, view
 from polhode.judging.diagnosis.told_readings import read_as_told
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import AnyReference, Reference, reference
@@ -24,7 +24,7 @@ from polhode.judging.score.score import does_not_answer
 from polhode.judging.score.table_reading import as_meant, with_unit_quaternions
 from polhode.judging.tables.given_columns import table_of_columns, table_of_rows
 from polhode.judging.tables.naming import PLAIN, Naming, naming
-from polhode.judging.tables.reading import LENGTH
+from polhode.judging.tables.reading import LENGTH, Reading
 from polhode.judging.tables.table import Table, as_judged, of_run
 from polhode.judging.tables.table_file import ENDINGS, read_table
 from polhode.numbers.number_types import NumberType
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-_TABLES = (".csv", ".tsv", *ENDINGS)
 MANY = 1000  # rows of a table that has a first answer
 
 
@@ -57,7 +56,7 @@ def compare(
     digits: int | None = None,
     at: Iterable[AnyNumber] | None = None,
     columns: Sequence[str] | None = None,
-    known: Conditioning | None = None,
+    known: Conditioning | Judgement | None = None,
     first: Callable[[Judgement, int], None] | None = None,
     progress: Progress | None = None,
     as_it_stands: bool = False,
@@ -71,11 +70,11 @@ def compare(
     Parameters
     ----------
     what : Trajectory, str, Path, mapping, DataFrame, Dataset or rows
-        A run; the path of a CSV file (``-``: the standard input) with a column t and any of p q r
-        gamma1 gamma2 gamma3 psi theta phi q0 q1 q2 q3, or of a derived output; of an .npz, .npy or
-        .parquet file of such columns; the same columns as a mapping of names to arrays, a pandas
-        DataFrame or an xarray Dataset; or rows of numbers, which hold at the times ``at`` and have
-        the columns ``columns``.
+        A run, or the path of a file that polhode saved; the path of a CSV file (``-``: the standard
+        input) with a column t and any of p q r gamma1 gamma2 gamma3 psi theta phi q0 q1 q2 q3, or
+        of a derived output; of an .npz, .npy or .parquet file of such columns; the same columns as
+        a mapping of names to arrays, a pandas DataFrame or an xarray Dataset; or rows of numbers,
+        which hold at the times ``at`` and have the columns ``columns``.
     against : reference, Scene, str or Path, optional
         A reference, or the scene whose reference it is; of a run its own scene unless given.
     number : str or NumberType, optional
@@ -89,8 +88,9 @@ def compare(
         Of rows, by default those of the scene.  Of a file without a header, or with another, its
         columns in order; or what single names of its header, or of a mapping or frame, mean:
         ``["time_ms=t*1e-3", "Q.W=q0"]``.
-    known : Conditioning, optional
-        The scene's conditioning, to spare its computation.
+    known : Conditioning or Judgement, optional
+        The scene's conditioning, or a judgement by the same reference at the same times, to spare
+        what they hold.
     first : callable, optional
         Called with a judgement of a few rows of a table of more than a thousand, and how many rows
         there are, before the others are judged by a closed form.
@@ -145,10 +145,10 @@ def compare(
 
     def foretold(seconds: float) -> None:
         if forecast is not None:
-            forecast(seconds, _unit(subject, scene))
+            forecast(seconds, likely_unit(subject, scene))
 
     proof = partial(Certified, progress=progress, max_seconds=max_seconds, forecast=foretold)
-    if isinstance(against, (str, Path)) and Path(against).suffix.lower() in _TABLES:
+    if isinstance(against, (str, Path)) and Path(against).suffix.lower() in ENDINGS:
         expected = (
             "a scene, a case's name or a .toml file: a table is judged by a motion, and not by "
             f"another table (polhode compare {against} SCENE judges that one)"
@@ -162,9 +162,6 @@ def compare(
             against = proof(against.scene)
     scene = against.scene
     if isinstance(what, Trajectory):
-        if not what.times:
-            ended = f"a time that the run reached ({what.outcome.cause}; {what.outcome.advice})"
-            raise BadInput(what.scene.name, "rows", None, ended)
         subject = of_run(what)
     else:
         if digits is not None and number is None:
@@ -177,25 +174,38 @@ def compare(
         elif not isinstance(what, Table):
             named = scene.columns if columns is None else columns
             what = table_of_rows(what, at, named, kind)
+        if what.run is not None and (read or not _is_of(what.run.scene, scene)):
+            what = replace(what, run=None)  # another's table, as it were
         subject = as_judged(what, scene)
-        _tell_first(first, subject, against)
     if not subject.columns:
         expected = f"columns of {', '.join(against.scene.columns)}, angles or attitude"
         raise BadInput(subject.name, "header", None, expected)
-    given, offered = subject, None
+    given = subject
+    offered: tuple[Reading, ...] = ()
     reads = not as_it_stands and read is None and subject.run is None
     if read is not None and subject.run is None:
-        subject = with_unit_quaternions(subject, against) if LENGTH in read else subject
+        if LENGTH in read:
+            subject = with_unit_quaternions(subject, view(subject, against))
         subject, as_it_stands = read_as_told(subject, against, read), True
     elif reads:
         subject, offered = as_meant(given, against)
-    found = Judgement(subject, against, progress, as_it_stands, known, offered)
+    if first is not None and subject.run is None:
+        _tell_first(first, subject, against, offered)
+    found = Judgement(
+        subject,
+        against,
+        progress,
+        as_it_stands,
+        answers=known.known_answers if isinstance(known, Judgement) else None,
+        known=known.known if isinstance(known, Judgement) else known,
+        offered=offered,
+    )
     try:
         _ = found.digits  # what cannot be judged is refused here
     except BadInput as refused:
         if not does_not_answer(against, refused):
             if refused.key == "at":  # a proof of too many steps
-                unit = _unit(subject, scene)
+                unit = likely_unit(subject, scene)
                 clocks = unknown_clock(subject, scene, not as_it_stands)
                 hints = [f"t seems to be in {unit}"] if unit else clocks
                 expected = "; ".join([refused.expected, *hints])
@@ -209,6 +219,12 @@ def compare(
     return found
 
 
+def _is_of(one: Scene, other: Scene) -> bool:
+    """Whether two scenes have the same motion, in the same units."""
+    keys = ("units", "body", "omega", "gamma")
+    return all(getattr(one, key) == getattr(other, key) for key in keys)
+
+
 def _naming(columns: Sequence[str] | None, of_file: bool = True) -> Naming:
     """What columns are called, where that was told; of a file it may be all of them."""
     if columns is None:
@@ -220,20 +236,17 @@ def _naming(columns: Sequence[str] | None, of_file: bool = True) -> Naming:
     return names
 
 
-def _unit(subject: Table, scene: Scene) -> str:
-    """The unit that the times seem to have, empty where it is the scene's."""
-    unit = time_unit(subject, scene)
-    return "" if unit is None else unit.name
-
-
 def _tell_first(
-    first: Callable[[Judgement, int], None] | None, subject: Table, against: AnyReference
+    first: Callable[[Judgement, int], None],
+    subject: Table,
+    against: AnyReference,
+    offered: tuple[Reading, ...],
 ) -> None:
     """Call ``first`` with some of many rows, if a closed form judges them."""
     count = len(subject.times)
-    if first is None or count <= MANY or isinstance(against, Certified):
+    if count <= MANY or isinstance(against, Certified):
         return
-    brief = Judgement(subject.some(few(count, SHOWN)), against)
+    brief = Judgement(subject.some(few(count, SHOWN)), against, offered=offered)
     try:
         _ = brief.digits
     except BadInput as refused:

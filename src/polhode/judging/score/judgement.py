@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
-from polhode.common.result import Result
 from polhode.common.text_tables import few
 from polhode.judging.conditioning.conditioning import Conditioning
 from polhode.judging.conditioning.lyapunov import Lyapunov, lyapunov
@@ -22,8 +21,8 @@ from polhode.judging.diagnosis.error_budget import (
     is_thin,
     limit,
     selected,
+    time_rounding,
 )
-from polhode.judging.diagnosis.time_rounding import explained
 from polhode.judging.score.expectation import FOLLOWED, Expectation
 from polhode.judging.score.report_text import table, together
 from polhode.judging.score.score import STATE_PART, Scores
@@ -31,6 +30,11 @@ from polhode.judging.tables.reading import WRONG, Reading
 from polhode.numbers.conversion import doubles
 from polhode.numbers.decimals import brief
 from polhode.numbers.number_types import DIGITS_HELD
+from polhode.results.cells import DOUBLE, EXACT, TEXT
+from polhode.results.result import Result
+from polhode.results.table import Column, Fact
+from polhode.results.table import Table as ResultTable
+from polhode.scenes.scene_facts import provenance_fact, scene_facts, text_column, unit_of
 from polhode.taylor.backend import engine
 
 RARE = 1e-4  # a share of runs of which nobody judges so many
@@ -44,8 +48,8 @@ class Judgement(Result, Scores):
     ``subject``: what was judged.  ``reference``: what it was judged against.  ``known``: the
     conditioning at the scene's times, if it is known already.  ``progress``: called with the
     reference's rows where they are many.
-    ``as_it_stands``: whether no other convention is tried.  ``offered``: those that are told and
-    not applied, if they are known already.
+    ``as_it_stands``: whether no other convention was tried.  ``offered``: those in which parts are
+    right that are told and not applied.
     ``digits[k]`` belongs to ``times[k]``: -log10 of the larger of the error of omega over the
     largest |omega| of the reference at these times, and the error of gamma, in the scene's body
     axes.  ``worst``: the fewest of these and of those of every other part that was judged.
@@ -58,7 +62,7 @@ class Judgement(Result, Scores):
     """
 
     known: Conditioning | None = field(default=None, compare=False)
-    offered: tuple[Reading, ...] | None = field(default=None, compare=False)
+    offered: tuple[Reading, ...] = field(default=(), compare=False)
 
     @cached_property
     def departures(self) -> dict[str, Departure]:
@@ -191,7 +195,7 @@ class Judgement(Result, Scores):
             (row,) = self.reference.at([self.times[self._lowest]], DIGITS_HELD["double"])
             states = {self._lowest: [*row]}
         worst = selected(len(self.times))
-        return explained(
+        return time_rounding(
             scene,
             doubles([*states.values()]),
             [about.time_errors[k] for k in states],
@@ -230,19 +234,11 @@ class Judgement(Result, Scores):
         read = {one.part for one in known}
         return (*known, *(one for one in self.offers if one.part not in read))
 
-    @cached_property
+    @property
     def offers(self) -> tuple[Reading, ...]:
-        """Those that are not applied, of a table."""
-        from polhode.judging.diagnosis.conventions import readings
-
-        if self.as_it_stands or self.subject.run is not None:
-            return ()
-        wrong = {name for name, digits in self.parts.items() if digits < WRONG}
-        if self.digits and self.state_worst < WRONG:
-            wrong |= {"omega", "gamma"}
-        if wrong and self.offered is not None:
-            return self.offered
-        return tuple(readings(self.subject, self.reference, wrong)) if wrong else ()
+        """Those that are not applied, of a table of which a part is wrong."""
+        worst = [*self.parts.values(), *([self.state_worst] if self.digits else [])]
+        return self.offered if min(worst, default=WRONG) < WRONG else ()
 
     @cached_property
     def causes(self) -> tuple[Cause, ...]:
@@ -253,6 +249,93 @@ class Judgement(Result, Scores):
         if self.state_worst >= LAST and not self.limit.startswith("method"):
             return ()
         return causes(self.subject, self.reference.scene)
+
+    def table(self) -> ResultTable:
+        """A row a time: the digits that are correct, and what was to be expected."""
+        unit = unit_of(self.reference.scene, "t")
+        columns = [Column("t", list(self.times), "time", unit)]
+        if self.digits:
+            bands = self.expected
+            told = {
+                "correct_digits": self._known_digits,
+                "digits_expected_least": [None if x is None else x.least for x in bands],
+                "digits_expected_median": [None if x is None else x.middle for x in bands],
+                "digits_expected_most": [None if x is None else x.most for x in bands],
+                "digits_inputs": self.inputs,
+                "amplification": self.amplification,
+            }
+            columns += (Column(k, x, type=DOUBLE, digits=4) for k, x in told.items())
+        for name, digits in self.part_digits.items():
+            columns.append(Column(f"correct_digits_{name}", digits, type=DOUBLE, digits=4))
+        return ResultTable(columns)
+
+    @property
+    def _known_digits(self) -> list[float | None]:
+        """The correct digits, none where no digit was left to be correct."""
+        pairs = zip(self.digits, self.expected, strict=True)
+        return [None if d is None or is_lost(d, band) else d for d, band in pairs]
+
+    def facts(self) -> list[Fact]:
+        """What was judged against what, the fewest digits, and what limits them."""
+        subject, against = self.subject, self.reference
+        told = any(d is not None for digits in self.part_digits.values() for d in digits)
+        agreement = None if against.is_closed_form else self.agreement
+        facts = [
+            *scene_facts(against.scene),
+            Fact("file", str(subject.name), "what was judged"),
+            Fact("number", subject.number.name, "the type against which it was held"),
+            Fact("reference", against.kind, "what it was judged against"),
+            Fact("regime", against.regime, "of the motion"),
+            Fact("proven", against.proven is True, "whether the reference is proven"),
+            Fact("assumed", against.proven if isinstance(against.proven, str) else None, type=TEXT),
+            Fact("reference_digits", agreement, "of the reference"),
+            Fact("judged", [*subject.state, *self.parts], "columns and outputs", type=TEXT),
+            Fact("rows_judged", self.rows_judged),
+            Fact("worst", self.worst if told and not self.lost else None, "fewest digits"),
+            Fact("worst_time", self.worst_time if told else None, "where they are"),
+            Fact("worst_part", self.worst_part if told else None, "of what they are"),
+            Fact("limit", self.limit or None, "what limits the digits of the state"),
+            Fact("chance", self.chance, "the share of runs that have so few by chance alone"),
+            Fact("lost_after", self.lost_after if self.lost else None, "no digits are left then"),
+            Fact("reading", self.reading, "the convention that was applied"),
+            Fact("readings", self._readings(), "conventions in which parts would be right"),
+            Fact("causes", self._causes(), "numbers that would make it right"),
+            Fact("departures", self._departures(), "parts that leave the motion"),
+            Fact("not_judged", list(self.notes), type=TEXT),
+            Fact("remarks", list(subject.remarks), type=TEXT),
+        ]
+        if self.motion is not None:
+            facts.append(Fact("motion", self.motion.table(), "whether it is chaotic"))
+        if self.drift is not None:
+            for name, value in self.drift._asdict().items():
+                facts.append(Fact(f"drift_{name}", value, "of a first integral, relative"))
+        return [*facts, provenance_fact(against.scene.provenance())]
+
+    def _readings(self) -> ResultTable:
+        readings = self.readings
+        return ResultTable(
+            [
+                text_column("part", [x.part for x in readings]),
+                text_column("convention", [x.convention for x in readings]),
+                Column("digits", [x.digits for x in readings]),
+            ],
+            0,
+        )
+
+    def _causes(self) -> ResultTable:
+        causes = self.causes
+        digits = Column("digits", [x.digits for x in causes])
+        return ResultTable([text_column("cause", [x.words for x in causes]), digits], 0)
+
+    def _departures(self) -> ResultTable:
+        found = self.departures
+        return ResultTable(
+            [
+                text_column("part", [*found]),
+                Column("until", [x.until for x in found.values()], "right to then", type=EXACT),
+                Column("since", [x.since for x in found.values()], "wrong from then", type=EXACT),
+            ]
+        )
 
     def __str__(self) -> str:
         against, others = self.reference, self._others

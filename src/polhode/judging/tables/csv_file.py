@@ -1,4 +1,4 @@
-"""Tables in CSV files, with what the JSON that polhode wrote beside one says of its numbers.
+"""Tables in CSV files of other programs.
 
 Separators are comma, semicolon, tab, or blanks, as the first line of the table has them.  Between
 semicolons the numbers may have decimal commas, if none has a point.  A header may stand in a
@@ -26,7 +26,6 @@ from polhode.judging.tables.attitude_forms import Cells
 from polhode.judging.tables.column_aliases import Column
 from polhode.judging.tables.given_columns import refuse_names, table_of_cells
 from polhode.judging.tables.naming import Naming
-from polhode.judging.tables.sidecar import Sidecar, beside
 from polhode.judging.tables.table import Table
 from polhode.judging.tables.type_inference import of_decimals, of_type, printed_type
 from polhode.numbers import expression
@@ -63,8 +62,7 @@ class _Sheet(NamedTuple):
 def read_csv(path: Path, number: NumberType | None, names: Naming) -> Table:
     """A CSV file as a table, of ``-`` the standard input; raises BadInput.
 
-    ``number``: its decimals stand for numbers of it; that which the JSON beside it names, unless
-    given.  ``names``: columns that were named beside it.
+    ``number``: its decimals stand for numbers of it.  ``names``: columns that were named beside it.
     """
     piped = str(path) == "-"
     path = Path(STDIN) if piped else path
@@ -86,7 +84,7 @@ def read_csv(path: Path, number: NumberType | None, names: Naming) -> Table:
     for line, row in sheet.rows:
         if len(row) != len(header):
             raise BadInput(f"{path}:{line}", "line", ",".join(row), f"{len(header)} values")
-    found = _table(path, sheet, named, number, Sidecar() if piped else beside(path))
+    found = _table(path, sheet, named, number)
     remarks = ("read as: decimal commas",) if sheet.commas else ()
     return replace(found, remarks=(*found.remarks, *remarks))
 
@@ -158,9 +156,7 @@ def _commented(lines: Sequence[str], count: int, names: Naming) -> Sequence[str]
     return ()
 
 
-def _table(
-    path: Path, sheet: _Sheet, named: list[Column], number: NumberType | None, beside: Sidecar
-) -> Table:
+def _table(path: Path, sheet: _Sheet, named: list[Column], number: NumberType | None) -> Table:
     texts = [[*column] for column in zip(*(row for _, row in sheet.rows), strict=True)]
     clocks = [(meant, x) for meant, x in zip(named, texts, strict=True) if meant.name == "t"]
     judged = [
@@ -169,27 +165,23 @@ def _table(
         if meant.name not in (None, "t")
     ]
     printed = most_printed(judged)
-    beside = beside.of(printed, clocks[0][1])
-    remarks, kind = beside.remarks, number or beside.number
-    clock = beside.number or number
-    if clock is None:
+    remarks: tuple[str, ...] = ()
+    kind = clock = number
+    if number is None:
         kind, clock = (
             printed_type(columns, most_printed(columns))
             for columns in (judged, [column for _, column in clocks])
         )
         if kind is not None:
-            remarks = (*remarks, f"read as: numbers of {kind.name}, printed to {printed} digits")
+            remarks = (f"read as: numbers of {kind.name}, printed to {printed} digits",)
             printed = kind.printed_digits
     cells = [_numbers(path, sheet, k, meant, clock, kind) for k, meant in enumerate(named)]
     found = table_of_cells(str(path), sheet.header, named, cells, printed, kind)
-    if beside.number and number:
-        found = replace(found, times=tuple(map(number.rounded, found.times)))
     return replace(
         found,
         name=called(path),
-        projected=beside.projected,
         remarks=remarks,
-        time_errors=() if beside.number else _time_errors(found.times, clocks, clock),
+        time_errors=_time_errors(found.times, clocks, clock),
     )
 
 

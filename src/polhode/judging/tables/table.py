@@ -11,6 +11,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from polhode.common.errors import BadInput
 from polhode.common.text_tables import counted, one_line
 from polhode.common.value_semantics import ByValue
 from polhode.equations.integrals import Drift, drift, drift_of_columns
@@ -154,7 +155,10 @@ class Table(ByValue):
 
 
 def of_run(run: Trajectory) -> Table:
-    """A run as a table."""
+    """A run as a table; raises BadInput for one that reached no time."""
+    if not run.times:
+        ended = f"a time that the run reached ({run.outcome.cause}; {run.outcome.advice})"
+        raise BadInput(run.scene.name, "rows", None, ended)
     outputs = [(COLUMNS[word].names, rows) for word, rows in run.outputs.items()]
     columns: dict[str, tuple[Cell, ...]] = {}
     for names, rows in [(run.columns, run.states), *outputs]:

@@ -1,33 +1,32 @@
-"""Tables in files: CSV, arrays in NumPy's .npz and .npy, and Parquet where pandas reads it."""
+"""Tables in files: our own results, CSV, NumPy's .npz and .npy, Parquet if pandas reads it."""
 
 from __future__ import annotations
 
 import io
-import json
 import zipfile
 from collections.abc import Mapping, Sequence
-from fractions import Fraction
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from polhode.common.errors import UNREADABLE, BadInput
-from polhode.common.files import read_npz, read_whole
+from polhode.common.files import called, read_npz, read_whole
 from polhode.judging.tables.column_aliases import columns
 from polhode.judging.tables.csv_file import MAX_BYTES, read_csv
 from polhode.judging.tables.given_columns import refuse_names, table_of_columns
 from polhode.judging.tables.naming import PLAIN, Naming
-from polhode.judging.tables.sidecar import saved_type
-from polhode.judging.tables.table import Table
-from polhode.numbers.conversion import exactly
-from polhode.numbers.expression import decimal
+from polhode.judging.tables.table import Table, of_run
 from polhode.numbers.number_types import NumberType
-from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
+from polhode.results import reader, writer
+from polhode.runs.saved import load_result
+from polhode.runs.trajectory import Trajectory
+from polhode.scenes import library
 
 if TYPE_CHECKING:
     import pandas as pd
 
-ENDINGS = (".npy", ".npz", ".parquet")
-_OWN = {"times": ("t",), "states": STATE, "angles": ANGLES, "attitude": ATTITUDE}
+ENDINGS = (".csv", ".tsv", ".npy", *(x for x in writer.ENDINGS if x != ".csv"))
+_ARRAYS = (".npy", ".npz", ".parquet")
 _FAULTS = (*UNREADABLE, OSError, EOFError, MemoryError, OverflowError, KeyError)
 _AXES = {3: "xyz", 4: "wxyz"}
 
@@ -35,23 +34,69 @@ _AXES = {3: "xyz", 4: "wxyz"}
 Arrays: TypeAlias = "Mapping[str, object] | pd.DataFrame"
 
 
+def is_table(name: str | Path) -> bool:
+    """Whether a table is meant: by its ending, or an existing file that is no scene."""
+    path = Path(name)
+    suffix = path.suffix.lower()
+    return suffix in ENDINGS or (
+        suffix != ".toml" and not library.ships(str(name)) and path.is_file()
+    )
+
+
 def read_table(path: Path, number: NumberType | None = None, names: Naming = PLAIN) -> Table:
     """A file as a table, of any kind that its ending tells; raises BadInput.
 
-    ``number``: the type of its numbers, where that is known.  ``names``: columns that were named
-    beside it.
+    A result that polhode saved and nobody changed is read as what it is; a CSV file that was
+    changed since as any other one, and that is told.  ``number``: the type of its numbers, where
+    that is known.  ``names``: columns that were named beside it.
     """
-    if path.suffix.lower() not in ENDINGS:
-        return read_csv(path, number, names)
-    held, own = _arrays(path, names)
-    return table_of_columns(held, number or own, str(path), names)
+    suffix = path.suffix.lower()
+    remarks: tuple[str, ...] = ()
+    if suffix == ".json":
+        return _of_result(path, number, names)
+    if suffix in writer.ENDINGS:
+        try:
+            reader.kind_at(path)
+        except ValueError as why:
+            remarks = _unread(path, str(why))
+        else:
+            return _of_result(path, number, names)
+    if suffix in _ARRAYS:
+        return table_of_columns(_arrays(path, names), number, str(path), names)
+    found = read_csv(path, number, names)
+    return replace(found, remarks=(*remarks, *found.remarks))
 
 
-def _arrays(path: Path, names: Naming) -> tuple[Arrays, NumberType | None]:
-    """The columns of a file, and the type of their numbers where it says it; raises BadInput."""
+def _of_result(path: Path, number: NumberType | None, names: Naming) -> Table:
+    """A result's table; of a run the run itself, but for what its file says of its digits."""
+    found = load_result(path)
+    if isinstance(found, Trajectory):
+        if names is PLAIN and number in (None, found.number):
+            told = f"read as: a run in {found.number.name} ({found.number.bits} bits)"
+            return replace(of_run(replace(found)), name=called(path), remarks=(told,))
+        number = number or found.number
+    columns = {x.name: x.values for x in found.table().columns}
+    return replace(table_of_columns(columns, number, str(path), names), name=called(path))
+
+
+def _unread(path: Path, why: str) -> tuple[str, ...]:
+    """That what stands beside a CSV file says nothing of it, where something does."""
+    if path.suffix.lower() != ".csv":
+        return ()
+    if why == reader.CHANGED:
+        return (f"{called(writer.beside(path))} was not read: the table was changed since then",)
+    earlier = path.with_suffix(".json")
+    if earlier.exists() and not reader.is_result(earlier):
+        beside = called(writer.beside(path))
+        return (f"{called(earlier)} was not read: the facts of a table are in {beside}",)
+    return ()
+
+
+def _arrays(path: Path, names: Naming) -> Arrays:
+    """The columns of a file; raises BadInput."""
     data = read_whole(path, MAX_BYTES, "a readable file of arrays")
     if path.suffix.lower() == ".parquet":
-        return _parquet(path, data), None
+        return _parquet(path, data)
     import numpy as np
 
     try:
@@ -63,9 +108,10 @@ def _arrays(path: Path, names: Naming) -> tuple[Arrays, NumberType | None]:
         expected = f"arrays of numbers that NumPy wrote ({fault})"
         raise BadInput(str(path), "file", None, expected) from None
     if not isinstance(held, dict):
-        return _of_one(path, held, names), None
+        return _of_one(path, held, names)
     if {"about", "times", "states"} <= {*held}:
-        return _of_polhode(path, held)
+        expected = "columns (this is a run of polhode 0.2, which its .csv or `polhode run` tells)"
+        raise BadInput(str(path), "file", None, expected)
     flat: dict[str, object] = {}
     for name, array in held.items():
         parts = _flat(path, name, array)
@@ -73,7 +119,7 @@ def _arrays(path: Path, names: Naming) -> tuple[Arrays, NumberType | None]:
             expected = f"each column once ({name!r} has it again)"
             raise BadInput(str(path), "columns", again[0], expected)
         flat |= parts
-    return flat, None
+    return flat
 
 
 def _parquet(path: Path, data: bytes) -> pd.DataFrame:
@@ -99,32 +145,6 @@ def _of_one(path: Path, array: Any, names: Naming) -> dict[str, object]:
     # Here, since of two columns of one name a mapping keeps the last.
     refuse_names(str(path), "columns", names.header, names.columns(names.header))
     return {name: array[:, k] for k, name in enumerate(names.header)}
-
-
-def _of_polhode(path: Path, held: Mapping[str, Any]) -> tuple[dict[str, object], NumberType]:
-    """A trajectory that polhode saved: its decimals as numbers of its type."""
-    try:
-        about = json.loads(str(held["about"]))
-        number = saved_type(about["number"], about["bits"])
-        if number is None:
-            raise ValueError
-        own: dict[str, object] = {}
-        for key, names in _OWN.items():
-            if key in held:
-                rows = held[key].reshape(len(held["times"]), -1)
-                own |= {
-                    name: [None if x == "" else _exactly(str(x), number, key) for x in rows[:, k]]
-                    for k, name in enumerate(names[: rows.shape[1]])
-                }
-    except (*_FAULTS, AttributeError, TypeError):
-        raise BadInput(str(path), "about", None, "a trajectory that polhode saved") from None
-    return own, number
-
-
-def _exactly(text: str, number: NumberType, key: str) -> Fraction:
-    """A number of the type from its decimal; of a time the decimal itself."""
-    found = decimal(text)
-    return found if key == "times" else exactly(number.rounded(found))
 
 
 def _flat(path: Path, name: str, array: Any) -> dict[str, object]:

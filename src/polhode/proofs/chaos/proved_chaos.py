@@ -7,28 +7,35 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
-from polhode.common.progress import Progress
+from polhode.certificates import certificate_file, verify
+from polhode.certificates.chaos_certificate import Chart, Rectangle
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
 from polhode.numbers.exact import Exact
-from polhode.proofs.chaos.homoclinic import Homoclinic, Saddle
+from polhode.proofs.chaos.homoclinic import Saddle
 from polhode.proofs.chaos.lanes import Lanes
-from polhode.proofs.chaos.theorem import Horseshoe
-from polhode.proofs.level import Level
 from polhode.proofs.proved_orbit import ProvedOrbit, down, up
+from polhode.results.result import Result
+from polhode.results.table import Fact, Table
 from polhode.scenes.scene import Scene
+from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of
 
 
 class Guess(NamedTuple):
-    """What the proof began with, in the proof's unit: for figures."""
+    """What the proof began with, in principal axes and the unit of time of the lanes.
+
+    ``sets``: N0, M1, ..., Mk; ``times``: of each to the next one's plane.
+    """
 
     lanes: Lanes
     saddle: Saddle
-    homoclinic: Homoclinic
+    charts: list[Chart]
+    sets: list[Rectangle]
+    times: list[float]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ProvedChaos(ByValue):
+class ProvedChaos(Result, ByValue):
     """A level on which the motion is chaotic: a theorem.
 
     ``orbit``: the proved unstable periodic orbit whose manifolds meet.  ``sets``, ``coverings``:
@@ -36,7 +43,8 @@ class ProvedChaos(ByValue):
     unit of the scene's time.  ``short``, ``long``: upper bounds of the times of the two loops.
     ``stretch``, ``height``, ``cone``: the least, largest and least margin; the conditions are
     stretch > 1, height < 1, cone > 0.  ``size``: of the sets, in the proof's scale.  ``tries``: of
-    homoclinic orbits and sizes; ``seconds``: CPU.
+    homoclinic orbits and sizes; ``seconds``: CPU.  ``certificate``: the JSON text that ``polhode
+    verify`` checks.  ``guess``, ``images``: the sets and where they were proved to go, for figures.
 
     Examples
     --------
@@ -61,31 +69,55 @@ class ProvedChaos(ByValue):
     size: float
     tries: int
     seconds: float = field(compare=False)
-    proof: Horseshoe = field(compare=False)
-    level: Level = field(compare=False)
+    certificate: str
     guess: Guess = field(compare=False)
+    images: tuple[verify.Image, ...] = field(compare=False)
     provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
 
-    def save(self, path: str | Path, progress: Progress | None = None) -> None:
-        """Write the certificate of the theorem, which ``polhode verify`` checks.
+    def table(self) -> Table:
+        """One row: the orbit whose manifolds meet, as balls."""
+        return self.orbit.table()
+
+    def facts(self) -> list[Fact]:
+        """The theorem, its bounds and margins, and what it took."""
+        time = unit_of(self.scene, "t")
+        return [
+            *scene_facts(self.scene),
+            Fact("proven", True),
+            Fact("theorem", self.theorem),
+            Fact("h", self.h, "energy"),
+            Fact("f", self.f, "vertical momentum"),
+            Fact("entropy", self.entropy, "lower bound of the topological entropy", f"1/{time}"),
+            Fact("loops", [self.short, self.long], "upper bounds of their times", time),
+            Fact("sets", self.sets),
+            Fact("coverings", self.coverings),
+            Fact("stretch", self.stretch, "the least; above 1"),
+            Fact("height", self.height, "the largest; below 1"),
+            Fact("cone", self.cone, "the least; above 0"),
+            Fact("size", self.size, "of the sets, in the proof's scale"),
+            Fact("tries", self.tries, "of homoclinic orbits and sizes"),
+            *(x for x in self.orbit.facts() if x.name in ("kind", "multipliers", "digits_proven")),
+            provenance_fact(self.provenance),
+        ]
+
+    def save(self, path: str | Path) -> None:
+        """Write the theorem, or as .json its certificate, which ``polhode verify`` checks.
 
         Parameters
         ----------
         path : str or Path
-            Ends in ``.json``.  The certificate is checked before it is written.
-        progress : callable, optional
-            Told the part of the certificate's check that is done, and how many steps.
+            ``.json``: the certificate.  Other endings as of any result; those load again by
+            :func:`polhode.load_result`.
 
         Raises
         ------
         BadInput
-            Where the checker does not prove it, or the file cannot be written.
+            A file that cannot be written.
         """
-        from polhode.certificates import chaos_certificate
-        from polhode.proofs.chaos.statement import stated
-
-        what = stated(self.level, self.proof)
-        chaos_certificate.save(self.scene.name, self.scene.body, what, path, progress)
+        if Path(path).suffix.lower() not in (".json", ""):  # "-" is stdout
+            super().save(path)
+            return
+        certificate_file.write(path, self.certificate)
 
     def __repr__(self) -> str:
         coverings = counted(self.coverings, "covering")
@@ -93,6 +125,22 @@ class ProvedChaos(ByValue):
         return f"<ProvedChaos of {self.scene.name}: {coverings}, entropy at least {entropy}>"
 
     def __str__(self) -> str:
+        """The numbers, a line each, and the theorem."""
+        orbit = self.orbit
+        lines = [
+            f"level       {orbit.level}",
+            f"orbit       {orbit.kind}, period {orbit.period}, "
+            f"multiplier {orbit.multipliers[0][0]}",
+            f"sets        {self.sets}, {self.coverings} coverings with cones",
+            f"margins     stretch {self.stretch:.3g} > 1, height {self.height:.3g} < 1, "
+            f"cone {self.cone:.3g} > 0",
+            f"loops       shorter than {up(self.short)} and {up(self.long)}",
+            f"entropy     at least {down(self.entropy)}",
+        ]
+        return "\n".join([*lines, self.theorem])
+
+    @property
+    def theorem(self) -> str:
         """The theorem in words."""
         period, radius = self.orbit.period.decimals
         return (

@@ -14,10 +14,9 @@ from polhode.scenes.scene import Scene
 LINEAR = ("principal", "general", "inertia-axes", "momentum", "gyration-axes")
 
 _MOST_LOG10_ANGLE = 12  # beyond it no run ends
-_LEAST_ANGLE = (
-    120.0  # radians turned: loading what is compiled costs a shorter run more than it gains
-)
-_LEAST_ANGLE_LOADED = 5.0  # where it is loaded, as in a sweep: heyoka's own steps take no longer
+#: Radians turned from which on refinement is the faster way: from 10 on once what is compiled is
+#: loaded, from 80 on in a process that has to load it.
+_LEAST_ANGLE = 20.0
 _LEAST_ANGLE_MP = 120.0  # for more limbs than quad's, whose field takes seconds to compile once
 
 
@@ -44,12 +43,7 @@ def hindrance(scene: Scene, number: NumberType, options: Options) -> str | None:
     return None
 
 
-def worth_it(scene: Scene, number: NumberType, loaded: bool = False) -> bool:
-    """Whether a run is long enough for refinement to be the faster way.
-
-    ``loaded``: what is compiled serves other runs, too.
-    """
-    least = _LEAST_ANGLE_LOADED if loaded else _LEAST_ANGLE
-    if int(number.most_digits) > 34:
-        least = max(least, _LEAST_ANGLE_MP)
+def worth_it(scene: Scene, number: NumberType) -> bool:
+    """Whether a run is long enough for refinement to be the faster way."""
+    least = _LEAST_ANGLE if int(number.most_digits) <= 34 else _LEAST_ANGLE_MP
     return bool(scene.log10_angle >= math.log10(least))

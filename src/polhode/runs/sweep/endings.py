@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from polhode.common.result import Result
 from polhode.common.value_semantics import ByValue
 from polhode.motion.outcomes import OUTCOMES, Outcome
+from polhode.results.result import Result
 
 if TYPE_CHECKING:
     import numpy as np
@@ -34,11 +34,11 @@ class Ended(Result, ByValue):
         return Outcome.NOT_RUN in self.tally()
 
     @property
-    def done(self) -> bool:
+    def complete(self) -> bool:
         """Whether every member reached the end."""
         return all(outcome.done for outcome in self.tally())
 
     def _reached(self) -> str:
         """How many members reached the end, in words."""
         count = sum(n for outcome, n in self.tally().items() if outcome.done)
-        return "all reached the end" if self.done else f"{count} of them reached the end"
+        return "all reached the end" if self.complete else f"{count} of them reached the end"

@@ -11,16 +11,29 @@ from polhode.common.cached_property import cached_property
 from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.text_tables import counted
 from polhode.equations.column import derived_stack, of_state_alone
+from polhode.equations.integrals import Drift
 from polhode.motion.outcomes import OUTCOMES, Outcome
 from polhode.numbers.decimals import shown
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Flat, Rows, Stack, read_only
 from polhode.numbers.scalars import Real
+from polhode.results.cells import DOUBLE, EXACT
+from polhode.results.shown import lines
+from polhode.results.table import Column, Fact, Table
 from polhode.runs.sweep.endings import Ended
-from polhode.runs.trajectory import Trajectory
+from polhode.runs.trajectory import ERROR, Trajectory
 from polhode.scenes.scene import Scene
+from polhode.scenes.scene_facts import (
+    provenance_fact,
+    row_columns,
+    scene_facts,
+    text_column,
+    time_column,
+    varied_columns,
+)
 from polhode.scenes.variation import vary
 from polhode.scenes.variation.sweep_scenes import Members
+from polhode.scenes.vocabulary import COLUMNS
 
 if TYPE_CHECKING:
     import numpy as np
@@ -44,7 +57,7 @@ class Ensemble(Ended):
     ``steps``, ``reached``, ``errors``: one for each member, made of the arrays ``endings``,
     ``counts``, ``arrived`` and of ``told`` when asked for.  ``ensemble[k]`` is member k as a
     Trajectory, and iteration gives all of them.  ``projected``: False, the states are not projected
-    onto the first integrals.  ``parts``: the folder in which finished members were kept.
+    onto the first integrals.  ``kept``: the folder in which finished members were kept.
     """
 
     scene: Scene
@@ -61,7 +74,7 @@ class Ensemble(Ended):
     projected: bool = False
     told: Mapping[int, tuple[float | None, ...]] = field(default_factory=dict)
     provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
-    parts: JobCheckpoint | None = field(default=None, compare=False)
+    kept: JobCheckpoint | None = field(default=None, compare=False)
 
     def __len__(self) -> int:
         return len(self.members)
@@ -72,6 +85,27 @@ class Ensemble(Ended):
             f"<Ensemble of {self.scene.name}: {members} in {self.number.name}, "
             f"{counted(len(self.times), 'time')} to t = {shown(self.times[-1])}, {self._reached()}>"
         )
+
+    def __str__(self) -> str:
+        """A line a member: what is varied, how it ended, its last state."""
+        import numpy as np
+
+        member = np.arange(len(self))
+        last = (self.states[:, :, 0] == self.states[:, :, 0]).sum(axis=1) - 1
+        scene, place = self.scene, np.maximum(last, 0)
+        t = time_column(scene, self.times, self.number)
+        columns = [
+            Column("member", member + 1),
+            *varied_columns(self.varied, member),
+            text_column("outcome", [x.value for x in self.outcomes]),
+            Column("steps", self.counts),
+            t._replace(values=[None if k < 0 else t.values[k] for k in last.tolist()]),
+            *row_columns(scene, scene.columns, self.states[member, place], self.number),
+        ]
+        for word, rows in self.outputs.items():
+            names = COLUMNS[word].names
+            columns += row_columns(scene, names, rows[member, place], self.number)
+        return "\n".join(lines(Table(columns)))
 
     def __iter__(self) -> Iterator[Trajectory]:
         return (self[k] for k in range(len(self)))
@@ -156,6 +190,63 @@ class Ensemble(Ended):
         from polhode.runs.sweep.drift import drifts
 
         return drifts(self.members, self.states, lambda k: self[k].drift)
+
+    def table(self) -> Table:
+        """A row a member and time that it reached: what is varied, t, the state, outputs."""
+        import numpy as np
+
+        there = self.states[:, :, 0] == self.states[:, :, 0]
+        member, time = np.nonzero(there)
+        scene, number = self.scene, self.number
+        t = time_column(scene, self.times, number)
+        columns = [
+            Column("member", member + 1),
+            t._replace(values=[t.values[k] for k in time.tolist()]),
+            *varied_columns(self.varied, member),
+            *row_columns(scene, scene.columns, self.states[there], number),
+        ]
+        for word, rows in self.outputs.items():
+            columns += row_columns(scene, COLUMNS[word].names, rows[there], number)
+        if self.told:
+            pairs = zip(member.tolist(), time.tolist(), strict=True)
+            errors = [None if (told := self.told.get(m)) is None else told[k] for m, k in pairs]
+            columns.append(Column("error", errors, ERROR, type=DOUBLE, digits=2))
+        return Table(columns, 2)
+
+    def facts(self) -> list[Fact]:
+        """What was varied, how the members were integrated, and how each ended."""
+        return [
+            *scene_facts(self.scene, times=self.times),
+            Fact("vary", list(self.varied.keys), "what is varied"),
+            Fact("number", self.number.name, "the type of the numbers"),
+            Fact("bits", self.number.bits, "of its significand"),
+            Fact("digits", self.digits, "correct digits asked for"),
+            Fact("form", self.scene.form, "of the equations"),
+            Fact("tolerance", self.tolerance, "of a step, relative"),
+            Fact("projected", self.projected, "whether put back on the first integrals"),
+            Fact("complete", self.complete, "whether every member reached the end"),
+            Fact("members", self._members()),
+            provenance_fact(self.provenance),
+        ]
+
+    def _members(self) -> Table:
+        import numpy as np
+
+        member = np.arange(len(self))
+        drift = (
+            Column(f"drift_{name}", self.drift[:, k], "largest departure of an integral, relative")
+            for k, name in enumerate(Drift._fields)
+        )
+        return Table(
+            [
+                Column("member", member + 1),
+                *varied_columns(self.varied, member),
+                text_column("outcome", [x.value for x in self.outcomes]),
+                Column("reached", list(self.reached), "the time reached", type=EXACT),
+                Column("steps", self.counts),
+                *drift,
+            ]
+        )
 
     def rows(self, index: int) -> Rows:
         """The states of one member at the times that it reached."""

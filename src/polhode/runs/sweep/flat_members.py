@@ -32,13 +32,13 @@ class Reader:
     bodies: tuple[tuple[npt.NDArray[np.int64], Scene], ...]
 
     def states(self, rows: Stack) -> Stack:
-        """States, not a number where a member did not come; of flat types.
+        """States, not a number where a member did not come; of flat types, where rows were.
 
         ``rows``: (members, times, columns) in principal axes and the run's units.
         """
         import numpy as np
 
-        states = flat(rows).copy()
+        states = flat(rows)
         for alike, one in self.bodies:  # one readout reads all of them
             at = np.zeros(rows.shape[:2], dtype=bool)
             at[alike] = ~np.isnan(rows[alike, :, 0])
@@ -46,7 +46,8 @@ class Reader:
                 read = flat(Readout(one, self.number).states(flat(rows[at])))
                 read[:, :3] = np.ldexp(read[:, :3], one.time_unit)
                 states[at] = read
-        states[:, :, :3] = np.ldexp(states[:, :, :3], -self.unit)
+        if self.unit:
+            states[:, :, :3] = np.ldexp(states[:, :, :3], -self.unit)
         return states
 
 
@@ -77,7 +78,7 @@ class FlatJob(NamedTuple):
         """Compile what the members share: once, before threads ask for it."""
         from polhode.taylor.batches import batch_integrator
 
-        batch_integrator.prepare(self.steps)
+        batch_integrator.prepared(self.steps).release()
 
     def solved(self, stop: Stop | None = None) -> Solved:
         """What became of the members, in the scene's axes and units; ``stop`` ends it sooner."""
@@ -89,8 +90,11 @@ class FlatJob(NamedTuple):
 
 def job_of(plan: Plan, group: npt.NDArray[np.int64]) -> FlatJob:
     """The job of some members that have a unit of time in common."""
+    import numpy as np
+
     from polhode.taylor.batches.jobs import BatchJob
 
     unit, motions = int(plan.time_units[group[0]]), plan.motions.some(group)
-    asked = plan.names, plan.number, plan.tolerance, plan.max_steps, plan.times
+    times = np.ldexp(plan.grid, -unit)
+    asked = plan.names, plan.number, plan.tolerance, plan.max_steps, times
     return FlatJob(BatchJob(*asked, unit, motions), reader(plan, group))

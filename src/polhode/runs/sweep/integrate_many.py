@@ -96,7 +96,7 @@ def integrate_many(
     parts : Path, optional
         A folder to which finished jobs are written about once a second, so that the same call
         continues from there after a kill, with the same results to the bit.  It is made if the
-        sweep takes longer than that, and kept until ``ensemble.parts.remove()``.
+        sweep takes longer than that, and kept until ``ensemble.kept.remove()``.
     method : {"auto", "taylor", "refined"}
         "auto" refines, in quad and mp, each member for which that is possible and faster; "refined"
         each for which it is possible.
@@ -134,7 +134,7 @@ def integrate_many(
     >>> many = polhode.integrate_many(
     ...     "lagrange/nutation", {"start.omega[3]": [2, 3], "body.weight": "1:2:3"}, at=[0, 1]
     ... )
-    >>> len(many), many.varied.keys, many.done
+    >>> len(many), many.varied.keys, many.complete
     (6, ('start.omega[3]', 'body.weight'), True)
     >>> starts = [[0.5, 0, k, 0, 0, 1] for k in range(100)]  # any array (N, 6)
     >>> polhode.integrate_many("lagrange/nutation", starts=starts, at=[1, 2]).states.shape
@@ -159,14 +159,15 @@ def integrate_many(
         scene, vary = from_starts(scene, starts, vary)
     elif vary is None:
         raise BadInput(scene.name, "vary", None, "numbers to vary, or starts")
-    from polhode.taylor.batches.compiled_batch import width
+    from polhode.taylor.batches.compiled_batch import LANES
 
     plan = planned(scene, vary, number, digits, tol, max_steps)
     if method == "refined" and plan.number.flat:
         raise BadInput(scene.name, "method", method, "quad or more digits, or the method taylor")
     prepared = time.perf_counter()
     here = executor is None and parts is None
-    groups = list(plan.groups(width(plan.number), _most_jobs(plan, here)))
+    size = LANES if plan.number.name == "double" else 1
+    groups = list(plan.groups(size, _most_jobs(plan, here)))
     key = scene.text, plan.times, method, plan.varied, plan.number, plan.tolerance, plan.max_steps
     kept = JobCheckpoint.at(parts, "sweep", *key, *groups)
     jobs: list[FlatJob | WideJob] = [
@@ -213,7 +214,7 @@ def integrate_many(
         digits=digits,
         told=told,
         provenance={**plan.members.provenance(), "seconds": seconds},
-        parts=kept,
+        kept=kept,
     )
 
 

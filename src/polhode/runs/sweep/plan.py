@@ -8,11 +8,14 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from polhode.common.arguments import unit_rows
+from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
 from polhode.common.memory import refuse_too_much
+from polhode.numbers.conversion import number_value
 from polhode.numbers.exact import Exact
 from polhode.numbers.exact_sequences import Floats
 from polhode.numbers.number_types import NumberType
+from polhode.numbers.rows import Flat, kind_of
 from polhode.numbers.scalars import AnyNumber
 from polhode.runs.problem.options import choose_number, rounded_times, rounded_tolerance
 from polhode.runs.sweep.columns import Fastest, columns_of
@@ -50,6 +53,14 @@ class Plan:
     motions: Columns
     time_units: npt.NDArray[np.int64]
     rates: npt.NDArray[np.float64]
+
+    @cached_property
+    def grid(self) -> Flat:
+        """The times as numbers of the type, of one that numpy holds."""
+        import numpy as np
+
+        times = [number_value(t, self.number) for t in self.times]
+        return np.array(times, dtype=kind_of(self.number))
 
     def bodies(self, members: npt.NDArray[np.int64]) -> list[npt.NDArray[np.int64]]:
         """Of some members which value of each of the body's keys they have: arrays, one a key."""

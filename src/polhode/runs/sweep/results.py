@@ -37,16 +37,9 @@ def no_states(number: NumberType, shape: tuple[int, ...]) -> Stack:
 
 def none_of(number: NumberType, members: int, times: int, columns: int) -> Solved:
     """Nothing done yet."""
-    import numpy as np
-
     from polhode.taylor.batches.jobs import Solved
 
-    return Solved(
-        no_states(number, (members, times, columns)),
-        np.full(members, code(Outcome.NOT_RUN), dtype=np.uint8),
-        np.zeros(members, dtype=np.int64),
-        np.full(members, Fraction(0), dtype=object),
-    )
+    return Solved.undone(no_states(number, (members, times, columns)))
 
 
 def put_together(
@@ -58,8 +51,7 @@ def put_together(
     errors: dict[int, tuple[float | None, ...]] = {}
     for group, some in zip(groups, found, strict=True):
         if some is not None:
-            whole.states[group], whole.outcomes[group] = some.states, some.outcomes
-            whole.steps[group], whole.reached[group] = some.steps, some.reached
+            whole.put(group, some)
             told = zip(group.tolist(), some.errors or (), strict=False)
             errors |= {k: error for k, error in told if error is not None}
     return whole, errors

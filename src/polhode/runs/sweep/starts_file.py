@@ -1,4 +1,4 @@
-"""The starts of ``polhode sweep --starts FILE``: a row each, in a CSV or NPY file."""
+"""The starts of ``polhode sweep --starts FILE``: a row each, in CSV, NPY, or a saved result."""
 
 from __future__ import annotations
 
@@ -9,6 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import UNREADABLE, BadInput
 from polhode.common.files import npy_header, read_whole
+from polhode.results.cells import texts
+from polhode.results.reader import is_result
+from polhode.results.writer import word_of
+from polhode.runs.saved import load_result
 from polhode.scenes.scene import Scene
 
 if TYPE_CHECKING:
@@ -22,13 +26,34 @@ def read(path: Path, scene: Scene, extended: bool = False) -> npt.NDArray[Any]:
     """The rows of a file; raises BadInput.
 
     A CSV has the columns of the scene's states, in any order under a header, in theirs without one;
-    its decimals are rounded to doubles, or to longdoubles where ``extended``.
+    its decimals are rounded to doubles, or to longdoubles where ``extended``.  Of a result that
+    polhode saved its columns of those names are taken: the states of a run, the crossings of a
+    section, a family of orbits.
     """
+    if is_result(path):
+        return _of_result(path, scene, extended)
     ending = path.suffix.lower()
     if ending not in (".csv", ".npy"):
-        raise BadInput(str(path), "--starts", path.suffix or None, "a file .csv or .npy")
+        expected = "a file .csv or .npy, or a result that polhode saved"
+        raise BadInput(str(path), "--starts", path.suffix or None, expected)
     data = read_whole(path, _MOST, "a readable file of starts")
     return _array(path, data) if ending == ".npy" else _table(path, data, scene, extended)
+
+
+def _of_result(path: Path, scene: Scene, extended: bool) -> npt.NDArray[Any]:
+    import numpy as np
+
+    columns = {x.name: x for x in load_result(path).table().columns}
+    if any(name not in columns for name in scene.columns):
+        expected = f"columns {','.join(scene.columns)}"
+        raise BadInput(str(path), "columns", ",".join(columns), expected)
+    kind = np.longdouble if extended else np.float64
+    held = [columns[name] for name in scene.columns]
+    try:
+        return np.array([[*map(kind, texts(x.values, word_of(x)))] for x in held], kind).T
+    except ValueError as fault:
+        expected = f"a number in every cell of {','.join(scene.columns)} ({fault})"
+        raise BadInput(str(path), "columns", None, expected) from None
 
 
 def _array(path: Path, data: bytes) -> npt.NDArray[Any]:

@@ -34,16 +34,17 @@ class WideJob(NamedTuple):
 
     def prepare(self) -> None:
         """Compile, or load, what the members share: once, before threads ask for it."""
-        first = self.members[0]
-        if _method(first, self.number, self.options) == "taylor":
-            problem(first, self.number, self.options.tolerance).prepared().engine().release()
+        first, number, options = self.members[0], self.number, self.options
+        wanted = options.method == "refined" or refined.worth_it(first, number)
+        if options.method == "taylor" or refined.hindrance(first, number, options) or not wanted:
+            problem(first, number, options.tolerance).prepared().engine().release()
             return
         from polhode.refined.errors import CannotRefine
         from polhode.refined.self_test import trusted_kernels
         from polhode.runs.methods.refined_motion import accuracy_for
 
         with suppress(CannotRefine):  # which the runs find, too
-            trusted_kernels(accuracy_for(self.number).limbs)
+            trusted_kernels(accuracy_for(number).limbs)
 
     def solved(self, stop: Stop | None = None) -> Solved:
         """What became of the members, in the scene's axes and units; ``stop`` ends it sooner."""
@@ -82,8 +83,6 @@ def job_of(plan: Plan, group: npt.NDArray[np.int64], method: str) -> WideJob:
 
 
 def _method(member: Scene, number: NumberType, options: Options) -> str:
-    """The method of a member: what other members have compiled need not be loaded for it."""
-    if options.method == "taylor" or refined.hindrance(member, number, options) is not None:
-        return "taylor"
-    worth_it = options.method == "refined" or refined.worth_it(member, number, loaded=True)
-    return "refined" if worth_it else "taylor"
+    """The method of a member: that which was named, where it serves."""
+    named = options.method == "refined"
+    return "taylor" if named and refined.hindrance(member, number, options) else options.method

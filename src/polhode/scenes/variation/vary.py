@@ -23,8 +23,8 @@ MAX_MEMBERS = 10_000_000
 
 #: Varied numbers by key: a sequence of values or ``"FROM:TO:N"`` each, of which every combination
 #: is a member; or arrays with a row for each member; or the members one by one, each with the same
-#: keys.
-Vary = Mapping[str, Any] | Sequence[Mapping[str, Any]]
+#: keys; or texts ``KEY=FROM:TO:N``, as on the command line.
+Vary = Mapping[str, Any] | Sequence[Mapping[str, Any]] | Sequence[str]
 
 
 class Rows(LazySequence[tuple[Exact, ...]]):
@@ -111,6 +111,8 @@ def numbers(text: str, key: str, name: str, units: str, dimension: str) -> Seque
 
 def grid(vary: Vary, name: str, units: str = "") -> Grid:
     """Keys and rows of what is varied; raises BadInput."""
+    if isinstance(vary, (list, tuple)) and vary and all(isinstance(x, str) for x in vary):
+        vary = options(vary, name, units)
     product = isinstance(vary, Mapping)
     if isinstance(vary, Mapping):
         keys, arrays = row_by_row(vary, name)

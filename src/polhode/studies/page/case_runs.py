@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from polhode.output.json_object import JsonObject
+from polhode.common.json_text import JsonObject
 from polhode.studies.page.tables import CASE, REGIME, Column
 from polhode.studies.page.words import DASH, listed
 

@@ -16,10 +16,10 @@ from typing import TypeAlias
 from polhode.certificates.verdict import verify
 from polhode.common.errors import BadInput
 from polhode.common.executors import cores, in_order
+from polhode.common.json_text import JsonObject
 from polhode.dynamics.periodic_orbits.search import orbit_search
 from polhode.figures.chaos_proof import crossings
 from polhode.numbers.decimals import brief
-from polhode.output.json_object import JsonObject
 from polhode.proofs.chaos.prove_chaos import prove_chaos
 from polhode.proofs.chaos.proved_chaos import ProvedChaos
 from polhode.proofs.prove_orbit import prove_all

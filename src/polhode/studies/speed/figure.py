@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from polhode.common.json_text import JsonObject
 from polhode.figures.canvas.canvas import as_svg, paper
-from polhode.output.json_object import JsonObject
 from polhode.studies.page import drawing
 from polhode.studies.page.drawing import LOOKS, WIDTH
 from polhode.studies.speed.programs import ENGINE, OURS, WIDER

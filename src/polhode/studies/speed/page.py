@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TypeAlias
 
-from polhode.output.json_object import JsonObject
+from polhode.common.json_text import JsonObject
 from polhode.studies.page.tables import DIGITS, Column, PageTable, table
 from polhode.studies.page.words import DASH, between, counted, median, spread
 from polhode.studies.speed.programs import ENGINE, OURS, RUN

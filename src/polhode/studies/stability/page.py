@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from polhode.output.json_object import JsonObject
+from polhode.common.json_text import JsonObject
 from polhode.studies.page.case_runs import (
     ABOUT,
     DOUBLE_STEPS,

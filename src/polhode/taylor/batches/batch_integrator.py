@@ -4,29 +4,34 @@ heyoka's batch integrator steps eight motions of doubles at a time; each has its
 its bits depend neither on its neighbours nor on its place.  A batch steps until its last lane is
 there, so that those that come one after the other should take about as many steps, see
 :func:`polhode.taylor.lanes.rates`.  A lane that is not finite stops the others: each motion of such
-a batch then goes for itself, in all lanes alike.  Other number types go one by one through one
-compiled code.  A job is plain data, arrays but for its times, so that it can be solved in any
-thread, process or machine.
+a batch then goes for itself, in all lanes alike.  Longdoubles go one by one through one compiled
+code.  A job is plain data, so that it can be solved in any thread, process or machine.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
 from fractions import Fraction
+from functools import lru_cache
+from itertools import count
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from polhode.common.progress import Stop
 from polhode.motion.outcomes import Outcome, code
+from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Array, Doubles, doubles
+from polhode.numbers.rows import Array, Doubles, double_array
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend import defaults
 from polhode.taylor.batches.compiled_batch import LANES, CompiledBatch, in_lanes, out_of_lanes
 from polhode.taylor.batches.jobs import BatchJob, Solved
-from polhode.taylor.batches.time_slices import Stretch, Stretches
 from polhode.taylor.integrator.engine import Engine
 from polhode.taylor.integrator.specification import Equations, principal_engine
+
+_UNITS_PER_STEP = 0.25  # of time, a radian or two of the fastest rate; at least, in any motion
+_HOPELESS = 10.0  # times the limit of steps: what would need so many is given up at once
 
 
 def solve(job: BatchJob, stop: Stop | None = None) -> Solved:
@@ -35,193 +40,230 @@ def solve(job: BatchJob, stop: Stop | None = None) -> Solved:
         return _Way(job, ready, stop).solved()
 
 
-def prepare(job: BatchJob) -> None:
-    """Compile what a job's motions share, unless that is done."""
-    prepared(job).release()
-
-
 def prepared(job: BatchJob) -> Engine:
-    """The engine of a job: a batch of doubles, or one motion of another type."""
-    return prepared_for(job.names, job.columns, job.number, job.tolerance)
+    """The engine of a job, from the pool or built: a batch of doubles, or one longdouble motion."""
+    kind = CompiledBatch if job.number.name == "double" else Engine
+    return principal_engine(_equations(job.columns, job.names, job.number, job.tolerance), kind)
 
 
-def prepared_for(
-    names: tuple[str, ...], columns: int, number: NumberType, tolerance: Fraction | None
-) -> Engine:
-    """An engine of the principal form, coefficients of these names as parameters."""
-    if number.name == "double":
-        equations = Equations(STATE[:columns], names, number, tolerance, lanes=LANES)
-        return principal_engine(equations, CompiledBatch)
-    return principal_engine(Equations(STATE[:columns], names, number, tolerance), Engine)
+@lru_cache(maxsize=64)
+def _equations(
+    columns: int, names: tuple[str, ...], number: NumberType, tolerance: Fraction | None
+) -> Equations:
+    """Those of the principal form, whose hash is then known to the pool."""
+    lanes = LANES if number.name == "double" else 0
+    return Equations(STATE[:columns], names, number, tolerance, lanes=lanes)
+
+
+def longest(number: NumberType) -> float:
+    """The longest way, in the run's unit, that is one stretch: a fifth of a second's steps."""
+    return defaults.of(number).chunk * _UNITS_PER_STEP
+
+
+class _Stretch(NamedTuple):
+    """A part of the way, between two looks for a signal: the outputs in it, and where it leads.
+
+    ``targets``: times since its beginning, the last one being its end; ``grid``: that and several
+    targets, a column for each lane.
+    """
+
+    first: int
+    last: int  # of the outputs, not included
+    targets: list[Any]
+    grid: Doubles
 
 
 class _Way:
-    """A job's motions on their way through stretches of time."""
+    """A job's motions on their way."""
 
     def __init__(self, job: BatchJob, ready: Engine, stop: Stop | None) -> None:
         self.job, self.ready, self.stop = job, ready, stop
-        self.found, self.stretches = Solved.none_of(job), Stretches(job)
-        self.starts, self.coefficients = job.motions.starts, job.motions.coefficients
+        self.sizes = np.abs(job.times)
         self.block = defaults.of(job.number).chunk  # steps between two looks for a signal
+        self.longest = longest(job.number)
+        self.stretches: dict[int, _Stretch] = {}
+        self.end = exactly(job.times[-1]) * Fraction(2) ** job.time_unit
 
     def solved(self) -> Solved:
         """All of them, or as many as come before a stop."""
-        if isinstance(self.ready, CompiledBatch):
-            left: Iterable[int] = self._in_lanes(self.ready)
+        job = self.job
+        left = [*range(job.motions.many)]
+        if isinstance(self.ready, CompiledBatch) and self.end:
+            found = self._in_lanes(self.ready)
+            left = np.flatnonzero(found.outcomes != code(Outcome.REACHED_END)).tolist()
         else:
-            left = range(self.job.motions.many)
+            found = Solved.none_of(job)
         for k in left:
             if self._stopped():
                 break
-            self._alone(k)
-        if self.job.times[0] == 0:
-            done = self.found.done
-            self.found.states[done, 0] = self.starts[done]
-        return self.found
+            self._alone(k, found)
+        if not job.times[0]:
+            done = found.outcomes != code(Outcome.NOT_RUN)
+            found.states[done, 0] = job.motions.starts[done]
+        return found
 
     def _stopped(self) -> bool:
         return self.stop is not None and self.stop()
 
-    def _in_lanes(self, ready: CompiledBatch) -> list[int]:
-        """Batch after batch; the motions whose batch did not arrive as a whole."""
-        job, found, many = self.job, self.found, self.job.motions.many
-        starts, coefficients = (in_lanes(doubles(x)) for x in (self.starts, self.coefficients))
-        alike = bool((self.coefficients == self.coefficients[:1]).all())
+    def _stretch(self, n: int) -> _Stretch:
+        """The n-th, whichever output times there are: they change no bit."""
+        if n not in self.stretches:
+            times, begin, end = self.job.times, n * self.longest, (n + 1) * self.longest
+            first, last = np.searchsorted(self.sizes, [begin, end], side="right").tolist()
+            way = np.sign(times[-1])
+            targets = times[first:last] - way * begin
+            if last < len(times) and (first == last or self.sizes[last - 1] < end):
+                targets = np.append(targets, way * (end - begin))
+            grid = np.zeros((1 + len(targets), LANES))
+            grid[1:] = targets[:, None]
+            self.stretches[n] = _Stretch(first, last, targets.tolist(), grid)
+        return self.stretches[n]
+
+    def _hopeless(self, steps: int, passed: float) -> bool:
+        """Whether a motion that goes on like this ends at its limit long before the last time."""
+        return steps * float(self.sizes[-1]) > _HOPELESS * self.job.max_steps * passed
+
+    def _in_lanes(self, ready: CompiledBatch) -> Solved:
+        """Batch after batch: all motions but those of batches that did not arrive as a whole."""
+        job, many = self.job, self.job.motions.many
+        starts, own = (
+            in_lanes(double_array(x)) for x in (job.motions.starts, job.motions.coefficients)
+        )
+        alike = bool((own == own[0, :, :1]).all())
         states = np.full((len(starts), len(job.times), job.columns, LANES), np.nan)
-        taken: list[list[int] | None] = [None] * len(starts)
-        for k, (start, own, rows) in enumerate(zip(starts, coefficients, states, strict=True)):
+        steps = np.zeros((len(starts), LANES), dtype=np.int64)
+        done = np.zeros(len(starts), dtype=bool)
+        for k, start in enumerate(starts):
             if self._stopped():
                 break
-            ready.stand(start, None if alike and k else own)
-            taken[k] = self._together(ready, rows)
-        done = np.array([row is not None for row in taken], dtype=bool)
-        steps = np.array([row or [0] * LANES for row in taken], dtype=np.int64)
-        done &= np.isfinite(states[:, -1]).all(axis=(1, 2)) | (job.times[-1] == 0)
+            ready.stand(start, own[0] if k == 0 else None if alike else own[k])
+            if job.sure:
+                self._surely(ready, states[k])
+                done[k] = True
+            elif (taken := self._together(ready, states[k])) is not None:
+                steps[k], done[k] = taken, True
+        done &= np.isfinite(states[:, -1]).all(axis=(1, 2))  # else a lane has stopped the others
         there = np.repeat(done, LANES)[:many]
-        found.states[there] = out_of_lanes(states)[:many][there]
+        found = Solved.undone(out_of_lanes(states)[:many])
+        found.states[~there] = np.nan
         found.steps[there] = steps.ravel()[:many][there]
-        found.outcomes[there] = code(Outcome.REACHED_END)
-        found.reached[there] = job.times[-1]
-        return np.flatnonzero(~there).tolist()
+        found.outcomes[there], found.reached[there] = code(Outcome.REACHED_END), self.end
+        return found
+
+    def _surely(self, ready: CompiledBatch, states: Doubles) -> None:
+        """A batch of motions along one stretch, whose steps need neither limit nor count."""
+        stretch = self._stretch(0)
+        if len(stretch.targets) == 1:  # the end alone needs no dense output
+            ready.heyoka.propagate_until(stretch.targets[0])
+            states[-1] = ready.state
+        else:
+            states[stretch.first :] = ready.heyoka.propagate_grid(stretch.grid)[1][1:]
 
     def _together(self, ready: CompiledBatch, states: Doubles) -> list[int] | None:
-        """The steps of a batch of motions, each in its lane; None where their limit ends them.
-
-        A lane that is not finite has stopped the others: that shows in its last state.
-        """
-        steps, left, n = [0] * LANES, self.job.max_steps, 0
-        stretch = self.stretches.at(0)
-        while stretch is not None:
+        """The steps of a batch of motions, each in its lane; None where their limit ends them."""
+        steps = [0] * LANES
+        for n in count():
+            stretch = self._stretch(n)
             if n:
-                left = self.job.max_steps - max(steps)
-                if left <= 0 or self._stopped():
+                if self._stopped() or self._hopeless(max(steps), n * self.longest):
                     return None
                 ready.begin()
-            most = min(left, self.block)
-            if stretch.grid is None:  # a state at the end alone needs no dense output
-                rows = ready.to(stretch.targets[0], most)
-            else:
-                rows = ready.rows(stretch.grid, most)
-            taken = ready.taken
-            if max(taken) >= most:
-                more = self._further(ready, stretch, left - most)
-                if more is None:
-                    return None
-                taken = [a + b for a, b in zip(taken, more, strict=True)]
-            steps = [a + b for a, b in zip(steps, taken, strict=True)] if n else taken
-            kept = stretch.last - stretch.first
-            if kept:  # a single target's row serves as the one output that there is
-                states[stretch.first : stretch.last] = rows if stretch.grid is None else rows[:kept]
+            rows = self._in_one_go(ready, stretch, steps)
+            if rows is None:
+                return None
+            states[stretch.first : stretch.last] = rows[: stretch.last - stretch.first]
             if stretch.last == len(states):
                 break
-            if self._hopeless(max(steps), stretch.to):  # of some: each motion by itself tells
-                return None
-            n += 1
-            stretch = self.stretches.at(n)
         return steps
 
-    def _hopeless(self, steps: int, reached: Fraction) -> bool:
-        """Whether a motion that goes on like this ends at its limit long before the last time."""
-        return steps * abs(self.job.times[-1] / reached) > 10 * self.job.max_steps
+    def _in_one_go(
+        self, ready: CompiledBatch, stretch: _Stretch, steps: list[int]
+    ) -> Doubles | None:
+        """States (times, columns, lanes); the steps are added.  None where not all arrive.
 
-    def _further(self, ready: CompiledBatch, stretch: Stretch, left: int) -> list[int] | None:
-        """On to a stretch's end in blocks of steps; None where not all lanes arrive."""
-        if stretch.grid is not None or left <= 0 or Outcome.NON_FINITE in ready.outcomes:
+        A state at the end alone needs no dense output.
+        """
+        ta, left, targets = ready.heyoka, self.job.max_steps - max(steps), stretch.targets
+        if left <= 0:
             return None
-        ended = ready.in_blocks([stretch.targets[0]] * LANES, left, self.stop, give_up=True)
-        there = all(outcome is Outcome.REACHED_END for outcome in ended.outcomes)
-        return ended.steps.tolist() if there else None
+        if len(targets) == 1:
+            ta.propagate_until(targets[0], max_steps=min(left, self.block))
+            rows: Doubles = ready.state[None]
+        else:
+            rows = ta.propagate_grid(stretch.grid, max_steps=min(left, self.block))[1][1:]
+        taken = ready.taken
+        if max(taken) >= self.block < left and len(targets) == 1:  # in blocks, then
+            ended = ready.in_blocks(targets * LANES, left - self.block, self.stop, True)
+            if any(outcome is not Outcome.REACHED_END for outcome in ended.outcomes):
+                return None
+            taken = [a + b for a, b in zip(taken, ended.steps.tolist(), strict=True)]
+        elif max(taken) >= min(left, self.block):
+            return None
+        for lane, more in enumerate(taken):
+            steps[lane] += more
+        return rows
 
-    def _alone(self, k: int) -> None:
+    def _alone(self, k: int, found: Solved) -> None:
         """One motion; left as if it had not begun where it is stopped."""
         ready = self.ready
-        start, coefficients = self.starts[k], self.coefficients[k]
+        one = self.job.motions.some(slice(k, k + 1))
         if isinstance(ready, CompiledBatch):  # in all lanes alike
-            ready.stand(start[:, None], coefficients[:, None])
+            ready.stand(one.starts.T, one.coefficients.T)
         else:
-            ready.stand(start, coefficients)
-        steps, most, reached, outcome = 0, self.job.max_steps, Fraction(0), Outcome.REACHED_END
-        for n, stretch in enumerate(self.stretches):
-            if steps >= most:
-                outcome = Outcome.STEP_LIMIT
-                break
+            ready.stand(one.starts[0], one.coefficients[0])
+        steps, outcome, reached = 0, Outcome.REACHED_END, 0.0
+        for n in count() if self.end else ():
+            stretch = self._stretch(n)
             if n:
                 ready.begin()
-            advanced = self._in_blocks(stretch, most - steps)
-            if advanced is None:
-                self.found.states[k] = np.nan
+            rows, taken, outcome = self._in_blocks(stretch, self.job.max_steps - steps)
+            if outcome is Outcome.NOT_RUN:
+                found.states[k] = np.nan
                 return
-            rows, taken, outcome = advanced
             steps += taken
             kept = min(len(rows), stretch.last - stretch.first)
             if kept and outcome is not Outcome.NON_FINITE:
-                self.found.states[k, stretch.first : stretch.first + kept] = rows[:kept]
+                found.states[k, stretch.first : stretch.first + kept] = rows[:kept]
             if outcome is not Outcome.REACHED_END:
                 break
-            reached = stretch.to
-            if stretch.last == len(self.job.times):
+            reached = min((n + 1) * self.longest, float(self.sizes[-1]))
+            if stretch.last == len(self.sizes):
                 break
-            if self._hopeless(steps, reached):
+            if self._hopeless(steps, reached) or steps >= self.job.max_steps:
                 outcome = Outcome.STEP_LIMIT
                 break
-        self.found.outcomes[k], self.found.steps[k] = code(outcome), steps
-        self.found.reached[k] = reached
+        found.outcomes[k], found.steps[k] = code(outcome), steps
+        unit = Fraction(2) ** self.job.time_unit
+        part = Fraction(math.copysign(reached, self.end)) * unit
+        found.reached[k] = self.end if outcome is Outcome.REACHED_END else part
 
-    def _in_blocks(self, stretch: Stretch, limit: int) -> tuple[list[Array], int, Outcome] | None:
-        """Rows of one motion at times, its steps, its ending; None where it is stopped.
+    def _in_blocks(self, stretch: _Stretch, limit: int) -> tuple[list[Array], int, Outcome]:
+        """Rows of one motion at times, its steps, its ending; NOT_RUN where it is stopped.
 
         A stretch that goes as foreseen is one block of steps.  One whose motion turns out faster by
         orders of magnitude has many, between which a signal is heard.
         """
-        ready, rest, steps = self.ready, list(stretch.targets), 0
+        ready, rest, steps = self.ready, stretch.targets, 0
         rows: list[Array] = []
-        if len(rest) == 1 and isinstance(ready, CompiledBatch):  # no dense output, as with others
-            ended = ready.in_blocks(rest * LANES, limit, self.stop, give_up=True)
-            outcome, steps = ended.outcomes[0], int(ended.steps[0])
-            if outcome is Outcome.REACHED_END:
-                rows.append(ready.row.copy())
-            elif outcome is not Outcome.NON_FINITE:
-                outcome = Outcome.STEP_LIMIT
-            return None if ended.stopped else (rows, steps, outcome)
-        if len(rest) == 1:  # a state at the end alone needs no dense output
-            outcome, steps = ready.until(rest[0], min(self.block, limit), self.block)
-            if outcome is not Outcome.STEP_LIMIT or steps == limit:
-                return ([ready.row.copy()] * outcome.done, steps, outcome)
+        single = len(rest) == 1
         while True:
             most = min(self.block, limit - steps)
-            met, took, outcome = ready.grid([ready.now, *rest], most)
-            rows += [*met]
-            del rest[: len(met)]
-            steps += took
-            if outcome is Outcome.STEP_LIMIT and took == most and steps < limit:
-                if rest and rest[0] == ready.now:  # a step ended there: heyoka gives no such row
-                    rows.append(ready.row.copy())
-                    del rest[0]
-                if rest and self._stopped():
-                    return None
-                if rest and steps * abs(rest[-1]) <= 10.0 * limit * abs(ready.now):
-                    continue  # else it would need ten times the limit
-                outcome = Outcome.STEP_LIMIT if rest else Outcome.REACHED_END
-            if outcome not in (Outcome.REACHED_END, Outcome.NON_FINITE):
-                outcome = Outcome.STEP_LIMIT
-            return rows, steps, outcome
+            if single:  # no dense output, as with others
+                outcome, took = ready.until(rest[0], most, most)
+                rows += [ready.row.copy()] * outcome.done
+            else:
+                met, took, outcome = ready.grid([ready.now, *rest], most)
+                rows += [*met]
+            rest, steps = stretch.targets[len(rows) :], steps + took
+            if rest and not single and rest[0] == ready.now:  # a step ended there: no such row
+                rows.append(ready.row.copy())
+                rest = rest[1:]
+            if not rest:
+                return rows, steps, Outcome.REACHED_END
+            if outcome is Outcome.NON_FINITE:
+                return rows, steps, outcome
+            far = steps * abs(rest[-1]) > _HOPELESS * limit * abs(ready.now)
+            if steps >= limit or far or outcome is not Outcome.STEP_LIMIT:
+                return rows, steps, Outcome.STEP_LIMIT
+            if self._stopped():
+                return rows, steps, Outcome.NOT_RUN

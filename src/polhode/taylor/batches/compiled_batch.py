@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from polhode.common.progress import Stop
 from polhode.motion.outcomes import Outcome
-from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Array, Doubles
 from polhode.taylor.backend.step_outcomes import ending
 from polhode.taylor.backend.types import HeyokaIntegrator, HeyokaNumber
@@ -39,11 +38,6 @@ def out_of_lanes(states: Doubles) -> Doubles:
     return found
 
 
-def width(number: NumberType) -> int:
-    """How many systems one step advances."""
-    return LANES if number.name == "double" else 1
-
-
 class CompiledBatch(Engine):
     """A batch of doubles from the pool: states and parameters a column for each lane."""
 
@@ -57,16 +51,10 @@ class CompiledBatch(Engine):
         self.heyoka.set_time(0.0)
         self.tell_kept()
 
-    def to(self, end: float, most: int) -> Doubles:
-        """All lanes to one end in one go of at most so many steps; states."""
-        self.heyoka.propagate_until(end, max_steps=most)
-        found: Doubles = self.state
-        return found
-
-    def rows(self, times: Doubles, most: int) -> Doubles:
-        """States at times, a column for each lane, after the first time, in one such go."""
-        found: Doubles = self.heyoka.propagate_grid(times, max_steps=most)[1][1:]
-        return found
+    def ended(self, _: Any) -> tuple[Outcome, int]:
+        """The same of the first lane."""
+        result = self.heyoka.propagate_res[0]
+        return ending(result[0]), int(result[3])
 
     @property
     def now(self) -> HeyokaNumber:
@@ -75,8 +63,10 @@ class CompiledBatch(Engine):
 
     def grid(self, times: list[HeyokaNumber], most: int) -> tuple[Array, int, Outcome]:
         """The same where all lanes are alike; rows of one of them."""
-        rows = self.rows(np.repeat(np.array([times]).T, self.places, axis=1), most)[:, :, 0]
-        return rows[~np.isnan(rows[:, 0])], self.taken[0], self.outcomes[0]
+        grid = np.repeat(np.array([times]).T, self.places, axis=1)
+        rows = self.heyoka.propagate_grid(grid, max_steps=most)[1][1:, :, 0]
+        outcome, taken = self.ended(None)
+        return rows[~np.isnan(rows[:, 0])], taken, outcome
 
     @property
     def row(self) -> Array:
@@ -99,8 +89,3 @@ class CompiledBatch(Engine):
     def taken(self) -> list[int]:
         """The steps of each lane in the last go."""
         return [taken for _, _, _, taken in self.heyoka.propagate_res]
-
-    @property
-    def outcomes(self) -> list[Outcome]:
-        """How the last go ended for each lane."""
-        return [ending(result[0]) for result in self.heyoka.propagate_res]

@@ -11,13 +11,13 @@ import numpy.typing as npt
 
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Stack, kind_of
+from polhode.numbers.rows import Flat, Stack, kind_of
 
 
 class Columns(NamedTuple):
     """Motions: coefficients and starts, a row each, doubles or longdoubles.
 
-    In the run's own unit of time.
+    In the run's own unit of time.  One row of coefficients may serve all.
     """
 
     coefficients: Stack
@@ -30,22 +30,26 @@ class Columns(NamedTuple):
 
     def some(self, which: npt.NDArray[np.int64] | slice | int) -> Columns:
         """Those of some indices."""
-        return Columns(self.coefficients[which], self.starts[which])
+        own = self.coefficients
+        return Columns(own if len(own) == 1 else own[which], self.starts[which])
 
 
 class BatchJob(NamedTuple):
-    """Systems of the same equations, to be integrated to the same times (of the scenes).
+    """Systems of the same equations, to be integrated to the same times, in their own unit of time.
 
-    ``time_unit``: the exponent n of the unit 2**n of time that all of them have.
+    ``names``: of the coefficients.  ``times``: away from 0, numbers of the type.  ``time_unit``:
+    the exponent n of that unit 2**n.  ``sure``: whether all of them arrive in so few steps that
+    nobody need look; steps are not counted then.
     """
 
-    names: tuple[str, ...]  # of the coefficients
+    names: tuple[str, ...]
     number: NumberType
     tolerance: Fraction | None
     max_steps: int
-    times: tuple[Fraction, ...]
+    times: Flat
     time_unit: int
     motions: Columns
+    sure: bool = False
 
     @property
     def columns(self) -> int:
@@ -72,16 +76,21 @@ class Solved:
     @classmethod
     def none_of(cls, job: BatchJob) -> Solved:
         """Nothing done yet."""
-        count = job.motions.many
-        kind = kind_of(job.number)
+        states = np.full((job.motions.many, len(job.times), job.columns), np.nan)
+        return cls.undone(states.astype(kind_of(job.number), copy=False))
+
+    @classmethod
+    def undone(cls, states: Stack) -> Solved:
+        """Nothing done yet, with room for the states."""
+        count = len(states)
         return cls(
-            np.full((count, len(job.times), job.columns), np.nan, dtype=kind),
+            states,
             np.full(count, code(Outcome.NOT_RUN), dtype=np.uint8),
             np.zeros(count, dtype=np.int64),
             np.full(count, Fraction(0), dtype=object),
         )
 
-    @property
-    def done(self) -> npt.NDArray[np.bool_]:
-        """Which systems came to an end of whatever kind."""
-        return np.asarray(self.outcomes != code(Outcome.NOT_RUN))
+    def put(self, which: npt.NDArray[np.int64], some: Solved) -> None:
+        """Put in what became of some systems."""
+        self.states[which], self.outcomes[which] = some.states, some.outcomes
+        self.steps[which], self.reached[which] = some.steps, some.reached

@@ -5,10 +5,11 @@ direction, for a first zero the earliest.  The clock starts again from 0 at each
 time is the stretch's start and a small rest; states of a section are put back on the first
 integrals there.  When all motions are over, Newton's method puts their crossings on the zero.
 
-How often heyoka has met a zero in a step must fit the signs at its two ends: of zeros that are
-multiple it loses some.  Where it does not, a section's lane is searched again there, by signs; a
-motion that is still not certain then is *unsure*, as a first zero is at once, or without a certain
-slope.  Of two multiple zeros that are lost in one step nothing is left to be seen.  What a lane
+The ends of steps witness the sides of the expression.  Where plain zeros and sides alternate as
+they must, that is all; elsewhere the rule of runs decides about a section's lane
+(:mod:`polhode.taylor.events.decision`), and a motion is *unsure* if that finds less than there is,
+or if its first zero is asked for.  Between two steps that lead towards zero and away from it again
+the extremum is looked at: of two multiple zeros in one step heyoka tells neither.  What a lane
 gives does not depend on its neighbours.
 """
 
@@ -16,6 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -35,17 +37,26 @@ from polhode.taylor.corrections.level_projection import Level, Put
 from polhode.taylor.events.batch_zeros import (
     ORIGIN,
     TINY,
-    Crossings,
-    Judge,
     Met,
+    Notes,
     Watched,
     built,
-    crossings_of,
-    joined_crossings,
+    joined_notes,
 )
-from polhode.taylor.events.jets import Marks
-from polhode.taylor.integrator.engine import lent
-from polhode.taylor.integrator.specification import DESK
+from polhode.taylor.events.decision import Decision, End, at_the_end
+from polhode.taylor.events.jets import Jet, Marks, joined_marks
+from polhode.taylor.events.polishing import (
+    ENDS,
+    EXTREMA,
+    ZEROS,
+    joined_places,
+    places,
+    polished,
+    refined,
+)
+from polhode.taylor.events.probe import Probe
+from polhode.taylor.integrator.engine import Engine, lent
+from polhode.taylor.integrator.specification import DESK, Equations, principal_engine
 
 DONE, NONE_LEFT, NON_FINITE = "all crossings", "no more crossings", "not finite"
 STOPPED, UNSURE = "stopped", "not certain of a crossing"
@@ -53,8 +64,9 @@ STOPPED, UNSURE = "stopped", "not certain of a crossing"
 _BEGIN = 1e-9  # of a stretch: a crossing before it is the start itself, where that is on a section
 _AT_START = 2.0**-46  # of the unit of time: the same for a start at zero, exactly
 _BLOCK = 2048  # crossings whose arrays fit into a processor's own memory
-_CLOSELY = 4  # times the lanes: at so many times a span is looked at that has lost a crossing
-_NARROWER = 18  # rounds, of a ninth each
+_CERTAIN = 2.0**-20  # of a section's function: extrema further from zero are no contacts
+_SMALL = 1e-9  # of an expression's size: above it nothing is within rounding of zero
+_LOOKS = np.linspace(0.0, 1.0, 513)  # of a span: an extremum is met to a thousandth of a step
 
 
 class Singular(ArithmeticError):
@@ -131,19 +143,19 @@ class _Search:
     def __init__(self, job: SearchJob, batch: CompiledBatch) -> None:
         self.job, self.batch, n = job, batch, len(job.starts)
         self.met: Met = batch.heyoka.nt_events[0].callback
-        numbers = job.watched.numbers(job.time_unit, job.coefficients, job.turns)
-        self.judge = Judge(job.watched, self.met.jet, numbers)
+        self.numbers = job.watched.numbers(job.time_unit, job.coefficients, job.turns)
         stretches = max(1.0, np.ceil(abs(job.end) / job.stretch))
         self.length = job.stretch if stretches == math.inf else job.end / stretches
         self.last = stretches
         self.lanes = LaneQueue(n, batch.places)
-        self.parameters = np.zeros((DESK + len(numbers), batch.places))
+        self.parameters = np.zeros((DESK + len(self.numbers), batch.places))
         self.state = job.starts[self.lanes.motion].T.copy()
         self.put = None if job.level is None else Put(job.level, self.state)
         self.parts, self.found, self.quiet = np.zeros((3, batch.places), dtype=int)
-        # of each lane: when its stretch began, and the side of the expression there
+        # of each lane: when its stretch began, and the side of the expression at the last witness
         self.origin, self.side = np.zeros((2, batch.places))
-        self.rows: list[tuple[Indices, Doubles, Crossings]] = []  # motions, stretches' begins
+        self.left: list[Notes] = []  # that witness and what was noted after it
+        self.rows: list[Notes] = []  # of motions
         self.steps = np.zeros(n, dtype=np.int64)
         self.outcomes = [STOPPED] * n
         for lane in range(batch.places):
@@ -158,7 +170,8 @@ class _Search:
         k = self.lanes.motion[lane]
         self.state[:, lane] = self.job.starts[k]
         self.parts[lane] = self.found[lane] = self.quiet[lane] = 0
-        self.parameters[DESK:, lane] = self.judge.numbers[:, k]
+        self.left = [notes.those(notes.lanes != lane) for notes in self.left]
+        self.parameters[DESK:, lane] = self.numbers[:, k]
         if self.put is not None and self.lanes.busy[lane]:
             self.put.begin([lane], self.state[:, [lane]])
 
@@ -177,11 +190,9 @@ class _Search:
         done = self._onwards(np.where(busy, self.length, 0.0), begin, stop)
         if done is None:
             return None
-        crossings, unsure = self._crossings(spared, busy, done)
-        self._keep(crossings.those(~unsure[crossings.lanes]))
         self.state = batch.state.copy() if self.put is None else self.put.back(batch.state.copy())
         self.parts += 1
-        return self._over(unsure)
+        return self._over(self._crossings(spared, begin, done))
 
     def _over(self, unsure: Booleans) -> list[int]:
         """The lanes whose motions are over."""
@@ -200,13 +211,13 @@ class _Search:
         Up to when a crossing is the start itself.
         """
         none = np.zeros(len(begin))
-        value, slope = self._looked_at(self.batch.state, none)
+        marks = Marks(self.origin, none, none, none, self.batch.state.copy())
+        value, slope = self._jet(self.lanes.motion).at(marks)[:2]
         spared, on_it = _AT_START, begin & (value == 0)
         if self.put is not None:
             spared = _BEGIN * self.length
             on_it = begin & (np.abs(value) <= spared * np.abs(slope))
-        marks = self._marks(self.batch.state, none)
-        value[self.judge.near(self.lanes.motion, value, marks)] = 0.0
+        value[self._near(self.lanes.motion, value, marks)] = 0.0
         side = np.where(on_it, np.sign(slope) * np.sign(self.length), np.sign(value))
         self.side = np.where(begin, side, self.side)
         return np.where(on_it, spared, -1.0)
@@ -227,123 +238,132 @@ class _Search:
             return None
         return np.array([outcome is Outcome.REACHED_END for outcome in ended.outcomes])
 
-    def _looked_at(self, states: Doubles, times: Doubles) -> Doubles:
-        """The expression and its rate in each lane, at times since the stretch began.
+    def _jet(self, which: Indices) -> Jet:
+        """The expression's jet on some motions."""
+        return self.met.jet._replace(numbers=self.numbers[:, which])
 
-        Or at several states (columns, n) and times of each, one after the other.
-        """
-        marks = self._marks(states, times)
-        which = np.resize(self.lanes.motion, len(times))
-        with np.errstate(all="ignore"):
-            found: Doubles = self.judge.jet(which).at(marks)[:2]
-        return found
-
-    def _marks(self, states: Doubles, times: Doubles, lanes: Indices | None = None) -> Marks:
-        """Times since the stretch began, in all lanes over and over or in these."""
-        none = np.zeros(len(times))
-        high = np.resize(self.origin, len(times)) if lanes is None else self.origin[lanes]
-        return Marks(high, none, times, none, states)
+    def _near(self, which: Indices, values: Doubles, marks: Marks) -> Booleans:
+        """Where the expression is within its rounding error of zero, or nothing is known of it."""
+        near: Booleans = ~(np.abs(values) >= _SMALL * self.job.watched.size)
+        at = np.flatnonzero(near)
+        if len(at):
+            noise = self._jet(which[at]).noise(marks.those(at))
+            near[at] = ~(np.abs(values[at]) > float(self.met.jet.band) * noise)
+        return near
 
     # -- crossings ------------------------------------------------------------------------------
 
-    def _crossings(
-        self, spared: Doubles, busy: Booleans, done: Booleans
-    ) -> tuple[Crossings, Booleans]:
-        """The crossings of a stretch, each once; and the lanes that are not certain of theirs.
+    def _crossings(self, spared: Doubles, begin: Booleans, done: Booleans) -> Booleans:
+        """Keep the crossings up to each lane's last witness; which lanes are not certain.
 
-        From one step's end to another the expression changes its side as often as it was met at
-        zero, but for even numbers.  Where it does not, a section's lane is searched again there.
+        What is noted after that witness is decided about with the next stretch.
         """
-        met = self.met.found()
-        met = met.those(busy[met.lanes] & (np.abs(met.times) > spared[met.lanes]))
-        marks = self._marks(met.states.T, met.times, met.lanes)
-        met = self.judge.each_once(self.lanes.motion[met.lanes], marks, met)
-        times, states = self.met.ends()
-        sides = self._sides(times, states)
-        first_zero = self.put is None
-        unsure = busy & first_zero & ((self.side == 0) | (sides[-1] == 0) | ~done)
-        for lane in np.flatnonzero(busy & done & ~unsure).tolist():
-            steps = met.steps[met.lanes == lane]
-            (certain,) = np.nonzero(sides[:, lane])
-            changes = np.diff(np.searchsorted(steps, certain))
-            fits = (changes % 2 == 1) == (np.diff(sides[certain, lane]) != 0)
-            for i in np.flatnonzero(~fits).tolist():
-                unsure[lane] |= first_zero
-                if first_zero:
-                    break
-                first, last = certain[i : i + 2]
-                span, side = times[[first, last], lane], sides[first, lane]
-                wrong = (met.lanes == lane) & (met.steps >= first) & (met.steps < last)
-                known = met.times[wrong]
-                again = self._again(lane, first, span, states[first, :, lane], side, known)
-                met = joined_crossings([met.those(~wrong), again])
-                unsure[lane] |= side * (-1) ** len(again.lanes) != sides[last, lane]
-            if len(certain):
-                after = met.those((met.lanes == lane) & (met.steps >= certain[-1]))
-                self.side[lane] = sides[certain[-1], lane] * (-1) ** len(after.lanes)
-        return met.those(np.lexsort((np.abs(met.times), met.lanes))), unsure
+        busy, way = self.lanes.busy, np.sign(self.length)
+        notes = joined_notes([*self.left, self.met.notes(busy, begin, self.origin, spared)])
+        ahead = np.abs(notes.marks.since_start)
+        order = np.lexsort((notes.root, ahead, notes.lanes))
+        notes, ahead, places = notes.those(order), ahead[order], np.arange(len(order))
+        which = self.lanes.motion[notes.lanes]
+        with np.errstate(all="ignore"):
+            value, rate, bend, _ = self._jet(which).at(notes.marks)
+        witness = ~notes.root & ~self._near(which, value, notes.marks)
+        notes.sides[:] = np.where(notes.root, np.sign(rate) * way, np.sign(value))
+        last = np.full(len(busy), -1)
+        last[notes.lanes[witness]] = places[witness]
+        within = places <= last[notes.lanes]
+        known = np.flatnonzero(within & (notes.root | witness))
+        lane, root, side = notes.lanes[known], notes.root[known], notes.sides[known]
+        slope = rate[known] * way
+        first = np.diff(lane, prepend=-1) != 0
+        before = np.where(first, self.side[lane], np.roll(side, 1))
+        fits = (before == np.where(root, -side, side)) | (first & (before == 0))
+        steep = slope * slope > _CERTAIN * self.job.watched.size * np.abs(bend[known])
+        strange = ~fits | (root & ~steep)
+        dips = _dips(value[known] * side, slope * side, ahead[known])
+        dips &= ~root & ~np.roll(root, -1) & (np.diff(lane, append=-1) == 0)
+        wrong = np.zeros(len(busy), dtype=bool)
+        wrong[lane[strange]] = True
+        ends, looks = np.flatnonzero(~root), list[Notes]()
+        before_it = np.searchsorted(ends, np.flatnonzero(strange), side="left") - 1
+        span = np.union1d(before_it, np.searchsorted(ends, np.flatnonzero(dips)))
+        for low, high in zip(ends[span[span >= 0]], ends[span[span >= 0] + 1], strict=True):
+            if lane[low] == lane[high]:
+                look, doubtful = self._looked(*(notes.those([known[k]]) for k in (low, high)))
+                wrong[lane[low]] |= doubtful
+                looks.append(look)
+        found = [notes.those(known[root & ~wrong[lane]])]
+        if self.put is None:
+            wrong |= ~done | (self.side == 0)
+            ending = self.parts >= self.last
+            wrong[[k for k in notes.lanes[~within].tolist() if ending[k]]] = True
+        else:
+            every = joined_notes([notes.those(within), *looks])
+            for k in np.flatnonzero(wrong).tolist():
+                crossings, complete = self._decided(k, every.those(every.lanes == k))
+                found.append(crossings)
+                wrong[k] = not complete
+        self._keep(joined_notes(found))
+        self.side[last >= 0] = notes.sides[last[last >= 0]]
+        self.left = [notes.those(~within | (places == last[notes.lanes]))]
+        return wrong & busy
 
-    def _sides(self, times: Doubles, states: Doubles) -> Doubles:
-        """The sides of the expression at the steps' ends, 0 where that is not certain."""
-        steps, columns, places = states.shape
-        flat, rows = times.ravel(), states.transpose(1, 0, 2).reshape(columns, -1)
-        value, _ = self._looked_at(rows, flat)
-        which = np.resize(self.lanes.motion, len(flat))
-        unknown = ~np.isfinite(value) | self.judge.near(which, value, self._marks(rows, flat))
-        sides: Doubles = np.where(unknown, 0.0, np.sign(value)).reshape(steps, places)
-        sides[0] = self.side
-        return sides
+    def _looked(self, low: Notes, high: Notes) -> tuple[Notes, bool]:
+        """Places between two witnesses, and whether the side of the first is not certain there."""
+        which, begin = np.repeat(self.lanes.motion[low.lanes], len(_LOOKS)), low.marks
+        ahead = (high.marks.since_start - begin.since_start) * _LOOKS
+        with self._alone(which[0], begin.columns[:, 0]) as ta:
+            rows = ta.heyoka.propagate_grid(ahead)[-1]
+        wide = low.those(np.zeros(len(rows), dtype=int))
+        marks = wide.marks._replace(rest=ahead[: len(rows)], columns=rows.T.copy())
+        jet = self._jet(which[: len(rows)])
+        with np.errstate(all="ignore"):
+            k = int(np.argmin(jet.at(marks)[0] * low.sides[0]))
+            lowest = refined(self._jet(which[:1]), marks.those([k]), np.array([EXTREMA]))
+            value = self._jet(which[:1]).at(lowest)[0]
+        doubtful = self._near(which[:1], value, lowest)[0] or value[0] * low.sides[0] < 0
+        inside = [low._replace(marks=lowest)] * (0 < k < len(rows) - 1)
+        return joined_notes([wide._replace(marks=marks), *inside]), doubtful
 
-    def _again(
-        self, lane: int, step: int, span: Doubles, state: Doubles, before: float, met: Doubles
-    ) -> Crossings:
-        """The crossings of a lane in a span of time, by looking closely.
+    def _alone(self, k: int, state: Doubles) -> Engine:
+        """An integrator of a motion by itself, without the expression."""
+        job = self.job
+        ta = principal_engine(Equations(job.watched.columns, job.watched.names), Engine)
+        ta.stand(state, job.coefficients[k])
+        return ta
 
-        It begins at a state, on the side ``before``.  ``met``: times of crossings, between which it
-        is looked at, too.
-        """
-        batch, (begin, end) = self.batch, span
-        kept = batch.state.copy(), batch.parameters.copy(), batch.heyoka.time.copy()
-        self.met.muted = True
-        batch.parameters[:] = self.parameters[: len(batch.parameters), [lane]]
-        found: list[tuple[int, float, int, Doubles, int]] = []
-        which = np.full(batch.places, lane)
+    def _decided(self, lane: int, notes: Notes) -> tuple[Notes, bool]:
+        """The crossings of a lane up to its last witness, by the rule of runs; whether all."""
+        k, way = int(self.lanes.motion[lane]), 1 if self.length > 0 else -1
+        jet = self.met.jet._replace(numbers=self.numbers[:, k], timed=False)
+        notes = notes.those(np.argsort(np.abs(notes.marks.since_start), kind="stable"))
+        start, none = notes.marks.those([0]), np.zeros(1)
+        if notes.root[0] or self.side[lane] == 0:  # the motion's own
+            start = Marks(none, none, none, none, self.job.starts[k][:, None])
+        zeros, ends = notes.marks.those(notes.root), notes.marks.those(~notes.root)
+        known, seen = polished(jet, [zeros, zeros.those([])], joined_marks([start, ends]), way)
+        seen.root[:] = False
+        every = joined_places([known, seen])
+        every = every.those(every.order)
+        begin, end = End(int(self.side[lane]), seen.those([0])), at_the_end(seen.those([-1]))
+        with self._alone(k, start.columns[:, 0]) as ta:
+            probe = Probe(jet, ta.heyoka, len(self.job.watched.columns))
+            search = partial(probe.crossing, every, begin.place, end.place, way)
+            decision = Decision(every, begin, end, way, float(DOUBLE.eps), search)
+        met = [one for one in decision.found if one.sign]
+        at = [every.those([one.at]) if one.own is None else one.own for one in met]
+        marks = joined_marks([every.marks.those([]), *(place.marks for place in at)])
+        sides = np.array([float(one.sign) for one in met])
+        found = Notes(np.full(len(met), lane), marks, np.zeros(len(met), dtype=bool), sides)
+        return found, decision.complete
 
-        def at(time: float, state: Doubles, times: Doubles) -> tuple[Doubles, Doubles]:
-            batch.state[:] = state[:, None]
-            batch.heyoka.set_time(time)
-            batch.heyoka.propagate_until(times.tolist())
-            marks = self._marks(batch.state.copy(), times, which)
-            return self.judge.jet(self.lanes.motion[which]).at(marks)[0], marks.columns
-
-        low, met = (begin, state), np.sort(met)
-        looks = [
-            *np.linspace(begin, end, _CLOSELY * batch.places + 1)[1:],
-            *(met[1:] + met[:-1]) / 2,
-        ]
-        looks += [end] * (-len(looks) % batch.places)
-        for times in np.array(sorted(looks, key=abs)).reshape(-1, batch.places):
-            values, states = at(begin, state, times)
-            for i, value in enumerate(values.tolist()):
-                high = float(times[i]), states[:, i]
-                if before * value < 0:
-                    time, where = _narrowed(at, low, high, before, batch.places)
-                    sign = int(np.sign(value) * np.sign(self.length))
-                    found.append((lane, time, sign, where, step))
-                low, before = high, value or before
-        for values, old in zip((batch.state, batch.parameters), kept, strict=False):
-            values[:] = old
-        batch.heyoka.set_time(kept[2].tolist())
-        self.met.muted = False
-        return crossings_of(found, len(state))
-
-    def _keep(self, met: Crossings) -> None:
+    def _keep(self, met: Notes) -> None:
         """Keep the crossings in the direction asked for, as many as a motion still needs."""
-        met = met.those(met.signs * self.job.direction >= 0)
+        met = met.those(np.lexsort((np.abs(met.marks.since_start), met.lanes)))
+        met = met.those(met.sides * np.sign(self.length) * self.job.direction >= 0)
         nth = np.arange(len(met.lanes)) - np.searchsorted(met.lanes, met.lanes)
         met = met.those(nth < self.job.most - self.found[met.lanes])
         if len(met.lanes):
-            self.rows.append((self.lanes.motion[met.lanes], self.origin[met.lanes], met))
+            self.rows.append(met._replace(lanes=self.lanes.motion[met.lanes]))
         counts = np.bincount(met.lanes, minlength=len(self.found))
         self.found += counts
         self.quiet = np.where(counts > 0, 0, self.quiet + 1)
@@ -355,44 +375,56 @@ class _Search:
         times, rests, slopes = (np.full((n, job.most), np.nan) for _ in range(3))
         found, outcomes = np.zeros(n, dtype=int), np.array(self.outcomes, dtype=object)
         if self.rows:
-            motions, origins = (np.concatenate([row[i] for row in self.rows]) for i in range(2))
-            taus = np.concatenate([met.times for _, _, met in self.rows])
-            raw = np.concatenate([met.states for _, _, met in self.rows]).T
-            by = np.empty(len(taus))
-            for first in range(0, len(taus), _BLOCK):
-                at = slice(first, first + _BLOCK)
-                taus[at], raw[:, at], by[at], sure = self._polished(
-                    motions[at], origins[at], taus[at], raw[:, at]
-                )
-                outcomes[motions[at][~sure]] = UNSURE
-            order = np.lexsort((np.abs(taus), np.abs(origins), motions))  # a seam may swap two
-            motions, origins, taus = motions[order], origins[order], taus[order]
+            met = joined_notes(self.rows)
+            parts = [
+                self._polished(met.those(slice(first, first + _BLOCK)))
+                for first in range(0, len(met.lanes), _BLOCK)
+            ]
+            marks = joined_marks([marks for marks, _, _ in parts])
+            by, sure = (np.concatenate([part[i] for part in parts]) for i in (1, 2))
+            outcomes[met.lanes[~sure]] = UNSURE
+            # a seam may swap two
+            order = np.lexsort((np.abs(marks.since_start), met.lanes))
+            motions, marks = met.lanes[order], marks.those(order)
             nth = np.arange(len(motions)) - np.searchsorted(motions, motions)
-            time = origins + taus
+            taus = marks.time + marks.rest
+            time = marks.high + taus
             kept = (nth < job.most) & (np.abs(time) <= abs(job.end))
             where = motions[kept], nth[kept]
-            times[where], rests[where] = time[kept], (taus - (time - origins))[kept]
-            slopes[where], states[where] = by[order][kept], raw[:, order][:, kept].T
+            times[where], rests[where] = time[kept], (taus - (time - marks.high))[kept]
+            slopes[where], states[where] = by[order][kept], marks.columns[:, kept].T
             found = np.bincount(motions[kept], minlength=n)
         drift = 0.0 if self.put is None else self.put.drift
         return Crossed(
             *(states, times, rests, slopes, found, self.steps), tuple(outcomes.tolist()), drift
         )
 
-    def _polished(
-        self, which: Indices, origins: Doubles, times: Doubles, states: Doubles
-    ) -> tuple[Doubles, Doubles, Doubles, Booleans]:
-        """Crossings taken to their last digits: times, states, slopes, and which are certain."""
-        none, judge = np.zeros(len(times)), self.judge
-        marks = judge.polished(which, Marks(origins, none, times, none, states))
-        states, slopes, sure = marks.columns, judge.jet(which).at(marks)[1], none == 0
-        if self.put is None:
-            _, sure = judge.placed(which, marks, 1 if self.length > 0 else -1)
-        else:
+    def _polished(self, met: Notes) -> tuple[Marks, Doubles, Booleans]:
+        """Crossings taken to their last digits, slopes there, and which are certain."""
+        jet, kinds = self._jet(met.lanes), np.where(met.root, ZEROS, ENDS)
+        with np.errstate(all="ignore"):
+            marks = refined(jet, met.marks, kinds)
+            slopes, sure = jet.at(marks)[1], np.full(len(kinds), True)
+            if self.put is None:
+                place = places(jet, marks, 1 if self.length > 0 else -1, sure)
+                sure = place.steep & (np.abs(place.values[0]) <= place.noise)
+        if self.put is not None:
             assert isinstance(self.job.watched.zero, SectionZero)
-            whole = Put(self.put.level, self.job.starts.T).of(which)
-            states = whole.within(self.job.watched.zero, states)
-        return marks.time + marks.rest, states, slopes, sure
+            whole = Put(self.put.level, self.job.starts.T).of(met.lanes)
+            marks = marks._replace(columns=whole.within(self.job.watched.zero, marks.columns))
+        return marks, slopes, sure
+
+
+def _dips(heights: Doubles, slopes: Doubles, times: Doubles) -> Booleans:
+    """Between which of some places and the next an expression may come to zero and go back.
+
+    By its tangents, above which it stays where it is bent away from zero.
+    """
+    after, apart = np.roll(slopes, -1), np.diff(times, append=np.nan)
+    with np.errstate(all="ignore"):
+        meet = (heights - np.roll(heights, -1) + after * apart) / (after - slopes)
+        dips: Booleans = (slopes < 0) & (after > 0) & ~(heights + slopes * meet > 0)
+    return dips
 
 
 def through_the_first_step(
@@ -412,23 +444,3 @@ def through_the_first_step(
         most = None if most is None else max(1, most - 1)
     ended = batch.in_blocks(ends, most, stop, after_step=after_step)
     return ended._replace(steps=taken + ended.steps)
-
-
-def _narrowed(
-    at: Callable[[float, Doubles, Doubles], tuple[Doubles, Doubles]],
-    low: tuple[float, Doubles],
-    high: tuple[float, Doubles],
-    before: float,
-    places: int,
-) -> tuple[float, Doubles]:
-    """Where a value leaves the side ``before``, between two times: time and state."""
-    for _ in range(_NARROWER):
-        times = np.linspace(low[0], high[0], places + 2)[1:-1]
-        values, states = at(*low, times)
-        over = np.flatnonzero(values * before <= 0)
-        i = int(over[0]) if len(over) else places
-        low, high = (
-            low if i == 0 else (float(times[i - 1]), states[:, i - 1]),
-            high if i == places else (float(times[i]), states[:, i]),
-        )
-    return high

@@ -1,7 +1,4 @@
-"""What a batch search watches: an expression on motions of many bodies, and heyoka's batch.
-
-And what its crossings are: which of them are some, where exactly, and what rounding leaves.
-"""
+"""What a batch search watches: an expression on motions of many bodies, and heyoka's batch."""
 
 from __future__ import annotations
 
@@ -24,8 +21,7 @@ from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS, compact_beyond
 from polhode.taylor.backend.types import HeyokaIntegrator
 from polhode.taylor.batches.compiled_batch import LANES
 from polhode.taylor.events.functions import TIME, in_columns, typed_constant
-from polhode.taylor.events.jets import Formulas, Jet, Marks, jet_of
-from polhode.taylor.events.polishing import MULTIPLE, ZEROS, Places, places, refined
+from polhode.taylor.events.jets import Formulas, Jet, Marks, jet_of, joined_marks
 from polhode.taylor.events.roundoff import BAND
 from polhode.taylor.integrator.specification import DESK, integrator
 
@@ -37,10 +33,6 @@ _LONG = 80  # operations of an expression whose code is compiled as loops
 _TURN = tuple(f"turn{i}{j}" for i in range(3) for j in range(3))
 _UNITS = "1/unit", "unit"
 _BAND = BAND * DOUBLE.eps / 2
-
-_CERTAIN = 2.0**-20  # of a section's function: extrema further from zero are no contacts
-_SMALL = 1e-9  # of an expression's size: above it nothing is within rounding of zero
-_TWICE = 2.0**-46  # times max(1, t): so near together two crossings are one, told twice
 
 
 class Watched(NamedTuple):
@@ -92,45 +84,39 @@ class Watched(NamedTuple):
         return in_columns(self.zero, self.columns, values, unit * time, constant, fn)
 
 
-class Crossings(NamedTuple):
-    """Crossings: in which lanes, when since their stretch began, slopes' signs, states (n, …).
+class Notes(NamedTuple):
+    """Places of motions in lanes: zeros of an expression as heyoka met them (``root``), and others.
 
-    ``steps``: in which step of the batch.
+    ``sides``: of the expression there, of a zero after it; 0 where that is not asked yet.
     """
 
     lanes: Indices
-    times: Doubles
-    signs: Doubles
-    states: Doubles
-    steps: Indices
+    marks: Marks
+    root: Booleans
+    sides: Doubles
 
-    def those(self, which: Booleans | Indices) -> Crossings:
+    def those(self, which: Booleans | Indices | slice | list[int]) -> Notes:
         """Some of them."""
-        return Crossings._make([array[which] for array in self])
+        marks = self.marks.those(which)
+        return Notes(self.lanes[which], marks, self.root[which], self.sides[which])
 
 
-def crossings_of(rows: Sequence[tuple[int, float, int, Doubles, int]], columns: int) -> Crossings:
-    """Crossings from a row of each."""
-    if not rows:
-        none, nowhere = np.empty(0), np.empty(0, dtype=int)
-        return Crossings(nowhere, none, none, np.empty((0, columns)), nowhere)
-    return Crossings._make(map(np.array, zip(*rows, strict=True)))
-
-
-def joined_crossings(parts: Sequence[Crossings]) -> Crossings:
+def joined_notes(parts: Sequence[Notes]) -> Notes:
     """Several as one, in this order."""
-    return Crossings._make(map(np.concatenate, zip(*parts, strict=True)))
+    marks = joined_marks([part.marks for part in parts])
+    lanes, root, sides = (np.concatenate([part[i] for part in parts]) for i in (0, 2, 3))
+    return Notes(lanes, marks, root, sides)
 
 
 class Met:
-    """heyoka's callbacks: the crossings of a stretch, and where its steps ended, as they come by.
+    """heyoka's callbacks: the zeros of a stretch, and where its steps ended, as they come by.
 
-    ``jet``: of the expression.  ``muted``: whether nothing is noted.
+    ``jet``: of the expression.
     """
 
     def __init__(self, jet: Jet) -> None:
-        self.jet, self.muted = jet, False
-        self._met: list[tuple[int, float, int, Doubles, int]] = []
+        self.jet = jet
+        self._zeros: list[tuple[int, float, Doubles]] = []
         self._ends: list[tuple[Doubles, Doubles]] = []
         # views of the integrator's memory
         self._time: Doubles
@@ -139,7 +125,7 @@ class Met:
 
     def begin(self, ta: HeyokaIntegrator) -> None:
         """Forget all: a stretch begins here."""
-        self._met.clear()
+        self._zeros.clear()
         self._ends.clear()
         self._time, self._state, self._dense = ta.time, ta.state, ta.d_output
         self.after_step(ta)
@@ -149,21 +135,30 @@ class Met:
         self._ends.append((self._time.copy(), self._state.copy()))
         return True
 
-    def __call__(self, ta: HeyokaIntegrator, time: float, sign: int, lane: int) -> None:
-        """Note a crossing."""
-        if not self.muted:
-            ta.update_d_output(time)
-            row = self._dense[:, lane].copy()
-            self._met.append((lane, time, sign, row, len(self._ends) - 1))
+    def __call__(self, ta: HeyokaIntegrator, time: float, _: int, lane: int) -> None:
+        """Note a zero."""
+        ta.update_d_output(time)
+        self._zeros.append((lane, time, self._dense[:, lane].copy()))
 
-    def found(self) -> Crossings:
-        """The crossings."""
-        return crossings_of(self._met, len(self._ends[0][1]))
+    def notes(self, lanes: Booleans, begun: Booleans, origin: Doubles, spared: Doubles) -> Notes:
+        """All zeros and steps' ends of some lanes, and the beginnings of those that have ``begun``.
 
-    def ends(self) -> tuple[Doubles, Doubles]:
-        """Times (steps + 1, lanes) and states (steps + 1, columns, lanes), from the begin on."""
-        times, states = zip(*self._ends, strict=True)
-        return np.array(times), np.array(states)
+        ``origin``: when the stretch began, in each lane; nothing up to ``spared`` after it.
+        """
+        times, states = (np.array(parts) for parts in zip(*self._ends, strict=True))
+        ended = np.diff(times, axis=0, prepend=0.0) != 0
+        ended[0] = begun
+        ended &= lanes & np.isfinite(times) & ~(np.abs(times) <= spared)
+        step, lane = np.nonzero(ended)
+        zeros = [z for z in self._zeros if lanes[z[0]] and not abs(z[1]) <= spared[z[0]]]
+        root = np.repeat([True, False], [len(zeros), len(lane)])
+        which = np.concatenate([np.array([k for k, _, _ in zeros], dtype=int), lane])
+        time = np.concatenate([[t for _, t, _ in zeros], times[step, lane]])
+        rows = np.array([row for _, _, row in zeros]).reshape(len(zeros), states.shape[1])
+        columns = np.concatenate([rows, states[step, :, lane]])
+        none = np.zeros(len(time))
+        marks = Marks(origin[which], none, time, none, columns.T)
+        return Notes(which, marks, root, none.copy())
 
     def __deepcopy__(self, _: object) -> Met:
         return self  # heyoka copies its callbacks; each integrator has one
@@ -190,73 +185,3 @@ def built(watched: Watched) -> HeyokaIntegrator:
 def _double(x: Number) -> Scalar:
     """A double as heyoka's constant, however small."""
     return hy.expression(to_double(x))
-
-
-class Judge:
-    """What crossings of an expression are, on motions that have ``numbers``, a column each."""
-
-    def __init__(self, watched: Watched, jet: Jet, numbers: Doubles) -> None:
-        self.watched, self._jet, self.numbers = watched, jet, numbers
-
-    def jet(self, which: Indices) -> Jet:
-        """The expression's jet on some motions."""
-        return self._jet._replace(numbers=self.numbers[:, which])
-
-    def near(self, which: Indices, values: Doubles, marks: Marks) -> Booleans:
-        """Where the expression is within its rounding error of zero, on some motions."""
-        near: Booleans = np.abs(values) < _SMALL * self.watched.size
-        at = np.flatnonzero(near)
-        if len(at):
-            noise = self.jet(which[at]).noise(marks.those(at))
-            near[at] = ~(np.abs(values[at]) > float(_BAND) * noise)
-        return near
-
-    def placed(self, which: Indices, marks: Marks, way: int) -> tuple[Places, Booleans]:
-        """Polished crossings, and which of them are some for certain."""
-        with np.errstate(all="ignore"):
-            place = places(self.jet(which), marks, way, np.full(len(marks.time), True))
-            return place, place.steep & (np.abs(place.values[0]) <= place.noise)
-
-    def polished(self, which: Indices, marks: Marks, kind: int = ZEROS) -> Marks:
-        """Crossings on some motions taken to their last digits."""
-        with np.errstate(all="ignore"):
-            return refined(self.jet(which), marks, np.full(len(marks.time), kind))
-
-    def each_once(self, which: Indices, marks: Marks, met: Crossings) -> Crossings:
-        """Crossings of a stretch in order, each once and without contacts.
-
-        Of those without a certain slope the signs are put right.
-        """
-        if len(which) == 0:
-            return met
-        width = self._width(which, marks, met.signs)
-        order = np.lexsort((np.abs(met.times), met.lanes))
-        order = order[width[order] < np.inf]
-        met, width = met.those(order), width[order]
-        times = np.abs(met.times)
-        apart = np.fmax(width[1:], width[:-1]) + _TWICE * np.fmax(1.0, times[1:])
-        twice = (met.lanes[1:] == met.lanes[:-1]) & (np.diff(times) <= apart)
-        return met.those(np.flatnonzero(np.insert(~twice, 0, True)[: len(width)]))
-
-    def _width(self, which: Indices, marks: Marks, signs: Doubles) -> Doubles:
-        """How wide crossings are, 0 with a certain slope, infinite for a contact."""
-        width = np.zeros(len(which))
-        with np.errstate(all="ignore"):
-            _, slopes, bends, _ = self.jet(which).at(marks)
-        small = np.flatnonzero(~(slopes * slopes > _CERTAIN * self.watched.size * np.abs(bends)))
-        if len(small) == 0:
-            return width
-        which = which[small]
-        marks = self.polished(which, marks.those(small))
-        _, certain = self.placed(which, marks, 1)
-        flat = self.polished(which, marks, MULTIPLE)
-        place, _ = self.placed(which, flat, 1)
-        jet = self.jet(which)
-        with np.errstate(all="ignore"):
-            apart = np.fmax(2 * place.width, _TWICE * np.fmax(1.0, np.abs(flat.since_start)))
-            sides = [jet.relative(jet.moved(flat, way * apart))[0] for way in (-1, 1)]
-        before, after = sides
-        crosses = (np.minimum(np.abs(before), np.abs(after)) > place.noise) & (before * after < 0)
-        width[small] = np.where(certain, 0.0, np.where(crosses, 4 * place.width, np.inf))
-        signs[small] = np.where(certain, signs[small], np.sign(after))
-        return width

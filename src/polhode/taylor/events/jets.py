@@ -44,7 +44,7 @@ class Marks(NamedTuple):
         found: Scalar = near + (beside + (self.low + self.rest))
         return found
 
-    def those(self, which: Booleans | Indices | list[int]) -> Marks:
+    def those(self, which: Booleans | Indices | slice | list[int]) -> Marks:
         """Some of them."""
         return Marks._make(array[..., which] for array in self)
 

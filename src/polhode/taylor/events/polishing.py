@@ -54,7 +54,7 @@ class Places(NamedTuple):
     reach: Flat
     width: Flat
 
-    def those(self, which: Booleans | Indices | list[int]) -> Places:
+    def those(self, which: Booleans | Indices | slice | list[int]) -> Places:
         """Some of them."""
         return Places._make([self.marks.those(which), *(a[..., which] for a in self[1:])])
 
@@ -81,7 +81,8 @@ def polished(jet: Jet, met: Sequence[Marks], ends: Marks, way: int) -> tuple[Pla
         marks = joined_marks([refined(jet, joined_marks(met), kinds[kinds != ENDS]), ends])
         root = kinds != EXTREMA
         every = places(jet, marks, way, root)
-        found, last = every.those(kinds != ENDS), every.those(kinds == ENDS)
+        count = len(kinds) - len(ends.time)
+        found, last = every.those(slice(count)), every.those(slice(count, None))
         multiple = (kinds[kinds != ENDS] == ZEROS) & ~found.steep
         if multiple.any():
             flat = found.marks.those(multiple)
@@ -89,7 +90,7 @@ def polished(jet: Jet, met: Sequence[Marks], ends: Marks, way: int) -> tuple[Pla
             flatter = places(jet, flat, way, found.root[multiple])
             flatter.steep[:] = False
             plain = found.those(found.root & ~multiple)
-            found = joined([plain, flatter, found.those(~found.root)])
+            found = joined_places([plain, flatter, found.those(~found.root)])
     return found, last
 
 
@@ -97,7 +98,7 @@ def refined(jet: Jet, marks: Marks, kinds: Integers) -> Marks:
     """The same by some rounds of Newton's method, or Schroeder's, for multiple zeros."""
     converged = Fraction(1, 1 << (jet.number.bits // 2 + 6))  # the error is its square
     zero, near, small = (scalar(x, jet.number) for x in (Fraction(0), _NEAR, converged))
-    going = np.ones(len(kinds), dtype=bool)  # no last bit depends on neighbours
+    going = kinds != ENDS  # no last bit depends on neighbours
     extrema, multiple = kinds == EXTREMA, kinds == MULTIPLE
     for _ in range(_ROUNDS if going.any() else 0):
         value, rate, bend, third = jet.at(marks)
@@ -157,7 +158,7 @@ def _sought(jet: Jet, marks: Marks, error: Flat) -> Flat:
     return found
 
 
-def joined(parts: Sequence[Places]) -> Places:
+def joined_places(parts: Sequence[Places]) -> Places:
     """Several lists as one, in this order."""
     parts = [part for part in parts if len(part.ahead)] or parts[:1]
     if len(parts) == 1:

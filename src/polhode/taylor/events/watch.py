@@ -40,7 +40,7 @@ from polhode.taylor.events.decision import Decision, End, Happening, at_the_end,
 from polhode.taylor.events.functions import TIME, rate, typed_constant, value_of
 from polhode.taylor.events.jets import Formulas, Jet, Marks, jet_of, joined_marks
 from polhode.taylor.events.magnitudes import middle_axis
-from polhode.taylor.events.polishing import Places, exact_times, joined, polished
+from polhode.taylor.events.polishing import Places, exact_times, joined_places, polished
 from polhode.taylor.events.probe import Probe, mark, staying
 from polhode.taylor.events.rules import Rules
 from polhode.taylor.integrator.protocols import Desk
@@ -288,7 +288,7 @@ class Watch:
         deep = depths(found, known, start, end)[counted]
         found = [found[i] for i in counted]
         if any(one.own is not None for one in found):
-            where = joined([_place(one, known) for one in found])
+            where = joined_places([_place(one, known) for one in found])
         else:
             where = known.those([one.at for one in found])
         times = where.marks.since_start
@@ -316,9 +316,9 @@ class Watch:
         met = [self._gathered(notes[taken:]) for notes, taken in new]
         places, ends = polished(self.jets[k], met, joined_marks([self._first, last]), self.way)
         if record.places is not None:
-            places = joined([record.places, places])
+            places = joined_places([record.places, places])
         record.places, record.taken = places.those(places.order), record.noted
-        start, end = ends.those([0]), ends.those([1])
+        start, end = ends.those(slice(1)), ends.those(slice(1, 2))
         return record.places, End(self.rules.start[k], start), at_the_end(end)
 
     def _decided(self, k: int, known: Places, start: End, end: End) -> Decision:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable
 from contextlib import nullcontext
-from typing import Self, TypeVar
+from typing import Any, Self, TypeVar
 
 from polhode.common.locks import Lock, Place
 from polhode.motion.outcomes import Outcome
@@ -85,8 +85,13 @@ class Engine:
         ended, taken, left = Outcome.STEP_LIMIT, 0, most
         while ended is Outcome.STEP_LIMIT and left > 0:  # to heyoka 0 is no limit
             result = self.heyoka.propagate_until(end, max_steps=min(block, left))
-            ended, taken, left = ending(result[0]), taken + int(result[3]), left - block
+            ended, steps = self.ended(result)
+            taken, left = taken + steps, left - block
         return ended, taken
+
+    def ended(self, result: Any) -> tuple[Outcome, int]:
+        """How heyoka's call ended, and the steps that it took."""
+        return ending(result[0]), int(result[3])
 
     @property
     def now(self) -> HeyokaNumber:

@@ -1,0 +1,140 @@
+"""The figures of each kind of result: one way to draw them, of a result and of its file."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from functools import partial
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from polhode.common.errors import BadInput, nearest
+from polhode.figures.canvas import canvas
+from polhode.figures.canvas.curve_sampling import Samples
+from polhode.results.result import Storable
+from polhode.runs.saved import Saved
+
+#: Of motions: where the function is that draws samples of one; the first is the default.
+MOTION: Mapping[str, tuple[str, str]] = {
+    "angles": ("angles", "draw"),
+    "omega": ("curves", "omega"),
+    "momentum": ("curves", "momentum"),
+    "attitude": ("curves", "attitude"),
+    "hodographs": ("hodographs", "draw"),
+    "sphere": ("sphere", "draw"),
+    "integrals": ("logarithmic", "integrals"),
+    "error": ("logarithmic", "error"),
+}
+_MAPS = {word: ("map", word) for word in ("fli", "megno", "exponent", "verdict")}
+_PERIOD = {"omega": ("results", "period")}
+_ROWS = {"omega": ("results", "reference")}
+_PROVEN = {"digits": ("results", "proven")}
+_EVENTS = {"intervals": ("results", "intervals")}
+#: Of each kind of result its figures, the first is the default.
+FIGURES: Mapping[str, Mapping[str, tuple[str, str]]] = {
+    "Certified": _PROVEN,
+    "CertifiedEvents": _EVENTS,
+    "ChaosMap": _MAPS,
+    "Enclosure": _PROVEN,
+    "Ensemble": {"members": ("results", "members")},
+    "EventTimes": _EVENTS,
+    "Frequencies": {"lines": ("frequencies", "draw")},
+    "Judgement": {"digits": ("results", "digits")},
+    "Levels": {"diagram": ("levels", "draw")},
+    "Lyapunov": {"exponent": ("results", "exponent")},
+    "Orbit": _PERIOD,
+    "OrbitFamily": {"residue": ("orbit_family", "draw")},
+    "OrbitSearch": {"residue": ("results", "residues")},
+    "ProvedChaos": {"chaos-proof": ("chaos_proof", "draw")},
+    "ProvedOrbit": _PERIOD,
+    "Reductions": {"kept": ("results", "reductions")},
+    "Reference": _ROWS,
+    "ReferenceTable": _ROWS,
+    "Section": {"crossings": ("section", "draw")},
+    "Trajectory": MOTION,
+}
+
+
+def kind_of(found: Storable | Samples) -> str:
+    """The kind of a result, by whose name its figures are listed; samples are a run's."""
+    if isinstance(found, Samples):
+        return "Trajectory"
+    return found.kind if isinstance(found, Saved) else type(found).__name__
+
+
+def words(kind: str) -> tuple[str, ...]:
+    """What may be drawn of a kind of result, the default first; empty where it has no figure."""
+    return tuple(FIGURES.get(kind, ()))
+
+
+def options(kind: str) -> Mapping[str, inspect.Parameter]:
+    """The options of a kind's figures, by name."""
+    found: dict[str, inspect.Parameter] = {}
+    for what in words(kind):
+        parameters = inspect.signature(_function(*FIGURES[kind][what])).parameters
+        found |= {k: x for k, x in parameters.items() if x.kind is x.KEYWORD_ONLY}
+    return found
+
+
+def chosen(kind: str, what: str | None, source: str = "plot") -> str:
+    """A word of a kind's figures, unless given the default; raises BadInput for another."""
+    known = words(kind)
+    if not known:
+        raise BadInput(source, "what_of", kind, "a result that has a figure")
+    if what is not None and what not in known:
+        raise BadInput(source, "--what", what, nearest(what, [*known]))
+    return what or known[0]
+
+
+def draw(
+    plt: Any,
+    found: Storable | Samples,
+    axes: Any = None,
+    what: str | None = None,
+    *,
+    title: str = "",
+    **asked: Any,
+) -> Any:
+    """Draw a result, or samples of a motion; raises BadInput for what it cannot show.
+
+    ``axes``: to draw into.  ``title``: in place of the figure's own.  ``asked``: options of the
+    figure; None is as not given.
+    """
+    kind = kind_of(found)
+    what = chosen(kind, what)
+    make = _function(*FIGURES[kind][what])
+    given = {key: value for key, value in asked.items() if value is not None}
+    known = [k for k, x in inspect.signature(make).parameters.items() if x.kind is x.KEYWORD_ONLY]
+    for key, value in given.items():
+        if key not in known:
+            raise BadInput(f"plot {what}", key, value, nearest(key, [*known, "title"]))
+    if given.get("cmap", "viridis") not in plt.colormaps():
+        expected = nearest(str(given["cmap"]), plt.colormaps())
+        raise BadInput(f"plot {what}", "cmap", given["cmap"], expected)
+    figure = make(plt, found, axes, **given)
+    if title:
+        panels = own_panels(figure) if axes is None else np.ravel(np.asarray(axes, dtype=object))
+        several = axes is None and len(panels) > 1
+        (figure.suptitle if several else panels[0].set_title)(title)
+    return figure
+
+
+def drawn(
+    found: Storable | Samples, suffix: str, of: str, what: str | None = None, **options: Any
+) -> bytes:
+    """The bytes of a figure as printed, by the ending of its file; ``of``: whose it is."""
+    what = chosen(kind_of(found), what)
+    title = f"polhode: {what} of {of}"
+    return canvas.drawn(partial(draw, what=what, **options), found, suffix, title)
+
+
+def own_panels(figure: Any) -> list[Any]:
+    """The panels of a figure without its colour bars."""
+    return [panel for panel in figure.axes if panel.get_label() != "<colorbar>"]
+
+
+def _function(module: str, name: str) -> Callable[..., Any]:
+    made: Callable[..., Any] = getattr(import_module(f"polhode.figures.{module}"), name)
+    return made

@@ -1,0 +1,247 @@
+"""What is drawn of a scene, a result or a file: a result, or a motion in columns."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple, TypeAlias
+
+from polhode.common.errors import BadInput, nearest
+from polhode.common.progress import Message, Progress
+from polhode.figures import catalogue
+from polhode.figures.canvas import curve_sampling, over_time
+from polhode.figures.canvas.curve_sampling import Samples
+from polhode.figures.sampled_motion import ANOTHER, of_samples
+from polhode.judging.diagnosis.told_readings import table_as_told
+from polhode.judging.references.reference import reference as reference_of
+from polhode.judging.tables.naming import PLAIN, naming
+from polhode.judging.tables.table_file import is_table, read_table
+from polhode.numbers.decimals import brief
+from polhode.numbers.exact import Exact
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.scalars import AnyNumber
+from polhode.proofs.chaos.prove_chaos import prove_chaos
+from polhode.results import reader
+from polhode.results.result import Storable
+from polhode.runs.problem.options import choose_number
+from polhode.runs.saved import load_result
+from polhode.runs.trajectory import Trajectory
+from polhode.scenes import library
+from polhode.scenes.given_numbers import TIME
+from polhode.scenes.given_numbers import reader as read_times
+from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import ANGLES, ATTITUDE, SPACE, STATE
+
+#: The outputs that a run for a figure of a motion needs; of the others none.
+OUTPUTS = {
+    "angles": ("angles",),
+    "attitude": ("attitude",),
+    "hodographs": ("attitude", "hodographs"),
+    "motion": ("attitude",),
+    "sphere": ("attitude",),
+}
+OVER_TIME = ("integrals", "error")  # of the whole run: not cut to a window
+FREE_OF_GAMMA = ("omega", "momentum", *OVER_TIME)
+CHAOS = "chaos-proof"
+MOTION = "motion"  # what pages and films show
+
+#: What figures are drawn of.
+Source: TypeAlias = Storable | Scene | str | Path
+
+
+class Unreached(BadInput):
+    """A run that did not reach the last time that was to be drawn."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """How a motion is drawn, where that was said.
+
+    ``end``: the last time.  ``number``, ``digits``: the type of the run's numbers.  ``scene``,
+    ``read``, ``columns``: of a table the scene that it belongs to, its conventions, its columns.
+    """
+
+    end: AnyNumber | None = None
+    number: str | None = None
+    digits: int | None = None
+    scene: str | Path | None = None
+    read: str | None = None
+    columns: str | None = None
+
+    def refuse(self, source: str, names: Sequence[str], expected: str) -> None:
+        """Raise BadInput where one of these was said."""
+        for name in names:
+            if (value := getattr(self, name)) is not None:
+                raise BadInput(source, f"--{name}", value, expected.format(name))
+
+
+class Shown(NamedTuple):
+    """What is drawn: a result, or samples of a motion, and as what.
+
+    ``notes``: what is to be said of it.  ``measured``: whether the samples are a file's.
+    """
+
+    found: Storable | Samples
+    what: str
+    name: str
+    notes: tuple[str, ...] = ()
+    measured: bool = False
+
+
+def shown(
+    source: Source,
+    what: str | None,
+    asked: Asked,
+    progress: Progress | None = None,
+    say: Message | None = None,
+    usual: str = "angles",
+) -> Shown:
+    """What is drawn of a source; ``what``: one of its figures, unless given its default.
+
+    A run is integrated anew at as many times as curves need; a table of another program is drawn
+    as it is, and so is a file of which a scene, conventions or columns were told.  ``usual``: the
+    default of a motion.
+    """
+    name = type(source).__name__
+    if isinstance(source, (str, Path)) and is_table(source):
+        path, name = Path(source), str(source)
+        told = (asked.scene, asked.read, asked.columns) != (None, None, None)
+        if told or not reader.is_result(path):
+            return _of_table(path, what or usual, asked)
+        source = load_result(path)
+    if isinstance(source, Trajectory):
+        return _of_scene(source.scene, what or usual, asked, source.number, progress)
+    if isinstance(source, Storable):
+        kind = catalogue.kind_of(source)
+        asked.refuse(name, [*vars(asked)], "no --{}: it is for a motion")
+        return Shown(source, catalogue.chosen(kind, what, name), name)
+    scene = library.load(source)
+    if what == CHAOS:
+        asked.refuse(scene.name, [*vars(asked)], f"not with --what {CHAOS}")
+        return Shown(prove_chaos(scene, progress=say), what, scene.name)
+    return _of_scene(scene, what or usual, asked, None, progress)
+
+
+def _check(what: str, source: str) -> None:
+    """Raise BadInput for what is no figure of a motion."""
+    known = [*catalogue.MOTION, MOTION]
+    if what not in known:
+        raise BadInput(source, "--what", what, nearest(what, known))
+
+
+def _of_scene(
+    scene: Scene,
+    what: str,
+    asked: Asked,
+    number: NumberType | None,
+    progress: Progress | None,
+) -> Shown:
+    """A scene's motion, integrated at even times."""
+    _check(what, scene.name)
+    asked.refuse(scene.name, ("scene", "read", "columns"), "no --{}: it is for a FILE")
+    if what not in FREE_OF_GAMMA and scene.gamma is None:
+        raise BadInput(scene.name, "--what", what, "a scene with start.gamma")
+    end = None if asked.end is None else _time(scene, asked.end)
+    long = what in OVER_TIME
+    times = curve_sampling.shown_times(scene, end, over_time.SAMPLES if long else None)
+    reference = reference_of(scene) if what == "error" else None
+    found = curve_sampling.run(
+        scene,
+        times,
+        OUTPUTS.get(what, ()),
+        asked.number or (number if asked.digits is None else None),
+        asked.digits,
+        progress,
+        project=False if what == "integrals" else None,
+    )
+    if not found.outcome.done:
+        expected = f"an earlier end: {found.outcome.cause}; {found.outcome.advice}"
+        raise Unreached(scene.name, "end", brief(times[-1]), expected)
+    notes = []
+    if what == "integrals":
+        told = "without projection, after which the integrals would say nothing"
+        notes.append(f"{scene.name}: {told}")
+    if abs(times[-1]) < abs(scene.end) and end is None:
+        told = f"{curve_sampling.WINDOW} radians; --end draws to another time"
+        notes.append(f"{scene.name}: drawn to t = {brief(times[-1])} of {brief(scene.end)}, {told}")
+    apart = curve_sampling.radians_apart(scene, times)
+    if not long and apart > 0.5:
+        told = f"{apart:.2g} radians between two samples: a shorter --end draws curves"
+        notes.append(f"{scene.name}: {told}")
+    if reference is not None:
+        samples = over_time.errors_of_run(found, reference)
+    else:
+        samples = over_time.departures_of_run(found) if long else curve_sampling.of_run(found)
+    return Shown(samples, what, scene.name, tuple(notes))
+
+
+def _time(scene: Scene, end: AnyNumber) -> Exact:
+    try:
+        return read_times(scene.units, TIME)(end)
+    except ValueError as fault:
+        raise BadInput(scene.name, "--end", end, f"a time ({fault})") from None
+
+
+def _of_table(path: Path, what: str, asked: Asked) -> Shown:
+    """A table as it is."""
+    source = str(path)
+    _check(what, source)
+    scene = None if asked.scene is None else library.load(asked.scene)
+    if what in (*OVER_TIME, "momentum", MOTION) and scene is None:
+        raise BadInput(source, "--scene", None, f"the scene that the file belongs to, for {what}")
+    asked.refuse(source, ("end",), "no --{}: a file is drawn whole")
+    if scene is None:
+        asked.refuse(source, ("number", "digits"), "a --scene to judge the file with it")
+        asked.refuse(source, ("read",), "a --scene whose conventions are meant")
+    number = None
+    if scene is not None and (asked.number is not None or asked.digits is not None):
+        number = choose_number(scene, asked.number, asked.digits)
+    table = read_table(path, number, PLAIN if asked.columns is None else naming(asked.columns))
+    if scene is not None and asked.read is not None:
+        table = table_as_told(table, reference_of(scene), asked.read)
+    notes = [f"{table.name}: {told}" for told in table.remarks]
+    if what == "error" and scene is not None:
+        found = over_time.errors_of_table(table, reference_of(scene), number)
+    elif what == "integrals" and scene is not None:
+        found = over_time.departures_of_table(table, scene, number)
+    else:
+        found = curve_sampling.of_table(table, scene)
+        _refuse_what_is_missing(found, what)
+    if what == MOTION:
+        notes += _on_motion(found)
+    return Shown(found, what, str(table.name), tuple(notes), measured=True)
+
+
+def _on_motion(found: Samples) -> list[str]:
+    """What a file that is shown in motion is not."""
+    motion = of_samples(found)
+    notes = [f"{found.name}: {far}"] if (far := motion.coarse()) else []
+    if not motion.on_level():
+        told = "polhode compare FILE SCENE says which convention or cause"
+        notes.append(f"{found.name}: {ANOTHER[0].lower()}{ANOTHER[1:].rstrip('.')}; {told}")
+    return notes
+
+
+def _refuse_what_is_missing(found: Samples, what: str) -> None:
+    """Raise BadInput where a file lacks the columns of a figure, or has too few rows."""
+    wanted = {
+        "omega": (any(found.has([name]) for name in STATE[:3]), "one of p, q, r"),
+        "momentum": (found.has(STATE[:3]), "columns p, q, r"),
+        "attitude": (found.has(ATTITUDE), "columns q0, q1, q2, q3"),
+        "motion": (found.has((*STATE[:3], *ATTITUDE)), "columns p, q, r and q0, q1, q2, q3"),
+        "angles": (any(found.has([name]) for name in ANGLES), "one of psi, theta, phi"),
+        "sphere": (found.has(STATE[3:]), "columns gamma1, gamma2, gamma3"),
+        "hodographs": (
+            found.has(STATE[:3]) and (found.has(ATTITUDE) or found.has(SPACE)),
+            "columns p, q, r and the attitude q0, q1, q2, q3 (or omega_x, omega_y, omega_z)",
+        ),
+    }
+    there, expected = wanted[what]
+    if not there:
+        expected = f"{expected} for {what}"
+        if what == "angles" and found.has(ATTITUDE):
+            expected += "; --what attitude draws its q0, q1, q2, q3"
+        raise BadInput(found.name, "header", ",".join(found.columns), expected)
+    if len(found.columns["t"]) < 3:
+        raise BadInput(found.name, "file", None, "three rows or more, to draw a curve")

@@ -1,1 +1,0 @@
-"""Results in files and tables: one mechanism for all of them."""

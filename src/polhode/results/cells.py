@@ -1,0 +1,262 @@
+"""Values as texts and back; one word tells of which type the values of a column or a fact are.
+
+========== ========================================= ================================
+word       values                                    text
+========== ========================================= ================================
+double     float; none is nan                        the shortest that round-trips
+integer    int below 2**53; no gaps                  its digits
+truth      bool; no gaps                             true, false
+text       str                                       itself
+exact      Fraction                                  every decimal digit, else ``7/3``
+N digits   Fraction, rounded to N decimal digits     those
+N bits     binary numbers wider than a double        1 + ceil(N log10 2) digits
+========== ========================================= ================================
+
+Where there is no number the text is empty.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from decimal import Decimal
+from fractions import Fraction
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from polhode.numbers import exact
+from polhode.numbers.conversion import exactly, number_value
+from polhode.numbers.decimals import decimal_string, in_full
+from polhode.numbers.exact import Irrational
+from polhode.numbers.number_types import EXTENDED, NumberType
+from polhode.numbers.rows import Doubles
+from polhode.results.table import Value, Values
+
+DOUBLE, INTEGER, TRUTH, TEXT, EXACT, OBJECT = (
+    *("double", "integer", "truth", "text", "exact", "object"),
+)
+MOST_BITS = 1 << 16
+#: Of a decimal: a number of that many bits in full.
+MOST_CHARACTERS, MOST_EXPONENT = 70_000, 20_000
+MOST_ENTRIES = 100  # of an object
+_IRRATIONAL_DIGITS = 40
+_SAFE = 1 << 53  # integers that every reader of JSON keeps
+_DECIMAL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE]([+-]?\d{1,5}))?", re.ASCII)
+_INFINITE = ("inf", "-inf")
+
+
+def bits_word(number: NumberType) -> str:
+    """The word for numbers of a type."""
+    return DOUBLE if number.bits == 53 else f"{number.bits} bits"
+
+
+def digits_word(digits: int) -> str:
+    """The word for exact numbers that are told to so many digits."""
+    return f"{digits} digits"
+
+
+def type_of(values: Values, told: str = "") -> str:
+    """The word for some values, unless it is told; TypeError where they do not say it."""
+    if told:
+        return told
+    if isinstance(values, np.ndarray) and values.dtype.kind != "O":
+        return _of_array(values)
+    kinds = set(map(type, values)) - {type(None)}
+    gaps = any(x is None for x in values)
+    if not kinds:
+        return DOUBLE
+    if _all(kinds, bool, np.bool_) and not gaps:
+        return TRUTH
+    if _all(kinds, str):
+        return TEXT
+    if Irrational in kinds:
+        return digits_word(_IRRATIONAL_DIGITS)
+    if Fraction in kinds and _all(kinds, Fraction, int):
+        return EXACT
+    if _all(kinds, int, np.integer):
+        if any(x is not None and abs(x) >= _SAFE for x in values):
+            return EXACT
+        return DOUBLE if gaps else INTEGER
+    if _all(kinds, int, np.integer, float, np.float32, np.float16):
+        return DOUBLE
+    if _all(kinds, np.longdouble):
+        return bits_word(EXTENDED)
+    raise TypeError(f"values of {', '.join(sorted(x.__name__ for x in kinds))} need their type")
+
+
+def _of_array(values: np.ndarray[Any, np.dtype[Any]]) -> str:
+    kind = values.dtype.kind
+    if kind == "f":
+        return DOUBLE if values.dtype.itemsize <= 8 else bits_word(EXTENDED)
+    if kind in "iu":
+        return EXACT if values.size and np.abs(values).max() >= _SAFE else INTEGER
+    if kind in "bU":
+        return TRUTH if kind == "b" else TEXT
+    raise TypeError(f"an array of {values.dtype} has no type of its own")
+
+
+def _all(kinds: set[type], *of: type) -> bool:
+    return all(issubclass(kind, of) and (kind is not bool or bool in of) for kind in kinds)
+
+
+def texts(values: Values, kind: str) -> list[str]:
+    """The cells of a column: numbers round-trip, and are empty where there is none."""
+    if kind == DOUBLE:
+        found = list(map(repr, doubles(values).tolist()))
+        return ["" if x == "nan" else x for x in found] if "nan" in found else found
+    if kind == TRUTH:
+        return ["true" if x else "false" for x in values]
+    if kind == INTEGER:
+        return [str(int(x)) for x in values]
+    if kind == TEXT:
+        return ["" if x is None else _whole_characters(str(x)) for x in values]
+    digits = 0 if kind == EXACT else _digits(kind) or _number(kind).printed_digits
+    return ["" if x is None else wide(x, digits) for x in values]
+
+
+def doubles(values: Values) -> Doubles:
+    """Values of the type double as an array, nan where there is none."""
+    if isinstance(values, np.ndarray) and values.dtype.kind != "O":
+        return values.astype(np.float64, copy=False)
+    return np.array([np.nan if x is None else x for x in values], dtype=np.float64)
+
+
+def _whole_characters(text: str) -> str:
+    """A text that every file can hold: no half of a character, no NUL, which numpy cuts off."""
+    if text.isascii() and "\0" not in text:
+        return text
+    return text.encode(errors="replace").decode().replace("\0", "?")
+
+
+def wide(x: Value, digits: int) -> str:
+    """An exact or wide number to so many digits, of 0 in full; empty for nan."""
+    if isinstance(x, Irrational):
+        x = exact.binary(*exact.rounded(x, 4 * digits))
+    if x != x:
+        return ""
+    try:
+        number = exactly(x)
+    except ValueError:
+        return "inf" if x > 0 else "-inf"
+    return decimal_string(number, digits) if digits else in_full(number)
+
+
+def values_of(cells: Sequence[str], kind: str) -> Any:
+    """What cells stand for: an array of numbers where numpy has the type; ValueError for others."""
+    if kind == DOUBLE:
+        return np.array([x or "nan" for x in cells], dtype=np.str_).astype(np.float64)
+    if kind == INTEGER:
+        return np.array([int(x) for x in cells], dtype=np.int64)
+    if kind == TRUTH:
+        return np.array([_TRUTHS[x] for x in cells], dtype=np.bool_)
+    if kind == TEXT:
+        return list(cells)
+    if kind == EXACT or _digits(kind):
+        return [None if x == "" else _fraction(x) for x in cells]
+    number = _number(kind)
+    found = [None if x == "" else _binary(x, number) for x in cells]
+    if number.flat:
+        return np.array([np.nan if x is None else x for x in found], dtype=np.longdouble)
+    objects = np.empty(len(found), dtype=np.object_)
+    objects[:] = found
+    return objects
+
+
+_TRUTHS = {"true": True, "false": False}
+
+
+def json_values(values: Values, kind: str) -> list[Value]:
+    """The same as JSON has them: its own numbers where it loses no digit, else texts."""
+    if kind in (INTEGER, TRUTH):
+        word = int if kind == INTEGER else bool
+        return [word(x) for x in values]
+    if kind == DOUBLE:
+        held = doubles(values)
+        listed: list[Value] = held.tolist()
+        return listed if np.isfinite(held).all() else [_finite(x) for x in listed]
+    gap = "" if kind == TEXT else None
+    return [x or gap for x in texts(values, kind)]
+
+
+def plain(value: Value, depth: int = 3) -> Value:
+    """A small object as JSON has it, without nan; infinities as texts; ValueError for a deep one.
+
+    ``depth``: how many levels of objects and lists it may have.
+    """
+    if isinstance(value, (Mapping, list, tuple)):
+        if depth == 0 or len(value) > MOST_ENTRIES:
+            raise ValueError("an object that is too deep or too large")
+        if isinstance(value, Mapping):
+            return {str(key): plain(x, depth - 1) for key, x in value.items()}
+        return [plain(x, depth - 1) for x in value]
+    return _finite(value) if isinstance(value, float) else value
+
+
+def _finite(x: float) -> Value:
+    if x != x:
+        return None
+    return x if abs(x) != np.inf else repr(x)
+
+
+def of_json(values: Sequence[Value], kind: str) -> Any:
+    """The values of a list in JSON; ValueError where one is of another type."""
+    allowed = _JSON_TYPES.get(kind, (str,))
+    if kind not in (INTEGER, TRUTH, TEXT):
+        allowed = (*allowed, type(None))
+    found = set(map(type, values))
+    if not found <= {*allowed}:
+        raise ValueError(f"a value that is not of type {kind[:40]}")
+    if kind == DOUBLE:
+        if str in found and not {x for x in values if type(x) is str} <= {*_INFINITE}:
+            raise ValueError("a text that is no number")
+        return np.array([np.nan if x is None else float(x) for x in values], dtype=np.float64)
+    if kind in (INTEGER, TRUTH):
+        return np.array(values, dtype=np.int64 if kind == INTEGER else np.bool_)
+    return values_of(["" if x is None else x for x in values], kind)
+
+
+_JSON_TYPES: dict[str, tuple[type, ...]] = {
+    DOUBLE: (float, int, str),
+    INTEGER: (int,),
+    TRUTH: (bool,),
+}
+
+
+def _digits(kind: str) -> int:
+    match = re.fullmatch(r"([1-9]\d{0,4}) digits", kind)
+    return int(match[1]) if match else 0
+
+
+@lru_cache
+def _number(kind: str) -> NumberType:
+    match = re.fullmatch(r"([1-9]\d{0,5}) bits", kind)
+    if match is None or not 53 < int(match[1]) <= MOST_BITS:
+        raise ValueError(f"type {kind[:40]!r}")
+    bits = int(match[1])
+    return EXTENDED if bits == EXTENDED.bits else NumberType("mp", bits)
+
+
+def _binary(text: str, number: NumberType) -> Value:
+    if text in _INFINITE:
+        infinite = float(text)
+        if number.flat:
+            return np.longdouble(infinite)
+        from polhode.numbers.mpmath_context import mpmath, ordinary
+
+        return ordinary(mpmath.mpf(infinite))
+    return number_value(number.rounded(decimal(text)), number)
+
+
+def _fraction(text: str) -> Fraction:
+    top, _, bottom = text.partition("/")
+    return decimal(top) / (decimal(bottom) if bottom else 1)
+
+
+def decimal(text: str) -> Fraction:
+    """A decimal in full: Python's limit on the digits of an int does not hold for Decimal."""
+    match = _DECIMAL.fullmatch(text) if len(text) <= MOST_CHARACTERS else None
+    if match is None or abs(int(match[1] or 0)) > MOST_EXPONENT:
+        raise ValueError(f"no decimal: {text[:40]!r}")
+    return Fraction(Decimal(text))

@@ -1,0 +1,39 @@
+"""Whether a result may take the place of a file: one rule for ``.save`` and ``-o``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from polhode.common.errors import BadInput
+from polhode.common.files import check_writable, is_stream
+from polhode.results.packages import needed
+from polhode.results.reader import kind_at
+from polhode.results.writer import ENDINGS, beside
+
+
+def check_place(path: Path, kind: str, inputs: Iterable[Path | None] = ()) -> None:
+    """Refuse a path that a result of this kind cannot be written to, or must not; raises BadInput.
+
+    A file is replaced where it is empty, or of the same kind of result as polhode wrote it.
+    ``inputs``: files that are read.
+    """
+    places = [path, beside(path)] if path.suffix.lower() == ".csv" else [path]
+    for place in places:
+        check_writable(place, ENDINGS, inputs)
+    if path.suffix.lower() == ".parquet":
+        needed("pyarrow")
+    if is_stream(path):
+        return
+    for place in places:
+        if place.exists() and place.stat().st_size:
+            _check_kind(path, place, kind)
+
+
+def _check_kind(path: Path, place: Path, kind: str) -> None:
+    try:
+        there = kind_at(path)
+    except ValueError as fault:
+        raise BadInput(str(place), "file", None, f"another name: {fault}") from None
+    if there != kind:
+        raise BadInput(str(place), "file", None, f"another name: it holds a result {there}")

@@ -1,0 +1,303 @@
+"""What the writer wrote, read within bounds; nothing in a file names code.
+
+JSON and Parquet files have no sum: a digit that somebody changed in one is read.  A CSV file that
+was changed is told by the digest in the file beside it, a changed NPZ file by its own sums.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import re
+import zipfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from polhode.common.errors import UNREADABLE, BadInput, nearest
+from polhode.common.files import MOST_UNPACKED, read_npz, read_whole
+from polhode.results.cells import (
+    DOUBLE,
+    INTEGER,
+    OBJECT,
+    TEXT,
+    TRUTH,
+    of_json,
+    plain,
+    values_of,
+)
+from polhode.results.packages import needed
+from polhode.results.table import RESERVED, Column, Content, Fact, Table, Value
+from polhode.results.writer import ABOUT, ENDINGS, FORMAT, METADATA, beside, digest
+
+MOST_BYTES = 1 << 31
+MOST_COLUMNS = 10_000  # and facts
+MOST_CELLS = 200_000_000
+MOST_DIGITS = 70_000  # of a column on a terminal
+_HEAD = 4096  # bytes of a JSON file that tell its kind
+
+#: The kinds of results, by the names of their classes.
+KINDS = (
+    *("CertifiedEvents", "ChaosMap", "Conditioning", "Enclosure", "Ensemble", "EventTimes"),
+    *("Frequencies", "Judgement", "Levels", "Lyapunov", "ObservedOrder", "Orbit", "OrbitFamily"),
+    *(
+        "OrbitSearch",
+        "ProvedChaos",
+        "ProvedOrbit",
+        "ProvedOrbits",
+        "Reductions",
+        "ReferenceTable",
+        "Section",
+    ),
+    *("Trajectory", "Verdict"),
+)
+#: What a file that is none makes reading it raise.
+DAMAGED = (LookupError, TypeError, AttributeError, ArithmeticError, MemoryError, *UNREADABLE)
+CERTIFICATE = "polhode certificate"
+FOREIGN = "polhode did not write it"
+CHANGED = "it was changed since polhode wrote it"
+
+
+def content_of(path: Path, kinds: Sequence[str] = KINDS) -> Content:
+    """The content of a result's file; raises BadInput for any other file.
+
+    ``kinds``: the words for kinds that are known.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in ENDINGS:
+        expected = f"a name that ends in {nearest(suffix, [*ENDINGS])}"
+        raise BadInput(str(path), "file", None, expected)
+    expected = "a result that polhode saved"
+    data = read_whole(path, MOST_BYTES, expected)
+    try:
+        return _READERS[suffix](path, data, kinds)
+    except BadInput:
+        raise
+    except DAMAGED as fault:
+        told = "it is damaged" if isinstance(fault, (KeyError, RecursionError)) else str(fault)
+        raise BadInput(str(path), "file", None, f"{expected} ({told})") from None
+
+
+def _of_csv(path: Path, data: bytes, kinds: Sequence[str]) -> Content:
+    place = beside(path)
+    about = _object(read_whole(place, MOST_BYTES, f"the facts of {path.name}"))
+    if about["sha256"] != digest(data):
+        raise ValueError(CHANGED)
+    text = io.StringIO(data.decode(), newline="")
+    names = next(csv.reader(text))
+    words = {x["type"] for x in about["about"]["columns"].values()}
+    if words == {DOUBLE} and text.tell() < len(data) and not any(gap in data for gap in _GAPS):
+        # numpy's own reader is several times as fast
+        matrix = np.loadtxt(text, delimiter=",", ndmin=2, comments=None)
+        return _content(about, dict(zip(names, matrix.T, strict=True)), kinds)
+    try:
+        rows = [*csv.reader(text)]
+    except csv.Error as fault:
+        raise ValueError(str(fault)) from None
+    cells = zip(*rows, strict=True) if rows else (() for _ in names)
+    return _content(about, dict(zip(names, cells, strict=True)), kinds)
+
+
+_GAPS = (b",,", b",\n", b"\n,", b'"')
+
+
+def _of_json(path: Path, data: bytes, kinds: Sequence[str]) -> Content:
+    about = _object(data)
+    if "sha256" in about:
+        raise ValueError(f"these are the facts of {path.stem}, which is to be read")
+    return _content(about, about["columns"], kinds)
+
+
+def _of_npz(path: Path, data: bytes, kinds: Sequence[str]) -> Content:
+    arrays = dict(read_npz(data))
+    about = _object(arrays.pop(ABOUT).tobytes())
+    for name, told in about["about"]["facts"].items():
+        if "columns" in told:
+            about[name] = {key: arrays.pop(f"{name}.{key}") for key in told["columns"]}
+    return _content(about, arrays, kinds)
+
+
+def _of_parquet(path: Path, data: bytes, kinds: Sequence[str]) -> Content:
+    parquet = needed("pyarrow.parquet")
+    try:
+        file = parquet.ParquetFile(io.BytesIO(data))
+        held, names = file.metadata, file.schema_arrow.names
+        _check_size(len(names), held.num_rows)
+        groups = (held.row_group(k) for k in range(held.num_row_groups))
+        if sum(group.total_byte_size for group in groups) > MOST_UNPACKED:
+            raise ValueError(f"more than {MOST_UNPACKED} bytes")
+        types = {x.name: str(x.type) for x in file.schema_arrow}
+        if not {*types.values()} <= {"double", "int64", "bool", "string"}:
+            raise ValueError("columns of other types")
+        texts = [name for name, kind in types.items() if kind == "string"]
+        about = _object(file.schema_arrow.metadata[METADATA.encode()])
+        table = parquet.read_table(io.BytesIO(data), read_dictionary=texts)
+        arrays = {name: _arrow_values(table[name], name in texts) for name in names}
+    except Exception as fault:  # pyarrow has classes of its own for what is no such file
+        raise ValueError(f"no Parquet file: {str(fault)[:80]}") from None
+    return _content(about, arrays, kinds)
+
+
+def _arrow_values(column: Any, is_text: bool) -> Any:
+    """A column of Parquet; of texts, which may be long and one for many rows, not too many."""
+    if column.null_count:
+        raise ValueError("no value in some rows")
+    if not is_text:
+        return column.to_numpy()
+    longest = max(
+        (len(x) for part in column.chunks for x in part.dictionary.to_pylist()), default=0
+    )
+    if 4 * longest * len(column) > MOST_UNPACKED:
+        raise ValueError("texts of too many characters")
+    return np.array(column.to_pylist(), dtype=np.str_)
+
+
+_READERS = {".csv": _of_csv, ".json": _of_json, ".npz": _of_npz, ".parquet": _of_parquet}
+
+
+def is_result(path: Path) -> bool:
+    """Whether a file is one that :func:`content_of` may read."""
+    try:
+        return bool(kind_at(path))
+    except ValueError:
+        return False
+
+
+def kind_at(path: Path) -> str:
+    """The kind of the result in a file, of which little is read; ValueError where there is none.
+
+    A table that was changed is none; of a table that is gone or empty the facts tell.
+    """
+    suffix = path.suffix.lower()
+    try:
+        if path.exists() and not path.is_file():  # a pipe would be waited for
+            raise ValueError
+        if suffix == ".csv":
+            head = _head_of(beside(path))
+            data = read_whole(path, MOST_BYTES, "a table") if path.exists() else b""
+            if data and f'"sha256": "{digest(data)}"' not in head:
+                raise ValueError(CHANGED if FORMAT in head else FOREIGN)
+        elif suffix == ".npz":
+            with zipfile.ZipFile(path) as packed, packed.open(f"{ABOUT}.npy") as file:
+                np.lib.format.read_magic(file)
+                np.lib.format.read_array_header_1_0(file)
+                head = file.read(_HEAD).decode(errors="replace")
+        elif suffix == ".parquet":
+            schema = needed("pyarrow.parquet").read_schema(path)
+            head = schema.metadata[METADATA.encode()].decode(errors="replace")
+        else:
+            head = _head_of(path)
+    except ValueError as fault:
+        raise ValueError(CHANGED if str(fault) == CHANGED else FOREIGN) from None
+    except Exception:  # the libraries below raise almost anything
+        raise ValueError(FOREIGN) from None
+    told = re.match(r'\{\n "format": "([^"]*)",\n "result": "(\w*)",\n', head)
+    if told is None or told[1] != FORMAT:
+        raise ValueError(FOREIGN)
+    return told[2]
+
+
+def _head_of(path: Path) -> str:
+    if not path.is_file():
+        return ""
+    with open(path, encoding="utf-8", errors="replace") as file:
+        return file.read(_HEAD)
+
+
+def _object(data: bytes) -> dict[str, Value]:
+    found = json.loads(data, parse_constant=_no_constant)
+    if isinstance(found, dict) and str(found.get("format")).startswith(CERTIFICATE):
+        raise ValueError("this is a certificate, which polhode.verify checks")
+    if not isinstance(found, dict) or found.get("format") != FORMAT:
+        raise ValueError("another format")
+    return found
+
+
+def _no_constant(text: str) -> float:
+    raise ValueError(f"{text}: no number")
+
+
+def _content(about: dict[str, Value], columns: Mapping[str, Any], kinds: Sequence[str]) -> Content:
+    kind, version, title = (_text(about[key]) for key in ("result", "version", "title"))
+    if kind not in kinds:
+        raise ValueError(f"result {kind[:40]!r}")
+    told = about["about"]["facts"]
+    if len(told) > MOST_COLUMNS or not {*told}.isdisjoint(RESERVED):
+        raise ValueError("facts that are none")
+    table = _table(columns, about["about"]["columns"], about["labels"])
+    facts = tuple(_fact(name, about[name], x) for name, x in told.items())
+    return Content(kind, version, title, table, facts)
+
+
+def _table(columns: Mapping[str, Any], told: Mapping[str, Value], labels: Value) -> Table:
+    if {*columns} != {*_described(told)}:
+        raise ValueError("other columns than those that it describes")
+    sizes = {len(x) for x in columns.values()}
+    if len(sizes) > 1:
+        raise ValueError("columns of several lengths")
+    _check_size(len(columns), max(sizes, default=0))
+    if type(labels) is not int or not 0 <= labels <= len(columns):
+        raise ValueError("labels")
+    return Table(tuple(_column(name, columns[name], x) for name, x in told.items()), labels)
+
+
+def _described(told: Value) -> dict[str, Value]:
+    if not isinstance(told, dict):
+        raise ValueError("no columns")
+    return told
+
+
+def _check_size(columns: int, rows: int) -> None:
+    if columns > MOST_COLUMNS or columns * rows > MOST_CELLS:
+        raise ValueError(f"{columns} columns of {rows} rows")
+
+
+def _column(name: str, held: Any, told: Mapping[str, Value]) -> Column:
+    word = _text(told["type"])
+    digits = told.get("digits", Column._field_defaults["digits"])
+    if type(digits) is not int or not 0 <= digits <= MOST_DIGITS:
+        raise ValueError(f"{name}: digits")
+    return Column(name, _values(held, word), *_meaning(told), word, digits)
+
+
+_DTYPES = {"<f8": DOUBLE, "<i8": INTEGER, "|b1": TRUTH}
+
+
+def _values(held: Any, word: str) -> Any:
+    """The values of an array, of a list of JSON, or of the cells of a CSV file: a tuple."""
+    if isinstance(held, list):
+        return of_json(held, word)
+    if not isinstance(held, np.ndarray):
+        return values_of(held, word)
+    if held.ndim != 1 or _DTYPES.get(held.dtype.str, TEXT) != (word if word in _FLAT else TEXT):
+        raise ValueError(f"an array of {held.dtype} and {held.ndim} dimensions, not {word[:40]}")
+    if held.dtype.kind not in "fibU":
+        raise ValueError(f"an array of {held.dtype}")
+    return held if word in _FLAT else values_of(held.tolist(), word)
+
+
+_FLAT = tuple(_DTYPES.values())
+
+
+def _fact(name: str, held: Any, told: Mapping[str, Value]) -> Fact:
+    if "columns" in told:
+        return Fact(name, _table(held, told["columns"], told["labels"]), *_meaning(told))
+    word = _text(told["type"])
+    if held is None or word == OBJECT:
+        return Fact(name, plain(held), *_meaning(told), word)
+    values = of_json(held if isinstance(held, list) else [held], word)
+    plainly = values.tolist() if isinstance(values, np.ndarray) and word in _FLAT else [*values]
+    return Fact(name, plainly if isinstance(held, list) else plainly[0], *_meaning(told), word)
+
+
+def _meaning(told: Mapping[str, Value]) -> tuple[str, str]:
+    return _text(told.get("meaning", "")), _text(told.get("unit", ""))
+
+
+def _text(x: Value) -> str:
+    if not isinstance(x, str):
+        raise ValueError("no text")
+    return x

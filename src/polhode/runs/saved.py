@@ -1,0 +1,352 @@
+"""Results from their files: runs as they were, callable; all others as what they told."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from polhode.common.arguments import of_kind
+from polhode.common.cached_property import cached_property
+from polhode.common.errors import BadInput
+from polhode.common.value_semantics import same
+from polhode.equations.integrals import Drift
+from polhode.motion.outcomes import Events, EventTimes, Outcome, Projection
+from polhode.motion.protocols import Interpolant, RowReader
+from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.number_types import LEAST_MP_BITS, MAX_DIGITS, NAMES, NumberType, named
+from polhode.numbers.rows import Row, States, read_only
+from polhode.results.reader import DAMAGED, content_of
+from polhode.results.result import Result
+from polhode.results.table import Content, Fact, Table, Value
+from polhode.runs.trajectory import Trajectory
+from polhode.scenes import scene_file
+from polhode.scenes.output_times import listed_times
+from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import ANGLES, ATTITUDE
+
+
+class Saved(Result):
+    """A result that was read from a file: its columns and facts, under the same names.
+
+    ``kind``: the name of its class.  ``scene``: the scene that it is of.
+
+    >>> import os, tempfile, polhode
+    >>> found = polhode.levels("general/asymmetric-chaotic")
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     found.save(os.path.join(folder, "levels.npz"))
+    ...     again = polhode.load_result(os.path.join(folder, "levels.npz"))
+    >>> again.kind, again.fact("h") == found.here.h
+    ('Levels', True)
+    """
+
+    def __init__(self, content: Content) -> None:
+        self._content = content
+
+    @property
+    def kind(self) -> str:
+        """The name of the class that it was made as."""
+        return self._content.kind
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The scene that it is of; raises BadInput for a result of none."""
+        return scene_file.parse(self.fact("scene_text"), self.fact("scene"))
+
+    def content(self) -> Content:
+        """What its file holds."""
+        return self._content
+
+    def table(self) -> Table:
+        """Its columns."""
+        return self._content.table
+
+    def facts(self) -> Sequence[Fact]:
+        """Its facts."""
+        return self._content.facts
+
+    def __repr__(self) -> str:
+        return self._content.title
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Saved) and same(self._content, other._content)
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+def load_result(path: str | Path) -> Trajectory | Saved:
+    """Load what ``.save`` of any result, or ``-o`` of the command line, wrote.
+
+    Parameters
+    ----------
+    path : str or Path
+        A file ``.csv``, ``.json``, ``.npz`` or ``.parquet``; of a CSV file the facts are read from
+        the file beside it.
+
+    Returns
+    -------
+    Trajectory or Saved
+        A run is equal to what was saved, and callable; any other result has the columns and facts
+        that it had.
+
+    Raises
+    ------
+    BadInput
+        A file of another kind, one that was changed, or a damaged one.
+
+    Examples
+    --------
+    >>> import os, tempfile, polhode
+    >>> run = polhode.integrate("lagrange/nutation", at=[1, 2])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     run.save(os.path.join(folder, "run.json"))
+    ...     again = polhode.load_result(os.path.join(folder, "run.json"))
+    >>> again == run, list(again(1.5)) == list(run(1.5))
+    (True, True)
+    """
+    of_kind("load_result", "path", path, (str, Path), "the path of a file")
+    content = content_of(Path(path))
+    if content.kind != Trajectory.__name__:
+        return Saved(content)
+    try:
+        return run_of(content)
+    except DAMAGED as fault:
+        told = "it is damaged" if isinstance(fault, KeyError) else str(fault)
+        raise BadInput(str(path), "file", None, f"a run that polhode saved ({told})") from None
+
+
+def load_run(path: str | Path) -> Trajectory:
+    """Load a run, as :func:`load_result` does.
+
+    Parameters
+    ----------
+    path : str or Path
+        A file in which a run was saved.
+
+    Returns
+    -------
+    Trajectory
+        Equal to what was saved, and callable.
+
+    Raises
+    ------
+    BadInput
+        Any other file, that of another kind of result, too.
+
+    Examples
+    --------
+    >>> import os, tempfile, polhode
+    >>> run = polhode.integrate("lagrange/nutation", at=[1, 2])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     run.save(os.path.join(folder, "run.npz"))
+    ...     again = polhode.load_run(os.path.join(folder, "run.npz"))
+    >>> again == run
+    True
+    """
+    found = load_result(path)
+    if not isinstance(found, Trajectory):
+        expected = f"a run that polhode saved (it holds a result {found.kind})"
+        raise BadInput(str(path), "file", None, expected)
+    return found
+
+
+def run_of(content: Content) -> Trajectory:
+    """The run of a content; raises ValueError and the like for one that is none."""
+    facts = {x.name: x.value for x in content.facts}
+    columns = {x.name: x.values for x in content.table.columns}
+    number = _number(facts)
+    times = tuple(exactly(t) for t in columns["t"])
+    scene, outcome = _scene(facts, times), Outcome(facts["outcome"])
+    asked = scene.output_times.rounded(number)
+    count = len(times)
+    if asked[:count] != times or (outcome is Outcome.REACHED_END and count < len(asked)):
+        raise ValueError("times: not those of the scene")
+    angles = errors = attitude = None
+    if "psi" in columns:
+        rows = zip(*(columns[name] for name in ANGLES), strict=True)
+        angles = tuple(tuple(map(_number_or_none, row)) for row in rows)
+    if "q0" in columns:
+        attitude = _rows(columns, ATTITUDE, number)
+    if "error" in columns:
+        errors = tuple(map(_number_or_none, columns["error"]))
+    run = Trajectory(
+        scene=scene,
+        number=number,
+        times=times,
+        states=_rows(columns, scene.columns, number),
+        outcome=outcome,
+        steps=_whole(facts["steps"]),
+        reached=exactly(facts["reached"]),
+        tolerance=_finite(facts["tolerance"]),
+        digits=_digits(facts["digits"]),
+        attitude=attitude,
+        angles=angles,
+        events=_events(facts, scene, number),
+        projection=_projection(facts.get("projection")),
+        provenance=_of(dict, facts["provenance"]),
+        method=_of(str, facts["method"]),
+        errors=errors,
+        correct_digits=_gap_or_float(facts["correct_digits"]),
+        checked_by=_of(str, facts["checked_by"]),
+    )
+    if not 0 <= run.tolerance < math.inf or run.method not in ("taylor", "refined"):
+        raise ValueError("no tolerance or method of a run")
+    drift = Drift(*(_gap_or_float(facts[f"drift_{name}"]) for name in Drift._fields))
+    outlook = _gap_or_float(facts["digits_expected"]), _gap_or_float(facts["lost_after"])
+    vars(run).update(drift=drift, _least_expected=outlook, dense=_Again(run))
+    return run
+
+
+def _number(facts: Mapping[str, Value]) -> NumberType:
+    found = NumberType(_of(str, facts["number"]), _whole(facts["bits"]))
+    known = found.name in NAMES and (found.name != "mp" or found.bits >= LEAST_MP_BITS)
+    if not known or (found.name != "mp" and found != named(found.name)):
+        raise ValueError(f"number: {found.name} of {found.bits} bits")
+    return found
+
+
+def _scene(facts: Mapping[str, Value], times: tuple[Fraction, ...]) -> Scene:
+    """The scene of its text; times that this leaves out are those of an array, in the column t."""
+    import numpy as np
+
+    text, source = _of(str, facts["scene_text"]), facts["scene_source"]
+    scene = scene_file.parse(text, _of(str, facts["scene"]))
+    if not len(scene.times) and times:
+        listed = np.array([to_double(t) for t in times])
+        scene = scene.at(listed_times(scene.name, "t", listed))
+    return replace(scene, source=text if source is None else _of(str, source))
+
+
+def _rows(columns: Mapping[str, Any], names: Sequence[str], number: NumberType) -> States:
+    import numpy as np
+
+    parts = [columns[name] for name in names]
+    rows: Any = np.empty((len(parts[0]), len(names)), dtype=parts[0].dtype)
+    for k, part in enumerate(parts):
+        if part.dtype != rows.dtype or not _all_finite(part):
+            raise ValueError(f"{names[k]}: not all are numbers of the run")
+        rows[:, k] = part
+    kinds = {"double": np.float64, "extended": np.longdouble}
+    if rows.dtype != kinds.get(number.name, np.object_):
+        raise ValueError(f"{names[0]}: no {number.name} numbers")
+    return read_only(rows, len(names))
+
+
+def _all_finite(part: Any) -> bool:
+    import numpy as np
+
+    if part.dtype.kind == "f":
+        return bool(np.isfinite(part).all())
+    return all(x is not None and x - x == 0 for x in part)
+
+
+def _events(facts: Mapping[str, Value], scene: Scene, number: NumberType) -> Events:
+    if not scene.events:
+        return Events(())
+    columns = {x.name: x.values for x in facts["events"].columns}
+    names = columns["event"]
+    if not {*names} <= {event.name for event in scene.events}:
+        raise ValueError("events: not those of the scene")
+    found = []
+    for event, complete in zip(scene.events, facts["events_complete"], strict=True):
+        place = [k for k, name in enumerate(names) if name == event.name]
+        held = {name: _picked(values, place) for name, values in columns.items()}
+        signs = tuple(held["sign"].tolist())
+        if not {*signs} <= {-1, 0, 1}:
+            raise ValueError("sign: expected -1, 1, and 0 where they graze")
+        found.append(
+            EventTimes(
+                event.name,
+                tuple(exactly(t) for t in held["t"]),
+                _rows(held, scene.columns, number),
+                signs,
+                tuple(held["uncertainty"].tolist()),
+                tuple(held["depth"].tolist()),
+                _of(bool, complete),
+            )
+        )
+    return Events(tuple(found))
+
+
+def _picked(values: Any, place: Sequence[int]) -> Any:
+    return [values[k] for k in place] if isinstance(values, list) else values[list(place)]
+
+
+def _projection(told: Value) -> Projection | None:
+    if told is None:
+        return None
+    return Projection(
+        tuple(_of(str, name) for name in told["onto"]),
+        _whole(told["every"]),
+        _whole(told["count"]),
+        _finite(told["largest"]),
+        _finite(told["sum"]),
+    )
+
+
+def _number_or_none(x: Any) -> Any:
+    return None if x is None or x != x else x
+
+
+def _of(kind: type | tuple[type, ...], value: Value) -> Any:
+    if not isinstance(value, kind):
+        raise ValueError(f"{str(value)[:40]!r}: a value of another type")
+    return value
+
+
+def _whole(value: Value) -> int:
+    if type(value) is not int or value < 0:
+        raise ValueError(f"{str(value)[:40]!r}: no whole number")
+    return value
+
+
+def _digits(value: Value) -> int | None:
+    if value is not None and not 0 < _whole(value) <= MAX_DIGITS:
+        raise ValueError("no digits of a run")
+    return None if value is None else _whole(value)
+
+
+def _gap_or_float(value: Value) -> float | None:
+    found: float | None = _of((float, type(None)), value)
+    return found
+
+
+def _finite(value: Value) -> float:
+    return float(_of((int, float), value))
+
+
+class _Again:
+    """A loaded run at any time: the run made once more when it is first asked."""
+
+    def __init__(self, run: Trajectory) -> None:
+        self.run = run
+
+    @property
+    def read(self) -> RowReader:
+        """What reads its rows."""
+        return self.dense.read
+
+    def at(self, times: Sequence[Fraction]) -> tuple[Sequence[Row], Outcome, Fraction]:
+        """Rows at exact times, see :class:`polhode.motion.protocols.Interpolant`."""
+        return self.dense.at(times)
+
+    @cached_property
+    def dense(self) -> Interpolant:
+        """The dense output of the run made once more."""
+        from polhode.runs.reevaluate import made_again  # heyoka: a file is read without
+
+        run = self.run
+        again = made_again(run, run.scene)
+        kept = len(run.times)
+        if not same(list(again.states[:kept]), list(run.states)):
+            warnings.warn(
+                f"{run.scene.name}: computed again on this machine, the run differs from the "
+                "one in the file in its last digits",
+                stacklevel=4,
+            )
+        assert again.dense is not None
+        return again.dense

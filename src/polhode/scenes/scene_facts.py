@@ -1,0 +1,143 @@
+"""What results tell of their scene, and its columns: times, states, outputs, what is varied."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from polhode.numbers import exact
+from polhode.numbers.exact import Irrational
+from polhode.numbers.exact_sequences import Floats, Spaced
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.rows import Doubles, Given, Indices
+from polhode.results.cells import EXACT, TEXT, bits_word
+from polhode.results.table import Column, Fact, Value, Values
+from polhode.scenes.output_times import OutputTimes
+from polhode.scenes.scene import Scene
+from polhode.scenes.scene_text import as_toml
+from polhode.scenes.variation.vary import Grid
+from polhode.scenes.vocabulary import ANGLES, ATTITUDE, SPACE, STATE
+
+if TYPE_CHECKING:
+    from polhode.numbers.rows import Stack
+
+RATES, GAMMA = STATE[:3], STATE[3:]
+_AXES = ("first", "second", "third")
+_MEANINGS = {
+    **{
+        name: f"angular velocity along the {axis} body axis"
+        for name, axis in zip(RATES, _AXES, strict=True)
+    },
+    **{
+        name: f"the upward vertical along the {axis} body axis"
+        for name, axis in zip(GAMMA, _AXES, strict=True)
+    },
+    **dict(zip(ANGLES, ("precession", "nutation", "proper rotation"), strict=True)),
+    **{name: f"quaternion body to space, element {k}" for k, name in enumerate(ATTITUDE)},
+    **{name: f"angular velocity along {name[-1]} of space" for name in SPACE},
+}
+
+
+def scene_facts(
+    scene: Scene, *, name: str = "", times: Sequence[Fraction] | None = None
+) -> list[Fact]:
+    """The first facts of every result: the scene's name and text.
+
+    ``times``: of the column t; the text leaves out an array of the same times.  Irrational times,
+    which no text holds, stand in it as those of the column, or rounded to 160 bits.
+    """
+    asked = scene.output_times.numbers
+    in_column = times is not None and isinstance(asked, Floats) and OutputTimes(asked) == times
+    ends = (asked.first, asked.last) if isinstance(asked, Spaced) else asked
+    if not isinstance(asked, Floats) and any(isinstance(t, Irrational) for t in ends):
+        scene = scene.at(times or tuple(exact.binary(*exact.rounded(t, 160)) for t in asked))
+    text = as_toml(scene.at(()) if in_column else scene)
+    return [
+        Fact("scene", name or scene.name, "the scene's name"),
+        Fact("scene_text", text, "the scene as the text of a file"),
+    ]
+
+
+def provenance_fact(provenance: Mapping[str, object]) -> Fact:
+    """The last fact of every result: versions, processor, the scene's fingerprint; no durations."""
+    kept = {key: value for key, value in provenance.items() if key != "seconds"}
+    return Fact("provenance", kept, "versions, processor, fingerprint of the scene")
+
+
+def unit_of(scene: Scene | None, name: str) -> str:
+    """The unit of a column of a state or an output, or of t; of no scene any consistent one."""
+    time = "s" if scene is not None and scene.units == "SI" else "time"
+    if name == "t":
+        return time
+    if name in ANGLES:
+        return "rad"
+    return f"rad/{time}" if name in (*RATES, *SPACE) else ""
+
+
+def time_column(
+    scene: Scene | None,
+    times: Sequence[Fraction] | Doubles,
+    number: NumberType,
+    *,
+    digits: int | None = None,
+) -> Column:
+    """Times of a type: doubles as they are, wider ones with every digit.
+
+    ``digits``: on a terminal; unless given those that decimals of the type keep.
+    """
+    values: Values = times
+    if number.bits == 53 and not hasattr(times, "dtype"):
+        held = times if isinstance(times, OutputTimes) else OutputTimes(tuple(times))
+        values = held.doubles()
+    kind = bits_word(number) if number.bits == 53 else EXACT
+    shown = number.printed_digits - 2 if digits is None else digits
+    return Column("t", values, "time", unit_of(scene, "t"), kind, shown)
+
+
+def row_columns(
+    scene: Scene | None,
+    names: Sequence[str],
+    rows: Given | Stack | Sequence[Sequence[Value]],
+    number: NumberType,
+    *,
+    digits: int | None = None,
+) -> list[Column]:
+    """Columns of rows of one type, which may have gaps.
+
+    ``digits``: on a terminal; unless given as many as round-trip.
+    """
+    word, shown = bits_word(number), number.printed_digits if digits is None else digits
+    return [
+        Column(name, _column(rows, k), _MEANINGS.get(name, ""), unit_of(scene, name), word, shown)
+        for k, name in enumerate(names)
+    ]
+
+
+def _column(rows: Given | Stack | Sequence[Sequence[Value]], k: int) -> Values:
+    import numpy as np
+
+    return rows[:, k] if isinstance(rows, np.ndarray) else [row[k] for row in rows]
+
+
+def varied_columns(varied: Grid, member: Indices) -> list[Column]:
+    """What is varied, a column a key: exact numbers, or those of arrays; of these members."""
+    columns = []
+    for key, values, repeat in zip(
+        varied.keys, varied.rows.columns, varied.rows.repeats, strict=True
+    ):
+        place = member // repeat % max(1, len(values))
+        held: Values
+        if isinstance(values, Floats):
+            held = values.values[place]
+        else:
+            known = [*values]
+            held = [known[k] for k in place.tolist()]
+        told = len(member) > 0 or isinstance(values, Floats)
+        columns.append(Column(key, held, "varied", type="" if told else EXACT))
+    return columns
+
+
+def text_column(name: str, values: Sequence[str], meaning: str = "") -> Column:
+    """Texts, of which there may be none."""
+    return Column(name, values, meaning, type=TEXT)

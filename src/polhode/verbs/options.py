@@ -1,0 +1,228 @@
+"""The options of a verb, made of the source of its function: annotations and numpydoc docstring.
+
+The source is read as text, so that ``--help`` and a wrong option import nothing of the physics.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import inspect
+import math
+import re
+from argparse import SUPPRESS, ArgumentParser, ArgumentTypeError, BooleanOptionalAction
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+PACKAGE = Path(__file__).parents[1]
+
+
+class Parameter(NamedTuple):
+    """A parameter as the source has it: annotation without ``None``, default empty for none."""
+
+    name: str
+    annotation: str
+    default: str
+
+
+class Front(NamedTuple):
+    """A function as its source tells it."""
+
+    parameters: Sequence[Parameter]
+    docstring: str
+
+    @property
+    def helps(self) -> dict[str, str]:
+        """The first sentence that the docstring says of each parameter."""
+        part = self.docstring.partition("Parameters\n----------\n")[2].partition("\n\n")[0]
+        entries = re.findall(r"^([\w*, ]+) : .*\n((?: .*\n?)+)", part + "\n", re.M)
+        return {
+            name.strip(): _first_sentence(text)
+            for names, text in entries
+            for name in names.split(",")
+        }
+
+
+def _first_sentence(text: str) -> str:
+    found = re.match(r"(.*?)[.:;]?(?:(?<=\.)\s|$)", " ".join(text.split()))
+    said = (found[1] if found else "").replace("``", "")
+    return re.sub(r":\w+:`polhode\.(\w+)`", r"\1", said)
+
+
+def front(home: str, name: str) -> Front:
+    """The function of this name in a module of polhode; of overloads the one with a body."""
+    source = PACKAGE.joinpath(*home.split(".")[1:]).with_suffix(".py").read_text("utf-8")
+    *_, found = (
+        x for x in ast.parse(source).body if isinstance(x, ast.FunctionDef) and x.name == name
+    )
+    given = found.args
+    positional = [*given.posonlyargs, *given.args]
+    lacking = len(positional) - len(given.defaults)
+    defaults = [*[None] * lacking, *given.defaults, *given.kw_defaults]
+    return Front(
+        [
+            _parameter(x, default)
+            for x, default in zip([*positional, *given.kwonlyargs], defaults, strict=True)
+        ],
+        inspect.cleandoc(ast.get_docstring(found) or ""),
+    )
+
+
+def _parameter(argument: ast.arg, default: ast.expr | None) -> Parameter:
+    annotation = "" if argument.annotation is None else ast.unparse(argument.annotation)
+    return Parameter(
+        argument.arg,
+        annotation.removesuffix(" | None"),
+        "" if default is None else ast.unparse(default),
+    )
+
+
+# -- how the text of an option is read ------------------------------------------------------------
+
+
+def whole(text: str) -> int:
+    """A whole number."""
+    try:
+        if len(text) > 18 and text.strip("+-0123456789_ ") == "":
+            raise ArgumentTypeError(f"a whole number of at most 18 digits, not {text[:40]!r}")
+        return int(text[:40])  # a longer one is none
+    except ValueError:
+        raise ArgumentTypeError(f"a whole number, not {text[:40]!r}") from None
+
+
+def positive(text: str) -> int:
+    """A whole number above 0."""
+    found = whole(text)
+    if found < 1:
+        raise ArgumentTypeError(f"1 or more, not {found}")
+    return found
+
+
+def real(text: str) -> float:
+    """A finite number that is read as a double."""
+    try:
+        found = float(text)
+    except ValueError:
+        found = math.nan
+    if not math.isfinite(found):
+        raise ArgumentTypeError(f"a number, not {text[:40]!r}")
+    return found
+
+
+def word(text: str) -> str:
+    """A name of a case or a file, or any other word."""
+    if not text:
+        raise ArgumentTypeError("a name, not ''")
+    return text
+
+
+def folder(text: str) -> str:
+    """An option that names a folder."""
+    if not text:
+        raise ArgumentTypeError("a folder's name; . is the current one")
+    return text
+
+
+def names(text: str) -> list[str]:
+    """Names between commas."""
+    found = [name.strip() for name in text.split(",")]
+    if "" in found:
+        raise ArgumentTypeError(f"names with commas between, not {text[:40]!r}")
+    return found
+
+
+def grid(text: str) -> tuple[int, int]:
+    """NxM."""
+    match = re.fullmatch(r"(\d{1,6})x(\d{1,6})", text.strip())
+    if match is None or int(match[1]) * int(match[2]) == 0:
+        raise ArgumentTypeError(f"NxM, such as 9x8, not {text[:40]!r}")
+    return int(match[1]), int(match[2])
+
+
+class Kind(NamedTuple):
+    """How an option of one type is written: its placeholder, and what reads its text."""
+
+    metavar: str
+    read: Callable[[str], Any]
+    more: Mapping[str, Any] = {}
+
+
+_REPEATED = {"action": "append"}
+
+#: By annotation without ``None``.  Numbers of a scene stay text: the function reads them, exactly
+#: and in the scene's units, as it does in Python.  A parameter of another type is Python's alone.
+KINDS = {
+    "int": Kind("N", positive),
+    "float": Kind("X", real),
+    "str": Kind("WORD", str),
+    "str | NumberType": Kind("TYPE", str),
+    "AnyNumber": Kind("X", str),
+    "Iterable[AnyNumber]": Kind("X,X...", names),
+    "Iterable[str]": Kind("NAME,NAME...", names),
+    "Sequence[str]": Kind("NAME,NAME...", names),
+    "list[str]": Kind("WHAT", str, _REPEATED),
+    "tuple[int, int]": Kind("NxM", grid),
+    "vary.Vary": Kind("KEY=FROM:TO:N", str, _REPEATED),
+    "Iterable[AnyVector] | str": Kind("FILE", word),
+}
+
+
+def kind_of(annotation: str) -> Kind | None:
+    """How an option for such a parameter is written, if there is one."""
+    if {"str", "Path"} <= {*annotation.split(" | ")}:
+        return Kind("SCENE" if "Scene" in annotation else "FILE", word)
+    if choices := re.fullmatch(r"Literal\[(.*)\]", annotation):
+        words = [choice.strip(" \"'") for choice in choices[1].split(",")]
+        return Kind("|".join(words), str, {"choices": words})
+    return KINDS.get(annotation)
+
+
+def add(parser: ArgumentParser, function: Front, named: Mapping[str, str | None]) -> None:
+    """Add an option for each parameter that may be one.
+
+    ``named``: another name for some; one without dashes is an argument; None for none.
+    """
+    helps = function.helps
+    first, *rest = function.parameters
+    _positional(parser, first, helps.get(first.name))
+    for parameter in rest:
+        option = named.get(parameter.name, f"--{parameter.name.replace('_', '-')}")
+        if option is None:
+            continue
+        if option.startswith("-"):
+            _option(parser, parameter, option, helps.get(parameter.name))
+        else:
+            _positional(parser, parameter, helps.get(parameter.name))
+
+
+def _positional(parser: ArgumentParser, parameter: Parameter, told: str | None) -> None:
+    several = parameter.annotation.startswith("Sequence[")
+    inner = parameter.annotation.removeprefix("Sequence[").removesuffix("]" if several else "")
+    kind = kind_of(inner) or Kind(parameter.name.upper(), word)
+    more: dict[str, Any] = {"nargs": "+"} if several else {}
+    parser.add_argument(parameter.name, type=kind.read, metavar=kind.metavar, help=told, **more)
+
+
+def _option(parser: ArgumentParser, parameter: Parameter, option: str, told: str | None) -> None:
+    common: dict[str, Any] = {"dest": parameter.name, "help": _escaped(told), "default": SUPPRESS}
+    kinds = {*parameter.annotation.split(" | ")}
+    if kinds == {"bool"}:
+        flag = "store_true" if parameter.default == "False" else BooleanOptionalAction
+        parser.add_argument(option, action=flag, **common)
+        return
+    if kinds == {"bool", "int"}:
+        either = parser.add_mutually_exclusive_group()
+        either.add_argument(option, type=positive, metavar="N", **common)
+        common["help"] = argparse.SUPPRESS
+        either.add_argument(f"--no-{option[2:]}", action="store_false", **common)
+        return
+    kind = kind_of(parameter.annotation)
+    if kind is not None:
+        common |= kind.more if "choices" in kind.more else {"type": kind.read, **kind.more}
+        required = not parameter.default
+        parser.add_argument(option, metavar=kind.metavar, required=required, **common)
+
+
+def _escaped(told: str | None) -> str | None:
+    return None if told is None else told.replace("%", "%%")

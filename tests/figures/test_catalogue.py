@@ -1,0 +1,172 @@
+"""Figures of results: the same of a result and of its file; words, options, colours, axes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode.cli import main
+from polhode.dynamics.frequencies.frequencies import Frequencies
+from polhode.figures import catalogue
+from polhode.results.reader import KINDS
+from shared.results import MAKERS, result_of_kind
+
+plt = pytest.importorskip("matplotlib.pyplot")
+TOP = "lagrange/nutation"
+WITHOUT = {"Conditioning", "ObservedOrder", "ProvedOrbits", "Verdict"}  # kinds that have no figure
+
+
+@pytest.fixture(autouse=True)
+def closed():
+    yield
+    plt.close("all")
+
+
+@pytest.fixture(scope="module")
+def chaos():
+    return polhode.chaos_map("general/asymmetric-chaotic", (4, 4), end=60)
+
+
+def test_every_kind_has_figures_or_is_known_to_have_none():
+    known = set(catalogue.FIGURES) - {"Certified", "Reference"}
+    assert known | WITHOUT == set(KINDS)
+    assert not known & WITHOUT
+
+
+FROM_COLUMNS = [
+    name
+    for name in MAKERS
+    if name.split()[0] not in {*WITHOUT, "Trajectory", "Textbook", "ProvedChaos", "Frequencies"}
+]
+
+
+@pytest.mark.sample(6)
+@pytest.mark.parametrize("name", FROM_COLUMNS)
+def test_a_file_is_drawn_as_the_result_was(tmp_path, name):
+    found = result_of_kind(name)
+    found.save(tmp_path / "x.csv")
+    again = polhode.load_result(tmp_path / "x.csv")
+    for what in catalogue.words(again.kind):
+        one = catalogue.drawn(found, ".svg", "x", what)
+        assert one == catalogue.drawn(again, ".svg", "x", what)
+        assert len(one) > 5000
+
+
+def test_the_file_of_frequencies_has_the_lines_and_no_spectrum(tmp_path):
+    found = result_of_kind("Frequencies")
+    found.save(tmp_path / "x.json")
+    assert isinstance(found, Frequencies)
+    panels = [found.plot(), polhode.plot(tmp_path / "x.json")]
+    own, read = ({x.get_gid(): x.get_xydata() for x in axes.lines} for axes in panels)
+    assert read["gamma3"].tolist() == own["gamma3"].tolist()
+    assert own.keys() - read.keys() == {"spectrum gamma3"}
+    true = [(x.frequency, abs(x.amplitude)) for x in found.lines["gamma3"]]
+    assert own["gamma3"].tolist() == pytest.approx(np.array(true))
+
+
+def test_the_command_draws_what_python_draws(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    level = ["section", TOP, "--grid", "2x2", "--crossings", "5"]
+    assert main([*level, "-o", "x.npz", "-o", "x.svg"]) == 0
+    assert main(["plot", "x.npz", "-o", "y.svg"]) == 0
+    points = [
+        np.concatenate([line.get_xydata() for line in axes.lines])
+        for axes in (
+            polhode.plot("x.npz"),
+            polhode.section(TOP, grid=(2, 2), crossings=5).plot(),
+        )
+    ]
+    assert points[0].tolist() == points[1].tolist()
+    x, y = ((tmp_path / name).read_text().splitlines() for name in ("x.svg", "y.svg"))
+    differing = [a for a, b in zip(x, y, strict=True) if a != b]
+    title = f"title>polhode: crossings of {TOP}</"
+    assert differing
+    assert all(title in line for line in differing)
+
+
+def test_a_runs_file_is_drawn_as_the_run(tmp_path):
+    run = polhode.integrate(TOP, "quad", at=[1, 2])
+    run.save(tmp_path / "x.json")
+    curves = [
+        axes.lines[0].get_xydata()
+        for axes in (polhode.plot(tmp_path / "x.json", "omega", end=3), run.plot("omega", end=3))
+    ]
+    assert curves[0].tolist() == curves[1].tolist()
+    assert len(curves[0]) > 1000
+    assert curves[0][-1][0] == 3
+    panel = polhode.plot(tmp_path / "x.json", "error", end=1)[0]
+    assert panel.lines[-1].get_ydata()[0] == pytest.approx(np.log10(float(run.number.eps)))
+
+
+@pytest.mark.parametrize("what", ["fli", "megno", "exponent", "verdict"])
+def test_a_map_shows_the_number_that_is_asked_for(chaos, what):
+    axes = chaos.plot(what, title="mine")
+    assert axes.get_title() == "mine"
+    (mesh,) = axes.collections
+    cells = np.ma.filled(mesh.get_array(), np.nan).T.ravel()
+    values = np.asarray(getattr(chaos, what), dtype=float)
+    early = chaos.until < chaos.end * (1 - 1e-9)
+    kept = ~early if what in ("fli", "megno") else np.full(len(values), True)
+    assert kept.any()
+    assert cells[chaos.cell[kept]] == pytest.approx(values[kept])
+    assert np.isnan(np.delete(cells, chaos.cell)).all()
+
+
+def test_colours_of_maps_and_of_a_style_are_taken(chaos):
+    (mesh,) = chaos.plot(cmap="magma").collections
+    assert mesh.get_cmap().name == "magma"
+    plain = polhode.plot(TOP, "omega", end=1)
+    with plt.style.context("ggplot"):
+        styled = polhode.plot(TOP, "omega", end=1)
+        wanted = plt.rcParams["axes.prop_cycle"].by_key()["color"][:3]
+    assert [line.get_color() for line in styled.lines[:3]] == wanted
+    assert [line.get_color() for line in plain.lines[:3]] == ["#0072b2", "#d55e00", "#009e73"]
+
+
+def test_levels_show_the_range_that_is_asked_for():
+    found = polhode.levels("general/asymmetric-chaotic")
+    axes = found.plot(f_range=(0, "1/2"), h_range="1:2")
+    assert (axes.get_xlim(), axes.get_ylim()) == ((0, 0.5), (1, 2))
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ({"what": "flu"}, "--what = flu: expected fli, megno, exponent, verdict .did you mean"),
+        ({"cmap": "magna"}, "cmap = magna: .*did you mean 'magma'"),
+        ({"colour": 1}, "colour = 1: expected cmap, title"),
+        ({"what": "verdict", "cmap": "magma"}, "plot verdict: cmap = magma: expected title"),
+        ({"end": 3}, "--end = 3: expected no --end: it is for a motion"),
+        ({"ax": [1, 2]}, "axes = 2 things: expected 1 matplotlib axes"),
+    ],
+)
+def test_what_a_map_does_not_have_is_refused(chaos, asked, said):
+    with pytest.raises(polhode.BadInput, match=said):
+        chaos.plot(**asked)
+
+
+def test_kinds_without_a_figure_say_so():
+    with pytest.raises(polhode.BadInput, match="Conditioning: expected a result that has a figure"):
+        result_of_kind("Conditioning").plot()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("plot x.npz -o y.svg --what megna", "did you mean 'megno'?"),
+        ("plot x.npz -o y.html", "x.npz: --what = motion: expected fli, megno, exponent, verdict"),
+        ("plot x.npz -o y.svg --end 3", "--end = 3: expected no --end: it is for a motion"),
+        ("plot x.npz -o y.svg --scene euler/rest --what sphere", "x.npz"),
+        ("plot x.npz -o x.npz", "-o"),
+        (f"map {TOP} --grid 2x2 --cmap magma", "--cmap = magma: expected it with a figure"),
+        (f"map {TOP} --grid 2x2 --what flu -o y.svg", "did you mean 'fli'?"),
+        (f"levels {TOP} --f-range 2:1 -o y.svg", "--f-range = 2:1: expected A:B with A below B"),
+        (f"levels {TOP} --h-range 2 -o y.svg", "--h-range = 2: expected A:B, two numbers"),
+    ],
+)
+def test_what_a_verb_cannot_draw_is_one_line(tmp_path, monkeypatch, chaos, refusal, words, said):
+    monkeypatch.chdir(tmp_path)
+    chaos.save("x.npz")
+    assert said in refusal(*words.split())
+    assert not (tmp_path / "y.svg").exists()

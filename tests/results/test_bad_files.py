@@ -1,0 +1,299 @@
+"""Files that nobody's writer wrote: refused in one line, before much is made of them."""
+
+from __future__ import annotations
+
+import io
+import json
+import random
+import resource
+import time
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from invented import KINDS, Bare, Odd
+
+import polhode
+from polhode.common.files import write_whole
+from polhode.results import writer
+from polhode.results.reader import content_of
+from polhode.results.writer import ENDINGS, as_json, csv_text, digest
+
+Told = dict[str, Any]
+INSERTED = (b"9" * 50, b"null", b"[", b"\0", b'"', b"1e400000", b"{", b"NaN", b"\xff", b",\n", b"-")
+
+
+def mutated(data: bytes, draw: random.Random) -> bytes:
+    """With one or several bytes changed, left out or added, or cut."""
+    held = bytearray(data)
+    for _ in range(draw.choice((1, 1, 3))):
+        place = draw.randrange(len(held) or 1)
+        how = draw.random()
+        if how < 0.5 and held:
+            held[place] = draw.randrange(256)
+        elif how < 0.7:
+            del held[place : place + draw.randrange(40)]
+        elif how < 0.9:
+            held[place:place] = draw.choice(INSERTED)
+        else:
+            del held[place:]
+    return bytes(held)
+
+
+def refusal(path: Path) -> str:
+    """The line that refuses a file; empty where it is read."""
+    try:
+        content_of(path, KINDS)
+    except polhode.BadInput as fault:
+        return str(fault)
+    return ""
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+@pytest.mark.parametrize("count", [20, pytest.param(500, marks=pytest.mark.slow)])
+def test_mutated_files_are_read_or_refused_in_one_line(
+    ending: str, count: int, tmp_path: Path
+) -> None:
+    """2 000 in all; a table that is read is the one that was written."""
+    if ending == ".parquet":
+        pytest.importorskip("pyarrow")
+    draw = random.Random(f"{ending} {count}")
+    path = tmp_path / f"x{ending}"
+    contents = [result.content() for result in (Odd(4), Odd(1), Odd(0), Bare())]
+    written = [(content, writer.files(content, path)) for content in contents]
+    lines = []
+    for k in range(count):
+        content, files = written[k % len(written)]
+        changed = draw.choice(list(files))
+        for place, data in files.items():
+            place.write_bytes(mutated(data, draw) if place == changed else data)
+        start = time.process_time()
+        if line := refusal(path):
+            lines.append(line)
+        elif ending == ".csv":
+            assert csv_text(content_of(path, KINDS).table) == csv_text(content.table)
+        assert time.process_time() - start < 2
+    assert len(lines) > count / 4
+    assert max(map(len, lines)) < 900
+    assert not any("\n" in line for line in lines)
+
+
+def told() -> Told:
+    """The JSON of a result."""
+    held: Told = json.loads(Odd().to_json())
+    return held
+
+
+def fact(name: str, value: Any) -> Callable[[Told], None]:
+    return lambda held: held.update({name: value})
+
+
+def column(name: str, values: Any) -> Callable[[Told], None]:
+    return lambda held: held["columns"].update({name: values})
+
+
+def typed(name: str, word: Any) -> Callable[[Told], None]:
+    return lambda held: held["about"]["columns"][name].update(type=word)
+
+
+def about(**changes: Any) -> Callable[[Told], None]:
+    return lambda held: held["about"]["facts"].update(changes)
+
+
+CHANGES: dict[str, Callable[[Told], Any]] = {
+    "another format": fact("format", "polhode result 3"),
+    "no format": lambda held: held.pop("format"),
+    "a kind of code": fact("result", "os.system"),
+    "another kind": fact("result", "Section"),
+    "a kind that is a list": fact("result", ["Odd"]),
+    "title": fact("title", 7),
+    "version": fact("version", None),
+    "labels": fact("labels", 11),
+    "labels below none": fact("labels", -1),
+    "labels of a truth": fact("labels", True),
+    "a digest": fact("sha256", "0" * 64),
+    "no columns": fact("columns", {}),
+    "columns in a list": fact("columns", []),
+    "a column more": column("more", [1, 2, 3, 4]),
+    "a column less": lambda held: held["columns"].pop("k"),
+    "a short column": column("k", [0, 1, 2]),
+    "a column that is none": column("k", 5),
+    "a text for an integer": column("k", ["0", 1, 2, 3]),
+    "a truth for an integer": column("k", [True, 1, 2, 3]),
+    "a double for an integer": column("k", [0.5, 1, 2, 3]),
+    "a gap for an integer": column("k", [None, 1, 2, 3]),
+    "a long integer": column("k", [2**64, 1, 2, 3]),
+    "an integer for a truth": column("ok", [1, True, True, True]),
+    "a text for a double": column("x", ["5", 1, 2, 3]),
+    "a truth for a double": column("x", [True, 1, 2, 3]),
+    "a list for a double": column("x", [[1], 1, 2, 3]),
+    "a double for an exact number": column("e", [0.5, None, None, None]),
+    "no number": column("e", ["1/x", None, None, None]),
+    "divided by zero": column("e", ["1/0", None, None, None]),
+    "a large exponent": column("e", ["1e999999999", None, None, None]),
+    "an exponent beyond the bound": column("e", ["1e20001", None, None, None]),
+    "many digits": column("e", ["1" * 5_000_000, None, None, None]),
+    "other digits": column("e", ["\u0663", None, None, None]),
+    "an underscore": column("e", ["1_0", None, None, None]),
+    "not a number": column("wide", ["nan", None, None, None]),
+    "many bits": typed("wide", "1000000000 bits"),
+    "few bits": typed("wide", "53 bits"),
+    "more bits than may be": typed("wide", f"{(1 << 16) + 1} bits"),
+    "no digits": typed("root", "0 digits"),
+    "no word": typed("x", "float"),
+    "a word that is a list": typed("x", ["double"]),
+    "an object in a column": typed("x", "object"),
+    "digits of a terminal": lambda held: held["about"]["columns"]["x"].update(digits=10**9),
+    "a unit that is none": lambda held: held["about"]["columns"]["x"].update(unit=3),
+    "a meaning that is none": lambda held: held["about"]["facts"]["count"].update(meaning=[]),
+    "columns not described": lambda held: held["about"].update(columns=[]),
+    "facts not described": lambda held: held["about"].update(facts=[]),
+    "nothing described": lambda held: held.update(about=5),
+    "a text for a fact": fact("count", "1"),
+    "a number for a text": fact("texts", [1]),
+    "a fact that is gone": lambda held: held.pop("count"),
+    "a fact of a reserved name": about(columns={"type": "object"}),
+    "a long list": about(**{f"fact {k}": {"type": "double"} for k in range(10_001)}),
+    "a deep object": fact("provenance", json.loads("[" * 400 + "]" * 400)),
+    "an object of four": fact("provenance", {"a": {"b": {"c": {"d": 1}}}}),
+    "a large object": fact("provenance", {str(k): k for k in range(101)}),
+    "a table that is none": fact("marks", [1]),
+    "a table of two lengths": fact("marks", {"mark": [1], "h": [None, None]}),
+    "the labels of a table": lambda held: held["about"]["facts"]["marks"].update(labels=3),
+}
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_a_changed_json_is_refused_in_one_line(name: str, tmp_path: Path) -> None:
+    path = tmp_path / "x.json"
+    held = told()
+    path.write_text(json.dumps(held))
+    content_of(path, KINDS)
+    CHANGES[name](held)
+    path.write_text(json.dumps(held))
+    start = time.process_time()
+    with pytest.raises(polhode.BadInput, match="a result that polhode saved") as refusal:
+        content_of(path, KINDS)
+    assert "\n" not in str(refusal.value)
+    assert time.process_time() - start < 1
+
+
+@pytest.mark.parametrize(
+    "text", ["", "[]", "{}", "5", "[" * 100_000, '{"format": NaN}', "\ud800", '{"x": 1e', "null"]
+)
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_what_is_no_result_is_refused(text: str, ending: str, tmp_path: Path) -> None:
+    if ending == ".parquet":
+        pytest.importorskip("pyarrow")
+    path = tmp_path / f"x{ending}"
+    path.write_bytes(text.encode(errors="surrogatepass"))
+    with pytest.raises(polhode.BadInput, match=r"a result that polhode saved|the facts of"):
+        content_of(path, KINDS)
+    if ending == ".csv":
+        writer.beside(path).write_bytes(text.encode(errors="surrogatepass"))
+        with pytest.raises(polhode.BadInput, match="a result that polhode saved"):
+            content_of(path, KINDS)
+    with pytest.raises(polhode.BadInput):
+        content_of(tmp_path / f"not there{ending}", KINDS)
+
+
+def test_the_digest_of_a_table_is_asked(tmp_path: Path) -> None:
+    """A digit that a spreadsheet cut is told; facts beside another table are none of it."""
+    path = tmp_path / "x.csv"
+    files = writer.files(Odd().content(), path)
+    write_whole(files | {path: files[path].replace(b"0.333", b"0.33")})
+    with pytest.raises(polhode.BadInput, match="changed since polhode wrote it"):
+        content_of(path, KINDS)
+    write_whole({path: files[path]})
+    content_of(path, KINDS)
+    with pytest.raises(polhode.BadInput, match=r"these are the facts of x\.csv"):
+        content_of(writer.beside(path), KINDS)
+    writer.beside(path).unlink()
+    with pytest.raises(polhode.BadInput, match="the facts of x"):
+        content_of(path, KINDS)
+
+
+@pytest.mark.parametrize("rows", ["1", "1,2,3", "a,b"])
+def test_a_table_with_a_digest_that_is_another_is_refused(rows: str, tmp_path: Path) -> None:
+    """Made by hand: the digest is right, rows are not those of columns."""
+    path = tmp_path / "x.csv"
+    facts = json.loads(writer.files(Bare().content(), path)[writer.beside(path)])
+    facts["about"]["columns"] = {name: {"type": "double"} for name in ("x", "y")}
+    table = f"x,y\n0.5,0.25\n{rows}\n".encode()
+    path.write_bytes(table)
+    writer.beside(path).write_text(as_json(facts | {"sha256": digest(table)}))
+    with pytest.raises(polhode.BadInput, match="a result that polhode saved"):
+        content_of(path, KINDS)
+
+
+def packed(held: Any, **changes: Any) -> bytes:
+    """An NPZ file with arrays changed."""
+    with np.load(io.BytesIO(held)) as file:
+        arrays = {name: file[name] for name in file.files}
+    out = io.BytesIO()
+    np.savez(out, **{k: x for k, x in (arrays | changes).items() if x is not None})
+    return out.getvalue()
+
+
+ARRAYS: dict[str, Any] = {
+    "bytes": np.array([b"0", b"1", b"2", b"3"]),
+    "complex numbers": np.ones(4, dtype=complex),
+    "small floats": np.ones(4, dtype=np.float32),
+    "small integers": np.ones(4, dtype=np.int32),
+    "swapped": np.ones(4, dtype=">f8"),
+    "texts": np.array(["0", "1", "2", "3"]),
+    "two dimensions": np.ones((4, 1)),
+    "none": np.float64(4),
+    "times": np.zeros(4, dtype="M8[s]"),
+    "short": np.ones(3),
+    "gone": None,
+}
+
+
+@pytest.mark.parametrize("name", ARRAYS)
+def test_arrays_of_other_types_are_refused(name: str, tmp_path: Path) -> None:
+    path = tmp_path / "x.npz"
+    data = writer.files(Odd().content(), path)[path]
+    path.write_bytes(packed(data))
+    content_of(path, KINDS)
+    path.write_bytes(packed(data, x=ARRAYS[name]))
+    with pytest.raises(polhode.BadInput, match="a result that polhode saved"):
+        content_of(path, KINDS)
+
+
+@pytest.mark.parametrize("count", [2**28, 2**40])
+def test_a_small_file_takes_little(count: int, tmp_path: Path) -> None:
+    path = tmp_path / "x.npz"
+    text = f"{{'descr': '<f8', 'fortran_order': False, 'shape': ({count},), }}".ljust(117) + "\n"
+    with (
+        zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file,
+        file.open("about.npy", "w", force_zip64=True) as out,
+    ):
+        out.write(b"\x93NUMPY\x01\x00" + len(text).to_bytes(2, "little") + text.encode())
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with pytest.raises(polhode.BadInput):
+        content_of(path, KINDS)
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 100_000  # kilobytes
+
+
+@pytest.mark.parametrize("plain", [True, False])
+def test_parquet_of_one_long_text_for_many_rows_is_refused(plain: bool, tmp_path: Path) -> None:
+    """A dictionary makes a file of a megabyte stand for gigabytes."""
+    pyarrow = pytest.importorskip("pyarrow")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    path = tmp_path / "x.parquet"
+    which = pyarrow.array(np.zeros(10_000, dtype=np.int32))
+    texts = pyarrow.DictionaryArray.from_arrays(which, pyarrow.array(["x" * 1_000_000]))
+    table = pyarrow.table({"x": texts})
+    with parquet.ParquetWriter(path, table.schema, store_schema=not plain) as out:
+        out.write_table(table)
+        out.add_key_value_metadata({"polhode": writer.as_json(writer.document(Bare().content()))})
+    assert path.stat().st_size < 2_000_000
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    expected = "texts of too many characters" if plain else "columns of other types"
+    with pytest.raises(polhode.BadInput, match=expected):
+        content_of(path, KINDS)
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 200_000  # kilobytes

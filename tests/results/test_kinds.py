@@ -1,0 +1,306 @@
+"""Every kind of result: what it tells, in files of every ending, read again."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode.common.value_semantics import same
+from polhode.numbers.balls import Ball
+from polhode.results import reader, writer
+from polhode.results.ball_columns import written_facts, written_table
+from polhode.results.result import Result, Storable
+from polhode.results.table import RESERVED, Column, Content, Fact, Table
+from polhode.results.writer import ENDINGS, as_json, document, files
+from polhode.runs.saved import Saved, load_result
+from shared.results import CERTIFIED, MAKERS, result_of_kind, watched
+
+#: Whose files hold a table of them, at the times of their scene.
+TABULATED = ("Reference", "Certified", "Textbook")
+WITHOUT_SCENE = ("EventTimes", "CertifiedEvents", "ObservedOrder", "Verdict")
+KINDS = [*MAKERS]
+
+
+def told(name: str) -> Storable:
+    return result_of_kind(name)
+
+
+def is_gap(x: Any) -> bool:
+    return x is None or x == "" or x != x
+
+
+def saved(content: Content, path: Path) -> dict[Path, bytes]:
+    if path.suffix == ".parquet":
+        pytest.importorskip("pyarrow")
+    made = files(content, path)
+    for place, data in made.items():
+        place.write_bytes(data)
+    return made
+
+
+@pytest.mark.sample(14, slow=80)
+@pytest.mark.parametrize("ending", ENDINGS)
+@pytest.mark.parametrize("name", KINDS)
+def test_a_result_is_read_and_written_again_to_the_same_bytes(
+    name: str, ending: str, tmp_path: Path
+) -> None:
+    path, content = tmp_path / f"x{ending}", told(name).content()
+    made = saved(content, path)
+    again = load_result(path)
+    assert files(again.content(), path) == made
+    if isinstance(again, Saved):
+        assert again.kind == content.kind
+        assert repr(again) == content.title
+    else:
+        assert again == told(name)
+    alike = zip(again.content().table.columns, content.table.columns, strict=True)
+    for one, other in alike:
+        assert one.name == other.name
+        if one.type in ("double", "integer", "truth", "text", "exact"):
+            pairs = zip(one.values, other.values, strict=True)
+            gaps = (np.nan, None, "")
+            assert all(
+                a == b or ((a != a or a in gaps) and (b != b or b in gaps)) for a, b in pairs
+            )
+
+
+@pytest.mark.sample(6)
+@pytest.mark.parametrize("name", KINDS)
+def test_names_are_names_once_and_the_scene_comes_first(name: str) -> None:
+    content = told(name).content()
+    columns = [x.name for x in content.table.columns]
+    facts = [x.name for x in content.facts]
+    assert len({*columns}) == len(columns)
+    assert len({*facts}) == len(facts)
+    assert {*facts}.isdisjoint(RESERVED)
+    assert writer.ABOUT not in columns
+    tables = [x for x in content.facts if isinstance(x.value, Table)]
+    inner = [f"{x.name}.{column.name}" for x in tables for column in x.value.columns]
+    assert {*inner}.isdisjoint(columns)
+    if name not in WITHOUT_SCENE:
+        assert facts[0] == "scene"
+        assert facts[-1] == "provenance"
+        assert "seconds" not in dict(content.facts[-1].value)
+    assert content.kind in reader.KINDS
+    assert name in TABULATED or content.title == repr(told(name))
+    for column in content.table.columns[: content.table.labels]:
+        assert None not in [*column.values]
+
+
+@pytest.mark.sample(6)
+@pytest.mark.parametrize("name", KINDS)
+def test_json_of_a_result_is_that_of_its_file(name: str, tmp_path: Path) -> None:
+    found = told(name)
+    if name not in CERTIFIED:
+        path = tmp_path / "x.json"
+        found.save(path)
+        assert path.read_text() == found.to_json()
+    answer = json.loads(found.to_json(), parse_constant=lambda text: 1 / 0)
+    assert answer["about"]["columns"].keys() == answer["columns"].keys()
+    assert {*answer["about"]["facts"]} == {*answer} - {*RESERVED}
+
+
+def test_the_kinds_that_are_read_are_those_that_there_are() -> None:
+    for name in MAKERS:  # all rooms are imported
+        result_of_kind(name)
+
+    def all_of(kind: type) -> Iterator[type]:
+        for below in kind.__subclasses__():
+            yield below
+            yield from all_of(below)
+
+    ours = {x.__name__ for x in all_of(Result) if x.__module__.startswith("polhode")}
+    assert ours - {"Ended", "Saved"} == {*reader.KINDS}
+
+
+SCENE = replace(watched(), outputs=("angles", "attitude", "hodographs"))
+RUNS: dict[str, dict[str, Any]] = {
+    "double": {"scene": "lagrange/nutation"},
+    "events": {"scene": SCENE, "at": [1, 2, 10]},
+    "events in quad": {"scene": SCENE, "number": "quad", "at": [1, 2]},
+    "extended": {"scene": SCENE, "number": "extended", "at": [1, "7/3"]},
+    "quad": {"scene": SCENE, "number": "quad", "at": [1, "7/3"]},
+    "60 digits": {"scene": "kovalevskaya/generic", "digits": 60, "at": [1, 2]},
+    "without gamma": {"scene": "euler/largest-axis", "at": [0, 1]},
+    "an array of times": {"scene": "euler/largest-axis", "at": np.linspace(0, 1, 7)},
+    "an array in extended": {
+        "scene": "euler/largest-axis",
+        "at": np.linspace(0, 1, 7),
+        "number": "extended",
+    },
+    "cut short": {"scene": "euler/long", "max_steps": 100},
+    "nothing": {"scene": "euler/long", "max_steps": 1, "at": [1e6]},
+    "projected": {"scene": "kovalevskaya/generic", "at": [1000]},
+    "refined": {"scene": "lagrange/nutation", "number": "quad", "method": "refined", "at": [30]},
+}
+
+
+@pytest.mark.sample(13, slow=39)
+@pytest.mark.parametrize("ending", ENDINGS)
+@pytest.mark.parametrize("name", RUNS)
+def test_a_run_comes_back_whole(name: str, ending: str, tmp_path: Path) -> None:
+    run = polhode.integrate(**RUNS[name])
+    path = tmp_path / f"x{ending}"
+    made = saved(run.content(), path)
+    again = load_result(path)
+    assert again == run
+    assert same(again.outputs, run.outputs)
+    assert again.drift == run.drift
+    assert again.digits_expected == run.digits_expected
+    assert again.lost_after == run.lost_after
+    assert again.scene.source == run.scene.source
+    assert files(again.content(), path) == made
+    half = run.reached / 2
+    assert same(list(again(half)), list(run(half)))
+
+
+def test_two_runs_of_one_scene_have_the_same_bytes() -> None:
+    path = Path("x.npz")
+    one, other = (polhode.integrate("lagrange/nutation", at=[1, 2]) for _ in range(2))
+    assert one.provenance["seconds"] != other.provenance["seconds"]
+    assert files(one.content(), path) == files(other.content(), path)
+
+
+RUN_CHANGES = {
+    "another time": lambda held: held["columns"].update(t=[1.0, 3.0]),
+    "times out of order": lambda held: held["columns"].update(t=[2.0, 1.0]),
+    "a state that is none": lambda held: held["columns"].update(p=["inf", None]),
+    "fewer columns": lambda held: (held["columns"].pop("p"), held["about"]["columns"].pop("p")),
+    "a wider state": lambda held: (
+        held["about"]["columns"]["p"].update(type="64 bits"),
+        held["columns"].update(p=["1", "2"]),
+    ),
+    "an outcome": lambda held: held.update(outcome="arrived"),
+    "a number type": lambda held: held.update(number="half"),
+    "bits of another type": lambda held: held.update(bits=54),
+    "bits of mp": lambda held: held.update(number="mp", bits=10),
+    "no steps": lambda held: held.update(steps=-1),
+    "a method": lambda held: held.update(method="guess"),
+    "a tolerance": lambda held: held.update(tolerance=-1.0),
+    "digits": lambda held: held.update(digits=10**9),
+    "a provenance": lambda held: (
+        held.update(provenance="x"),
+        held["about"]["facts"]["provenance"].update(type="text"),
+    ),
+    "a scene": lambda held: held.update(scene_text="schema = 2"),
+    "no scene": lambda held: held.update(scene_text=None),
+    "a scene of other outputs": lambda held: held.update(
+        scene_text=held["scene_text"].replace("[2, 2, 1]", "[1, 1, 9]").replace("1", "x", 1)
+    ),
+    "a projection": lambda held: (
+        held.update(projection={"onto": 3}),
+        held["about"]["facts"].update(projection={"type": "object"}),
+    ),
+    "a fact that is gone": lambda held: (
+        held.pop("reached"),
+        held["about"]["facts"].pop("reached"),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", RUN_CHANGES)
+def test_a_run_that_is_none_is_refused_in_one_line(name: str, tmp_path: Path) -> None:
+    held = json.loads(told("Trajectory").to_json())
+    path = tmp_path / "x.json"
+    path.write_text(json.dumps(held))
+    load_result(path)
+    RUN_CHANGES[name](held)
+    path.write_text(json.dumps(held))
+    with pytest.raises(polhode.BadInput) as refusal:
+        load_result(path)
+    assert "\n" not in str(refusal.value)
+
+
+EVENT_CHANGES = {
+    "a name": lambda table: table["event"].__setitem__(0, "another"),
+    "a sign": lambda table: table["sign"].__setitem__(0, 7),
+    "a time": lambda table: table["t"].__setitem__(0, None),
+    "a state": lambda table: table["p"].__setitem__(0, None),
+}
+
+
+@pytest.mark.parametrize("name", EVENT_CHANGES)
+def test_events_that_are_none_are_refused(name: str, tmp_path: Path) -> None:
+    held = json.loads(polhode.integrate(watched(), number="quad", at=[2]).to_json())
+    path = tmp_path / "x.json"
+    path.write_text(json.dumps(held))
+    assert load_result(path).events[0].times
+    EVENT_CHANGES[name](held["events"])
+    path.write_text(json.dumps(held))
+    with pytest.raises(polhode.BadInput):
+        load_result(path)
+
+
+def test_a_ball_in_a_file_holds_the_ball() -> None:
+    """The two numbers that are written are true by themselves."""
+    draw = np.random.default_rng(3)
+    balls = [Ball(Fraction(1, 3), 0.0), Ball(Fraction(7), 1e-30), Ball(Fraction(-5), 3.0), None]
+    for _ in range(200):
+        centre = Fraction(draw.normal()) * Fraction(10) ** int(draw.integers(-40, 40)) / 3
+        balls.append(Ball(centre, float(10.0 ** draw.uniform(-60, 30))))
+    columns = written_table(Table([Column("x", balls), Column("k", [1] * len(balls))])).columns
+    assert [x.name for x in columns] == ["x", "k", "x_radius"]
+    for ball, centre, radius in zip(balls, columns[0].values, columns[2].values, strict=True):
+        if ball is None:
+            assert centre is radius is None
+        elif ball.radius:
+            gap = abs(ball.centre - centre) + Fraction(ball.radius)
+            assert gap <= Fraction(radius)
+            assert radius <= 1.02 * ball.radius
+    known, far = written_facts([Fact("x", Ball(Fraction(1, 3), np.inf), unit="s")])
+    assert (known.value, far.name, far.value, far.unit) == (0, "x_radius", np.inf, "s")
+
+
+def test_an_enclosure_s_file_holds_its_balls(tmp_path: Path) -> None:
+    found = polhode.certify("euler/largest-axis", at=[1, 2], digits=20)
+    saved(found.content(), tmp_path / "x.npz")
+    again = load_result(tmp_path / "x.npz")
+    for k, name in enumerate(found.scene.columns):
+        middles, bounds = again.column(name), again.column(f"{name}_radius")
+        for i, (middle, bound) in enumerate(zip(middles, bounds, strict=True)):
+            gap = abs(middle - found.centres[i][k]) + Fraction(found.radii[i][k])
+            assert gap <= Fraction(bound)
+
+
+@pytest.mark.sample(3)
+@pytest.mark.parametrize("name", KINDS)
+def test_frames_are_the_table(name: str) -> None:
+    pytest.importorskip("pandas")
+    pytest.importorskip("xarray")
+    found = told(name)
+    frame, table = found.to_pandas(), found.content().table
+    names = [x.name for x in table.columns]
+    assert [*frame.index.names, *frame.columns] == names or table.labels == 0
+    assert len(frame) == table.rows
+    assert {*frame.columns} <= {*map(str, found.to_xarray().variables)}
+
+
+def test_what_is_varied_stands_in_the_rows_of_its_member() -> None:
+    """Of a product the last key changes fastest; of arrays each member has its own numbers."""
+    vary = {"start.omega[1]": ["1/3", "1/2"], "start.omega[3]": [2, 3, "sqrt(5)"]}
+    many = polhode.integrate_many("lagrange/nutation", vary, at=[0, 1])
+    expected = [Fraction(1, 3)] * 6 + [Fraction(1, 2)] * 6
+    assert many.column("start.omega[1]") == expected
+    (*exact, irrational) = many.column("start.omega[3]")[:6:2]
+    assert exact == [2, 3]
+    assert float(irrational) == 5**0.5
+    assert many.column("member").tolist() == [1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6]
+    assert many.column("t") == [0.0, 1.0] * 6
+    assert many.column("p")[2] == many[1].states[0, 0]
+    starts = np.array([[1, 0, 2, 0, 0, 1], [0.1, 0, 3, 0, 0, 1.0]])
+    arrays = polhode.integrate_many("lagrange/nutation", starts=starts, at=[1])
+    assert arrays.column("start.omega[1]").tolist() == [1.0, 0.1]
+    assert arrays.column("start.omega[3]").tolist() == [2.0, 3.0]
+
+
+def test_a_document_has_a_line_a_column() -> None:
+    text = as_json(document(told("Section").content(), columns=True))
+    assert '\n  "L_over_G": [' in text

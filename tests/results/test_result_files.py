@@ -1,0 +1,229 @@
+"""Results written and read again: every ending, the same bytes by every door."""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+import random
+import zipfile
+from decimal import Decimal
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+from invented import KINDS, TEXTS, Bare, Odd
+
+import polhode
+from polhode.common.files import write_whole
+from polhode.results import writer
+from polhode.results.cells import type_of
+from polhode.results.reader import content_of
+from polhode.results.result import Result
+from polhode.results.table import Column, Content, Fact, Table
+from polhode.results.writer import ENDINGS
+
+RESULTS = {"all types": Odd(4), "three rows": Odd(3), "one": Odd(1), "none": Odd(0), "bare": Bare()}
+
+
+def written(content: Content, path: Path) -> dict[Path, bytes]:
+    if path.suffix == ".parquet":
+        pytest.importorskip("pyarrow")
+    return writer.files(content, path)
+
+
+def read(content: Content, path: Path) -> Content:
+    write_whole(written(content, path))
+    return content_of(path, KINDS)
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+@pytest.mark.parametrize("name", RESULTS)
+def test_what_is_read_is_written_to_the_same_bytes(name: str, ending: str, tmp_path: Path) -> None:
+    content = RESULTS[name].content()
+    path = tmp_path / f"x{ending}"
+    files = written(content, path)
+    again = read(content, path)
+    assert writer.files(again, path) == files
+    assert [x.name for x in again.table.columns] == [x.name for x in content.table.columns]
+    assert [x[2:4] for x in again.table.columns] == [x[2:4] for x in content.table.columns]
+    assert [x.digits for x in again.table.columns] == [x.digits for x in content.table.columns]
+    assert again.kind == content.kind
+    assert again.title == content.title
+    assert again.table.labels == content.table.labels
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_values_come_back(ending: str, tmp_path: Path) -> None:
+    content = Odd().content()
+    again = read(content, tmp_path / f"x{ending}")
+    before = {x.name: x.values for x in content.table.columns}
+    after = {x.name: x.values for x in again.table.columns}
+    for name in ("k", "x", "ok", "extended"):
+        np.testing.assert_array_equal(after[name], before[name])
+        assert after[name].dtype == before[name].dtype
+    assert math.copysign(1.0, after["x"][2]) == -1.0
+    np.testing.assert_array_equal(after["y"], [1.0, np.nan, -np.inf, 1e-310])
+    assert after["a name, quoted"] == TEXTS
+    assert after["e"] == before["e"]
+    assert after["large"] == before["large"]
+    assert all(a is b is None or a == b for a, b in zip(after["wide"], before["wide"], strict=True))
+    (root, none, *_) = after["root"]
+    assert none is None
+    assert 0 < abs(root * root - 2) < Fraction(1, 10**39)
+    facts = {x.name: x.value for x in again.facts}
+    for fact in content.facts:
+        if fact.name not in ("root", "told root", "not a number", "gaps", "empty", "marks"):
+            expected = fact.value
+            if fact.name == "text":
+                expected = 'two\nlines, "quoted" é?'  # half a character is none
+            if fact.name == "large":
+                expected = Fraction(2**70)  # which no reader of JSON numbers would keep
+            if fact.name == "provenance":
+                expected = {"versions": {"a": "1"}, "notes": ["x", 5, "inf", None]}
+            assert facts[fact.name] == expected, fact.name
+            assert type(facts[fact.name]) is type(expected)
+    assert facts["not a number"] is None
+    assert math.isnan(facts["gaps"][0])
+    assert facts["gaps"][1] == 2.5
+    assert abs(facts["told root"] ** 2 - 2) < Fraction(1, 10**18)
+    assert facts["marks"].columns[1].values == [Fraction(1, 3), None]
+    assert facts["marks"].columns[1].unit == "J"
+    assert facts["empty"].columns[1].type == "text"
+
+
+def test_json_is_json_and_a_line_each(tmp_path: Path) -> None:
+    def refused(text: str) -> float:
+        raise AssertionError(text)
+
+    text = Odd().to_json()
+    told = json.loads(text, parse_constant=refused)
+    assert text.isascii()
+    assert told["format"] == "polhode result 2"
+    assert told["result"] == "Odd"
+    assert told["columns"]["x"] == ["inf", None, -0.0, 5.0]
+    assert told["columns"]["e"] == ["1/3", None, "2.5", str(10**40 + 1)]
+    assert told["columns"]["large"] == ["1", str(2**53), str(-(2**60)), "0"]
+    assert '"x": ["inf", null, -0.0, 5.0]' in text
+    assert told["exact"] == "3"
+    assert told["whole double"] == 2.0
+    assert '"whole double": 2.0,' in text
+    assert told["about"]["columns"]["x"] == {
+        "type": "double",
+        "unit": "m",
+        "meaning": "a number",
+        "digits": 3,
+    }
+    for name in told["columns"]:
+        assert sum(line.startswith(f"  {json.dumps(name)}: [") for line in text.splitlines()) == 1
+    path = tmp_path / "x.json"
+    assert writer.files(Odd().content(), path)[path].decode() == text
+
+
+def test_a_table_is_what_others_read(tmp_path: Path) -> None:
+    """numpy, its loadtxt too where there are no gaps, and pandas."""
+    pandas = pytest.importorskip("pandas")
+    path = tmp_path / "x.csv"
+    write_whole(writer.files(Odd().content(), path))
+    frame = pandas.read_csv(path)
+    assert len(frame) == 4
+    assert frame["a name, quoted"][0] == TEXTS[0]
+    np.testing.assert_array_equal(frame["x"], [np.inf, np.nan, -0.0, 5.0])
+    write_whole(writer.files(Bare().content(), path))
+    np.testing.assert_array_equal(pandas.read_csv(path)["x"], [np.nan, 1.5, np.nan])
+
+
+def test_doubles_come_back_by_the_fast_way(tmp_path: Path) -> None:
+    """Where all cells are full numpy reads them, elsewhere Python."""
+    draw = random.Random(7)
+    x = np.array([draw.uniform(-1, 1) * 10.0 ** draw.randint(-300, 300) for _ in range(2000)])
+    y = x[::-1].copy()
+    for gaps in (False, True):
+        if gaps:
+            y[5] = np.nan
+        content = Content("Odd", "1", "", Table([Column("x", x), Column("y", y)]), ())
+        again = read(content, tmp_path / "x.csv")
+        for column, before in zip(again.table.columns, (x, y), strict=True):
+            np.testing.assert_array_equal(column.values, before)
+
+
+def test_a_stream_has_a_table_alone_with_times_in_full() -> None:
+    columns = [Column("t", np.array([0.1, 2.0])), Column("x", np.array([0.1, 2.0]))]
+    content = Content("Odd", "1", "", Table(columns), ())
+    (text,) = writer.files(content, Path("-")).values()
+    lines = text.decode().splitlines()
+    assert lines == ["t,x", f"{Decimal.from_float(0.1):f},0.1", "2,2.0"]
+    columns[0] = Column("t", np.array([0.1, np.nan]))
+    (text,) = writer.files(content._replace(table=Table(columns)), Path("-")).values()
+    assert text.decode().splitlines()[1:] == ["0.1,0.1", ",2.0"]
+
+
+def test_npz_is_numpy_s_own(tmp_path: Path) -> None:
+    path = tmp_path / "x.npz"
+    write_whole(writer.files(Odd().content(), path))
+    with np.load(path, allow_pickle=False) as file:
+        assert file["k"].tolist() == [0, 1, 2, 3]
+        assert file["e"].tolist() == ["1/3", "", "2.5", str(10**40 + 1)]
+        assert file["marks.h"].tolist() == ["1/3", ""]
+        told = json.loads(bytes(file["about"]))
+    assert "columns" not in told
+    assert "marks" not in told
+    assert told["truth"] is True
+
+
+def test_an_unknown_ending_is_refused_before_anything(tmp_path: Path) -> None:
+    for name in ("x.txt", "x", "x.jsn"):
+        with pytest.raises(polhode.BadInput, match=r"a name that ends in .*\.csv"):
+            Odd().save(tmp_path / name)
+        with pytest.raises(polhode.BadInput, match=r"a name that ends in .*\.csv"):
+            content_of(tmp_path / name, KINDS)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_names_that_are_not_there_are_refused() -> None:
+    odd: Result = Odd()
+    assert odd.column("k").tolist() == [0, 1, 2, 3]  # type: ignore[union-attr]
+    assert odd.fact("count") == 1
+    with pytest.raises(polhode.BadInput, match=r"column = wid: expected .*wide"):
+        odd.column("wid")
+    with pytest.raises(polhode.BadInput, match=r"fact = cont: expected .*count"):
+        odd.fact("cont")
+
+
+def test_frames_have_the_columns_and_the_facts() -> None:
+    pytest.importorskip("pandas")
+    frame = Odd().to_pandas()
+    assert frame.index.name == "k"
+    assert frame["e"].tolist()[0] == 1 / 3
+    assert frame["root"].tolist()[0] == math.sqrt(2)
+    assert frame.attrs["count"] == 1
+    assert "marks" not in frame.attrs
+    pytest.importorskip("xarray")
+    dataset = Odd().to_xarray()
+    assert dataset["x"].dims == ("k",)
+    assert dataset.attrs["truth"] is True
+
+
+def test_integers_that_a_reader_of_json_would_round_are_texts() -> None:
+    for large in (2**53, -(2**53), 2**63):
+        for values in ([0, large], np.array([0, large], dtype=object).tolist()):
+            assert type_of(values) == "exact"
+    assert type_of(np.array([0, -(2**53)])) == "exact"
+    assert type_of(np.array([0, 2**53 - 1])) == type_of([1 - 2**53]) == "integer"
+
+
+def test_a_value_of_no_type_is_a_fault_of_its_maker() -> None:
+    for values in ([object()], [1, "x"], [True, None], np.array([1j]), [Fraction(1), 0.5]):
+        with pytest.raises(TypeError):
+            writer.csv_text(Table([Column("x", values)]))
+    deep = {"a": {"b": {"c": {"d": 1}}}}
+    with pytest.raises(ValueError, match="too deep"):
+        writer.document(Content("Odd", "", "", Table(()), [Fact("object", deep)]))
+
+
+def test_a_file_tells_no_time_of_day() -> None:
+    path = Path("x.npz")
+    data = io.BytesIO(writer.files(Odd().content(), path)[path])
+    with zipfile.ZipFile(data) as packed:
+        assert {part.date_time for part in packed.infolist()} == {(1980, 1, 1, 0, 0, 0)}
