@@ -20,6 +20,7 @@ from polhode.numbers import row_formulas
 from polhode.numbers.conversion import exactly, to_extended, to_mpf
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, mp
+from polhode.results.writer import beside
 from shared.examples import examples
 
 NUMBERS = ("double", "extended", "quad", "mp")
