@@ -118,7 +118,7 @@ def test_a_number_of_thousands_of_digits_is_judged(word, certificates, monkeypat
     """By its value: it reaches the proof, which is no part of this test, or fails before."""
     given = certificates[word]
 
-    def stages(run, found, tell):
+    def stages(run, found, fine, tell):
         raise verify.NotProved("the proof")
 
     monkeypatch.setattr(verify.Run, "stages", stages)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 
 import polhode
 from polhode.judging.diagnosis.motion_in_double import sampled
+from polhode.scenes.vocabulary import ATTITUDE
 from shared.tables import of_run, text, through
 
 SCENE = "lagrange/nutation"
@@ -95,6 +97,49 @@ def test_a_clock_is_found_by_one_part_and_the_others_are_read_in_their_conventio
     found = polhode.compare(columns, SCENE)
     assert found.reading == "t of another clock: rows belong to t - 100000; omega degrees"
     assert found.worst > 9
+
+
+def turning(later):
+    """The state and the attitude at a clock's times."""
+    scene, times = polhode.load(SCENE), [Fraction(5) + Fraction(k, 8) for k in range(5)]
+    run = polhode.integrate(replace(scene, outputs=("attitude",)), at=times)
+    attitude = dict(zip(ATTITUDE, np.array(run.attitude).T, strict=True))
+    return table(times, later=later) | attitude
+
+
+def test_a_clock_is_found_by_the_attitude_alone():
+    columns = {n: x for n, x in turning(300).items() if n in ("t", *ATTITUDE)}
+    found = polhode.compare(columns, SCENE)
+    assert found.reading == "t of another clock: rows belong to t - 300"
+    assert found.worst > 11
+
+
+def test_a_clock_that_the_state_tells_needs_no_right_attitude():
+    columns = turning(300)
+    draw = np.random.default_rng(4)
+    found = polhode.compare(columns | {n: draw.normal(size=5) for n in ATTITUDE}, SCENE)
+    assert "t of another clock: rows belong to t - 300" in found.reading
+    assert found.state_worst > 11
+    assert found.parts["attitude"] < 2
+
+
+def test_no_clock_is_told_of_a_motion_that_stands_still():
+    case = "pendulum/upright"
+    columns = table(THIRDS[:5], case, 300)
+    columns["gamma1"] = columns["gamma1"] + 1e-2 * np.sin(columns["t"])
+    found = polhode.compare(columns, case)
+    assert found.reading is None
+    assert 1 < found.worst < 3
+
+
+def test_a_unit_is_told_by_the_rows_that_a_run_reaches():
+    """The last one is two million radians on, which no run in double goes."""
+    times = [Fraction(k, 8) for k in range(8)] + [Fraction(2_000_000)]
+    rows = np.array(polhode.reference(SCENE).at(times, 20), float)
+    columns = dict(zip(polhode.load(SCENE).columns, rows.T, strict=True))
+    found = polhode.compare(columns | {"t": [1000.0 * float(t) for t in times]}, SCENE)
+    assert found.reading == "t milliseconds"
+    assert found.worst > 14
 
 
 def test_a_motion_without_a_formula_begins_at_its_first_row_too():

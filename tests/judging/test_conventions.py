@@ -145,16 +145,16 @@ READ = {
         f"angles in degrees; {TURNS}",
     ),
     "angles without turns": (ANGLES, wrapped, TURNS),
-    "early": (OMEGA, moved(1), "omega one step of t early"),
-    "state early": (STATE, moved(1), "omega one step of t early; gamma one step of t early"),
-    "attitude early": (ATTITUDE, moved(1), "attitude one step of t early"),
+    "early": (OMEGA, moved(1), "t one step early"),
+    "state early": (STATE, moved(1), "t one step early"),
+    "attitude early": (ATTITUDE, moved(1), "t one step early"),
     "late, from the start": (GAMMA, moved(-1), "t from its first row on (0.125)"),
     "another beginning": (STATE, shifted("t", 100), "t from its first row on (100)"),
     "milliseconds": (STATE, scaled(["t"], 1000), "t milliseconds"),
     "milliseconds, scalar last": (
         WHOLE,
         after(LAST, scaled(["t"], 1000)),
-        "omega t milliseconds; gamma t milliseconds; attitude t milliseconds, scalar-last",
+        "t milliseconds; attitude scalar-last",
     ),
 }
 #: The same of conventions that are told and not applied.
@@ -221,6 +221,15 @@ def test_a_convention_that_is_not_applied_is_named(name):
     assert f"read as {one.convention}" in str(found)
     with pytest.raises(BadInput, match="reported, and not applied"):
         polhode.compare(table, CASE, read=words)
+
+
+def test_omega_along_space_is_named_where_the_attitude_is_enclosed():
+    """A table of the state alone, of a closed form that has the state alone."""
+    case, times = "goryachev-chaplygin/rotating", [Fraction(k, 8) for k in range(12)]
+    assert polhode.reference(case).encloses_attitude
+    table = by(files.along_space)(with_attitude(case, times))
+    (one,) = polhode.compare({n: table[n] for n in ("t", *STATE)}, case).readings
+    assert (one.part, one.convention) == ("omega", "along the axes of space")
 
 
 #: Of these, alone in other motions and two at once, the columns are of all parts.

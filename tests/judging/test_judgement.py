@@ -212,3 +212,23 @@ def test_whether_the_digits_asked_for_were_reached_is_told():
     steps = polhode.integrate("euler/separatrix", "quad", digits=30, at=[30], method="taylor")
     assert not polhode.compare(steps).reached
     assert polhode.compare(polhode.integrate("euler/largest-axis")).reached is None
+
+
+def test_what_a_judgement_asked_judges_runs_in_narrower_types_too():
+    """The same rows of the reference, to the digits that the widest type needs; of no other one."""
+    scene, end = polhode.load("kovalevskaya/generic"), [1, 5]
+    runs = [polhode.integrate(scene, number, at=end) for number in ("quad", "double")]
+    against = polhode.reference(scene)
+    wide = polhode.compare(runs[0], against)
+    narrow, alone = (polhode.compare(runs[1], against, known=x) for x in (wide, None))
+    assert narrow.known_answers is wide.known_answers
+    assert alone.known_answers is not wide.known_answers
+    assert narrow.worst == pytest.approx(alone.worst, abs=1e-8)
+    assert str(narrow) == str(alone)
+    again = polhode.compare(runs[0], against, known=alone)  # which has too few digits for it
+    assert again.worst == pytest.approx(wide.worst, abs=1e-8)
+    later = polhode.integrate(scene, at=[1, 6])
+    for run, other in ((later, against), (runs[1], polhode.Certified(scene))):
+        found = polhode.compare(run, other, known=wide)
+        assert found.known_answers is not wide.known_answers
+        assert 14 < found.worst <= 16

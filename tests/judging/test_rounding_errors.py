@@ -193,3 +193,16 @@ def test_a_spin_that_stands_still_is_put_back_on_average_alone():
     assert later > there + 0.3
     band = known.expected(EXTENDED, every)[0]
     assert band.least < errors[0] < band.most
+
+
+def test_a_band_is_continuous_in_the_covariance():
+    """Whose eigenvectors are not: of equal variances they are any."""
+    along = passage(polhode.load("lagrange/nutation").at((F(1),)))
+    nothing, draw = rounding_errors.Scaled(np.zeros(6), 0), np.random.default_rng(5)
+    bands = []
+    for size in (0, 1e-9, 1e-9, 1e-9):
+        change = draw.normal(size=(6, 6))
+        spread = rounding_errors.Scaled(np.eye(6) + size * (change + change.T), 0)
+        bands.append(rounding_errors.Rounding(nothing, spread).quantiles(along))
+    assert np.ptp(bands, axis=0).max() < 1e-8
+    assert bands[0][0] + 0.1 < bands[0][1] < bands[0][2] - 0.1

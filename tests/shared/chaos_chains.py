@@ -2,59 +2,152 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Sequence
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from flint import arb
+import pytest
 
-from polhode.numbers.flint_context import ctx
-from polhode.proofs.chaos import chain_candidate, homoclinic, theorem
-from polhode.proofs.chaos.h_set import Chart
-from polhode.proofs.chaos.homoclinic import Homoclinic, Saddle
+from polhode import ProvedOrbit
+from polhode.certificates import chaos_certificate, verify
+from polhode.certificates.chaos_certificate import Chain, Chart, Rectangle
+from polhode.enclosures.fixed_point_problem import motion
+from polhode.numbers.rows import Doubles
+from polhode.proofs.chaos import chain, homoclinic
+from polhode.proofs.chaos.homoclinic import Homoclinic
 from polhode.proofs.chaos.lanes import Lanes
-from polhode.proofs.chaos.prove_chaos import OrbitBalls, balls_on
-from polhode.proofs.chaos.theorem import Chain, Horseshoe
+from polhode.proofs.chaos.proved_chaos import Guess
 from shared import orbit_proofs as proofs
 
 #: As the search finds it.
 NEAR = Homoclinic(0.000179164892, -0.000465148702, 23.4075408124, 24.4302533376, 0.17)
-NOISE = chain_candidate.NOISE
 
 
 class Example(NamedTuple):
-    """What a proof is made of."""
+    """A proof and what it began with, in principal axes, which are the scene's."""
 
-    orbit: OrbitBalls
-    lanes: Lanes
-    saddle: Saddle
-    size: float
-    found: Homoclinic
-    charts: list[Chart]
-    ticks: list[int]
+    orbit: ProvedOrbit
+    guess: Guess
     chain: Chain
-    proof: Horseshoe
+    made: dict[str, Any]
+    proof: verify.Horseshoe
+
+
+@cache
+def guess() -> tuple[ProvedOrbit, Guess]:
+    """The chain at h = 261/200, f = 31/25, time in the scene's unit."""
+    orbit = proofs.proved(proofs.HYPERBOLIC)
+    lanes = Lanes.of(motion(proofs.BODY, unit=0))
+    at = homoclinic.saddle(lanes, np.array(start_of(orbit)), float(orbit.period))
+    moved, size = homoclinic.towards(at, NEAR, 1e-6)
+    found = homoclinic.corrected(lanes, at, moved)
+    return orbit, Guess(lanes, at, *chain.along(lanes, at, found, size))
 
 
 @cache
 def example() -> Example:
-    """The proof at h = 261/200, f = 31/25."""
-    level = proofs.level()
-    orbit = balls_on(level, proofs.proved(proofs.HYPERBOLIC))
-    lanes = Lanes.of(level.motion)
-    point = np.array([float(x.mid()) for x in orbit.start])
-    at = homoclinic.saddle(lanes, point, float(orbit.period.mid()))
-    moved, size = homoclinic.towards(at, NEAR, 1e-6)
-    found = homoclinic.corrected(lanes, at, moved)
-    with ctx.workprec(NOISE + 128):
-        unit = arb((1, chain_candidate.fine_of(NOISE)))
-        centre = tuple(int((x.mid() * unit).floor().unique_fmpz()) for x in orbit.start)
-    charts, ticks = chain_candidate.charts(lanes, level, at, found, centre)
-    chain = made(charts, ticks, size, found.unstable)
-    proof = theorem.horseshoe(chain)
-    return Example(orbit, lanes, at, size, found, charts, ticks, chain, proof)
+    """The proof of it."""
+    orbit, begun = guess()
+    what = Chain(proofs.BODY.body, proofs.H, proofs.F, begun.charts, begun.sets, begun.times)
+    made = chaos_certificate.guesses(what)
+    return Example(orbit, begun, what, made, chaos_certificate.proved(made))
 
 
-def made(charts: list[Chart], ticks: list[int], size: float, first: float) -> Chain:
-    """A chain of charts, fitted to its images."""
-    return chain_candidate.chain(proofs.level(), charts, ticks, size, first, 5.95)
+def start_of(orbit: ProvedOrbit) -> Sequence[float]:
+    """A point of a proved orbit."""
+    return [float(x) for x in (*orbit.omega, *orbit.gamma)]
+
+
+# -- points of sets, in double
+
+CORNERS = [(a, b) for a in (-1.0, 0.3, 1.0) for b in (-1.0, -0.4, 1.0)]
+MOMENTS, TORQUE = (np.array([float(x) for x in v]) for v in (proofs.MOMENTS, proofs.TORQUE))
+LEVEL = np.array([2 * float(proofs.H), float(proofs.F), 1.0])
+
+
+def integrals(x: Doubles) -> tuple[Doubles, Doubles]:
+    """The three integrals, and their gradients."""
+    w, g = x[:3], x[3:]
+    values = [(MOMENTS * w * w).sum() + 2 * TORQUE @ g, (MOMENTS * w * g).sum(), g @ g]
+    rows = [
+        [*(2 * MOMENTS * w), *(2 * TORQUE)],
+        [*(MOMENTS * g), *(MOMENTS * w)],
+        [0, 0, 0, *2 * g],
+    ]
+    return np.array(values), np.array(rows)
+
+
+def point_of(what: Rectangle, chart: Chart, xi: float, eta: float) -> tuple[Doubles, Doubles]:
+    """A point of a set in double, its four equations solved by Newton's method; and n."""
+    flat = chart.wide @ [what.middle + xi * what.width, eta * what.height]
+    n = np.zeros(4)
+    for _ in range(5):
+        off = flat + chart.deep @ n
+        values, rows = integrals(chart.centre + off)
+        miss = [*(values - LEVEL), chart.plane @ off]
+        n = n - np.linalg.solve(np.vstack([rows, chart.plane]) @ chart.deep, miss)
+    return chart.centre + flat + chart.deep @ n, n
+
+
+def crossed(chart: Chart, x: Doubles, time: float) -> tuple[Doubles, float]:
+    """Where a motion meets the plane of a chart, in its coordinates, in double; and when."""
+    lanes = guess()[1].lanes
+    for _ in range(5):
+        end = lanes.after(x[:, None], np.array([time]))
+        rate = chart.plane @ lanes.field(end)[:, 0]
+        time -= float(chart.plane @ (end[:, 0] - chart.centre) / rate)
+    frame = np.hstack([chart.wide, chart.deep])
+    return np.linalg.solve(frame, end[:, 0] - chart.centre), time
+
+
+def tilted(late: float, by: float = 0.1) -> tuple[verify.Image, Rectangle, Chart, Chart, float]:
+    """A set whose directions leave the level, its image at a time that is late; as of misses."""
+    what = example()
+    chart = what.chain.charts[0]
+    chart = chart._replace(wide=chart.wide + by * chart.deep[:, :2])
+    times = [what.chain.times[0] + late, *what.chain.times[1:]]
+    chain = what.chain._replace(charts=[chart, *what.chain.charts[1:]], times=times)
+    image = first_image(chaos_certificate.guesses(chain))
+    return image, what.chain.sets[0], chart, chart, times[0]
+
+
+class Enough(Exception):
+    """The first image is there."""
+
+
+def first_image(made: dict[str, Any]) -> verify.Image:
+    """The image of N0, whatever it covers."""
+    held: list[verify.Image] = []
+
+    def kept(image: verify.Image, *_: object) -> verify.Margins:
+        held.append(image)
+        raise Enough
+
+    with pytest.MonkeyPatch.context() as patch, contextlib.suppress(Enough):
+        patch.setattr(verify, "covers", kept)
+        chaos_certificate.proved(made)
+    return held[0]
+
+
+def misses(image: verify.Image, source: Rectangle, chart: Chart, target: Chart, time: float) -> int:
+    """How many components of points of a set, times and slopes are outside of its image's balls."""
+    places, count = {}, 0
+    unit = 2.0 ** example().proof.home[0].shift  # of the run's time
+    for xi, eta in CORNERS:
+        x, _ = point_of(source, chart, xi, eta)
+        where, when = crossed(target, x, time)
+        places[xi, eta] = where
+        count += not float(image.least) < when * unit < float(image.most)
+        for i in range(6):
+            middle = image.shift[i] + image.columns[0][i] * xi + image.columns[1][i] * eta
+            room = sum(float(v[i].abs_upper()) for v in image.columns[2:]) + float(middle.rad())
+            count += not abs(where[i] - float(middle.mid())) <= room + 2e-14  # the doubles' error
+    begin = places[-1.0, -1.0]
+    for j, (corner, size) in enumerate([((1.0, -1.0), source.width), ((-1.0, 1.0), source.height)]):
+        for i in range(2):
+            slope = (places[corner][i] - begin[i]) / (2 * size)
+            off = abs(slope - float(image.slope[i, j].mid()))
+            count += not off <= float(image.slope[i, j].rad()) + 1e-13 / size
+    return count

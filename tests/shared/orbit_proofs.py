@@ -8,8 +8,6 @@ from functools import cache
 
 import polhode
 from polhode import ProvedOrbit
-from polhode.enclosures.fixed_point_problem import motion
-from polhode.proofs.level import Level
 
 #: The body and the level of the examples; the orbits as a search in double found them.
 MOMENTS = [Fraction(2), Fraction(3, 2), Fraction(1)]
@@ -33,11 +31,6 @@ INVERSE = (
     *(-0.7715547273133809, -0.4761773622001807, 0.4218511852400707),
     5.625116696318105,
 )
-
-
-def level(h: Fraction = H, f: Fraction = F, body: polhode.Scene = BODY) -> Level:
-    """A level of a body, time in the scene's unit."""
-    return Level(motion(body, unit=0), h, f)
 
 
 def near(point: Sequence[float], rate: int = 1) -> polhode.Scene:

@@ -6,7 +6,7 @@ import json
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import TypeAlias
+from typing import TypeAlias, TypeVar
 
 from polhode.certificates import verify
 from polhode.common.arguments import of_kind
@@ -17,6 +17,7 @@ from polhode.numbers.flint_context import ctx
 
 #: JSON's objects.
 Made: TypeAlias = dict[str, object]
+Proved = TypeVar("Proved")
 
 _MORE = (0, 48, 112, 192)  # bits, where those given are too few
 
@@ -32,8 +33,7 @@ def checked(
     for n, more in enumerate(_MORE):
         found = made(bits + more, n)
         try:
-            with ctx.workprec(verify.COARSE):  # which the checker changes as it likes
-                verify.KINDS[str(found["kind"])](found, progress)
+            by_checker(verify.KINDS[str(found["kind"])], found, progress)
         except (verify.NotProved, verify.Damaged) as refused:
             fault = str(refused)
             if isinstance(refused, verify.Damaged):
@@ -41,6 +41,15 @@ def checked(
             continue
         return found
     raise BadInput(name, "certificate", fault, "a statement that its own checker proves")
+
+
+def by_checker(function: Callable[..., Proved], *arguments: object) -> Proved:
+    """What a function of the checker gives; raises its NotProved and Damaged."""
+    with ctx.workprec(verify.COARSE):  # which the checker changes as it likes
+        try:
+            return function(*arguments)
+        except (ZeroDivisionError, OverflowError):
+            raise verify.NotProved("a number is too large, or too small") from None
 
 
 def refuse_another(path: str | Path) -> None:

@@ -1,42 +1,38 @@
-"""A certificate of proved chaos: its statement, and the sets that its checker carries on."""
+"""A certificate of proved chaos: charts and sets near a homoclinic orbit, what the checker proves.
+
+Nothing here is believed but the body's and the level's numbers.
+"""
 
 from __future__ import annotations
 
-import json
-import math
 from collections.abc import Sequence
 from fractions import Fraction
-from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
 from flint import arb
 
 from polhode.certificates import grid, verify
-from polhode.certificates.certificate_file import Made, checked, write
+from polhode.certificates.certificate_file import Made, by_checker
 from polhode.common.progress import Progress
 from polhode.numbers.exact import ONE, Exact
 from polhode.numbers.flint_context import ctx
+from polhode.numbers.rows import Doubles
 from polhode.scenes.body import Body
 
-_BITS = 80  # of the polynomials: far finer than the sets
+_BITS = 48  # of the polynomials: far finer than the sets
 _SCALE = 120  # bits of the charts' numbers
-_STEPS = (
-    0.045,
-    0.03,
-    0.03,
-    0.02,
-    0.02,
-)  # of the radius of convergence: the noise is cubic in e^alpha
+_GROWTH = 1.0  # int |A| of a step: the noise is cubic in its exponential
 _TIME_BITS = 64
 
 
 class Chart(NamedTuple):
-    """In the scene's axes and units: c, the columns of E and K, a, as balls; eta."""
+    """c, E (6, 2), K (6, 4), a, and eta, in the scene's axes and units."""
 
-    centre: Sequence[arb]
-    wide: Sequence[Sequence[arb]]
-    deep: Sequence[Sequence[arb]]
-    plane: Sequence[arb]
+    centre: Doubles
+    wide: Doubles
+    deep: Doubles
+    plane: Doubles
     eta: float
 
 
@@ -49,88 +45,73 @@ class Rectangle(NamedTuple):
     height: float
 
 
-class Stated(NamedTuple):
-    """What is to be proved: the level, the entropy and the times of both loops; the sets.
+class Chain(NamedTuple):
+    """A body and a level; N0, M1, ..., Mk, and the time from each to the plane of the next one."""
 
-    ``times``: of each set's way to the next one's plane.
-    """
-
+    body: Body
     h: Exact
     f: Exact
-    entropy: str
-    short: str
-    long: str
-    charts: Sequence[Chart]
-    sets: Sequence[Rectangle]
-    times: Sequence[Fraction]
+    charts: list[Chart]
+    sets: list[Rectangle]
+    times: list[float]
 
 
-def save(
-    name: str, body: Body, stated: Stated, path: str | Path, progress: Progress | None = None
-) -> None:
-    """Write the certificate of chaos of a body, checked before; raises BadInput."""
-    write(path, json.dumps(certificate(name, body, stated, progress)))
-
-
-def certificate(name: str, body: Body, stated: Stated, progress: Progress | None = None) -> Made:
-    """The certificate as JSON's objects, checked; raises BadInput."""
-    statement = {"entropy": stated.entropy, "short": stated.short, "long": stated.long}
-
-    def made(bits: int, tried: int) -> Made:
-        numbers = grid.body_numbers(body, bits + verify.COARSE)
-        level = [grid.number(x, bits + verify.COARSE) for x in (stated.h, stated.f, ONE)]
-        with ctx.workprec(bits + 2 * verify.COARSE):
-            transits = [
-                _transit(numbers, stated, n, bits, _STEPS[tried]) for n in range(len(stated.sets))
-            ]
-            charts = [_integers(x) for x in stated.charts]
-            sets = [
-                {"chart": x.chart} | {word: _nearest(arb(getattr(x, word))) for word in _SIZES}
-                for x in stated.sets
-            ]
-        return {
-            "format": verify.FORMAT,
-            "kind": "chaos",
-            "scene": {**numbers, "level": level},
-            "bits": bits,
-            "scale": _SCALE,
-            "charts": charts,
-            "sets": sets,
-            "transits": transits,
-            "statement": statement,
-        }
-
-    return checked(name, made, _BITS, progress)
-
-
-_SIZES = ("middle", "width", "height")
-
-
-def _transit(
-    numbers: dict[str, object], stated: Stated, n: int, bits: int, part: float
-) -> dict[str, object]:
-    """Steps from the middle of a set to the next plane."""
-    what = stated.sets[n]
-    chart = stated.charts[what.chart]
-    start = [
-        (c + e * arb(what.middle)).mid() for c, e in zip(chart.centre, chart.wide[0], strict=True)
-    ]
-    found = grid.steps(numbers, start, stated.times[n], bits, _TIME_BITS, part)
-    return {word: found[word] for word in verify.Guesses._fields[:-1]}
-
-
-def _integers(chart: Chart) -> dict[str, object]:
-    """A chart's numbers as the checker reads them, in rows."""
+def guesses(chain: Chain) -> Made:
+    """A certificate but for its statement."""
+    bits = _BITS + verify.COARSE
+    numbers = grid.body_numbers(chain.body, bits)
+    level = [grid.number(x, bits) for x in (chain.h, chain.f, ONE)]
+    with ctx.workprec(bits + verify.COARSE):
+        transits = [_transit(numbers, chain, n) for n in range(len(chain.sets))]
+    sizes = Rectangle._fields[1:]
     return {
-        "centre": [[_nearest(x)] for x in chart.centre],
-        "wide": [[_nearest(x) for x in row] for row in zip(*chart.wide, strict=True)],
-        "deep": [[_nearest(x) for x in row] for row in zip(*chart.deep, strict=True)],
-        "plane": [[_nearest(x)] for x in chart.plane],
-        "eta": [[math.floor(chart.eta * 2.0**_SCALE)]],
+        "format": verify.FORMAT,
+        "kind": "chaos",
+        "scene": {**numbers, "level": level},
+        "bits": _BITS,
+        "scale": _SCALE,
+        "charts": [_integers(x) for x in chain.charts],
+        "sets": [
+            {"chart": x.chart} | {word: _nearest(getattr(x, word)) for word in sizes}
+            for x in chain.sets
+        ],
+        "transits": transits,
     }
 
 
-def _nearest(x: arb) -> int:
-    found = (x.mid() * arb(2) ** _SCALE + arb("0.5")).floor().mid().unique_fmpz()
-    assert found is not None
-    return int(found)
+def proved(made: Made, progress: Progress | None = None) -> verify.Horseshoe:
+    """What the checker proves of guesses; raises its NotProved."""
+    return by_checker(verify.horseshoe, made, progress)
+
+
+def passes(found: verify.Horseshoe, start: Sequence[arb], period: arb) -> None:
+    """That a periodic motion is the one of the first set; raises the checker's NotProved."""
+    by_checker(verify.is_orbit_of, found, start, period)
+
+
+def stated(made: Made, statement: Made, found: verify.Horseshoe) -> Made:
+    """The certificate with its statement, which the checker compares with what it proved."""
+    by_checker(verify.check_chaos, verify.read_chaos(statement), found)
+    return {**made, "statement": statement}
+
+
+def _transit(numbers: Made, chain: Chain, n: int) -> Made:
+    """Steps from the middle of a set to the next plane."""
+    what = chain.sets[n]
+    chart = chain.charts[what.chart]
+    start = [arb(x) for x in (chart.centre + chart.wide[:, 0] * what.middle).tolist()]
+    end = Fraction(chain.times[n])
+    found = grid.steps(numbers, start, end, _BITS, _TIME_BITS, growth=_GROWTH)
+    return {word: found[word] for word in verify.Guesses._fields[:-1]}
+
+
+def _integers(chart: Chart) -> Made:
+    """A chart's numbers as the checker reads them, in rows."""
+    return {
+        name: [[_nearest(x) for x in row] for row in np.reshape(value, shape).tolist()]
+        for (name, value), shape in zip(chart._asdict().items(), verify.CHART.values(), strict=True)
+    }
+
+
+def _nearest(x: float) -> int:
+    return int(x * 2.0**_SCALE)  # exact, but for what is below 2^-scale

@@ -63,11 +63,12 @@ def steps(
     time_bits: int | None = None,
     part: float = _STEP,
     progress: Progress | None = None,
+    growth: float = 0.0,
 ) -> dict[str, object]:
     """A grid of steps beyond ``end``, and numbers near the motion at its times.
 
     ``time_bits``: the last time is ``end`` rounded to so many bits.  ``part``: of the radius of
-    convergence that a step is.
+    convergence that a step is.  ``growth``: about int |A| of a step, instead.
     """
     rows, (centre, (weight,)), _ = verify.read_body(numbers, ())
     inertia = [[verify.ball(x) for x in row] for row in rows]
@@ -84,9 +85,12 @@ def steps(
         if progress is not None:
             progress(abs(grid[-1]) / last, len(centres))
         centres.append([_nearest(y * arb(2) ** e) for y, e in zip(x, powers, strict=True)])
-        ticks = max(1, min(int(_length(body, x, part) * 2**_FINE), last - abs(grid[-1])))
+        steep = float(verify.row_sum(verify.slope(body, x))) if growth else 0.0
+        longest = growth / steep if steep else _length(body, x, part)
+        ticks = max(1, min(int(longest * 2**_FINE), last - abs(grid[-1])))
         h = arb(sense * ticks) * arb(2) ** -_FINE
-        x = [verify.summed(row).mid() for row in verify.taylor(body, x, h, bits)]
+        series = verify.taylor(body, x, h, bits)
+        x = [(y + verify.summed(row)).mid() for y, row in zip(x, series, strict=True)]
         grid.append(grid[-1] + sense * ticks)
         if len(grid) > verify.MOST_STEPS:
             break  # which the checker refuses
@@ -106,6 +110,6 @@ def _nearest(x: arb) -> int:
 def _length(body: verify.Body, centre: Sequence[arb], part: float) -> float:
     """A step that is a part of the radius of convergence."""
     rows = verify.taylor(body, centre, arb(1), _ORDER)
-    sizes = [max(float(abs(row[k])) for row in rows) for k in range(len(rows[0]))]
-    rates = [x ** (1 / k) for k, x in enumerate(sizes) if 3 * k > _ORDER and x > 0]
+    sizes = [max(float(abs(x)) for x in column) for column in zip(*rows, strict=True)]
+    rates = [x ** (1 / k) for k, x in enumerate(sizes, 1) if 3 * k > _ORDER and x > 0]
     return min(part / max(rates, default=part), _LONGEST)

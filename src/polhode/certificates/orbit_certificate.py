@@ -11,7 +11,7 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from polhode.certificates import grid, verify
-from polhode.certificates.certificate_file import Made
+from polhode.certificates.certificate_file import Made, by_checker
 from polhode.common.progress import Progress
 from polhode.numbers.exact import ONE, Exact
 from polhode.numbers.flint_context import ctx
@@ -62,11 +62,7 @@ def guesses(problem: Problem, choice: Choice, progress: Progress | None = None) 
 
 def proved(made: Made, progress: Progress | None = None) -> verify.Zero:
     """What the checker proves of guesses; raises its NotProved."""
-    with ctx.workprec(verify.COARSE):  # which the checker changes as it likes
-        try:
-            return verify.zero_near(made, progress)
-        except (ZeroDivisionError, OverflowError):
-            raise verify.NotProved("a number is too large, or too small") from None
+    return by_checker(verify.zero_near, made, progress)
 
 
 def stated(made: Made, statement: Made, zero: verify.Zero) -> Made:

@@ -42,7 +42,8 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
-from itertools import pairwise
+from itertools import accumulate, pairwise, zip_longest
+from operator import mul
 from typing import NamedTuple, TypeAlias, TypeVar
 
 try:
@@ -55,7 +56,7 @@ except ImportError:
 
 FORMAT = "polhode certificate 1"
 LARGEST = 64_000_000  # bytes of a file
-MOST_BITS, MOST_STEPS, MOST_DIGITS = 4_000, 1_000_000, 20_000
+LEAST_BITS, MOST_BITS, MOST_STEPS, MOST_DIGITS = 32, 4_000, 1_000_000, 20_000
 SHORT = 600  # digits that Python itself reads and prints, however low its limit is set
 FARTHEST = 20_000  # bits of a time or a state, before or after the point
 MOST_WORK, EACH, HARD = 20_000_000_000, 100, 1000  # about an hour; see Run
@@ -63,8 +64,10 @@ NAMES = ("p", "q", "r", "gamma1", "gamma2", "gamma3")
 UNKNOWN = (*NAMES, "the period", "lam1", "lam2", "lam3")
 TURN = ("q0", "q1", "q2", "q3")
 GROUP = 24  # steps
+SPARE = 16  # bits of a guess's numbers beyond those asked for
+MOST_TERMS = 120  # of V
 COARSE = 64  # bits of matrices and bounds
-STATES, DERIVATIVES = 50, 62  # bits to which V is made: where a state is asked for, or D too
+STATES, DERIVATIVES, SETS = 52, 64, 20  # bits to which V is made, by what is carried
 
 Interval = tuple[Fraction, Fraction]  # middle and radius
 Claim = tuple[Fraction, list[Interval]]  # a time and six balls; of the attitude four
@@ -318,34 +321,46 @@ def _inverse(inertia: Sequence[Sequence[arb]]) -> list[tuple[int, int, arb]]:
 
 
 def taylor(body: Body, centre: Sequence[arb], h: arb, bits: int) -> list[list[arb]]:
-    """Exact coefficients of polynomials near the motion that begins at a centre."""
-    rows, least, small = [[x.mid()] for x in centre], arb(2) ** -bits, 0
+    """Exact coefficients, but for the first, of polynomials near the motion from a centre.
+
+    They are whole multiples of 2^-fine, as is all below.
+    """
+    fine, small = bits + SPARE, 0
+    quadratic = [(place, _fixed(k, fine)) for place, k in body.quadratic.items()]
+    linear = [(place, _fixed(k, fine)) for place, k in body.linear.items()]
+    rows, length = [[_fixed(x, fine)] for x in centre], _fixed(h, fine)
+    pairs = {(a, b) for (_, a, b), _ in quadratic}
+    pairs |= {(3 + a, b) for a in range(3) for b in range(3) if a != b}
     for k in range(bits + 20):
-        rates = body.field(
-            [row[k] for row in rows],
-            lambda i, j: summed(x * y for x, y in zip(rows[i], reversed(rows[j]), strict=True)),
-        )
+        products = {(a, b): sum(map(mul, rows[a], reversed(rows[b]))) >> fine for a, b in pairs}
+        rates = [0] * 6
+        for (i, a, b), x in quadratic:
+            rates[i] += x * products[a, b]
+        for (i, j), x in linear:
+            rates[i] += x * rows[3 + j][k]
+        for i in range(3):
+            a, b = (i + 1) % 3, (i + 2) % 3
+            rates[3 + i] = (products[3 + a, b] - products[3 + b, a]) << fine
         for row, rate in zip(rows, rates, strict=True):
-            row.append((rate * h / (k + 1)).mid())
-        small = small + 1 if largest(row[-1] for row in rows) < least else 0
-        if small == 2:
+            row.append((rate * length >> 2 * fine) // (k + 1))
+        size = max(abs(row[-1]) for row in rows)
+        small = small + 1 if size >> SPARE == 0 else 0
+        if small == 2 or size >> 4 * fine:
             break
-    return rows
+    return [[arb((n, -fine)) for n in row[1:]] for row in rows]
 
 
-def transition(a: Sequence[arb_mat], fine: int) -> list[arb_mat]:
-    """Exact matrices near the coefficients of V' = A V, V(0) = 1, to 2^-fine."""
-    v, small = [arb_mat([[int(i == j) for j in range(6)] for i in range(6)])], 0
-    least = arb(2) ** -fine
-    for k in range(120):
-        total = arb_mat(6, 6)
-        for j in range(min(k + 1, len(a))):
-            total += a[j] * v[k - j]
-        v.append((total / arb(k + 1)).mid())
-        small = small + 1 if row_sum(v[-1].table()) < least else 0
-        if small == 2:
-            break
-    return v
+def _fixed(x: arb, fine: int) -> int:
+    """A whole multiple of 2^-fine near a ball."""
+    if not x.is_finite():
+        return 0
+    whole, power = (int(n) for n in x.mid().man_exp())
+    return whole << power + fine if power + fine >= 0 else whole >> -power - fine
+
+
+def next_of_v(total: arb_mat, k: int) -> arb_mat:
+    """An exact matrix near the coefficient k + 1 of V, ``total`` being that of V' before it."""
+    return (total / arb(k + 1)).mid()
 
 
 def turning(y: Sequence[arb_poly], h: arb, bits: int) -> list[list[arb]]:
@@ -372,12 +387,11 @@ def turning(y: Sequence[arb_poly], h: arb, bits: int) -> list[list[arb]]:
 class Step:
     """Polynomials p and V about a centre, and those bounds of the theorem that need no set."""
 
-    def __init__(
-        self, body: Body, centre: Sequence[arb], h: arb, bits: int, fine: int = STATES
-    ) -> None:
+    def __init__(self, body: Body, centre: Sequence[arb], h: arb, bits: int, fine: int) -> None:
         ctx.prec = bits
         self.bits = bits
-        self.p = [arb_poly(row) for row in taylor(body, centre, h, bits)]
+        rows = zip(centre, taylor(body, centre, h, bits), strict=True)
+        self.p = [arb_poly([x, *row]) for x, row in rows]  # p(0) is the centre
         rates = body.field(self.p, lambda i, j: self.p[i] * self.p[j])
         defect = [
             (row.derivative() - rate * h).coeffs() for row, rate in zip(self.p, rates, strict=True)
@@ -387,33 +401,11 @@ class Step:
             [largest(_entry(row, k) for row in defect) for k in range(max(map(len, defect)))]
         )
         entries = {place: (x * h).coeffs() for place, x in body.derivative(self.p).items()}
-        a = []
-        for k in range(max(map(len, entries.values()))):
-            a.append(arb_mat(6, 6))
-            for (i, j), x in entries.items():
-                a[k][i, j] = _entry(x, k)
-        norms = [row_sum(x.table()) for x in a]
+        norms = norms_of(entries)
         self.growth = upper(integral(norms).exp())
         self.beta = upper(h) * body.beta
-        self.v = transition(a, fine)
-        self.rho = self.growth * self._residual(a, norms)
-
-    def _residual(self, a: Sequence[arb_mat], norms: Sequence[arb]) -> arb:
-        """An upper bound of the integral of |A V - V'|; V(0) is the unit matrix exactly."""
-        last = len(self.v) - 1
-        sizes, found = [row_sum(x.table()) for x in self.v], []
-        for k in range(last):
-            total = self.v[k + 1] * arb(-(k + 1))
-            for j in range(min(k + 1, len(a))):
-                total += a[j] * self.v[k - j]
-            found.append(row_sum(total.table()))
-        rest = summed(
-            one * other / (j + k + 1)
-            for j, one in enumerate(norms)
-            for k, other in enumerate(sizes)
-            if j + k >= last
-        )
-        return integral(found) + upper(rest)
+        self.v, residual = transition(entries, norms, fine)
+        self.rho = self.growth * residual
 
     def reach(self, eps: arb) -> arb:
         """r for all |z(0)| <= eps; raises NotProved where the theorem's condition fails."""
@@ -446,6 +438,50 @@ class Step:
         for one in self.v[-2::-1]:
             found = found * tau + one
         return middle, found
+
+
+#: The coefficients of a matrix of polynomials, by row and column; 0 where none stand.
+Entries: TypeAlias = Mapping[tuple[int, int], Sequence[arb]]
+
+
+def norms_of(entries: Entries) -> list[arb]:
+    """Upper bounds of the norms of the coefficients."""
+    rows = []
+    for i in range(6):
+        row = [x for (n, _), x in entries.items() if n == i]
+        rows.append([summed(map(upper, some)) for some in zip_longest(*row, fillvalue=arb(0))])
+    return [largest(some) for some in zip_longest(*rows, fillvalue=arb(0))]
+
+
+def transition(entries: Entries, norms: Sequence[arb], fine: int) -> tuple[list[arb_mat], arb]:
+    """Exact coefficients near those of V' = A V, V(0) = 1, to 2^-fine; a bound of int |A V - V'|.
+
+    V(0) is the unit matrix exactly.  Coefficients of the residual below V's degree are computed,
+    the others bounded by the norms of A's and V's.
+    """
+    a: list[arb_mat] = []
+    v, sizes, small = [arb_mat(_unit())], [arb(1)], 0
+    least, found = arb(2) ** -fine, arb(0)
+    while small < 2 and len(v) < MOST_TERMS:
+        k = len(v) - 1
+        if k < len(norms):
+            a.append(arb_mat(6, 6))
+            for (i, j), x in entries.items():
+                a[k][i, j] = _entry(x, k)
+        total = sum((a[j] * v[k - j] for j in range(1, len(a))), a[0] * v[k])
+        v.append(next_of_v(total, k))
+        found += rough(total - v[-1] * arb(k + 1)) / (k + 1)
+        sizes.append(rough(v[-1]))
+        small = small + 1 if sizes[-1] < least else 0
+    last = len(v) - 1
+    after = [*accumulate(reversed(sizes))][::-1]  # |V_k| + |V_k+1| + ...
+    rest = summed(norm * after[max(0, last - j)] for j, norm in enumerate(norms))
+    return v, upper(found + rest / (last + 1))
+
+
+def rough(matrix: arb_mat) -> arb:
+    """An upper bound of the norm, at most 6 times as large."""
+    return upper((6 * upper((matrix * matrix.transpose()).trace())).sqrt())
 
 
 def _entry(coefficients: Sequence[arb], k: int) -> arb:
@@ -554,7 +590,7 @@ def read_guesses(held: Sequence[object], where: str = "", more: int = 0) -> Gues
     time_bits = _whole(held[0], -FARTHEST, FARTHEST, f"{where}time_bits")
     grid = _grid(held[1], f"{where}grid")
     state_bits = _whole(held[2], -FARTHEST, FARTHEST, f"{where}state_bits")
-    bits = _whole(held[4], COARSE, MOST_BITS, "bits")
+    bits = _whole(held[4], LEAST_BITS, MOST_BITS, "bits")
     check_work(len(grid) + more, bits)
     centres = _rows(held[3], len(grid) - 1, 6, f"{where}centres")
     return Guesses(time_bits, grid, state_bits, centres, bits)
@@ -593,11 +629,10 @@ class Run:
         """A step's length in the unit of time of the run."""
         return dyadic(stage.last - stage.first, self.shift - self.time_bits)
 
-    def stages(self, found: Set, tell: Tell | None) -> Iterator[Stage]:
+    def stages(self, found: Set, fine: int, tell: Tell | None) -> Iterator[Stage]:
         """Each step, with the set at its start; raises NotProved."""
         count = len(self.centres)
         for n, (first, last) in enumerate(pairwise(self.grid)):
-            fine = DERIVATIVES if found.states < len(found.m[0]) else STATES
             if tell is not None:
                 tell(n / count, n)
             try:
@@ -770,7 +805,7 @@ def state(certificate: object, tell: Tell | None = None) -> list[str]:
     offset = [x * rate - y for x, rate, y in zip(start, run.rates, run.centres[0], strict=True)]
     begin = Set([[x.mid()] for x in offset], [[upper(x.rad())] for x in offset], 1)
     order, turned = _in_order(claims), _in_order(turns)
-    for stage in run.stages(begin, tell):
+    for stage in run.stages(begin, STATES, tell):
         end = sense * stage.last * unit
         while order and sense * order[-1][0] <= end:
             claim = order.pop()
@@ -1029,7 +1064,7 @@ def zero_near(held: Mapping[str, object], tell: Tell | None = None) -> Zero:
     )  # x* alone, the box around it, D
     back: dict[int, list[arb]] = {}
     steep, waiting = arb(0), sorted(parts)  # the largest, whose part of the period is over first
-    for stage in run.stages(begin, tell):
+    for stage in run.stages(begin, DERIVATIVES, tell):
         steep = steep.max(stage.step.steepness(run.body, stage.reach))
         while waiting and Fraction(run.grid[-1], waiting[-1]) <= stage.last:
             p = waiting.pop()
@@ -1064,11 +1099,9 @@ def derivative_of_f(
     """DF(Y), and where the motions of Y are when they end; ``w``: W by columns."""
     reached = around(run.body, [row[1] for row in end], 4 * r)
     later = drift(run.body, reached, 4 * r)
-    columns = [largest(column) for column in zip(*(row[2:] for row in end), strict=True)]
     speed, zero = rates(run.body, reached), [arb(0)] * 4
     rows = []
-    for i, row in enumerate(end):
-        d = [y + arb(0, upper(later * size)) for y, size in zip(row[2:], columns, strict=True)]
+    for i, d in enumerate(around_in_time([row[2:] for row in end], later)):
         d[i] = d[i] - 1
         rows.append([*d, speed[i], *(-column[i] for column in w)])
     rows.append([*a, *zero])
@@ -1079,6 +1112,15 @@ def derivative_of_f(
 def drift(body: Body, reached: Sequence[arb], span: arb) -> arb:
     """A bound of |Phi - 1|, Phi the transition matrix of any part of a time within +- span."""
     return upper((span * row_sum(slope(body, reached))).expm1())
+
+
+def around_in_time(rows: Table, later: arb) -> Table:
+    """D at all times near one; ``later``: the drift between them."""
+    sizes = [largest(column) for column in zip(*rows, strict=True)]
+    return [
+        [y + arb(0, upper(later * size)) for y, size in zip(row, sizes, strict=True)]
+        for row in rows
+    ]
 
 
 def _closed(
@@ -1273,9 +1315,13 @@ def in_full(x: Fraction) -> str:
 # Mk N0 N0 ... by a transversal homoclinic one.  The point in N0 tells which set comes next, so the
 # entropy of the flow on the level is at least the x > 0 with exp(-x t_0) + exp(-x t_1) = 1, t_0 an
 # upper bound of the time from N0 to N0, t_1 of that along the loop.
+#
+# By the cones N0 contains one periodic orbit that returns by that map.  A motion that meets the
+# plane in N0, and comes back to the same point after a time within +- d of t, is the one.
 
 MOST_SETS = 500
 MOST_SCALE = 2000  # bits of a chart's numbers
+CHART = {"centre": (6, 1), "wide": (6, 2), "deep": (6, 4), "plane": (6, 1), "eta": (1, 1)}
 
 
 class Chart(NamedTuple):
@@ -1298,27 +1344,79 @@ class Rectangle(NamedTuple):
 
 
 class Image(NamedTuple):
-    """(y', n') of a set, shift + sum of columns; dy'/dy; the longest time, in the scene's unit."""
+    """(y', n') of a set, shift + sum of columns; dy'/dy; bounds of the time, in the run's unit."""
 
     shift: list[arb]
     columns: Table
     slope: arb_mat
-    time: arb
+    least: arb
+    most: arb
+
+
+class Margins(NamedTuple):
+    """Of a covering: the edges over the width, the height over the height; of the cones."""
+
+    stretch: arb
+    height: arb
+    cone: arb
+
+
+class Horseshoe(NamedTuple):
+    """What the sets prove: upper bounds of the times of both loops, in the scene's unit.
+
+    ``home``: the run, the chart and the set that the periodic orbit meets.
+    """
+
+    short: arb
+    long: arb
+    images: list[Image]
+    margins: list[Margins]
+    home: tuple[Run, Chart, Rectangle]
+
+
+class Entropy(NamedTuple):
+    """What is stated of chaos: a lower bound, and upper ones of the times of both loops."""
+
+    entropy: Fraction
+    short: Fraction
+    long: Fraction
+
+
+def read_chaos(statement: object) -> Entropy:
+    """The statement of a certificate of chaos; raises Damaged."""
+    names = Entropy._fields
+    values = zip(_keys(statement, names, "statement"), names, strict=True)
+    found = Entropy(*(_rational(x, f"statement.{name}") for x, name in values))
+    if not min(found) > 0:
+        raise Damaged("statement: expected numbers above 0")
+    return found
 
 
 def chaos(certificate: object, tell: Tell | None = None) -> list[str]:
     """What a certificate of chaos proves; raises NotProved, Damaged."""
     names = ("format", "kind", "scene", "bits", "scale", "charts", "sets", "transits", "statement")
     held = dict(zip(names, _keys(certificate, names, "the certificate"), strict=True))
-    bits = _whole(held["bits"], COARSE, MOST_BITS, "bits")
+    claim = read_chaos(held["statement"])
+    found = horseshoe(held, tell)
+    check_chaos(claim, found)
+    level = read_body(held["scene"], ("level",))[2]
+    h, f, square = (in_full(x) if not r else f"{in_full(x)} +- {in_full(r)}" for x, r in level)
+    return [
+        f"proved: on the level h = {h}, f = {f}, |gamma|^2 = {square} of this body an unstable "
+        "periodic orbit has a transversal homoclinic orbit; for every sequence of two loops, "
+        f"shorter than {about((claim.short, claim.short))} and "
+        f"{about((claim.long, claim.long))}, exactly one motion follows it, a periodic one if the "
+        "sequence is periodic; the topological entropy of the motion on the level is at least "
+        f"{decimal(claim.entropy, up=False, minus=False)}",
+        f"by {len(found.margins)} covering relations with cone conditions between "
+        f"{len(found.images)} sets",
+    ]
+
+
+def horseshoe(held: Mapping[str, object], tell: Tell | None = None) -> Horseshoe:
+    """What sets and charts prove, whatever is stated of them; raises NotProved, Damaged."""
+    bits = _whole(held["bits"], LEAST_BITS, MOST_BITS, "bits")
     scale = _whole(held["scale"], 1, MOST_SCALE, "scale")
-    stated = ("entropy", "short", "long")
-    entropy, short, long = (
-        _rational(x, f"statement.{name}")
-        for x, name in zip(_keys(held["statement"], stated, "statement"), stated, strict=True)
-    )
-    if not (entropy > 0 and short > 0 and long > 0):
-        raise Damaged("statement: expected numbers above 0")
     ctx.prec = bits + 2 * COARSE
     charts = [
         _chart_numbers(x, f"charts[{n}]")
@@ -1343,36 +1441,56 @@ def chaos(certificate: object, tell: Tell | None = None) -> list[str]:
     gap = abs(home.middle - first.middle) - home.width - first.width
     certainly(gap > 0, "the first two sets may meet")
     inertia, torque, _ = balls_of(scene)
-    images, level = [], scene[2]
+    level, images, margins, times, begun = scene[2], [], [], [], []
     for n, (source, transit) in enumerate(zip(sets, transits, strict=True)):
         told = None if tell is None else _part(tell, n, len(sets))
         ctx.prec = bits + 2 * COARSE
-        run = Run(transit, inertia, torque)
-        here, there = (
-            _chart(charts[k], scale, run) for k in (source.chart, sets[(n + 1) % len(sets)].chart)
-        )
+        run, after = Run(transit, inertia, torque), (n + 1) % len(sets)
+        here, there = (_chart(charts[k], scale, run) for k in (source.chart, sets[after].chart))
         try:
             images.append(_image(run, level, source, here, there, told))
         except NotProved as fault:
             raise NotProved(f"set {n}: {fault}") from None
-        for k in {(n + 1) % len(sets), n if n == 0 else (n + 1) % len(sets)}:
-            covers(images[-1], source, sets[k], there.eta, f"set {n} over set {k}")
-    loop = summed(image.time for image in images)
-    times = (images[0].time, short, "the short loop"), (loop, long, "the long loop")
-    for found, most, name in times:
-        certainly(found <= ball((most, Fraction(0))), f"{name} may take longer")
-    x = ball((entropy, Fraction(0)))
-    sum_of_both = (-x * images[0].time).exp() + (-x * loop).exp()
+        for k in [0, 1] if n == 0 else [after]:
+            line = f"set {n} over set {k}"
+            margins.append(covers(images[-1], source, sets[k], there.eta, line))
+        times.append(upper(images[-1].most * run.rates[0]))
+        begun.append((run, here, source))
+    return Horseshoe(times[0], upper(summed(times)), images, margins, begun[0])
+
+
+def check_chaos(claim: Entropy, found: Horseshoe) -> None:
+    """Whether a horseshoe is what is stated; raises NotProved."""
+    certainly(found.short <= ball((claim.short, Fraction(0))), "the short loop may take longer")
+    certainly(found.long <= ball((claim.long, Fraction(0))), "the long loop may take longer")
+    x = ball((claim.entropy, Fraction(0)))
+    sum_of_both = (-x * found.short).exp() + (-x * found.long).exp()
     certainly(sum_of_both > 1, "the entropy is not shown to be as large")
-    h, f, square = (in_full(x) if not r else f"{in_full(x)} +- {in_full(r)}" for x, r in level)
-    return [
-        f"proved: on the level h = {h}, f = {f}, |gamma|^2 = {square} of this body an unstable "
-        "periodic orbit has a transversal homoclinic orbit; for every sequence of two loops, "
-        f"shorter than {about((short, short))} and {about((long, long))}, exactly one motion "
-        "follows it, a periodic one if the sequence is periodic; the topological entropy of the "
-        f"motion on the level is at least {decimal(entropy, up=False, minus=False)}",
-        f"by {len(sets) + 1} covering relations with cone conditions between {len(sets)} sets",
-    ]
+
+
+def is_orbit_of(found: Horseshoe, start: Sequence[arb], period: arb) -> None:
+    """Whether a motion with a period is the periodic one of the first set; raises NotProved.
+
+    ``start``, ``period``: balls in the scene's units.  In the times within which the first image
+    meets the plane every motion meets it once, so that one that meets it in the set, and after such
+    a time in the same point, is a fixed point of the section map; with cones there is one.
+    """
+    run, chart, what = found.home
+    ctx.prec = run.bits + COARSE
+    box = [x * rate for x, rate in zip(start, run.rates, strict=True)]
+    off = _product(chart.plane, [x - c for x, c in zip(box, chart.centre, strict=True)])
+    reached = _crossing(run.body, chart.plane, box, upper(off))[1]
+    column = arb_mat([[x - c] for x, c in zip(reached, chart.centre, strict=True)])
+    y1, y2, *deep = (_frame(chart) * column).entries()
+    line = "the periodic orbit is not shown to pass through the first set"
+    certainly(abs(y1 - what.middle) < what.width, line)
+    certainly(abs(y2) < what.height, line)
+    for x in deep:
+        certainly(abs(x) < chart.eta, line)
+    time, image = period / run.rates[0], found.images[0]
+    line = "the period of the orbit is not shown to be a time of the short loop"
+    certainly(image.least < time, line)
+    certainly(time < image.most, line)
 
 
 def _part(tell: Tell, n: int, count: int) -> Tell:
@@ -1381,8 +1499,7 @@ def _part(tell: Tell, n: int, count: int) -> Tell:
 
 def _chart_numbers(value: object, where: str) -> list[list[list[int]]]:
     """The integers of a chart; raises Damaged."""
-    shapes = {"centre": (6, 1), "wide": (6, 2), "deep": (6, 4), "plane": (6, 1), "eta": (1, 1)}
-    parts = zip(_keys(value, tuple(shapes), where), shapes.items(), strict=True)
+    parts = zip(_keys(value, tuple(CHART), where), CHART.items(), strict=True)
     return [_rows(part, *shape, f"{where}.{name}") for part, (name, shape) in parts]
 
 
@@ -1511,7 +1628,7 @@ def _image(
     """The image of a set in the plane of a chart; raises NotProved."""
     ctx.prec = run.bits
     depth, slope_of_n = _disk(run, level, what, chart)
-    for stage in run.stages(_starts(run, what, chart, depth), tell):
+    for stage in run.stages(_starts(run, what, chart, depth), SETS, tell):
         last = stage
     end = last.at(Fraction(last.last))
     middle, v = last.step.at(arb(1))
@@ -1524,43 +1641,46 @@ def _image(
     columns += [[left[i][0] if i == j else arb(0) for j in range(6)] for i in range(6)]
     a, body = target.plane, run.body
     far = upper(_product(a, off)) + summed(upper(_product(a, x)) for x in columns)
-    box = [row[0] for row in end]
-    rate = abs(_product(a, rates(body, box)))
-    certainly(rate > 0, "a plane may touch the motion")
-    span = upper(arb(3) / 2 * upper(far) / rate.lower()) + arb(2) ** -100
-    reached = around(body, box, span)
-    f = rates(body, reached)
-    across = _product(a, f)
-    certainly(abs(across) > 0, "a plane may touch the motion")
-    certainly(upper(far) <= abs(across).lower() * span, "a set may miss the next plane")
+    span, reached = _crossing(body, a, [row[0] for row in end], far)
     time = dyadic(run.grid[-1], run.shift - run.time_bits)
     certainly(time > span, "a transit may take no time")
-    try:
-        frame = arb_mat(
-            [[*x, *y] for x, y in zip(target.wide.table(), target.deep.table(), strict=True)]
-        ).inv()
-    except ZeroDivisionError:
-        raise NotProved("a chart is singular") from None
+    f = rates(body, reached)
+    across, frame = _product(a, f), _frame(target)
     shadow = arb_mat([[x * y / across for y in a] for x in f])
     into = frame - frame * shadow
-    later = drift(body, reached, span)
-    most = [largest(column) for column in zip(*(row[1:] for row in end), strict=True)]
-    d = arb_mat(
-        [
-            [y + arb(0, upper(later * size)) for y, size in zip(row[1:], most, strict=True)]
-            for row in end
-        ]
-    )
+    d = arb_mat(around_in_time([row[1:] for row in end], drift(body, reached, span)))
     slope_of_y = into * d * (chart.wide + chart.deep * slope_of_n)
     return Image(
         (into * arb_mat([[x] for x in off])).entries(),
         [(into * arb_mat([[x] for x in column])).entries() for column in columns],
         slope_of_y,
-        upper(time + span) * run.rates[0],
+        (time - span).lower(),
+        upper(time + span),
     )
 
 
-def covers(image: Image, source: Rectangle, target: Rectangle, eta: arb, where: str) -> None:
+def _crossing(body: Body, a: Sequence[arb], box: Sequence[arb], far: arb) -> tuple[arb, list[arb]]:
+    """d and S, for motions in a box of which |a (x - c)| <= far; raises NotProved."""
+    rate = abs(_product(a, rates(body, box)))
+    certainly(rate > 0, "a plane may touch the motion")
+    span = upper(arb(3) / 2 * upper(far) / rate.lower()) + arb(2) ** -100
+    reached = around(body, box, span)
+    across = abs(_product(a, rates(body, reached)))
+    certainly(across > 0, "a plane may touch the motion")
+    certainly(upper(far) <= across.lower() * span, "a set may miss the next plane")
+    return span, reached
+
+
+def _frame(chart: Chart) -> arb_mat:
+    """The inverse of [E | K]; raises NotProved."""
+    rows = zip(chart.wide.table(), chart.deep.table(), strict=True)
+    try:
+        return arb_mat([[*x, *y] for x, y in rows]).inv()
+    except ZeroDivisionError:
+        raise NotProved("a chart is singular") from None
+
+
+def covers(image: Image, source: Rectangle, target: Rectangle, eta: arb, where: str) -> Margins:
     """A covering relation with cones; raises NotProved."""
 
     def size(row: int, first: int = 0) -> arb:
@@ -1585,8 +1705,12 @@ def covers(image: Image, source: Rectangle, target: Rectangle, eta: arb, where: 
         for i in range(2)
     )
     one, mixed, other = a * a - c * c - 1, a * b - c * d, b * b - d * d + 1
+    determinant = one * other - mixed * mixed
     certainly(one > 0, f"{where}: the cone condition")
-    certainly(one * other - mixed * mixed > 0, f"{where}: the cone condition")
+    certainly(determinant > 0, f"{where}: the cone condition")
+    edges = (target.middle - left).lower(), (right - target.middle).lower()
+    stretch = edges[0].min(edges[1]) / target.width
+    return Margins(stretch, high / target.height, determinant.lower())
 
 
 #: What a certificate may claim, and who checks it.

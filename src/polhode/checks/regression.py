@@ -134,7 +134,10 @@ def check_scene(scene: Scene, numbers: Sequence[str] = ()) -> Report:
     wanted = [*(numbers or scene.expect)]
     widest = sorted(wanted, key=number_types.NAMES.index, reverse=True)
     known = conditioning(scene, number=number_types.named(widest[0])) if widest else None
-    made = {number: _line(scene, reference, number, known) for number in widest}
+    made: dict[str, Line] = {}
+    for number in widest:  # whose rows of the reference judge the others, too
+        earlier = next((one.judgement for one in made.values() if one.judgement), known)
+        made[number] = _line(scene, reference, number, earlier)
     lines = [made[number] for number in wanted]
     return Report(
         scene,
@@ -146,7 +149,10 @@ def check_scene(scene: Scene, numbers: Sequence[str] = ()) -> Report:
     )
 
 
-def _line(scene: Scene, reference: AnyReference, number: str, known: Conditioning | None) -> Line:
+def _line(
+    scene: Scene, reference: AnyReference, number: str, known: Conditioning | Judgement | None
+) -> Line:
+    """``known``: the scene's conditioning, or a judgement in a wider type."""
     band = scene.expect.get(number)
     digits = number_types.DEFAULT_MP_DIGITS if number == "mp" else None
     # up to quad the bands are those of heyoka's own steps; mp as users get it, refined if faster

@@ -28,7 +28,6 @@ from polhode.enclosures.fixed_point_problem import (
     in_scene_axes,
     upper,
 )
-from polhode.enclosures.polynomial import midpoint
 from polhode.enclosures.result import Enclosure, Part, digits_of
 from polhode.enclosures.statement import assumed
 from polhode.enclosures.task import MAX_STEPS, Side, Task, digits_of_box, task
@@ -38,6 +37,7 @@ from polhode.numbers import exact
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.flint_context import ctx
+from polhode.numbers.polynomials import middle
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes import start_box
 from polhode.scenes.given_numbers import TIME, reader
@@ -251,7 +251,7 @@ def balls(rows: Sequence[Sequence[Any]], bits: int) -> tuple[Any, Any]:
     """Balls as midpoints and radii; what is None has the radius 0."""
     with ctx.workprec(bits):
         return (
-            tuple(tuple(None if x is None else midpoint(x) for x in row) for row in rows),
+            tuple(tuple(None if x is None else middle(x) for x in row) for row in rows),
             tuple(tuple(0.0 if x is None else upper(x - x.mid()) for x in row) for row in rows),
         )
 

@@ -28,12 +28,13 @@ from polhode.enclosures.fixed_point_problem import (
     in_scene_axes,
     upper,
 )
-from polhode.enclosures.polynomial import Polynomial, constant, midpoint, rate, total, variable
+from polhode.enclosures.polynomial import Polynomial, constant, rate, total, variable
 from polhode.enclosures.task import MAX_STEPS, Side, Task, task
 from polhode.numbers import expression
 from polhode.numbers.exact import sign
 from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.flint_context import ctx
+from polhode.numbers.polynomials import middle
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes import start_box
 from polhode.scenes.event import Event
@@ -189,8 +190,8 @@ def _interval(what: Motion, begin: arb, end: arb, last: arb) -> tuple[float, flo
     """Doubles of the scene around all times of two balls, of those from 0 to ``last``."""
     by = _unit(what)
     with ctx.workprec(TIME_BITS):
-        low, high = (midpoint(x) for x in (begin.lower(), end.upper()))
-        most = midpoint(last.upper())
+        low, high = (middle(x) for x in (begin.lower(), end.upper()))
+        most = middle(last.upper())
     one, other = sorted((by * max(low, Fraction(0)), by * min(high, most)))
     below, above = float(one), float(other)
     return (
@@ -202,7 +203,7 @@ def _interval(what: Motion, begin: arb, end: arb, last: arb) -> tuple[float, flo
 def _time(time: arb, by: Fraction, slope: int, row: Sequence[arb], bits: int) -> EventTime:
     radius = upper(arb(time.rad())) * abs(float(by))
     (centres,), (radii,) = balls([row], bits)
-    return EventTime(midpoint(time) * by, radius, slope, centres, radii)
+    return EventTime(middle(time) * by, radius, slope, centres, radii)
 
 
 def of_event(what: Motion, n: int, event: Event) -> Polynomial:

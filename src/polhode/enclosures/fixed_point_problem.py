@@ -12,10 +12,6 @@ The nine constants are kept where they are fractions of a small denominator, and
 small quantity of the proof is a double in units of 2**-P, P the noise level.  A run to negative
 times is one of the start -w, since t -> -t, w -> -w leaves the equations as they are.
 
-With a tolerance the constants' radii hold those of every body whose three moments and three k_i
-differ by at most that part of themselves; a proof is then one for each of these bodies, since A,
-B and d of ``step_bound`` are those of the body, and their radii are all that is used of them.
-
 With radii of the start, the set at t = 0 holds every start of the box: a proof is one for each.
 """
 
@@ -99,8 +95,7 @@ class Motion:
 
     ``constants``: the nine, exact; ``start``: the six, exact, gamma zero where there is none.
     ``unit``: time is measured in 2**unit of the scene's; ``backward``: t and w changed sign.
-    ``tolerance``: relative, of each of the moments and of the torque's components.  ``radii``: of
-    the start, six numbers from 0 on, empty where it is one point.
+    ``radii``: of the start, six numbers from 0 on, empty where it is one point.
     """
 
     scene: Scene
@@ -110,7 +105,6 @@ class Motion:
     start: tuple[Exact, ...]
     moments: tuple[Exact, ...]
     torque: tuple[Exact, ...]
-    tolerance: Fraction = Fraction(0)
     radii: tuple[Exact, ...] = ()
 
     def starts(self, bits: int) -> list[arb]:
@@ -121,23 +115,9 @@ class Motion:
         with ctx.workprec(bits):
             return [x + arb(0, 1) * ball(r, bits) for x, r in zip(found, self.radii, strict=True)]
 
-    def spread(self, known: arb) -> arb:
-        """All numbers that a moment, or a component of the torque, may be, from its ball."""
-        return known * (1 + arb(0, 1) * ball(self.tolerance, 64)) if self.tolerance else known
-
     def balls(self, bits: int) -> list[arb]:
-        """The nine constants, each of radius below 2**-bits without a tolerance; else Refused."""
-        found = [_sharp(x, bits) for x in self.constants]
-        if not self.tolerance:
-            return found
-        with ctx.workprec(bits + 64):
-            m = [self.spread(ball(x, bits + 64)) for x in self.moments]
-            k = [self.spread(ball(x, bits + 64)) for x in self.torque]
-            wide = [(m[a] - m[b]) / m[i] for i, (a, b) in enumerate(CYCLE)]
-            wide += [k[b] / m[i] for i, (a, b) in enumerate(CYCLE)]
-            wide += [-k[a] / m[i] for i, (a, b) in enumerate(CYCLE)]
-            # the middle stays that of the scene's own body
-            return [x + arb(0, 1) * (y - x) for x, y in zip(found, wide, strict=True)]
+        """The nine constants, each of radius below 2**-bits; raises Refused."""
+        return [_sharp(x, bits) for x in self.constants]
 
     @property
     def field(self) -> list[Polynomial]:
@@ -270,8 +250,6 @@ def _whole(
             below.append(least)
             for k, x in zip(range(i, 9, 3), exactly, strict=True):
                 found[k] = int(x * least)
-                if what.tolerance:
-                    slack[k] = upper(abs(balls[k] - ball(x, 4 * noise + 64)) * arb((1, noise)))
             continue
         coarse = noise + _FINER if bits is None else bits
         below.append(1 << coarse)

@@ -138,9 +138,3 @@ def ball(x: Exact, bits: int) -> Any:
         if isinstance(x, Fraction):
             return arb(fmpq(x.numerator, x.denominator))
         return x.enclosure(bits)
-
-
-def midpoint(x: arb) -> Fraction:
-    """The midpoint of a ball, exactly."""
-    mantissa, exponent = x.mid().man_exp()
-    return exact.binary(int(mantissa), int(exponent))

@@ -48,7 +48,7 @@ class Untrusted:
 
 
 HONEST = Untrusted()
-#: For derivatives of the flow: exp(int |A|) of a step multiplies the errors of V.
+#: For boxes: exp(int |A|) of a step multiplies the errors of V.
 SHORT_STEPS = Untrusted(window=partial(window_approximation.window, turn=1.0))
 
 

@@ -7,15 +7,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from polhode.certificates import verify
 from polhode.common.errors import BadInput
 from polhode.dynamics.sections import coordinates as geometry
 from polhode.figures.canvas import canvas, section_axes
 from polhode.numbers.rows import Doubles
 from polhode.proofs.chaos import homoclinic
-from polhode.proofs.chaos.h_set import HSet
 from polhode.proofs.chaos.lanes import backward
 from polhode.proofs.chaos.proved_chaos import ProvedChaos
-from polhode.proofs.chaos.transit import Image
 from polhode.results.result import Storable
 
 if TYPE_CHECKING:
@@ -52,14 +51,14 @@ class Crossings(NamedTuple):
 
 def crossings(found: ProvedChaos) -> Crossings:
     """Where the proof's guess of both manifolds crosses the section, and the sets of the proof."""
-    lanes, saddle, _ = found.guess
+    lanes, saddle, charts, sets, _ = found.guess
     out, into, _ = homoclinic.manifolds(lanes, saddle)
     on = geometry.ground(found.scene, found.h, found.f)
-    centres = np.array([_centre(x) for x in (found.proof.chain.home, *found.proof.chain.sets)])
+    centres = [charts[x.chart].centre + charts[x.chart].wide[:, 0] * x.middle for x in sets]
     return Crossings(
         geometry.height_coordinates(on, out.state.T),
         geometry.height_coordinates(on, backward(into.state).T),
-        geometry.height_coordinates(on, centres),
+        geometry.height_coordinates(on, np.array(centres)),
     )
 
 
@@ -78,37 +77,28 @@ def draw_crossings(axes: Axes, points: Crossings) -> None:
 
 
 def _sets(axes: Axes, found: ProvedChaos) -> None:
-    chain = found.proof.chain
-    home = chain.home
-    for name, what in (("N0", home), ("M1", chain.sets[0])):
+    home, first = found.guess.sets[:2]
+    for name, what in (("N0", home), ("M1", first)):
         low, high = what.middle - what.width, what.middle + what.width
         x = np.array([low, high, high, low, low]) / home.width
         y = np.array([-1, -1, 1, 1, -1]) * what.height / home.height
         axes.plot(x, y, color=SETS, lw=1.2, gid=name)
         axes.text(what.middle / home.width, 1.06 * y.max(), name, ha="center", size=9)
-    x, y = _outline(chain.images[0])
+    x, y = _outline(found.images[0])
     axes.fill(x / home.width, y / home.height, color=OUT, alpha=0.35, lw=0, label="image of N0")
-    x, y = _outline(chain.images[-1])
+    x, y = _outline(found.images[-1])
     look: dict[str, Any] = {"color": INTO, "alpha": 0.6, "lw": 1.0}
-    axes.fill(x / home.width, y / home.height, label=f"image of M{len(chain.sets)}", **look)
+    axes.fill(x / home.width, y / home.height, label=f"image of M{found.sets - 1}", **look)
     axes.set(xlabel="along the unstable direction", ylabel="along the stable direction")
     axes.set(ylim=(-1.4, 1.4))
     axes.legend(fontsize=7, loc="lower right")
     axes.set_title(f"N0's plane, unit {home.width:.2g}", size=9)
 
 
-def _outline(image: Image) -> tuple[Doubles, Doubles]:
+def _outline(image: verify.Image) -> tuple[Doubles, Doubles]:
     """The affine part of an image."""
     corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], dtype=float)
-    rows = [
-        float(image.shift[i, 0].mid())
-        + corners @ [float(image.turn[i, 0].mid()), float(image.turn[i, 1].mid())]
-        for i in range(2)
-    ]
-    return np.asarray(rows[0]), np.asarray(rows[1])
-
-
-def _centre(what: HSet) -> Doubles:
-    chart = what.chart
-    c = np.ldexp(np.array([float(x) for x in chart.centre]), -chart.fine)
-    return np.asarray(c + chart.wide[:, 0] * what.middle)
+    along, up = ([float(x.mid()) for x in column[:2]] for column in image.columns[:2])
+    shift = [float(x.mid()) for x in image.shift[:2]]
+    x, y = (shift[i] + corners @ [along[i], up[i]] for i in range(2))
+    return np.asarray(x), np.asarray(y)

@@ -89,7 +89,7 @@ def read_only(rows: Rows, width: int) -> States:
     return found
 
 
-def doubles(rows: Rows | Numbers | list[list[Scalar]]) -> Doubles:
+def double_array(rows: Rows | Numbers | list[list[Scalar]]) -> Doubles:
     """Rows of doubles, or doubles in a row, as the array that they are."""
     import numpy as np
 

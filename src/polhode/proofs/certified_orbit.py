@@ -28,10 +28,10 @@ from polhode.dynamics.periodic_orbits.newton_shooting import (
     bordered,
     closed,
 )
-from polhode.enclosures.polynomial import midpoint
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.decimals import brief
+from polhode.numbers.polynomials import middle
 from polhode.proofs.refusals import NotProved
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
@@ -220,8 +220,8 @@ def _of_bodies(candidate: Candidate, found: Proof, tolerance: Fraction) -> Proof
 def _of_all(candidate: Candidate, found: Proof, tolerance: Fraction) -> Proof:
     """The proof in the first box that is large enough; raises the checker's NotProved."""
     on, bits = candidate.on, math.floor(-math.log2(to_double(tolerance)))
-    start = _in_principal_axes(on.scene.body, [midpoint(x) for x in found.zero.start])
-    period = midpoint(found.zero.period)
+    start = _in_principal_axes(on.scene.body, [middle(x) for x in found.zero.start])
+    period = middle(found.zero.period)
     problem = Problem(on.scene.body, on.h, on.f, start, period, tolerance)
     last = verify.NotProved("no box is large enough")
     for more in _BOXES:

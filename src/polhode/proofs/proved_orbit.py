@@ -18,12 +18,13 @@ from polhode.certificates.certificate_file import Made
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.enclosures.fixed_point_problem import upper
-from polhode.enclosures.polynomial import ball, midpoint
+from polhode.enclosures.polynomial import ball
 from polhode.numbers.balls import Ball
 from polhode.numbers.decimals import brief, shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import DOUBLE
+from polhode.numbers.polynomials import middle
 from polhode.proofs import certified_orbit
 from polhode.proofs.refusals import NotProved
 from polhode.results.cells import EXACT
@@ -287,7 +288,7 @@ def _below(x: arb) -> float:
 
 def ball_of(x: arb) -> Ball:
     """A ball with a radius that is a double."""
-    return Ball(midpoint(x), upper(x - x.mid()))
+    return Ball(middle(x), upper(x - x.mid()))
 
 
 def as_arb(x: Ball) -> arb:

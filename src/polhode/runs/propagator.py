@@ -21,7 +21,7 @@ from polhode.motion.outcomes import OUTCOMES, Outcome, code
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Doubles, Extendeds, Flat, doubles, flat
+from polhode.numbers.rows import Doubles, Extendeds, Flat, double_array, flat
 from polhode.numbers.scalars import AnyNumber, numbers_given
 from polhode.numbers.vectors import scaled
 from polhode.runs.methods.output_loop import march
@@ -233,7 +233,7 @@ class Propagator:
         refuse_too_much(name, "start", what, rows.size * len(times), _BYTES, _SPLIT)
         ended = np.full(len(rows), code(_REACHED_END), dtype=np.uint8)
         if not self._long and self._every is None:
-            inside = doubles(rows if self._plain else self._inside(rows))
+            inside = double_array(rows if self._plain else self._inside(rows))
             job = self._job._replace(
                 max_steps=self._most,
                 times=times,
@@ -384,7 +384,7 @@ def turned(rows: Flat, turn: Extendeds) -> Flat:
     """Rows in principal axes, each number rounded once."""
     wide = rows.astype(np.longdouble).reshape(-1, 3)
     principal_rows = (wide @ turn.T).reshape(rows.shape)
-    return doubles(principal_rows) if rows.dtype == np.float64 else principal_rows
+    return double_array(principal_rows) if rows.dtype == np.float64 else principal_rows
 
 
 def _doubles(values: Iterable[Exact]) -> Doubles:

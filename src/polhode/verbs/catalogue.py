@@ -144,7 +144,6 @@ ROWS = (
         *("prove chaos", "polhode.proofs.chaos.prove_chaos", "prove_chaos", "ProvedChaos"),
         "that the motion on a level is chaotic",
         own=".json",
-        checks=True,
     ),
 )
 

@@ -242,7 +242,10 @@ def _proved_orbit(found: ProvedOrbit, asked: Namespace) -> Iterator[str]:
 
 
 def _proved_chaos(found: ProvedChaos, asked: Namespace) -> Iterator[str]:
+    from polhode.certificates.verdict import trusted_base
+
     yield f"{found.scene.name}: proved at try {found.tries}, {found.seconds:.2f} s"
+    yield trusted_base()
 
 
 _NOTES: dict[str, Callable[[Found, Namespace], Iterator[str]]] = {

@@ -32,8 +32,8 @@ def slope(polynomial: Sequence[Scalar]) -> list[Scalar]:
 
 
 @dataclass(frozen=True)
-class Frame:
-    """gamma as polynomials in p, times q and r; any scalars (:func:`frame`)."""
+class GammaOfOmega:
+    """gamma as polynomials in p, times q and r; any scalars (:func:`gamma_of_omega`)."""
 
     one: Sequence[Scalar]
     two: Sequence[Scalar]
@@ -49,13 +49,15 @@ class Frame:
         """q^2 and r^2."""
         return value(self.Q, p), value(self.R, p)
 
-    def mapped(self, convert: Callable[[Exact], Scalar]) -> Frame:
+    def mapped(self, convert: Callable[[Exact], Scalar]) -> GammaOfOmega:
         """The same with its numbers converted."""
         rows = (self.one, self.two, self.three, self.Q, self.R)
-        return Frame(*([convert(x) for x in row] for row in rows))
+        return GammaOfOmega(*([convert(x) for x in row] for row in rows))
 
 
-def frame(moments: Vector, c: Exact, h: Exact, Q: Sequence[Exact], R: Sequence[Exact]) -> Frame:
+def gamma_of_omega(
+    moments: Vector, c: Exact, h: Exact, Q: Sequence[Exact], R: Sequence[Exact]
+) -> GammaOfOmega:
     """The polynomials, exact; the degree of R is not below that of Q, nor below 2."""
     A, B, C = moments
     one = [-C * x / (2 * c) for x in R]
@@ -66,4 +68,4 @@ def frame(moments: Vector, c: Exact, h: Exact, Q: Sequence[Exact], R: Sequence[E
     three = [B * (B - C) * x / (2 * A * c) for x in slope(Q)]
     two[1] = two[1] + (A - B) / c
     three[1] = three[1] + (A - C) / c
-    return Frame(one, two, three, Q, R)
+    return GammaOfOmega(one, two, three, Q, R)

@@ -20,7 +20,7 @@ from collections.abc import Iterator, Sequence
 
 from flint import acb
 
-from polhode.closed_forms._one_orbit.gamma_from_omega import Frame, frame
+from polhode.closed_forms._one_orbit.gamma_from_omega import GammaOfOmega, gamma_of_omega
 from polhode.closed_forms._one_orbit.orbits import EllipticTime
 from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
 from polhode.closed_forms.balls.core import ball, root
@@ -51,10 +51,10 @@ def coefficients(scene: Placed) -> dict[str, Exact]:
     }
 
 
-def frame_of(scene: Placed, x: dict[str, Exact]) -> Frame:
+def gamma_of(scene: Placed, x: dict[str, Exact]) -> GammaOfOmega:
     """gamma, q^2 and r^2 as functions of p, from those coefficients."""
     Q, R = (x["b0"], ZERO, x["b2"]), (x["c0"], ZERO, x["c2"], ZERO, x["c4"])
-    return frame(scene.moments, scene.torque[0], x["h"], Q, R)
+    return gamma_of_omega(scene.moments, scene.torque[0], x["h"], Q, R)
 
 
 def conditions(scene: Placed) -> Iterator[Condition]:
@@ -64,7 +64,7 @@ def conditions(scene: Placed) -> Iterator[Condition]:
     yield equal("A (9B - 8C) = 16 C (B - C)", A * (9 * B - 8 * C), 16 * C * (B - C))
     yield positive("B > 2C", B - 2 * C)
     yield positive("3B < 8C", 8 * C - 3 * B)
-    found = frame_of(scene, coefficients(scene))
+    found = gamma_of(scene, coefficients(scene))
     yield from matching(scene, found.gamma(*scene.omega), found.squares(scene.omega[0]))
 
 
@@ -83,7 +83,7 @@ class Goryachev(PlacedMotion):
     def _motion(self) -> NormalMotion:
         (A, B, C), (p, q, r) = self.normal.moments, self.normal.omega
         x = coefficients(self.normal)
-        gamma = frame_of(self.normal, x).mapped(ball).gamma
+        gamma = gamma_of(self.normal, x).mapped(ball).gamma
         middle = sqrt(x["c2"] * x["c2"] - 4 * x["c0"] * x["c4"])
         X2, d = ((middle + side * x["c2"]) / (-2 * x["c4"]) for side in (1, -1))
         X3, total, a1 = -x["b0"] / x["b2"], X2 + d, (B - C) / A

@@ -4,7 +4,7 @@ Mg r0 = (c, 0, 0), c > 0, A (10B - 9C) = 18 C (B - C); x = B/C, D = 10x - 9, c3 
 
     q^2 = b0 + b1 p + b2 p^2,    r^2 = c0 + c1 p + c2 p^2 + c3 p^3,    p' = (B - C) q r/A
 
-(N. Kowalewski, Math. Ann. 65 (1908) 528), the coefficients in :func:`frame_of`.  Time
+(N. Kowalewski, Math. Ann. 65 (1908) 528), the coefficients in :func:`gamma_of`.  Time
 is an integral over an angle between two zeros of Q R (:mod:`..balls.clocks`).
 """
 
@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from flint import acb
 
-from polhode.closed_forms._one_orbit.gamma_from_omega import Frame, frame
+from polhode.closed_forms._one_orbit.gamma_from_omega import GammaOfOmega, gamma_of_omega
 from polhode.closed_forms._one_orbit.orbits import FlowOrbit
 from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
 from polhode.closed_forms.balls.core import ball
@@ -58,13 +58,13 @@ def coefficients(scene: Placed) -> Coefficients:
     return Coefficients(h, (b0, b1, b2), (c0, c1, c2, ONE), sqrt(sqrt(K * C * C / (c * c))))
 
 
-def frame_of(scene: Placed, known: Coefficients) -> Frame:
+def gamma_of(scene: Placed, known: Coefficients) -> GammaOfOmega:
     """gamma, q^2 and r^2 as polynomials in p."""
     h, Q, R, c3 = known
     Q, R = (
         [x * s for x, s in zip(row, (1 / c3**2, 1 / c3, ONE, c3), strict=False)] for row in (Q, R)
     )
-    return frame(scene.moments, scene.torque[0], scene.moments[2] * h / c3**2, Q, R)
+    return gamma_of_omega(scene.moments, scene.torque[0], scene.moments[2] * h / c3**2, Q, R)
 
 
 def conditions(scene: Placed) -> Iterator[Condition]:
@@ -73,7 +73,7 @@ def conditions(scene: Placed) -> Iterator[Condition]:
     yield from on_axis_1(scene)
     yield equal("A (10B - 9C) = 18 C (B - C)", A * (10 * B - 9 * C), 18 * C * (B - C))
     yield positive("B > 3C/2", 2 * B - 3 * C)
-    found = frame_of(scene, coefficients(scene))
+    found = gamma_of(scene, coefficients(scene))
     yield from matching(scene, found.gamma(*scene.omega), found.squares(scene.omega[0]))
 
 
@@ -90,7 +90,7 @@ class NKowalewski(PlacedMotion):
 
     def _motion(self) -> NormalMotion:
         (A, B, C), known = self.normal.moments, coefficients(self.normal)
-        gamma, over = frame_of(self.normal, known).mapped(ball).gamma, 1 / ball(known.c3)
+        gamma, over = gamma_of(self.normal, known).mapped(ball).gamma, 1 / ball(known.c3)
         p, q, r = (known.c3 * x for x in self.normal.omega)
 
         def state(p: acb, q: acb, r: acb) -> Sequence[acb]:

@@ -19,7 +19,7 @@ from polhode.judging.conditioning import lyapunov
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.rows import Doubles, doubles
+from polhode.numbers.rows import Doubles, double_array
 from polhode.runs.problem.options import Options
 from polhode.runs.solve import solve as solve_one
 from polhode.runs.sweep import flat_members
@@ -86,7 +86,7 @@ def _of_event(
     watched = Watched(plan.names, scene.columns, event.expression, 2.0**largest, turns is not None)
     job = SearchJob(
         *(watched, _DIRECTIONS[event.direction], 1, end, STRETCH),
-        *(doubles(motions.coefficients), doubles(motions.starts)),
+        *(double_array(motions.coefficients), double_array(motions.starts)),
         *(int(plan.time_units[group[0]]), turns),
         max_steps=plan.max_steps,
     )
@@ -117,7 +117,7 @@ def _tangents(plan: Plan, motions: Columns, end: float) -> TangentJob:
     tangents[:, :columns] = lyapunov.TANGENT[:columns]
     tangents /= np.linalg.norm(tangents, axis=1)[:, None]
     return TangentJob(
-        plan.names, doubles(motions.coefficients), six, tangents, end, _LOOKS, None, (), 0.0
+        plan.names, double_array(motions.coefficients), six, tangents, end, _LOOKS, None, (), 0.0
     )
 
 

@@ -21,7 +21,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from polhode.dynamics.periodic_orbits.level_set import Surface
-from polhode.numbers.rows import Doubles, doubles
+from polhode.numbers.rows import Doubles, double_array
 from polhode.taylor.variations.flow_map import NotFollowed
 
 MOST_CORRECTIONS = 25
@@ -112,7 +112,7 @@ def closed(on: Surface, state: Doubles, period: float, conditions: Conditions) -
         except NotFollowed as fault:
             raise NotClosed(f"its motion could not be followed: {fault}") from None
         assert reached.derivative is not None
-        end, monodromy = doubles(reached.state), doubles(reached.derivative)
+        end, monodromy = double_array(reached.state), double_array(reached.derivative)
         if not np.max(np.abs(monodromy)) < WILDEST:
             raise NotClosed(f"a period multiplies errors by {np.max(np.abs(monodromy)):.0e}")
         values, rows = conditions(state, period)
@@ -145,7 +145,7 @@ def _damped(
         if size < 1e-3:  # near enough: Newton's steps need no watching
             return x, time
         try:
-            end = doubles(on.plain_flow.after(x, time).state)
+            end = double_array(on.plain_flow.after(x, time).state)
             off = np.concatenate([end - x, conditions(x, time)[0]])
             if np.linalg.norm(off) < (1 - part / 4) * miss:
                 return x, time

@@ -37,7 +37,7 @@ from polhode.numbers.decimals import decimal_string
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.mpmath_context import mpmath, ordinary
 from polhode.numbers.number_types import DOUBLE, MAX_DIGITS, bits_for
-from polhode.numbers.rows import Doubles, doubles
+from polhode.numbers.rows import Doubles, double_array
 from polhode.numbers.scalars import AnyNumber, Real
 from polhode.results.cells import EXACT, digits_word
 from polhode.results.result import Result
@@ -336,7 +336,7 @@ def primitive(on: Surface, found: Closed) -> Closed:
         while True:
             time = found.period / part
             try:
-                end = doubles(on.plain_flow.after(found.state, time).state)
+                end = double_array(on.plain_flow.after(found.state, time).state)
                 if np.max(np.abs(end - found.state) / scale) > SAME:
                     break
                 found = closed(on, found.state, time, at_level(on, found.state))

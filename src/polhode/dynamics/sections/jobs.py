@@ -15,7 +15,7 @@ from polhode.equations.integrals import first_integrals
 from polhode.equations.section_functions import HEIGHT, MOMENTUM, SectionZero
 from polhode.numbers.conversion import to_double, to_extended
 from polhode.numbers.exact import Exact
-from polhode.numbers.rows import Doubles, doubles
+from polhode.numbers.rows import Doubles, double_array
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
 
@@ -101,7 +101,7 @@ def unpacked(held: Arrays) -> Crossed:
     from polhode.taylor.events.batch_search import Crossed
 
     states, times, rests, slopes = (
-        doubles(held[name]) for name in ("states", "times", "rests", "slopes")
+        double_array(held[name]) for name in ("states", "times", "rests", "slopes")
     )
     found, steps = (np.asarray(held[name], dtype=np.int64) for name in ("found", "steps"))
     outcomes, drift = tuple(held["outcomes"].tolist()), float(held["drift"].item())

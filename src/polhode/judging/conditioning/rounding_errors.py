@@ -114,10 +114,11 @@ class Rounding(NamedTuple):
         """log10 of the 5 %, 50 % and 95 % quantiles of the size of both together."""
         squares, axes = np.linalg.eigh(self.steps.values)
         exponent, odd = divmod(self.steps.exponent, 2)
-        root = axes * np.sqrt(np.maximum(squares, 0) * 2.0**odd)
+        # the symmetric root: of eigenvectors any signs, and in a plane any pair, may be found
+        root = axes * np.sqrt(np.maximum(squares, 0) * 2.0**odd) @ axes.T
         common = max(exponent, self.inputs.exponent)
         values = np.ldexp(self.inputs.values, self.inputs.exponent - common)
-        values = values + np.ldexp(_deviates() @ root.T, exponent - common)
+        values = values + np.ldexp(_deviates() @ root, exponent - common)
         found = np.quantile(_sizes(along, values), _QUANTILES)
         return tuple(_log10(float(x)) + common * LOG10_2 for x in found)
 

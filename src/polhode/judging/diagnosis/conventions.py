@@ -1,28 +1,27 @@
 """What a table that is wrong may mean: the usual other conventions, tried together.
 
-Each part is tried in all its conventions, at the times as they stand and at times that are a step
-off, run backward, begin elsewhere or have another unit, and against scenes with a sign or an order
-of numbers that is often another.  The first rows tell which one it is (:mod:`evidence`): what a
-program loses later is its drift, and is reported in the reading that fits.
+A table is held against the scene's motion at the times as they stand and, where it is not right
+there, against other worlds (:mod:`worlds`) and the times of another clock
+(:mod:`polhode.judging.diagnosis.clock`).  In each of them each part is tried in all its conventions
+(:mod:`ways`), by one measure: the digits of its first rows (:mod:`evidence`).  What a program loses
+later is its drift, and is reported in the reading that fits.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from contextlib import suppress
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from polhode.common.errors import BadInput
+from polhode.judging.diagnosis.clock import clock
 from polhode.judging.diagnosis.evidence import (
     BEGINS,
     FAR_GAIN,
     LEAST_GAIN,
     course,
+    first_rows,
     follows,
     is_alike,
     is_better,
@@ -31,43 +30,24 @@ from polhode.judging.diagnosis.evidence import (
     probed_rows,
 )
 from polhode.judging.diagnosis.motion_in_double import integrated
+from polhode.judging.diagnosis.other_times import UNITS
 from polhode.judging.diagnosis.rotation_matrices import matrices
-from polhode.judging.diagnosis.time_unit import UNITS
 from polhode.judging.diagnosis.ways import (
     ALIKE_AT_START,
     FREEDOM,
-    LEAST_ROWS,
     SCALAR_FIRST,
     Right,
     Way,
     ways,
 )
+from polhode.judging.diagnosis.worlds import World, at_times, other_worlds
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import AnyReference
 from polhode.judging.tables.reading import WRONG, Reading, TimeChange
 from polhode.judging.tables.table import PARTS, Table
-from polhode.numbers.conversion import doubles, to_double
-from polhode.numbers.exact import Exact
+from polhode.numbers.conversion import doubles
 from polhode.numbers.rows import Doubles
-from polhode.numbers.vectors import Matrix
-from polhode.scenes.body import Body, exact_vector
 from polhode.scenes.scene import Scene
-
-_FARTHEST = 3e3  # radians or so, to which times of another unit are tried
-_POLE = 1e-9  # the sine of theta where psi and phi are one angle
-
-
-class _World(NamedTuple):
-    """What a table may be a motion of: the scene at its times, at other times, or another scene.
-
-    ``words``: what it is called, empty for the plain one.  ``times``: what makes the times its own.
-    ``is_applied``: whether a table can be read so.
-    """
-
-    words: str
-    right: Right
-    times: TimeChange | None = None
-    is_applied: bool = True
 
 
 class _Part(NamedTuple):
@@ -97,47 +77,138 @@ class _Part(NamedTuple):
         return course(self.best.rows, self.best.fitted)
 
 
-def readings(
-    subject: Table,
-    reference: AnyReference,
-    wrong: Collection[str],
-) -> list[Reading]:
-    """For each part that is wrong, the convention that makes it right in its first rows, if any.
+class View(NamedTuple):
+    """The parts of a table of which every number is there, in the rows that tell, as doubles.
 
-    ``wrong``: which of omega, gamma, attitude and angles are, or may be.
+    ``right``: the scene's motion at the times as they stand; None where it is not known there.
+    ``parts``: what each part is beside it.
     """
-    parts, times, right = probe(subject, reference)
-    if right is None or not parts.keys() & {*wrong}:
-        return []
-    first = _World("", right)
 
-    def seen(world: _World) -> dict[str, _Part]:
-        found = {k: _part(k, values, world, k in wrong) for k, values in parts.items()}
-        return _with_same_axes({k: one for k, one in found.items() if one is not None})
+    values: dict[str, Doubles]
+    times: list[Fraction]
+    right: Right | None
+    parts: dict[str, _Part]
 
-    plain = seen(first)
-    world, best = first, plain
-    if not _explains(plain):
-        for other in _other_worlds(subject, reference.scene, times):
-            found = seen(other)
-            if found.keys() == plain.keys() and _is_better_world(found, best):
-                world, best = other, found
-    return [
-        _reading(k, plain[k].plain, best[k].way, world, times)
-        for k in best
-        if k in wrong and (best[k].is_told or not is_alike(plain[k].course, best[k].course))
-    ]
+    @property
+    def is_right(self) -> bool:
+        """Whether all parts are right as they stand, in all rows."""
+        return all(one.plain.digits >= WRONG for one in self.parts.values())
+
+    @property
+    def readings(self) -> list[Reading]:
+        """Of each part that is wrong the convention that makes its first rows right, if any."""
+        return [_reading(k, one, self.times) for k, one in self.parts.items() if one.is_told]
+
+    def readings_in(self, world: World) -> list[Reading]:
+        """Of each part that is wrong its convention in another scene's world."""
+        return [
+            _reading(k, there._replace(plain=here.plain), self.times, world.words)
+            for k, there in _parts(self.values, world.right, world.words).items()
+            if (here := self.parts[k]).plain.digits < WRONG
+            and (there.is_told or not is_alike(here.course, there.course))
+        ]
 
 
-def _part(part: str, values: Doubles, world: _World, is_wrong: bool) -> _Part | None:
+def view(subject: Table, reference: AnyReference) -> View:
+    """A table beside the motion of a reference."""
+    values, times = whole_parts(subject)
+    turning = not reference.encloses_attitude or bool({*values} & {"attitude", "angles"})
+    right = _motion(reference, times, turning)
+    seen = View(values, times, right, _parts(values, right))
+    if turning or seen.is_right:
+        return seen
+    right = _motion(reference, times, True)  # omega may be along the axes of space
+    return View(values, times, right, _parts(values, right))
+
+
+def _motion(reference: AnyReference, times: Sequence[Fraction], turning: bool) -> Right | None:
+    """The reference's motion, with its attitude if it is ``turning``; a run in double tells what is
+    enclosed, whose proof may have far to go."""
+
+    def asked(question: Callable[..., Any]) -> Any:
+        try:
+            return np.array([[float(x) for x in row] for row in question(times, 18)])
+        except (TypeError, ValueError):  # no closed form for it, a pole
+            return None
+
+    run = None
+    if (turning and reference.encloses_attitude) or isinstance(reference, Certified):
+        run = integrated(reference.scene, times, turning)
+    if isinstance(reference, Certified):
+        return run
+    states = asked(reference.at)
+    if states is None or not turning:
+        return None if states is None else Right(states)
+    attitude = run and run.attitude if reference.encloses_attitude else asked(reference.attitude)
+    return Right(states, attitude, None if attitude is None else matrices(attitude))
+
+
+def other_world(seen: View, subject: Table, scene: Scene) -> World | None:
+    """The world in which a table that is wrong is right in its first rows; None where none is."""
+    found = _best(seen, other_worlds(seen.times, subject.times, scene))
+    parts = seen.parts if found is None else _parts(seen.values, found.right, found.words)
+    if found is not None or is_explained(parts):
+        return found
+    at_clock = _at_the_clock(seen, subject, scene)
+    if at_clock is None or at_clock.is_sure:
+        return at_clock
+    return at_clock if is_explained(_parts(seen.values, at_clock.right, "clock")) else None
+
+
+def is_explained(parts: Mapping[str, _Part]) -> bool:
+    """Whether the first rows of all parts are right, as they stand or in another convention."""
+    return all(
+        one.is_told or float(np.min(first_rows(one.plain.rows))) >= WRONG for one in parts.values()
+    )
+
+
+def likely_unit(subject: Table, scene: Scene) -> str:
+    """The unit that the times of a table seem to have; empty where it is the scene's."""
+    values, times = whole_parts(subject)
+    plain = next(at_times({"": TimeChange()}, times, scene), None)
+    right = plain and plain.right
+    seen = View(values, times, right, _parts(values, right))
+    if not values or seen.is_right:
+        return ""
+    units = {unit.name: TimeChange(unit=unit.length) for unit in UNITS}
+    found = _best(seen, at_times(units, times, scene))
+    return "" if found is None else found.words
+
+
+def _best(seen: View, worlds: Iterator[World]) -> World | None:
+    """The world of several that explains most, the first of those that are alike."""
+    found, best = None, seen.parts
+    if all(one.way.digits >= WRONG for one in best.values()):
+        return None
+    for world in worlds:
+        parts = _parts(seen.values, world.right, world.words)
+        if _is_better_world(parts, best):
+            found, best = world, parts
+    return found
+
+
+def _parts(values: Mapping[str, Doubles], right: Right | None, words: str = "") -> dict[str, _Part]:
+    """Parts in a world, each in its best convention; of a motion that is not known as they stand.
+
+    ``words``: of the world, empty for the scene's motion at the times as they stand.
+    """
+    if right is None:
+        nothing = {k: Way("", np.zeros(len(rows))) for k, rows in values.items()}
+        return {k: _Part(way, way, False, False) for k, way in nothing.items()}
+    count = len(right.states)
+    found = {k: _part(k, rows[:count], right, bool(words)) for k, rows in values.items()}
+    return _with_same_axes({k: one for k, one in found.items() if one is not None})
+
+
+def _part(part: str, values: Doubles, right: Right, must_move: bool) -> _Part | None:
     """The best way of a part; the plain one, where no other tells more or the part is right."""
-    tried = ways(part, values, world.right)
+    tried = ways(part, values, right)
     plain = next(tried, None)
     if plain is None:
         return None
-    moved = world.right.moved(part)
-    if not is_wrong or plain.digits >= WRONG:
-        goes = not world.words or follows(course(plain.rows), moved, False, True, False)
+    moved = right.moved(part)
+    if plain.digits >= WRONG:
+        goes = not must_move or follows(course(plain.rows), moved, False, True, False)
         return _Part(plain, plain, False, goes)
     all_ways = [plain, *tried]
     own = course(plain.rows)
@@ -151,7 +222,7 @@ def _part(part: str, values: Doubles, world: _World, is_wrong: bool) -> _Part | 
         alike = sum(is_sure(one) for _, one in found)
         told = best.is_unit_alone or alike <= ALIKE_AT_START[part]
         sure = told and not (fitted or best.words.startswith(SCALAR_FIRST))
-        goes = follows(mine, moved, best.fitted, bool(world.words), sure)
+        goes = follows(mine, moved, best.fitted, must_move, sure)
         told = goes and is_better(mine, own, least_gain(best.tries, FREEDOM[part]))
         seen.append(_Part(best, plain, told, goes))
     named = seen[0]
@@ -175,31 +246,30 @@ def _with_same_axes(parts: dict[str, _Part]) -> dict[str, _Part]:
     return parts
 
 
-def _explains(parts: Mapping[str, _Part]) -> bool:
-    """Whether all parts are right in all rows."""
-    return all(one.way.digits >= WRONG for one in parts.values())
-
-
 def _is_better_world(found: Mapping[str, _Part], other: Mapping[str, _Part]) -> bool:
     """Whether all parts begin right, all together have more digits, and some have far more."""
-    mine = {k: one.course for k, one in found.items()}
-    more = {k: float(np.sum(one - other[k].course)) for k, one in mine.items()}
-    far = [k for k, one in mine.items() if is_better(one, other[k].course, FAR_GAIN)]
+    if found.keys() != other.keys():
+        return False
+    both = {}
+    for k, one in found.items():
+        count = min(len(one.course), len(other[k].course))
+        both[k] = one.course[:count], other[k].course[:count]
+    far = [k for k, pair in both.items() if is_better(*pair, FAR_GAIN)]
     return (
         bool(far)
-        and sum(more.values()) > 0
-        and all(float(one[0]) >= BEGINS for one in mine.values())
+        and sum(float(np.sum(mine - its)) for mine, its in both.values()) > 0
+        and all(float(mine[0]) >= BEGINS for mine, _ in both.values())
         and all(found[k].goes for k in far)
     )
 
 
-def _reading(part: str, plain: Way, way: Way, world: _World, times: Sequence[Fraction]) -> Reading:
-    """A part as it is read in a world."""
-    words = ", ".join(filter(None, (world.words, way.words)))
-    change = way.change if world.is_applied else None
-    told = shown_rows(way, times)
-    how = "read as" if world.is_applied else "right with"
-    return Reading(part, plain.digits, words, way.digits, change, world.times, told, how)
+def _reading(part: str, seen: _Part, times: Sequence[Fraction], world: str = "") -> Reading:
+    """A part as it is read; ``world``: the words of another scene, if it is that one's."""
+    way = seen.way
+    words = ", ".join(filter(None, (world, way.words)))
+    change, how = (None, "right with") if world else (way.change, "read as")
+    rows = shown_rows(way, times)
+    return Reading(part, seen.plain.digits, words, way.digits, change, None, rows, how)
 
 
 def shown_rows(way: Way, times: Sequence[Fraction]) -> tuple[tuple[Fraction, float], ...]:
@@ -209,122 +279,16 @@ def shown_rows(way: Way, times: Sequence[Fraction]) -> tuple[tuple[Fraction, flo
     return tuple((times[k], float(way.rows[k])) for k in sorted({first, middle, last}))
 
 
-def _other_worlds(subject: Table, scene: Scene, times: Sequence[Fraction]) -> Iterator[_World]:
-    """The motion at other times, and those of other scenes that may be meant."""
-    if len(times) >= LEAST_ROWS:
-        for words, change in other_times(subject, scene):
-            right = integrated(scene, [change.of(t) for t in times])
-            if right is not None:
-                yield _World(words, right, change)
-    for words, other in _other_scenes(scene):
-        right = integrated(other, times)
-        if right is not None:
-            yield _World(words, right, is_applied=False)
-
-
-def _other_scenes(scene: Scene) -> Iterator[tuple[str, Scene]]:
-    """Scenes with a sign or an order of numbers that is often another."""
-    body = scene.body
-    if body.weight:
-        yield "a weight of the other sign", _with_body(scene, body.inertia, -body.weight)
-    products = [(i, j) for i in range(3) for j in range(i) if body.inertia[i][j] != 0]
-    some = [products, *([one] for one in products)] if len(products) > 1 else [products]
-    for signs in filter(None, some):
-        x, y, z = (
-            exact_vector([-m if {(i, j), (j, i)} & {*signs} else m for j, m in enumerate(row)])
-            for i, row in enumerate(body.inertia)
-        )
-        names = ", ".join("I" + "xyz"[j] + "xyz"[i] for i, j in signs)
-        words = f"products of inertia of the other sign ({names})"
-        with suppress(BadInput, ValueError):  # moments of no body
-            yield words, _with_body(scene, (x, y, z), body.weight)
-    if scene.columns[3:] and "quaternion" in scene.source:
-        start = integrated(scene, [Fraction(0)])
-        if start is not None and start.attitude is not None:
-            a, b, c, d = start.attitude[0]
-            turned = _with_attitude(scene, (d, a, b, c))
-            yield "the scene's quaternion taken as scalar-last", turned
-
-
-def _with_body(scene: Scene, inertia: Matrix, weight: Exact) -> Scene:
-    body = Body(inertia, scene.body.centre, weight)
-    return replace(scene, body=body)
-
-
-def _with_attitude(scene: Scene, given: Sequence[float]) -> Scene:
-    """The scene from another attitude, a quaternion, scalar first."""
-    (turned,) = matrices(np.array([given]))
-    x, y = turned[0, 2], -turned[1, 2]  # the sine of theta times those of psi
-    if math.hypot(x, y) < _POLE:
-        x, y = turned[1, 0], turned[0, 0]
-    gamma = exact_vector([float(z) for z in turned[2]])
-    return replace(scene, gamma=gamma, psi=Fraction(math.atan2(x, y)), normalise=True)
-
-
-def other_times(
-    subject: Table, scene: Scene, far: bool = False
-) -> Iterator[tuple[str, TimeChange]]:
-    """Times at which the rows may hold instead: a step off, backward, from another beginning.
-
-    ``far``: in other units, too, that make the last time one that is far.
-    """
-    first = subject.times[0]
-    for sign, word in ((1, "late"), (-1, "early")):
-        for second in subject.times[1:2]:
-            yield f"one step of t {word}", TimeChange(shift=sign * (second - first))
-    if first != 0:
-        yield f"t from {float(first):.6g} on", TimeChange(shift=first)
-    yield "t of the other sense", TimeChange(sign=-1)
-    if first != 0:
-        yield "t of the other sense, from its first row on", TimeChange(-1, shift=-first)
-    speed = max([1e-300, *(abs(to_double(x)) for x in scene.start[:3])])
-    farthest = max(abs(to_double(t)) for t in subject.times)
-    for unit in UNITS:
-        if far or farthest * float(unit.length) * speed < _FARTHEST:
-            yield f"t {unit.name}", TimeChange(unit=unit.length)
-
-
-class Probe(NamedTuple):
-    """The parts of a table of which every number is there, as doubles, in the rows that tell.
-
-    ``right``: what the reference has at their times, or at those that are told of; None where it
-    gives no states.
-    """
-
-    parts: dict[str, Doubles]
-    times: list[Fraction]
-    right: Right | None
-
-    @property
-    def digits(self) -> dict[str, float]:
-        """The fewest digits of each part as it stands, where the motion is known."""
-        if self.right is None:
-            return {}
-        plain = {k: next(ways(k, values, self.right), None) for k, values in self.parts.items()}
-        return {k: way.digits for k, way in plain.items() if way is not None}
-
-
-def probe(subject: Table, reference: AnyReference, moved: TimeChange | None = None) -> Probe:
-    """The rows of a table that tell, beside the motion.
-
-    ``moved``: where the times are not those of the table, a run in double tells them.
-    """
-    parts, times = whole_parts(subject)
-    if not parts:
-        return Probe(parts, times, None)
-    if moved is not None or isinstance(reference, Certified):  # whose proof may have far to go
-        at = times if moved is None else [moved.of(t) for t in times]
-        return Probe(parts, times, integrated(reference.scene, at))
-
-    def asked(question: Callable[..., Any]) -> Any:
-        try:
-            return np.array([[float(x) for x in row] for row in question(times, 18)])
-        except (TypeError, ValueError):  # no closed form for it, a pole
-            return None
-
-    states, attitude = asked(reference.at), asked(reference.attitude)
-    turned = None if attitude is None else matrices(attitude)
-    return Probe(parts, times, None if states is None else Right(states, attitude, turned))
+def _at_the_clock(seen: View, subject: Table, scene: Scene) -> World | None:
+    """The motion at the times of another clock, where its first rows are found on it."""
+    earliest = sorted(range(len(subject.times)), key=subject.times.__getitem__)
+    rows = subject.some(first_rows(earliest))
+    values, times = whole_parts(rows)
+    found = clock(values, times, max(rows.time_errors, default=0.0), scene)
+    if found is None:
+        return None
+    at = next(at_times({found.words: found.change}, seen.times, scene), None)
+    return at and at._replace(off=found.off, is_sure=found.entire)
 
 
 def whole_parts(subject: Table) -> tuple[dict[str, Doubles], list[Fraction]]:

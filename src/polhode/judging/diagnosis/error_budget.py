@@ -9,7 +9,12 @@ from fractions import Fraction
 from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from polhode.equations.plain_field import field
 from polhode.numbers.conversion import to_double
+from polhode.numbers.rows import Doubles
+from polhode.scenes.scene import Scene
 
 if TYPE_CHECKING:
     from polhode.judging.conditioning.rounding_errors import Band
@@ -23,6 +28,8 @@ UNKNOWN = "unknown (the digits to expect were not computed)"
 THIN, THIN_TAKES = 5e-5, 2.0
 OF_THIN = "unknown (steps of so thin a body lose more than the expected digits allow for)"
 ALONE = 0.03  # digits: what steps add to an error three times theirs
+_MORE = 1.1  # times what rounded times explain: of rates that are not the same between two times
+_MOST = 2.0  # times what the worst row's time explains: most of its error
 #: What a table that is no run of polhode's may have instead of a method's error.
 BEYOND_ROUNDING = "more than rounding: the program's steps, noise, or another motion"
 
@@ -134,3 +141,28 @@ def between(known: Mapping[Any, Any], times: Sequence[Fraction]) -> tuple[Any, .
         else:
             found.append(type(one)(*(a + part * (b - a) for a, b in zip(one, other, strict=True))))
     return tuple(found)
+
+
+def time_rounding(
+    scene: Scene,
+    states: Doubles,
+    time_errors: Sequence[float],
+    digits: Sequence[float],
+    rounding: Sequence[float],
+) -> float | None:
+    """By how much rounded times are off at most, if that explains the digits; None if not.
+
+    A row holds at a time that the table has rounded, such as a clock's late ones:
+    :mod:`polhode.judging.tables.type_inference`.
+
+    ``states``: rows of the scene's columns.  ``time_errors``: by how much their times may be off.
+    ``digits``: the correct ones of each row.  ``rounding``: those that rounding the states leaves.
+    """
+    speed = float(np.max(np.linalg.norm(states[:, :3], axis=1))) or 1.0
+    rates = np.abs(field(scene)(0.0, states.T))
+    moved = np.maximum(np.max(rates[:3], axis=0) / speed, np.max(rates[3:], axis=0, initial=0.0))
+    moved = np.array(time_errors) * moved
+    errors = 10.0 ** -np.array(digits)
+    right = bool(np.all(errors <= _MORE * (moved + 10.0 ** -np.array(rounding))))
+    worst = int(np.argmax(errors))
+    return max(time_errors) if right and errors[worst] <= _MOST * moved[worst] else None

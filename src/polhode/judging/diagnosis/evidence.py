@@ -15,10 +15,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from fractions import Fraction
+from typing import TypeVar
 
 import numpy as np
 
 from polhode.numbers.rows import Doubles
+
+Rows = TypeVar("Rows", Doubles, list[int])
 
 MOST = 12.0  # digits that count: more are no more certain
 BEGINS = 1.0  # digits of a first row that is right
@@ -44,6 +47,11 @@ def probed_rows(times: Sequence[Fraction]) -> list[int]:
         return order
     later = np.geomspace(_FIRST_ROWS, count - 1, _LATER_ROWS)
     return [order[k] for k in sorted({*range(_FIRST_ROWS), *(round(float(x)) for x in later)})]
+
+
+def first_rows(rows: Rows) -> Rows:
+    """The first of rows in the order of their times, which tell whether a table begins right."""
+    return rows[:_FIRST_ROWS]
 
 
 def course(digits: Doubles, fitted: bool = False) -> Doubles:

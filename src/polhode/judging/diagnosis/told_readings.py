@@ -5,23 +5,17 @@ The words are those that a judgement prints, and no others.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 
 from polhode.common.errors import BadInput, listed
-from polhode.judging.diagnosis.conventions import (
-    other_times,
-    probe,
-    shown_rows,
-)
-from polhode.judging.diagnosis.time_unit import told_clock
+from polhode.judging.diagnosis.conventions import shown_rows, view
+from polhode.judging.diagnosis.other_times import other_times, told_times
 from polhode.judging.diagnosis.ways import Way, ways
 from polhode.judging.references.reference import AnyReference
-from polhode.judging.tables.reading import LENGTH, TURNS, Reading, TimeChange
+from polhode.judging.tables.reading import LENGTH, TURNS, Reading
 from polhode.judging.tables.table import Table, as_judged
-from polhode.numbers.decimals import brief
-from polhode.scenes.scene import Scene
 
 _APPLIED = "a reading that can be applied; this one is reported, and not applied"
 
@@ -34,10 +28,10 @@ def read_as_told(subject: Table, reference: AnyReference, told: str) -> Table:
     phrases = [" ".join(text.split()) for text in told.split(";") if text.strip()] or [told]
     of_parts: list[str] = []
     for phrase in phrases:
-        change = _time_changes(subject, reference.scene).get(phrase) or told_clock(phrase)
+        words = phrase.removeprefix("t ")
+        change = None if words == phrase else told_times(words, subject.times)
         if change is not None:
-            moved = Reading("t", 0.0, phrase.removeprefix("t "), 0.0, None, change)
-            subject = subject.read_as([moved])
+            subject = subject.read_as([Reading("t", 0.0, words, 0.0, None, change)])
         elif phrase != f"attitude {LENGTH}":  # applied before
             of_parts.append(phrase)
     return subject.read_as(_readings(subject, reference, of_parts)) if of_parts else subject
@@ -50,55 +44,41 @@ def table_as_told(table: Table, reference: AnyReference, told: str) -> Table:
 
 
 def _readings(subject: Table, reference: AnyReference, phrases: Sequence[str]) -> list[Reading]:
-    """Readings of parts; other times in their words are the same ones in all."""
-    changes = _time_changes(subject, reference.scene)
-    later = next(filter(None, (_words_of_times(phrase, changes) for phrase in phrases)), "")
-    moved = changes.get(later)
-    sample = probe(subject, reference, moved)
+    """Readings of parts, in the words that tell them."""
+    sample = view(subject, reference)
     if sample.right is None and sample.parts:
         raise BadInput(subject.name, "read", phrases[0], "numbers that can be followed in double")
     known: dict[str, tuple[str, Way]] = {}
-    for part, values in sample.parts.items():
+    digits: dict[str, float] = dict.fromkeys(sample.parts, 0.0)
+    for part, values in sample.values.items():
         for way in ways(part, values, sample.right) if sample.right else ():
-            if words := ", ".join(filter(None, (later, way.words))):
-                known.setdefault(f"{part} {words}", (part, way))
-    digits = dict.fromkeys(sample.parts, 0.0) | sample.digits
+            if way.words:
+                known.setdefault(f"{part} {way.words}", (part, way))
+            else:
+                digits[part] = way.digits
     found: dict[str, Reading] = {}
     for phrase in phrases:
         if phrase == TURNS and "angles" in sample.parts:
             continue
         if phrase not in known:
-            raise BadInput(subject.name, "read", phrase, _possible(phrase, known, changes))
+            raise BadInput(subject.name, "read", phrase, _possible(phrase, known, subject))
         part, way = known[phrase]
         if way.change is None or part in found:
             expected = f"no second reading of {part}" if way.change else _APPLIED
             raise BadInput(subject.name, "read", phrase, expected)
         words = phrase.removeprefix(f"{part} ")
         rows = shown_rows(way, sample.times)
-        found[part] = Reading(part, digits[part], words, way.digits, way.change, moved, rows)
+        found[part] = Reading(part, digits[part], words, way.digits, way.change, rows=rows)
     if TURNS in phrases:
         turned = Reading("angles", digits["angles"], TURNS, digits["angles"])
         found.setdefault("angles", turned)
     return [*found.values()]
 
 
-def _time_changes(subject: Table, scene: Scene) -> dict[str, TimeChange]:
-    """Changes of times by the words that tell them."""
-    first = min(subject.times)
-    begun = {f"t from its first row on ({brief(first)})": TimeChange(shift=first)}
-    return begun | dict(other_times(subject, scene, far=True))
-
-
-def _words_of_times(phrase: str, changes: Iterable[str]) -> str:
-    """The words of other times that a reading of a part begins with; empty where there are none."""
-    rest = phrase.partition(" ")[2]
-    words = [one for one in changes if rest == one or rest.startswith(f"{one}, ")]
-    return max(words, key=len, default="")
-
-
-def _possible(phrase: str, known: Mapping[str, tuple[str, Way]], changes: Iterable[str]) -> str:
+def _possible(phrase: str, known: Mapping[str, tuple[str, Way]], subject: Table) -> str:
     """Readings that a table may have, of those that rename axes only the nearest ones."""
     applied = [words for words, (_, way) in known.items() if way.change is not None]
     near = get_close_matches(phrase, applied)
     plain = [words for words in applied if "=" not in words and words not in near]
-    return f"readings that this table can have: {listed(phrase, [*near, *plain, *changes])}"
+    times = [f"t {words}" for words in other_times(subject.times)]
+    return f"readings that this table can have: {listed(phrase, [*near, *plain, *times])}"

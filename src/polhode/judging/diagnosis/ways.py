@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -72,6 +72,7 @@ class Way(NamedTuple):
 
     ``tries``: how many conventions are as plain, of which one may be right by chance.
     ``fitted``: whether the first row decides what is changed, so that it is right there.
+    ``renamed``: how many frames it renames; the plainer ones come first.
     """
 
     words: str
@@ -79,6 +80,7 @@ class Way(NamedTuple):
     change: Change | None = None
     tries: int = 1
     fitted: bool = False
+    renamed: int = 0
 
     @property
     def digits(self) -> float:
@@ -151,38 +153,43 @@ def _of_attitude(values: Doubles, right: Right) -> Iterator[Way]:
     signs, sense = _signs(values, plain, right)
     yield Way("", np.where(signs == -sense, 0.0, plain), Change())
     yield Way("of either sign at each time", plain)
-    found: list[_Framed] = []
+
+    def applied(change: Change, frames: _Frames) -> Change | None:
+        space, body = quaternion(frames.space.T), quaternion(frames.body)
+        turned = change._replace(space=space, body=body)
+        return _of_same_sign(turned, values, frames.rows, right)
+
+    forms: list[_Form] = []
     for order, place in _ORDERS:
         turned = matrices(values[:, order])
-        for parts, inverse in (((1, 1, 1, 1), ""), ((1, -1, -1, -1), "body from space")):
-            held = turned if parts[1] > 0 else turned.transpose(0, 2, 1)
-            for frames in _frames(held, true):
-                words = ", ".join(filter(None, (place, inverse, frames.words)))
-                change = None
-                if words and not frames.is_fitted:
-                    change = Change(
-                        order,
-                        parts,
-                        space=quaternion(frames.space.T),
-                        body=quaternion(frames.body),
-                    )
-                    change = _of_same_sign(change, values, frames.rows, right)
-                tries = 2 * len(_ORDERS) * frames.tries
-                way = Way(words, frames.rows, change, tries, frames.is_fitted)
-                found += [_Framed(frames.renamed, way)] if words else []
-    yield from _plain_first(found)
+        back = ", ".join(filter(None, (place, "body from space")))
+        forms.append((place, turned, Change(order, (1, 1, 1, 1))))
+        forms.append((back, turned.transpose(0, 2, 1), Change(order, (1, -1, -1, -1))))
+    yield from _in_frames(forms, true, applied)
 
 
-class _Framed(NamedTuple):
-    """A way, and how many frames it renames; a frame that is turned counts as more."""
-
-    renamed: int
-    way: Way
+#: A way to read a part as rotations: in words, the matrices, and the change that it is.
+_Form: TypeAlias = tuple[str, Doubles, Change]
 
 
-def _plain_first(found: list[_Framed]) -> Iterator[Way]:
-    """Ways by the frames that they rename: a change of scalar or sense may be one of frames."""
-    return (one.way for one in sorted(found, key=lambda one: one.renamed))
+def _in_frames(
+    forms: Sequence[_Form],
+    true: Any,
+    applied: Callable[[Change, _Frames], Change | None] | None = None,
+) -> list[Way]:
+    """Rotations in all frames, by those that they rename: a change of scalar or sense may be one of
+    frames.  ``applied``: the change that a form's one and frames make."""
+    found = []
+    for form, held, change in forms:
+        for frames in _frames(held, true):
+            words = ", ".join(filter(None, (form, frames.words)))
+            tries = len(forms) * frames.tries
+            whole = None
+            if applied is not None and not frames.is_fitted:
+                whole = applied(change, frames)
+            way = Way(words, frames.rows, whole, tries, frames.is_fitted, frames.renamed)
+            found += [way] if words else []
+    return sorted(found, key=lambda way: way.renamed)
 
 
 def _signs(quaternions: Doubles, digits: Doubles, right: Right) -> tuple[Doubles, float]:
@@ -271,19 +278,14 @@ def _of_angles(values: Doubles, right: Right) -> Iterator[Way]:
     yield Way("", _against(turns("zxz", values), true), Change())
     held = turns("zxz", _DEGREE * values)
     yield Way("in degrees", _against(held, true), Change(SAME, (1, 1, 1), 1))
-    found: list[_Framed] = []
+    forms: list[_Form] = []
     for sequence in _SEQUENCES:
-        for factor, unit in ((1.0, ""), (_DEGREE, "in degrees")):
+        for factor, unit in ((1.0, ""), (_DEGREE, " in degrees")):
             turned = turns("".join(sequence), factor * values)
-            name = f"turns about {'-'.join(sequence)}"
-            for held, sense in ((turned, ""), (turned.transpose(0, 2, 1), "body from space")):
-                words = " ".join(filter(None, (name, unit, sense)))
-                for frames in _frames(held, true):
-                    told = ", ".join(filter(None, (words, frames.words)))
-                    tries = 4 * len(_SEQUENCES) * frames.tries
-                    way = Way(told, frames.rows, None, tries, frames.is_fitted)
-                    found.append(_Framed(frames.renamed, way))
-    yield from _plain_first(found)
+            name = f"turns about {'-'.join(sequence)}{unit}"
+            forms.append((name, turned, Change()))
+            forms.append((f"{name} body from space", turned.transpose(0, 2, 1), Change()))
+    yield from _in_frames(forms, true)
 
 
 def _against(values: Any, true: Any) -> Doubles:

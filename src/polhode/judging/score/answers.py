@@ -1,4 +1,8 @@
-"""A reference's rows at the times that are judged, each question asked once."""
+"""A reference's rows at the times that are judged, each question asked once.
+
+What was asked for more digits answers for fewer: runs of one scene in several number types are
+judged by the rows that the widest of them needs.
+"""
 
 from __future__ import annotations
 
@@ -43,7 +47,10 @@ class Answers:
         return column_of(ask, self.reference.scene, word, self.times, digits)
 
     def _asked(self, question: str, digits: int) -> Answer:
-        """The answer to one question, as it was given or now."""
+        """The answer to one question, as it was given, to more digits or as many, or now."""
+        given = [n for name, n in self._known if name == question and n >= digits]
+        enough = (n for n in sorted(given) if n == digits or self._is_answered(question, n))
+        digits = next(enough, digits)
         if (question, digits) not in self._known:
             both = self.attitude and not self.reference.encloses_attitude
             group = ("attitude", "at") if both and question in ("attitude", "at") else (question,)
@@ -53,6 +60,10 @@ class Answers:
         if isinstance(found, ValueError):
             raise found
         return found
+
+    def _is_answered(self, question: str, digits: int) -> bool:
+        """Whether a question that was asked was not refused: for fewer digits it may not be."""
+        return not isinstance(self._known[question, digits], ValueError)
 
     def _found(self, questions: Sequence[str], digits: int) -> dict[str, Answer | ValueError]:
         """Answers to questions that are asked together, of each or why there is none."""

@@ -12,9 +12,9 @@ from polhode.common.arguments import each, of_kind, refuse_unknown
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.text_tables import few
-from polhode.judging.clock import unknown_clock
 from polhode.judging.conditioning.conditioning import Conditioning
-from polhode.judging.diagnosis.time_unit import time_unit
+from polhode.judging.diagnosis.clock import unknown_clock
+from polhode.judging.diagnosis.conventions import likely_unit, view
 from polhode.judging.diagnosis.told_readings import read_as_told
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import AnyReference, Reference, reference
@@ -24,7 +24,7 @@ from polhode.judging.score.score import does_not_answer
 from polhode.judging.score.table_reading import as_meant, with_unit_quaternions
 from polhode.judging.tables.given_columns import table_of_columns, table_of_rows
 from polhode.judging.tables.naming import PLAIN, Naming, naming
-from polhode.judging.tables.reading import LENGTH
+from polhode.judging.tables.reading import LENGTH, Reading
 from polhode.judging.tables.table import Table, as_judged, of_run
 from polhode.judging.tables.table_file import ENDINGS, read_table
 from polhode.numbers.number_types import NumberType
@@ -56,7 +56,7 @@ def compare(
     digits: int | None = None,
     at: Iterable[AnyNumber] | None = None,
     columns: Sequence[str] | None = None,
-    known: Conditioning | None = None,
+    known: Conditioning | Judgement | None = None,
     first: Callable[[Judgement, int], None] | None = None,
     progress: Progress | None = None,
     as_it_stands: bool = False,
@@ -88,8 +88,9 @@ def compare(
         Of rows, by default those of the scene.  Of a file without a header, or with another, its
         columns in order; or what single names of its header, or of a mapping or frame, mean:
         ``["time_ms=t*1e-3", "Q.W=q0"]``.
-    known : Conditioning, optional
-        The scene's conditioning, to spare its computation.
+    known : Conditioning or Judgement, optional
+        The scene's conditioning, or a judgement by the same reference at the same times, to spare
+        what they hold.
     first : callable, optional
         Called with a judgement of a few rows of a table of more than a thousand, and how many rows
         there are, before the others are judged by a closed form.
@@ -144,7 +145,7 @@ def compare(
 
     def foretold(seconds: float) -> None:
         if forecast is not None:
-            forecast(seconds, _unit(subject, scene))
+            forecast(seconds, likely_unit(subject, scene))
 
     proof = partial(Certified, progress=progress, max_seconds=max_seconds, forecast=foretold)
     if isinstance(against, (str, Path)) and Path(against).suffix.lower() in ENDINGS:
@@ -176,24 +177,35 @@ def compare(
         if what.run is not None and (read or not _is_of(what.run.scene, scene)):
             what = replace(what, run=None)  # another's table, as it were
         subject = as_judged(what, scene)
-        _tell_first(first, subject, against)
     if not subject.columns:
         expected = f"columns of {', '.join(against.scene.columns)}, angles or attitude"
         raise BadInput(subject.name, "header", None, expected)
-    given, offered = subject, None
+    given = subject
+    offered: tuple[Reading, ...] = ()
     reads = not as_it_stands and read is None and subject.run is None
     if read is not None and subject.run is None:
-        subject = with_unit_quaternions(subject, against) if LENGTH in read else subject
+        if LENGTH in read:
+            subject = with_unit_quaternions(subject, view(subject, against))
         subject, as_it_stands = read_as_told(subject, against, read), True
     elif reads:
         subject, offered = as_meant(given, against)
-    found = Judgement(subject, against, progress, as_it_stands, known, offered)
+    if first is not None and subject.run is None:
+        _tell_first(first, subject, against, offered)
+    found = Judgement(
+        subject,
+        against,
+        progress,
+        as_it_stands,
+        answers=known.known_answers if isinstance(known, Judgement) else None,
+        known=known.known if isinstance(known, Judgement) else known,
+        offered=offered,
+    )
     try:
         _ = found.digits  # what cannot be judged is refused here
     except BadInput as refused:
         if not does_not_answer(against, refused):
             if refused.key == "at":  # a proof of too many steps
-                unit = _unit(subject, scene)
+                unit = likely_unit(subject, scene)
                 clocks = unknown_clock(subject, scene, not as_it_stands)
                 hints = [f"t seems to be in {unit}"] if unit else clocks
                 expected = "; ".join([refused.expected, *hints])
@@ -224,20 +236,17 @@ def _naming(columns: Sequence[str] | None, of_file: bool = True) -> Naming:
     return names
 
 
-def _unit(subject: Table, scene: Scene) -> str:
-    """The unit that the times seem to have, empty where it is the scene's."""
-    unit = time_unit(subject, scene)
-    return "" if unit is None else unit.name
-
-
 def _tell_first(
-    first: Callable[[Judgement, int], None] | None, subject: Table, against: AnyReference
+    first: Callable[[Judgement, int], None],
+    subject: Table,
+    against: AnyReference,
+    offered: tuple[Reading, ...],
 ) -> None:
     """Call ``first`` with some of many rows, if a closed form judges them."""
     count = len(subject.times)
-    if first is None or count <= MANY or isinstance(against, Certified):
+    if count <= MANY or isinstance(against, Certified):
         return
-    brief = Judgement(subject.some(few(count, SHOWN)), against)
+    brief = Judgement(subject.some(few(count, SHOWN)), against, offered=offered)
     try:
         _ = brief.digits
     except BadInput as refused:

@@ -21,8 +21,8 @@ from polhode.judging.diagnosis.error_budget import (
     is_thin,
     limit,
     selected,
+    time_rounding,
 )
-from polhode.judging.diagnosis.time_rounding import explained
 from polhode.judging.score.expectation import FOLLOWED, Expectation
 from polhode.judging.score.report_text import table, together
 from polhode.judging.score.score import STATE_PART, Scores
@@ -48,8 +48,8 @@ class Judgement(Result, Scores):
     ``subject``: what was judged.  ``reference``: what it was judged against.  ``known``: the
     conditioning at the scene's times, if it is known already.  ``progress``: called with the
     reference's rows where they are many.
-    ``as_it_stands``: whether no other convention is tried.  ``offered``: those that are told and
-    not applied, if they are known already.
+    ``as_it_stands``: whether no other convention was tried.  ``offered``: those in which parts are
+    right that are told and not applied.
     ``digits[k]`` belongs to ``times[k]``: -log10 of the larger of the error of omega over the
     largest |omega| of the reference at these times, and the error of gamma, in the scene's body
     axes.  ``worst``: the fewest of these and of those of every other part that was judged.
@@ -62,7 +62,7 @@ class Judgement(Result, Scores):
     """
 
     known: Conditioning | None = field(default=None, compare=False)
-    offered: tuple[Reading, ...] | None = field(default=None, compare=False)
+    offered: tuple[Reading, ...] = field(default=(), compare=False)
 
     @cached_property
     def departures(self) -> dict[str, Departure]:
@@ -195,7 +195,7 @@ class Judgement(Result, Scores):
             (row,) = self.reference.at([self.times[self._lowest]], DIGITS_HELD["double"])
             states = {self._lowest: [*row]}
         worst = selected(len(self.times))
-        return explained(
+        return time_rounding(
             scene,
             doubles([*states.values()]),
             [about.time_errors[k] for k in states],
@@ -234,19 +234,11 @@ class Judgement(Result, Scores):
         read = {one.part for one in known}
         return (*known, *(one for one in self.offers if one.part not in read))
 
-    @cached_property
+    @property
     def offers(self) -> tuple[Reading, ...]:
-        """Those that are not applied, of a table."""
-        from polhode.judging.diagnosis.conventions import readings
-
-        if self.as_it_stands or self.subject.run is not None:
-            return ()
-        wrong = {name for name, digits in self.parts.items() if digits < WRONG}
-        if self.digits and self.state_worst < WRONG:
-            wrong |= {"omega", "gamma"}
-        if wrong and self.offered is not None:
-            return self.offered
-        return tuple(readings(self.subject, self.reference, wrong)) if wrong else ()
+        """Those that are not applied, of a table of which a part is wrong."""
+        worst = [*self.parts.values(), *([self.state_worst] if self.digits else [])]
+        return self.offered if min(worst, default=WRONG) < WRONG else ()
 
     @cached_property
     def causes(self) -> tuple[Cause, ...]:

@@ -55,17 +55,19 @@ class Scores(ByValue):
     """The right digits of a subject, the reference asked for no more digits than tell them.
 
     ``progress``: called with the reference's rows where they are many.  ``as_it_stands``: whether
-    angles are right with their whole turns alone.
+    angles are right with their whole turns alone.  ``answers``: rows of the reference that were
+    asked for already, if they are.
     """
 
     subject: Table
     reference: AnyReference
     progress: Progress | None = field(default=None, compare=False)
     as_it_stands: bool = False
+    answers: Answers | None = field(default=None, compare=False)
 
     def __getstate__(self) -> dict[str, object]:
         """Without what is told of progress: nobody waits for it elsewhere."""
-        return super().__getstate__() | {"progress": None}
+        return super().__getstate__() | {"progress": None, "answers": None}
 
     @property
     def times(self) -> tuple[Fraction, ...]:
@@ -180,17 +182,20 @@ class Scores(ByValue):
         """
         wanted = min(self._wanted, FIRST_ASKED)
         while True:
-            found = judged(self._answers.rows(word, wanted))
+            found = judged(self.known_answers.rows(word, wanted))
             if wanted == self._wanted or right(found) < wanted - SPARE_DIGITS:
                 return found
             wanted = min(self._wanted, 4 * wanted)
 
     @cached_property
-    def _answers(self) -> Answers:
+    def known_answers(self) -> Answers:
         """The reference at the times that are judged."""
+        known, times = self.answers, self._judged.times
+        if known is not None and known.reference is self.reference and known.times == times:
+            return known
         there = [word for word, x in COLUMNS.items() if {*x.names} & self.subject.columns.keys()]
         attitude = any("attitude" in (word, *COLUMNS[word].needs) for word in there)
-        return Answers(self.reference, self._judged.times, attitude, self.progress)
+        return Answers(self.reference, times, attitude, self.progress)
 
     @property
     def _wanted(self) -> int:

@@ -1,5 +1,4 @@
-"""Chaos on a level: covering relations along a homoclinic orbit.
+"""The search for a certificate of chaos: a homoclinic orbit, and charts and sets along it.
 
-``lanes``, ``homoclinic`` and ``chain_candidate`` guess; ``h_set``, ``transit``, ``covering`` and
-``theorem`` are trusted, and import nothing that approximates.
+Nothing here is trusted: ``certificates/verify.py`` proves or refuses what is found.
 """

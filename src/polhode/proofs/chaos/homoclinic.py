@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode.numbers.rows import Doubles
-from polhode.proofs.chaos.lanes import Crossings, Lanes, Whole, backward, periods_of
+from polhode.proofs.chaos.lanes import Crossings, Lanes, Whole, backward
 
 LANES = 300  # a branch
 _SIZE = 1e-4  # of the manifolds' first starts
@@ -96,7 +96,7 @@ def manifolds(lanes: Lanes, at: Saddle) -> tuple[Crossings, Crossings, Doubles]:
     States of the stable one are those of the motion run backward.
     """
     factor = abs(at.multiplier)
-    grown = at.period * (periods_of(factor, _SIZE) - 1.0)
+    grown = at.period * (math.log(1.0 / _SIZE) / math.log(factor) - 1.0)  # to a size of 1
     span = grown + at.period * (2.0 + _MORE)
     sizes = _SIZE * factor ** (np.arange(LANES + 1) / LANES)
     both = np.concatenate([sizes, -sizes])

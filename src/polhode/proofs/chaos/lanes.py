@@ -6,7 +6,6 @@ turns the time round.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -21,7 +20,9 @@ Whole = npt.NDArray[np.intp]
 
 _DEGREE = 20
 _SHORTER = 0.15  # of the radius of convergence that the last coefficients tell
+_ROUGH, _ROUGHLY = 12, 0.22  # degree and step where guesses are looked for: right to 1e-8
 _LONGEST = 1.0
+_HALVED = 24  # times, of half a step in which a maximum lies
 _BACK = np.array([-1.0, -1.0, -1.0, 1.0, 1.0, 1.0])[:, None]
 _NEXT, _AFTER = [a for a, _ in CYCLE], [b for _, b in CYCLE]
 _LEFT = [*_NEXT, *(3 + a for a in _NEXT), *(3 + b for b in _AFTER)]
@@ -42,13 +43,15 @@ class Lanes:
     """A body's motions in the proof's unit of time."""
 
     constants: tuple[float, ...]
+    moments: Doubles
     torque: Doubles
 
     @classmethod
     def of(cls, what: Motion) -> Lanes:
         """Those of an exact motion's body."""
         constants = tuple(to_double(x) for x in what.constants)
-        return cls(constants, np.array([to_double(x) for x in what.torque]))
+        moments, torque = ([to_double(x) for x in row] for row in (what.moments, what.torque))
+        return cls(constants, np.array(moments), np.array(torque))
 
     def series(self, states: Doubles, degree: int = _DEGREE) -> Doubles:
         """Taylor coefficients by the time, (degree + 1, 6, n)."""
@@ -70,6 +73,14 @@ class Lanes:
         """The right-hand sides, (6, n)."""
         return np.asarray(self.series(states, 1)[1])
 
+    def gradients(self, state: Doubles) -> Doubles:
+        """Those of energy, vertical momentum and |gamma|^2, each a constant times it: (3, 6)."""
+        w, gamma = state[:3], state[3:]
+        momentum, scale = self.moments * w, max(self.moments)
+        energy = np.concatenate([momentum, self.torque]) / scale
+        area = np.concatenate([self.moments * gamma, momentum]) / scale
+        return np.array([energy, area, [*np.zeros(3), *gamma]])
+
     def after(self, states: Doubles, times: Doubles) -> Doubles:
         """The states after times of their own, of any sign."""
         signs = np.where(times < 0.0, -1.0, 1.0)
@@ -89,8 +100,8 @@ class Lanes:
         counts = np.zeros(states.shape[1], dtype=np.intp)
         found: list[tuple[Whole, Whole, Doubles, Doubles]] = []
         while np.any(time < span):
-            series = self.series(now)
-            step = np.minimum(span - time, _step(series))
+            series = self.series(now, _ROUGH)
+            step = np.minimum(span - time, _step(series, _ROUGHLY))
             begin = self._rise(now)
             for part in (0.5, 1.0):
                 end = self._rise(_value(series, part * step))
@@ -100,7 +111,7 @@ class Lanes:
                     continue
                 low, high = (part - 0.5) * step[met], part * step[met]
                 some = series[:, :, met]
-                for _ in range(45):
+                for _ in range(_HALVED):
                     middle = (low + high) / 2
                     up = self._rise(_value(some, middle)) > 0.0
                     low, high = np.where(up, middle, low), np.where(up, high, middle)
@@ -137,13 +148,13 @@ def backward(states: Doubles) -> Doubles:
     return np.asarray(states * _BACK)
 
 
-def _step(series: Doubles) -> Doubles:
-    """Lengths of steps whose error is that of doubles."""
+def _step(series: Doubles, part: float = _SHORTER) -> Doubles:
+    """Lengths of steps, a part of the radius of convergence."""
     last = np.maximum(np.max(np.abs(series[-1]), axis=0), 1e-300)
     before = np.maximum(np.max(np.abs(series[-2]), axis=0), 1e-300)
     degree = series.shape[0] - 1
     radius = np.minimum(last ** (-1.0 / degree), before ** (-1.0 / (degree - 1)))
-    return np.asarray(np.minimum(_LONGEST, _SHORTER * radius))
+    return np.asarray(np.minimum(_LONGEST, part * radius))
 
 
 def _value(series: Doubles, step: Doubles) -> Doubles:
@@ -151,8 +162,3 @@ def _value(series: Doubles, step: Doubles) -> Doubles:
     for row in series[-2::-1]:
         found = found * step + row
     return np.asarray(found)
-
-
-def periods_of(multiplier: float, size: float) -> float:
-    """In how many periods a deviation grows to 1."""
-    return math.log(1.0 / size) / math.log(abs(multiplier))

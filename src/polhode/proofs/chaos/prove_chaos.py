@@ -2,34 +2,33 @@
 
 from __future__ import annotations
 
+import json
+import math
 import time
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
-from flint import arb
 
+from polhode.certificates import chaos_certificate, verify
+from polhode.certificates.certificate_file import Made
+from polhode.certificates.chaos_certificate import Chain
 from polhode.common.arguments import whole
 from polhode.common.progress import Message
 from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.dynamics.periodic_orbits.orbit import Orbit
 from polhode.dynamics.periodic_orbits.search import orbit_search
 from polhode.dynamics.sections.starts import MAXIMA, asked_of
-from polhode.enclosures.fixed_point_problem import Refused, motion, unit_for
-from polhode.enclosures.polynomial import ball
+from polhode.enclosures.fixed_point_problem import Motion, motion, unit_for, upper
 from polhode.equations.section_functions import MOMENTUM
+from polhode.numbers.conversion import to_double
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.scalars import AnyNumber
 from polhode.proofs.certified_orbit import Candidate, of_closed
-from polhode.proofs.chaos import chain_candidate, homoclinic, theorem
-from polhode.proofs.chaos.homoclinic import Homoclinic, Saddle
+from polhode.proofs.chaos import chain, homoclinic
 from polhode.proofs.chaos.lanes import Lanes
-from polhode.proofs.chaos.proved_chaos import Guess as Begun
-from polhode.proofs.chaos.proved_chaos import ProvedChaos
-from polhode.proofs.chaos.theorem import Horseshoe
-from polhode.proofs.level import Level
+from polhode.proofs.chaos.proved_chaos import Guess, ProvedChaos
 from polhode.proofs.prove_orbit import near_scene, proved
-from polhode.proofs.proved_orbit import ProvedOrbit, as_arb
+from polhode.proofs.proved_orbit import ProvedOrbit, as_arb, down, up
 from polhode.proofs.refusals import NotProved
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
@@ -111,32 +110,6 @@ def prove_chaos(
     return _Search(on, most, progress).found(guesses)
 
 
-class OrbitBalls(NamedTuple):
-    """An orbit in principal axes and the unit of time of a level's motion."""
-
-    start: list[arb]
-    period: arb
-
-
-def _level_of(on: Surface, told: ProvedOrbit) -> Level:
-    """The level, in the unit of time that a proved orbit suggests."""
-    p, q, r = (x.centre for x in told.omega)
-    return Level(motion(on.scene, unit=unit_for(on.scene.body, (p, q, r))), on.h, on.f)
-
-
-def balls_on(level: Level, told: ProvedOrbit) -> OrbitBalls:
-    """A proved orbit in the axes and the unit of time of a level's motion."""
-    bits = told.bits + 64
-    with ctx.workprec(bits):
-        by = arb((1, level.motion.unit))
-        rows = [[ball(x, bits) for x in row] for row in told.scene.body.axes.rows]
-        vectors = [[as_arb(x) for x in v] for v in (told.omega, told.gamma)]
-        omega, gamma = (
-            [row[0] * v[0] + row[1] * v[1] + row[2] * v[2] for row in rows] for v in vectors
-        )
-        return OrbitBalls([*(by * x for x in omega), *gamma], as_arb(told.period) / by)
-
-
 class _Search:
     """The tries of one proof."""
 
@@ -151,36 +124,37 @@ class _Search:
         each = self.most if len(guesses) == 1 else _EACH
         for guess in guesses:
             try:
-                told = proved(guess, _DIGITS)
-                level = _level_of(self.on, told)
-                made = self._beside(level, balls_on(level, told), told, each)
+                found = self._beside(proved(guess, _DIGITS), each)
             except NotProved as why:
                 self.causes.append(str(why).partition(": ")[2])
                 continue
-            if made is not None:
-                return made
+            if found is not None:
+                return found
         name = self.on.scene.name
         if not self.seen:
             causes = self.causes or ["none of the manifolds' points led to one"]
             raise NotProved(f"{name}: no transversal homoclinic orbit was found: {causes[-1]}")
         raise NotProved(
             f"{name}: {self.tried} chains of sets along {self.seen} homoclinic orbits failed, the "
-            f"last one since {self.causes[-1]}"
+            f"last one since {self.causes[-1]}; try more of them, or another orbit"
         )
 
-    def _beside(
-        self, level: Level, orbit: OrbitBalls, told: ProvedOrbit, each: int
-    ) -> ProvedChaos | None:
-        if told.kind == "elliptic":
+    def _beside(self, orbit: ProvedOrbit, each: int) -> ProvedChaos | None:
+        if orbit.kind == "elliptic":
             self.causes.append("the periodic orbit is elliptic")
             return None
-        lanes = Lanes.of(level.motion)
-        point = np.array([float(x.mid()) for x in orbit.start])
-        at = homoclinic.saddle(lanes, point, float(orbit.period.mid()))
+        p, q, r = (x.centre for x in orbit.omega)
+        a, b, c = (x.centre for x in orbit.gamma)
+        body = orbit.scene.body
+        what = motion(orbit.scene, unit=unit_for(body, (p, q, r)))
+        by, lanes = 2.0**what.unit, Lanes.of(what)
+        rates, vertical = (body.axes.components(v) for v in ((p, q, r), (a, b, c)))
+        place = [*(by * to_double(x) for x in rates), *map(to_double, vertical)]
+        at = homoclinic.saddle(lanes, np.array(place), float(orbit.period) / by)
         if at is None:
             self.causes.append("the periodic orbit's multipliers are too near to 1")
             return None
-        self._say(f"manifolds of the orbit of period {float(told.period):.6g}")
+        self._say(f"manifolds of the orbit of period {float(orbit.period):.6g}")
         for k, one in enumerate(homoclinic.search(lanes, at)):
             if k == each:
                 break
@@ -190,64 +164,64 @@ class _Search:
                     return None
                 self.tried += 1
                 self._say(f"chain {self.tried} of sets along homoclinic orbit {self.seen}")
-                try:
-                    proof, rho = chained(lanes, level, at, one, size, orbit)
-                except Refused as why:
-                    self.causes.append(str(why))
+                moved, rho = homoclinic.towards(at, one, size)
+                found = homoclinic.corrected(lanes, at, moved)
+                if found is None:
+                    self.causes.append("the homoclinic orbit is lost near the periodic one")
                     continue
-                return self._told(level, told, proof, rho, Begun(lanes, at, one))
+                guess = Guess(lanes, at, *chain.along(lanes, at, found, rho))
+                try:
+                    return self._proved(what, orbit, guess, rho)
+                except verify.NotProved as why:
+                    self.causes.append(str(why))
         return None
+
+    def _proved(self, what: Motion, orbit: ProvedOrbit, guess: Guess, size: float) -> ProvedChaos:
+        """The theorem by one chain of sets; raises the checker's NotProved."""
+        charts = [chain.in_scene_axes(what, x) for x in guess.charts]
+        times = [x * 2.0**what.unit for x in guess.times]
+        scene, h, f = orbit.scene, orbit.h, orbit.f
+        made = chaos_certificate.guesses(Chain(scene.body, h, f, charts, guess.sets, times))
+        proof = chaos_certificate.proved(made)
+        with ctx.workprec(orbit.bits + 64):
+            start = [as_arb(x) for x in (*orbit.omega, *orbit.gamma)]
+            period = as_arb(orbit.period)
+        chaos_certificate.passes(proof, start, period)
+        short, long = upper(proof.short), upper(proof.long)
+        entropy = _least_entropy(short, long)
+        statement: Made = {"entropy": down(entropy), "short": up(short), "long": up(long)}
+        made = chaos_certificate.stated(made, statement, proof)
+        return ProvedChaos(
+            scene,
+            h,
+            f,
+            orbit,
+            len(guess.sets),
+            len(proof.margins),
+            entropy,
+            short,
+            long,
+            min(float(x.stretch.lower()) for x in proof.margins),
+            max(float(x.height.upper()) for x in proof.margins),
+            min(float(x.cone.lower()) for x in proof.margins),
+            size,
+            self.tried,
+            time.process_time() - self.began,
+            json.dumps(made),
+            guess,
+            tuple(proof.images),
+            scene.provenance(),
+        )
 
     def _say(self, text: str) -> None:
         if self.progress is not None:
             self.progress(text)
 
-    def _told(
-        self, level: Level, orbit: ProvedOrbit, proof: Horseshoe, size: float, begun: Begun
-    ) -> ProvedChaos:
-        by = 2.0**level.motion.unit
-        scene = level.motion.scene
-        return ProvedChaos(
-            scene,
-            level.h,
-            level.f,
-            orbit,
-            1 + len(proof.chain.sets),
-            len(proof.margins),
-            proof.entropy / by,
-            _above(proof.short) * by,
-            _above(proof.long) * by,
-            min(x.stretch for x in proof.margins),
-            max(x.height for x in proof.margins),
-            min(x.cone for x in proof.margins),
-            size,
-            self.tried,
-            time.process_time() - self.began,
-            proof,
-            level,
-            begun,
-            scene.provenance(),
-        )
 
-
-def chained(
-    lanes: Lanes, level: Level, at: Saddle, near: Homoclinic, size: float, orbit: OrbitBalls
-) -> tuple[Horseshoe, float]:
-    """The theorem along one homoclinic orbit with sets of about a size; raises Refused."""
-    moved, rho = homoclinic.towards(at, near, size)
-    found = homoclinic.corrected(lanes, at, moved)
-    if found is None:
-        raise Refused("the homoclinic orbit could not be corrected near the periodic one")
-    with ctx.workprec(chain_candidate.NOISE + 128):
-        fine = arb((1, chain_candidate.fine_of(chain_candidate.NOISE)))
-        middles = [(x.mid() * fine).floor().unique_fmpz() for x in orbit.start]
-    point = tuple(int(x or 0) for x in middles)
-    charts, ticks = chain_candidate.charts(lanes, level, at, found, point)
-    made = chain_candidate.chain(level, charts, ticks, rho, found.unstable, at.multiplier)
-    proof = theorem.horseshoe(made)
-    theorem.holds(level, made, orbit.start, orbit.period, chain_candidate.NOISE + 128)
-    return proof, rho
-
-
-def _above(x: arb) -> float:
-    return float(x.upper()) * (1.0 + 1e-12)
+def _least_entropy(short: float, long: float) -> float:
+    """About the x for which exp(-x short) + exp(-x long) is 1."""
+    low, high = 0.0, math.log(2.0) / short
+    for _ in range(60):
+        x = (low + high) / 2
+        low, high = (x, high) if math.exp(-x * short) + math.exp(-x * long) > 1.0 else (low, x)
+    return low

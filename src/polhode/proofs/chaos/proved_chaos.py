@@ -7,14 +7,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
-from polhode.common.progress import Progress
+from polhode.certificates import certificate_file, verify
+from polhode.certificates.chaos_certificate import Chart, Rectangle
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
 from polhode.numbers.exact import Exact
-from polhode.proofs.chaos.homoclinic import Homoclinic, Saddle
+from polhode.proofs.chaos.homoclinic import Saddle
 from polhode.proofs.chaos.lanes import Lanes
-from polhode.proofs.chaos.theorem import Horseshoe
-from polhode.proofs.level import Level
 from polhode.proofs.proved_orbit import ProvedOrbit, down, up
 from polhode.results.result import Result
 from polhode.results.table import Fact, Table
@@ -23,11 +22,16 @@ from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of
 
 
 class Guess(NamedTuple):
-    """What the proof began with, in the proof's unit: for figures."""
+    """What the proof began with, in principal axes and the unit of time of the lanes.
+
+    ``sets``: N0, M1, ..., Mk; ``times``: of each to the next one's plane.
+    """
 
     lanes: Lanes
     saddle: Saddle
-    homoclinic: Homoclinic
+    charts: list[Chart]
+    sets: list[Rectangle]
+    times: list[float]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -39,7 +43,8 @@ class ProvedChaos(Result, ByValue):
     unit of the scene's time.  ``short``, ``long``: upper bounds of the times of the two loops.
     ``stretch``, ``height``, ``cone``: the least, largest and least margin; the conditions are
     stretch > 1, height < 1, cone > 0.  ``size``: of the sets, in the proof's scale.  ``tries``: of
-    homoclinic orbits and sizes; ``seconds``: CPU.
+    homoclinic orbits and sizes; ``seconds``: CPU.  ``certificate``: the JSON text that ``polhode
+    verify`` checks.  ``guess``, ``images``: the sets and where they were proved to go, for figures.
 
     Examples
     --------
@@ -64,9 +69,9 @@ class ProvedChaos(Result, ByValue):
     size: float
     tries: int
     seconds: float = field(compare=False)
-    proof: Horseshoe = field(compare=False)
-    level: Level = field(compare=False)
+    certificate: str
     guess: Guess = field(compare=False)
+    images: tuple[verify.Image, ...] = field(compare=False)
     provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
 
     def table(self) -> Table:
@@ -95,30 +100,24 @@ class ProvedChaos(Result, ByValue):
             provenance_fact(self.provenance),
         ]
 
-    def save(self, path: str | Path, progress: Progress | None = None) -> None:
+    def save(self, path: str | Path) -> None:
         """Write the theorem, or as .json its certificate, which ``polhode verify`` checks.
 
         Parameters
         ----------
         path : str or Path
-            ``.json``: the certificate, checked before it is written.  Other endings as of any
-            result; those load again by :func:`polhode.load_result`.
-        progress : callable, optional
-            Told the part of the certificate's check that is done, and how many steps.
+            ``.json``: the certificate.  Other endings as of any result; those load again by
+            :func:`polhode.load_result`.
 
         Raises
         ------
         BadInput
-            Where the checker does not prove it, or the file cannot be written.
+            A file that cannot be written.
         """
         if Path(path).suffix.lower() not in (".json", ""):  # "-" is stdout
             super().save(path)
             return
-        from polhode.certificates import chaos_certificate
-        from polhode.proofs.chaos.statement import stated
-
-        what = stated(self.level, self.proof)
-        chaos_certificate.save(self.scene.name, self.scene.body, what, path, progress)
+        certificate_file.write(path, self.certificate)
 
     def __repr__(self) -> str:
         coverings = counted(self.coverings, "covering")

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from functools import lru_cache
 from itertools import count
 from typing import Any, NamedTuple
 
@@ -21,7 +22,7 @@ from polhode.common.progress import Stop
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Array, Doubles, doubles
+from polhode.numbers.rows import Array, Doubles, double_array
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend import defaults
 from polhode.taylor.batches.compiled_batch import LANES, CompiledBatch, in_lanes, out_of_lanes
@@ -41,9 +42,17 @@ def solve(job: BatchJob, stop: Stop | None = None) -> Solved:
 
 def prepared(job: BatchJob) -> Engine:
     """The engine of a job, from the pool or built: a batch of doubles, or one longdouble motion."""
-    lanes, kind = (LANES, CompiledBatch) if job.number.name == "double" else (0, Engine)
-    equations = Equations(STATE[: job.columns], job.names, job.number, job.tolerance, lanes=lanes)
-    return principal_engine(equations, kind)
+    kind = CompiledBatch if job.number.name == "double" else Engine
+    return principal_engine(_equations(job.columns, job.names, job.number, job.tolerance), kind)
+
+
+@lru_cache(maxsize=64)
+def _equations(
+    columns: int, names: tuple[str, ...], number: NumberType, tolerance: Fraction | None
+) -> Equations:
+    """Those of the principal form, whose hash is then known to the pool."""
+    lanes = LANES if number.name == "double" else 0
+    return Equations(STATE[:columns], names, number, tolerance, lanes=lanes)
 
 
 def longest(number: NumberType) -> float:
@@ -105,7 +114,8 @@ class _Way:
             targets = times[first:last] - way * begin
             if last < len(times) and (first == last or self.sizes[last - 1] < end):
                 targets = np.append(targets, way * (end - begin))
-            grid = np.repeat(np.append(0.0, targets)[:, None], LANES, axis=1)
+            grid = np.zeros((1 + len(targets), LANES))
+            grid[1:] = targets[:, None]
             self.stretches[n] = _Stretch(first, last, targets.tolist(), grid)
         return self.stretches[n]
 
@@ -116,7 +126,9 @@ class _Way:
     def _in_lanes(self, ready: CompiledBatch) -> Solved:
         """Batch after batch: all motions but those of batches that did not arrive as a whole."""
         job, many = self.job, self.job.motions.many
-        starts, own = (in_lanes(doubles(x)) for x in (job.motions.starts, job.motions.coefficients))
+        starts, own = (
+            in_lanes(double_array(x)) for x in (job.motions.starts, job.motions.coefficients)
+        )
         alike = bool((own == own[0, :, :1]).all())
         states = np.full((len(starts), len(job.times), job.columns, LANES), np.nan)
         steps = np.zeros((len(starts), LANES), dtype=np.int64)
@@ -125,8 +137,10 @@ class _Way:
             if self._stopped():
                 break
             ready.stand(start, own[0] if k == 0 else None if alike else own[k])
-            taken = self._together(ready, states[k])
-            if taken is not None:
+            if job.sure:
+                self._surely(ready, states[k])
+                done[k] = True
+            elif (taken := self._together(ready, states[k])) is not None:
                 steps[k], done[k] = taken, True
         done &= np.isfinite(states[:, -1]).all(axis=(1, 2))  # else a lane has stopped the others
         there = np.repeat(done, LANES)[:many]
@@ -135,6 +149,15 @@ class _Way:
         found.steps[there] = steps.ravel()[:many][there]
         found.outcomes[there], found.reached[there] = code(Outcome.REACHED_END), self.end
         return found
+
+    def _surely(self, ready: CompiledBatch, states: Doubles) -> None:
+        """A batch of motions along one stretch, whose steps need neither limit nor count."""
+        stretch = self._stretch(0)
+        if len(stretch.targets) == 1:  # the end alone needs no dense output
+            ready.heyoka.propagate_until(stretch.targets[0])
+            states[-1] = ready.state
+        else:
+            states[stretch.first :] = ready.heyoka.propagate_grid(stretch.grid)[1][1:]
 
     def _together(self, ready: CompiledBatch, states: Doubles) -> list[int] | None:
         """The steps of a batch of motions, each in its lane; None where their limit ends them."""
@@ -161,16 +184,13 @@ class _Way:
         A state at the end alone needs no dense output.
         """
         ta, left, targets = ready.heyoka, self.job.max_steps - max(steps), stretch.targets
-        options = {} if self.job.sure else {"max_steps": min(left, self.block)}
         if left <= 0:
             return None
         if len(targets) == 1:
-            ta.propagate_until(targets[0], **options)
+            ta.propagate_until(targets[0], max_steps=min(left, self.block))
             rows: Doubles = ready.state[None]
         else:
-            rows = ta.propagate_grid(stretch.grid, **options)[1][1:]
-        if self.job.sure:
-            return rows
+            rows = ta.propagate_grid(stretch.grid, max_steps=min(left, self.block))[1][1:]
         taken = ready.taken
         if max(taken) >= self.block < left and len(targets) == 1:  # in blocks, then
             ended = ready.in_blocks(targets * LANES, left - self.block, self.stop, True)

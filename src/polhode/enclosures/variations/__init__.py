@@ -1,1 +1,0 @@
-"""Derivatives of the flow along an enclosed motion."""

@@ -1,0 +1,151 @@
+"""The checker with one inequality or term less: a case that is false then passes.
+
+What cannot be noticed so, and why: the sign of a grid of an orbit (a period below 0 is no longer
+than its box, either), and the steepness near the period's end (it is that of the start, but for
+what the box moves, so only a product of period and steepness within the box of a prime tells).
+Noise of a step and of D are those of states and orbits: see ``test_verify`` and
+``test_orbit_certificate``; the inequalities of a covering are in ``test_chaos_certificate``.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+
+from polhode.certificates import chaos_certificate, orbit_certificate, verify
+from polhode.certificates.orbit_certificate import Choice, Problem
+from shared import chaos_chains as chains
+from shared import orbit_proofs as proofs
+from shared.mutation import without
+
+# -- orbits ---------------------------------------------------------------------------------------
+
+
+def several(point, times, off=Fraction(0), radius=Fraction(1, 10**22)):
+    """What is proved of several times an orbit; the centre off by a part of the box."""
+    found = proofs.proved(point)
+    start = [x.centre for x in (*found.omega, *found.gamma)]
+    if off:
+        rows = chains.guess()[1].saddle.unstable.tolist()
+        start = [x + off * radius * Fraction(y) for x, y in zip(start, rows, strict=True)]
+    period = times * found.period.centre
+    body = found.scene.body
+    made = orbit_certificate.guesses(
+        Problem(body, found.h, found.f, start, period), Choice(radius, 140, 0.2)
+    )
+    return orbit_certificate.proved(made).repeated
+
+
+TWICE = "the period may be 2 times the least one"
+
+
+@pytest.mark.slow
+def test_the_box_and_not_its_centre_is_followed_to_a_part_of_the_period():
+    assert several(proofs.HYPERBOLIC, 4, Fraction(3, 10)) == TWICE
+    with without(verify, "zero_near", "row[1] for row in stage.at", "row[0] for row in stage.at"):
+        assert several(proofs.HYPERBOLIC, 4, Fraction(3, 10)) == ""
+
+
+@pytest.mark.slow
+def test_primes_up_to_the_steepness_times_the_period_are_tried():
+    assert several(proofs.ELLIPTIC, 3) == "the period may be 3 times the least one"
+    with without(verify, "zero_near", "2 * arb.pi()", "16 * arb.pi()"):
+        assert several(proofs.ELLIPTIC, 3) == ""
+
+
+# -- chaos ----------------------------------------------------------------------------------------
+
+
+def told(change=lambda x: x):
+    """What is said of the example's chain, changed; empty where it is proved."""
+    what = chains.example().chain
+    try:
+        chaos_certificate.proved(chaos_certificate.guesses(change(what)))
+    except verify.NotProved as why:
+        return str(why)
+    return ""
+
+
+def meeting(what):
+    first = what.sets[1]._replace(middle=0.5 * what.sets[0].width)
+    return what._replace(sets=[what.sets[0], first, *what.sets[2:]])
+
+
+def of_two_maps(what):
+    """M1 in a chart of its own, though it is the same one."""
+    first = what.sets[1]._replace(chart=len(what.charts))
+    sets = [what.sets[0], first, *what.sets[2:]]
+    return what._replace(charts=[*what.charts, what.charts[0]], sets=sets)
+
+
+#: A line of the checker that is left out, a chain that is false, what is said of it.
+CHAINS = {
+    "the first two sets may meet": (
+        'certainly(gap > 0, "the first two sets may meet")',
+        meeting,
+        "the first two sets may meet",
+    ),
+    "one section map": (
+        'certainly(home.chart == first.chart, "the first two sets are not of one section map")',
+        of_two_maps,
+        "not of one section map",
+    ),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CHAINS)
+def test_a_hypothesis_of_the_theorem_is_needed(name):
+    line, change, said = CHAINS[name]
+    assert said in told(change)
+    with without(verify, "horseshoe", line, "pass"):
+        assert said not in told(change)
+
+
+def claimed(**changes):
+    """What is said of a statement about the example."""
+    what = chains.example()
+    statement = {"entropy": "0.028", "short": "4.26577", "long": "77.71"} | changes
+    try:
+        chaos_certificate.stated(what.made, statement, what.proof)
+    except verify.NotProved as why:
+        return str(why)
+    return ""
+
+
+#: An inequality that is weakened, and a statement that is false.
+CLAIMS = {
+    "entropy": ("sum_of_both > 1", "sum_of_both > 0", {"entropy": "0.029"}),
+    "the short loop": ("(-x * found.short).exp()", "1", {"entropy": "0.04"}),
+    "the long loop": ("(-x * found.long).exp()", "1", {"entropy": "0.04"}),
+    "short": ("found.short <= ball", "arb(0) <= ball", {"short": "4.26"}),
+    "long": ("found.long <= ball", "arb(0) <= ball", {"long": "77.6"}),
+}
+
+
+@pytest.mark.parametrize("name", CLAIMS)
+def test_a_false_statement_is_noticed(name):
+    old, new, changes = CLAIMS[name]
+    assert claimed() == ""
+    assert claimed(**changes)
+    with without(verify, "check_chaos", old, new):
+        assert not claimed(**changes)
+
+
+#: A function's part that is left out, so that points of a set or differences are outside; how late
+#: the image is, and how far the set leaves the level: each hides the terms of second order.
+TERMS = {
+    "the depth": ("_starts", "*(upper(x - x.mid()) for x in depth)", "*[arb(0)] * 4", 0, 0.1),
+    "the plane": ("_image", "frame - frame * shadow", "frame", 2e-3, 0.1),
+    "the slope of n": ("_image", "chart.wide + chart.deep * slope_of_n", "chart.wide", 0, 0.1),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", TERMS)
+def test_points_or_slopes_are_outside_without_a_term(name):
+    *changed, late, by = TERMS[name]
+    assert chains.misses(*chains.tilted(late, by)) == 0
+    with without(verify, *changed):
+        assert chains.misses(*chains.tilted(late, by)) > 0

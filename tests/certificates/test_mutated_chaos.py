@@ -1,0 +1,109 @@
+"""Certificates of chaos with one number changed: nothing false is proved.
+
+A guess that is changed proves the same statement or nothing.  A statement that is changed is true
+where it says less than what was proved.  A body or level whose number is another, has another sign,
+is 2 or is 0 is one that the sets do not fit; one that differs by 1e-9 has the same chaos, for the
+sets are wider than that moves them.
+"""
+
+from __future__ import annotations
+
+import copy
+import json
+import random
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import Any
+
+import pytest
+
+from polhode.certificates import verify
+from polhode.scenes import library
+
+FILE = library.folder() / "certificates" / "chaos.json"
+#: By kind: the parts of the file that are changed.
+KINDS = {
+    "charts": ("charts",),
+    "sets": ("sets",),
+    "chain": ("sets", "charts", "transits"),  # two of these change places
+    "times": ("transits",),
+    "claims": ("statement",),
+    "scene": ("scene",),
+}
+CHANGES = ("1e-9", "sign", "2", "0")
+BOUNDS = {"entropy": 1, "short": -1, "long": -1}  # a larger one says more, or less
+
+
+def places(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """Where numbers stand in a JSON value."""
+    if isinstance(value, (dict, list)):
+        for key in value if isinstance(value, dict) else range(len(value)):
+            yield from places(value[key], (*path, key))
+    else:
+        yield path
+
+
+def changed(number: int | str, how: str) -> int | str:
+    """A number by 1e-9 of itself larger, of the other sign, 2 or 0, as it was written."""
+    x = Fraction(number)
+    found = {"1e-9": x * (1 + Fraction(1, 10**9)), "sign": -x, "2": Fraction(2), "0": Fraction(0)}
+    return round(found[how]) if isinstance(number, int) else str(found[how])
+
+
+def mutated(seed: int, kind: str, held: dict[str, Any]) -> tuple[tuple[Any, ...], str]:
+    """A certificate with one change; where, and how."""
+    chance = random.Random(f"{kind} {seed}")
+    if kind == "chain":
+        part = chance.choice(KINDS[kind])
+        i, j = chance.sample(range(len(held[part])), 2)
+        held[part][i], held[part][j] = held[part][j], held[part][i]
+        return (part, i, j), "exchanged"
+    part = KINDS[kind][0]
+    found = [path for path in places(held[part]) if path[-1] != "chart"]
+    if kind == "times":
+        found = [path for path in found if path[1] == "grid"]
+    path = found[chance.randrange(len(found))]
+    how = CHANGES[seed % len(CHANGES)]
+    parent = held[part]
+    for key in path[:-1]:
+        parent = parent[key]
+    parent[path[-1]] = changed(parent[path[-1]], how)
+    return (part, *path), how
+
+
+def check(seed: int, kind: str) -> bool:
+    """Whether a changed certificate is proved; asserts that what is, is true."""
+    given = json.loads(FILE.read_text())
+    held = copy.deepcopy(given)
+    where, how = mutated(seed, kind, held)
+    try:
+        verify.verify(json.dumps(held).encode())
+    except (verify.NotProved, verify.Damaged):
+        return False
+    if held == given:
+        return True
+    if kind == "claims":
+        name = where[1]
+        more = Fraction(held["statement"][name]) - Fraction(given["statement"][name])
+        # what is stated is rounded to two or six digits; less than 1e-9 is left above it
+        room = Fraction(given["statement"][name]) * Fraction(1, 10**4)
+        assert BOUNDS[name] * more <= room, (where, how)
+    elif kind == "scene":
+        assert how == "1e-9", (where, how)
+    else:
+        assert held["statement"] == given["statement"]
+        assert held["scene"] == given["scene"]
+    return True
+
+
+@pytest.mark.parametrize("kind", ["scene", "claims", "sets"])
+def test_a_changed_certificate_proves_nothing_false(kind):
+    check(1, kind)  # a sign
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("first", range(0, 168, 8))
+def test_a_thousand_changed_certificates_prove_nothing_false(kind, first):
+    for seed in range(first, first + 8):
+        check(seed, kind)
