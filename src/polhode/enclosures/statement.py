@@ -55,7 +55,7 @@ TRUSTED = (
             *("exact", "ball_rules", "expression", "conversion", "decimals", "flint_context"),
             *("rationals", "quantity", "number_types", "rows", "row_formulas", "scalars"),
             *("mpmath_context", "lossless_mpf", "rounding", "vectors", "exact_sequences"),
-            "balls",
+            *("balls", "polynomials"),
         )
     ),
     *(
