@@ -35,15 +35,20 @@ def other_times(times: Sequence[Fraction]) -> dict[str, TimeChange]:
     """Times at which rows may hold instead, by what they are called, the plainest first.
 
     >>> [*other_times([Fraction(0), Fraction(1, 4)])]
-    ['one step late', 'one step early', 'of the other sense', 'milliseconds', 'microseconds', \
-'nanoseconds', 'minutes']
+    ['one step late', 'one step early', 'of the other sense', \
+'of the other sense, from its last row on (0.25)', 'milliseconds', 'microseconds', 'nanoseconds', \
+'minutes']
     """
     first, *later = sorted({*times})
+    last = max(times)
     found = {unit.name: TimeChange(unit=unit.length) for unit in UNITS}
     begun, back = {}, {"of the other sense": TimeChange(sign=-1)}
     if first:
         begun[from_first_row(first)] = TimeChange(shift=first)
         back[f"of the other sense, {from_first_row(first)}"] = TimeChange(-1, shift=-first)
+    if last not in (first, 0):  # a program that counts down
+        words = f"of the other sense, from its last row on ({brief(last)})"
+        back[words] = TimeChange(-1, shift=-last)
     steps = {
         f"one step {word}": TimeChange(shift=sign * (second - first))
         for second in later[:1]
