@@ -87,7 +87,8 @@ def test_rows_of_another_clock_are_read_at_their_own_times(scene, offset, begin,
     assert found.worst > 6
     assert found.causes == ()
     assert max(forecasts, default=0) < 5
-    assert polhode.compare(columns, scene, read=words).worst == found.worst
+    told = polhode.compare(columns, scene, read=words)
+    assert (told.worst, told.readings) == (found.worst, found.readings)
 
 
 @pytest.mark.slow
@@ -140,6 +141,16 @@ def test_a_unit_is_told_by_the_rows_that_a_run_reaches():
     found = polhode.compare(columns | {"t": [1000.0 * float(t) for t in times]}, SCENE)
     assert found.reading == "t milliseconds"
     assert found.worst > 14
+
+
+def test_a_clock_of_milliseconds_begins_at_its_first_row_in_words_that_can_be_told():
+    columns = table([Fraction(k, 4) for k in range(20)], later=10**6)
+    columns["t"] = 1000.0 * columns["t"]
+    found = polhode.compare(columns, SCENE)
+    assert found.reading == "t milliseconds, from its first row on (1e+09)"
+    assert found.worst > 9
+    told = polhode.compare(columns, SCENE, read=found.reading)
+    assert (told.worst, told.readings) == (found.worst, found.readings)
 
 
 def test_a_motion_without_a_formula_begins_at_its_first_row_too():

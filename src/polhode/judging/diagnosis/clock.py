@@ -111,7 +111,8 @@ def _clock(time: Fraction, off: float, unit: Fraction, times: Sequence[Fraction]
         return None
     first = unit * ordered[0]
     if abs(first - offset) <= off:
-        return Clock(from_first_row(first), TimeChange(unit=unit, shift=first), None)
+        words = from_first_row(ordered[0], unit)
+        return Clock(words, TimeChange(unit=unit, shift=first), None)
     shift, short = _shortest(offset, Fraction(off))
     change = TimeChange(unit=unit, shift=shift)
     return Clock(clock_words(change), change, 0.0 if short else off)
