@@ -198,3 +198,14 @@ def test_a_motion_is_sampled_in_any_order_on_both_sides_of_the_start():
     found = sampled(polhode.load("lagrange/nutation"), np.array(times))
     true = polhode.reference("lagrange/nutation").at(times, 20)
     assert np.allclose(found.states, [[float(x) for x in row] for row in true], rtol=0, atol=1e-12)
+
+
+def test_rows_a_thousand_turns_apart_are_told_their_origin():
+    """Of a body that spins fast the second row lies ten thousand radians away."""
+    times = np.arange(6.0)
+    columns = of_run(polhode.integrate("euler/fast-spin", at=times.tolist(), outputs=[]))
+    later = polhode.compare(columns | {"t": times + 12.5}, "euler/fast-spin")
+    assert later.reading == "t from its first row on (12.5)"
+    down = polhode.compare(columns | {"t": 5 - times}, "euler/fast-spin")
+    assert down.reading == "t of the other sense, from its last row on (5)"
+    assert 11 < min(later.worst, down.worst) < 15.96

@@ -26,7 +26,7 @@ from polhode.numbers.vectors import Matrix
 from polhode.scenes.body import Body, exact_vector
 from polhode.scenes.scene import Scene
 
-_FARTHEST = 1e4  # radians or so, to which motions at other times are followed
+_FARTHEST = 1e5  # radians or so, to which motions at other times are followed
 _FEWEST = 2  # rows that tell other times
 _POLE = 1e-9  # the sine of theta where psi and phi are one angle
 
