@@ -138,7 +138,9 @@ class Places:
             elif self._is_own(path):
                 if path.suffix != ".toml":
                     from polhode.certificates import certificate_file
+                    from polhode.results.places import refuse_facts
 
+                    refuse_facts(path)
                     certificate_file.refuse_another(path)
             else:
                 from polhode.results.places import check_place
