@@ -187,3 +187,9 @@ def test_a_motion_is_sampled_in_any_order_on_both_sides_of_the_start():
     found = sampled(polhode.load("lagrange/nutation"), np.array(times))
     true = polhode.reference("lagrange/nutation").at(times, 20)
     assert np.allclose(found.states, [[float(x) for x in row] for row in true], rtol=0, atol=1e-12)
+
+
+def test_of_a_body_at_rest_no_time_is_told():
+    """A rate of zero has no radian: a division by it ended in a traceback."""
+    found = polhode.compare(table(THIRDS), "euler/rest")
+    assert found.worst < 1

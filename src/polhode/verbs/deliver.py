@@ -140,8 +140,8 @@ class Places:
                     from polhode.certificates import certificate_file
                     from polhode.results.places import refuse_facts
 
-                    refuse_facts(path)
                     certificate_file.refuse_another(path)
+                    refuse_facts(path)
             else:
                 from polhode.results.places import check_place
 
