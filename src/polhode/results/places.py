@@ -19,9 +19,9 @@ def check_place(path: Path, kind: str, inputs: Iterable[Path | None] = ()) -> No
     ``inputs``: files that are read.
     """
     places = [path, beside(path)] if path.suffix.lower() == ".csv" else [path]
-    refuse_facts(path)
     for place in places:
         check_writable(place, ENDINGS, inputs)
+    refuse_facts(path)
     if path.suffix.lower() == ".parquet":
         needed("pyarrow")
     if is_stream(path):
