@@ -209,3 +209,9 @@ def test_rows_a_thousand_turns_apart_are_told_their_origin():
     down = polhode.compare(columns | {"t": 5 - times}, "euler/fast-spin")
     assert down.reading == "t of the other sense, from its last row on (5)"
     assert 11 < min(later.worst, down.worst) < 15.96
+
+
+def test_of_a_body_at_rest_no_time_is_told():
+    """A rate of zero has no radian: a division by it ended in a traceback."""
+    found = polhode.compare(table(THIRDS), "euler/rest")
+    assert found.worst < 1

@@ -41,8 +41,7 @@ def of(verb: str, found: Found, paths: Sequence[Path], asked: Namespace) -> Iter
 
 def name_of(found: Found) -> str:
     """The name of what a result is of."""
-    scene = getattr(found, "scene", None)
-    return str(found.name if scene is None or hasattr(found, "name") else scene.name)
+    return str(found.name if hasattr(found, "name") else found.fact("scene"))
 
 
 def _itself(found: Found, asked: Namespace) -> Iterator[str]:

@@ -68,6 +68,8 @@ def clock(
     if any(np.max(np.abs(values)) > _LARGEST for values in parts.values()):
         return None
     rate = 10.0**scene.log10_rate
+    if not rate:  # a body at rest tells no time
+        return None
     wanted = [*_signals(parts)]
     far = REACHES if _on_level(parts, scene) else REACHES[:2]
     for reach in far if wanted else ():

@@ -62,7 +62,8 @@ def at_times(
     changes: Mapping[str, TimeChange], times: Sequence[Fraction], scene: Scene
 ) -> Iterator[World]:
     """The motion at changed times, as far as it is followed."""
-    farthest = _FARTHEST / 10.0**scene.log10_rate
+    rate = 10.0**scene.log10_rate
+    farthest = _FARTHEST / rate if rate else math.inf
     for words, change in changes.items():
         moved = [change.of(t) for t in times]
         far = [k for k, t in enumerate(moved) if abs(t) > farthest]
