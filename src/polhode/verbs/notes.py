@@ -14,6 +14,7 @@ from polhode.common.text_tables import counted
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.balls import guaranteed
 from polhode.numbers.decimals import brief
+from polhode.scenes import library
 
 if TYPE_CHECKING:
     from polhode.dynamics.chaos.chaos_map import ChaosMap
@@ -173,6 +174,10 @@ def _orbit(found: Orbit, asked: Namespace) -> Iterator[str]:
 
 
 def _reference(found: Found, asked: Namespace) -> Iterator[str]:
+    if vars(asked).get("backend") == "mpmath" and vars(asked).get("outputs") is None:
+        without = ", ".join(library.load(asked.scene).outputs)
+        if without:
+            yield f"{found.scene.name}: without {without}: mpmath has states alone"
     if not found.proven:
         yield f"{found.scene.name}: the digits are reproduced, not proven"
 
