@@ -246,7 +246,7 @@ def _parser(given: Sequence[str], whole: bool = False) -> ArgumentParser:
             about = catalogue.GROUPS[name]
             group = kinds.add_parser(name, help=about, description=about, allow_abbrev=False)
             below = group.add_subparsers(
-                dest="what", metavar="WHAT", required=True, parser_class=_Parser
+                dest="claim", metavar="WHAT", required=True, parser_class=_Parser
             )
             for row in catalogue.ROWS:
                 if row.name.startswith(f"{name} "):

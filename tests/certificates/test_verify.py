@@ -373,6 +373,16 @@ def test_what_v_misses_is_bounded_where_a_begins_late():
         assert missed < arb("0.34")
 
 
+def test_a_body_at_rest_without_weight_and_vertical_stays_where_it_is():
+    # f' is 0 along it: A has no coefficients
+    scene = {"moments": [1, 2, 3], "centre": [0] * 3, "weight": 0, "omega": [0] * 3}
+    claim = {"t": "1/2", "balls": [[0, "1e-9"]] * 6}
+    guesses = (10, [0, 512], 10, [[0] * 6], 64)
+    given = dict(zip(verify.Guesses._fields, guesses, strict=True))
+    given |= {"format": verify.FORMAT, "kind": "state", "scene": scene | {"gamma": [0] * 3}}
+    assert holds(given | {"statement": [claim]})
+
+
 def test_a_turn_about_the_diagonal_reaches_the_bound_of_what_w_misses():
     """w is r in each component where y is 0: by the angle h r sqrt(3), u = 1 is left the most."""
     h, r = 0.125, 1e-3

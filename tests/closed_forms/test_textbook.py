@@ -146,5 +146,6 @@ def test_the_command_says_that_its_digits_are_not_proven(
     assert "not proven" not in shown.err
     ours = json.loads(shown.out)
     assert (witness["proven"], ours["proven"]) == (False, True)
-    assert "radii" not in witness
-    assert witness["states"] == ours["states"]
+    assert "p_radius" in ours["columns"]
+    assert "p_radius" not in witness["columns"]
+    assert {name: ours["columns"][name] for name in witness["columns"]} == witness["columns"]

@@ -87,7 +87,8 @@ def test_rows_of_another_clock_are_read_at_their_own_times(scene, offset, begin,
     assert found.worst > 6
     assert found.causes == ()
     assert max(forecasts, default=0) < 5
-    assert polhode.compare(columns, scene, read=words).worst == found.worst
+    told = polhode.compare(columns, scene, read=words)
+    assert (told.worst, told.readings) == (found.worst, found.readings)
 
 
 @pytest.mark.slow
@@ -142,6 +143,16 @@ def test_a_unit_is_told_by_the_rows_that_a_run_reaches():
     assert found.worst > 14
 
 
+def test_a_clock_of_milliseconds_begins_at_its_first_row_in_words_that_can_be_told():
+    columns = table([Fraction(k, 4) for k in range(20)], later=10**6)
+    columns["t"] = 1000.0 * columns["t"]
+    found = polhode.compare(columns, SCENE)
+    assert found.reading == "t milliseconds, from its first row on (1e+09)"
+    assert found.worst > 9
+    told = polhode.compare(columns, SCENE, read=found.reading)
+    assert (told.worst, told.readings) == (found.worst, found.readings)
+
+
 def test_a_motion_without_a_formula_begins_at_its_first_row_too():
     """In any order of the rows; a proof that a look at the times asks for is foretold."""
     scene, forecasts = "general/asymmetric-regular", []
@@ -187,3 +198,20 @@ def test_a_motion_is_sampled_in_any_order_on_both_sides_of_the_start():
     found = sampled(polhode.load("lagrange/nutation"), np.array(times))
     true = polhode.reference("lagrange/nutation").at(times, 20)
     assert np.allclose(found.states, [[float(x) for x in row] for row in true], rtol=0, atol=1e-12)
+
+
+def test_rows_a_thousand_turns_apart_are_told_their_origin():
+    """Of a body that spins fast the second row lies ten thousand radians away."""
+    times = np.arange(6.0)
+    columns = of_run(polhode.integrate("euler/fast-spin", at=times.tolist()))
+    later = polhode.compare(columns | {"t": times + 12.5}, "euler/fast-spin")
+    assert later.reading == "t from its first row on (12.5)"
+    down = polhode.compare(columns | {"t": 5 - times}, "euler/fast-spin")
+    assert down.reading == "t of the other sense, from its last row on (5)"
+    assert 11 < min(later.worst, down.worst) < 15.96
+
+
+def test_of_a_body_at_rest_no_time_is_told():
+    """A rate of zero has no radian: a division by it ended in a traceback."""
+    found = polhode.compare(table(THIRDS), "euler/rest")
+    assert found.worst < 1

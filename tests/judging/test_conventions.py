@@ -150,6 +150,11 @@ READ = {
     "attitude early": (ATTITUDE, moved(1), "t one step early"),
     "late, from the start": (GAMMA, moved(-1), "t from its first row on (0.125)"),
     "another beginning": (STATE, shifted("t", 100), "t from its first row on (100)"),
+    "counted down": (
+        STATE,
+        after(scaled(["t"], -1), shifted("t", 3)),
+        "t of the other sense, from its last row on (3)",
+    ),
     "milliseconds": (STATE, scaled(["t"], 1000), "t milliseconds"),
     "milliseconds, scalar last": (
         WHOLE,

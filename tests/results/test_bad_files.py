@@ -297,3 +297,15 @@ def test_parquet_of_one_long_text_for_many_rows_is_refused(plain: bool, tmp_path
     with pytest.raises(polhode.BadInput, match=expected):
         content_of(path, KINDS)
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 200_000  # kilobytes
+
+
+@pytest.mark.parametrize("text", ["", "x" * 200_000 + "\n"])
+def test_a_table_without_a_header_is_refused_though_its_sum_is_right(text, tmp_path):
+    path = tmp_path / "x.csv"
+    Odd().save(path)
+    beside = writer.beside(path)
+    told = json.loads(beside.read_text()) | {"sha256": writer.digest(text.encode())}
+    path.write_text(text)
+    beside.write_text(json.dumps(told))
+    with pytest.raises(polhode.BadInput, match="a result that polhode saved"):
+        polhode.load_result(path)

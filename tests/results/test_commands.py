@@ -54,6 +54,16 @@ SAME: dict[str, Callable[[], polhode.Trajectory]] = {
         GENERAL, (4, 4), crossings=1
     ),
 }
+#: Those that draw their results.
+DRAWN = [
+    *(
+        f"{command} -o x.svg"
+        for command in SAME
+        if not command.startswith(("orbits", "prove orbits"))
+    ),
+    "prove chaos general/asymmetric-chaotic -o x.svg",
+    f"compare run.csv {TOP} -o x.svg",
+]
 CERTIFICATES = ("certify", "prove orbit grioli")
 
 
@@ -82,3 +92,14 @@ def test_a_command_writes_what_save_writes_and_prints_what_to_json_gives(
             assert Path(f"x{end}").read_bytes() == Path(f"y{end}").read_bytes()
         again = polhode.load_result(f"x{ending}")
         assert again.to_json() == printed
+
+
+@pytest.mark.sample(8)
+@pytest.mark.parametrize("command", DRAWN)
+def test_a_command_draws_its_result(command, tmp_path, monkeypatch, capsys):
+    pytest.importorskip("matplotlib")
+    monkeypatch.chdir(tmp_path)
+    polhode.integrate(TOP, at=[0, 1, 2]).save("run.csv")
+    assert main(shlex.split(command)) == 0
+    assert Path("x.svg").read_text().startswith("<?xml")
+    assert capsys.readouterr().out == ""

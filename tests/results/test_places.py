@@ -9,6 +9,7 @@ import pytest
 from invented import Bare, Odd
 
 import polhode
+from polhode.cli import main
 from polhode.results import writer
 from polhode.results.places import check_place
 from polhode.results.writer import ENDINGS
@@ -59,6 +60,20 @@ def test_facts_that_are_somebody_s_are_not_replaced(tmp_path: Path) -> None:
     path.unlink()
     with pytest.raises(polhode.BadInput, match="it holds a result Odd"):
         Bare().save(path)
+
+
+def test_the_name_of_a_table_s_facts_is_no_result_s(tmp_path: Path) -> None:
+    """A result there would take the facts from a table that is whole."""
+    Odd().save(tmp_path / "x.csv")
+    before = contents(tmp_path)
+    with pytest.raises(polhode.BadInput, match=r"another name: this is of the facts of x\.csv"):
+        Odd().save(tmp_path / "x.csv.json")
+    assert contents(tmp_path) == before
+    names = ["x.csv", "x.csv.json"]
+    for verb in ("run", "certify"):
+        places = [word for name in names for word in ("-o", str(tmp_path / name))]
+        assert main([verb, "lagrange/nutation", "--at", "1", *places]) == 2
+    assert contents(tmp_path) == before
 
 
 def test_json_that_is_cut_is_ours_still(tmp_path: Path) -> None:

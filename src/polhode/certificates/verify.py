@@ -445,12 +445,12 @@ Entries: TypeAlias = Mapping[tuple[int, int], Sequence[arb]]
 
 
 def norms_of(entries: Entries) -> list[arb]:
-    """Upper bounds of the norms of the coefficients."""
+    """Upper bounds of the norms of the coefficients, of at least one, 0 where all are."""
     rows = []
     for i in range(6):
         row = [x for (n, _), x in entries.items() if n == i]
         rows.append([summed(map(upper, some)) for some in zip_longest(*row, fillvalue=arb(0))])
-    return [largest(some) for some in zip_longest(*rows, fillvalue=arb(0))]
+    return [largest(some) for some in zip_longest(*rows, [arb(0)], fillvalue=arb(0))]
 
 
 def transition(entries: Entries, norms: Sequence[arb], fine: int) -> tuple[list[arb_mat], arb]:

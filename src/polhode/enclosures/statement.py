@@ -55,6 +55,7 @@ TRUSTED = (
             *("exact", "ball_rules", "expression", "conversion", "decimals", "flint_context"),
             *("rationals", "quantity", "number_types", "rows", "row_formulas", "scalars"),
             *("mpmath_context", "lossless_mpf", "rounding", "vectors", "exact_sequences"),
+            *("balls", "polynomials"),
         )
     ),
     *(
@@ -82,6 +83,8 @@ BESIDE = {
     "output/notebook": "how a scene is shown",
     "scenes/column_expressions": "whether an expression of a run can be read",
     "scenes/variation": "scenes of a sweep, as text",
+    "scenes/scene_facts": "names, units and meanings of columns",
+    "results": "tables and files of what is proven, whose decimals are of numbers/balls",
 }
 
 

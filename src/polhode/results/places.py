@@ -21,6 +21,7 @@ def check_place(path: Path, kind: str, inputs: Iterable[Path | None] = ()) -> No
     places = [path, beside(path)] if path.suffix.lower() == ".csv" else [path]
     for place in places:
         check_writable(place, ENDINGS, inputs)
+    refuse_facts(path)
     if path.suffix.lower() == ".parquet":
         needed("pyarrow")
     if is_stream(path):
@@ -28,6 +29,14 @@ def check_place(path: Path, kind: str, inputs: Iterable[Path | None] = ()) -> No
     for place in places:
         if place.exists() and place.stat().st_size:
             _check_kind(path, place, kind)
+
+
+def refuse_facts(path: Path) -> None:
+    """Raise BadInput for the name of the facts of a CSV file, which are written with its table."""
+    table = path.with_suffix("")
+    if table.suffix.lower() == ".csv" and path.name == beside(table).name:
+        expected = f"another name: this is of the facts of {table.name}"
+        raise BadInput(str(path), "file", None, expected)
 
 
 def _check_kind(path: Path, place: Path, kind: str) -> None:

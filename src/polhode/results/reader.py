@@ -57,7 +57,7 @@ KINDS = (
 #: What a file that is none makes reading it raise.
 DAMAGED = (LookupError, TypeError, AttributeError, ArithmeticError, MemoryError, *UNREADABLE)
 CERTIFICATE = "polhode certificate"
-FOREIGN = "polhode did not write it"
+FOREIGN = "polhode did not write it, or did before 0.3"
 CHANGED = "it was changed since polhode wrote it"
 
 
@@ -87,7 +87,10 @@ def _of_csv(path: Path, data: bytes, kinds: Sequence[str]) -> Content:
     if about["sha256"] != digest(data):
         raise ValueError(CHANGED)
     text = io.StringIO(data.decode(), newline="")
-    names = next(csv.reader(text))
+    try:
+        names = next(csv.reader(text), [])
+    except csv.Error as fault:
+        raise ValueError(str(fault)) from None
     words = {x["type"] for x in about["about"]["columns"].values()}
     if words == {DOUBLE} and text.tell() < len(data) and not any(gap in data for gap in _GAPS):
         # numpy's own reader is several times as fast
@@ -212,7 +215,7 @@ def _object(data: bytes) -> dict[str, Value]:
     if isinstance(found, dict) and str(found.get("format")).startswith(CERTIFICATE):
         raise ValueError("this is a certificate, which polhode.verify checks")
     if not isinstance(found, dict) or found.get("format") != FORMAT:
-        raise ValueError("another format")
+        raise ValueError("another format, of another program or of polhode before 0.3")
     return found
 
 

@@ -138,8 +138,10 @@ class Places:
             elif self._is_own(path):
                 if path.suffix != ".toml":
                     from polhode.certificates import certificate_file
+                    from polhode.results.places import refuse_facts
 
                     certificate_file.refuse_another(path)
+                    refuse_facts(path)
             else:
                 from polhode.results.places import check_place
 

@@ -14,6 +14,7 @@ from polhode.common.text_tables import counted
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.balls import guaranteed
 from polhode.numbers.decimals import brief
+from polhode.scenes import library
 
 if TYPE_CHECKING:
     from polhode.dynamics.chaos.chaos_map import ChaosMap
@@ -41,8 +42,7 @@ def of(verb: str, found: Found, paths: Sequence[Path], asked: Namespace) -> Iter
 
 def name_of(found: Found) -> str:
     """The name of what a result is of."""
-    scene = getattr(found, "scene", None)
-    return str(found.name if scene is None or hasattr(found, "name") else scene.name)
+    return str(found.name if hasattr(found, "name") else found.fact("scene"))
 
 
 def _itself(found: Found, asked: Namespace) -> Iterator[str]:
@@ -174,6 +174,10 @@ def _orbit(found: Orbit, asked: Namespace) -> Iterator[str]:
 
 
 def _reference(found: Found, asked: Namespace) -> Iterator[str]:
+    if vars(asked).get("backend") == "mpmath" and vars(asked).get("outputs") is None:
+        without = ", ".join(library.load(asked.scene).outputs)
+        if without:
+            yield f"{found.scene.name}: without {without}: mpmath has states alone"
     if not found.proven:
         yield f"{found.scene.name}: the digits are reproduced, not proven"
 

@@ -132,6 +132,11 @@ def names(text: str) -> list[str]:
     return found
 
 
+def words(text: str) -> list[str]:
+    """Names between commas, none of an empty text."""
+    return names(text) if text else []
+
+
 def grid(text: str) -> tuple[int, int]:
     """NxM."""
     match = re.fullmatch(r"(\d{1,6})x(\d{1,6})", text.strip())
@@ -159,7 +164,7 @@ KINDS = {
     "str | NumberType": Kind("TYPE", str),
     "AnyNumber": Kind("X", str),
     "Iterable[AnyNumber]": Kind("X,X...", names),
-    "Iterable[str]": Kind("NAME,NAME...", names),
+    "Iterable[str]": Kind("NAME,NAME...", words),
     "Sequence[str]": Kind("NAME,NAME...", names),
     "list[str]": Kind("WHAT", str, _REPEATED),
     "tuple[int, int]": Kind("NxM", grid),

@@ -68,6 +68,8 @@ def clock(
     if any(np.max(np.abs(values)) > _LARGEST for values in parts.values()):
         return None
     rate = 10.0**scene.log10_rate
+    if not rate:  # a body at rest tells no time
+        return None
     wanted = [*_signals(parts)]
     far = REACHES if _on_level(parts, scene) else REACHES[:2]
     for reach in far if wanted else ():
@@ -111,7 +113,8 @@ def _clock(time: Fraction, off: float, unit: Fraction, times: Sequence[Fraction]
         return None
     first = unit * ordered[0]
     if abs(first - offset) <= off:
-        return Clock(from_first_row(first), TimeChange(unit=unit, shift=first), None)
+        words = from_first_row(ordered[0], unit)
+        return Clock(words, TimeChange(unit=unit, shift=first), None)
     shift, short = _shortest(offset, Fraction(off))
     change = TimeChange(unit=unit, shift=shift)
     return Clock(clock_words(change), change, 0.0 if short else off)

@@ -269,7 +269,7 @@ def _reading(part: str, seen: _Part, times: Sequence[Fraction], world: str = "")
     words = ", ".join(filter(None, (world, way.words)))
     change, how = (None, "right with") if world else (way.change, "read as")
     rows = shown_rows(way, times)
-    return Reading(part, seen.plain.digits, words, way.digits, change, None, rows, how)
+    return Reading(part, seen.plain.digits, words, way.digits, change, rows, how)
 
 
 def shown_rows(way: Way, times: Sequence[Fraction]) -> tuple[tuple[Fraction, float], ...]:

@@ -35,15 +35,20 @@ def other_times(times: Sequence[Fraction]) -> dict[str, TimeChange]:
     """Times at which rows may hold instead, by what they are called, the plainest first.
 
     >>> [*other_times([Fraction(0), Fraction(1, 4)])]
-    ['one step late', 'one step early', 'of the other sense', 'milliseconds', 'microseconds', \
-'nanoseconds', 'minutes']
+    ['one step late', 'one step early', 'of the other sense', \
+'of the other sense, from its last row on (0.25)', 'milliseconds', 'microseconds', 'nanoseconds', \
+'minutes']
     """
     first, *later = sorted({*times})
+    last = max(times)
     found = {unit.name: TimeChange(unit=unit.length) for unit in UNITS}
     begun, back = {}, {"of the other sense": TimeChange(sign=-1)}
     if first:
         begun[from_first_row(first)] = TimeChange(shift=first)
         back[f"of the other sense, {from_first_row(first)}"] = TimeChange(-1, shift=-first)
+    if last not in (first, 0):  # a program that counts down
+        words = f"of the other sense, from its last row on ({brief(last)})"
+        back[words] = TimeChange(-1, shift=-last)
     steps = {
         f"one step {word}": TimeChange(shift=sign * (second - first))
         for second in later[:1]
@@ -52,9 +57,14 @@ def other_times(times: Sequence[Fraction]) -> dict[str, TimeChange]:
     return begun | steps | back | found
 
 
-def from_first_row(first: Fraction) -> str:
-    """What times that count from the first row are called."""
-    return f"from its first row on ({brief(first)})"
+def from_first_row(first: Fraction, unit: Fraction = Fraction(1)) -> str:
+    """What times that count from the first row are called; that row's time is in their unit."""
+    return f"{_unit_words('', unit, ', ')}from its first row on ({brief(first)})"
+
+
+def _unit_words(before: str, length: Fraction, after: str = "") -> str:
+    """The name of a unit between others; empty for the scene's."""
+    return next((f"{before}{unit.name}{after}" for unit in UNITS if unit.length == length), "")
 
 
 _CLOCK = re.compile(
@@ -69,8 +79,7 @@ def clock_words(change: TimeChange) -> str:
     >>> clock_words(TimeChange(shift=Fraction(25, 2)))
     'of another clock: rows belong to t - 12.5'
     """
-    unit = next((f" in {unit.name}" for unit in UNITS if unit.length == change.unit), "")
-    sign = "-" if change.shift > 0 else "+"
+    unit, sign = _unit_words(" in ", change.unit), "-" if change.shift > 0 else "+"
     return f"of another clock{unit}: rows belong to t {sign} {in_full(abs(change.shift))}"
 
 
@@ -82,7 +91,9 @@ def told_times(words: str, times: Sequence[Fraction]) -> TimeChange | None:
     """
     found = _CLOCK.fullmatch(words)
     if found is None:
-        return other_times(times).get(words)
+        first, lengths = min(times), [unit.length for unit in UNITS]
+        begun = {from_first_row(first, x): TimeChange(unit=x, shift=x * first) for x in lengths}
+        return (begun | other_times(times)).get(words)
     unit = next((x.length for x in UNITS if x.name == found[1]), Fraction(1))
     shift = decimal(found[3])
     return TimeChange(unit=unit, shift=shift if found[2] == "-" else -shift)

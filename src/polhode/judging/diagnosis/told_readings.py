@@ -10,11 +10,11 @@ from dataclasses import replace
 from difflib import get_close_matches
 
 from polhode.common.errors import BadInput, listed
-from polhode.judging.diagnosis.conventions import shown_rows, view
+from polhode.judging.diagnosis.conventions import View, shown_rows, view
 from polhode.judging.diagnosis.other_times import other_times, told_times
 from polhode.judging.diagnosis.ways import Way, ways
 from polhode.judging.references.reference import AnyReference
-from polhode.judging.tables.reading import LENGTH, TURNS, Reading
+from polhode.judging.tables.reading import LENGTH, TURNS, Reading, TimeChange
 from polhode.judging.tables.table import Table, as_judged
 
 _APPLIED = "a reading that can be applied; this one is reported, and not applied"
@@ -31,10 +31,31 @@ def read_as_told(subject: Table, reference: AnyReference, told: str) -> Table:
         words = phrase.removeprefix("t ")
         change = None if words == phrase else told_times(words, subject.times)
         if change is not None:
-            subject = subject.read_as([Reading("t", 0.0, words, 0.0, None, change)])
+            subject, _ = at_times_told(subject, view(subject, reference), reference, words, change)
         elif phrase != f"attitude {LENGTH}":  # applied before
             of_parts.append(phrase)
     return subject.read_as(_readings(subject, reference, of_parts)) if of_parts else subject
+
+
+def at_times_told(
+    subject: Table,
+    seen: View,
+    reference: AnyReference,
+    words: str,
+    change: TimeChange,
+    off: float | None = None,
+) -> tuple[Table, View]:
+    """A table at changed times, with the reading that says so, and how it is seen there.
+
+    ``seen``: the table before.  ``off``: by how much the origin of the times may be off.
+    """
+    moved = subject.at_other_times(change, off)
+    there = view(moved, reference)
+    before = min((one.plain.digits for one in seen.parts.values()), default=0.0)
+    way = min((one.way for one in there.parts.values()), key=lambda way: way.digits, default=None)
+    digits, rows = (way.digits, shown_rows(way, there.times)) if way else (0.0, ())
+    reading = Reading("t", before, words, digits, rows=rows)
+    return replace(moved, readings=(*moved.readings, reading)), there
 
 
 def table_as_told(table: Table, reference: AnyReference, told: str) -> Table:

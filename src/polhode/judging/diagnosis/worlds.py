@@ -26,7 +26,7 @@ from polhode.numbers.vectors import Matrix
 from polhode.scenes.body import Body, exact_vector
 from polhode.scenes.scene import Scene
 
-_FARTHEST = 1e4  # radians or so, to which motions at other times are followed
+_FARTHEST = 1e5  # radians or so, to which motions at other times are followed
 _FEWEST = 2  # rows that tell other times
 _POLE = 1e-9  # the sine of theta where psi and phi are one angle
 
@@ -62,7 +62,8 @@ def at_times(
     changes: Mapping[str, TimeChange], times: Sequence[Fraction], scene: Scene
 ) -> Iterator[World]:
     """The motion at changed times, as far as it is followed."""
-    farthest = _FARTHEST / 10.0**scene.log10_rate
+    rate = 10.0**scene.log10_rate
+    farthest = _FARTHEST / rate if rate else math.inf
     for words, change in changes.items():
         moved = [change.of(t) for t in times]
         far = [k for k, t in enumerate(moved) if abs(t) > farthest]

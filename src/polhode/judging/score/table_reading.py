@@ -11,7 +11,8 @@ import math
 from dataclasses import replace
 
 from polhode.judging.diagnosis.clock import unknown_clock
-from polhode.judging.diagnosis.conventions import View, is_explained, other_world, shown_rows, view
+from polhode.judging.diagnosis.conventions import View, is_explained, other_world, view
+from polhode.judging.diagnosis.told_readings import at_times_told
 from polhode.judging.references.reference import AnyReference
 from polhode.judging.tables.attitude_forms import lengths, of_length_one
 from polhode.judging.tables.reading import LENGTH, Reading
@@ -29,13 +30,7 @@ def as_meant(subject: Table, against: AnyReference) -> tuple[Table, tuple[Readin
     if world is not None and world.change is None:
         return with_unit_quaternions(subject, seen), tuple(seen.readings_in(world))
     if world is not None and world.change is not None:
-        moved = subject.at_other_times(world.change, world.off)
-        before = min(one.plain.digits for one in seen.parts.values())
-        seen = view(moved, against)
-        way = min((one.way for one in seen.parts.values()), key=lambda way: way.digits)
-        rows = shown_rows(way, seen.times)
-        reading = Reading("t", before, world.words, way.digits, rows=rows)
-        subject = replace(moved, readings=(*moved.readings, reading))
+        subject, seen = at_times_told(subject, seen, against, world.words, world.change, world.off)
     elif not is_explained(seen.parts):
         remarks = unknown_clock(subject, against.scene)
         subject = replace(subject, remarks=(*subject.remarks, *remarks))

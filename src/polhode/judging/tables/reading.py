@@ -80,7 +80,6 @@ class Reading(NamedTuple):
     convention: str
     digits: float
     change: Change | None = None  # None where it is told, and not applied
-    times: TimeChange | None = None
     rows: tuple[tuple[Fraction, float], ...] = ()
     how: str = "read as"
 

@@ -129,9 +129,6 @@ class Table(ByValue):
             rows = table.rows(names)
             if rows is not None and change is not None and change.order:
                 table = table.with_rows(names, map(change.row, rows))
-        moved = next((one.times for one in readings if one.times is not None), None)
-        if moved is not None:
-            table = table.at_other_times(moved)
         return replace(table, readings=(*table.readings, *readings))
 
     def drift(self, scene: Scene, bits: int) -> Drift | str:

@@ -110,7 +110,7 @@ def _arrays(path: Path, names: Naming) -> Arrays:
     if not isinstance(held, dict):
         return _of_one(path, held, names)
     if {"about", "times", "states"} <= {*held}:
-        expected = "columns (this is a run of polhode 0.2, which its .csv or `polhode run` tells)"
+        expected = "columns (this is of polhode 0.2: of a run its .csv has them; or make it again)"
         raise BadInput(str(path), "file", None, expected)
     flat: dict[str, object] = {}
     for name, array in held.items():
