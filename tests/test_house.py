@@ -244,7 +244,15 @@ def test_a_run_imports_no_room_that_it_does_not_need():
     assert not needless & {name.partition(".")[0] for name in own}
     assert {name for name in own if name.startswith("verbs.")} == {
         f"verbs.{name}"
-        for name in ("catalogue", "deliver", "notes", "options", "scene_options", "terminal")
+        for name in (
+            "catalogue",
+            "deliver",
+            "given_times",
+            "notes",
+            "options",
+            "scene_options",
+            "terminal",
+        )
     }
     code = "import polhode, sys; polhode.integrate('euler/sphere'); print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

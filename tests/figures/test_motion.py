@@ -237,6 +237,7 @@ def test_a_trajectory_file_of_another_program_is_shown(tmp_path, capsys):
     table, page = tmp_path / "x.csv", tmp_path / "x.html"
     times = ",".join(str(k / 20) for k in range(101))
     assert main(["run", TOP, "--at", times, "--outputs", "attitude", "-o", str(table)]) == 0
+    table.with_name("x.csv.json").unlink()  # with which it would be known as polhode's own
     view = ["view", str(table), "-o", str(page)]
     film = ["plot", str(table), "--what", "motion", "--size", "100", "--fps", "1"]
     film += ["-o", str(tmp_path / "x.gif")]

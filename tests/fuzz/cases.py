@@ -184,8 +184,11 @@ def command(draw: st.DrawFn) -> Case:
     words = SMALL[verb].split()
     if verb in ("compare", "frequencies", "plot", "show", "view") and draw(st.booleans()):
         words[1] = draw(of(("table.csv", "latin.csv", "euler/rest", "pendulum/rotating")))
-    choices = cli._parser([verb])._subparsers._group_actions[0].choices  # type: ignore[union-attr]
-    flags = {a.option_strings[-1]: a.nargs == 0 for a in choices[verb]._actions if a.option_strings}
+    parser: Any = cli._parser(SMALL[verb].split()[:2])
+    for name in (verb, "orbit"):  # the verb, and one of its verbs where it is a group
+        if parser._subparsers is not None:
+            parser = parser._subparsers._group_actions[0].choices[name]
+    flags = {a.option_strings[-1]: a.nargs == 0 for a in parser._actions if a.option_strings}
     flags.pop("--help")
     for _ in draw(several(2)):
         flag, word = draw(of(flags)), draw(of(values.WORDS))

@@ -22,7 +22,7 @@ from polhode.numbers.number_types import DOUBLE, mp
 def test_digits_of_a_chaotic_motion_are_had(proved, by):
     """Before: 36 digits printed, none of them right."""
     asked = {"digits": 15, "at": [200, 400], "method": "taylor"}
-    run = polhode.integrate("general/asymmetric-chaotic", **asked, proved=proved)
+    run = polhode.integrate("general/asymmetric-chaotic", **asked, prove=proved)
     assert run.outcome is Outcome.REACHED_END
     assert run.checked_by == by
     true = polhode.integrate(run.scene, mp(70)).states

@@ -39,7 +39,9 @@ def test_a_run_is_judged_as_itself(tmp_path, ending, number):
     assert found.drift == alone.drift
     assert found.limit == alone.limit
     assert found.times == alone.times  # of thirds, rounded to the type
-    assert found.subject.remarks == (f"read as: a run in {number} ({run.number.bits} bits)",)
+    own = f"polhode's own run of {SCENE} in {number} ({run.number.bits} bits)"
+    assert found.subject.remarks == (own,)
+    assert own in str(polhode.compare(path, "lagrange/looping"))  # of which scene it is, then
     assert str(found.subject.name) == f"x.{ending}"
 
 

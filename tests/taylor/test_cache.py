@@ -47,7 +47,7 @@ def home(tmp_path_factory):
     done = polhode(["run", "scene.toml", "--json"], folder, folder / "good")
     assert done.returncode == 0, done.stderr
     assert (folder / "good" / "cache.db").stat().st_size > 10_000
-    return folder, json.loads(done.stdout)["states"]
+    return folder, json.loads(done.stdout)["columns"]
 
 
 def fill(path: Path, good: Path, how: str) -> None:
@@ -103,7 +103,7 @@ def test_a_bad_cache_changes_nothing(home, tmp_path, how):
         more["before"] = UNPRIVILEGED
     done = polhode(["run", "scene.toml", "--json"], folder, cache, **more)
     assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout)["states"] == states  # nothing else on stdout, the same digits
+    assert json.loads(done.stdout)["columns"] == states  # nothing else on stdout, the same digits
     assert done.stderr == ""
     about = polhode(["about", "--json"], folder, cache, **more)
     assert about.returncode == 0, about.stderr

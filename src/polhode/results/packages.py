@@ -13,5 +13,5 @@ def needed(package: str) -> ModuleType:
     try:
         return import_module(package)
     except ImportError:
-        expected = f"{package}, which this needs: pip install 'polhode[frames]'"
-        raise BadInput("polhode", package, None, expected) from None
+        expected = "it to be installed: pip install 'polhode[frames]'"
+        raise BadInput("tables", package, None, expected) from None

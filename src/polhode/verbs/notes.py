@@ -83,7 +83,9 @@ def _accuracy(found: Trajectory) -> str:
         last = brief(max((t for _, t in known), key=abs))
         lost = "" if len(known) == len(found.errors) else f" to t = {last}, no estimate beyond it"
         return f"refined, estimated error {max(x for x, _ in known):.1e}{lost}"
-    return f"projected {found.projection}" if found.projected else f"drift {found.drift}"
+    if found.projected:
+        return f"projected {found.projection}"
+    return f"drift {found.drift}" if len(found.times) else "no output time was reached"
 
 
 def _event(event: EventTimes) -> str:

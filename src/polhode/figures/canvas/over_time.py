@@ -18,7 +18,7 @@ from polhode.judging.correct_digits import log10_errors, log10_rate
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference
 from polhode.judging.tables.table import Table
-from polhode.numbers.conversion import to_double, to_mpf
+from polhode.numbers.conversion import mpf_row, to_double
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Doubles, GivenRow
 from polhode.numbers.scalars import Scalar
@@ -74,7 +74,7 @@ def departures_of_table(table: Table, scene: Scene, number: NumberType | None) -
     columns = [table.columns[name] for name in scene.columns]
     order = [k for k in in_order(table) if all(column[k] is not None for column in columns)]
     bits = number.bits if number else math.ceil(table.printed * math.log2(10)) + 8
-    rows = [[to_mpf(column[k], bits) for column in columns] for k in order]  # type: ignore[arg-type]
+    rows = [mpf_row([column[k] for column in columns], bits) for k in order]
     logs = _departures(lambda k: [rows[k]], len(rows), scene, bits)
     return _samples(table.name, [table.times[k] for k in order], logs, scene, number)
 

@@ -18,7 +18,7 @@ from polhode.equations.integrals import Drift, drift, drift_of_columns
 from polhode.judging.tables.attitude_forms import lengths
 from polhode.judging.tables.column_aliases import not_judged
 from polhode.judging.tables.reading import Reading, TimeChange
-from polhode.numbers.conversion import to_double, to_mpf
+from polhode.numbers.conversion import mpf_row, to_double
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import GivenRow
 from polhode.numbers.scalars import Real
@@ -148,7 +148,7 @@ class Table(ByValue):
                 if (at_once := drift_of_columns(scene, pairs)) is not None:
                     return at_once
         rows = zip(*columns, strict=True)
-        return drift(scene, [[to_mpf(x, bits) for x in row] for row in rows], bits)
+        return drift(scene, [mpf_row(row, bits) for row in rows], bits)
 
 
 def of_run(run: Trajectory) -> Table:

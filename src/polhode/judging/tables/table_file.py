@@ -72,7 +72,8 @@ def _of_result(path: Path, number: NumberType | None, names: Naming) -> Table:
     found = load_result(path)
     if isinstance(found, Trajectory):
         if names is PLAIN and number in (None, found.number):
-            told = f"read as: a run in {found.number.name} ({found.number.bits} bits)"
+            its = f"{found.number.name} ({found.number.bits} bits)"
+            told = f"polhode's own run of {found.scene.name} in {its}"
             return replace(of_run(replace(found)), name=called(path), remarks=(told,))
         number = number or found.number
     columns = {x.name: x.values for x in found.table().columns}
