@@ -35,7 +35,7 @@ def parts() -> dict[str, str]:
         "many": _paragraph("speed", "From an array of 100", rows_may_be_missing=True),
         "speed": f"{ahead}\n\n{_paragraph('speed', 'In quad a refined run takes')}",
         "far": far._replace(again="").markdown,
-        "proofs": _paragraph("proofs", "tops are proved"),
+        "proofs": _paragraph("proofs", "The checker of certificates"),
     }
 
 
