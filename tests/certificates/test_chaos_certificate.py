@@ -189,6 +189,21 @@ def test_what_is_no_covering_is_refused(given, said):
         covers(**given)
 
 
+def test_a_plane_that_is_too_far_for_the_span_is_missed():
+    """Of some distances only this refuses: the speed across the plane may fall below 2/3 of it."""
+    with ctx.workprec(128):
+        inertia = [[arb(2), arb(0), arb(0)], [arb(0), arb(3) / 2, arb(0)], [arb(0), arb(0), arb(1)]]
+        body = verify.Body(inertia, [arb(1) / 3, arb(1) / 5, arb(1) / 2])
+        box = [arb(1) / 3, arb(1) / 5, arb(1), arb(3) / 5, arb(0), arb(4) / 5]
+        plane = [arb(int(k == 3)) for k in range(6)]
+        for steps, said in ((24, "may touch"), (28, "may miss"), (29, "may miss")):
+            with pytest.raises(verify.NotProved, match=said):
+                verify._crossing(body, plane, box, (arb(2) ** (arb(-steps) / 4)).mid())
+        span, reached = verify._crossing(body, plane, box, arb(2) ** -12)
+        speed = verify.rates(body, reached)[3].abs_lower()
+        assert arb(2) ** -12 < speed * span < arb(2) ** -11
+
+
 # -- doors ----------------------------------------------------------------------------------------
 
 

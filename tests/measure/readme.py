@@ -37,7 +37,7 @@ def parts() -> dict[str, str]:
         "summary": _summary(speed),
         "speed": f"{ahead}\n\n{_paragraph('speed', 'In quad a refined run takes')}",
         "far": far._replace(again="").markdown,
-        "proofs": _paragraph("proofs", "tops are proved"),
+        "proofs": _paragraph("proofs", "The checker of certificates"),
     }
 
 

@@ -17,8 +17,10 @@ import pytest
 from invented import KINDS, Bare, Odd
 
 import polhode
+from polhode.common.errors import BadInput
 from polhode.common.files import write_whole
 from polhode.results import writer
+from polhode.results.packages import needed
 from polhode.results.reader import content_of
 from polhode.results.writer import ENDINGS, as_json, csv_text, digest
 
@@ -309,3 +311,9 @@ def test_a_table_without_a_header_is_refused_though_its_sum_is_right(text, tmp_p
     beside.write_text(json.dumps(told))
     with pytest.raises(polhode.BadInput, match="a result that polhode saved"):
         polhode.load_result(path)
+
+
+def test_a_package_that_is_missing_is_named_with_its_extra():
+    told = r"^tables: no_such_package: expected it to be installed: pip install 'polhode\[frames\]'"
+    with pytest.raises(BadInput, match=told):
+        needed("no_such_package")

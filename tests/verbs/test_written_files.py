@@ -70,6 +70,13 @@ def test_a_run_that_cannot_reach_its_end_writes_what_it_has_and_says_what_to_do(
     assert polhode.load_result("x.csv").to_json() == out
 
 
+def test_a_run_that_reaches_no_output_time_tells_no_drift(capsys):
+    words = ["run", "lagrange/nutation", "--at", "1000", "--max-steps", "2"]
+    _, err = ran(capsys, *words, code=3)
+    assert "step limit, 2 steps; no output time was reached" in err
+    assert "drift" not in err
+
+
 def test_the_json_of_a_run_keeps_the_contract(capsys):
     answer = answered(capsys, "run", "watched.toml", "--at", "0.1,1/3,pi")
     keys = "scene scene_text number bits digits form method outcome reached steps tolerance"

@@ -74,9 +74,9 @@ def trusted_base() -> str:
 
 
 def verify(path: str | Path, progress: Progress | None = None) -> Verdict:
-    """Check a certificate by a program that shares no code with the proof.
+    """Check a certificate.
 
-    That program is one file, ``polhode/certificates/verify.py``, which imports nothing of polhode,
+    The checker is one file, ``polhode/certificates/verify.py``, which imports nothing of polhode,
     only python-flint and the standard library: ``python verify.py CERT.json`` does the same.
 
     Parameters

@@ -57,8 +57,17 @@ def judged(
     line : ProgressLine
         Where progress is shown.
     """
-    found = _judged(Path(file), scene, number, digits, as_it_stands, read, columns, max_seconds,
-                    line or ProgressLine("compare"), at_least is not None)  # fmt: skip
+    found = _judged(
+        Path(file),
+        scene,
+        line or ProgressLine("compare"),
+        number=number,
+        digits=digits,
+        as_it_stands=as_it_stands or at_least is not None,
+        read=read,
+        columns=columns,
+        max_seconds=max_seconds,
+    )
     if at_least is None:
         return found
     from polhode.judging.score.gate import refuse_incomplete
@@ -112,24 +121,28 @@ def order(
 
     if len(files) < 2:
         raise BadInput("polhode order", "FILE", None, "two files or more")
-    shown = line or ProgressLine("order")
-    how: Any = (scene, number, digits, as_it_stands, read, columns, max_seconds, shown, False)
-    return order_between([_judged(Path(file), *how) for file in files], steps)
+    shown, judgements = line or ProgressLine("order"), []
+    for file in files:
+        judgements.append(
+            _judged(
+                Path(file),
+                scene,
+                shown,
+                number=number,
+                digits=digits,
+                as_it_stands=as_it_stands,
+                read=read,
+                columns=columns,
+                max_seconds=max_seconds,
+            )
+        )
+    return order_between(judgements, steps)
 
 
 def _judged(
-    path: Path,
-    scene: str | Path,
-    number: str | None,
-    digits: int | None,
-    as_it_stands: bool,
-    read: str | None,
-    columns: Sequence[str] | None,
-    max_seconds: float | None,
-    line: ProgressLine,
-    gate: bool,
+    path: Path, scene: str | Path, line: ProgressLine, max_seconds: float | None, **options: Any
 ) -> Judgement:
-    """The judgement of a file; ``gate``: as it stands, and complete."""
+    """The judgement of a file; ``options``: others of :func:`polhode.compare`."""
     from polhode.judging.score.compare import compare
     from polhode.proofs.refusals import NotProved
 
@@ -151,15 +164,11 @@ def _judged(
         found = compare(
             path,
             scene,
-            number=number,
-            digits=digits,
-            columns=columns,
             first=first,
             progress=partial(line.show, what="rows or steps of the reference"),
             max_seconds=max_seconds,
             forecast=foretold,
-            as_it_stands=as_it_stands or gate,
-            read=read,
+            **options,
         )
     except BadInput as fault:
         if fault.key == "max_seconds" and max_seconds is not None and max_seconds > 0:

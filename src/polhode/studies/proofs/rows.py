@@ -1,7 +1,7 @@
 """Study ``proofs``: periodic orbits of seven tops and chaos of five, proved or refused with cause.
 
-Each proof is written as a certificate, and proved again from that by the checker that shares no
-code with it.
+Each proof is made by the checker of certificates, which imports nothing of polhode, and is read
+again by it from the certificate that was written.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from polhode.studies.row_filter import Only
 NAME = "proofs"
 QUESTION = (
     "Which periodic orbits of a level can be proved to exist, of which tops is chaos proved, at "
-    "what cost, and does a checker that shares no code agree?"
+    "what cost, and do the certificates hold when they are read again?"
 )
 ORBITS = {
     "asymmetric, chaotic": "general/asymmetric-chaotic",
