@@ -143,7 +143,7 @@ REFUSED = {
     "study stabilty -o out": "did you mean 'stability'",
     "study accuracy -o table.csv/below": "a folder to write to",
     "report -o table.csv/below": "a folder to write to",
-    "study accuracy --without CyRK -o out": "runs polhode alone",
+    "study speed --without CyRK -o out": "as what is not installed is left out",
     "study accuracy --only nothing": "part of the name of a row",
     "benchmark --only nosuch -o out": "nosuch",
     "guide xyzzy": "expected",

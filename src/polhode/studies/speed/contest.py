@@ -94,10 +94,8 @@ class _Contest:
             for tol in BY_NAME[name].tolerances if tolerances is None else tolerances.get(name, ()):
                 for k in range(DRAWS):
                     self._once(name, k, tol)
-        near = {
-            name: [*(points if self.cell.every_tolerance else _next_to_levels(points))]
-            for name, points in ((name, self.points[name]) for name in self.ready)
-        }
+        every = self.cell.every_tolerance
+        near = {name: [*timed_again(self.points[name], every)] for name in self.ready}
         if self.cell.starts:
             for name, asked in near.items():
                 for k, tol in asked[:1]:  # what is compiled for so many starts is not timed
@@ -157,8 +155,11 @@ class _Contest:
         }
 
 
-def _next_to_levels(points: Points) -> Iterator[tuple[int, float]]:
-    """The tolerances of each draw whose digits lie next to a level, on either side."""
+def timed_again(points: Points, every: bool) -> Iterator[tuple[int, float]]:
+    """The tolerances of each draw whose digits lie next to a level, on either side; or all."""
+    if every:
+        yield from points
+        return
     for k in {k for k, _ in points}:
         line = sorted((found, tol) for (draw_of, tol), (found, _) in points.items() if draw_of == k)
         chosen = set()

@@ -42,6 +42,11 @@ class Program(NamedTuple):
         """Whether it is run in cells of this length and number of outputs, or of starts."""
         return end <= self.last and outputs <= self.outputs and (not starts or self.name in MANY)
 
+    @property
+    def is_there(self) -> bool:
+        """Whether all that it needs is installed."""
+        return all(find_spec(need) is not None for need in self.needs)
+
     def job(self, present: Sequence[bool], runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         """The job of :mod:`polhode.peers.process`."""
         shared = {"module": self.module, "method": self.method}
@@ -94,21 +99,3 @@ MANY = (
     *("CyRK DOP853", "CyRK VERN8", "numbalsoda dop853", "numbalsoda lsoda", "diffrax Dopri8"),
 )
 BY_NAME: Mapping[str, Program] = {program.name: program for program in PROGRAMS}
-
-
-def left_out(program: Program, without: Sequence[str]) -> bool:
-    """Whether a program is of a package that is asked to be left out."""
-    words = {word.lower() for word in without}
-    return bool(words & {program.name.lower(), *(need.lower() for need in program.needs)})
-
-
-def missing(programs: Sequence[Program]) -> dict[str, str]:
-    """The packages that cannot be imported, each with the programs that need it."""
-    found: dict[str, str] = {}
-    for program in programs:
-        for need in program.needs:
-            if find_spec(need) is None:
-                found[need] = ", ".join([*found.get(need, "").split(", "), program.name]).strip(
-                    ", "
-                )
-    return found
