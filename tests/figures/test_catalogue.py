@@ -14,7 +14,13 @@ from shared.results import MAKERS, result_of_kind
 
 plt = pytest.importorskip("matplotlib.pyplot")
 TOP = "lagrange/nutation"
-WITHOUT = {"Conditioning", "ObservedOrder", "ProvedOrbits", "Verdict"}  # kinds that have no figure
+WITHOUT = {
+    "Conditioning",
+    "Lyapunov",
+    "ObservedOrder",
+    "ProvedOrbits",
+    "Verdict",
+}  # kinds that have no figure
 
 
 @pytest.fixture(autouse=True)

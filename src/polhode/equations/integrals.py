@@ -206,31 +206,32 @@ def drift(scene: Scene, states: Rows, bits: int) -> Drift:
     """
     import numpy as np
 
+    found = departures(scene, states, bits).values()
+    with np.errstate(over="ignore"):  # told as inf
+        return _named(scene, [float(np.max(np.abs(d.astype(float)))) for d in found])
+
+
+def departures(scene: Scene, states: Rows, bits: int = 53) -> dict[str, Any]:
+    """Relative departures of each integral along a run, with their signs, by its name.
+
+    ``states``, ``bits``: as in :func:`drift`, whose scales these have.  Each answer is an ndarray,
+    one number a row: of long doubles for a run in double, else of mpf.
+    """
+    import numpy as np
+
+    names = first_integrals(scene).onto
     if isinstance(states, np.ndarray) and states.dtype == np.float64:
-        found = departures(scene, states).values()
-        return _named(scene, [float(np.max(np.abs(d))) for d in found])
+        columns = list(states.astype(np.longdouble).T)
+        found = _departures(scene, [columns], to_extended)[0]
+        one = np.ones(len(states))  # an integral of nothing but zeros is one number
+        return {name: d * one for name, d in zip(names, found, strict=True)}
     from polhode.numbers.mpmath_context import mpmath
 
     precision = bits + GUARD_BITS
     with mpmath.workprec(precision):
         wide = [[to_mpf(exactly(x), precision) for x in row] for row in states]
         rows = _departures(scene, wide, lambda x: to_mpf(x, precision))
-        worst = [max(abs(row[i]) for row in rows) for i in range(len(rows[0]))]
-        return _named(scene, [float(x) for x in worst])
-
-
-def departures(scene: Scene, states: Any) -> dict[str, Any]:
-    """Relative departures of each integral along a run in double, with their signs, by its name.
-
-    ``states``: an ndarray of doubles as in :func:`drift`, whose scales these have.  Each answer is
-    an ndarray of long doubles, one a row.
-    """
-    import numpy as np
-
-    columns = list(states.astype(np.longdouble).T)
-    found = _departures(scene, [columns], to_extended)[0]
-    one = np.ones(len(states))  # an integral of nothing but zeros is one number
-    return {name: d * one for name, d in zip(first_integrals(scene).onto, found, strict=True)}
+    return dict(zip(names, np.array(rows, dtype=object).T, strict=True))
 
 
 def drift_of_columns(scene: Scene, columns: Sequence[Pairs]) -> Drift | None:

@@ -28,7 +28,7 @@ def draw(plt: Any, found: Storable, axes: Any = None) -> Any:
     size = (6.4, 0.6 + 1.9 * len(names))
     figure, panels = canvas.panels(plt, axes, len(names), figsize=size, sharex=True)
     span = 1.6 * float(np.abs(frequency).max(initial=0.0)) or 1.0
-    curve, mark = series(plt, 2)
+    curve, mark = series(2)
     for panel, name in zip(panels[:, 0], names, strict=True):
         own = signal == name
         top = float(amplitude[own].max(initial=0.0)) or 1.0

@@ -18,17 +18,17 @@ TOPS = {"fli": 15.0, "megno": 4.0}
 SHADES = ("#cfe3f2", "#f5e6b3", "#b2182b")  # regular, undecided, chaotic
 
 
-def fli(plt: Any, found: Storable, axes: Any = None, *, cmap: str = "viridis") -> Any:
+def fli(plt: Any, found: Storable, axes: Any = None, *, cmap: str | None = None) -> Any:
     """The fast Lyapunov indicator."""
     return _scaled(plt, told(found), axes, "fli", cmap)
 
 
-def megno(plt: Any, found: Storable, axes: Any = None, *, cmap: str = "viridis") -> Any:
+def megno(plt: Any, found: Storable, axes: Any = None, *, cmap: str | None = None) -> Any:
     """The mean exponential growth of nearby orbits."""
     return _scaled(plt, told(found), axes, "megno", cmap)
 
 
-def exponent(plt: Any, found: Storable, axes: Any = None, *, cmap: str = "viridis") -> Any:
+def exponent(plt: Any, found: Storable, axes: Any = None, *, cmap: str | None = None) -> Any:
     """Lyapunov's largest exponent."""
     return _scaled(plt, told(found), axes, "exponent", cmap)
 
@@ -54,7 +54,7 @@ def verdict(plt: Any, found: Storable, axes: Any = None) -> Any:
     return figure
 
 
-def _scaled(plt: Any, known: Saved, axes: Any, what: str, cmap: str) -> Any:
+def _scaled(plt: Any, known: Saved, axes: Any, what: str, cmap: str | None) -> Any:
     """A number of each motion by a colour."""
     figure, panels = canvas.panels(plt, axes, 1, figsize=(6.0, 4.4))
     panel, values = panels[0, 0], numbers(known, what)

@@ -19,7 +19,7 @@ def draw(plt: Any, found: Storable, axes: Any = None) -> Any:
     known = told(found)
     figure, panels = canvas.panels(plt, axes, 2, figsize=(4.8, 4.8), sharex=True)
     by, passed = known.fact("by"), known.fact("bifurcations")
-    first, *others = series(plt, 3)
+    first, *others = series(3)
     colours = dict(zip(_MARKS, (*others, PLAIN), strict=True))
     for panel, name in zip(panels[:, 0], ("period", "residue"), strict=True):
         over, values = numbers(known, by), numbers(known, name)

@@ -36,7 +36,7 @@ def add_options(parser: ArgumentParser, verb: Verb) -> None:
     function = options.front(verb.home, verb.function)
     options.add(parser, function, verb.named)
     scene_options.add(parser, verb.scene)
-    for option, how in verb.figure_options.items():
+    for option, how in (verb.figure_options or {}).items():
         parser.add_argument(option, **how)
     endings = f"{', '.join(_endings(verb))}; may be repeated"
     if any(x.name == "parts" for x in function.parameters):
@@ -50,7 +50,7 @@ def add_options(parser: ArgumentParser, verb: Verb) -> None:
 
 def _endings(verb: Verb) -> Sequence[str]:
     own = (verb.own,) if verb.own and verb.own not in _DATA else ()
-    return [*own, *_DATA, *(_FIGURES if verb.has_figure else ())]
+    return [*own, *_DATA, *(() if verb.figure_options is None else _FIGURES)]
 
 
 def main(verb: Verb, function: options.Front, asked: Namespace) -> int:
@@ -241,7 +241,7 @@ def _drawn(found: Result, suffix: str, verb: Verb, asked: Mapping[str, Any]) -> 
 
 def _figure_options(verb: Verb) -> Sequence[str]:
     """The options of a verb's figures, by the names of the parameters of what draws."""
-    return [option.removeprefix("--").replace("-", "_") for option in verb.figure_options]
+    return [option.removeprefix("--").replace("-", "_") for option in verb.figure_options or ()]
 
 
 def shown(found: Result) -> str:

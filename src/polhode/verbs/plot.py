@@ -31,8 +31,7 @@ def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
     what = (
         "of a motion angles (default), omega, momentum, attitude, hodographs, sphere, integrals, "
-        "error, or motion: a page or a film; of a scene also chaos-proof; of a map fli (default), "
-        "megno, exponent, verdict"
+        "error, or motion: a page or a film; of a map fli (default), megno, exponent, verdict"
     )
     source_options(parser)
     parser.add_argument("--what", type=word, metavar="WORD", help=what)
@@ -40,6 +39,8 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument("-o", dest="file", type=word, required=True, metavar="FILE", help=endings)
     parser.add_argument("--title", metavar="TEXT", help="in place of the figure's own")
     parser.add_argument("--cmap", metavar="NAME", help="matplotlib's colours of a map (viridis)")
+    for axis in "fh":
+        parser.add_argument(f"--{axis}-range", metavar="A:B", help=f"of levels: the {axis} shown")
     size = "of a film: pixels of a side (360)"
     parser.add_argument("--size", type=whole, metavar="PIXELS", help=size)
     parser.add_argument("--fps", type=whole, metavar="N", help="of a film: frames a second (20)")
@@ -84,7 +85,6 @@ def make(options: Namespace, endings: tuple[str, ...], words: str = "") -> int:
     from polhode.figures.canvas import canvas
     from polhode.figures.drawing import page_of, samples_of
     from polhode.figures.source import Asked, Unreached, shown
-    from polhode.proofs.refusals import NotProved
 
     path = Path(options.file)
     inputs = [library.path_of(name) for name in (options.what_of, options.scene) if name]
@@ -97,11 +97,7 @@ def make(options: Namespace, endings: tuple[str, ...], words: str = "") -> int:
     asked = Asked(**{name: getattr(options, name) for name in vars(Asked())})
     with ProgressLine("plot") as progress:
         try:
-            found = shown(options.what_of, options.what, asked, progress.show, progress.say)
-        except NotProved as why:
-            progress.clear()
-            note(f"polhode: not proved: {why}")
-            return NOT_REACHED
+            found = shown(options.what_of, options.what, asked, progress.show)
         except Unreached as why:
             progress.clear()
             note(f"polhode: {why}; nothing was written")
@@ -123,7 +119,8 @@ def make(options: Namespace, endings: tuple[str, ...], words: str = "") -> int:
                 end = f"to {film.CLOSED:.0e}: the film ends there, and repeats"
                 note(f"{found.name}: {again}, {end}")
         else:
-            own = {"title": options.title or "", "cmap": options.cmap}
+            own = {name: getattr(options, name) for name in ("cmap", "f_range", "h_range")}
+            own["title"] = options.title or ""
             made = catalogue.drawn(found.found, suffix, found.name, found.what, **own)
     write_whole({path: made})
     if options.json:
