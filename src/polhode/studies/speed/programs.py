@@ -76,8 +76,8 @@ PROGRAMS = (
     _peer("CyRK VERN8", "cyrk", "VERN8", (*_NUMBA, "CyRK")),
     _peer("numbalsoda dop853", "numbalsoda_cfunc", "dop853", (*_NUMBA, "numbalsoda")),
     _peer("numbalsoda lsoda", "numbalsoda_cfunc", "lsoda", (*_NUMBA, "numbalsoda"), last=1000),
-    _peer("SciPy DOP853", "scipy_numba", "DOP853", ("scipy", *_NUMBA), last=100, outputs=101),
-    _peer("SciPy LSODA", "scipy_numba", "LSODA", ("scipy", *_NUMBA), last=100, outputs=101),
+    _peer("SciPy DOP853", "scipy_ivp", "DOP853", ("scipy", *_NUMBA), last=100, outputs=101),
+    _peer("SciPy LSODA", "scipy_ivp", "LSODA", ("scipy", *_NUMBA), last=100, outputs=101),
     _peer("diffrax Dopri8", "diffrax_dopri8", "Dopri8", ("diffrax",), last=100, outputs=101),
     _peer("splitting 8", "splitting", "8", _NUMBA, tolerances=_FIXED, last=1000, outputs=101),
     _peer(
@@ -90,7 +90,7 @@ PROGRAMS = (
         outputs=101,
     ),
     #: Of the table of first results alone: nothing to compile, and slow ever after.
-    _peer("SciPy DOP853, Python", "scipy_python", "DOP853", ("scipy",), last=0),
+    _peer("SciPy DOP853, Python", "scipy_ivp", "DOP853, Python", ("scipy",), last=0),
     _peer("CyRK DOP853, Python", "cyrk", "DOP853, Python", ("CyRK",), last=0),
 )
 #: Those that are called with many starts: all that have a way of their own for them.
