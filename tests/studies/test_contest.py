@@ -15,6 +15,7 @@ import pytest
 
 import polhode
 from polhode.judging.conditioning.lyapunov import lyapunov
+from polhode.studies.processes import ask
 from polhode.studies.row_filter import Only
 from polhode.studies.speed import cells, contest, draws, figure, page, programs
 from polhode.studies.speed import rows as speed
@@ -122,6 +123,24 @@ def test_the_least_of_several_calls_next_to_a_level_is_told(monkeypatch):
     for seconds in (2.0, 1.0, 3.0):  # of three processes, by the fastest
         cells._enter(entered, {OURS: [[0, tol, digits, seconds]]})
     assert entered == {OURS: {(0, tol): (digits, 1.0)}}
+
+
+@pytest.mark.slow
+def test_a_program_that_cannot_be_prepared_is_told_and_the_others_run(monkeypatch, tmp_path):
+    truth = draws.truth("lagrange", 0, 10)
+    asked = {"end": 10, "outputs": 2, "starts": 0, "truths": [cells._plain(truth)] * DRAWS}
+    job = {"kind": "lagrange", "cells": [asked], "programs": ["broken", OURS], "patience": 0}
+    job["tolerances"] = {"lagrange t=10 outputs=2": {OURS: [1e-9]}}
+    answers, fault = ask(cells._MODULE, job, 60.0, tmp_path)
+    failed, cell = answers
+    assert fault == ""
+    assert failed == {"failed": "broken", "fault": "KeyError: 'broken'"}
+    assert len(cell["points"][OURS]) == DRAWS
+    assert cell["faults"] == {}
+    monkeypatch.setattr(cells, "ask", lambda *_: (answers, ""))
+    truths = {("lagrange", 10, False, k): truth for k in range(DRAWS)}
+    (row,) = cells._kind("lagrange", [Cell("lagrange", 10, 2)], [], truths, tmp_path, True, print)
+    assert row["faults"] == {"broken": failed["fault"]}
 
 
 # rows

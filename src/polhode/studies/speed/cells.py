@@ -102,13 +102,15 @@ def _kind(
     for turn in range(1 if quick else PROCESSES):
         say(f"contest: {kind}, process {turn + 1}")
         answers, fault = ask(_MODULE, job, _LIMIT, cache)
+        ended = {f"process {turn + 1}": fault} if fault else {}
         for answer in answers:
-            if "cell" in answer:
+            if "failed" in answer:
+                ended[answer["failed"]] = answer["fault"]
+            else:
                 _enter(points[answer["cell"]], answer["points"])
                 faults[answer["cell"]] |= answer["faults"]
-        if fault:
-            for cell in cells:
-                faults[cell.label][f"process {turn + 1}"] = fault
+        for cell in cells:
+            faults[cell.label] |= ended
         job["tolerances"] = {
             cell.label: held_again(points[cell.label], cell.every_tolerance) for cell in cells
         }
