@@ -86,10 +86,10 @@ def filmed(found: Samples, suffix: str, tell: Callable[[float], None], look: Loo
         from matplotlib import animation
 
         path = Path(folder) / f"film{suffix}"
-        how = {"metadata": {"title": f"polhode: {found.name}"}}
+        named = {"title": f"polhode: {found.name}"}
         make = animation.PillowWriter if suffix == ".gif" else animation.FFMpegWriter
         figure, axes = plt.subplots(figsize=(inches, inches), dpi=DOTS, layout="constrained")
-        drawn, writer = _Frames(motion, axes, end, closed=back is not None), make(look.rate, **how)
+        drawn, writer = _Frames(motion, axes, end, closed=back is not None), make(look.rate, metadata=named)
         try:
             with writer.saving(figure, str(path), DOTS):
                 for k, moment in enumerate(moments):

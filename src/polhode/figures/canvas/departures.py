@@ -20,6 +20,7 @@ from polhode.judging.tables.table import Table
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, mpf_row, to_double
 from polhode.numbers.number_types import NumberType
+from polhode.numbers.rows import Rows
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.scene import Scene
 
@@ -57,10 +58,9 @@ def departures(table: Table, scene: Scene, number: NumberType | None) -> Samples
     rows = table.rows(scene.columns) or []
     table = in_order(table.some([k for k, row in enumerate(rows) if None not in row]))
     bits = number.bits if number else math.ceil(table.printed * math.log2(10)) + 8
+    states: Rows = [mpf_row(row, bits) for row in table.rows(scene.columns) or []]
     if table.run is not None:
         states = table.run.states
-    else:
-        states = [mpf_row(row, bits) for row in table.rows(scene.columns) or []]
     found = integrals.departures(scene, states, bits)
     shown = {_NAMES.get(name, "fourth"): _log10(values) for name, values in found.items()}
     return _samples(table, shown, scene, number)

@@ -74,7 +74,7 @@ def rows(quick: bool, wanted: Only) -> list[dict[str, Any]]:
 
 def _row(limit: Limit) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
-        text = _FREE.format(**(_PLAIN | limit.changes)).replace("'", '"')
+        text = _FREE.format(**{**_PLAIN, **limit.changes}).replace("'", '"')
         (Path(folder) / "scene.toml").write_text(text, encoding="utf-8")
         command = [sys.executable, "-m", "polhode", *limit.command.split()]
         done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
