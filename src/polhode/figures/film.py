@@ -8,9 +8,10 @@ from __future__ import annotations
 import math
 import subprocess
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -26,10 +27,13 @@ from polhode.numbers.rows import Doubles
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from PIL.Image import Image
 
 SUFFIXES = (".gif", ".mp4")
 SECONDS = 6
 DOTS = 100  # an inch
+COLOURS = 64  # of a GIF
 _SEEN = 1e-3  # radians that are seen
 CLOSED = 3e-7  # radians: what a motion may miss its first moment by and count as back
 _LIGHT = np.array([-0.4, 0.6, 0.7]) / math.sqrt(1.01)  # right, up, to the viewer
@@ -81,31 +85,26 @@ def filmed(found: Samples, suffix: str, tell: Callable[[float], None], look: Loo
     back = return_time(motion)
     begin, end = float(motion.times[0]), float(motion.times[-1]) if back is None else back
     moments = np.linspace(begin, end, count, endpoint=back is None)
-    inches = look.size / DOTS
-    with paper() as plt, tempfile.TemporaryDirectory() as folder:
-        from matplotlib import animation
-
-        path = Path(folder) / f"film{suffix}"
-        named = {"title": f"polhode: {found.name}"}
-        make = animation.PillowWriter if suffix == ".gif" else animation.FFMpegWriter
+    with paper() as plt:
+        inches = look.size / DOTS
         figure, axes = plt.subplots(figsize=(inches, inches), dpi=DOTS, layout="constrained")
-        drawn, writer = _Frames(motion, axes, end, closed=back is not None), make(look.rate, metadata=named)
+        drawn = _Frames(motion, axes, end, closed=back is not None)
+
+        def frames() -> Iterator[Figure]:
+            for k, moment in enumerate(moments):
+                drawn.show(float(moment))
+                tell((k + 1) / count)
+                yield figure
+
         try:
-            with writer.saving(figure, str(path), DOTS):
-                for k, moment in enumerate(moments):
-                    drawn.show(float(moment))
-                    tell((k + 1) / count)
-                    writer.grab_frame()
-            return Film(path.read_bytes(), begin, end, back is not None)
-        except (OSError, subprocess.CalledProcessError) as fault:
-            if isinstance(fault.__context__, KeyboardInterrupt):  # ffmpeg hears Ctrl-C, too
-                raise fault.__context__ from None
-            said = getattr(fault, "stderr", None) or str(fault)
-            last = said.strip().splitlines()[-1] if said.strip() else "it failed"
-            expected = f"a program ffmpeg that films in MP4 ({last}); .gif and .html need none"
-            raise BadInput(found.name, "-o", suffix, expected) from None
+            if suffix == ".gif":
+                drawn.show(end)  # has every colour
+                made = _gif(frames(), _palette(figure), look.rate)
+            else:
+                made = _mp4(frames(), figure, found.name, look.rate)
         finally:
             plt.close(figure)
+        return Film(made, begin, end, back is not None)
 
 
 def return_time(motion: Motion) -> float | None:
@@ -138,6 +137,55 @@ def return_time(motion: Motion) -> float | None:
         if away(low) < CLOSED:
             return float(low)
     return None
+
+
+def _gif(frames: Iterator[Figure], palette: Image, rate: int) -> bytes:
+    """Pictures of few colours one after the other, for ever."""
+    from PIL import Image
+
+    # with one palette what stands still costs nothing
+    first, *others = [
+        _picture(figure).quantize(palette=palette, dither=Image.Dither.NONE) for figure in frames
+    ]
+    out = BytesIO()
+    told = {"save_all": True, "append_images": others, "duration": 1000 // rate, "loop": 0}
+    first.save(out, format="GIF", **told)
+    return out.getvalue()
+
+
+def _palette(figure: Figure) -> Image:
+    from PIL import Image
+
+    return _picture(figure).quantize(COLOURS, Image.Quantize.MAXCOVERAGE)
+
+
+def _picture(figure: Figure) -> Image:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from PIL import Image
+
+    canvas: Any = FigureCanvasAgg(figure)
+    canvas.draw()
+    return Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+
+
+def _mp4(frames: Iterator[Figure], figure: Figure, name: str, rate: int) -> bytes:
+    from matplotlib import animation
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "film.mp4"
+        writer = animation.FFMpegWriter(rate, metadata={"title": f"polhode: {name}"})
+        try:
+            with writer.saving(figure, str(path), DOTS):
+                for _ in frames:
+                    writer.grab_frame()
+            return path.read_bytes()
+        except (OSError, subprocess.CalledProcessError) as fault:
+            if isinstance(fault.__context__, KeyboardInterrupt):  # ffmpeg hears Ctrl-C, too
+                raise fault.__context__ from None
+            said = getattr(fault, "stderr", None) or str(fault)
+            last = said.strip().splitlines()[-1] if said.strip() else "it failed"
+            expected = f"a program ffmpeg that films in MP4 ({last}); .gif and .html need none"
+            raise BadInput(name, "-o", ".mp4", expected) from None
 
 
 class _Frames:

@@ -37,7 +37,7 @@ from polhode.studies.row_filter import Only
 STUDIES = {
     "accuracy": (170, 20),
     "proofs": (170, 20),
-    "speed": (1650, 60),
+    "speed": (2600, 60),
     "stability": (130, 20),
     "long-run": (130, 20),
     "events": (35, 10),
