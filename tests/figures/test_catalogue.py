@@ -131,6 +131,23 @@ def test_colours_of_maps_and_of_a_style_are_taken(chaos):
     assert [line.get_color() for line in plain.lines[:3]] == ["#0072b2", "#d55e00", "#009e73"]
 
 
+def test_a_dark_style_hides_nothing_and_sections_and_axes_take_its_colours():
+    with plt.style.context("dark_background"):
+        cycle = plt.rcParams["axes.prop_cycle"].by_key()["color"]
+        drawn = polhode.section(TOP, grid=(3, 2), crossings=2).plot()
+        globe = polhode.plot(TOP, "sphere", end=1)[0]
+    assert {line.get_color() for line in drawn.lines} == {*cycle[:6]}
+    assert "white" in {text.get_color() for text in globe.texts}
+
+
+def test_a_map_takes_the_colours_of_the_style_and_a_map_of_colours_of_ones_own(chaos):
+    with plt.rc_context({"image.cmap": "cividis"}):
+        (mesh,) = chaos.plot("megno").collections
+    assert mesh.get_cmap().name == "cividis"
+    (mesh,) = chaos.plot("megno", cmap=plt.get_cmap("magma")).collections
+    assert mesh.get_cmap().name == "magma"
+
+
 def test_levels_show_the_range_that_is_asked_for():
     found = polhode.levels("general/asymmetric-chaotic")
     axes = found.plot(f_range=(0, "1/2"), h_range="1:2")
@@ -169,6 +186,8 @@ def test_kinds_without_a_figure_say_so():
         (f"map {TOP} --grid 2x2 --cmap magma", "--cmap = magma: expected it with a figure"),
         (f"map {TOP} --grid 2x2 --what flu -o y.svg", "did you mean 'fli'?"),
         (f"levels {TOP} --f-range 2:1 -o y.svg", "--f-range = 2:1: expected A:B with A below B"),
+        ("plot x.npz -o y.svg --f-range 0:1", "plot fli: f_range = 0:1: expected cmap, title"),
+        (f"plot {TOP} -o y.svg --what chaos-proof", "polhode prove chaos SCENE -o FILE.svg"),
         (f"levels {TOP} --h-range 2 -o y.svg", "--h-range = 2: expected A:B, two numbers"),
     ],
 )

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from polhode.equations.hodographs import turned
-from polhode.figures.canvas.canvas import pale, panels, series
+from polhode.figures.canvas.canvas import ink, pale, panels, series
 from polhode.figures.canvas.curve_sampling import Samples
 from polhode.figures.canvas.globe import facing_most
 from polhode.numbers.conversion import to_double
@@ -83,7 +83,7 @@ def _poinsot(plt: Any, found: Samples, omega: Doubles, space: Doubles, axes: Any
     left.set_title("polhode on the ellipsoid of energy", size=9)
     across, along = invariable_plane(found, space, omega[0] @ inertia)
     _flat(right, space @ across, space @ along, _largest(omega), other, "herpolhode")
-    right.plot(0, 0, "+", color="#333333", ms=5, mew=0.7)
+    right.plot(0, 0, "+", color=ink(), ms=5, mew=0.7)
     right.set(xlabel="ω·ξ" + UNIT, ylabel="ω·η" + UNIT)
     right.set_title("herpolhode in the invariable plane", size=9)
     return figure

@@ -77,7 +77,8 @@ def draw(
     scene = {"marker": "o", "linestyle": "", "color": series(2)[1], "ms": 5}
     axes.plot(to_double(found.here.f), to_double(found.here.h), label="the scene", **scene)
     _shades(axes, found, shown)
-    canvas.legend(place, [axes], fontsize=7.5)
+    white = {"facecolor": "#ffffff", "edgecolor": "none", "labelcolor": "#000000", "framealpha": 1}
+    canvas.legend(place, [axes], fontsize=7.5, frameon=True, **white)
     axes.set(xlim=shown.f, ylim=shown.h, xlabel="f", ylabel="h")
     return figure
 

@@ -143,8 +143,7 @@ BODY, SPACE, REST = "#0072b2", "#d55e00", "#009e73"
 #: Of motions, in the order in which they are drawn: dark enough on white, neighbours far apart.
 SERIES = (BODY, SPACE, REST, "#cc79a7", "#8c6d00", "#5d3a9b", "#1b9e9e", "#a50f15")
 LAST = "#777777"  # of four curves
-PLAIN = "#333333"  # where a colour would say something
-HIDDEN = {BODY: "#a6cbe3", SPACE: "#f3c6a5", REST: "#a6dccb", PLAIN: "#b0b0b0"}
+HIDDEN = {BODY: "#a6cbe3", SPACE: "#f3c6a5", REST: "#a6dccb"}
 TIME = "t (units of the scene)"
 
 
@@ -156,6 +155,14 @@ def series(count: int) -> tuple[str, ...]:
     own = chosen == matplotlib.rcParamsDefault["axes.prop_cycle"]
     colours = () if own else chosen.by_key().get("color", ())
     return tuple(islice(cycle(colours or SERIES), count))
+
+
+def ink() -> str:
+    """The colour of what is black on white, in the style that is in use."""
+    import matplotlib
+
+    colour: str = matplotlib.rcParams["text.color"]
+    return colour
 
 
 def pale(colour: str) -> str:
