@@ -152,6 +152,11 @@ def test_the_error_shown_is_the_error_found(number):
     worst = -min(polhode.compare(run).digits)
     own = max(np.nanmax(drawn[name][:, 1]) for name in ("omega", "gamma"))
     assert own == pytest.approx(worst, abs=0.3)
+    true = np.array(polhode.reference(scene).at(run.times, 50))
+    off = np.abs((np.array(run.states, dtype=object) - true).astype(float))
+    scale = np.linalg.norm(true[:, :3].astype(float), axis=1).max()
+    for name, errors in (("omega", off[:, :3] / scale), ("gamma", off[:, 3:])):
+        assert np.nanmax(drawn[name][:, 1]) == pytest.approx(np.log10(errors.max()), abs=1e-6), name
     assert [text.get_text() for text in panels[0].texts] == ["eps"]
     assert panels[0].lines[-1].get_ydata()[0] == pytest.approx(math.log10(run.number.eps))
 

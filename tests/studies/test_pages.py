@@ -187,6 +187,16 @@ def test_a_row_less_is_a_mark_less(study, change):
     assert before - marks(found, study) == 1
 
 
+def test_a_run_with_fewer_digits_than_expected_has_a_ring():
+    found = committed("stability")
+    runs = [run for case in found["cases"] for run in case["runs"] if run.get("expected")]
+    behind = sum(run["correct_digits"] < run["expected"][0] for run in runs)
+    before = marks(found, "stability")
+    for run in runs:
+        run["expected"] = None
+    assert before - marks(found, "stability") == behind > 10
+
+
 def test_a_study_of_which_a_part_has_no_rows_has_its_figures():
     empty: list[JsonObject] = [
         {"study": "events", "motions": [], "cost": []},
