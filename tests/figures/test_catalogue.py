@@ -92,6 +92,20 @@ def test_the_command_draws_what_python_draws(tmp_path, monkeypatch):
     assert all(title in line for line in differing)
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        f"section {TOP} --grid 1x2 --crossings 2",
+        "orbits general/asymmetric-regular --grid 1x2 --crossings 1",
+        f"sweep {TOP} --vary start.omega[2]=1:2:3 --at 1,2 --cmap magma",
+    ],
+)
+def test_every_verb_with_a_figure_takes_a_title(tmp_path, words):
+    path = tmp_path / "x.svg"
+    assert main([*words.split(), "-o", str(path), "--title", "mine & yours"]) == 0
+    assert ">mine &amp; yours</text>" in path.read_text(encoding="utf-8")
+
+
 def test_a_runs_file_is_drawn_as_the_run(tmp_path):
     run = polhode.integrate(TOP, "quad", at=[1, 2])
     run.save(tmp_path / "x.json")
