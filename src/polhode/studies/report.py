@@ -35,11 +35,11 @@ from polhode.studies.row_filter import Only
 #: The studies in the order of the report, each a folder of that name, with _ for -; the seconds
 #: that each takes on two processors, whole and quick.
 STUDIES = {
-    "accuracy": (170, 20),
+    "accuracy": (170, 30),
     "proofs": (170, 20),
-    "speed": (2600, 60),
-    "stability": (130, 20),
-    "long-run": (130, 20),
+    "speed": (2600, 90),
+    "stability": (130, 30),
+    "long-run": (130, 30),
     "events": (35, 10),
 }
 #: Studies that there were, and what has their rows, or makes them, now.
