@@ -30,8 +30,6 @@ OF_THIN = "unknown (steps of so thin a body lose more than the expected digits a
 ALONE = 0.03  # digits: what steps add to an error three times theirs
 _MORE = 1.1  # times what rounded times explain: of rates that are not the same between two times
 _MOST = 2.0  # times what the worst row's time explains: most of its error
-#: What a table that is no run of polhode's may have instead of a method's error.
-BEYOND_ROUNDING = "more than rounding: the program's steps, noise, or another motion"
 
 
 def limit(
