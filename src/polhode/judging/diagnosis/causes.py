@@ -41,7 +41,7 @@ _ROWS = 40
 _FIRST = 6  # rows that are fitted first; then twice as many, and so on
 _STEPS, _HALVINGS = 8, 5  # of Gauss and Newton; of a step that leads nowhere
 _SMALL = 1e-6  # a change that a derivative is taken by
-_LEADS = 0.5  # of the square of what is left, at least, is along the change by a number
+_LEADS = 0.5  # of the square of what is left of the first rows, at least, is along the change
 _FARTHEST = 3e3  # radians or so
 _ALIKE = 1.0  # digits: causes that explain as much
 _TOLD = 3  # causes at most
@@ -154,7 +154,7 @@ class Fit:
         The change by the number is that between the last two numbers tried.
         """
         error, other, by = self._error(one, x, count), self._error(one, x + _SMALL, count), _SMALL
-        largest = 0.0
+        largest, leads = 0.0, _LEADS if count < len(self.times) else 0.0
         for _ in range(_STEPS):
             if error is None or other is None:
                 return None
@@ -163,7 +163,7 @@ class Fit:
             if not square > 0:
                 return None
             largest = float(np.max(np.abs(slope)))
-            if along * along < _LEADS * square * float(error @ error):
+            if along * along < leads * square * float(error @ error):
                 break
             step = -along / square
             for _ in range(_HALVINGS):
