@@ -151,18 +151,16 @@ class Fit:
     def fitted(self, one: _Candidate, x: float, count: int) -> tuple[float, float, Doubles] | None:
         """The number for the first rows, the largest change by it, and what is left.
 
-        The change by the number is that between the last two numbers tried.
+        The change by the number is that over the last step, as long as that is no small one.
         """
-        error, other, by = self._error(one, x, count), self._error(one, x + _SMALL, count), _SMALL
-        largest, leads = 0.0, _LEADS if count < len(self.times) else 0.0
+        error, moved = self._error(one, x, count), self._error(one, x + _SMALL, count)
+        if error is None or moved is None:
+            return None
+        slope, leads = (moved - error) / _SMALL, _LEADS if count < len(self.times) else 0.0
         for _ in range(_STEPS):
-            if error is None or other is None:
-                return None
-            slope = (other - error) / by
             along, square = float(slope @ error), float(slope @ slope)
             if not square > 0:
                 return None
-            largest = float(np.max(np.abs(slope)))
             if along * along < leads * square * float(error @ error):
                 break
             step = -along / square
@@ -173,8 +171,10 @@ class Fit:
                 step /= 2
             else:
                 break
-            x, error, other, by = x + step, nearer, error, -step
-        return None if error is None else (x, largest, error)
+            if abs(step) > _SMALL:
+                slope = (nearer - error) / step
+            x, error = x + step, nearer
+        return x, float(np.max(np.abs(slope))), error
 
 
 def _candidates(scene: Scene) -> Iterator[_Candidate]:
