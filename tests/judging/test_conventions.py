@@ -13,7 +13,6 @@ import polhode
 from polhode.cli import main
 from polhode.closed_forms.euler.top import EulerTop
 from polhode.common.errors import BadInput
-from polhode.common.text_tables import few
 from polhode.judging.diagnosis import worlds
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 from shared import drifting_files as files
@@ -387,11 +386,11 @@ START = {"omega": ["0.16", "0.3", "4.1"], "gamma": ["0.8", 0, "0.6"]}
 
 
 def test_times_in_minutes_are_shown_in_full():
-    """Sixty times a double: 0.99999999999999994 was shown, and is 1."""
-    found = polhode.compare(scaled(["t"], 1 / 60)(some(whole(), STATE)), CASE)
-    lines = found.details().splitlines()[2:13]
-    shown = [f"{float(TIMES[k]):g}" for k in few(len(TIMES), 11)]
-    assert [line.split()[0] for line in lines] == shown
+    """Sixty times a double: 3.8749999999999996 was shown, and is 3.875."""
+    rows = {n: x[[0, 1, 8, 31]] for n, x in some(whole(), STATE).items()}
+    found = polhode.compare(scaled(["t"], 1 / 60)(rows), CASE)
+    lines = found.details().splitlines()[2:6]
+    assert [line.split()[0] for line in lines] == ["0", "0.125", "1", "3.875"]
 
 
 @pytest.mark.parametrize(("factor", "most"), [(1000, 3), (1e6, 2), (1 / 60, 12)])
