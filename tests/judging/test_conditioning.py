@@ -313,7 +313,7 @@ def test_compare_prints_the_limit_and_no_number_where_none_is_left(tmp_path, cap
     assert cli.main(["compare", str(path), "euler/separatrix"]) == 0
     out = capsys.readouterr().out
     assert "none left" in out
-    assert "no digits left after t = 100; limited by conditioning" in out
+    assert "no digits left after t = 100: as many as double precision allows" in out
     assert "worst" not in out
     assert cli.main(["compare", str(path), "euler/separatrix", "--json"]) == 0
     answer = judged(capsys.readouterr().out)

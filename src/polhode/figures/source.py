@@ -15,7 +15,7 @@ from polhode.figures.canvas.curve_sampling import Samples
 from polhode.figures.sampled_motion import ANOTHER, of_samples
 from polhode.judging.diagnosis.told_readings import table_as_told
 from polhode.judging.references.reference import reference as reference_of
-from polhode.judging.tables.naming import PLAIN, naming
+from polhode.judging.tables.column_aliases import PLAIN, naming
 from polhode.judging.tables.table import of_run
 from polhode.judging.tables.table_file import is_table, read_table
 from polhode.numbers.decimals import brief

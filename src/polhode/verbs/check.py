@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING
 
 from polhode.checks import results
 from polhode.common.errors import BadInput
-from polhode.common.text_tables import one_line
+from polhode.common.text_tables import counted, one_line
 from polhode.numbers.decimals import shown
 from polhode.verbs.options import word
 from polhode.verbs.terminal import DONE, FAILED, ProgressLine, print_json, say
+
+if TYPE_CHECKING:
+    from polhode.checks.form_cross_checks import CrossCheck
+    from polhode.checks.regression import Report
 
 HELP = "regression against references and published figures"
 _MANY = 8  # cases: for fewer, processes of their own take longer to start than they save
@@ -33,6 +37,9 @@ def options(parser: ArgumentParser) -> None:
         action="store_true",
         help="run SCENEs in double, extended and quad, and print [expect] bands to paste",
     )
+    parser.add_argument(
+        "--details", action="store_true", help="all that was checked, of cases that pass, too"
+    )
 
 
 def main(options: Namespace) -> int:
@@ -51,11 +58,12 @@ def main(options: Namespace) -> int:
     shared = cores() if many else 1
     with ProgressLine("check") as progress:
         if options.scenes or not options.forms:
-            for report in checks(options.scenes, numbers, progress.say, shared):
+            whole = options.details or options.propose or options.json
+            for report in checks(options.scenes, numbers, progress.say, shared, whole):
                 reports.append(report)
                 if not options.json:
                     progress.clear()
-                    _print_check(report)
+                    _print_check(report, whole)
                     if options.propose:
                         say(_bands(report.proposal))
         if options.forms or not (options.scenes or options.number):
@@ -86,7 +94,7 @@ def main(options: Namespace) -> int:
     return DONE if passed else FAILED
 
 
-def _print_cross_check(found: Any) -> None:
+def _print_cross_check(found: CrossCheck) -> None:
     mark = "ok  " if found.passed else "FAIL"
     digits = "" if found.digits is None else f"{found.digits:.1f} digits, "
     say(f"{mark} {found.scene} in the form {found.form}: {digits}{found.note}")
@@ -98,9 +106,19 @@ def _bands(proposal: Mapping[str, tuple[float, float]]) -> str:
     return "\n".join(["", "[expect]", *rows, ""]) if rows else "     no digits are left: no band"
 
 
-def _print_check(report: Any) -> None:
+def _print_check(report: Report, details: bool) -> None:
+    """A line of a case that passes; without ``details`` no more than that."""
     mark = {True: "ok  ", False: "FAIL", None: "--  "}[report.passed]
-    say(f"{mark} {report.scene.name} ({report.regime}, {report.reference})")
+    head = f"{mark} {report.scene.name} ({report.regime}, {report.reference})"
+    if report.passed and not details:
+        found = [
+            f"{line.number} {line.lost or f'{line.digits:.2f} digits'}" for line in report.lines
+        ]
+        if report.figures:
+            found.append(counted(len(report.figures), "published figure"))
+        say(f"{head}: {', '.join(found)}")
+        return
+    say(head)
     for line in report.lines:
         band = "" if line.band is None else f" in [{line.band[0]:g}, {line.band[1]:g}]"
         why = line.limit and f", limited by {line.limit}"

@@ -85,7 +85,7 @@ def main(verb: Verb, function: options.Front, asked: Namespace) -> int:
             except NotEnough as fault:
                 found, missed = fault.found, str(fault)
             places.write(found, vars(asked), line)
-            text = None if asked.json or places.paths else shown(found)
+            text = None if asked.json or places.paths else shown(found, given.get("details", False))
         except NotProved as why:
             line.clear()
             note(f"polhode: not proved: {why}")
@@ -244,11 +244,16 @@ def _figure_options(verb: Verb) -> Sequence[str]:
     return [option.removeprefix("--").replace("-", "_") for option in verb.figure_options or ()]
 
 
-def shown(found: Result) -> str:
-    """A result on a terminal: its report, where it has one, else its table."""
+def shown(found: Any, details: bool = False) -> str:
+    """A result on a terminal: its report, where it has one, else its table.
+
+    ``details``: whether all that is known is asked for.
+    """
     from polhode.results.result import Result as Base
     from polhode.results.shown import lines
 
+    if details:
+        return str(found.details())
     report = type(found).__str__
     if report not in (object.__str__, getattr(Base, "__str__", None)):
         return str(found)

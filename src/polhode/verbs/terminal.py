@@ -155,9 +155,9 @@ class ProgressLine:
 
         return show
 
-    def say(self, text: str, at_once: bool = False) -> None:
-        """The line's new text; ``at_once``: even if nothing has taken long yet."""
-        if sys.stderr.isatty() and (at_once or time.monotonic() - self.began > 1):
+    def say(self, text: str) -> None:
+        """The line's new text, once something has taken long."""
+        if sys.stderr.isatty() and time.monotonic() - self.began > 1:
             line = f"{self.verb}: {printable(text)}"
             sys.stderr.write("\r\x1b[K" + line[: _columns() - 1])  # a line that wraps stays behind
             sys.stderr.flush()

@@ -1,4 +1,4 @@
-"""Names that other programs give to the columns of a trajectory.
+"""Names that other programs give to the columns of a trajectory, and those that somebody tells.
 
 A name is a stem and an axis, ``gyro`` and ``x``, after a path and before a unit: ``imu/gyro_x
 [deg/s]``.  What it means may depend on the others: whether axes are counted from 0 or from 1, and
@@ -8,12 +8,16 @@ whether ``gx`` is a component of gamma or a rate.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import NamedTuple
 
+from polhode.common.errors import BadInput, nearest
 from polhode.equations.column import column as derived_column
 from polhode.equations.column import derived_words
+from polhode.numbers import expression
+from polhode.numbers.expression import ExpressionError
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, COLUMNS, STATE, column_names
 
 #: Other forms of the attitude, which become a quaternion: see
@@ -276,3 +280,45 @@ def _component(part: _Part, first: str) -> Column:
 def _place(axis: str, first: str) -> int:
     """The place of an axis among three; 3 or more of another."""
     return "xyz".index(axis) if axis in "xyz" else (int(axis) - int(first)) % 10
+
+
+@dataclass(frozen=True)
+class Naming:
+    """Columns that were named beside a table.
+
+    ``header``: all of them in order, empty where the table has its own.  ``meant``: what single
+    names of its header mean.
+    """
+
+    header: tuple[str, ...] = ()
+    meant: Mapping[str, Column] = field(default_factory=dict)
+
+    def columns(self, header: Sequence[str]) -> list[Column]:
+        """What the names of a header mean; a column that was told is no other one of the header."""
+        told = {one.name for one in self.meant.values()}
+        others = [UNKNOWN if one.name in told else one for one in columns(header)]
+        return [self.meant.get(name, one) for name, one in zip(header, others, strict=True)]
+
+
+PLAIN = Naming()  # nothing was named
+
+
+def naming(text: str) -> Naming:
+    """The columns of ``--columns``: ``t,qw,qx``, or ``time_ms=t*1e-3, Q.W=q0``; raises BadInput."""
+    items = [item.strip() for item in text.split(",")]
+    if not any("=" in item for item in items):
+        return Naming(tuple(items))
+    meant = {}
+    for item in items:
+        name, _, told = (part.strip() for part in item.partition("="))
+        ours, _, by = (part.strip() for part in told.partition("*"))
+        sign, ours = (-1, ours[1:].strip()) if ours.startswith("-") else (1, ours)
+        if not name or ours not in readable():
+            expected = f"NAME=COLUMN, of {nearest(ours, readable())}"
+            raise BadInput("compare", "--columns", item, expected)
+        try:
+            factor = sign * (expression.decimal(by) if by else Fraction(1))
+        except ExpressionError as fault:
+            raise BadInput("compare", "--columns", item, f"NAME=COLUMN*NUMBER ({fault})") from None
+        meant[name] = Column(ours, False, factor)
+    return Naming((), meant)

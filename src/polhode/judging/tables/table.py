@@ -97,6 +97,13 @@ class Table(ByValue):
         none = (None,) * len(self.times)
         return [list(row) for row in zip(*(self.columns.get(n, none) for n in names), strict=True)]
 
+    def whole_rows(self, names: Sequence[str]) -> list[int]:
+        """The rows that have a number in each of these columns."""
+        if not {*names} <= self.columns.keys():
+            return []
+        gaps = {k for name in names for k, x in enumerate(self.columns[name]) if x is None}
+        return [k for k in range(len(self.times)) if k not in gaps]
+
     def some(self, which: Sequence[int]) -> Table:
         """Some of the rows."""
         return replace(
@@ -112,14 +119,12 @@ class Table(ByValue):
             self, columns={**self.columns, **dict(zip(names, zip(*rows, strict=True), strict=True))}
         )
 
-    def at_other_times(self, change: TimeChange, off: float | None = None) -> Table:
-        """The same rows at changed times; ``off``: by how much their origin may be off, as much as
-        the first time unless given."""
+    def at_other_times(self, change: TimeChange) -> Table:
+        """The same rows at changed times; their origin is off by as much as the first time."""
         times, unit = tuple(change.of(t) for t in self.times), abs(to_double(change.unit))
-        errors = [unit * x for x in self.time_errors or [0.0] * len(times)]
-        off = (errors[0] if change.shift else 0.0) if off is None else off
-        told = tuple(x + off for x in errors) if any(errors) or off else ()
-        return replace(self, times=times, time_errors=told)
+        errors = [unit * x for x in self.time_errors]
+        off = errors[0] if errors and change.shift else 0.0
+        return replace(self, times=times, time_errors=tuple(x + off for x in errors))
 
     def read_as(self, readings: Sequence[Reading]) -> Table:
         """The table in other conventions, as far as readings can be applied."""
@@ -137,9 +142,12 @@ class Table(ByValue):
             return "they were projected"
         if self.run is not None:
             return self.run.drift
-        columns = [self.columns.get(name, (None,)) for name in scene.columns]
+        missing = [name for name in scene.columns if name not in self.columns]
+        if missing:
+            return f"it takes all of {', '.join(scene.columns)}, and the table has no {missing[0]}"
+        columns = [self.columns[name] for name in scene.columns]
         if any(x is None for x in chain(*columns)):  # asked so, for a Fraction's == is slow
-            return "a column of the state is missing"
+            return "it takes all cells of the state, and some are empty"
         if self.held <= MOST_AT_ONCE:
             from polhode.numbers.double_double import of_fractions
 
