@@ -37,6 +37,6 @@ def report(found: Any, topology: str) -> str:
         lines += (f"  {value.value:<20.12g}{value.what}" for value in here.fourth.critical)
     if not found.exact:
         lines.append(
-            "decided with the irrational numbers of the body, or h and f, rounded to 1024 bits"
+            "irrational numbers of the body, or h and f, were rounded to 1024 bits"
         )
     return "\n".join(lines)
