@@ -47,7 +47,7 @@ def test_the_module_is_the_program():
 def test_what_gets_lost_on_a_full_disk_is_no_success(words):
     with Path("/dev/full").open("w") as full:
         done = ended(*words.split(), stdout=full)
-    full = "polhode: stdout: expected a place to write to (No space left on device)\n"
+    full = "polhode: cannot write to standard output: No space left on device\n"
     assert (done.returncode, done.stderr) == (2, full)
 
 
@@ -87,7 +87,7 @@ def test_a_reader_that_goes_away_is_no_error():
 def test_a_closed_stdout_is_a_place_that_cannot_be_written_to():
     done = shell("polhode run top.toml >&-")
     assert done.returncode == 2
-    expected = "polhode: stdout: expected a place to write to (Bad file descriptor)"
+    expected = "polhode: cannot write to standard output: Bad file descriptor"
     assert done.stderr.splitlines()[-1] == expected
     assert shell("polhode run top.toml -o x.csv >&- 2>&-").returncode == 0
     assert Path("x.csv").exists()

@@ -161,8 +161,10 @@ def _of_scene(
         told = "without projection, after which the integrals would say nothing"
         notes.append(f"{scene.name}: {told}")
     if abs(times[-1]) < abs(scene.end) and end is None:
-        told = f"{curve_sampling.WINDOW} radians; --end draws to another time"
-        notes.append(f"{scene.name}: drawn to t = {brief(times[-1])} of {brief(scene.end)}, {told}")
+        told = f"{curve_sampling.WINDOW} radians; --end shows another time"
+        notes.append(
+            f"{scene.name}: showing t = 0 to {brief(times[-1])} of {brief(scene.end)}, {told}"
+        )
     apart = curve_sampling.radians_apart(scene, times)
     if not long and apart > 0.5:
         told = f"{apart:.2g} radians between two samples: a shorter --end draws curves"

@@ -112,8 +112,8 @@ def _digits(found: Trajectory) -> Iterator[str]:
     printed, lost = found.number.printed_digits, expected.lost_after
     none = "" if lost is None else f", and none from t = {lost:.3g} on"
     yield (
-        f"polhode: {name}: expect fewer than half of the {printed} digits printed to be right from "
-        f"t = {expected.halved_after:.3g} on{none}: this motion multiplies errors; "
+        f"polhode: {name}: from t = {expected.halved_after:.3g} on fewer than half of the "
+        f"{printed} printed digits are expected to be correct{none}: this motion multiplies errors; "
         f"--digits D gives D correct ones"
     )
 
