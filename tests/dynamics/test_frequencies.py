@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
+from fractions import Fraction
 
+import numpy as np
 import pytest
 
 import polhode
@@ -20,6 +23,36 @@ def test_which_lines_a_top_has():
     free = polhode.frequencies("euler/attitude", of=["axis"], end=200).lines["axis"]
     assert all(line.combination["precession"] == 1 for line in free)
     assert {line.combination.get("polhode", 0) % 2 for line in free} == {0}
+
+
+def test_the_axis_of_a_run_that_begins_later_has_the_same_lines():
+    """G of the first sample, not of the scene's start."""
+    scene = polhode.load("euler/attitude")
+    asked = replace(scene, outputs=("attitude",), events=())
+    found = [
+        polhode.frequencies(
+            polhode.integrate(asked, at=[first + k * Fraction(1, 8) for k in range(1601)]),
+            of=["axis"],
+            lines=3,
+        ).lines["axis"]
+        for first in (0, Fraction(7, 3))
+    ]
+    for one, other in zip(*found, strict=True):
+        assert abs(one.frequency - other.frequency) < 2 * (one.error + other.error)
+        assert abs(one.amplitude) == pytest.approx(abs(other.amplitude), rel=1e-9)
+        assert dict(one.combination) == dict(other.combination)
+
+
+def test_the_spectrum_of_a_file_is_drawn_as_that_of_the_result(tmp_path):
+    pytest.importorskip("matplotlib")
+    found = polhode.frequencies("lagrange/nutation", of=["gamma3", "axis"], end=100)
+    path = tmp_path / "f.json"
+    found.save(path)
+    again = polhode.load_result(path)
+    curves = [[panel.lines[0].get_ydata() for panel in np.ravel(x.plot())] for x in (found, again)]
+    for one, other in zip(*curves, strict=True):
+        assert len(one) > 100
+        assert (one == other).all()
 
 
 @pytest.mark.slow
