@@ -271,14 +271,13 @@ def chaos_map(
         foretold = partial(forecast, more_than="more than ")
         motions = map_motions.on_section(scene, grid, by, extremum, h, f, foretold)
     else:
-        if not grid is by is extremum is h is f is None:
+        if any(x is not None for x in (grid, by, extremum, h, f)):
             key = "vary" if starts is None else "starts"
             raise BadInput(scene.name, key, None, "no grid, section or level together with it")
         if isinstance(starts, (str, Path)):
             starts = starts_file.read(Path(starts), scene)
-        if starts is not None:
-            scene, vary = from_starts(scene, starts, vary)
-        motions = map_motions.of_varied(scene, vary, forecast)
+        source, varied = (scene, vary) if starts is None else from_starts(scene, starts, vary)
+        motions = map_motions.of_varied(source, varied or {}, forecast)
     begun, coefficients = motions.starts, motions.coefficients
     forecast(len(begun))
     first = tangents_of(begun, motions.moments, motions.torques)

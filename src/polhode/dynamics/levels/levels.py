@@ -126,7 +126,7 @@ class Levels(Result, ByValue):
     def __str__(self) -> str:
         from polhode.dynamics.levels.report import report
 
-        return report(self)
+        return report(self, topology(self.here.region))
 
     @property
     def cusps(self) -> tuple[Mark, ...]:

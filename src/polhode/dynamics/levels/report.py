@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from polhode.common.text_tables import aligned
-from polhode.dynamics.levels.levels import Levels, topology
 from polhode.numbers.decimals import shown
 
 
-def report(found: Levels) -> str:
-    """Two tables, and lines about the scene."""
+def report(found: Any, topology: str) -> str:
+    """Two tables, and lines about the scene, of levels; ``topology``: of the scene's."""
     lines: list[str] = []
     rows = [
         [mark.kind, mark.family, *(f"{float(x):.12g}" for x in (mark.parameter, mark.f, mark.h))]
@@ -30,7 +31,7 @@ def report(found: Levels) -> str:
     edges = "" if here.region is None else f": edges {', '.join(map(str, here.region))}"
     least = f"least h at this f {here.least:.12g}"
     lines.append(f"scene  f = {shown(here.f)}, h = {shown(here.h)}, {least}")
-    lines.append(f"level  {topology(here.region)}{edges}{here.remark and f' ({here.remark})'}")
+    lines.append(f"level  {topology}{edges}{here.remark and f' ({here.remark})'}")
     if here.fourth is not None:
         lines.append(f"fourth integral  {here.fourth.name} = {here.fourth.value:.12g}; critical:")
         lines += (f"  {value.value:<20.12g}{value.what}" for value in here.fourth.critical)

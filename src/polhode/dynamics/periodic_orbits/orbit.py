@@ -133,7 +133,7 @@ class Orbit(Result, ByValue):
         With k below, the motion in space closes after k periods.  Of fewer than eight digits nearly
         every advance is near some fraction: none is told.
         """
-        if self.psi is None or self.digits < DIGITS_OF_TURNS:
+        if self.psi is None or self.digits < high_precision.DIGITS_OF_TURNS:
             return None
         with mpmath.workprec(bits_for(self.digits) + 20):
             ratio = to_mpf(exactly(self.psi), bits_for(self.digits) + 20)
@@ -212,7 +212,6 @@ class Orbit(Result, ByValue):
 
 
 MOST_PERIODS = 24  # after which a motion in space is looked for to close
-DIGITS_OF_TURNS = 8  # at least: one advance of 3000 is by chance a fraction to so many
 
 
 def orbit(

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from typing import Any
 
 from polhode.common.text_tables import counted
 from polhode.dynamics.periodic_orbits import high_precision
-from polhode.dynamics.periodic_orbits.orbit import DIGITS_OF_TURNS, Orbit
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import decimal_string, in_full, shown
 from polhode.numbers.exact import Exact
+
+#: An orbit, whose class imports this.
+Orbit = Any
 
 
 def report(found: Orbit) -> str:
@@ -37,7 +40,7 @@ def _advance(found: Orbit) -> str:
     if found.psi is None:
         return "not known"
     closes = "the motion in space does not close in few periods"
-    if found.digits < DIGITS_OF_TURNS:
+    if found.digits < high_precision.DIGITS_OF_TURNS:
         closes = "too few digits to tell whether the motion in space closes"
     if found.turns is not None:
         count = counted(found.turns.denominator, "period")
