@@ -43,18 +43,6 @@ def test_the_axis_of_a_run_that_begins_later_has_the_same_lines():
         assert dict(one.combination) == dict(other.combination)
 
 
-def test_the_spectrum_of_a_file_is_drawn_as_that_of_the_result(tmp_path):
-    pytest.importorskip("matplotlib")
-    found = polhode.frequencies("lagrange/nutation", of=["gamma3", "axis"], end=100)
-    path = tmp_path / "f.json"
-    found.save(path)
-    again = polhode.load_result(path)
-    curves = [[panel.lines[0].get_ydata() for panel in np.ravel(x.plot())] for x in (found, again)]
-    for one, other in zip(*curves, strict=True):
-        assert len(one) > 100
-        assert (one == other).all()
-
-
 @pytest.mark.slow
 def test_without_a_closed_form_lines_are_named_by_each_other():
     found = polhode.frequencies("general/asymmetric-regular", end=1500, lines=4)
