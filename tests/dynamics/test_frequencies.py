@@ -6,7 +6,6 @@ import json
 from dataclasses import replace
 from fractions import Fraction
 
-import numpy as np
 import pytest
 
 import polhode
