@@ -29,7 +29,7 @@ from polhode.closed_forms.euler import conditions as euler
 from polhode.closed_forms.family import Family, Maker, by_conditions
 from polhode.closed_forms.goryachev_chaplygin import axes as goryachev_chaplygin
 from polhode.closed_forms.hess import axes as hess
-from polhode.closed_forms.kovalevskaya import axes as kovalevskaya
+from polhode.closed_forms.kovalevskaya import regimes as kovalevskaya
 from polhode.closed_forms.lagrange import axes as lagrange
 from polhode.closed_forms.membership.misfit import Misfit
 from polhode.closed_forms.membership.normal_form import Condition, Placed, equal, positive

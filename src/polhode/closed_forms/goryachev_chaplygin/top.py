@@ -19,9 +19,9 @@ from collections.abc import Mapping, Sequence
 
 from flint import arb
 
-from polhode.closed_forms.balls.core import Refused, TooFewBits, ball, square
+from polhode.closed_forms.balls.core import TooFewBits, ball, square
 from polhode.closed_forms.balls.frames import Rows
-from polhode.closed_forms.closed_form import ClosedForm
+from polhode.closed_forms.closed_form import ENCLOSED_ATTITUDE, ClosedForm, no_attitude
 from polhode.closed_forms.goryachev_chaplygin import regimes
 from polhode.closed_forms.goryachev_chaplygin.axes import GoryachevStart, start
 from polhode.closed_forms.goryachev_chaplygin.explicit import explicit
@@ -29,8 +29,6 @@ from polhode.closed_forms.goryachev_chaplygin.separated import Point, Separated
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.mpmath_context import mpf
-
-_ALONE = "the state has a closed form here, the attitude none: ask for reference.kind = certified"
 
 
 class GoryachevMotion:
@@ -56,7 +54,8 @@ class GoryachevMotion:
 
     def row(self, t: arb, attitude: bool) -> Sequence[arb]:
         """p q r gamma1 gamma2 gamma3 in the scene's axes."""
-        del attitude
+        if attitude:
+            no_attitude()
         state, back = self._state(t * self._unit), self._start.frame.back
         return [*back([x * self._unit for x in state[:3]]), *back(state[3:])]
 
@@ -79,7 +78,7 @@ class GoryachevMotion:
 class GoryachevChaplyginTop(ClosedForm[GoryachevMotion]):
     """The state of one motion of Goryachev and Chaplygin's case from one start."""
 
-    proven = "states are proven by the closed form, the attitude by an enclosure"
+    proven = ENCLOSED_ATTITUDE
     has_attitude = False
     is_dear = True
     held = ("A = B = 4C", "r0 at right angles to axis 3", "f = Iw.gamma = 0")
@@ -87,20 +86,6 @@ class GoryachevChaplyginTop(ClosedForm[GoryachevMotion]):
     def _set_up(self, scene: PrincipalScene, axes: Rows | None) -> None:
         self._begin = start(scene, axes)
         self.regime = regimes.regime(self._begin)
-
-    def attitude(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
-        """That of the start; refused at other times."""
-        self._refuse(times)
-        return super().attitude(times, digits)
-
-    def angles(self, times: Sequence[Exact], digits: int) -> list[list[mpf | None]]:
-        """Those of the start; refused at other times."""
-        self._refuse(times)
-        return super().angles(times, digits)
-
-    def _refuse(self, times: Sequence[Exact]) -> None:
-        if any(sign(t) != 0 for t in times):
-            raise Refused(f"{self.regime}: {_ALONE}")
 
     def _solved(self) -> GoryachevMotion:
         return GoryachevMotion(self._begin, self.regime)
