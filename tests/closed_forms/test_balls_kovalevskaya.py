@@ -120,7 +120,7 @@ def test_weierstrass_function_solves_its_equation(a):
 
 
 #: omega and gamma on a curve of which an e is -k: the node a point alone, or one that is reached;
-#: e1 and e2 real or a pair; from q = 0, and where v1 + v2 is half a period.
+#: e1 and e2 real or a pair; from starts where a quotient is 0/0: q = 0, s1 = K, s2 = e.
 NODES = {
     "point alone": (("1/2", 1, "3/2"), ("-12/25", "16/25", "3/5")),
     "reached": (("2/5", "1/5", "-8/5"), ("-9/25", "-12/25", "-4/5")),
@@ -177,7 +177,7 @@ def test_a_motion_that_tends_to_another_is_refused_where_bits_do_not_tell_it():
     assert time.process_time() - begin < 5
 
 
-#: On such a curve, or on another degenerate one: starts of which a reference encloses the motion.
+#: On another degenerate curve: starts of which a reference encloses the motion.
 ENCLOSED = {
     "two e's are equal": (("8/5", 0, "-1/2"), (0, "3/5", "4/5")),
     "two pairs are equal": (("4/5", "3/5", 1), (0, 0, 1)),

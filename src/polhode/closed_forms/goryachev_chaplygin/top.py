@@ -19,8 +19,8 @@ from collections.abc import Mapping, Sequence
 
 from flint import arb
 
-from polhode.closed_forms.balls.core import TooFewBits, ball, square
-from polhode.closed_forms.balls.frames import Rows
+from polhode.closed_forms.balls.core import TooFewBits, ball, root, square
+from polhode.closed_forms.balls.frames import Rows, SeenMotion
 from polhode.closed_forms.closed_form import ENCLOSED_ATTITUDE, ClosedForm, no_attitude
 from polhode.closed_forms.goryachev_chaplygin import regimes
 from polhode.closed_forms.goryachev_chaplygin.axes import GoryachevStart, start
@@ -32,35 +32,20 @@ from polhode.numbers.mpmath_context import mpf
 
 
 class GoryachevMotion:
-    """A motion at the precision in force."""
+    """The state in the motion's axes and units, at the precision in force."""
 
     def __init__(self, start: GoryachevStart, regime: str) -> None:
-        self._start, self._unit = start, ball(start.unit)
         of_zero = regime in regimes.EXPLICIT
         self.path = explicit(start, regime) if of_zero else Separated(start, regime)
         self._side = 1
-        given, row = [ball(x) for x in (*start.omega, *start.gamma)], self._state(arb(0))
+        given, row = [ball(x) for x in (*start.omega, *start.gamma)], self.at(arb(0))
         lead = max((0, 1, 5), key=lambda i: abs(given[i].mid()))
         if not abs(row[lead]) > 0:
             raise TooFewBits
         self._side = 1 if (row[lead] > 0) == (given[lead] > 0) else -1
-        #: w^2 <= H - 2a gamma1.
-        self.speed = abs(self._unit) * ball(start.H + 2 * start.a).sqrt()
 
-    @property
-    def unit(self) -> arb:
-        """How many of the motion's units of time are in the scene's."""
-        return abs(self._unit)
-
-    def row(self, t: arb, attitude: bool) -> Sequence[arb]:
-        """p q r gamma1 gamma2 gamma3 in the scene's axes."""
-        if attitude:
-            no_attitude()
-        state, back = self._state(t * self._unit), self._start.frame.back
-        return [*back([x * self._unit for x in state[:3]]), *back(state[3:])]
-
-    def _state(self, t: arb) -> list[arb]:
-        """p, q, r, g1, g2, g3 in the motion's axes and units."""
+    def at(self, t: arb) -> Sequence[arb]:
+        """p, q, r, g1, g2, g3."""
         point: Point = self.path.at(t)
         (sx, cx), (se, ce) = point.xi, point.et
         one, two, both = point.shares
@@ -75,7 +60,7 @@ class GoryachevMotion:
         ]
 
 
-class GoryachevChaplyginTop(ClosedForm[GoryachevMotion]):
+class GoryachevChaplyginTop(ClosedForm[SeenMotion[GoryachevMotion]]):
     """The state of one motion of Goryachev and Chaplygin's case from one start."""
 
     proven = ENCLOSED_ATTITUDE
@@ -87,15 +72,20 @@ class GoryachevChaplyginTop(ClosedForm[GoryachevMotion]):
         self._begin = start(scene, axes)
         self.regime = regimes.regime(self._begin)
 
-    def _solved(self) -> GoryachevMotion:
-        return GoryachevMotion(self._begin, self.regime)
+    def _solved(self) -> SeenMotion[GoryachevMotion]:
+        start = self._begin
+        unit, speed = ball(start.unit), root(start.H + 2 * start.a)  # w^2 <= H - 2a gamma1
+        motion = GoryachevMotion(start, self.regime)
+        first, speed = self._start().attitude, speed * unit.sgn()
+        return SeenMotion(motion, no_attitude, start.frame, first, speed, unit)
 
     def _period_ball(self) -> arb | None:
         """None where there are two frequencies or none."""
         if self.regime in (*regimes.TWO_FREQUENCIES, *regimes.ASYMPTOTIC):
             return None
         motion = self._solution()
-        return None if motion.path.period is None else motion.path.period / motion.unit
+        period = motion.motion.path.period
+        return None if period is None else period / abs(motion.unit)
 
     def _rate_balls(self) -> Mapping[str, arb]:
         """Of two frequencies "u" and "v", the mean rates of the phases of u and v.
@@ -105,6 +95,6 @@ class GoryachevChaplyginTop(ClosedForm[GoryachevMotion]):
         if self.regime not in regimes.TWO_FREQUENCIES:
             return super()._rate_balls()
         motion = self._solution()
-        assert isinstance(motion.path, Separated)
-        one, other = motion.path.means
-        return {"u": one * motion.unit, "v": other * motion.unit}
+        path = motion.motion.path
+        assert isinstance(path, Separated)
+        return {x: rate * abs(motion.unit) for x, rate in zip("uv", path.means, strict=True)}

@@ -20,12 +20,18 @@ from flint import arb
 
 from polhode.closed_forms.balls.core import ball
 from polhode.closed_forms.balls.frames import Frame, Rows
+from polhode.closed_forms.balls.periodic_attitude import Equations
+from polhode.closed_forms.kovalevskaya.divisor import State
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.closed_forms.rounding import log2
 from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import ZERO, Exact, exact, sign, sqrt
 from polhode.numbers.vectors import Vector
 from polhode.scenes.classification import KOVALEVSKAYA, classical_top, with_last
+
+
+#: In the top's axes and units.
+EQUATIONS = Equations((arb(2), arb(2), arb(1)), (arb(1), arb(0), arb(0)))
 
 
 @dataclass(frozen=True)
@@ -49,6 +55,11 @@ class KovalevskayaStart:
     def b(self) -> Exact:
         """a^2 - k^2."""
         return self.a2 - self.k2
+
+    @cached_property
+    def state(self) -> State:
+        """What the separation variables take of it."""
+        return State(*self.omega, *self.G[1:], self.H, self.m, self.b)
 
     def speed_bound(self) -> arb:
         """A bound of |w| at the precision in force: w^2/2 <= H - G1 <= H + |G|."""

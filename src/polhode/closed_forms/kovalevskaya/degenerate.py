@@ -16,24 +16,35 @@ From the P_j and their slopes, P_j P_j' = (N' - T' e_j)/2, follow
     p = sum f P/S'/D,  q = i/D,  D = sum g P/S',  p^2 + q^2 = -sum e g P/S'/D,  2p' = q r,
     (p^2 + q^2)' = q G3,    and G1, G2 by H and m
 
-(f, g, S' as in :mod:`.theta.theta_state`; of S only that its roots differ is asked).  Signs of the
-P_j are those of 2q P_j = i [f sg - g (p^2 + q^2 - e)] at t = 0.  All of it is proven: these are
-identities of any motion, and its numbers are meromorphic in t.
+(f, g, S' as in :mod:`.theta.theta_state`; of S only that its roots differ is asked).  The P_j
+begin with 2q P_j = i [f sg - g (p^2 + q^2 - e)].  All of it is proven: these are identities of any
+motion, and its numbers are meromorphic in t.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from operator import mul
 
-from flint import acb, arb
+from flint import acb, arb, arb_poly
 
-from polhode.closed_forms.balls.core import TooFewBits, ball, either_root, nearest_integer, root
+from polhode.closed_forms.balls.core import (
+    TooFewBits,
+    around,
+    ball,
+    either_root,
+    nearest_integer,
+    root,
+)
 from polhode.closed_forms.balls.sigma import RealLattice, Shifted
-from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
+from polhode.closed_forms.kovalevskaya.axes import EQUATIONS, KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.branch_points import ascending
-from polhode.closed_forms.kovalevskaya.node import Node, node_of
+from polhode.closed_forms.kovalevskaya.divisor import State
+from polhode.closed_forms.kovalevskaya.node import Node, is_regular, node_of
 from polhode.numbers.exact import sign
+from polhode.numbers.flint_context import ctx
 
+_STEP = arb(1) / 16  # radians, about, to a state at which no quotient is 0/0
 _I = acb(0, 1)
 
 
@@ -42,32 +53,40 @@ class DegenerateState:
 
     def __init__(self, start: KovalevskayaStart) -> None:
         node = node_of(start)
-        assert node is not None
-        self._H, self._m, self._K = ball(start.H), ball(start.m), ball(node.K)
-        points = self._points(node)
-        self._e = [*points[1:], acb(self._K)]
-        self._total = ball(node.total)
-        self._pairs = points[1] * points[2] - self._K * (points[1] + points[2])
-        self._elliptic(points)
-        self._begin(start, node)
-
-    def _points(self, node: Node) -> list[acb]:
-        """k, e1, e2."""
-        half, inner = ball(node.half), node.half * node.half - node.product
+        self._H, self._m, self._b = ball(start.H), ball(start.m), ball(start.b)
+        self._node = Node(*(ball(x) for x in node))
+        half, inner = self._node.half, node.half * node.half - node.product
         spread = root(inner) if sign(inner) > 0 else acb(0, root(-inner))
-        return [acb(-self._K), acb(-half + spread), acb(-half - spread)]
+        self._e = [acb(-half + spread), acb(-half - spread), acb(self._node.K)]
+        self._elliptic(acb(-self._node.K))
+        self._base = arb(0)
+        row = [ball(x) for x in (*start.omega, *start.G)]
+        if is_regular(start):
+            self._begin(self._state(row), sign(node.line(start.state).y))
+            return
+        # A quotient is 0/0: the constants are found a moment later.
+        self._base = (_STEP / start.speed_bound().max(ball(start.a2).root(4))).mid()
+        state = self._state(_after(row, self._base))
+        y = self._node.line(state).y
+        if not (y > 0 or y < 0):
+            raise TooFewBits
+        self._begin(state, 1 if y > 0 else -1)
 
-    def _elliptic(self, points: Sequence[acb]) -> None:
+    def _state(self, row: Sequence[arb]) -> State:
+        p, q, r, _, G2, G3 = row
+        return State(p, q, r, G2, G3, self._H, self._m, self._b)
+
+    def _elliptic(self, k: acb) -> None:
         """The lattice, and what is shifted by half periods and by al."""
-        order = [0, 1, 2]
-        if points[1].imag.is_zero():
+        points, order = [k, *self._e[:2]], [0, 1, 2]
+        if self._e[0].imag.is_zero():
             order = ascending([z.real for z in points], order)
-        self._shift = self._total / 3
+        self._shift = self._node.total / 3
         lattice = RealLattice([(self._shift - points[i]) / 2 for i in order])
         self._lattice = lattice
         halves = [Shifted(lattice, half) for half in lattice.halves]
         self._halves = [halves[order.index(i)] for i in range(3)]
-        al = lattice.argument((self._shift - self._K) / 2)
+        al = lattice.argument((self._shift - self._node.K) / 2)
         self._up, self._down = Shifted(lattice, al), Shifted(lattice, -al)
         self._y_K = self._ordinate(al)
 
@@ -78,18 +97,17 @@ class DegenerateState:
             y *= half.at(v, below) / half.size
         return y
 
-    def _begin(self, start: KovalevskayaStart, node: Node) -> None:
-        """ta, ro and the constants of the P_j at t = 0."""
-        (p, q, _), e, b = (ball(x) for x in start.omega), self._e, ball(start.b)
-        self._ta = self._first_place(node)
+    def _begin(self, state: State, side: int) -> None:
+        """ta, ro and the constants of the P_j; ``side``: the sign of y at ta."""
+        line, p, pi = self._node.line(state), state.p, state.pi
+        self._ta = self._place(line.third, side)
         below = self._lattice.sigma(self._ta)
-        slope, constant = ball(node.slope), ball(node.constant)
-        line, rise = slope * self._K + constant, q * self._y_K
-        self._ratio = self._up.at(self._ta, below) / self._down.at(self._ta, below)
-        self._ratio = (line - rise) / (line + rise) / self._ratio
+        up, down = (shifted.at(self._ta, below) for shifted in (self._up, self._down))
+        L = line.mu * self._node.K + line.nu
+        self._ratio = (L - self._y_K) / (L + self._y_K) * down / up
         self._f, self._g, self._constants = [], [], []
-        for j, x in enumerate(e):
-            f, g = x * x + b, 2 * (x + self._H)
+        for j, e in enumerate(self._e):
+            f, g = e * e + self._b, 2 * (e + self._H)
             if abs(f).mid() > abs(g).mid():
                 f = either_root(f)
                 g = 2 * self._m / f
@@ -98,16 +116,16 @@ class DegenerateState:
                 f = 2 * self._m / g
             self._f.append(f)
             self._g.append(g)
-            value = _I * (2 * f * p - g * (p * p + q * q - x)) / 2  # q P_j
+            value = _I * (2 * f * p - g * (pi - e)) / (2 * state.q)  # P_j
             if j < 2:
-                value *= self._halves[1 + j].at(self._ta, below) / (slope * x + constant)
+                value *= self._halves[1 + j].at(self._ta, below) / (line.mu * e + line.nu)
             else:
-                value *= self._down.at(self._ta, below) * 2 * self._y_K / (line + rise)
+                value *= down * 2 * self._y_K / (L + self._y_K)
             self._constants.append(value)
 
-    def _first_place(self, node: Node) -> acb:
-        """ta at t = 0."""
-        lattice, x, side = self._lattice, (self._shift - ball(node.third)) / 2, sign(node.y)
+    def _place(self, third: arb, side: int) -> acb:
+        """ta."""
+        lattice, x = self._lattice, (self._shift - third) / 2
         if side == 0:
             halves = [h for h in lattice.halves if lattice.P(h).overlaps(acb(x))]
             if len(halves) != 1:
@@ -121,20 +139,21 @@ class DegenerateState:
 
     def at(self, t: arb) -> list[arb]:
         """p, q, r, G1, G2, G3."""
+        t = t - self._base
         n = nearest_integer(t / self._lattice.period)
         z = self._ta + (t - n * self._lattice.period)
-        below, K, e = self._lattice.sigma(z), self._K, self._e
+        below, K, e = self._lattice.sigma(z), self._node.K, self._e
         up, down = (shifted.at(z, below, n) for shifted in (self._up, self._down))
         roots = [half.at(z, below, n) for half in self._halves]
         ro = self._ratio * up / down
-        gap = 2 * up * down / (self._up.size * self._up.size)  # s_ta - K
+        third = K + 2 * up * down / (self._up.size * self._up.size)
         y = acb(4)
         for value, half in zip(roots, self._halves, strict=True):
             y *= value / half.size
-        mu = -(y + self._y_K * (1 + ro) / (1 - ro)) / gap
-        nu = -y - mu * (K + gap)
-        T = self._total - mu * mu / 2 - K - gap
-        N = self._pairs + mu * nu - T * (K + gap)
+        mu = (y + self._y_K * (1 + ro) / (1 - ro)) / (K - third)
+        nu = -y - mu * third
+        T = self._node.total - mu * mu / 2 - third
+        N = self._node.product - K * (e[0] + e[1]) + mu * nu - T * third
         T1, N1 = mu * (T - K) + nu, mu * N + K * nu
         one, two, last = self._constants
         P = [
@@ -156,6 +175,41 @@ class DegenerateState:
         G1 = self._H - p * p - q * q - r * r / 2
         G2 = (self._m - r * G3 / 2 - p * G1) / q
         return [x.real for x in (p, q, r, G1, G2, G3)]
+
+
+def _after(row: Sequence[arb], t: arb) -> list[arb]:
+    """The state p, q, r, G1, G2, G3 a short time later, by its Taylor series.
+
+    No number is farther from the start on a disc of twice the time than :meth:`Equations.moves`
+    says, which bounds all terms that are left out.
+    """
+    moved = EQUATIONS.moves([acb(x) for x in row], 2 * t)
+    if moved is None:
+        raise TooFewBits
+    series = [[x] for x in row]
+    for k in range(ctx.prec):
+        p, q, r = (x[::-1] for x in series[:3])
+        one, two, three = series[3:]
+        rates = (
+            _product(series[1], r) / 2,
+            (three[k] - _product(series[0], r)) / 2,
+            -two[k],
+            _product(two, r) - _product(three, q),
+            _product(three, p) - _product(one, r),
+            _product(one, q) - _product(two, p),
+        )
+        for terms, rate in zip(series, rates, strict=True):
+            terms.append(rate / (k + 1))
+    share = arb(2) ** -ctx.prec
+    return [
+        arb_poly(terms)(t) + around(share * most).real
+        for terms, most in zip(series, moved, strict=True)
+    ]
+
+
+def _product(a: Sequence[arb], back: Sequence[arb]) -> arb:
+    """A coefficient of a product, the second factor in reverse order."""
+    return sum(map(mul, a, back), arb(0))
 
 
 def _sum(row: Sequence[acb], values: Sequence[acb]) -> acb:

@@ -17,7 +17,7 @@ from polhode.numbers.scalars import Scalar
 
 
 class State(NamedTuple):
-    """What the separation variables take of a state and of its integrals."""
+    """What the separation variables take of a state and of its integrals, exact or in balls."""
 
     p: Scalar
     q: Scalar
@@ -43,6 +43,11 @@ class State(NamedTuple):
         H, m, b, sg, pi = self.H, self.m, self.b, 2 * self.p, self.pi
         R = -pi * pi + 2 * H * pi - 2 * m * sg + b
         return R, -2 * H * pi * pi - b * sg * sg + 4 * m * pi * sg + 2 * H * b - 4 * m * m
+
+    def halves(self) -> tuple[Scalar, Scalar]:
+        """R/2 and R1/4."""
+        R, R1 = self.polars()
+        return R / 2, R1 / 4
 
     def rates(self) -> tuple[Scalar, Scalar]:
         """T' and N', where q is not 0."""

@@ -7,7 +7,7 @@ degenerate where two of the points e1, e2, e3, k, -k are equal:
 
     (H a^2 - 2m^2)^2 = k^2 a^4  (an e is k or -k),    disc S = 0  (two e's are equal).
 
-The first kind has a formula where an e is -k (:mod:`.degenerate`), but for a few starts.
+The first kind has a formula where an e is -k (:mod:`.degenerate`).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from collections.abc import Iterator
 
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart, top_start
 from polhode.closed_forms.kovalevskaya.branch_points import discriminant, kind
-from polhode.closed_forms.kovalevskaya.node import is_node, node_of
+from polhode.closed_forms.kovalevskaya.node import is_node
 from polhode.closed_forms.membership.normal_form import Condition, Placed, equal, exclusion
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.numbers.exact import ZERO, Exact, sign
@@ -116,7 +116,7 @@ def _degenerate(start: KovalevskayaStart) -> str | None:
     if not at_k:
         return OTHER if twice else None
     side = 2 * start.m2 - start.H * start.a2  # S(k) = k a^2 - side, S(-k) = -k a^2 - side
-    if twice or sign(side) > 0 or node_of(start) is None:
+    if twice or sign(side) > 0:
         return OTHER
     # c = (s - k)(s - e1)(s - e2), (s - e1)(s - e2) = S/(s + k); at -k it is S'(-k).
     # -2k S'(-k), S'(-k) = 3k^2 - 2Hk + b; k = -side/a^2.

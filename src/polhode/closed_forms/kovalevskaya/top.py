@@ -28,10 +28,10 @@ from polhode.closed_forms.balls.frames import (
     quaternion,
 )
 from polhode.closed_forms.balls.one_axis import OneAxis, Permanent
-from polhode.closed_forms.balls.periodic_attitude import Equations, InTime, PeriodicAttitude, Strip
+from polhode.closed_forms.balls.periodic_attitude import InTime, PeriodicAttitude, Strip
 from polhode.closed_forms.closed_form import ENCLOSED_ATTITUDE, ClosedForm, no_attitude
 from polhode.closed_forms.kovalevskaya import regimes
-from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart, top_start
+from polhode.closed_forms.kovalevskaya.axes import EQUATIONS, KovalevskayaStart, top_start
 from polhode.closed_forms.kovalevskaya.branch_points import branch_points, discriminant
 from polhode.closed_forms.kovalevskaya.degenerate import DegenerateState
 from polhode.closed_forms.kovalevskaya.periodic import Periodic, quartic
@@ -44,8 +44,6 @@ from polhode.numbers.mpmath_context import mpc, mpf
 from polhode.numbers.scalars import Scalar
 
 _CHECKED = "states are proven; of the attitude the formula is checked, the arithmetic proven"
-#: In the top's axes and units.
-_EQUATIONS = Equations((arb(2), arb(2), arb(1)), (arb(1), arb(0), arb(0)))
 
 
 class KovalevskayaTop(ClosedForm[SeenMotion[Any]]):
@@ -60,6 +58,8 @@ class KovalevskayaTop(ClosedForm[SeenMotion[Any]]):
     def _set_up(self, scene: PrincipalScene, axes: Rows | None) -> None:
         self._frame, self.begin = top_start(scene, axes)
         self.regime = regime = regimes.regime(self.begin)
+        if regime == regimes.OTHER:
+            raise ValueError("a degenerate curve on which the motion has no formula")
         self._disc = discriminant(self.begin)
         self._strip: Strip | None = None
         self._first_turn = Kept(self._made_first_turn)
@@ -105,7 +105,7 @@ class KovalevskayaTop(ClosedForm[SeenMotion[Any]]):
             return no_attitude()
         size = ball(self.begin.a2).sqrt()
         orbit = InTime(motion.complex_state, motion.period)
-        attitude = PeriodicAttitude(orbit, size, motion.speed, _EQUATIONS, self._strip)
+        attitude = PeriodicAttitude(orbit, size, motion.speed, EQUATIONS, self._strip)
         self._strip = attitude.strip
         return attitude
 

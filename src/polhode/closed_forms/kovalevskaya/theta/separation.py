@@ -18,9 +18,8 @@ from polhode.numbers.exact import sign
 
 def place(start: KovalevskayaStart, jacobian: Jacobian) -> Pair:
     """u(0)."""
-    numbers = (*start.omega, *start.G[1:], start.H, start.m, start.b)
-    state = State(*(ball(x) for x in numbers))
-    if sign(start.omega[1]) == 0:
+    state = State(*(ball(x) for x in start.state))
+    if sign(start.state.q) == 0:
         s, w = state.finite_point()
         return jacobian.image(acb(s), acb(w))
     (R, R1), (T1, N1), q2 = state.polars(), state.rates(), state.q * state.q
