@@ -127,7 +127,12 @@ DEAR = ("bobylev-steklov", "steklov", "goryachev", "n-kowalewski", "chaplygin", 
 PAST_A_POLE = ("v constant, et = 0", "kovalevskaya/pendulum-equatorial")
 
 
-@rows("attitude", slow=2, dear=DEAR, keep=lambda motion: has_attitude(motion) and motion.name not in PAST_A_POLE)
+@rows(
+    "attitude",
+    slow=2,
+    dear=DEAR,
+    keep=lambda motion: has_attitude(motion) and motion.name not in PAST_A_POLE,
+)
 def test_attitude_and_angles_by_power_series(motion):
     """The sign at t = 0 and the turns too."""
     top, scene = motion.reference, motion.scene

@@ -81,11 +81,11 @@ def _top(folder: str, name: str) -> Callable[[], Maker]:
 FAMILIES: tuple[Family, ...] = (
     Family("euler", euler.fits, euler.misfit, _top("euler", "EulerTop")),
     by_conditions("lagrange", lagrange.conditions, _top("lagrange", "LagrangeTop"), lagrange.fits),
-    by_conditions(
+    Family(
         "kovalevskaya",
-        kovalevskaya.conditions,
-        _top("kovalevskaya", "KovalevskayaTop"),
         kovalevskaya.fits,
+        kovalevskaya.misfit,
+        _top("kovalevskaya", "KovalevskayaTop"),
     ),
     by_conditions("pendulum", pendulum.conditions, _top("pendulum", "Pendulum"), pendulum.fits),
     orbit_family("staude", staude.Staude),

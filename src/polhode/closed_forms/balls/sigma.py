@@ -60,7 +60,7 @@ class RealLattice:
         return (v / self.period).elliptic_sigma(self._tau) * self.period
 
     def argument(self, x: arb) -> acb:
-        """A v with P(v) = x, which is real and no root: half a period and what is real or imaginary.
+        """A v with P(v) = x, which is real and no root: half a period and a real or imaginary part.
 
         By Carlson's R_F of three numbers that are positive, or of one and a conjugate pair.
         """

@@ -27,8 +27,6 @@ from polhode.closed_forms.goryachev_chaplygin.axes import GoryachevStart, start
 from polhode.closed_forms.goryachev_chaplygin.explicit import explicit
 from polhode.closed_forms.goryachev_chaplygin.separated import Point, Separated
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
-from polhode.numbers.exact import Exact, sign
-from polhode.numbers.mpmath_context import mpf
 
 
 class GoryachevMotion:

@@ -29,7 +29,6 @@ from polhode.numbers.exact import ZERO, Exact, exact, sign, sqrt
 from polhode.numbers.vectors import Vector
 from polhode.scenes.classification import KOVALEVSKAYA, classical_top, with_last
 
-
 #: In the top's axes and units.
 EQUATIONS = Equations((arb(2), arb(2), arb(1)), (arb(1), arb(0), arb(0)))
 

@@ -44,7 +44,8 @@ from polhode.closed_forms.kovalevskaya.node import Node, is_regular, node_of
 from polhode.numbers.exact import sign
 from polhode.numbers.flint_context import ctx
 
-_STEP = arb(1) / 16  # radians, about, to a state at which no quotient is 0/0
+_STEP = arb(1) / 512  # radians, about, to a state at which no quotient is 0/0
+_WIDER = 6  # how often twice as far the equations are bounded: bits of a term of the series
 _I = acb(0, 1)
 
 
@@ -180,14 +181,15 @@ class DegenerateState:
 def _after(row: Sequence[arb], t: arb) -> list[arb]:
     """The state p, q, r, G1, G2, G3 a short time later, by its Taylor series.
 
-    No number is farther from the start on a disc of twice the time than :meth:`Equations.moves`
-    says, which bounds all terms that are left out.
+    No number is farther from the start on a disc of 2^``_WIDER`` times that than
+    :meth:`Equations.moves` says, which bounds all terms that are left out.
     """
-    moved = EQUATIONS.moves([acb(x) for x in row], 2 * t)
+    moved = EQUATIONS.moves([acb(x) for x in row], t * 2**_WIDER)
     if moved is None:
         raise TooFewBits
     series = [[x] for x in row]
-    for k in range(ctx.prec):
+    count = ctx.prec // _WIDER + 1
+    for k in range(count):
         p, q, r = (x[::-1] for x in series[:3])
         one, two, three = series[3:]
         rates = (
@@ -200,7 +202,7 @@ def _after(row: Sequence[arb], t: arb) -> list[arb]:
         )
         for terms, rate in zip(series, rates, strict=True):
             terms.append(rate / (k + 1))
-    share = arb(2) ** -ctx.prec
+    share = arb(2) ** (-_WIDER * count)
     return [
         arb_poly(terms)(t) + around(share * most).real
         for terms, most in zip(series, moved, strict=True)

@@ -62,4 +62,6 @@ class State(NamedTuple):
         """s2 and w2, where q is 0."""
         R, R1 = self.polars()
         p, H, m, b, s = self.p, self.H, self.m, self.b, -R1 / (2 * R)
-        return s, -self.G2 * ((m - p * (H - p * p)) * s + p * (p * (H * p - 3 * m) + b)) / self.slope
+        return s, -self.G2 * (
+            (m - p * (H - p * p)) * s + p * (p * (H * p - 3 * m) + b)
+        ) / self.slope

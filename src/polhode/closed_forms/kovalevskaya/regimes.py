@@ -17,7 +17,8 @@ from collections.abc import Iterator
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart, top_start
 from polhode.closed_forms.kovalevskaya.branch_points import discriminant, kind
 from polhode.closed_forms.kovalevskaya.node import is_node
-from polhode.closed_forms.membership.normal_form import Condition, Placed, equal, exclusion
+from polhode.closed_forms.membership.misfit import Misfit
+from polhode.closed_forms.membership.normal_form import Condition, Placed, equal, shortfall
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.scenes.classification import KOVALEVSKAYA, classical_top
@@ -35,26 +36,28 @@ ONE_FREQUENCY = (PENDULUM_Z, PENDULUM_Y, BOBYLEV, DELAUNAY, APPELROT)
 DEGENERATE = (ASYMPTOTIC, QUASI_PERIODIC)
 
 
+def _is_top(scene: PrincipalScene) -> bool:
+    return classical_top(scene.moments, scene.torque).kind == KOVALEVSKAYA
+
+
 def fits(scene: PrincipalScene) -> bool:
     """Whether the body is a Kovalevskaya top, and the motion has a formula."""
-    if classical_top(scene.moments, scene.torque).kind != KOVALEVSKAYA:
-        return False
-    return has_formula(top_start(scene, None)[1])
+    return _is_top(scene) and has_formula(top_start(scene, None)[1])
+
+
+def misfit(scene: PrincipalScene) -> Misfit | None:
+    """Why a scene is not one's, or its motion has no formula."""
+    if not _is_top(scene):
+        return shortfall(conditions, scene)
+    return None if fits(scene) else Misfit("a motion that has a formula on its degenerate curve")
 
 
 def conditions(scene: Placed) -> Iterator[Condition]:
-    """Those of the body, its axes in the top's order, and of the curve."""
+    """Those of the body, its axes in the top's order."""
     A, B, C = scene.moments
-    body = (
-        equal("A = B", A, B),
-        equal("A = 2C", A, 2 * C),
-        equal("z0 = 0", scene.torque[2], ZERO, scene.weight),
-    )
-    yield from body
-    if all(condition.holds for condition in body):
-        given = PrincipalScene(scene.moments, scene.torque, scene.omega, scene.gamma)
-        reached = has_formula(top_start(given, None)[1])
-        yield exclusion("a motion that has a formula on its degenerate curve", not reached)
+    yield equal("A = B", A, B)
+    yield equal("A = 2C", A, 2 * C)
+    yield equal("z0 = 0", scene.torque[2], ZERO, scene.weight)
 
 
 def regime(start: KovalevskayaStart) -> str:
@@ -109,7 +112,7 @@ def has_formula(start: KovalevskayaStart) -> bool:
 def _degenerate(start: KovalevskayaStart) -> str | None:
     """The name of a motion on a degenerate curve, k > 0; None where the curve is none.
 
-    Where an e is -k alone, w^2 = -2 (s + k)^2 c(s): where c(-k) > 0 the node is a point alone, where
+    Where an e is -k alone, w^2 = -2 (s + k)^2 c(s): with c(-k) > 0 the node is a point alone, with
     c(-k) < 0 the motion tends to the one-frequency motion that sits there.
     """
     at_k, twice = is_node(start), sign(discriminant(start)) == 0

@@ -17,7 +17,7 @@ from typing import Any
 from flint import arb
 
 from polhode.closed_forms.balls.angles import Arguments
-from polhode.closed_forms.balls.core import Kept, ball, enclosed
+from polhode.closed_forms.balls.core import ball, enclosed
 from polhode.closed_forms.balls.frames import (
     OwnMotion,
     OwnTurning,
@@ -31,7 +31,7 @@ from polhode.closed_forms.balls.one_axis import OneAxis, Permanent
 from polhode.closed_forms.balls.periodic_attitude import InTime, PeriodicAttitude, Strip
 from polhode.closed_forms.closed_form import ENCLOSED_ATTITUDE, ClosedForm, no_attitude
 from polhode.closed_forms.kovalevskaya import regimes
-from polhode.closed_forms.kovalevskaya.axes import EQUATIONS, KovalevskayaStart, top_start
+from polhode.closed_forms.kovalevskaya.axes import EQUATIONS, top_start
 from polhode.closed_forms.kovalevskaya.branch_points import branch_points, discriminant
 from polhode.closed_forms.kovalevskaya.degenerate import DegenerateState
 from polhode.closed_forms.kovalevskaya.periodic import Periodic, quartic
@@ -40,7 +40,7 @@ from polhode.closed_forms.kovalevskaya.theta.theta_attitude import ThetaAttitude
 from polhode.closed_forms.kovalevskaya.theta.theta_state import ThetaState
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.numbers.exact import ZERO, sign
-from polhode.numbers.mpmath_context import mpc, mpf
+from polhode.numbers.mpmath_context import mpc
 from polhode.numbers.scalars import Scalar
 
 _CHECKED = "states are proven; of the attitude the formula is checked, the arithmetic proven"
@@ -62,7 +62,6 @@ class KovalevskayaTop(ClosedForm[SeenMotion[Any]]):
             raise ValueError("a degenerate curve on which the motion has no formula")
         self._disc = discriminant(self.begin)
         self._strip: Strip | None = None
-        self._first_turn = Kept(self._made_first_turn)
         if regime in regimes.ONE_FREQUENCY:
             self.has_attitude = quartic(self.begin, regime).has_period
         elif regime not in regimes.STEADY:
@@ -109,7 +108,7 @@ class KovalevskayaTop(ClosedForm[SeenMotion[Any]]):
         self._strip = attitude.strip
         return attitude
 
-    def _made_first_turn(self) -> Turn:
+    def _first_turn(self) -> Turn:
         """A quaternion of the start's gamma in the top's axes."""
         a, b, c = (x / self.begin.weight for x in self.begin.G)
         return quaternion(*halves((a, b, c), ZERO))

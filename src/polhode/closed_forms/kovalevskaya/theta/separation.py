@@ -1,7 +1,7 @@
 """From a state of the Kovalevskaya top to its point on the Jacobian, in balls.
 
-A(s1, w1) + A(s2, w2) moves as u(0) + t (0, 1) (:mod:`..divisor`).  Where q = 0, s1 is infinite and A
-of it 0.  Next to q = 0 the form loses some five digits for a decade of q; more bits pay for them.
+A(s1, w1) + A(s2, w2) moves as u(0) + t (0, 1) (:mod:`..divisor`).  Where q = 0, s1 is infinite and
+A of it 0.  Next to q = 0 the form loses some five digits for a decade of q; more bits pay for them.
 """
 
 from __future__ import annotations

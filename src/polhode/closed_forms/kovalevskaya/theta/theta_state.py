@@ -11,7 +11,7 @@ P_j = sqrt((s1 - e_j)(s2 - e_j)) = c_j th_j/th_0 (Kowalevski 1889, sections 4-7;
 
 th_0 has the characteristic del, th_j del + eta_j, th_jl del + eta_j + eta_l.  c_j^2 is known from
 z at two branch points, K_jl = (th_j' th_l - th_j th_l')/(th_0 th_jl) likewise.  Of the signs of the
-c_j each choice is dropped that is proven to miss the start; the truth is in the union of the others.
+c_j each choice is dropped that is proven to miss the start; the truth is in the union of the rest.
 """
 
 from __future__ import annotations
