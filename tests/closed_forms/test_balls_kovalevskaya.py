@@ -3,14 +3,17 @@
 import time
 from dataclasses import replace
 from fractions import Fraction
+from types import SimpleNamespace
 
 import pytest
-from flint import acb, arb
+from flint import acb, arb, fmpq
 
 import polhode
 from polhode.closed_forms.balls.core import Refused, TooFewBits
+from polhode.closed_forms.balls.sigma import RealLattice
 from polhode.closed_forms.balls.weierstrass import Quartic, Weierstrass, complex_functions
 from polhode.closed_forms.closed_form import ENCLOSED_ATTITUDE
+from polhode.closed_forms.kovalevskaya import degenerate
 from polhode.closed_forms.kovalevskaya.theta import theta_attitude, theta_state
 from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop
 from polhode.numbers.exact import ONE
@@ -175,6 +178,41 @@ def test_a_motion_that_tends_to_another_is_refused_where_bits_do_not_tell_it():
     with pytest.raises(Refused, match=r"asymptotic: 3100 bits give 0 of 5 digits"):
         top.at([F(10**6)], 5)
     assert time.process_time() - begin < 5
+
+
+@pytest.mark.parametrize("roots", [(2, "-1/2", "-3/2"), (2, (-1, "7/4"), (-1, "-7/4"))])
+def test_a_real_lattice_and_its_inverse_function(roots):
+    """P is each root at a half period, and x at the argument of x, between any two roots."""
+    with ctx.workprec(200):
+        given = [x if isinstance(x, tuple) else (x, 0) for x in roots]
+        balls = [acb(*(arb(fmpq(*F(x).as_integer_ratio())) for x in row)) for row in given]
+        lattice = RealLattice(balls)
+        for half, x in zip(lattice.halves, balls, strict=True):
+            assert lattice.P(half).overlaps(x)
+            assert abs(lattice.P(half) - x) < arb(2) ** -150
+        for x in (-5, -1, 0, 5):
+            v = lattice.argument(arb(x))
+            assert lattice.P(v).overlaps(acb(x))
+            assert abs(lattice.P(v) - x) < arb(2) ** -150
+        with pytest.raises(TooFewBits):
+            lattice.argument(arb(2))
+
+
+def test_a_disc_that_is_wider_than_proven_gives_balls_that_miss(monkeypatch):
+    """The moment after a start at which a quotient is 0/0, by fewer terms than the disc allows."""
+    moment = arb(1) / 2048
+    with ctx.workprec(600):
+        row = [arb(fmpq(*F(x).as_integer_ratio())) for x in ("8/5", 0, "1/2", 0, 0, 1)]
+        truth = degenerate._after(row, moment)
+    with ctx.workprec(200):
+        assert all(
+            x.overlaps(y) for x, y in zip(degenerate._after(row, moment), truth, strict=True)
+        )
+        near = degenerate.EQUATIONS.moves([acb(x) for x in row], moment)
+        monkeypatch.setattr(degenerate, "EQUATIONS", SimpleNamespace(moves=lambda *_: near))
+        monkeypatch.setattr(degenerate, "_WIDER", 20)
+        found = degenerate._after(row, moment)
+        assert not all(x.overlaps(y) for x, y in zip(found, truth, strict=True))
 
 
 #: On another degenerate curve: starts of which a reference encloses the motion.

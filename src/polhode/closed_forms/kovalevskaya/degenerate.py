@@ -44,7 +44,7 @@ from polhode.closed_forms.kovalevskaya.node import Node, is_regular, node_of
 from polhode.numbers.exact import sign
 from polhode.numbers.flint_context import ctx
 
-_STEP = arb(1) / 512  # radians, about, to a state at which no quotient is 0/0
+_STEP = arb(1) / 2048  # radians, about, to a state at which no quotient is 0/0
 _WIDER = 6  # how often twice as far the equations are bounded: bits of a term of the series
 _I = acb(0, 1)
 
