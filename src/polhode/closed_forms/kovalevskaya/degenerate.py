@@ -1,7 +1,7 @@
 """Motions on a curve of which an e is -k, in balls: sigma functions of one elliptic curve.
 
-With K = -k, w = (s - K) y and s = 2(x_0 - P(v)), y = -2P'(v) on y^2 = -2 (s - k)(s - e1)(s - e2),
-three points of a line y = mu s + nu have v1 + v2 + v3 = 0.  So
+With K = -k, w = (s - K) y and y^2 = -2 (s - k)(s - e1)(s - e2): s = (k + e1 + e2)/3 - 2P(v) and
+y = -2P'(v), so that three points of a line y = mu s + nu have v1 + v2 + v3 = 0.  Then
 
 * sum ds/w = 0 and sum s ds/w = dt are sum ds/((s - K) y) = 0 and v1 + v2 = ta0 + t, and the line
   through (s1, y1) and (s2, y2) passes (s_ta, -y_ta);
