@@ -81,9 +81,8 @@ class GoryachevChaplyginTop(ClosedForm[SeenMotion[GoryachevMotion]]):
         """None where there are two frequencies or none."""
         if self.regime in (*regimes.TWO_FREQUENCIES, *regimes.ASYMPTOTIC):
             return None
-        motion = self._solution()
-        period = motion.motion.path.period
-        return None if period is None else period / abs(motion.unit)
+        period = self._solution().motion.path.period
+        return None if period is None else period / ball(abs(self._begin.unit))
 
     def _rate_balls(self) -> Mapping[str, arb]:
         """Of two frequencies "u" and "v", the mean rates of the phases of u and v.
@@ -92,7 +91,6 @@ class GoryachevChaplyginTop(ClosedForm[SeenMotion[GoryachevMotion]]):
         """
         if self.regime not in regimes.TWO_FREQUENCIES:
             return super()._rate_balls()
-        motion = self._solution()
-        path = motion.motion.path
+        path, unit = self._solution().motion.path, ball(abs(self._begin.unit))
         assert isinstance(path, Separated)
-        return {x: rate * abs(motion.unit) for x, rate in zip("uv", path.means, strict=True)}
+        return {name: rate * unit for name, rate in zip("uv", path.means, strict=True)}
