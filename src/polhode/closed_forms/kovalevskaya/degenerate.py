@@ -32,13 +32,12 @@ from polhode.closed_forms.balls.core import (
     TooFewBits,
     around,
     ball,
-    either_root,
     nearest_integer,
     root,
 )
 from polhode.closed_forms.balls.sigma import RealLattice, Shifted
 from polhode.closed_forms.kovalevskaya.axes import EQUATIONS, KovalevskayaStart
-from polhode.closed_forms.kovalevskaya.branch_points import ascending
+from polhode.closed_forms.kovalevskaya.branch_points import ascending, square_roots
 from polhode.closed_forms.kovalevskaya.divisor import State
 from polhode.closed_forms.kovalevskaya.node import Node, is_regular, node_of
 from polhode.numbers.exact import sign
@@ -108,13 +107,7 @@ class DegenerateState:
         self._ratio = (L - self._y_K) / (L + self._y_K) * down / up
         self._f, self._g, self._constants = [], [], []
         for j, e in enumerate(self._e):
-            f, g = e * e + self._b, 2 * (e + self._H)
-            if abs(f).mid() > abs(g).mid():
-                f = either_root(f)
-                g = 2 * self._m / f
-            else:
-                g = either_root(g)
-                f = 2 * self._m / g
+            f, g = square_roots(e, self._H, self._m, self._b)
             self._f.append(f)
             self._g.append(g)
             value = _I * (2 * f * p - g * (pi - e)) / (2 * state.q)  # P_j

@@ -27,11 +27,11 @@ from polhode.closed_forms.balls.core import TooFewBits, ball, either_root
 from polhode.closed_forms.balls.quadrature import Pair
 from polhode.closed_forms.balls.theta2 import Theta2, added
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
-from polhode.closed_forms.kovalevskaya.branch_points import branch_points
+from polhode.closed_forms.kovalevskaya.branch_points import branch_points, square_roots
+from polhode.closed_forms.kovalevskaya.divisor import State
 from polhode.closed_forms.kovalevskaya.theta.jacobian import Jacobian
-from polhode.closed_forms.kovalevskaya.theta.separation import place
 from polhode.common.cached_property import cached_property
-from polhode.numbers.exact import Exact
+from polhode.numbers.exact import Exact, sign
 
 PAIRS = ((0, 1), (0, 2), (1, 2))
 _MOST_CHOICES = 4  # of which the union is taken
@@ -99,7 +99,7 @@ class ThetaState:
         wanted = [delta, *(added(delta, etas[j]) for j in range(3))]
         wanted += [added(delta, etas[j], etas[l]) for j, l in PAIRS]
         self._thetas = Theta2(self.jacobian.lattice.tau, wanted)
-        self._z0 = self.jacobian.reduced(place(start, self.jacobian))
+        self._z0 = self.jacobian.reduced(self._first_place())
         self.choices = self._fitting()
 
     @cached_property
@@ -130,9 +130,26 @@ class ThetaState:
         """The theta functions, over one factor that no quotient has."""
         return self._thetas.at(z).along(self.velocity)
 
+    def _first_place(self) -> Pair:
+        """A(s1, w1) + A(s2, w2) at t = 0, which moves as u(0) + t (0, 1).
+
+        Where q = 0, s1 is infinite and A of it 0.  Next to q = 0 the form loses some five digits
+        for a decade of q; more bits pay for them.
+        """
+        image, state = self.jacobian.image, State(*(ball(x) for x in self.start.state))
+        if sign(self.start.state.q) == 0:
+            s, w = state.finite_point()
+            return image(acb(s), acb(w))
+        (R, R1), (T1, N1), q2 = state.polars(), state.rates(), state.q * state.q
+        root = (R * R / 4 - q2 * R1).sqrt()
+        larger = -(R / 2 + (root if R.mid() >= 0 else -root)) / 2  # q^2 s1, no difference
+        one, two = (image(acb(s), acb(T1 * s - N1)) for s in (larger / q2, R1 / (4 * larger)))
+        return one[0] + two[0], one[1] + two[1]
+
     def _fitting(self) -> list[Quotients]:
         """The choices that are not proven wrong."""
-        e, (f, g) = self.jacobian.points[:3], self._roots()
+        e = self.jacobian.points[:3]
+        f, g = zip(*(square_roots(x, self.H, self.m, self.b) for x in e), strict=True)
         c, K = self._constants()
         first = [ball(x) for x in (*self.start.omega, *self.start.G)]
         slopes = [(e[j] - e[j - 1]) * (e[j] - e[j - 2]) for j in range(3)]
@@ -160,21 +177,6 @@ class ThetaState:
         if len(choices) > _MOST_CHOICES:
             raise TooFewBits
         return choices
-
-    def _roots(self) -> tuple[list[acb], list[acb]]:
-        """f_j and g_j: the larger one by its root, the other by f g = 2m."""
-        f, g = [], []
-        for e in self.jacobian.points[:3]:
-            one, other = e * e + self.b, 2 * (e + self.H)
-            if abs(one).mid() > abs(other).mid():
-                one = either_root(one)
-                other = 2 * self.m / one
-            else:
-                other = either_root(other)
-                one = 2 * self.m / other
-            f.append(one)
-            g.append(other)
-        return f, g
 
     def _constants(self) -> tuple[list[acb], list[acb]]:
         """c_j up to signs, and K_jl from the place with the largest denominator."""
