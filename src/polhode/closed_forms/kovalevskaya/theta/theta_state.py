@@ -99,7 +99,8 @@ class ThetaState:
         wanted = [delta, *(added(delta, etas[j]) for j in range(3))]
         wanted += [added(delta, etas[j], etas[l]) for j, l in PAIRS]
         self._thetas = Theta2(self.jacobian.lattice.tau, wanted)
-        self._z0 = self.jacobian.reduced(self._first_place())
+        #: z at t = 0.
+        self.z0 = self.jacobian.reduced(self._first_place())
         self.choices = self._fitting()
 
     @cached_property
@@ -122,7 +123,7 @@ class ThetaState:
 
     def place(self, t: arb) -> tuple[Pair, tuple[int, int]]:
         """z of z0 + t V = z + 2(l + tau k), and k: all quotients have these periods."""
-        z0, V = self._z0, self.velocity
+        z0, V = self.z0, self.velocity
         z, _, k = self.jacobian.lattice.reduced((z0[0] + t * V[0], z0[1] + t * V[1]), 2)
         return z, k
 
@@ -154,7 +155,7 @@ class ThetaState:
         first = [ball(x) for x in (*self.start.omega, *self.start.G)]
         slopes = [(e[j] - e[j - 1]) * (e[j] - e[j - 2]) for j in range(3)]
         choices = []
-        values = self.values_at(self._z0)
+        values = self.values_at(self.z0)
         for signs in product((1, -1), repeat=3):
             C = [s * x / d for s, x, d in zip(signs, c, slopes, strict=True)]
             mixed = [C[j] * C[l] * k for (j, l), k in zip(PAIRS, K, strict=True)]
