@@ -1,4 +1,4 @@
-"""The checker's bounds beside what they bound: of a step, of the set, of a turn, of a box of motions.
+"""The checker's bounds beside what they bound: of a step, the set, a turn, a box of motions.
 
 Each holds as it stands, and not without one of its terms; those of rounding show at few bits.
 ``tests/measure/checker.json`` has the terms, one by one.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from types import SimpleNamespace
 from typing import Any
@@ -146,14 +146,22 @@ def numbers(chance: random.Random, rows: int, columns: int, size: float = 1.0) -
     ]
 
 
-def fractions(rows: verify.Table) -> Any:
+SCALE = 100  # bits of a unit of whole numbers
+
+
+def wholes(rows: verify.Table) -> Any:
+    """Exact numbers as whole ones, times 2^SCALE."""
+    return np.array([[int(exactly(x) * 2**SCALE) for x in row] for row in rows], dtype=object)
+
+
+def reach(held: verify.Set) -> Callable[[int, Any], int]:
+    """The largest u.z of a set, by column and u, times 2^(2 SCALE)."""
+    m, s, w = wholes(held.m), wholes(held.s), wholes(held.w)
+    return lambda column, u: (u @ m[:, column] << SCALE) + np.abs(u @ s) @ w[:, column]
+
+
+def numbers_of(rows: verify.Table) -> Any:
     return np.array([[exactly(x) for x in row] for row in rows], dtype=object)
-
-
-def reach_of(held: verify.Set, column: int, u: Any) -> Fraction:
-    """The largest u.z of a set."""
-    m, s, w = fractions(held.m), fractions(held.s), fractions(held.w)
-    return u @ m[:, column] + np.abs(u @ s) @ w[:, column]
 
 
 def sizes_of(rows: verify.Table) -> verify.Table:
@@ -170,9 +178,9 @@ def test_a_set_of_few_bits_loses_no_point_from_step_to_step(monkeypatch, quiet):
     monkeypatch.setattr(verify, "GROUP", 1)
     chance = random.Random(2)
     held = verify.Set(numbers(chance, 6, 3), sizes_of(numbers(chance, 6, 3)), 2)
-    directions = [np.array([int(i == j) * sign for j in range(6)]) for i in range(6) for sign in (1, -1)]
-    directions += [np.array([chance.randrange(-9, 10) for _ in range(6)]) for _ in range(20)]
-    for _ in range(6):
+    axes = [np.array([int(i == j) for j in range(6)], dtype=object) for i in range(6)]
+    some = [[chance.randrange(-9, 10) for _ in range(6)] for _ in range(4)]
+    for _ in range(3):
         middle, centre = ([row[k] for row in numbers(chance, 6, 2)] for k in range(2))
         v = numbers(chance, 6, 6, 0.5)
         noise = [arb(0)] * 3 if quiet else [arb((k + 1, -4)) for k in range(3)]
@@ -182,23 +190,27 @@ def test_a_set_of_few_bits_loses_no_point_from_step_to_step(monkeypatch, quiet):
             return middle, arb_mat(v)
 
         step: Any = SimpleNamespace(bits=FEW, at=at)
-        here = held.sizes()
+        here = wholes([held.sizes()])[0]
         inside = held.within(step, noise, Fraction(1))
         after = held.next(step, noise, centre)
         ctx.prec = 300
-        turn, off = fractions(v), [exactly(x) for x in noise]
-        places = [np.array([exactly(x) for x in row]) for row in (middle, centre)]
+        ends = [[wholes([[x.lower(), x.upper()]])[0] for x in row] for row in inside]
+        before, later = reach(held), reach(after)
+        turn, off = wholes(v), wholes([noise])[0]
+        there, from_there = wholes([middle])[0], wholes([centre])[0]
         for k in range(3):
-            moved = k < held.states
-            for u in directions:
-                truth = reach_of(held, k, u @ turn) + sum(abs(u)) * off[k]
-                jump = u @ (places[0] - places[1]) if moved else 0
-                assert truth + jump <= reach_of(after, k, u)
-            for i, sign in ((i, sign) for i in range(6) for sign in (1, -1)):
-                u = np.array([int(i == j) * sign for j in range(6)])
-                truth = reach_of(held, k, u @ turn) + off[k] + moved * sign * places[0][i]
-                assert truth <= exactly((sign * inside[i][k]).upper())
-                assert reach_of(held, k, u) <= exactly(here[k])
+            moved = int(k < held.states)  # a column of D has no centre
+            for u in (*axes, *(-x for x in axes), *(np.array(x, dtype=object) for x in some)):
+                by = u @ turn  # times 2^SCALE
+                truth = before(k, by) + (sum(abs(u)) * off[k] << 2 * SCALE)
+                jump = moved * (u @ (there - from_there))
+                assert truth + (jump << 2 * SCALE) <= later(k, u) << SCALE
+            for i, u in enumerate(axes):
+                for sign in (1, -1):
+                    truth = before(k, sign * u @ turn) + (off[k] << 2 * SCALE)
+                    edge = max(sign * ends[i][k]) - moved * sign * there[i]
+                    assert truth <= edge << 2 * SCALE
+                    assert before(k, sign * u) <= here[k] << SCALE
         ctx.prec, held = FEW, after
 
 
@@ -216,9 +228,9 @@ def test_rates_of_few_bits_are_off_by_their_bound_at_most(monkeypatch, wide, noi
     ctx.prec = FEW
     y, off = verify.Stage(0, 1, step, arb(0), [arb(noise)], held).rates()
     ctx.prec = 300
-    most, m, s, w = Fraction(0), fractions(held.m), fractions(held.s), fractions(held.w)
+    most, m, s, w = Fraction(0), *(numbers_of(x) for x in (held.m, held.s, held.w))
     for tau in (Fraction(0), Fraction(1, 3), Fraction(1)):
-        turn: Any = sum(fractions(x) * tau**k for k, x in enumerate(v))
+        turn: Any = sum(numbers_of(x) * tau**k for k, x in enumerate(v))
         for i in range(3):
             told = sum(exactly(x) * tau**k for k, x in enumerate(y[i].coeffs()))
             there = sum(exactly(x) * tau**k for k, x in enumerate(p[i])) + turn[i] @ m[:, 0]
@@ -231,7 +243,9 @@ def test_rates_of_few_bits_are_off_by_their_bound_at_most(monkeypatch, wide, noi
 
 def still(r: float) -> Any:
     """A step in which w is 0 to within r."""
-    return SimpleNamespace(step=SimpleNamespace(bits=64), rates=lambda: ([arb_poly([0])] * 3, arb(r)))
+    return SimpleNamespace(
+        step=SimpleNamespace(bits=64), rates=lambda: ([arb_poly([0])] * 3, arb(r))
+    )
 
 
 def test_a_turn_is_off_by_what_it_was_and_what_the_step_misses():
