@@ -100,13 +100,9 @@ def _grid(
 
 
 def _speeds(problem: Problem, states: Any) -> Any:
-    """The largest row sums of |f'(x)| at states, (n,), in the norm in which motions hardly stretch.
-
-    Powers of f' are what series are made of: scales of w and gamma are no part of them.
-    """
+    """The largest row sums of |f'(x)| at states, (n,)."""
     slopes = jacobian(problem, states[:, None], np.ones(len(states)))[:, 0]
-    weights = np.array(problem.weights)
-    return np.max(np.sum(np.abs(slopes) * (weights[:, None] / weights), axis=2), axis=1)
+    return np.max(np.sum(np.abs(slopes), axis=2), axis=1)
 
 
 def _series(problem: Problem, states: Any, lengths: Any, count: int) -> Any:
