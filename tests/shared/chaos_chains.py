@@ -102,17 +102,11 @@ def crossed(chart: Chart, x: Doubles, time: float) -> tuple[Doubles, float]:
     return np.linalg.solve(frame, end[:, 0] - chart.centre), time
 
 
-def tilted(
-    late: float, by: float = 0.1, above: float = 0.0
-) -> tuple[verify.Image, Rectangle, Chart, Chart, float]:
-    """A set whose directions leave the level, its image at a time that is late; as of misses.
-
-    ``above``: the level, along the gradient of the energy, lies the chart's centre.
-    """
+def tilted(late: float, by: float = 0.1) -> tuple[verify.Image, Rectangle, Chart, Chart, float]:
+    """A set whose directions leave the level, its image at a time that is late; as of misses."""
     what = example()
     chart = what.chain.charts[0]
-    centre = chart.centre + above * chart.deep[:, 0]
-    chart = chart._replace(centre=centre, wide=chart.wide + by * chart.deep[:, :2])
+    chart = chart._replace(wide=chart.wide + by * chart.deep[:, :2])
     times = [what.chain.times[0] + late, *what.chain.times[1:]]
     chain = what.chain._replace(charts=[chart, *what.chain.charts[1:]], times=times)
     image = first_image(chaos_certificate.guesses(chain))
