@@ -113,8 +113,8 @@ def _digits(found: Trajectory) -> Iterator[str]:
     none = "" if lost is None else f", and none from t = {lost:.3g} on"
     yield (
         f"polhode: {name}: from t = {expected.halved_after:.3g} on fewer than half of the "
-        f"{printed} printed digits are expected to be correct{none}: this motion multiplies errors; "
-        f"--digits D gives D correct ones"
+        f"{printed} printed digits are expected to be correct{none}: this motion multiplies "
+        f"errors; --digits D gives D correct ones"
     )
 
 
