@@ -30,6 +30,7 @@ def march(
             if steps <= 0:
                 outcome = Outcome.STEP_LIMIT
                 break
+            begun = integrator.time
             found, outcome = integrator.chunk(times[done:] if done else times, steps)
             if outcome is Outcome.NON_FINITE:
                 finite = [k for k, row in enumerate(found) if all(x - x == 0 for x in row)]
@@ -38,7 +39,7 @@ def march(
             done += len(found)
             if outcome is not Outcome.STEP_LIMIT:
                 break
-            passed = abs(integrator.time - integrator.offset)
+            passed = abs(integrator.time - begun)
             if passed <= steps * abs(integrator.time) * integrator.number.eps:
                 outcome = Outcome.STEP_UNDERFLOW
                 break

@@ -26,7 +26,7 @@ from polhode.taylor.events.roundoff import BAND
 from polhode.taylor.integrator.specification import DESK, integrator
 
 #: The parameters of a batch, and of its jet: when the stretch began, what the first step adds to
-#: the expression (a jet's other part of the time), and the numbers of :meth:`Watched.numbers`.
+#: the expression, and the numbers of :meth:`Watched.numbers`.
 ORIGIN, TINY = range(DESK)
 
 _LONG = 80  # operations of an expression whose code is compiled as loops
@@ -157,7 +157,7 @@ class Met:
         rows = np.array([row for _, _, row in zeros]).reshape(len(zeros), states.shape[1])
         columns = np.concatenate([rows, states[step, :, lane]])
         none = np.zeros(len(time))
-        marks = Marks(origin[which], none, time, none, columns.T)
+        marks = Marks(origin[which], time, none, columns.T)
         return Notes(which, marks, root, none.copy())
 
     def __deepcopy__(self, _: object) -> Met:

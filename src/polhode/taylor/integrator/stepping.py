@@ -29,11 +29,10 @@ _LONGEST = Fraction(1)
 
 
 class Anchor(NamedTuple):
-    """Where steps began: the exact time, and as heyoka has them the times since ``offset``
-    (high and low part) and the state; ``grown``: the offsets of cyclic variables."""
+    """Where steps began: the exact time, and as heyoka has them the time (high and low part) and
+    the state; ``grown``: the offsets of cyclic variables."""
 
     time: Fraction
-    offset: Fraction
     dtime: tuple[HeyokaNumber, HeyokaNumber]
     state: tuple[HeyokaNumber, ...]
     grown: tuple[int, ...]
@@ -42,8 +41,8 @@ class Anchor(NamedTuple):
 class Integrator:
     """An integrator of one autonomous system from its start at time ``origin``.
 
-    Time is kept as an exact offset plus heyoka's own time, which is put back to 0 at
-    each chunk's end: output times are rounded relative to the chunk's start, never to zero.
+    Time is heyoka's, of two parts, so that it has twice the digits of the type that output times
+    are rounded to.
     ``watcher`` gives heyoka events and may end the run.  ``corrector`` corrects the state every so
     many steps.  ``engine``: stands at the start; one from the pool where none is given.
     ``anchored``: steps between two ``anchors``, which are noted where that is not 0.
@@ -60,7 +59,6 @@ class Integrator:
     ) -> None:
         self.number, self.anchored = what.number, anchored
         self.watcher, self.corrector = watcher, corrector
-        self.offset = origin
         self.steps = 0
         self._due = 0 if corrector is None else corrector.every
         self._cyclic = None if what.cyclic is None else what.cyclic.at_start()
@@ -71,10 +69,11 @@ class Integrator:
         self.anchors: list[Anchor] = []
         self.engine = engine or what.engine(watcher)
         self.heyoka, self.state = self.engine.heyoka, self.engine.state
+        if origin:
+            self.heyoka.time = scalar(origin, what.number)
         if watcher is not None and self.engine.desk is not None:
             count = len(what.equations.pattern)
-            watcher.sit_down(self.engine.desk, what.coefficients[:count])
-            watcher.counts_from(origin, self.heyoka)
+            watcher.sit_down(self.engine.desk, what.coefficients[:count], self.heyoka)
 
     def release(self) -> None:
         """Leave the compiled code to the next run of the same equations; the last call of all."""
@@ -85,10 +84,7 @@ class Integrator:
     def time(self) -> Fraction:
         """The exact time reached."""
         high, low = self.heyoka.dtime
-        if not high:
-            return self.offset
-        inside = self._exactly(high) + self._exactly(low) if low else self._exactly(high)
-        return self.offset + inside if self.offset else inside
+        return self._exactly(high) + self._exactly(low) if low else self._exactly(high)
 
     def chunk(self, times: Sequence[Fraction], steps: int) -> tuple[Rows, Outcome]:
         """Take up to ``steps`` steps towards the last time; states at the times that were passed.
@@ -96,12 +92,7 @@ class Integrator:
         ``times``: ahead of the current time, monotone.  Returns rows of the run's numbers, and how
         the steps ended: STEP_LIMIT where they were taken and the last time lies ahead.
         """
-        if self.heyoka.time:
-            self.offset = self.time
-            self.heyoka.time = scalar(0, self.number)
-        if self.watcher is not None:
-            self.watcher.counts_from(self.offset, self.heyoka)
-        rows, ended = self._through(Times.of(times, self.number).since(self.offset), steps)
+        rows, ended = self._through(Times.of(times, self.number).grid, steps)
         if self.watcher is not None:
             if self.watcher.stop is None:
                 if ended is Outcome.STOPPED_AT_EVENT:
@@ -115,14 +106,11 @@ class Integrator:
 
         Not beyond the next anchor.  And that time itself.
         """
-        self.offset, self.heyoka.dtime = anchor.offset, anchor.dtime
+        self.heyoka.dtime = anchor.dtime
         for i, x in enumerate(anchor.state):
             self.state[i] = x
         self.engine.tell_kept()
-        if self.watcher is not None:
-            self.watcher.counts_from(self.offset, self.heyoka)
-        ahead = scalar(self.number.rounded(t - anchor.offset), self.number)
-        self.heyoka.propagate_until(ahead, **self._options)
+        self.heyoka.propagate_until(scalar(self.number.rounded(t), self.number), **self._options)
         row = self.state[None].copy()
         if self._cyclic is not None:
             self._cyclic.stand_at(anchor.grown)
@@ -171,7 +159,7 @@ class Integrator:
 
         ``ahead``: a place for the time at which it begins, then the times.
         """
-        if self.watcher is None or self.heyoka.time or self.offset:
+        if self.watcher is None or self.heyoka.time:
             return self._steps(ahead, steps)
         self._add(first_step_offset(self.number))
         rows, ended = self._steps(ahead, 1)
@@ -227,7 +215,7 @@ class Integrator:
         taken, ended = 0, Outcome.STEP_LIMIT
         while ended is Outcome.STEP_LIMIT and taken < max_steps:
             state = tuple(self.state.tolist())
-            self.anchors.append(Anchor(self.time, self.offset, ta.dtime, state, grown))
+            self.anchors.append(Anchor(self.time, ta.dtime, state, grown))
             most = min(self.anchored, max_steps - taken)
             result = ta.propagate_until(end, max_steps=most, **options)
             ended, taken = ending(result[0]), taken + int(result[3])
