@@ -5,18 +5,19 @@ direction, for a first zero the earliest.  The clock starts again from 0 at each
 time is the stretch's start and a small rest; states of a section are put back on the first
 integrals there.  When all motions are over, Newton's method puts their crossings on the zero.
 
-The ends of steps witness the sides of the expression.  Where plain zeros and sides alternate as
-they must, that is all; elsewhere the rule of runs decides about a section's lane
+The ends of stretches witness the sides of the expression.  Where plain zeros and sides alternate
+as they must, that is all; elsewhere the rule of runs decides about a section's lane
 (:mod:`polhode.taylor.events.decision`), and a motion is *unsure* if that finds less than there is,
-or if its first zero is asked for.  Between two steps that lead towards zero and away from it again
-the extremum is looked at: of two multiple zeros in one step heyoka tells neither.  What a lane
-gives does not depend on its neighbours.
+or if its first zero is asked for.  Multiple zeros, of which heyoka may tell none, are no plain
+ones: whoever asks hands over the odd part of an expression
+(:func:`polhode.numbers.expression.odd_part`).  Two of them in one stretch that no power shows, of a
+product that is multiplied out, may be lost.  What a lane gives does not depend on its neighbours.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from typing import NamedTuple
 
@@ -29,7 +30,6 @@ from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Booleans, Doubles, Indices
 from polhode.taylor.backend.defaults import first_step_offset
-from polhode.taylor.backend.types import HeyokaIntegrator
 from polhode.taylor.batches import step_blocks
 from polhode.taylor.batches.compiled_batch import CompiledBatch
 from polhode.taylor.batches.lane_queue import LaneQueue
@@ -47,7 +47,6 @@ from polhode.taylor.events.decision import Decision, End, at_the_end
 from polhode.taylor.events.jets import Jet, Marks, joined_marks
 from polhode.taylor.events.polishing import (
     ENDS,
-    EXTREMA,
     ZEROS,
     joined_places,
     places,
@@ -66,7 +65,6 @@ _AT_START = 2.0**-46  # of the unit of time: the same for a start at zero, exact
 _BLOCK = 2048  # crossings whose arrays fit into a processor's own memory
 _CERTAIN = 2.0**-20  # of a section's function: extrema further from zero are no contacts
 _SMALL = 1e-9  # of an expression's size: above it nothing is within rounding of zero
-_LOOKS = np.linspace(0.0, 1.0, 513)  # of a span: an extremum is met to a thousandth of a step
 
 
 class Singular(ArithmeticError):
@@ -190,6 +188,7 @@ class _Search:
         done = self._onwards(np.where(busy, self.length, 0.0), begin, stop)
         if done is None:
             return None
+        self.met.end()
         self.state = batch.state.copy() if self.put is None else self.put.back(batch.state.copy())
         self.parts += 1
         return self._over(self._crossings(spared, begin, done))
@@ -227,8 +226,7 @@ class _Search:
         batch, most, running = self.batch, self.job.max_steps, self.lanes.motion[self.lanes.busy]
         left = None if most is None else max(1, most - int(self.steps[running].max()))
         first = begin & (batch.heyoka.time == 0)
-        after_step = self.met.after_step
-        ended = through_the_first_step(batch, first, target.tolist(), left, stop, after_step)
+        ended = through_the_first_step(batch, first, target.tolist(), left, stop)
         if self.put is not None and Outcome.STEP_UNDERFLOW in ended.outcomes:
             lane = ended.outcomes.index(Outcome.STEP_UNDERFLOW)
             start = tuple(self.job.starts[self.lanes.motion[lane]].tolist())
@@ -279,50 +277,22 @@ class _Search:
         fits = (before == np.where(root, -side, side)) | (first & (before == 0))
         steep = slope * slope > _CERTAIN * self.job.watched.size * np.abs(bend[known])
         strange = ~fits | (root & ~steep)
-        dips = _dips(value[known] * side, slope * side, ahead[known])
-        dips &= ~root & ~np.roll(root, -1) & (np.diff(lane, append=-1) == 0)
         wrong = np.zeros(len(busy), dtype=bool)
         wrong[lane[strange]] = True
-        ends, looks = np.flatnonzero(~root), list[Notes]()
-        before_it = np.searchsorted(ends, np.flatnonzero(strange), side="left") - 1
-        span = np.union1d(before_it, np.searchsorted(ends, np.flatnonzero(dips)))
-        for low, high in zip(ends[span[span >= 0]], ends[span[span >= 0] + 1], strict=True):
-            if lane[low] == lane[high]:
-                look, doubtful = self._looked(*(notes.those([known[k]]) for k in (low, high)))
-                wrong[lane[low]] |= doubtful
-                looks.append(look)
         found = [notes.those(known[root & ~wrong[lane]])]
         if self.put is None:
             wrong |= ~done | (self.side == 0)
             ending = self.parts >= self.last
             wrong[[k for k in notes.lanes[~within].tolist() if ending[k]]] = True
         else:
-            every = joined_notes([notes.those(within), *looks])
             for k in np.flatnonzero(wrong).tolist():
-                crossings, complete = self._decided(k, every.those(every.lanes == k))
+                crossings, complete = self._decided(k, notes.those(within & (notes.lanes == k)))
                 found.append(crossings)
                 wrong[k] = not complete
         self._keep(joined_notes(found))
         self.side[last >= 0] = notes.sides[last[last >= 0]]
         self.left = [notes.those(~within | (places == last[notes.lanes]))]
         return wrong & busy
-
-    def _looked(self, low: Notes, high: Notes) -> tuple[Notes, bool]:
-        """Places between two witnesses, and whether the side of the first is not certain there."""
-        which, begin = np.repeat(self.lanes.motion[low.lanes], len(_LOOKS)), low.marks
-        ahead = (high.marks.since_start - begin.since_start) * _LOOKS
-        with self._alone(which[0], begin.columns[:, 0]) as ta:
-            rows = ta.heyoka.propagate_grid(ahead)[-1]
-        wide = low.those(np.zeros(len(rows), dtype=int))
-        marks = wide.marks._replace(rest=ahead[: len(rows)], columns=rows.T.copy())
-        jet = self._jet(which[: len(rows)])
-        with np.errstate(all="ignore"):
-            k = int(np.argmin(jet.at(marks)[0] * low.sides[0]))
-            lowest = refined(self._jet(which[:1]), marks.those([k]), np.array([EXTREMA]))
-            value = self._jet(which[:1]).at(lowest)[0]
-        doubtful = self._near(which[:1], value, lowest)[0] or value[0] * low.sides[0] < 0
-        inside = [low._replace(marks=lowest)] * (0 < k < len(rows) - 1)
-        return joined_notes([wide._replace(marks=marks), *inside]), doubtful
 
     def _alone(self, k: int, state: Doubles) -> Engine:
         """An integrator of a motion by itself, without the expression."""
@@ -415,32 +385,19 @@ class _Search:
         return marks, slopes, sure
 
 
-def _dips(heights: Doubles, slopes: Doubles, times: Doubles) -> Booleans:
-    """Between which of some places and the next an expression may come to zero and go back.
-
-    By its tangents, above which it stays where it is bent away from zero.
-    """
-    after, apart = np.roll(slopes, -1), np.diff(times, append=np.nan)
-    with np.errstate(all="ignore"):
-        meet = (heights - np.roll(heights, -1) + after * apart) / (after - slopes)
-        dips: Booleans = (slopes < 0) & (after > 0) & ~(heights + slopes * meet > 0)
-    return dips
-
-
 def through_the_first_step(
     batch: CompiledBatch,
     beginning: Booleans,
     ends: Sequence[float],
     most: int | None = None,
     stop: Stop | None = None,
-    after_step: Callable[[HeyokaIntegrator], bool] | None = None,
 ) -> step_blocks.Ended:
     """Every lane to an end of its own, some of them from the beginning of their motions."""
     taken = np.zeros(len(ends), dtype=np.int64)
     if beginning.any():
         batch.parameters[TINY] = float(first_step_offset(DOUBLE)) * beginning
-        taken = batch.in_blocks(ends, 1, stop, after_step=after_step).steps
+        taken = batch.in_blocks(ends, 1, stop).steps
         batch.parameters[TINY] = 0.0
         most = None if most is None else max(1, most - 1)
-    ended = batch.in_blocks(ends, most, stop, after_step=after_step)
+    ended = batch.in_blocks(ends, most, stop)
     return ended._replace(steps=taken + ended.steps)

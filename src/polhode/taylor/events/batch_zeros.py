@@ -109,7 +109,7 @@ def joined_notes(parts: Sequence[Notes]) -> Notes:
 
 
 class Met:
-    """heyoka's callbacks: the zeros of a stretch, and where its steps ended, as they come by.
+    """heyoka's callback: the zeros of a stretch as they come by, and where it began and ended.
 
     ``jet``: of the expression.
     """
@@ -128,12 +128,11 @@ class Met:
         self._zeros.clear()
         self._ends.clear()
         self._time, self._state, self._dense = ta.time, ta.state, ta.d_output
-        self.after_step(ta)
+        self.end()
 
-    def after_step(self, ta: HeyokaIntegrator) -> bool:
-        """Note where a step ended."""
+    def end(self) -> None:
+        """Note where the lanes stand."""
         self._ends.append((self._time.copy(), self._state.copy()))
-        return True
 
     def __call__(self, ta: HeyokaIntegrator, time: float, _: int, lane: int) -> None:
         """Note a zero."""
@@ -141,7 +140,7 @@ class Met:
         self._zeros.append((lane, time, self._dense[:, lane].copy()))
 
     def notes(self, lanes: Booleans, begun: Booleans, origin: Doubles, spared: Doubles) -> Notes:
-        """All zeros and steps' ends of some lanes, and the beginnings of those that have ``begun``.
+        """All zeros of some lanes and where they stand, and the beginnings of those that ``begun``.
 
         ``origin``: when the stretch began, in each lane; nothing up to ``spared`` after it.
         """
