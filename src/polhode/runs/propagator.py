@@ -24,7 +24,6 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Doubles, Extendeds, Flat, double_array, flat
 from polhode.numbers.scalars import AnyNumber, numbers_given
 from polhode.numbers.vectors import scaled
-from polhode.runs.methods.output_loop import march
 from polhode.runs.problem.options import cadence, choose_number, corrections, rounded_tolerance
 from polhode.runs.problem.problem import Problem, problem
 from polhode.scenes import library
@@ -112,7 +111,7 @@ class Propagator:
         self._plain = unit == 1 and self._turn is None
         self._unit = (1 / unit).item()  # Python's own number: a product too large is inf, unsaid
         choices = defaults.of(self.number)
-        self._chunk, self._most = choices.chunk, choices.max_steps
+        self._most = choices.max_steps
         #: (rate t)**2 of a call that needs no limit; none is, where the state is projected
         self._sure = (choices.chunk / lanes.STEPS) ** 2 if every is None else 0.0
         body = self.scene.body
@@ -369,7 +368,7 @@ class Propagator:
         integrator = Integrator(self._problem.prepared(), corrector=corrector, engine=self._engine)
         rows = self._state[None].copy()[: times[0] == 0]
         try:
-            found, self.outcome = march(integrator, times, rows, self._most, self._chunk, None)
+            found, self.outcome = integrator.advance(times, rows, self._most)
         except OutOfRange as fault:
             raise _too_wide(self.scene, self.number, fault) from None
         self.steps = integrator.steps
