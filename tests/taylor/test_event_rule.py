@@ -300,6 +300,20 @@ def test_no_section_loses_flat_crossings(name, plain, flat):
     assert np.abs(one.times - other.times).max() < 1e-2
 
 
+@pytest.mark.parametrize("powers", [(3, 3), (3, 5), (1, 3)])
+def test_two_multiple_zeros_of_a_step_are_those_of_the_factors(powers):
+    """To the bit: what is watched are the factors, each once."""
+    asked = {"grid": (2, 2), "crossings": 10, "h": 3, "f": "1/2"}
+    factors = "(q - 0.099)", "(q - 0.102)"
+    flat = "*".join(f"{x}**{n}" for x, n in zip(factors, powers, strict=True))
+    one, other = (
+        polhode.section("general/asymmetric-chaotic", by=by, **asked)
+        for by in ("*".join(factors), flat)
+    )
+    assert other.outcomes == one.outcomes
+    assert np.array_equal(one.states, other.states)
+
+
 @pytest.mark.parametrize("direction", ["any", "rising", "falling"])
 def test_no_first_zero_and_no_event_of_a_run_is_lost_where_it_is_flat(direction):
     starts = {"start.omega[1]": [str(Fraction(k, 9)) for k in range(1, 17)]}

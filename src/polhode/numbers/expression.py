@@ -264,21 +264,24 @@ def odd_part(text: str) -> str:
 
 
 def _factors(tokens: list[str]) -> Iterator[tuple[str, int]]:
-    """The factors of a product and their whole powers; all of it where it is none."""
-    parts: list[list[str]] = [[]]
+    """The factors of a product and their whole powers; all of it where it is a sum."""
+    parts: list[tuple[str, list[str]]] = [("*", [])]
     depth = 0
     for token in tokens:
         depth += (token == "(") - (token == ")")
-        sign = token in ("+", "-") and parts[-1] and parts[-1][-1] not in ("**", "+", "-")
-        if depth == 0 and (token == "/" or sign):
+        part = parts[-1][1]
+        if depth == 0 and token in ("+", "-") and part and part[-1] not in ("**", "+", "-"):
             yield "".join(tokens), 1
             return
-        if depth == 0 and token == "*":
-            parts.append([])
+        if depth == 0 and token in ("*", "/"):
+            parts.append((token, []))
         else:
-            parts[-1].append(token)
-    for part in parts:
-        yield from _powers(part)
+            part.append(token)
+    for sign, part in parts:
+        if sign == "/":
+            yield f"1/({''.join(part)})", 1
+        else:
+            yield from _powers(part)
 
 
 def _powers(part: list[str]) -> Iterator[tuple[str, int]]:
