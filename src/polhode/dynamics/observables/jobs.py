@@ -18,6 +18,7 @@ from polhode.dynamics.observables.reductions import FIRST, LYAPUNOV, Reduction, 
 from polhode.judging.conditioning import lyapunov
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.conversion import to_double
+from polhode.numbers.expression import odd_part
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles, double_array
 from polhode.runs.problem.options import Options

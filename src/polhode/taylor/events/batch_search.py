@@ -5,19 +5,19 @@ direction, for a first zero the earliest.  The clock starts again from 0 at each
 time is the stretch's start and a small rest; states of a section are put back on the first
 integrals there.  When all motions are over, Newton's method puts their crossings on the zero.
 
-The ends of stretches witness the sides of the expression.  Where plain zeros and sides alternate
-as they must, that is all; elsewhere the rule of runs decides about a section's lane
-(:mod:`polhode.taylor.events.decision`), and a motion is *unsure* if that finds less than there is,
-or if its first zero is asked for.  Multiple zeros, of which heyoka may tell none, are no plain
-ones: whoever asks hands over the odd part of an expression
-(:func:`polhode.numbers.expression.odd_part`).  Two of them in one stretch that no power shows, of a
-product that is multiplied out, may be lost.  What a lane gives does not depend on its neighbours.
+The ends of stretches witness the sides of the expression, and those of steps where its zeros may
+be multiple.  Where plain zeros and sides alternate as they must, that is all; elsewhere the rule of
+runs decides about a section's lane (:mod:`polhode.taylor.events.decision`), and a motion is
+*unsure* if that finds less than there is, or if its first zero is asked for.  heyoka may tell none
+of several multiple zeros in a step: whoever asks hands over the odd part of an expression
+(:func:`polhode.numbers.expression.odd_part`), which has them where a product is multiplied out
+alone.  What a lane gives does not depend on its neighbours.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import NamedTuple
 
@@ -30,6 +30,7 @@ from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Booleans, Doubles, Indices
 from polhode.taylor.backend.defaults import first_step_offset
+from polhode.taylor.backend.types import HeyokaIntegrator
 from polhode.taylor.batches import step_blocks
 from polhode.taylor.batches.compiled_batch import CompiledBatch
 from polhode.taylor.batches.lane_queue import LaneQueue
@@ -188,7 +189,8 @@ class _Search:
         done = self._onwards(np.where(busy, self.length, 0.0), begin, stop)
         if done is None:
             return None
-        self.met.end()
+        if self.job.watched.simple:
+            self.met.stood(batch.heyoka)
         self.state = batch.state.copy() if self.put is None else self.put.back(batch.state.copy())
         self.parts += 1
         return self._over(self._crossings(spared, begin, done))
@@ -226,7 +228,8 @@ class _Search:
         batch, most, running = self.batch, self.job.max_steps, self.lanes.motion[self.lanes.busy]
         left = None if most is None else max(1, most - int(self.steps[running].max()))
         first = begin & (batch.heyoka.time == 0)
-        ended = through_the_first_step(batch, first, target.tolist(), left, stop)
+        after_step = None if self.job.watched.simple else self.met.stood
+        ended = through_the_first_step(batch, first, target.tolist(), left, stop, after_step)
         if self.put is not None and Outcome.STEP_UNDERFLOW in ended.outcomes:
             lane = ended.outcomes.index(Outcome.STEP_UNDERFLOW)
             start = tuple(self.job.starts[self.lanes.motion[lane]].tolist())
@@ -391,13 +394,14 @@ def through_the_first_step(
     ends: Sequence[float],
     most: int | None = None,
     stop: Stop | None = None,
+    after_step: Callable[[HeyokaIntegrator], bool] | None = None,
 ) -> step_blocks.Ended:
     """Every lane to an end of its own, some of them from the beginning of their motions."""
     taken = np.zeros(len(ends), dtype=np.int64)
     if beginning.any():
         batch.parameters[TINY] = float(first_step_offset(DOUBLE)) * beginning
-        taken = batch.in_blocks(ends, 1, stop).steps
+        taken = batch.in_blocks(ends, 1, stop, after_step=after_step).steps
         batch.parameters[TINY] = 0.0
         most = None if most is None else max(1, most - 1)
-    ended = batch.in_blocks(ends, most, stop)
+    ended = batch.in_blocks(ends, most, stop, after_step=after_step)
     return ended._replace(steps=taken + ended.steps)

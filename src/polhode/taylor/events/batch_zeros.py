@@ -10,7 +10,7 @@ import numpy as np
 
 from polhode.equations import kinematics
 from polhode.equations.forms import principal
-from polhode.equations.section_functions import SectionZero
+from polhode.equations.section_functions import HEIGHT, MOMENTUM, SectionZero
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Number
 from polhode.numbers.number_types import DOUBLE
@@ -50,6 +50,11 @@ class Watched(NamedTuple):
     size: float = 1.0
     turned: bool = False
     constants: tuple[float, ...] = ()
+
+    @property
+    def simple(self) -> bool:
+        """Whether its zeros, but for contacts, are simple: those of the functions known here."""
+        return isinstance(self.zero, SectionZero) and self.zero.by in (MOMENTUM, HEIGHT)
 
     @property
     def formulas(self) -> Formulas:
@@ -109,7 +114,7 @@ def joined_notes(parts: Sequence[Notes]) -> Notes:
 
 
 class Met:
-    """heyoka's callback: the zeros of a stretch as they come by, and where it began and ended.
+    """heyoka's callbacks: the zeros of a stretch as they come by, and where the lanes stood.
 
     ``jet``: of the expression.
     """
@@ -128,11 +133,12 @@ class Met:
         self._zeros.clear()
         self._ends.clear()
         self._time, self._state, self._dense = ta.time, ta.state, ta.d_output
-        self.end()
+        self.stood(ta)
 
-    def end(self) -> None:
+    def stood(self, _: HeyokaIntegrator) -> bool:
         """Note where the lanes stand."""
         self._ends.append((self._time.copy(), self._state.copy()))
+        return True
 
     def __call__(self, ta: HeyokaIntegrator, time: float, _: int, lane: int) -> None:
         """Note a zero."""
@@ -140,7 +146,7 @@ class Met:
         self._zeros.append((lane, time, self._dense[:, lane].copy()))
 
     def notes(self, lanes: Booleans, begun: Booleans, origin: Doubles, spared: Doubles) -> Notes:
-        """All zeros of some lanes and where they stand, and the beginnings of those that ``begun``.
+        """All zeros of some lanes and where they stood, and the beginnings of those that ``begun``.
 
         ``origin``: when the stretch began, in each lane; nothing up to ``spared`` after it.
         """

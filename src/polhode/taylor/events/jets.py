@@ -85,7 +85,8 @@ class Formulas(NamedTuple):
 class Jet(NamedTuple):
     """An expression along a motion, compiled in a run's number type.
 
-    ``evaluate``: its value and three derivatives at columns of the form's variables.  ``motion``: the variables' first three derivatives.
+    ``evaluate``: its value and three derivatives at columns of the form's variables.  ``motion``:
+    the variables' first three derivatives.
     ``state_errors``: how far rounding can carry the variables, and ``error`` the expression, of
     plain numbers, in units u, see taylor/events/roundoff.py.  ``band``: BAND u.  ``numbers``: the
     coefficients that all take as parameters, a number or a row of each place.
