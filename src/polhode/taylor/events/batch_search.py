@@ -5,13 +5,13 @@ direction, for a first zero the earliest.  The clock starts again from 0 at each
 time is the stretch's start and a small rest; states of a section are put back on the first
 integrals there.  When all motions are over, Newton's method puts their crossings on the zero.
 
-The ends of stretches witness the sides of the expression, and those of steps where its zeros may
-be multiple.  Where plain zeros and sides alternate as they must, that is all; elsewhere the rule of
-runs decides about a section's lane (:mod:`polhode.taylor.events.decision`), and a motion is
-*unsure* if that finds less than there is, or if its first zero is asked for.  heyoka may tell none
-of several multiple zeros in a step: whoever asks hands over the odd part of an expression
-(:func:`polhode.numbers.expression.odd_part`), which has them where a product is multiplied out
-alone.  What a lane gives does not depend on its neighbours.
+The ends of steps witness the sides of the expression.  Where plain zeros and sides alternate as
+they must, that is all; elsewhere the rule of runs decides about a section's lane
+(:mod:`polhode.taylor.events.decision`), and a motion is *unsure* if that finds less than there is,
+or if its first zero is asked for.  Of two multiple zeros in one step heyoka may tell neither:
+whoever asks hands over the odd part of an expression
+(:func:`polhode.numbers.expression.odd_part`), which has such zeros where a product is multiplied
+out alone.  What a lane gives does not depend on its neighbours.
 """
 
 from __future__ import annotations
@@ -48,6 +48,7 @@ from polhode.taylor.events.decision import Decision, End, at_the_end
 from polhode.taylor.events.jets import Jet, Marks, joined_marks
 from polhode.taylor.events.polishing import (
     ENDS,
+    EXTREMA,
     ZEROS,
     joined_places,
     places,
@@ -65,6 +66,7 @@ _BEGIN = 1e-9  # of a stretch: a crossing before it is the start itself, where t
 _AT_START = 2.0**-46  # of the unit of time: the same for a start at zero, exactly
 _BLOCK = 2048  # crossings whose arrays fit into a processor's own memory
 _CERTAIN = 2.0**-20  # of a section's function: extrema further from zero are no contacts
+_LOOKS = np.linspace(0.0, 1.0, 513)  # of a span: an extremum is met to a thousandth of a step
 _SMALL = 1e-9  # of an expression's size: above it nothing is within rounding of zero
 
 
@@ -189,8 +191,6 @@ class _Search:
         done = self._onwards(np.where(busy, self.length, 0.0), begin, stop)
         if done is None:
             return None
-        if self.job.watched.simple:
-            self.met.stood(batch.heyoka)
         self.state = batch.state.copy() if self.put is None else self.put.back(batch.state.copy())
         self.parts += 1
         return self._over(self._crossings(spared, begin, done))
@@ -228,7 +228,7 @@ class _Search:
         batch, most, running = self.batch, self.job.max_steps, self.lanes.motion[self.lanes.busy]
         left = None if most is None else max(1, most - int(self.steps[running].max()))
         first = begin & (batch.heyoka.time == 0)
-        after_step = None if self.job.watched.simple else self.met.stood
+        after_step = self.met.after_step
         ended = through_the_first_step(batch, first, target.tolist(), left, stop, after_step)
         if self.put is not None and Outcome.STEP_UNDERFLOW in ended.outcomes:
             lane = ended.outcomes.index(Outcome.STEP_UNDERFLOW)
@@ -242,6 +242,13 @@ class _Search:
     def _jet(self, which: Indices) -> Jet:
         """The expression's jet on some motions."""
         return self.met.jet._replace(numbers=self.numbers[:, which])
+
+    def _values(self, marks: Marks) -> Doubles:
+        """The expression where all lanes stood, one time after the other."""
+        count = len(marks.time) // len(self.lanes.motion)
+        with np.errstate(all="ignore"):
+            found: Doubles = self._jet(np.tile(self.lanes.motion, count)).at(marks)[0]
+        return found
 
     def _near(self, which: Indices, values: Doubles, marks: Marks) -> Booleans:
         """Where the expression is within its rounding error of zero, or nothing is known of it."""
@@ -260,7 +267,8 @@ class _Search:
         What is noted after that witness is decided about with the next stretch.
         """
         busy, way = self.lanes.busy, np.sign(self.length)
-        notes = joined_notes([*self.left, self.met.notes(busy, begin, self.origin, spared)])
+        fresh = self.met.notes(busy, begin, self.origin, spared, self._values)
+        notes = joined_notes([*self.left, fresh])
         ahead = np.abs(notes.marks.since_start)
         order = np.lexsort((notes.root, ahead, notes.lanes))
         notes, ahead, places = notes.those(order), ahead[order], np.arange(len(order))
@@ -282,20 +290,45 @@ class _Search:
         strange = ~fits | (root & ~steep)
         wrong = np.zeros(len(busy), dtype=bool)
         wrong[lane[strange]] = True
+        ends, looks = np.flatnonzero(~root), list[Notes]()
+        span = np.unique(np.searchsorted(ends, np.flatnonzero(strange), side="left") - 1)
+        for low, high in zip(ends[span[span >= 0]], ends[span[span >= 0] + 1], strict=True):
+            if lane[low] == lane[high]:
+                look, doubtful = self._looked(*(notes.those([known[k]]) for k in (low, high)))
+                wrong[lane[low]] |= doubtful
+                looks.append(look)
         found = [notes.those(known[root & ~wrong[lane]])]
         if self.put is None:
             wrong |= ~done | (self.side == 0)
             ending = self.parts >= self.last
             wrong[[k for k in notes.lanes[~within].tolist() if ending[k]]] = True
         else:
+            every = joined_notes([notes.those(within), *looks])
             for k in np.flatnonzero(wrong).tolist():
-                crossings, complete = self._decided(k, notes.those(within & (notes.lanes == k)))
+                crossings, complete = self._decided(k, every.those(every.lanes == k))
                 found.append(crossings)
                 wrong[k] = not complete
         self._keep(joined_notes(found))
         self.side[last >= 0] = notes.sides[last[last >= 0]]
         self.left = [notes.those(~within | (places == last[notes.lanes]))]
         return wrong & busy
+
+    def _looked(self, low: Notes, high: Notes) -> tuple[Notes, bool]:
+        """Places between two witnesses, and whether the side of the first is not certain there."""
+        which, begin = np.repeat(self.lanes.motion[low.lanes], len(_LOOKS)), low.marks
+        ahead = (high.marks.since_start - begin.since_start) * _LOOKS
+        with self._alone(which[0], begin.columns[:, 0]) as ta:
+            rows = ta.heyoka.propagate_grid(ahead)[-1]
+        wide = low.those(np.zeros(len(rows), dtype=int))
+        marks = wide.marks._replace(rest=ahead[: len(rows)], columns=rows.T.copy())
+        jet = self._jet(which[: len(rows)])
+        with np.errstate(all="ignore"):
+            k = int(np.argmin(jet.at(marks)[0] * low.sides[0]))
+            lowest = refined(self._jet(which[:1]), marks.those([k]), np.array([EXTREMA]))
+            value = self._jet(which[:1]).at(lowest)[0]
+        doubtful = self._near(which[:1], value, lowest)[0] or value[0] * low.sides[0] < 0
+        inside = [low._replace(marks=lowest)] * (0 < k < len(rows) - 1)
+        return joined_notes([wide._replace(marks=marks), *inside]), doubtful
 
     def _alone(self, k: int, state: Doubles) -> Engine:
         """An integrator of a motion by itself, without the expression."""
