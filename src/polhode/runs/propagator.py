@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 _REACHED_END = Outcome.REACHED_END
+_REACHED = code(_REACHED_END)
 _THERE = TIME_LIMIT.value
 _UNIT = 8  # |gamma|² is 1 to so many eps
 _BYTES = 24  # of a number of the states of many starts, while they are put in order
@@ -230,7 +231,7 @@ class Propagator:
         times, several = self._times(t)
         what = f"{len(rows)} starts at {len(times)} times"
         refuse_too_much(name, "start", what, rows.size * len(times), _BYTES, _SPLIT)
-        ended = np.full(len(rows), code(_REACHED_END), dtype=np.uint8)
+        ended = np.full(len(rows), _REACHED, dtype=np.uint8)
         if not self._long and self._every is None:
             inside = double_array(rows if self._plain else self._inside(rows))
             job = self._job._replace(
@@ -248,7 +249,7 @@ class Propagator:
                 states[k] = self(row, t=t)
                 ended[k] = code(self.outcome)
         self.steps, self.outcome, self._ended = None, _REACHED_END, ended
-        short = ended[ended != code(_REACHED_END)]
+        short = ended[ended != _REACHED]
         if len(short):
             self.outcome = OUTCOMES[short[0]]
         return states if several else states[:, 0]
@@ -272,7 +273,7 @@ class Propagator:
         """Times in the run's own unit as an array, and whether several were given."""
         single = type(t) is float
         grid = self._grid(np.array([t], self._kind) if single else t)
-        if grid is not None and (np.diff(grid) * np.sign(grid[-1]) > 0).all():
+        if grid is not None and (single or (np.diff(grid) * np.sign(grid[-1]) > 0).all()):
             return grid[-1 if single else len(grid) - len(cast(Flat, t)) :], not single
         several = numbers_given(t)[1]  # other numbers; or what is wrong with them is told
         try:
