@@ -94,8 +94,8 @@ class Solved:
 
     def those(self, which: npt.NDArray[np.int64]) -> Solved:
         """Some of them, in an order."""
-        arrays = self.states, self.outcomes, self.steps, self.reached
-        return Solved(*(array[which] for array in arrays))
+        ended, steps = self.outcomes[which], self.steps[which]
+        return Solved(self.states[which], ended, steps, self.reached[which])
 
     def put(self, which: npt.NDArray[np.int64], some: Solved) -> None:
         """Put in what became of some systems."""

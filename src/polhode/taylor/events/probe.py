@@ -38,7 +38,7 @@ def mark(
         heyoka.update_d_output(ago, rel_time=True)
         row, low = heyoka.d_output, low + ago
     time, rest = array([high], number), array([low], number)
-    begun = time - time if origin is None else origin
+    begun = array([high - high], number) if origin is None else origin
     return Marks(begun, time, rest, row[:width, None].copy())
 
 
