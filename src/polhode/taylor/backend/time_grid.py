@@ -7,10 +7,10 @@ from fractions import Fraction
 from typing import overload
 
 from polhode.common.cached_property import cached_property
-from polhode.numbers.conversion import exactly
+from polhode.numbers.conversion import exactly, to_double, to_extended
 from polhode.numbers.exact_sequences import Floats
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Numbers
+from polhode.numbers.rows import Flat, Numbers, flat
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.output_times import OutputTimes
 
@@ -95,6 +95,40 @@ class Times(Sequence[Fraction]):
 
         found = scalars(self._exact, self.number)
         return array(found, self.number) if self.number.flat else found
+
+    def since(self, offset: Fraction) -> Numbers:
+        """What has passed at each time since ``offset``, as heyoka's numbers, each rounded once."""
+        if not offset:
+            return self.grid
+        if not self.number.flat:
+            return Times([t - offset for t in self._exact], self.number).grid
+        found, doubtful = differences(flat(self.grid), offset)
+        for k in doubtful:
+            found[k] = Times([self[k] - offset], self.number).grid[0]
+        return found
+
+
+def differences(times: Flat, offset: Fraction) -> tuple[Flat, list[int]]:
+    """times - offset, rounded once; and which of them are too near to a tie to be sure of.
+
+    The offset is taken as the sum of two doubles (longdoubles, where the times are such), and sums
+    of doubles without an error: that of two is a double and a rest (Knuth, The Art of Computer
+    Programming, vol. 2, 4.2.2).
+    """
+    import numpy as np
+
+    nearest = to_extended if times.dtype == np.longdouble else to_double
+    high = nearest(offset)
+    low = nearest(offset - exactly(high))
+    near, rest = exact_sum(times, -high)
+    small = rest - low
+    found, lost = exact_sum(near, small)
+    # not np.spacing, which for longdoubles of all ones, next below a power of two, is nan
+    gap = np.ldexp(times.dtype.type(1), np.frexp(found)[1] - np.finfo(times.dtype).nmant - 1)
+    unsure = np.abs(np.abs(lost) - gap / 2) <= gap * 2.0**-20 + abs(high) * 2.0**-100
+    unsure |= np.frexp(found)[0] == 0.5  # the gap below is half as wide
+    unsure |= np.abs(found) < 2.0**-900
+    return found, np.flatnonzero(unsure | (np.frexp(found)[0] == -0.5)).tolist()
 
 
 def exact_sum(a: Scalar, b: Scalar) -> tuple[Scalar, Scalar]:

@@ -212,7 +212,7 @@ class _Search:
         Up to when a crossing is the start itself.
         """
         none = np.zeros(len(begin))
-        marks = Marks(self.origin, none, none, self.batch.state.copy())
+        marks = Marks(self.origin, none, none, none, self.batch.state.copy())
         value, slope = self._jet(self.lanes.motion).at(marks)[:2]
         spared, on_it = _AT_START, begin & (value == 0)
         if self.put is not None:
@@ -340,11 +340,11 @@ class _Search:
     def _decided(self, lane: int, notes: Notes) -> tuple[Notes, bool]:
         """The crossings of a lane up to its last witness, by the rule of runs; whether all."""
         k, way = int(self.lanes.motion[lane]), 1 if self.length > 0 else -1
-        jet = self.met.jet._replace(numbers=self.numbers[:, k])
+        jet = self.met.jet._replace(numbers=self.numbers[:, k], timed=False)
         notes = notes.those(np.argsort(np.abs(notes.marks.since_start), kind="stable"))
         start, none = notes.marks.those([0]), np.zeros(1)
         if notes.root[0] or self.side[lane] == 0:  # the motion's own
-            start = Marks(none, none, none, self.job.starts[k][:, None])
+            start = Marks(none, none, none, none, self.job.starts[k][:, None])
         zeros, ends = notes.marks.those(notes.root), notes.marks.those(~notes.root)
         known, seen = polished(jet, [zeros, zeros.those([])], joined_marks([start, ends]), way)
         seen.root[:] = False
@@ -394,10 +394,10 @@ class _Search:
             motions, marks = met.lanes[order], marks.those(order)
             nth = np.arange(len(motions)) - np.searchsorted(motions, motions)
             taus = marks.time + marks.rest
-            time = marks.origin + taus
+            time = marks.high + taus
             kept = (nth < job.most) & (np.abs(time) <= abs(job.end))
             where = motions[kept], nth[kept]
-            times[where], rests[where] = time[kept], (taus - (time - marks.origin))[kept]
+            times[where], rests[where] = time[kept], (taus - (time - marks.high))[kept]
             slopes[where], states[where] = by[order][kept], marks.columns[:, kept].T
             found = np.bincount(motions[kept], minlength=n)
         drift = 0.0 if self.put is None else self.put.drift

@@ -26,7 +26,7 @@ from polhode.taylor.events.roundoff import BAND
 from polhode.taylor.integrator.specification import DESK, integrator
 
 #: The parameters of a batch, and of its jet: when the stretch began, what the first step adds to
-#: the expression, and the numbers of :meth:`Watched.numbers`.
+#: the expression (a jet's other part of the time), and the numbers of :meth:`Watched.numbers`.
 ORIGIN, TINY = range(DESK)
 
 _LONG = 80  # operations of an expression whose code is compiled as loops
@@ -161,7 +161,7 @@ class Met:
         ended &= lanes & np.isfinite(times) & ~(np.abs(times) <= spared)
         every, count = np.zeros(times.size), times.size // len(times)
         columns = states.transpose(1, 0, 2).reshape(states.shape[1], -1)
-        marks = Marks(np.tile(origin, len(times)), times.ravel(), every, columns)
+        marks = Marks(np.tile(origin, len(times)), every, times.ravel(), every, columns)
         sides = np.sign(value(marks)).reshape(times.shape)
         places = [step * count + lane for lane, _, _, step in self._zeros]
         crossed = np.bincount(places, minlength=every.size).reshape(times.shape)[:-1] % 2 == 1
@@ -177,7 +177,7 @@ class Met:
         rows = np.array([z[2] for z in zeros]).reshape(len(zeros), states.shape[1])
         columns = np.concatenate([rows, states[step, :, lane]])
         none = np.zeros(len(time))
-        marks = Marks(origin[which], time, none, columns.T)
+        marks = Marks(origin[which], none, time, none, columns.T)
         return Notes(which, marks, root, none.copy())
 
     def __deepcopy__(self, _: object) -> Met:

@@ -27,11 +27,12 @@ from polhode.taylor.events.roundoff import FUNCTIONS, Roundoff, rates_errors, si
 class Marks(NamedTuple):
     """Zeros of an expression, or of its rate: arrays of a run's numbers, heyoka's own, too.
 
-    The time, in the run's unit, is ``origin`` (where a batch's clock began, 0 of a run) + ``time``
+    The time, in the run's unit, is ``high`` + ``low`` (where a clock began anew) + ``time``
     (heyoka's) + ``rest``.  ``columns``: the variables of the form there, (variables, n).
     """
 
-    origin: Scalar
+    high: Scalar
+    low: Scalar
     time: Scalar
     rest: Scalar
     columns: Scalar
@@ -39,8 +40,8 @@ class Marks(NamedTuple):
     @property
     def since_start(self) -> Scalar:
         """The times, rounded to the type."""
-        near, beside = exact_sum(self.origin, self.time)
-        found: Scalar = near + (beside + self.rest)
+        near, beside = exact_sum(self.high, self.time)
+        found: Scalar = near + (beside + (self.low + self.rest))
         return found
 
     def those(self, which: Booleans | Indices | slice | list[int]) -> Marks:
@@ -57,7 +58,7 @@ def joined_marks(parts: Sequence[Marks]) -> Marks:
 def marks_at(times: Flat, columns: Flat) -> Marks:
     """Plain numbers by one clock."""
     none = np.zeros(len(times))
-    return Marks(none, times, none, columns)
+    return Marks(none, none, times, none, columns)
 
 
 class Formulas(NamedTuple):
@@ -85,8 +86,8 @@ class Formulas(NamedTuple):
 class Jet(NamedTuple):
     """An expression along a motion, compiled in a run's number type.
 
-    ``evaluate``: its value and three derivatives at columns of the form's variables.  ``motion``:
-    the variables' first three derivatives.
+    ``evaluate``: its value and three derivatives at columns of the form's variables, which
+    ``timed`` says to take the time, too.  ``motion``: the variables' first three derivatives.
     ``state_errors``: how far rounding can carry the variables, and ``error`` the expression, of
     plain numbers, in units u, see taylor/events/roundoff.py.  ``band``: BAND u.  ``numbers``: the
     coefficients that all take as parameters, a number or a row of each place.
@@ -96,6 +97,7 @@ class Jet(NamedTuple):
     motion: CompiledFunction
     error: CompiledFunction
     state_errors: CompiledFunction
+    timed: bool
     number: NumberType
     band: Fraction
     numbers: Scalar = np.empty(0)
@@ -135,8 +137,7 @@ class Jet(NamedTuple):
             numbers = self.numbers
             if numbers.ndim == 1:
                 numbers = np.repeat(numbers[:, None], len(marks.time), axis=1)
-            none = marks.origin - marks.origin
-            pars = np.concatenate([marks.origin[None], none[None], numbers])[:count]
+            pars = np.concatenate([marks.high[None], marks.low[None], numbers])[:count]
             options["pars"] = np.ascontiguousarray(pars)
         if compiled.is_time_dependent:
             options["time"] = marks.time + marks.rest
@@ -158,7 +159,7 @@ def jet_of(
     value = formulas.value(names, TIME, known, constant, EXPRESSIONS)
     rates = formulas.field(names, known, EXPRESSIONS)
     values = derivatives([value], names, rates, 3)
-    values = hy.subs(values, {TIME: hy.time + hy.par[0]})
+    values = hy.subs(values, {TIME: hy.time + hy.par[1] + hy.par[0]})
     kind, unit = DOUBLE if number is DOUBLE else EXTENDED, float(band)
 
     def rounded(x: Number) -> Expression:
@@ -183,6 +184,7 @@ def jet_of(
         motion,
         hy.cfunc([error], vars=[*names, *beside], **type_options(kind)),
         state_errors,
+        "t" in hy.get_variables([value]),
         number,
         band,
     )

@@ -22,24 +22,23 @@ _MOST_STEPS = 10_000  # of a search
 
 def mark(
     heyoka: HeyokaIntegrator,
+    clock: Array,
     width: int,
     number: NumberType,
     ago: HeyokaNumber | None = None,
-    origin: Array | None = None,
 ) -> Marks:
     """Where an integrator stands, or stood so long ago in its last step.
 
-    ``width``: how many of its variables are of the form.  ``origin``: where its clock began, if not
-    at 0.
+    ``clock``: the time at which its own began, in two parts.  ``width``: how many of its variables
+    are of the form.
     """
     high, low = heyoka.dtime
     row = heyoka.state
     if ago is not None:
         heyoka.update_d_output(ago, rel_time=True)
         row, low = heyoka.d_output, low + ago
-    time, rest = array([high], number), array([low], number)
-    begun = array([high - high], number) if origin is None else origin
-    return Marks(begun, time, rest, row[:width, None].copy())
+    parts = [array([x], number) for x in (*clock.tolist(), high, low)]
+    return Marks._make([*parts, row[:width, None].copy()])
 
 
 class Probe:
@@ -81,7 +80,10 @@ class Probe:
 
     def _along(self, begin: Marks, length: HeyokaNumber, wanted: int, way: int) -> Marks | None:
         """Where the expression comes to a side along steps from a place, within some length."""
-        probe, origin = copy.deepcopy(self.heyoka), begin.origin
+        probe = copy.deepcopy(self.heyoka)
+        clock = array([begin.high[0], begin.low[0]], self.number)
+        if self.jet.timed:
+            probe.pars[:2] = clock
         (start,) = (begin.time + begin.rest).tolist()
         probe.time = start
         probe.state[: self.width] = begin.columns[:, 0]
@@ -91,32 +93,34 @@ class Probe:
             if not left > 0:
                 break
             probe.step(way * min(longest, left), write_tc=True)
-            if self._beyond(mark(probe, self.width, self.number, origin=origin), wanted):
-                return self._bisected(probe, origin, wanted)
+            if self._beyond(mark(probe, clock, self.width, self.number), wanted):
+                return self._bisected(probe, clock, wanted)
         return None
 
-    def _bisected(self, probe: HeyokaIntegrator, origin: Array, side: int) -> Marks:
+    def _bisected(self, probe: HeyokaIntegrator, clock: Array, side: int) -> Marks:
         """Where in a probe's last step the expression comes to a side."""
         low, high = -probe.last_h, probe.last_h - probe.last_h
         for _ in range(self.number.bits + 8):
             middle = (low + high) / 2
-            if self._beyond(mark(probe, self.width, self.number, middle, origin), side):
+            if self._beyond(mark(probe, clock, self.width, self.number, middle), side):
                 high = middle
             else:
                 low = middle
-        return mark(probe, self.width, self.number, high, origin)
+        return mark(probe, clock, self.width, self.number, high)
 
     def _beyond(self, marks: Marks, side: int) -> bool:
         return bool(self.jet.at(marks)[0, 0] * side >= 0)
 
 
-def staying(jets: Mapping[int, Jet], heyoka: HeyokaIntegrator, width: int) -> list[int]:
+def staying(
+    jets: Mapping[int, Jet], heyoka: HeyokaIntegrator, clock: Array, width: int
+) -> list[int]:
     """The keys of the expressions that stay within rounding of zero for some steps."""
     probe, left = copy.deepcopy(heyoka), dict(jets)
     for _ in range(_PROBES):
         for number in {jet.number for jet in jets.values()}:
             probe.step(scalar(Fraction(1), number))
-            here = mark(probe, width, number)
+            here = mark(probe, clock, width, number)
         for k, jet in list(left.items()):
             place = places(jet, here, 1, np.array([True]))
             if not place.near[0]:

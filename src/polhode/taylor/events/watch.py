@@ -44,12 +44,13 @@ from polhode.taylor.events.polishing import Places, exact_times, joined_places, 
 from polhode.taylor.events.probe import Probe, mark, staying
 from polhode.taylor.events.rules import Rules
 from polhode.taylor.integrator.protocols import Desk
-from polhode.taylor.integrator.specification import DAMPING, TINY
+from polhode.taylor.integrator.specification import CLOCK, TINY
 
 
 class Note(NamedTuple):
-    """A zero as heyoka met it: its time, the variables."""
+    """A zero as heyoka met it: where its clock began, in two parts; its time, the variables."""
 
+    clock: Array
     time: HeyokaNumber
     row: Array
 
@@ -104,9 +105,10 @@ class Watch:
         self._ends = [k for k, event in enumerate(scene.events) if event.stop]
         self._stop: Stop | None = None
         self._first: Marks | None = None  # the start
-        # The integrator attached last, and what it hands to callbacks, with its dense output, a
-        # view of its memory.
+        # Of the integrator attached last: itself, the time from which its own counts, and what it
+        # hands to callbacks, with its dense output, a view of its memory.
         self._stepping: HeyokaIntegrator = None
+        self._clock: Array
         self._met: HeyokaIntegrator = None
         self._row: Array
 
@@ -145,6 +147,7 @@ class Watch:
         desk = Desk()
         options = heyoka_numbers.type_options(self.number)
         kind = {name: x for name, x in options.items() if name == "fp_type"}
+        clock = {TIME: hy.time + hy.par[1] + hy.par[0]}
         constant = typed_constant(self.number)
         jets: dict[str | None, Jet] = {}
         for k, event in enumerate(self.scene.events):
@@ -158,7 +161,7 @@ class Watch:
             desk.jets.append(jets[text])
             for order, f in enumerate((value, rate(value, variables, rates))):
                 if hy.get_variables([f]):  # a constant has no zeros
-                    seen = hy.subs(f, {TIME: hy.time}) * hy.par[DAMPING + k] + hy.par[TINY]
+                    seen = hy.subs(f, clock) * hy.par[CLOCK + k] + hy.par[TINY]
                     events.append(hy.nt_event(seen, Callback(desk, k, order), **kind))
         return events, desk
 
@@ -175,10 +178,18 @@ class Watch:
 
         return Formulas(partial(value_of, scene, event), field, numbers)
 
-    def sit_down(self, desk: Desk, numbers: Array, heyoka: HeyokaIntegrator) -> None:
+    def sit_down(self, desk: Desk, numbers: Array) -> None:
         """Take over the desk of the integrator that a run goes on with, with its coefficients."""
         self.jets = [jet._replace(numbers=numbers) for jet in desk.jets]
-        desk.watch, self._stepping = self, heyoka
+        desk.watch = self
+
+    def counts_from(self, offset: Fraction, heyoka: HeyokaIntegrator) -> None:
+        """Take note of the integrator and of where its time begins; tell it, where t is asked."""
+        high = self.number.rounded(offset)
+        parts = heyoka_numbers.scalars((high, self.number.rounded(offset - high)), self.number)
+        self._clock, self._stepping = heyoka_numbers.array(parts, self.number), heyoka
+        if any(jet.timed for jet in self.jets):
+            heyoka.pars[:2] = self._clock
         if self._first is None:
             self._first = self._here(heyoka)
 
@@ -191,7 +202,7 @@ class Watch:
         if ta is not self._met:
             self._met, self._row = ta, ta.d_output
         ta.update_d_output(t)
-        self._of[k].notes[order].append(Note(t, self._row[: self.width].copy()))
+        self._of[k].notes[order].append(Note(self._clock, t, self._row[: self.width].copy()))
 
     def _stops(self, ta: HeyokaIntegrator) -> bool:
         """Whether an event ends the run in the step just taken."""
@@ -311,14 +322,14 @@ class Watch:
         """What heyoka met, as arrays."""
         if not notes:
             none = np.empty(0)
-            return Marks(none, none, none, np.empty((self.width, 0)))
+            return Marks(none, none, none, none, np.empty((self.width, 0)))
+        high, low = np.stack([note.clock for note in notes], axis=1)
         time: Scalar = heyoka_numbers.array([note.time for note in notes], self.number)
         rows = np.concatenate([note.row for note in notes]).reshape(len(notes), -1)
-        none = time - time
-        return Marks(none, time, none, rows.T.copy())
+        return Marks(high, low, time, time - time, rows.T.copy())
 
     def _here(self, ta: HeyokaIntegrator) -> Marks:
-        return mark(ta, self.width, self.number)
+        return mark(ta, self._clock, self.width, self.number)
 
     def still(self) -> list[int]:
         """The events that start at zero and stay within rounding of it for some steps."""
@@ -327,7 +338,7 @@ class Watch:
             return []
         self.muted = True
         jets = {k: self.jets[k] for k in suspects}
-        stay = staying(jets, self._stepping, self.width)
+        stay = staying(jets, self._stepping, self._clock, self.width)
         self.muted = False
         return stay
 

@@ -17,7 +17,7 @@ from polhode.taylor.backend.heyoka_numbers import OutOfRange, array, scalars
 from polhode.taylor.integrator.angle_variables import Cyclic
 from polhode.taylor.integrator.engine import Engine, lent
 from polhode.taylor.integrator.protocols import Watcher
-from polhode.taylor.integrator.specification import DAMPING, Equations, built
+from polhode.taylor.integrator.specification import CLOCK, Equations, built
 
 
 class PreparedSystem:
@@ -81,7 +81,7 @@ class PreparedSystem:
         found = lent(key, lambda: built(equations, Engine, self.system, watcher), wait=False)
         if watcher is not None:
             damping = array(scalars(watcher.damping, self.number), self.number)
-            asked = found.parameters[DAMPING : found.first]  # as many as the events need
+            asked = found.parameters[CLOCK : found.first]  # as many as the events need
             asked[:] = damping[: len(asked)]
         found.stand(start, coefficients)
         return found

@@ -68,7 +68,7 @@ class Watcher(Protocol):
         ``pattern``: those of the desk's functions, by the names of the coefficients.
         """
 
-    def sit_down(self, desk: Desk, numbers: Array, heyoka: HeyokaIntegrator) -> None:
+    def sit_down(self, desk: Desk, numbers: Array) -> None:
         """Take over the desk of an integrator's events: what they meet is told to this watcher.
 
         ``numbers``: the coefficients that are parameters.
@@ -76,6 +76,9 @@ class Watcher(Protocol):
 
     def met(self, k: int, order: int, ta: HeyokaIntegrator, t: HeyokaNumber) -> None:
         """heyoka met a zero of expression k (0) or of its rate (1), at t in the last step."""
+
+    def counts_from(self, offset: Fraction, heyoka: HeyokaIntegrator) -> None:
+        """Take note of heyoka's integrator, and of the exact time at which its own begins."""
 
     def still(self) -> list[int]:
         """The events that start at zero and stay within rounding of it for some steps."""

@@ -43,12 +43,13 @@ from polhode.taylor.integrator.singularities import terminal_event
 Field: TypeAlias = Callable[[Sequence[Expression], Mapping[str, Expression]], list[Expression]]
 E = TypeVar("E", bound=Engine)
 
-#: heyoka's parameters: what is added to all that it watches in the first step of a run, then one
-#: for each event, then the coefficients of the pattern, then the variables that are kept.  Without
-#: events the coefficients are the first.
-TINY, DAMPING = 0, 1
-#: Before the coefficients among the parameters of a desk's functions: where a batch's clock began,
-#: and a batch's own TINY.
+#: heyoka's parameters: so many for the time of events and their first step, one for each event,
+#: then the coefficients of the pattern, then the variables that are kept.  Without events the
+#: coefficients are the first.
+CLOCK = 3
+#: Added to all that heyoka watches, during the first step of a run.
+TINY = 2
+#: Before the coefficients among the parameters of a desk's functions: two parts of the time.
 DESK = 2
 
 LONG = 500  # operations of a run's events whose code is compiled as loops
@@ -123,7 +124,7 @@ def built(
     """An engine of equations, ``system``'s where they are not the principal form alone."""
     number, options, desk = equations.number, dict[str, Any](), None
     x = hy.make_vars(*equations.columns)
-    first = 0 if watcher is None else DAMPING + len(watcher.damping)
+    first = 0 if watcher is None else CLOCK + len(watcher.damping)
     pattern, k = equations.pattern, equations.coefficients(first)
 
     def field(state: Sequence[Expression], numbers: Mapping[str, Expression]) -> list[Expression]:

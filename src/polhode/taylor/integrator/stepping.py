@@ -31,10 +31,11 @@ _LONGEST = Fraction(1)
 
 
 class Anchor(NamedTuple):
-    """Where steps began: the exact time, and as heyoka has them the time (high and low part) and
-    the state; ``grown``: the offsets of cyclic variables."""
+    """Where steps began: the exact time, and as heyoka has them the times since ``offset``
+    (high and low part) and the state; ``grown``: the offsets of cyclic variables."""
 
     time: Fraction
+    offset: Fraction
     dtime: tuple[HeyokaNumber, HeyokaNumber]
     state: tuple[HeyokaNumber, ...]
     grown: tuple[int, ...]
@@ -43,8 +44,8 @@ class Anchor(NamedTuple):
 class Integrator:
     """An integrator of one autonomous system from its start at time ``origin``.
 
-    Time is heyoka's, of two parts, so that it has twice the digits of the type that output times
-    are rounded to.
+    Time is kept as an exact offset plus heyoka's own time, which is put back to 0 at
+    each chunk's end: output times are rounded relative to the chunk's start, never to zero.
     ``watcher`` gives heyoka events and may end the run.  ``corrector`` corrects the state every so
     many steps.  ``engine``: stands at the start; one from the pool where none is given.
     ``anchored``: steps between two ``anchors``, which are noted where that is not 0.
@@ -61,6 +62,7 @@ class Integrator:
     ) -> None:
         self.number, self.anchored = what.number, anchored
         self.watcher, self.corrector = watcher, corrector
+        self.offset = origin
         self.steps = 0
         self._due = 0 if corrector is None else corrector.every
         self._cyclic = None if what.cyclic is None else what.cyclic.at_start()
@@ -71,11 +73,10 @@ class Integrator:
         self.anchors: list[Anchor] = []
         self.engine = engine or what.engine(watcher)
         self.heyoka, self.state = self.engine.heyoka, self.engine.state
-        if origin:
-            self.heyoka.time = scalar(origin, what.number)
         if watcher is not None and self.engine.desk is not None:
             count = len(what.equations.pattern)
-            watcher.sit_down(self.engine.desk, what.coefficients[:count], self.heyoka)
+            watcher.sit_down(self.engine.desk, what.coefficients[:count])
+            watcher.counts_from(origin, self.heyoka)
 
     def release(self) -> None:
         """Leave the compiled code to the next run of the same equations; the last call of all."""
@@ -86,7 +87,10 @@ class Integrator:
     def time(self) -> Fraction:
         """The exact time reached."""
         high, low = self.heyoka.dtime
-        return self._exactly(high) + self._exactly(low) if low else self._exactly(high)
+        if not high:
+            return self.offset
+        inside = self._exactly(high) + self._exactly(low) if low else self._exactly(high)
+        return self.offset + inside if self.offset else inside
 
     def advance(
         self, times: Times, rows: Rows, limit: int, progress: Progress | None = None
@@ -99,7 +103,7 @@ class Integrator:
         most = defaults.of(self.number).chunk
         try:
             while done < len(times):
-                steps, begun = min(most, limit - self.steps), self.time
+                steps = min(most, limit - self.steps)
                 if steps <= 0:
                     outcome = Outcome.STEP_LIMIT
                     break
@@ -111,7 +115,7 @@ class Integrator:
                 done += len(found)
                 if outcome is not Outcome.STEP_LIMIT:
                     break
-                passed = abs(self.time - begun)
+                passed = abs(self.time - self.offset)
                 if passed <= steps * abs(self.time) * self.number.eps:
                     outcome = Outcome.STEP_UNDERFLOW
                     break
@@ -132,7 +136,12 @@ class Integrator:
         ``times``: ahead of the current time, monotone.  Returns rows of the run's numbers, and how
         the steps ended: STEP_LIMIT where they were taken and the last time lies ahead.
         """
-        rows, ended = self._through(Times.of(times, self.number).grid, steps)
+        if self.heyoka.time:
+            self.offset = self.time
+            self.heyoka.time = scalar(0, self.number)
+        if self.watcher is not None:
+            self.watcher.counts_from(self.offset, self.heyoka)
+        rows, ended = self._through(Times.of(times, self.number).since(self.offset), steps)
         if self.watcher is not None:
             if self.watcher.stop is None:
                 if ended is Outcome.STOPPED_AT_EVENT:
@@ -146,11 +155,14 @@ class Integrator:
 
         Not beyond the next anchor.  And that time itself.
         """
-        self.heyoka.dtime = anchor.dtime
+        self.offset, self.heyoka.dtime = anchor.offset, anchor.dtime
         for i, x in enumerate(anchor.state):
             self.state[i] = x
         self.engine.tell_kept()
-        self.heyoka.propagate_until(scalar(self.number.rounded(t), self.number), **self._options)
+        if self.watcher is not None:
+            self.watcher.counts_from(self.offset, self.heyoka)
+        ahead = scalar(self.number.rounded(t - anchor.offset), self.number)
+        self.heyoka.propagate_until(ahead, **self._options)
         row = self.state[None].copy()
         if self._cyclic is not None:
             self._cyclic.stand_at(anchor.grown)
@@ -199,7 +211,7 @@ class Integrator:
 
         ``ahead``: a place for the time at which it begins, then the times.
         """
-        if self.watcher is None or self.heyoka.time:
+        if self.watcher is None or self.heyoka.time or self.offset:
             return self._steps(ahead, steps)
         self._add(first_step_offset(self.number))
         rows, ended = self._steps(ahead, 1)
@@ -255,7 +267,7 @@ class Integrator:
         taken, ended = 0, Outcome.STEP_LIMIT
         while ended is Outcome.STEP_LIMIT and taken < max_steps:
             state = tuple(self.state.tolist())
-            self.anchors.append(Anchor(self.time, ta.dtime, state, grown))
+            self.anchors.append(Anchor(self.time, self.offset, ta.dtime, state, grown))
             most = min(self.anchored, max_steps - taken)
             result = ta.propagate_until(end, max_steps=most, **options)
             ended, taken = ending(result[0]), taken + int(result[3])
