@@ -234,7 +234,7 @@ class Watch:
                     self._stop = Stop(k, found, decision.complete, at.marks)
                 return
 
-    # -- corrections of the state ---------------------------------------------------------------
+    # -- corrections of the state, and steps that are taken back --------------------------------
 
     def disturbed(self, state: Array, moved: Array) -> bool:
         """Whether moving the first components of the integrator's state would disturb an event.
@@ -250,6 +250,18 @@ class Watch:
             if abs(jet.at(after)[0, 0] - value) > abs(value) / 4:
                 return True
         return False
+
+    def marks(self) -> list[tuple[int, int]]:
+        """How much is noted so far, to be given to ``take_back``."""
+        return [record.noted for record in self._of]
+
+    def take_back(self, noted: object) -> None:
+        """Forget what was noted since, in steps that were not the last ones of the run."""
+        assert isinstance(noted, list)
+        self._stop = None
+        for k, (record, counts) in enumerate(zip(self._of, noted, strict=True)):
+            zeros, extrema = (n[:m] for n, m in zip(record.notes, counts, strict=True))
+            self._of[k] = Record((zeros, extrema), side=self.rules.start[k])
 
     # -- what was found -----------------------------------------------------------------------
 

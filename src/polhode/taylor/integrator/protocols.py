@@ -80,6 +80,12 @@ class Watcher(Protocol):
     def counts_from(self, offset: Fraction, heyoka: HeyokaIntegrator) -> None:
         """Take note of heyoka's integrator, and of the exact time at which its own begins."""
 
+    def marks(self) -> object:
+        """What is known so far, to be given to ``take_back``."""
+
+    def take_back(self, found: object) -> None:
+        """Forget what was found since."""
+
     def still(self) -> list[int]:
         """The events that start at zero and stay within rounding of it for some steps."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple
@@ -28,6 +29,12 @@ from polhode.taylor.integrator.specification import TINY
 #: The longest step, in the run's unit, of a run with events.  Where all that moves is small beside
 #: what rests, steps are long by that, and products of small things have no polynomial over them.
 _LONGEST = Fraction(1)
+
+#: Output times ahead are looked at to so many times the longest advance.
+_REACH = 1.25
+
+#: With more output times than these, so many steps are tried to tell the reach of the first.
+_MANY, _TRIED = 200, 8
 
 
 class Anchor(NamedTuple):
@@ -65,6 +72,7 @@ class Integrator:
         self.offset = origin
         self.steps = 0
         self._due = 0 if corrector is None else corrector.every
+        self._reach = math.inf
         self._cyclic = None if what.cyclic is None else what.cyclic.at_start()
         #: heyoka's options of all steps
         self._options: dict[str, Any] = {}
@@ -172,11 +180,11 @@ class Integrator:
 
     def _through(self, grid: Numbers, steps: int) -> tuple[Rows, Outcome]:
         """A chunk's steps, with its corrections; rows of the run's numbers, and how it ended."""
-        first = grid[:1]  # a place for the time at which an advance begins
         if isinstance(grid, list):
-            ahead = array([*first, *grid], self.number)
+            ahead: Numbers = [grid[0], *grid]
         else:
-            ahead = np.concatenate([first, grid])
+            ahead = np.empty(len(grid) + 1, grid.dtype)
+            ahead[1:] = grid
         if self.corrector is None and self._cyclic is None:
             rows, ended = self._onwards(ahead, steps)
             return self._rows([rows]), ended
@@ -186,7 +194,7 @@ class Integrator:
             if self._cyclic is not None:
                 every = self._cyclic.every
                 pause = min(pause, (self.steps // every + 1) * every)
-            rows, ended = self._onwards(ahead[done:], pause - self.steps)
+            rows, ended = self._advance(ahead, done, pause - self.steps)
             if len(rows):
                 found.append(rows if self._cyclic is None else self._cyclic.completed(rows))
                 done += len(rows)
@@ -206,7 +214,47 @@ class Integrator:
         self.engine.tell_kept()
         return done
 
-    def _onwards(self, ahead: Array, steps: int) -> tuple[Array, Outcome]:
+    def _advance(self, ahead: Numbers, done: int, steps: int) -> tuple[Array, Outcome]:
+        """Up to ``steps`` steps; output times that are out of reach are not looked at.
+
+        ``ahead``: the chunk's times, after one place to spare; ``done`` of them are passed.  Reach
+        is some times the longest advance so far, and at first what a few steps tell: heyoka takes
+        longer for a grid, the more times it has.  Should an output time be passed all the same, the
+        advance is taken back and made again with an eye on all of them.
+        """
+        ta, count = self.heyoka, len(ahead) - 1
+        if done == count - 1:
+            return self._onwards(ahead[-2:], steps)
+        begun, kept, before = ta.dtime, self.state.copy(), self.steps
+        marks = None if self.watcher is None else self.watcher.marks()
+        simple = self.watcher is None and not self.engine.singular
+        if self._reach == math.inf and simple and count - done > _MANY:
+            tried = max(1, ta.propagate_until(ahead[-1], max_steps=_TRIED)[3])
+            self._reach = _REACH * steps / tried * float(abs(ta.time - begun[0]))
+            self.state[:], ta.dtime = kept, begun
+        reach = abs(float(begun[0])) + self._reach
+        beyond = bisect_right(ahead, reach, lo=done + 1, key=abs)  # its place
+        short = beyond < count
+        if not short:
+            rows, ended = self._onwards(ahead[done:], steps)
+        elif beyond == done + 1:
+            rows, ended = self._onwards(ahead[-2:], steps)
+        else:
+            lent, ahead[beyond] = ahead[beyond], ahead[-1]
+            rows, ended = self._onwards(ahead[done : beyond + 1], steps)
+            ahead[beyond] = lent
+        passed = abs(ta.time)
+        if short and passed > abs(ahead[beyond]):
+            self.state[:], ta.dtime, self.steps = kept, begun, before
+            if self.watcher is not None and marks is not None:
+                self.watcher.take_back(marks)
+            rows, ended = self._onwards(ahead[done:], steps)
+        advance = _REACH * float(passed - abs(begun[0]))
+        if advance > self._reach or self._reach == math.inf:
+            self._reach = advance
+        return rows, ended
+
+    def _onwards(self, ahead: Numbers, steps: int) -> tuple[Array, Outcome]:
         """Up to ``steps`` steps towards the last time; rows at the times passed and outcome.
 
         ``ahead``: a place for the time at which it begins, then the times.
@@ -226,7 +274,7 @@ class Integrator:
         """Add a number to all that heyoka watches."""
         self.heyoka.pars[TINY : TINY + 1] = array([scalar(tiny, self.number)], self.number)
 
-    def _steps(self, ahead: Array, steps: int) -> tuple[Array, Outcome]:
+    def _steps(self, ahead: Numbers, steps: int) -> tuple[Array, Outcome]:
         """The same, as a single advance of heyoka."""
         ta = self.heyoka
         begun, now = ta.dtime, ta.time
@@ -252,7 +300,8 @@ class Integrator:
             rows = rows.copy() if ended is Outcome.REACHED_END else rows[:0]
         else:
             ahead[0] = now
-            result = ta.propagate_grid(ahead, **options)
+            grid = ahead if self.number.flat else array(ahead, self.number)
+            result = ta.propagate_grid(grid, **options)
             rows, ended = result[-1][1:], ending(result[0])
         self.steps += int(result[3])
         if ended is Outcome.NON_FINITE and not math.isfinite(float(ta.time)):
