@@ -10,7 +10,7 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.runs.methods import taylor
+from polhode.taylor.integrator.stepping import Integrator
 
 
 def test_which_lines_a_top_has():
@@ -96,6 +96,6 @@ def test_ctrl_c_is_not_the_scene_s_fault(asked, monkeypatch):
     def pressed(integrator, times, rows, *_):
         return rows, polhode.Outcome.INTERRUPTED
 
-    monkeypatch.setattr(taylor, "march", pressed)
+    monkeypatch.setattr(Integrator, "advance", pressed)
     with pytest.raises(KeyboardInterrupt):
         ON_THE_WAY[asked]()

@@ -28,7 +28,7 @@ from polhode.numbers.rows import Stack
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import COLUMNS, READY_MADE, STATE
-from polhode.taylor.events.callbacks import is_entire
+from polhode.taylor.events.magnitudes import size_of
 
 FINAL, LARGEST, SMALLEST, FIRST, LYAPUNOV = "final", "largest", "smallest", "first", "lyapunov"
 _EXPECTED = "final, largest X, smallest X, first EVENT or lyapunov"
@@ -77,7 +77,7 @@ def event_of(scene: Scene, name: str) -> Event:
     if name not in events:
         raise BadInput(scene.name, f"keep: {FIRST}", name, f"an event: {nearest(name, [*events])}")
     event = events[name]
-    if event.expression is None or not is_entire(scene, event):
+    if event.expression is None or not size_of(scene, event).entire:
         expected = "an event with an expression, without roots and division by a variable"
         raise BadInput(scene.name, f"keep: {FIRST}", name, expected)
     return event
