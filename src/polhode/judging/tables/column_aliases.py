@@ -14,14 +14,19 @@ from typing import NamedTuple
 
 from polhode.equations.column import column as derived_column
 from polhode.equations.column import derived_words
-from polhode.scenes.vocabulary import ANGLES, ATTITUDE, COLUMNS, STATE, column_names
+from polhode.scenes.vocabulary import (
+    ANGLES,
+    ATTITUDE,
+    COLUMNS,
+    MATRIX,
+    RODRIGUES,
+    STATE,
+    column_names,
+)
 
-#: Other forms of the attitude, which become a quaternion: see
+#: Another form of the attitude, which becomes a quaternion: see
 #: :mod:`polhode.judging.tables.attitude_forms`.
-MATRIX = tuple(f"R{i}{j}" for i in "123" for j in "123")
-RODRIGUES = ("sigma1", "sigma2", "sigma3")
 ROTATION_VECTOR = ("rotvec1", "rotvec2", "rotvec3")
-FORMS = (MATRIX, RODRIGUES, ROTATION_VECTOR)
 
 _WORDS = {
     **dict.fromkeys(("time", "seconds", "timestamp", "elapsed", "seconds_elapsed"), "t"),
@@ -93,8 +98,8 @@ def known() -> list[str]:
 
 
 def readable() -> list[str]:
-    """The names of all columns that a table may have: those, and other forms of the attitude."""
-    return [*known(), *(name for form in FORMS for name in form)]
+    """The names of all columns that a table may have: those, and another form of the attitude."""
+    return [*known(), *ROTATION_VECTOR]
 
 
 def not_judged() -> dict[str, str]:
