@@ -70,13 +70,16 @@ def _scaled(plt: Any, known: Saved, axes: Any, what: str, cmap: str) -> Any:
 
 
 def _mesh(panel: Any, known: Saved, values: Doubles, options: dict[str, Any]) -> Any:
-    """The largest value of each cell; white where no motion is on the level."""
-    rows, columns = known.fact("grid")
-    cells = np.full(rows * columns, np.nan)
-    np.fmax.at(cells, np.asarray(known.column("cell"), dtype=int), values)
-    x, y = (_edges(known, k) for k in (0, 1))
-    mesh = panel.pcolormesh(x, y, cells.reshape(rows, columns).T, rasterized=True, **options)
-    keys = known.fact("keys")
+    """The largest value of each cell, white where no motion is on the level; of starts a point."""
+    keys, grid = known.fact("keys"), known.fact("grid")
+    if grid is None:
+        x, y = (numbers(known, key) for key in keys)
+        mesh = panel.scatter(x, y, c=values, **options)
+    else:
+        cells = np.full(grid[0] * grid[1], np.nan)
+        np.fmax.at(cells, np.asarray(known.column("cell"), dtype=int), values)
+        x, y = (_edges(known, k) for k in (0, 1))
+        mesh = panel.pcolormesh(x, y, cells.reshape(grid).T, rasterized=True, **options)
     if known.fact("h") is None:
         panel.set(xlabel=keys[0], ylabel=keys[1])
     else:

@@ -14,7 +14,7 @@ motion is *chaotic* where growth > 6, or *unstable* where all motions of its bod
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -38,7 +38,7 @@ from polhode.judging.conditioning.motion_kinds import UNSTABLE, UNSTABLE_GROWTH,
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles, Integers
-from polhode.numbers.scalars import AnyNumber
+from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.scenes import library
@@ -63,7 +63,8 @@ class ChaosMap(Result, ByValue):
     """Verdicts of many motions: arrays with one row per motion.
 
     ``keys``: the names of the two coordinates; ``at`` (n, 2): their values.  ``shape``: cells of
-    the grid, ``cell`` (n,) the cell of each motion, in C order.  ``verdict`` (n,): indices into
+    the grid, ``cell`` (n,) the cell of each motion, in C order; without a grid ``shape`` is empty
+    and ``cell`` the number of the start.  ``verdict`` (n,): indices into
     VERDICTS.  ``fli`` (max ln|u|), ``megno``, ``growth`` (of ln|u| over the second half of the
     time), ``exponent`` (per unit of the scene's time), each (n,), up to the time ``until``, which
     is less than ``end`` for a motion that was found chaotic earlier.
@@ -76,7 +77,7 @@ class ChaosMap(Result, ByValue):
 
     scene: Scene
     keys: tuple[str, str]
-    shape: tuple[int, int]
+    shape: tuple[int, ...]
     at: Doubles
     cell: Integers
     verdict: Integers
@@ -164,7 +165,7 @@ class ChaosMap(Result, ByValue):
             Fact("h", self.h, "energy"),
             Fact("f", self.f, "vertical momentum"),
             Fact("keys", list(self.keys), "the coordinates of a motion"),
-            Fact("grid", list(self.shape), "rows and columns of cells"),
+            Fact("grid", list(self.shape) or None, "rows and columns of cells"),
             Fact("end", self.end, "how far motions are followed", unit_of(self.scene, "t")),
             Fact("least_end", self.enough, "the least end at which one is called regular"),
             Fact("counts", self.counts, "motions of each verdict"),
@@ -183,6 +184,7 @@ def chaos_map(
     extremum: str | None = None,
     h: AnyNumber | None = None,
     f: AnyNumber | None = None,
+    starts: Iterable[AnyVector] | str | Path | None = None,
     tol: float | None = TOLERANCE,
     workers: int | None = None,
     executor: Executor | None = None,
@@ -211,6 +213,8 @@ def chaos_map(
         The section and which of its extrema, as in :func:`polhode.section`.
     h, f : number, optional
         The level's energy h or vertical momentum f, if not the scene's.
+    starts : iterable of vectors, "scene" or path, optional
+        Starts on the section instead of the grid, as in :func:`polhode.section`.
     tol : float or None
         The tolerance of a step (1e-8); None for the eps of double.
     workers : int, optional
@@ -258,9 +262,11 @@ def chaos_map(
         words = "samples in all; a coarser grid, or an earlier end"
         refuse_too_much(scene.name, "map", what, many * looks, _BYTES, words)
 
+    if starts is not None and (grid is not None or vary is not None):
+        raise BadInput(scene.name, "starts", None, "no grid and nothing varied together with them")
     if vary is None:
         foretold = partial(forecast, more_than="more than ")
-        motions = map_motions.on_section(scene, grid, by, extremum, h, f, foretold)
+        motions = map_motions.on_section(scene, grid, starts, by, extremum, h, f, foretold)
     else:
         if grid is not None or h is not None or f is not None:
             raise BadInput(scene.name, "vary", None, "no grid or level together with it")

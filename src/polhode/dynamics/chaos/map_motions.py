@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,7 +17,7 @@ from polhode.equations.section_functions import HEIGHT, MOMENTUM
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles, Integers
-from polhode.numbers.scalars import AnyNumber
+from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation import vary
 from polhode.scenes.variation.sweep_scenes import Members
@@ -34,7 +35,7 @@ class Motions(NamedTuple):
     """
 
     keys: tuple[str, str]
-    shape: tuple[int, int]
+    shape: tuple[int, ...]
     at: Doubles
     cell: Integers
     starts: Doubles
@@ -49,13 +50,14 @@ class Motions(NamedTuple):
 def on_section(
     scene: Scene,
     grid: Any,
+    given: Iterable[AnyVector] | str | Path | None,
     by: str | None,
     extremum: str | None,
     h: AnyNumber | None,
     f: AnyNumber | None,
     foretold: Callable[[int], object],
 ) -> Motions:
-    """The motions that start in the cells of a section's grid; raises BadInput.
+    """The motions that start in the cells of a section's grid, or at given starts; raises BadInput.
 
     ``foretold``: see :func:`starts_of`.
     """
@@ -63,16 +65,19 @@ def on_section(
     if asked.by not in (MOMENTUM, HEIGHT):
         raise BadInput(scene.name, "by", asked.by, "momentum or height, for a map")
     on = geometry.ground(scene, asked.h, asked.f)
-    first, second = cells(scene.name, GRID if grid is None else grid, MOST_MOTIONS)
-    found = starts_of(asked, on, None, (first, second), foretold)
-    of = found.of // 2 if asked.by == HEIGHT else found.of
-    angle, cosine = geometry.cells(first, second)
+    shape = (
+        () if given is not None else cells(scene.name, GRID if grid is None else grid, MOST_MOTIONS)
+    )
+    found = starts_of(asked, on, given, shape or None, foretold)
+    of = found.of // 2 if asked.by == HEIGHT and shape else found.of
+    angles = geometry.height_coordinates if asked.by == HEIGHT else geometry.coordinates
+    at = [x[of] for x in geometry.cells(*shape)] if shape else angles(on, found.states)
     k = {n: to_double(x) for n, x in principal.coefficients(scene.body, scene.time_unit).items()}
     many = (len(found.states), 1)
     return Motions(
         keys=("azimuth", "u") if asked.by == HEIGHT else ("l", "L_over_G"),
-        shape=(first, second),
-        at=np.stack([angle[of], cosine[of]], axis=1),
+        shape=shape,
+        at=np.stack(at, axis=1),
         cell=of,
         starts=found.states,
         moments=np.tile(on.moments, many),

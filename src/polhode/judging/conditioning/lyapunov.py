@@ -29,6 +29,7 @@ from polhode.judging.conditioning.motion_kinds import (
     UNDECIDED,
     UNSTABLE_GROWTH,
 )
+from polhode.judging.conditioning.spectrum import exponents
 from polhode.judging.references.reference import reference
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import sign
@@ -64,6 +65,8 @@ class Lyapunov(Result):
     ``verdict``: "regular" (nearby motions separate no faster than a power of t), "unstable"
     (exponentially, but the motion is known from a closed form or is a fixed point), "chaotic"
     (exponentially, and nothing of that kind is known) or "undecided" (the time is too short).
+    ``spectrum``: all six exponents up to the same time, the largest first, where they were asked
+    for: the mean growth of orthonormal tangents over the second half.
 
     >>> import polhode
     >>> polhode.lyapunov("euler/largest-axis", 1000).verdict
@@ -77,6 +80,7 @@ class Lyapunov(Result):
     end: float
     verdict: str
     reason: str
+    spectrum: Sequence[float] = ()
 
     def table(self) -> Table:
         """One row: the verdict, and what it rests on."""
@@ -99,6 +103,7 @@ class Lyapunov(Result):
             *scene_facts(self.scene),
             *(Fact(x.name, x.values[0], x.meaning, x.unit) for x in row),
             Fact("reason", self.reason),
+            *([Fact("spectrum", [*self.spectrum], "", row[1].unit)] if self.spectrum else []),
             provenance_fact(self.scene.provenance()),
         ]
 
@@ -113,7 +118,10 @@ class Lyapunov(Result):
 
 
 def lyapunov(
-    scene: Scene | str | Path, end: AnyNumber | None = None, max_steps: int = MAX_STEPS
+    scene: Scene | str | Path,
+    end: AnyNumber | None = None,
+    max_steps: int = MAX_STEPS,
+    spectrum: bool = False,
 ) -> Lyapunov:
     """Estimate the largest Lyapunov exponent of a scene's motion, and classify the motion.
 
@@ -126,6 +134,8 @@ def lyapunov(
         slower of its spin and its pendulum's swing if that is longer.
     max_steps : int
         A limit on the steps of the variational equations.
+    spectrum : bool
+        Estimate all six exponents, too, at several times the cost.
 
     Returns
     -------
@@ -185,7 +195,7 @@ def lyapunov(
         looks = len(sizes) - 1
         if closed and not still and looks < BLOCKS * LOOKS and size - sizes[0] > _DOUBLES_TRUE:
             # as far as it is this motion
-            return lyapunov(scene, last * looks / (BLOCKS * LOOKS) * unit, max_steps)
+            return lyapunov(scene, last * looks / (BLOCKS * LOOKS) * unit, max_steps, spectrum)
     reached = abs(last) * (len(sizes) - 1) / (BLOCKS * LOOKS)
     exponent, error, growth = fitted(sizes, reached)
     verdict, reason = _judged(still, closed, growth, exponent, error, reached / slow)
@@ -194,7 +204,11 @@ def lyapunov(
         ends = [fitted([*followed(x, math.copysign(reached, last))], reached)[0] for x in moved]
         error = scatter([exponent, *ends])
     found = math.copysign(reached * unit, last)
-    return Lyapunov(scene, exponent / unit, error / unit, growth, found, verdict, reason)
+    every: Sequence[float] = ()
+    if spectrum and reached:
+        length = math.copysign(reached, last)
+        every = [x / unit for x in exponents(scene, start, length, BLOCKS * LOOKS, still)]
+    return Lyapunov(scene, exponent / unit, error / unit, growth, found, verdict, reason, every)
 
 
 def _judged(
