@@ -25,7 +25,7 @@ from polhode.proofs.chaos.prove_chaos import prove_chaos
 from polhode.results import reader
 from polhode.results.result import Storable
 from polhode.runs.problem.options import choose_number
-from polhode.runs.saved import load_result
+from polhode.runs.saved import Saved, load_result
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME
@@ -115,7 +115,9 @@ def shown(
     if isinstance(source, Storable):
         kind = catalogue.kind_of(source)
         asked.refuse(name, [*vars(asked)], "no --{}: it is for a motion")
-        return Shown(source, catalogue.chosen(kind, what, name), name)
+        lines_alone = isinstance(source, Saved) and kind == "Frequencies"
+        told = f"{name}: the lines alone, no spectrum: a file has no samples"
+        return Shown(source, catalogue.chosen(kind, what, name), name, (told,) * lines_alone)
     scene = library.load(source)
     if what == CHAOS:
         asked.refuse(scene.name, [*vars(asked)], f"not with --what {CHAOS}")
