@@ -10,16 +10,18 @@ import re
 import sys
 from pathlib import Path
 from textwrap import fill
+from typing import Any
 
 from polhode.studies import report
 from polhode.studies.long_run.page import far_table
+from polhode.studies.speed.draws import DRAWS
+from polhode.studies.speed.page import SUMMARY_OUTPUTS, summary
 
 ROOT = Path(__file__).parents[2]
 WIDTH = 118
 #: Where each part stands.
 PLACES = {
-    "ahead": ROOT / "README.md",
-    "many": ROOT / "README.md",
+    "summary": ROOT / "README.md",
     "speed": ROOT / "src/polhode/guide/measured.md",
     "far": ROOT / "src/polhode/guide/measured.md",
     "proofs": ROOT / "src/polhode/guide/measured.md",
@@ -28,23 +30,35 @@ PLACES = {
 
 def parts() -> dict[str, str]:
     """The texts by their names."""
+    speed = report.results(ROOT / "reports", "speed")
     ahead = _paragraph("speed", "A polhode propagator is ahead")
     far = far_table(report.results(ROOT / "reports", "long-run"))
     return {
-        "ahead": ahead,
-        "many": _paragraph("speed", "From an array of 100", rows_may_be_missing=True),
+        "summary": _summary(speed),
         "speed": f"{ahead}\n\n{_paragraph('speed', 'In quad a refined run takes')}",
         "far": far._replace(again="").markdown,
         "proofs": _paragraph("proofs", "The checker of certificates"),
     }
 
 
-def _paragraph(study: str, words: str, rows_may_be_missing: bool = False) -> str:
-    """The one paragraph of a study's page that has these words; or nothing, where that may be."""
+def _summary(speed: dict[str, Any]) -> str:
+    """The table of four lengths and of many starts, and where it was measured."""
+    origin = speed["provenance"]
+    versions = ", ".join(f"{name} {origin['versions'][name]}" for name in ("polhode", "heyoka"))
+    kinds = {cell["kind"] for cell in speed["cells"]}
+    conditions = (
+        f"Medians over {len(kinds)} kinds of motion of {DRAWS} bodies each (in n of m: in so many "
+        "of the kinds both reach the digits), "
+        f"{SUMMARY_OUTPUTS} outputs (many starts: the end), one thread; "
+        f"{versions}, {origin['cpu']}. [All rows and rules](reports/speed.md)."
+    )
+    return f"{summary(speed['cells']).markdown}\n\n{fill(conditions, WIDTH)}"
+
+
+def _paragraph(study: str, words: str) -> str:
+    """The one paragraph of a study's page that has these words."""
     page = report.page(report.results(ROOT / "reports", study))
     found = [text for text in page.split("\n\n") if words in " ".join(text.split())]
-    if rows_may_be_missing and not found:
-        return ""
     (one,) = found
     return fill(" ".join(one.split()), WIDTH, break_long_words=False, break_on_hyphens=False)
 

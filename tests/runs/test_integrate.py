@@ -155,6 +155,27 @@ def test_the_state_at_any_time_is_that_of_the_run(what, options, monkeypatch):
 
 
 @pytest.mark.slow
+def test_what_a_loaded_run_compiles_serves_the_runs_after_it(tmp_path):
+    """Its number type is equal to double and another object; the pool of integrators is shared."""
+    scene = tmp_path / "scene.toml"
+    scene.write_text(heavy_file("50", "1.3") + STOPPING)
+    run = polhode.integrate(polhode.load(scene))
+    third = run.reached / 3
+    pickled = tmp_path / "run.pickle"
+    pickled.write_bytes(pickle.dumps(run))
+    code = f"""
+import pickle, sys, polhode
+run = pickle.load(open({str(pickled)!r}, "rb"))
+asked = run({str(third)!r})
+again = polhode.integrate({str(scene)!r})
+print(asked.tolist() == {run(third).tolist()!r}, again.states.tolist() == {run.states.tolist()!r})
+"""
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["True", "True"]
+
+
+@pytest.mark.slow
 def test_a_time_is_not_rounded():
     """Near t = 1e5 a double's last bit is 1.5e-11; the state still tells an eighth of it apart."""
     run = polhode.integrate(heavy("100000", "3"))

@@ -60,6 +60,9 @@ def test_every_extra_that_is_named_is_there_and_quoted():
 def test_the_citation_is_one_record(capsys):
     assert (TOP / "CITATION.cff").read_text(encoding="utf-8") == citation.cff()
     assert f"version: {polhode.__version__}\ndate-released: " in citation.cff()
+    version, date = polhode.__version__, citation.RELEASED
+    assert f"\nVersion {version} ({date}) · " in (TOP / "README.md").read_text(encoding="utf-8")
+    assert f"\n## {version} ({date})\n" in (TOP / "CHANGELOG.md").read_text(encoding="utf-8")
     told = said(capsys, "about", "--cite")
     assert told.count("\n@") == 1
     assert f"version = {{{polhode.__version__}}}" in told

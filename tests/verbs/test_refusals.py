@@ -147,7 +147,7 @@ REFUSED = {
     "study accuracy --only nothing": "part of the name of a row",
     "benchmark --only nosuch -o out": "nosuch",
     "guide xyzzy": "expected",
-    "guide ../cli": "expected jobs, commands, scene",
+    "guide ../cli": "expected jobs, start, scene",
     f"guide {'1' * 5000}": "polhode: guide",
     "guide api integrat": "did you mean 'integrate'?",
     "compare table.csv top.toml --digits 30": "digits",

@@ -6,7 +6,7 @@ from polhode.common.provenance import __version__
 
 TITLE = "polhode: the heavy rigid body about a fixed point, with proven digits"
 AUTHORS = "The polhode founders"
-RELEASED = "2026-11-24"
+RELEASED = "2026-11-28"
 
 
 def bibtex() -> str:

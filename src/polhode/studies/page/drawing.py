@@ -29,24 +29,19 @@ def _look(color: str, marker: str, ls: str = "-", lw: float = 1.1) -> dict[str, 
     return {"color": color, "marker": marker, "ls": ls, "lw": lw, "ms": 4}
 
 
-#: Keywords of matplotlib's plot: a hue a program; what differs within one has its mark and line.
+#: Keywords of matplotlib's plot, by program or method: one hue each.
 LOOKS: dict[str, dict[str, Any]] = {
-    "polhode": _look(_OURS, "o", lw=2.2),
+    "polhode, double": _look(_OURS, "o", lw=2.2),
+    "polhode, extended": _look(COLOURS["extended"], MARKS["extended"], lw=2.2),
+    **{x: _look(COLOURS[x], MARKS[x], "--") for x in COLOURS},
+    **{f"{x} projected": _look(COLOURS[x], MARKS[x]) for x in COLOURS},
     "double": _look(_LIGHT, "o", "--"),
-    "double projected": _look(_OURS, "o"),
-    **{f"polhode {x}": _look(COLOURS[x], MARKS[x], "--") for x in COLOURS},
-    **{f"polhode {x} projected": _look(COLOURS[x], MARKS[x]) for x in COLOURS},
     "heyoka by hand": _look("#000000", "x", ":"),
-    "polhode integrate": _look(_LIGHT, "o", "--"),
-    "SciPy DOP853": _look("#999999", "s"),
-    "SciPy LSODA": _look("#999999", "v", ":"),
-    "CyRK DOP853": _look("#d55e00", "s"),
-    "CyRK VERN8": _look("#d55e00", "^", "--"),
-    "numbalsoda dop853": _look("#b8860b", "s"),
-    "numbalsoda lsoda": _look("#b8860b", "v", ":"),
-    "diffrax Dopri8": _look("#8c2d04", "D"),
-    "splitting 8": _look("#6a3d9a", "D", "--"),
-    "splitting 8 compensated": _look("#6a3d9a", "o"),
+    "SciPy, numba": _look("#999999", "s"),
+    "CyRK": _look("#d55e00", "s"),
+    "numbalsoda": _look("#b8860b", "v"),
+    "diffrax": _look("#8c2d04", "D"),
+    "splitting": _look("#6a3d9a", "^"),
 }
 
 

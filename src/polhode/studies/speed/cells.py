@@ -2,7 +2,8 @@
 
 Each kind of motion is held in several processes, so that everything compiled is made as often, and
 the fastest of all counts, for all alike; but what in the first process takes more than ten times as
-long as the fastest, at every level, is not held again: equal builds differ by less than two.  At
+long as the fastest, at every level, is not held again: equal builds differ by less than two.  (Of
+cells of the work-precision diagram all is.)  At
 each level the seconds of each draw are read between its two tolerances next to it; a program
 reaches a level where at least seven of eight draws do.  Ratios are medians over the draws that both
 reach, with a bootstrap interval: a tie holds 1.
@@ -26,7 +27,7 @@ from polhode.studies.row_filter import Only
 from polhode.studies.speed import draws
 from polhode.studies.speed.contest import LEVELS
 from polhode.studies.speed.draws import DRAWS, Cell, Truth
-from polhode.studies.speed.programs import ENGINE, OURS, RUN, Program
+from polhode.studies.speed.programs import OURS, OWN, Program
 from polhode.studies.speed.work_precision import WorkPoint, seconds_at
 
 PROCESSES = 3
@@ -112,7 +113,9 @@ def _kind(
         if fault:
             for cell in cells:
                 faults[cell.label][f"process {turn + 1}"] = fault
-        job["tolerances"] = {label: held_again(found) for label, found in points.items()}
+        job["tolerances"] = {
+            cell.label: held_again(points[cell.label], cell.every_tolerance) for cell in cells
+        }
     return [row(cell, points[cell.label], faults[cell.label]) for cell in cells]
 
 
@@ -134,7 +137,21 @@ def row(cell: Cell, points: Mapping[str, Points], faults: Mapping[str, str]) -> 
             for name, found in seconds.items()
         ]
         levels.append({"digits": level, "programs": there, "verdict": verdict(there)})
-    return {**cell._asdict(), "draws": DRAWS, "levels": levels, "faults": dict(faults)}
+    drawn = {"curves": curves(points)} if cell.drawn else {}
+    return {**cell._asdict(), "draws": DRAWS, "levels": levels, **drawn, "faults": dict(faults)}
+
+
+def curves(points: Mapping[str, Points]) -> dict[str, list[list[float]]]:
+    """Of each program, by tolerance, the medians over the draws: digits and seconds."""
+    found: dict[str, list[list[float]]] = {}
+    for name, there in points.items():
+        for tol in sorted({tol for _, tol in there}, reverse=True):
+            marks = [there[k, tol] for k in range(DRAWS) if (k, tol) in there]
+            if len(marks) >= NEARLY_ALL:
+                digits, seconds = (statistics.median(x) for x in zip(*marks, strict=True))
+                curve = found.setdefault(name, [])
+                curve.append([round(digits, 2), significant(seconds, 3)])
+    return found
 
 
 def seconds_of(points: Points, level: float) -> dict[int, float]:
@@ -176,7 +193,7 @@ def verdict(programs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     met = [
         (*told["ratio"], name)
         for name, told in by_name.items()
-        if name not in (OURS, RUN, ENGINE) and told["ratio"] is not None
+        if name not in OWN and told["ratio"] is not None
     ]
     if not met:
         return {"stands": "alone"}
@@ -228,8 +245,13 @@ def _next_to_levels(points: Points) -> list[float]:
     return sorted(chosen, reverse=True)
 
 
-def held_again(points: Mapping[str, Points]) -> dict[str, list[float]]:
-    """The tolerances of each program that are timed once more: none of one that is far behind."""
+def held_again(points: Mapping[str, Points], every_tolerance: bool) -> dict[str, list[float]]:
+    """The tolerances of each program that are timed once more: none of one that is far behind.
+
+    ``every_tolerance``: all, of every program.
+    """
+    if every_tolerance:
+        return {name: sorted({tol for _, tol in there}) for name, there in points.items()}
     found = {}
     middles = [
         {

@@ -1,10 +1,13 @@
 """All programs on one kind of motion, side by side in one process: ``python -m … < job``.
 
+Of many starts those that are judged are run alone, and all of them where it is timed.
+
 A job: {"kind", "cells": [{"end", "outputs", "starts", "truths": [[high, low, scale] a draw]}],
 "programs": names, "tolerances": {cell's label: {program: [tolerances]}} or null, "patience":
 seconds}.  Without tolerances each program is run once at all of its own, judged, and only those
-next to a level are timed further.  Each call has another start than the one before: the draw's, its
-first component off by some units in the last place.
+next to a level are timed further, in cells of the work-precision diagram all.  A timed call has
+another start than the one before: the draw's, its first component off by some units in the last
+place; what is judged has the draw's own.
 
 The answer is lines of JSON, flushed as they are made: {"ready": program, "seconds"}, {"missing"},
 and for each cell {"cell", "points": {program: [[draw, tol, digits, seconds]]}, "faults"}.
@@ -13,6 +16,7 @@ and for each cell {"cell", "points": {program: [[draw, tol, digits, seconds]]}, 
 from __future__ import annotations
 
 import json
+import math
 import sys
 import time
 from collections import defaultdict
@@ -90,7 +94,15 @@ class _Contest:
             for tol in BY_NAME[name].tolerances if tolerances is None else tolerances.get(name, ()):
                 for k in range(DRAWS):
                     self._once(name, k, tol)
-        near = {name: [*_next_to_levels(self.points[name])] for name in self.ready}
+        near = {
+            name: [*(points if self.cell.every_tolerance else _next_to_levels(points))]
+            for name, points in ((name, self.points[name]) for name in self.ready)
+        }
+        if self.cell.starts:
+            for name, asked in near.items():
+                for k, tol in asked[:1]:  # what is compiled for so many starts is not timed
+                    run, one = self.ready[name], self.draws[k]
+                    run(one.top, one.start.copy(), self.times / self.cell.end, tol)
         began = time.perf_counter()
         for _ in range(ROUNDS):
             for k in range(DRAWS):
@@ -105,11 +117,16 @@ class _Contest:
         """One timed call, judged where it is the first of its kind."""
         known = self.points[name].get((k, tol))
         start = self.draws[k].start.copy()
-        self._calls += 1
-        start[..., 0] += self._calls % 16 * _NUDGE
-        run, top = self.ready[name], self.draws[k].top
+        if known is not None:
+            self._calls += 1
+            start[..., 0] += (1 + self._calls % 15) * _NUDGE
+        run, top, truth = self.ready[name], self.draws[k].top, self.truths[k]
         try:
             if known is None:
+                if self.cell.starts:
+                    found = median_digits(run(top, start[:MANY_JUDGED], self.times, tol), truth)
+                    self.points[name][k, tol] = found, math.inf
+                    return
                 # what is made on the first call, a short one, is not timed
                 run(top, start, self.times / self.cell.end, tol)
             began = time.process_time()
@@ -121,21 +138,20 @@ class _Contest:
         if known is not None:
             self.points[name][k, tol] = known[0], min(known[1], seconds)
             return
-        expected = (self.cell.starts,) if self.cell.starts else (1, len(self.times))
+        expected = (1, len(self.times))
         if len(states) not in expected:
             self.faults[f"{name} at {tol:.1g}"] = f"{len(states)} of {expected[-1]} states"
             return
-        if self.cell.starts:
-            found = median_digits(states[:MANY_JUDGED], self.truths[k])
-        else:
-            found = digits(judged(states, self.cell.outputs), self.truths[k])
+        found = digits(judged(states, self.cell.outputs), truth)
         self.points[name][k, tol] = found, seconds
 
     def told(self) -> dict[str, list[list[float]]]:
         """The points as plain lists."""
         return {
             name: [
-                [k, tol, round(found, 3), seconds] for (k, tol), (found, seconds) in rows.items()
+                [k, tol, round(found, 3), seconds]
+                for (k, tol), (found, seconds) in rows.items()
+                if seconds < math.inf
             ]
             for name, rows in self.points.items()
         }

@@ -15,7 +15,7 @@ from polhode.judging.correct_digits import digits_of, log10_rate
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
-from polhode.numbers.number_types import DOUBLE, bits_for
+from polhode.numbers.number_types import DOUBLE, EXTENDED, bits_for
 from polhode.numbers.rows import Doubles, Rows
 from polhode.peers.field import TERMS
 from polhode.peers.prepared import Top
@@ -23,6 +23,7 @@ from polhode.runs.sweep.integrate_many import integrate_many
 from polhode.scenes.output_times import even_times
 from polhode.scenes.scene import Scene
 from polhode.studies.ensembles import CHAOTIC, STARTED, TOPS, random_scene
+from polhode.studies.speed.programs import DIAGRAM
 
 KINDS = tuple(STARTED)
 DRAWS = 8  # of each kind: as many bodies, each with a start of its own
@@ -31,10 +32,13 @@ JUDGED = 11  # even times at which a run is judged, the end alone where it has n
 
 ENDS = (1, 10, 100, 1000, 10_000)
 OUTPUTS = (2, 101, 10_001)
-#: Many starts at once: of which kinds, to which ends, how many, and how many of them are judged.
-MANY_KINDS, MANY_ENDS = ("asymmetric", "chaotic"), (1, 10, 100)
-MANY_STARTS = (100, 10_000)
+#: Many starts at once: of which kinds, to which ends how many, and how many of them are judged.
+MANY_KINDS = ("asymmetric", "chaotic")
+MANY = ((1, 100), (10, 100), (100, 100), (1, 10_000), (10, 10_000))
 MANY_JUDGED = 15
+#: The kinds in the diagram, one start after the other; many starts to which end, and how many.
+DRAWN_KINDS = ("euler", "lagrange", "kovalevskaya", "asymmetric", "chaotic")
+DRAWN_MANY = ("asymmetric", 10, 10_000)
 _SPREAD = 0.25  # of the draw's own |w|
 
 #: The longest runs of kinds whose digits are gone, or whose turns are too many, later.
@@ -59,6 +63,18 @@ class Cell(NamedTuple):
         if self.starts:
             return f"{self.kind} t={self.end} starts={self.starts}"
         return f"{self.kind} t={self.end} outputs={self.outputs}"
+
+    @property
+    def drawn(self) -> bool:
+        """Whether it is a panel of the work-precision diagram."""
+        if self.starts:
+            return (self.kind, self.end, self.starts) == DRAWN_MANY
+        return self.every_tolerance
+
+    @property
+    def every_tolerance(self) -> bool:
+        """Whether all tolerances are timed, not only those next to a level."""
+        return not self.starts and self.kind in DRAWN_KINDS and self[1:3] == DIAGRAM
 
 
 class Draw(NamedTuple):
@@ -91,7 +107,7 @@ def cells(kind: str) -> list[Cell]:
     ends = [end for end in ENDS if end <= LAST.get(kind, ENDS[-1])]
     found = [Cell(kind, end, outputs) for end in ends for outputs in OUTPUTS]
     if kind in MANY_KINDS:
-        found += [Cell(kind, end, 2, starts) for end in MANY_ENDS for starts in MANY_STARTS]
+        found += [Cell(kind, end, 2, starts) for end, starts in MANY]
     return found
 
 
@@ -132,7 +148,7 @@ def truth(kind: str, index: int, end: int, many: bool = False) -> Truth:
     scene = scene_of(kind, index, end, JUDGED)
     states: Rows
     if many:
-        rows = draw(kind, index, end, 2, MANY_STARTS[0]).start[:MANY_JUDGED]
+        rows = draw(kind, index, end, 2, MANY_JUDGED).start
         members = integrate_many(scene, starts=rows, at=[0]).members
         runs = [integrate(member.at([end]), "quad") for member in members]
         states = [run.states[-1] for run in runs]
@@ -153,13 +169,16 @@ def truth(kind: str, index: int, end: int, many: bool = False) -> Truth:
 
 def digits(states: Any, true: Truth) -> float:
     """Correct digits, the worst over the judged times: the end alone of a single state."""
-    found = np.asarray(states, dtype=float)
+    found = np.asarray(states)
+    number = EXTENDED if found.dtype == np.longdouble else DOUBLE
+    if number is DOUBLE:
+        found = found.astype(float)
     picked = slice(-1, None) if len(found) == 1 else slice(None)
     errors = np.abs((found - true.high[picked]) - true.low[picked])
     errors[:, :3] /= true.scale
     worst = float(errors.max())
     with np.errstate(divide="ignore"):
-        return digits_of(float(np.log10(worst)), DOUBLE.most_digits) if np.isfinite(worst) else 0.0
+        return digits_of(float(np.log10(worst)), number.most_digits) if np.isfinite(worst) else 0.0
 
 
 def median_digits(states: Any, true: Truth) -> float:

@@ -8,7 +8,6 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from polhode.judging.adaptive_precision import integrate
-from polhode.judging.conditioning.conditioning import conditioning
 from polhode.judging.correct_digits import worst_digits
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers.decimals import significant
@@ -113,12 +112,9 @@ def row(motion: SpeedMotion, asked: list[Way], quick: bool = False) -> dict[str,
     scene = scene_of(motion)
     most = max(named(way.number).most_digits for way in asked)
     true = reference_of(scene).at(scene.times, math.ceil(most) + SPARE_DIGITS)
-    found = conditioning(scene)
-    bound = min((x for x in found.digits_bound(DOUBLE) if x is not None), default=None)
     return {
         **motion._asdict() | {"motion": motion.name},
         "methods": [_way_row(way, scene, true, quick) for way in asked],
-        **({} if bound is None else {"floor": round(bound - math.log10(3), 2)}),
     }
 
 

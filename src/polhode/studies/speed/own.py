@@ -1,7 +1,8 @@
 """polhode prepared as the other programs are: a propagator, or runs of a scene made anew each time.
 
 ``integrate``: a scene with another start is made for each call, and run: what a loop over starts
-in Python pays for trajectories.
+in Python pays for trajectories.  ``extended``: a propagator in extended precision, of
+the exact numbers of a draw.
 """
 
 from __future__ import annotations
@@ -14,15 +15,16 @@ from typing import Any
 import numpy as np
 
 from polhode.judging.adaptive_precision import integrate
+from polhode.numbers.number_types import DOUBLE, EXTENDED, NumberType
 from polhode.peers.prepared import Run, Top
 from polhode.runs.propagator import Propagator, propagator
 from polhode.runs.sweep.integrate_many import integrate_many
 from polhode.scenes.from_numbers import top as scene_of
 from polhode.scenes.scene import Scene
-from polhode.studies.speed.programs import EPS, PROJECTED
+from polhode.studies.speed.programs import PROJECTED
 
 UPRIGHT = np.array([0.0, 0.0, 1.0])
-_LARGEST = 1000  # denominator of a draw's gamma
+_LARGEST = 1000  # denominator of a draw's numbers
 
 
 def prepared(present: Sequence[bool], method: str) -> Run:
@@ -33,13 +35,16 @@ def prepared(present: Sequence[bool], method: str) -> Run:
     """
     made: dict[tuple[int, float], tuple[Top, Propagator]] = {}
     scenes: dict[tuple[int, int, float], tuple[Top, Scene]] = {}
+    number = EXTENDED if method == "extended" else DOUBLE
 
     def propagated(top: Top, start: Any, at: Any, tol: float) -> Any:
         known, go = made.get((id(top), tol), (None, None))
         if go is None or known is not top:
-            scene = _scene(top, 2, 1.0, start[3:])
-            go = propagator(scene, tol=_told(tol), project=tol == PROJECTED)
+            scene, wanted = _scene(top, 2, 1.0, start[3:]), _wanted(tol, number)
+            go = propagator(scene, number=number.name, tol=wanted, project=tol == PROJECTED)
             made[id(top), tol] = top, go
+        if number is EXTENDED:
+            start = np.array([np.longdouble(x.numerator) / x.denominator for x in _exact(start)])
         if len(at) == 2:
             return go(start, t=float(at[1]))[None]
         return go(start, t=at)
@@ -51,10 +56,10 @@ def prepared(present: Sequence[bool], method: str) -> Run:
             scene = _scene(top, len(at), end, start[3:])
             scenes[id(top), len(at), end] = top, scene
         p, q, r = map(Fraction, start[:3].tolist())
-        run = integrate(replace(scene, omega=(p, q, r)), tol=_told(tol))
+        run = integrate(replace(scene, omega=(p, q, r)), tol=_wanted(tol))
         return run.states if len(at) > 2 else run.states[-1:]
 
-    return propagated if method == "propagator" else integrated
+    return integrated if method == "integrate" else propagated
 
 
 def prepared_many(present: Sequence[bool], method: str) -> Run:
@@ -67,21 +72,28 @@ def prepared_many(present: Sequence[bool], method: str) -> Run:
     def propagated(top: Top, start: Any, at: Any, tol: float) -> Any:
         known, go = made.get((id(top), tol), (None, None))
         if go is None or known is not top:
-            go = propagator(_scene(top, 2, 1.0, UPRIGHT), tol=_told(tol))
+            go = propagator(_scene(top, 2, 1.0, UPRIGHT), tol=_wanted(tol))
             made[id(top), tol] = top, go
         return go(start, t=float(at[-1]), workers=1)
 
     def integrated(top: Top, start: Any, at: Any, tol: float) -> Any:
         scene, end = _scene(top, 2, 1.0, UPRIGHT), float(at[-1])
-        many = integrate_many(scene, starts=start, at=[end], tol=_told(tol), workers=1)
+        many = integrate_many(scene, starts=start, at=[end], tol=_wanted(tol), workers=1)
         return many.states[:, 0]
 
     return propagated if method == "propagator" else integrated
 
 
-def _told(tol: float) -> float | None:
-    """A tolerance as it is asked for: none at all for eps."""
-    return None if tol <= EPS else tol
+def _wanted(tol: float, number: NumberType = DOUBLE) -> float | None:
+    """A tolerance as it is asked for: none at all for the type's eps."""
+    return None if tol <= float(number.eps) else tol
+
+
+def _exact(values: Any) -> list[Fraction]:
+    """The short fractions that were rounded to doubles, where there are; else the doubles."""
+    exact = [Fraction(x) for x in values.tolist()]
+    near = [x.limit_denominator(_LARGEST) for x in exact]
+    return [y if float(y) == float(x) else x for x, y in zip(exact, near, strict=True)]
 
 
 def _scene(top: Top, count: int, end: float, gamma: Any) -> Scene:
@@ -89,11 +101,11 @@ def _scene(top: Top, count: int, end: float, gamma: Any) -> Scene:
     pull = top.torque.tolist()
     heavy = any(pull)
     return scene_of(
-        moments=top.moments.tolist(),
-        centre=pull if heavy else None,
+        moments=_exact(top.moments),
+        centre=_exact(top.torque) if heavy else None,
         weight=1 if heavy else 0,
         omega=[1, 0, 0],
-        gamma=[Fraction(x).limit_denominator(_LARGEST) for x in gamma.tolist()],
+        gamma=_exact(gamma),
         end=end,
         samples=count,
     )

@@ -14,6 +14,7 @@ from polhode.studies.speed.programs import ENGINE, OURS, RUN
 Levels: TypeAlias = Sequence[tuple[JsonObject, JsonObject]]
 
 LONG = 1000  # from this end on a run is told as a long one
+SUMMARY_ENDS, SUMMARY_OUTPUTS = (1, 10, 100, 1000), 101
 WORDS = ("ahead", "even", "behind", "alone", "not reached")
 
 _MOTION = Column("motion", "motion")
@@ -24,13 +25,6 @@ _BEST = (
     Column("tol", "tol", ".1e", "the tolerance of the steps, the tightest of several"),
     DIGITS,
     Column("least s", "seconds_min", ".3g", "processor seconds of a run, the least of several"),
-)
-_ELSEWHERE = (
-    Column("program", "program"),
-    Column("written in", "language"),
-    Column("problem", "problem"),
-    Column("figure (read)", "figure"),
-    Column("read where", "source"),
 )
 _REFINED = (
     _MOTION,
@@ -102,6 +96,7 @@ def tables(found: JsonObject) -> dict[str, PageTable]:
     types = "polhode study speed --only '{0}' --only '{1}'"
     refined = "polhode study speed --only 'refined: {0} t={1}'"
     return {
+        "summary": summary(found["cells"]),
         "first": table(first, _FIRST, "polhode study speed --only 'first result'"),
         "short": table(_by_length(short), _CELLS, cells),
         "long": table(_by_length(long), _CELLS, cells),
@@ -109,8 +104,46 @@ def tables(found: JsonObject) -> dict[str, PageTable]:
         "faults": table(_faults(found), _FAULTS),
         "types": table(_best(found["motions"]), _BEST, types),
         "refined": table(found.get("refined", ()), _REFINED, refined),
-        "elsewhere": table(found.get("elsewhere", ()), _ELSEWHERE),
     }
+
+
+def summary(cells: Sequence[JsonObject]) -> PageTable:
+    """The time of the best other program over the propagator's: lengths down, digits across.
+
+    Medians over the kinds of motion, and the program that is best in most of them; above 1 in bold.
+    The last row is of many starts at once.
+    """
+    digits = dict.fromkeys(level["digits"] for cell in cells for level in cell["levels"])
+    columns = [Column("run", "run"), *(Column(f"{x:g} digits", f"{x:g}") for x in digits)]
+    many, single = _parted(cells)
+    places = {f"t = {end}": [c for c in single if c["end"] == end] for end in SUMMARY_ENDS}
+    shown = {run: [c for c in x if c["outputs"] == SUMMARY_OUTPUTS] for run, x in places.items()}
+    most = max((cell["starts"] for cell in many), default=0)
+    largest = [cell for cell in many if cell["starts"] == most]
+    ends = " and ".join(str(end) for end in sorted({cell["end"] for cell in largest}))
+    shown[f"{most} starts at once, t = {ends}"] = largest
+    return table(
+        (
+            {"run": run, **{f"{x:g}": _best_other(here, x) for x in digits}}
+            for run, here in shown.items()
+            if here
+        ),
+        columns,
+    )
+
+
+def _best_other(cells: Sequence[JsonObject], digits: float) -> str:
+    """The best other program's time over the propagator's in cells, and which it is in most."""
+    verdicts = [x["verdict"] for _, x in levels(cells) if x["digits"] == digits]
+    ratios = [verdict["ratio"][0] for verdict in verdicts if "best" in verdict]
+    if not ratios:
+        alone = any(verdict["stands"] == "alone" for verdict in verdicts)
+        return "polhode alone" if alone else "not reached"
+    ratio = median(ratios, ".2f")
+    names = [verdict["best"] for verdict in verdicts if "best" in verdict]
+    often = max(sorted(set(names)), key=names.count)
+    part = "" if len(ratios) == len(verdicts) else f" (in {len(ratios)} of {len(verdicts)})"
+    return f"{f'**{ratio}**' if float(ratio) > 1 else ratio} {often}{part}"
 
 
 def facts(found: JsonObject) -> dict[str, object]:

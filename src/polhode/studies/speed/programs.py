@@ -10,11 +10,16 @@ from typing import Any, NamedTuple
 from polhode.peers.prepared import Run
 
 OURS, ENGINE, RUN = "polhode propagator", "heyoka by hand", "polhode integrate"
+WIDER = "polhode extended"
+#: Not among "the others", with which polhode's propagator is compared.
+OWN = (OURS, RUN, WIDER, ENGINE)
 
 EPS = 2.0**-52
+DIAGRAM = 100, 101  # the end and the outputs of the cells of the work-precision diagram
 PROJECTED = 0.0  # the tolerance eps, the state put back on its integrals
 _LADDER = tuple(10.0**-k for k in (3, 5, 7, 9, 11, 13))
 _TAYLOR = (*_LADDER, EPS)
+_WIDER_LADDER = (1e-11, 1e-13, 1e-15, 1e-17, 2.0**-63)
 _FIXED = (1.0, 1e-2, 1e-4, 1e-6, 1e-8)  # tol^(1/8) is the step of the splittings
 
 
@@ -57,13 +62,17 @@ _NUMBA = ("numba",)
 PROGRAMS = (
     Program(OURS, "polhode.studies.speed.own", "propagator", (*_TAYLOR, PROJECTED)),
     Program(RUN, "polhode.studies.speed.own", "integrate", _TAYLOR),
+    Program(
+        *(WIDER, "polhode.studies.speed.own", "extended", _WIDER_LADDER),
+        *DIAGRAM,
+    ),
     _peer(ENGINE, "bare_heyoka", "", ("heyoka",), tolerances=_TAYLOR),
     _peer("CyRK DOP853", "cyrk", "DOP853", (*_NUMBA, "CyRK")),
     _peer("CyRK VERN8", "cyrk", "VERN8", (*_NUMBA, "CyRK")),
     _peer("numbalsoda dop853", "numbalsoda_cfunc", "dop853", (*_NUMBA, "numbalsoda")),
     _peer("numbalsoda lsoda", "numbalsoda_cfunc", "lsoda", (*_NUMBA, "numbalsoda"), last=1000),
-    _peer("SciPy DOP853", "scipy_numba", "DOP853", ("scipy", *_NUMBA), last=10, outputs=101),
-    _peer("SciPy LSODA", "scipy_numba", "LSODA", ("scipy", *_NUMBA), last=10, outputs=101),
+    _peer("SciPy DOP853", "scipy_numba", "DOP853", ("scipy", *_NUMBA), last=100, outputs=101),
+    _peer("SciPy LSODA", "scipy_numba", "LSODA", ("scipy", *_NUMBA), last=100, outputs=101),
     _peer("diffrax Dopri8", "diffrax_dopri8", "Dopri8", ("diffrax",), last=100, outputs=101),
     _peer("splitting 8", "splitting", "8", _NUMBA, tolerances=_FIXED, last=1000, outputs=101),
     _peer(

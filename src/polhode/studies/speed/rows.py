@@ -12,7 +12,6 @@ from polhode.common.progress import Message
 from polhode.studies.row_filter import Only
 from polhode.studies.speed import cells, first_result, number_types
 from polhode.studies.speed.programs import ENGINE, OURS, PROGRAMS, RUN, Program, left_out, missing
-from polhode.studies.speed.published_benchmarks import READ
 from polhode.studies.speed.refined import contests
 
 NAME = "speed"
@@ -59,7 +58,6 @@ def rows(
         "cells": held,
         "motions": found,
         "refined": contests(quick, said, wanted),
-        "elsewhere": [] if wanted else [row._asdict() for row in READ],
     }
 
 

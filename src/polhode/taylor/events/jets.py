@@ -160,10 +160,10 @@ def jet_of(
     rates = formulas.field(names, known, EXPRESSIONS)
     values = derivatives([value], names, rates, 3)
     values = hy.subs(values, {TIME: hy.time + hy.par[1] + hy.par[0]})
-    kind, unit = DOUBLE if number is DOUBLE else EXTENDED, float(band)
+    kind, unit = DOUBLE if number == DOUBLE else EXTENDED, float(band)
 
     def rounded(x: Number) -> Expression:
-        return hy.expression(to_double(x) if kind is DOUBLE else to_extended(x))
+        return hy.expression(to_double(x) if kind == DOUBLE else to_extended(x))
 
     def exact(x: Number) -> Roundoff:
         return Roundoff(rounded(x), hy.expression(0.0), unit)

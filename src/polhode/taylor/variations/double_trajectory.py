@@ -49,7 +49,7 @@ def path(
     ``wide``: in long double rather than in double, where the machine has it.
     """
     number = EXTENDED if wide and extended_here() else DOUBLE
-    kind = np.longdouble if number is EXTENDED else np.float64
+    kind = np.longdouble if number == EXTENDED else np.float64
     with lent(("any body", number), lambda: _built(number)) as ta:
         ta.stand(np.array(start, dtype=kind), np.array(constants, dtype=kind))
         ended, output = ta.polynomials(kind(duration), _MOST_STEPS)

@@ -70,7 +70,7 @@ class Leader:
 
 
 def _is_enough(number: NumberType, log10_growth: float) -> bool:
-    if number is DOUBLE:
+    if number == DOUBLE:
         return log10_growth <= _DOUBLES_TRUE
     return log10_growth + _SPARE_DIGITS <= number.most_digits
 
