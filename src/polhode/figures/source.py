@@ -115,9 +115,10 @@ def shown(
     if isinstance(source, Storable):
         kind = catalogue.kind_of(source)
         asked.refuse(name, [*vars(asked)], "no --{}: it is for a motion")
-        lines_alone = isinstance(source, Saved) and kind == "Frequencies"
-        told = f"{name}: the lines alone, no spectrum: a file has no samples"
-        return Shown(source, catalogue.chosen(kind, what, name), name, (told,) * lines_alone)
+        notes = []
+        if isinstance(source, Saved) and kind == "Frequencies":
+            notes.append(f"{name}: the lines alone, no spectrum: a file has no samples")
+        return Shown(source, catalogue.chosen(kind, what, name), name, tuple(notes))
     scene = library.load(source)
     if what == CHAOS:
         asked.refuse(scene.name, [*vars(asked)], f"not with --what {CHAOS}")
