@@ -101,8 +101,10 @@ def view(
 
     Parameters
     ----------
-    what_of, *others : Scene, Trajectory, str or Path
+    what_of : Scene, Trajectory, str or Path
         A scene, a run, or the file of a run.
+    *others
+        More of them, one below the other.
     end : number, optional
         The last time shown, as for :func:`polhode.plot`.
     title : str

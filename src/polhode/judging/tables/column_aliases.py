@@ -216,7 +216,7 @@ def twice(named: Iterable[Column]) -> str | None:
 
 def _alone(header: str) -> Column | _Part:
     """What a header means by itself, or the component that it is."""
-    if header in known():
+    if header in known() and header not in (*MATRIX, *RODRIGUES):  # of which all are needed
         return Column(header)
     if header == "%time":
         return Column("t", False, _TIMES["ns"])
