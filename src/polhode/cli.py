@@ -41,7 +41,7 @@ _MEANT = {
     **dict.fromkeys(("judge", "validate", "diff", "score"), "compare FILE SCENE"),
     **dict.fromkeys(("test", "regression"), "check"),
     "enclose": "certify SCENE",
-    **dict.fromkeys(("animate", "movie", "film"), "view SCENE, or plot SCENE --what motion"),
+    **dict.fromkeys(("animate", "movie", "film"), "view SCENE -o x.html, or plot SCENE -o x.gif"),
     **dict.fromkeys(("figure", "draw", "graph"), "plot SCENE"),
     **dict.fromkeys(("ensemble", "scan", "vary"), "sweep SCENE --vary KEY=FROM:TO:N"),
     "poincare": "section SCENE",

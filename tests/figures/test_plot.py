@@ -304,12 +304,15 @@ def test_json_says_what_was_drawn(tmp_path, capsys):
         (f"{TOP} --what angles -o x.jpg", ".svg or .png or .pdf"),
         (f"{TOP} --what angles -o x.svg.gz", ".svg"),
         (f"{TOP} --what angles -o nowhere/x.svg", "nowhere"),
-        (f"{TOP} --what motion", ".html or .gif or .mp4"),
+        (f"{TOP} --what motion", ".gif or .mp4"),
         (f"{TOP} --what motion -o x.gif --fps 0", "--fps"),
         (f"{TOP} --what motion -o x.gif --fps 30", "hundredths of a second"),
         (f"{TOP} --what motion -o x.gif --size 5", "an even number"),
         (f"{TOP} --what omega --fps 20", "a film"),
-        (f"{TOP} --what motion -o x.html --size 200", "a film"),
+        (
+            f"{TOP} --what motion -o x.html",
+            "polhode view lagrange/looping -o x.html, which makes pages",
+        ),
     ],
 )
 def test_what_cannot_be_drawn_is_refused_in_one_line(tmp_path, refusal, words, said):

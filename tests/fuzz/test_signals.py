@@ -165,7 +165,7 @@ command()
     [
         ("argparse", signal.SIGTERM),
         ("polhode.verbs.terminal", signal.SIGINT),
-        ("polhode.verbs.list", signal.SIGTERM),
+        ("polhode.output.cases", signal.SIGTERM),
     ],
 )
 def test_a_signal_while_polhode_is_loaded_is_obeyed(module, by):

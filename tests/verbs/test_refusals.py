@@ -222,7 +222,7 @@ REFUSED = {
     f"view {CASE} -o x.gif": f"ends in .html, or polhode plot {CASE} --what motion -o x.gif",
     f"view {CASE} -o x.svg": f"ends in .html, or polhode plot {CASE} --what W -o x.svg",
     f"view {CASE} -o x.txt": "-o: expected a name that ends in .html\n",
-    f"plot {CASE} --what angles -o x.gif": ".svg, .png, .pdf; --what motion makes a page or a film",
+    f"plot {CASE} --what angles -o x.gif": ".svg, .png, .pdf; --what motion makes a film",
     # -- names that are none: they were the current folder, and "Is a directory"
     "run ''": " = : expected a name\n",
     "run top.toml -o ''": "-o = : expected a name\n",

@@ -39,7 +39,7 @@ def shell(line: str) -> subprocess.CompletedProcess[str]:
 def test_the_module_is_the_program():
     done = ended("about", "--json")
     assert (done.returncode, done.stderr) == (0, "")
-    assert json.loads(done.stdout)["number_types"]["quad"]["bits"] == 113
+    assert json.loads(done.stdout)["columns"]["bits"][2] == 113
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")

@@ -72,7 +72,7 @@ def chosen(kind: str, what: str | None, source: str = "plot") -> str:
     """A word of a kind's figures, unless given the default; raises BadInput for another."""
     known = words(kind)
     if not known:
-        raise BadInput(source, "what_of", kind, "a result that has a figure")
+        raise BadInput(source, "result", kind, "one that has a figure")
     if what is not None and what not in known:
         raise BadInput(source, "--what", what, nearest(what, [*known]))
     return what or known[0]

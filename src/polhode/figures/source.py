@@ -25,7 +25,7 @@ from polhode.numbers.scalars import AnyNumber
 from polhode.results import reader
 from polhode.results.result import Storable
 from polhode.runs.problem.options import choose_number
-from polhode.runs.saved import load_result
+from polhode.runs.saved import Saved, load_result
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME
@@ -114,7 +114,10 @@ def shown(
     if isinstance(source, Storable):
         kind = catalogue.kind_of(source)
         asked.refuse(name, [*vars(asked)], "no --{}: it is for a motion")
-        return Shown(source, catalogue.chosen(kind, what, name), name)
+        notes = []
+        if isinstance(source, Saved) and kind == "Frequencies":
+            notes.append(f"{name}: the lines alone, no spectrum: a file has no samples")
+        return Shown(source, catalogue.chosen(kind, what, name), name, tuple(notes))
     scene = library.load(source)
     return _of_scene(scene, what or usual, asked, None, progress)
 

@@ -65,7 +65,6 @@ def main(verb: Verb, function: options.Front, asked: Namespace) -> int:
         for x in function.parameters
         if verb.named.get(x.name, x.name) is not None and vars(asked).get(x.name) is not None
     }
-    first = function.parameters[0].name
     inputs = [library.path_of(x) for x in _sources(given)]
     others = [kind for name, kind in verb.other_kinds.items() if name in given]
     kind = others[0] if others else verb.kind
@@ -73,6 +72,7 @@ def main(verb: Verb, function: options.Front, asked: Namespace) -> int:
     places.check()
     places.check_figure(vars(asked))
     if verb.scene:
+        first = function.parameters[0].name
         box = start_box.read(given[first]) if verb.is_box else StartBox(library.load(given[first]))
         scene = scene_options.applied(asked, box.scene, verb.scene)
         given[first] = StartBox(scene, box.radii) if verb.is_box else scene
@@ -184,7 +184,11 @@ class Places:
         return found
 
     def write(self, found: Result, asked: Mapping[str, Any], line: ProgressLine) -> None:
-        """Write all files, unless what was interrupted is kept in parts, which go otherwise."""
+        """Write all files or none; none where what was interrupted is kept in parts, which go else.
+
+        Files of a kind's own, which are checked as they are made, are written once all others are
+        made.
+        """
         kept = getattr(found, "kept", None)
         if interrupted(found) and kept is not None and kept.folder.exists():
             return
@@ -192,15 +196,15 @@ class Places:
         for path in self.paths:
             if self._is_figure(path):
                 made[path] = _drawn(found, path.suffix.lower(), self.verb, asked)
-            elif self._is_own(path):
-                if getattr(found, "times", True):  # of nothing there is no certificate
-                    self._save(found, path, line)
-            else:
+            elif not self._is_own(path):
                 from polhode.results import places, writer
 
                 content = found.content()
                 places.check_place(path, content.kind, self.inputs)
                 made |= writer.files(content, path)
+        for path in filter(self._is_own, self.paths):
+            if getattr(found, "times", True):  # of nothing there is no certificate
+                self._save(found, path, line)
         write_whole(made)
         if kept is not None:
             kept.remove()

@@ -220,6 +220,14 @@ def _proven_event(event: CertifiedEvents) -> str:
     return f"event {event.name}: {len(event.times)} proven{when}{left}"
 
 
+def _check(found: Found, asked: Namespace) -> Iterator[str]:
+    if found.passed is None and not found.interrupted:
+        yield (
+            "polhode check: expected a case with bands of digits ([expect]), which --propose "
+            "prints, or with figures"
+        )
+
+
 def _nothing(found: Found, asked: Namespace) -> Iterator[str]:
     yield from ()
 
@@ -255,13 +263,11 @@ def _proved_chaos(found: ProvedChaos, asked: Namespace) -> Iterator[str]:
 
 
 _NOTES: dict[str, Callable[[Found, Namespace], Iterator[str]]] = {
+    **dict.fromkeys(("list", "show", "about", "compare", "order", "levels", "verify"), _nothing),
+    "check": _check,
     "run": _run,
     "reference": _reference,
     "certify": _certify,
-    "compare": _nothing,
-    "order": _nothing,
-    "levels": _nothing,
-    "verify": _nothing,
     "sweep": _sweep,
     "section": _section,
     "map": _map,

@@ -17,7 +17,7 @@ from polhode.common.errors import BadInput
 from polhode.common.files import is_stdout, write_stdout
 from polhode.common.interrupts import INTERRUPTED as INTERRUPTED
 from polhode.common.interrupts import hear, heard
-from polhode.common.text_tables import aligned, printable
+from polhode.common.text_tables import printable
 
 if TYPE_CHECKING:
     from polhode.results.result import Result
@@ -100,12 +100,6 @@ def print_json(value: Any) -> None:
     from polhode.common.json_text import as_json
 
     write_stdout(as_json(value))
-
-
-def print_table(header: Any, rows: Any) -> None:
-    """A table of strings in columns on stdout."""
-    for line in aligned(header, rows):
-        say(line)
 
 
 def note(text: str) -> None:

@@ -18,14 +18,19 @@ from polhode.equations.column import column as derived_column
 from polhode.equations.column import derived_words
 from polhode.numbers import expression
 from polhode.numbers.expression import ExpressionError
-from polhode.scenes.vocabulary import ANGLES, ATTITUDE, COLUMNS, STATE, column_names
+from polhode.scenes.vocabulary import (
+    ANGLES,
+    ATTITUDE,
+    COLUMNS,
+    MATRIX,
+    RODRIGUES,
+    STATE,
+    column_names,
+)
 
-#: Other forms of the attitude, which become a quaternion: see
+#: Another form of the attitude, which becomes a quaternion: see
 #: :mod:`polhode.judging.tables.attitude_forms`.
-MATRIX = tuple(f"R{i}{j}" for i in "123" for j in "123")
-RODRIGUES = ("sigma1", "sigma2", "sigma3")
 ROTATION_VECTOR = ("rotvec1", "rotvec2", "rotvec3")
-FORMS = (MATRIX, RODRIGUES, ROTATION_VECTOR)
 
 _WORDS = {
     **dict.fromkeys(("time", "seconds", "timestamp", "elapsed", "seconds_elapsed"), "t"),
@@ -97,8 +102,8 @@ def known() -> list[str]:
 
 
 def readable() -> list[str]:
-    """The names of all columns that a table may have: those, and other forms of the attitude."""
-    return [*known(), *(name for form in FORMS for name in form)]
+    """The names of all columns that a table may have: those, and another form of the attitude."""
+    return [*known(), *ROTATION_VECTOR]
 
 
 def not_judged() -> dict[str, str]:
@@ -215,7 +220,7 @@ def twice(named: Iterable[Column]) -> str | None:
 
 def _alone(header: str) -> Column | _Part:
     """What a header means by itself, or the component that it is."""
-    if header in known():
+    if header in known() and header not in (*MATRIX, *RODRIGUES):  # of which all are needed
         return Column(header)
     if header == "%time":
         return Column("t", False, _TIMES["ns"])
