@@ -53,22 +53,22 @@ ROWS = (
     Verb(
         *("list", "polhode.output.cases", "cases", "Cases"),
         "the cases that ship, with regime and reference",
-        has_figure=False,
+        figure_options=None,
     ),
     Verb(
         *("show", "polhode.output.description", "describe", "Description"),
         "body, regime, integrals, frequencies, columns to be integrated",
-        has_figure=False,
+        figure_options=None,
     ),
     Verb(
         *("check", "polhode.checks.check_report", "check_cases", "CheckReport"),
         "regression against references and published figures",
-        has_figure=False,
+        figure_options=None,
     ),
     Verb(
         *("about", "polhode.output.about", "about", "About"),
         "versions, number types, processor, caches; how to cite",
-        has_figure=False,
+        figure_options=None,
     ),
     Verb(
         *("run", "polhode.judging.adaptive_precision", "integrate", "Trajectory"),
