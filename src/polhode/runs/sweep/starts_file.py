@@ -33,7 +33,7 @@ def read(path: Path, scene: Scene, extended: bool = False) -> npt.NDArray[Any]:
     if is_result(path):
         return _of_result(path, scene, extended)
     ending = path.suffix.lower()
-    if ending not in (".csv", ".npy"):
+    if ending not in (".csv", ".npy") and path.exists():
         expected = "a file .csv or .npy, or a result that polhode saved"
         raise BadInput(str(path), "--starts", path.suffix or None, expected)
     data = read_whole(path, _MOST, "a readable file of starts")
