@@ -123,6 +123,19 @@ def test_a_column_without_a_name_is_quoted(tmp_path, capsys):
     assert said in capsys.readouterr().out.splitlines()
 
 
+def test_a_second_form_of_the_attitude_is_said_to_be_one(tmp_path, capsys):
+    """Not to be unknown; and what is said of several columns is one line."""
+    path = tmp_path / "x.csv"
+    scene = polhode.load(CASE).at([0, 1])
+    polhode.integrate(replace(scene, outputs=("mrp", "integrals"))).save(path)
+    (tmp_path / "x.csv.json").unlink()
+    assert cli.main(["compare", str(path), CASE]) == 0
+    told = capsys.readouterr().out.splitlines()
+    said = "not judged: columns sigma1 sigma2 sigma3 were not judged: the quaternion is"
+    assert said in told
+    assert sum("p q r and gamma are" in line for line in told) == 1
+
+
 def test_a_table_from_the_standard_input():
     command = [sys.executable, "-m", "polhode", "compare", "-", CASE, "--json"]
     told = subprocess.run(command, input=lines(), capture_output=True, text=True)

@@ -12,6 +12,7 @@ import pytest
 import polhode
 from polhode.cli import main
 from polhode.common.errors import DoubtfulInput
+from polhode.runs.sweep import starts_file
 
 KEPT = Path(__file__).parents[1] / "data" / "results-0.2.zip"
 RUNS = ("run", "quad", "digits", "refined", "nogamma")
@@ -99,3 +100,11 @@ def test_one_that_was_changed_is_refused(change: str, tmp_path: Path) -> None:
     with pytest.raises(polhode.BadInput) as refusal:
         polhode.load_result(path)
     assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.filterwarnings("ignore::polhode.common.errors.DoubtfulInput")
+def test_crossings_of_a_section_are_starts(tmp_path: Path) -> None:
+    _, held = loaded("section", tmp_path)
+    scene = polhode.load(held["scene"])
+    starts = starts_file.read(tmp_path / "section.json", scene)
+    assert starts.tolist() == [row for rows in held["states"] for row in rows]

@@ -152,6 +152,7 @@ REFUSED = {
     "guide api integrat": "did you mean 'integrate'?",
     "compare table.csv top.toml --digits 30": "digits",
     "compare table.csv other.csv": "a table is judged by a motion",
+    "compare table.csv": "the following arguments are required: SCENE",
     # -- times
     f"run {CASE} --at": "expected",
     f"run {CASE} --at ''": "--at",

@@ -79,6 +79,9 @@ def test_a_page_of_several_motions_has_each_one_s_page(tmp_path, monkeypatch, ca
     Path("words.txt").write_bytes(b"\xff\xfe\x00")
     assert main([*command, "-o", "y.html"]) == 2
     assert "words.txt: --text: expected a text in UTF-8" in capsys.readouterr().err
+    command[-1] = "Words, in place of their file"
+    assert main([*command, "-o", "y.html"]) == 2
+    assert "expected the file of a text, for --text (No such file" in capsys.readouterr().err
     assert not Path("y.html").exists()
 
 

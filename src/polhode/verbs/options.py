@@ -208,7 +208,8 @@ def _positional(parser: ArgumentParser, parameter: Parameter, told: str | None) 
     inner = parameter.annotation.removeprefix("Sequence[").removesuffix("]" if several else "")
     kind = kind_of(inner) or Kind(parameter.name.upper(), word)
     more: dict[str, Any] = {"nargs": "*" if parameter.default else "+"} if several else {}
-    parser.add_argument(parameter.name, type=kind.read, metavar=kind.metavar, help=told, **more)
+    metavar = "SCENE" if parameter.name == "scene" else kind.metavar
+    parser.add_argument(parameter.name, type=kind.read, metavar=metavar, help=told, **more)
 
 
 def _option(parser: ArgumentParser, parameter: Parameter, option: str, told: str | None) -> None:

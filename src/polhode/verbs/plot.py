@@ -148,7 +148,11 @@ def _page(every: Sequence[Shown], command: str, options: Namespace) -> str:
     pages = [Page(one.name, page_of(one, command)) for one in every]
     if len(pages) == 1 and options.title is None is options.text:
         return pages[0].text
-    text = b"" if options.text is None else read_whole(Path(options.text), _LONGEST, "a text")
+    text = (
+        b""
+        if options.text is None
+        else read_whole(Path(options.text), _LONGEST, "the file of a text, for --text")
+    )
     try:
         return together(pages, options.title or "", text.decode()).text
     except UnicodeDecodeError:

@@ -212,7 +212,7 @@ def chaos_map(
     h, f : number, optional
         The level's energy h or vertical momentum f, if not the scene's.
     tol : float or None
-        The tolerance of a step (1e-8); None for the eps of double.
+        The tolerance of a step (1e-8); in Python None for the eps of double.
     workers : int, optional
         Threads, as many as there are cores unless given.
     executor : Executor, optional
@@ -223,8 +223,8 @@ def chaos_map(
         Called with the fraction done and the motions done.
     starts : array_like, shape (N, 6), or path, optional
         A start for each motion instead of the grid, p q r gamma1 gamma2 gamma3 in the scene's axes
-        and units, or a file of such rows, as for ``polhode sweep``; beside them ``vary`` has arrays
-        of the body's numbers.
+        and units, or a file of such rows, as for ``polhode sweep``; in Python ``vary`` may have
+        arrays of the body's numbers beside them.
 
     Returns
     -------

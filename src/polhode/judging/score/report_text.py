@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
@@ -12,11 +13,8 @@ from polhode.numbers.decimals import brief, in_full, shortest
 from polhode.numbers.number_types import NumberType
 
 SHOWN = 11  # times that are printed
-#: What a note says of one column, and of several.
-_OF_COLUMNS = {
-    " is not in the file": " are not in the file",
-    " is not known and was not judged": " are not known and were not judged",
-}
+#: A note of one column: its name, and what is said of it.
+_OF_COLUMN = re.compile(r"column (.*?)( is not .*| was not judged.*)", re.DOTALL)
 _SHORT = 24  # characters of a time that is printed with all its digits
 
 #: What a limit says of the digits, by its name; ``how``: its words in brackets.
@@ -79,12 +77,16 @@ def table(
 def together(notes: Sequence[str]) -> list[str]:
     """Notes that say the same of several columns as one, in the first one's place."""
     told = list(notes)
-    for one, many in _OF_COLUMNS.items():
-        same = [k for k, note in enumerate(told) if note.endswith(one)]
-        if len(same) > 1:
-            names = " ".join(told[k].removeprefix("column ").removesuffix(one) for k in same)
-            told[same[0]] = f"columns {names}{many}"
-            told = [note for k, note in enumerate(told) if k not in same[1:]]
+    found: dict[str, list[str]] = {}
+    for note in notes:
+        if match := _OF_COLUMN.fullmatch(note):
+            found.setdefault(match[2], []).append(match[1])
+    for one, names in found.items():
+        if len(names) > 1:
+            many = one.replace(" is not", " are not", 1).replace("was not", "were not", 1)
+            same = [f"column {name}{one}" for name in names]
+            told[told.index(same[0])] = f"columns {' '.join(names)}{many}"
+            told = [note for note in told if note not in same]
     return told
 
 

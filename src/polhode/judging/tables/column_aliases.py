@@ -116,6 +116,12 @@ def not_judged() -> dict[str, str]:
     }
 
 
+def are_attitude(headers: Sequence[str]) -> list[bool]:
+    """Which of headers that were left aside are a whole form of the attitude, beside another."""
+    forms = {*MATRIX, *RODRIGUES, *ROTATION_VECTOR}
+    return [one.name in forms for one in columns(headers)]
+
+
 class Column(NamedTuple):
     """The column that a header names, None where it is unknown; whether it is in degrees.
 

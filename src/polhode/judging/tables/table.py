@@ -16,7 +16,7 @@ from polhode.common.text_tables import counted, one_line
 from polhode.common.value_semantics import ByValue
 from polhode.equations.integrals import Drift, drift, drift_of_columns
 from polhode.judging.tables.attitude_forms import lengths
-from polhode.judging.tables.column_aliases import not_judged
+from polhode.judging.tables.column_aliases import are_attitude, not_judged
 from polhode.judging.tables.reading import Reading, TimeChange
 from polhode.numbers.conversion import mpf_row, to_double
 from polhode.numbers.number_types import NumberType
@@ -25,6 +25,8 @@ from polhode.numbers.scalars import Real
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ATTITUDE, COLUMNS, STATE, column_names
+
+_AGAIN = "was not judged: the quaternion is"  # of the same attitude, in another form
 
 #: The parts that may have a convention, and their columns.
 PARTS = {
@@ -185,7 +187,10 @@ def of_run(run: Trajectory) -> Table:
 def as_judged(table: Table, scene: Scene) -> Table:
     """A table with those columns alone that the scene has, and notes of the others."""
     there, unjudged = table.columns, not_judged()
-    notes = [f"column {_quoted(name)} is not known and was not judged" for name in table.ignored]
+    notes = [
+        f"column {_quoted(name)} " + (_AGAIN if is_again else "is not known and was not judged")
+        for name, is_again in zip(table.ignored, are_attitude(table.ignored), strict=True)
+    ]
     notes += [f"column {n} was not judged: {why}" for n, why in unjudged.items() if n in there]
     others = [name for name in column_names() if name not in unjudged]
     if not scene.columns[3:]:
