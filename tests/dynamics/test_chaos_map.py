@@ -249,36 +249,3 @@ def test_the_least_end_decides_and_needs_no_note():
     assert found.counts["regular"] == len(found.verdict)
     assert "too short" not in found.meaning
     assert polhode.chaos_map(slow, (2, 1), end=least * 0.999).counts["regular"] == 0
-
-
-def test_own_starts_have_the_numbers_of_the_grid_s(tmp_path, capsys):
-    grid = polhode.chaos_map(GENERIC, (3, 2), end=60, **LEVEL)
-    first = [int(np.sum(grid.cell[:k] == cell)) for k, cell in enumerate(grid.cell)]
-    rows = [[*map(float, at), k] for at, k in zip(grid.at, first, strict=True)]
-    found = polhode.chaos_map(GENERIC, end=60, starts=rows, **LEVEL)
-    assert (found.shape, found.fact("grid")) == ((), None)
-    assert found.at == pytest.approx(grid.at, abs=1e-9)
-    assert found.fli == pytest.approx(grid.fli, rel=1e-6)
-    assert found.cell.tolist() == [*range(len(rows))]
-    path, figure = tmp_path / "starts.txt", tmp_path / "x.svg"
-    path.write_text("\n".join(" ".join(map(repr, row)) for row in rows))
-    level = ["--h", str(LEVEL["h"]), "--f", str(LEVEL["f"]), "--end", "60"]
-    assert main(["map", GENERIC.name, "--starts", str(path), *level, "--json"]) == 0
-    columns = json.loads(capsys.readouterr().out)["columns"]
-    assert columns["fli"] == found.fli.tolist()
-    pytest.importorskip("matplotlib")
-    points = found.plot().collections[0].get_offsets()
-    assert np.asarray(points).tolist() == found.at.tolist()
-    with pytest.raises(polhode.BadInput, match="no grid and nothing varied"):
-        polhode.chaos_map(GENERIC, (3, 2), end=60, starts=rows)
-    assert (
-        main(["map", GENERIC.name, "--starts", str(path), "--grid", "2x2", "-o", str(figure)]) == 2
-    )
-
-
-def test_a_start_by_the_height_has_its_azimuth():
-    found = polhode.chaos_map(GENERIC, end=20, by="height", starts="scene")
-    assert found.keys == ("azimuth", "u")
-    gamma = np.array([*map(float, GENERIC.gamma)])
-    centre = np.array([*map(float, GENERIC.body.centre)])
-    assert found.at[0, 1] == pytest.approx(gamma @ centre / np.linalg.norm(centre))

@@ -38,4 +38,4 @@ def test_of_a_chaotic_motion_they_add_up_to_nothing_in_pairs(end):
 def test_of_a_regular_motion_none_grows_and_without_asking_there_are_none():
     found = polhode.lyapunov("euler/largest-axis", 2000, spectrum=True)
     assert np.abs(found.spectrum).max() < 0.005
-    assert polhode.lyapunov("euler/largest-axis", 2000).spectrum == ()
+    assert polhode.lyapunov("euler/largest-axis", 2000).spectrum is None

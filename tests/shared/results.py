@@ -51,7 +51,9 @@ MAKERS: dict[str, Callable[[], Storable]] = {
     ),
     "Section": lambda: polhode.section(TOP, starts=[[1, 0.2]], crossings=6),
     "ChaosMap": lambda: polhode.chaos_map(TOP, grid=(3, 3), end=20),
-    "ChaosMap of starts": lambda: polhode.chaos_map(TOP, starts=[[1, 0.2], [2, 0.1]], end=20),
+    "ChaosMap of starts": lambda: polhode.chaos_map(
+        TOP, starts=[[1, 0, 2, 0, 0, 1], [1, 0, 3, 0, 0, 1]], end=20
+    ),
     "Levels": lambda: polhode.levels("general/asymmetric-chaotic"),
     "Frequencies": lambda: polhode.frequencies(TOP, of=["gamma3"], end=100),
     "OrbitSearch": lambda: polhode.orbit_search("general/asymmetric-regular", (4, 4), crossings=1),

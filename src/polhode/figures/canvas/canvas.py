@@ -91,7 +91,9 @@ def over_time(
         panel.set_ylabel(label)
         if len(curves) > 1:
             panel.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
-    made[-1, 0].set(xlabel=time_label(scene), xlim=(min(t), max(t)))
+    made[-1, 0].set_xlabel(time_label(scene))
+    if min(t) < max(t):  # one time alone has a place of its own
+        made[-1, 0].set_xlim(min(t), max(t))
     figure.align_ylabels()
     return figure, made[:, 0]
 
