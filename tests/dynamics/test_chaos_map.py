@@ -85,6 +85,7 @@ def test_bodies_vary_beside_own_starts_and_a_wrong_row_is_named():
         ({"starts": [[1.0, 0.5, 2.0]]}, r"shape \(N, 6\)"),
         ({"starts": [rows[0], [1.0, 0.5, 2.0, 0.6, 0.1, 0.8]]}, "member 2|row 2"),
         ({"starts": "missing.csv"}, "missing.csv"),
+        ({"starts": np.empty((0, 6))}, "at least one start"),
     ):
         with pytest.raises(polhode.BadInput, match=words):
             polhode.chaos_map(GENERIC, end=10, **asked)

@@ -248,7 +248,8 @@ def odd_part(text: str) -> str:
     """The factors of a product that have odd powers, each once: its sign, but for even ones' zeros.
 
     What was a multiple zero of the product, because one of its factors has a power, or stands
-    there several times, is a simple one then.  The text itself where it has no such factor.
+    there several times, is a simple one then.  Numbers stay, for one may be 0.  The text
+    itself where nothing is left that varies, or all has the power one.
 
     >>> odd_part("-2*(q - 1/2)**3*gamma3**2*p*(q - 1/2)**2")
     '(-1)*(2)*(q-1/2)*(p)'
@@ -258,9 +259,19 @@ def odd_part(text: str) -> str:
     powers: dict[str, int] = {}
     for factor, power in _factors(_split(text)[:-1]):
         powers[factor] = powers.get(factor, 0) + power
-    odd = "*".join(f"({factor})" for factor, power in powers.items() if power % 2)
-    plain = all(power == 1 for power in powers.values())
-    return text if plain or not odd or len(odd) > MAX_LENGTH else odd
+    kept = [
+        f"({factor})" if power % 2 else f"({factor})**2"  # a number may be 0
+        for factor, power in powers.items()
+        if power % 2 or not _varies(factor)
+    ]
+    odd, plain = "*".join(kept), all(power == 1 for power in powers.values())
+    return text if plain or not _varies(odd) or len(odd) > MAX_LENGTH else odd
+
+
+def _varies(text: str) -> bool:
+    """Whether a name stands in an expression."""
+    known = (*FUNCTIONS, "pi")
+    return any(token[:1].isalpha() and token not in known for token in _split(text))
 
 
 def _factors(tokens: list[str]) -> Iterator[tuple[str, int]]:

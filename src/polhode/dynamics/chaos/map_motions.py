@@ -107,6 +107,8 @@ def of_varied(scene: Scene, varied: vary.Vary, foretold: Callable[[int], object]
     if len(grid.rows) > MOST_MOTIONS:
         expected = f"at most {MOST_MOTIONS}; a coarser grid"
         raise BadInput(scene.name, "vary", f"{len(grid.rows)} motions", expected)
+    if not len(grid.rows):
+        raise BadInput(scene.name, "starts", "nothing", "at least one start")
     if scene.gamma is None:
         raise BadInput(scene.name, "start.gamma", None, "a unit vector, for a map")
     foretold(len(grid.rows))

@@ -24,7 +24,7 @@ from polhode.numbers.rows import Stack
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import READY_MADE, STATE
-from polhode.taylor.events.magnitudes import size_of
+from polhode.taylor.events.magnitudes import identically_zero, size_of
 
 FINAL, LARGEST, SMALLEST, FIRST, LYAPUNOV = "final", "largest", "smallest", "first", "lyapunov"
 _EXPECTED = "final, largest X, smallest X, first EVENT or lyapunov"
@@ -75,6 +75,9 @@ def event_of(scene: Scene, name: str) -> Event:
     event = events[name]
     if event.expression is None or not size_of(scene, event).entire:
         expected = "an event with an expression, without roots and division by a variable"
+        raise BadInput(scene.name, f"keep: {FIRST}", name, expected)
+    if identically_zero(event.expression, (*scene.columns, "t")):
+        expected = f"an event that is not zero everywhere, as {event.expression} is"
         raise BadInput(scene.name, f"keep: {FIRST}", name, expected)
     return event
 
