@@ -245,14 +245,14 @@ class _Reader:
 
 
 def odd_part(text: str) -> str:
-    """The factors of a product that have odd powers, each once: its sign, but for even ones' zeros.
+    """A product with the same sign: factors of odd powers once, those of even powers squared.
 
-    What was a multiple zero of the product, because one of its factors has a power, or stands
-    there several times, is a simple one then.  Numbers stay, for one may be 0.  The text
-    itself where nothing is left that varies, or all has the power one.
+    What was a multiple zero of the product, because one of its factors has an odd power, or
+    stands there several times, is a simple one then.  Squares stay, for one may be 0 all along, or
+    not be real.  The text itself where no factor has a higher power.
 
-    >>> odd_part("-2*(q - 1/2)**3*gamma3**2*p*(q - 1/2)**2")
-    '(-1)*(2)*(q-1/2)*(p)'
+    >>> odd_part("-2*(q - 1/2)**3*gamma3**4*p*(q - 1/2)**2")
+    '(-1)*(2)*(q-1/2)*(gamma3)**2*(p)'
     >>> odd_part("p*q + 1")
     'p*q + 1'
     """
@@ -260,18 +260,11 @@ def odd_part(text: str) -> str:
     for factor, power in _factors(_split(text)[:-1]):
         powers[factor] = powers.get(factor, 0) + power
     kept = [
-        f"({factor})" if power % 2 else f"({factor})**2"  # a number may be 0
+        f"({factor})" if power % 2 else f"({factor})**2"  # which may be 0 all along
         for factor, power in powers.items()
-        if power % 2 or not _varies(factor)
     ]
-    odd, plain = "*".join(kept), all(power == 1 for power in powers.values())
-    return text if plain or not _varies(odd) or len(odd) > MAX_LENGTH else odd
-
-
-def _varies(text: str) -> bool:
-    """Whether a name stands in an expression."""
-    known = (*FUNCTIONS, "pi")
-    return any(token[:1].isalpha() and token not in known for token in _split(text))
+    odd = "*".join(kept)
+    return text if max(powers.values()) < 3 or len(odd) > MAX_LENGTH else odd
 
 
 def _factors(tokens: list[str]) -> Iterator[tuple[str, int]]:
