@@ -21,7 +21,7 @@ class Cases(Result, ByValue):
     entries: Mapping[str, catalogue.Entry]
 
     def __repr__(self) -> str:
-        return f"<{counted(len(self.entries), 'case')}>"
+        return f"<Cases: {counted(len(self.entries), 'case')}>"
 
     def table(self) -> Table:
         """A row a case; tags with blanks between."""

@@ -118,7 +118,8 @@ class KovalevskayaTop(ClosedForm[SeenMotion[Any]]):
         assert start is not None
         w = motion.row(t, attitude=False)[:3]
         x, y, z = (v / motion.speed for v in w)
-        return self._axis.arguments(start, (x, y, z), motion.speed * t / 2)
+        still = all(v.is_zero() for v in w)  # whose speed is no zero, but 1, to divide by
+        return self._axis.arguments(start, (x, y, z), arb(0) if still else motion.speed * t / 2)
 
     def repeats(self) -> arb | None:
         """The period, of w and gamma."""
