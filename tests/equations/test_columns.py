@@ -351,7 +351,7 @@ def test_one_file_and_one_row_are_all(tmp_path):
         return done.stdout
 
     assert "mrp, integrals, speed" in " ".join(says("run", "--help").split())
-    assert "`hodographs`, `speed`" in says("guide", "scene")
+    assert "`integrals`, `speed`" in says("guide", "scene")
     assert "| `speed` | `speed` | the length of omega |" in says("guide", "outputs")
     answer = json.loads(
         says("run", TOP, "--at", "1", "--outputs", "speed", "--number", "mp", "--json")
