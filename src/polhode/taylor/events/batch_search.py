@@ -10,8 +10,8 @@ they must, that is all; elsewhere the rule of runs decides about a section's lan
 (:mod:`polhode.taylor.events.decision`), and a motion is *unsure* if that finds less than there is,
 or if its first zero is asked for.  Of two multiple zeros in one step heyoka may tell neither:
 whoever asks hands over the odd part of an expression
-(:func:`polhode.numbers.expression.odd_part`), which has such zeros where a product is multiplied
-out alone.  What a lane gives does not depend on its neighbours.
+(:func:`polhode.numbers.expression.odd_part`), which has such zeros only where a factor is squared
+or a product is multiplied out.  What a lane gives does not depend on its neighbours.
 """
 
 from __future__ import annotations
