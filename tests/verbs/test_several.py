@@ -56,12 +56,12 @@ def framed(text: str) -> list[str]:
 
 def test_a_page_of_several_motions_has_each_one_s_page(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    Path("words.txt").write_text("One & two.\n\nThree <four>.\n")
+    words = "One & two.\n\nThree <four>.\n"
     polhode.integrate("lagrange/looping", at=[0, 1]).save("run.csv")
     tops = ["euler/dzhanibekov", "run.csv"]
     for top in tops:
         assert main(["view", top, "--end", "1", "-o", f"{top[:5]}.html".replace("/", "")]) == 0
-    command = ["view", *tops, "--end", "1", "--title", "A <lesson>", "--text", "words.txt"]
+    command = ["view", *tops, "--end", "1", "--title", "A <lesson>", "--text", words]
     assert main([*command, "-o", "x.html"]) == 0
     text = Path("x.html").read_text()
     assert "<h1>A &lt;lesson&gt;</h1>" in text
@@ -72,21 +72,6 @@ def test_a_page_of_several_motions_has_each_one_s_page(tmp_path, monkeypatch, ca
         alone = Path(f"{top[:5]}.html".replace("/", "")).read_text()
         made = re.compile(r"<code>polhode view [^<]*</code>")
         assert made.sub("", page) == made.sub("", alone)
-    inside = polhode.view(*tops, end=1, title="A <lesson>", text=Path("words.txt").read_text())
+    inside = polhode.view(*tops, end=1, title="A <lesson>", text=words)
     assert [len(x) for x in framed(inside.text)] == pytest.approx([len(x) for x in pages], abs=90)
     assert inside.name == "A <lesson>"
-    capsys.readouterr()
-    Path("words.txt").write_bytes(b"\xff\xfe\x00")
-    assert main([*command, "-o", "y.html"]) == 2
-    assert "words.txt: --text: expected a text in UTF-8" in capsys.readouterr().err
-    command[-1] = "Words, in place of their file"
-    assert main([*command, "-o", "y.html"]) == 2
-    assert "expected the file of a text, for --text (No such file" in capsys.readouterr().err
-    assert not Path("y.html").exists()
-
-
-def test_an_input_is_no_output(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    Path("words.html").write_text("words")
-    assert main(["view", "euler/rest", "--text", "words.html", "-o", "words.html"]) == 2
-    assert Path("words.html").read_text() == "words"

@@ -47,7 +47,16 @@ _SEVERAL = """\
 <title>{title}</title>
 <style>
 body {{ font: 1rem/1.5 system-ui, sans-serif; max-width: 72rem; margin: 0 auto; padding: 1rem }}
+@media (max-width: 47rem) {{ body {{ padding: 0 }} h1, h2, p {{ margin-inline: 1rem }} }}
 </style>
+<script>
+// each frame is as high as its page: one scrollbar for all
+addEventListener("load", ({{target}}) => {{
+  const page = target.contentDocument?.documentElement;
+  const fit = () => {{ target.style.height = `${{Math.ceil(page.getBoundingClientRect().height)}}px`; }};
+  if (page) new ResizeObserver(fit).observe(page);
+}}, true);
+</script>
 {heading}
 {words}
 {frames}
@@ -56,7 +65,12 @@ body {{ font: 1rem/1.5 system-ui, sans-serif; max-width: 72rem; margin: 0 auto; 
 
 
 def together(pages: Sequence[Page], title: str = "", text: str = "") -> Page:
-    """Pages in frames one below the other, under a title and a text in paragraphs."""
+    """Pages in frames one below the other, under a title and a text in paragraphs.
+
+    One page without title and text is itself.
+    """
+    if len(pages) == 1 and not title and not text:
+        return pages[0]
     words = [
         f"<p>{escape(part.strip())}</p>" for part in re.split(r"\n\s*\n", text) if part.strip()
     ]

@@ -129,7 +129,7 @@ def view(
     """
     every = [shown(source, MOTION, Asked(end=end)) for source in (what_of, *others)]
     pages = [Page(found.name, page_of(found, "polhode.view")) for found in every]
-    return together(pages, title, text) if others or title or text else pages[0]
+    return together(pages, title, text)
 
 
 def page_of(found: Shown, command: str) -> str:

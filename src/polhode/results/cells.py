@@ -17,14 +17,13 @@ Where there is no number the text is empty.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from decimal import Decimal
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, number_value
@@ -32,7 +31,10 @@ from polhode.numbers.decimals import decimal_string, in_full
 from polhode.numbers.exact import Irrational
 from polhode.numbers.number_types import EXTENDED, NumberType
 from polhode.numbers.rows import Doubles
-from polhode.results.table import Value, Values
+from polhode.results.table import Column, Fact, Value, Values
+
+if TYPE_CHECKING:  # what shows texts alone, as the list of cases, starts without numpy
+    import numpy as np
 
 DOUBLE, INTEGER, TRUTH, TEXT, EXACT, OBJECT = (
     *("double", "integer", "truth", "text", "exact", "object"),
@@ -57,10 +59,21 @@ def digits_word(digits: int) -> str:
     return f"{digits} digits"
 
 
+def word_of(x: Column | Fact) -> str:
+    """The word for a column's type, or a fact's that is no table: of a list that of its values."""
+    if isinstance(x, Column):
+        return type_of(x.values, x.type)
+    if isinstance(x.value, Mapping):
+        return OBJECT
+    return type_of(x.value if isinstance(x.value, (list, tuple)) else [x.value], x.type)
+
+
 def type_of(values: Values, told: str = "") -> str:
     """The word for some values, unless it is told; TypeError where they do not say it."""
     if told:
         return told
+    import numpy as np
+
     if isinstance(values, np.ndarray) and values.dtype.kind != "O":
         return _of_array(values)
     kinds = set(map(type, values)) - {type(None)}
@@ -87,6 +100,8 @@ def type_of(values: Values, told: str = "") -> str:
 
 
 def _of_array(values: np.ndarray[Any, np.dtype[Any]]) -> str:
+    import numpy as np
+
     kind = values.dtype.kind
     if kind == "f":
         return DOUBLE if values.dtype.itemsize <= 8 else bits_word(EXTENDED)
@@ -118,6 +133,8 @@ def texts(values: Values, kind: str) -> list[str]:
 
 def doubles(values: Values) -> Doubles:
     """Values of the type double as an array, nan where there is none."""
+    import numpy as np
+
     if isinstance(values, np.ndarray) and values.dtype.kind != "O":
         return values.astype(np.float64, copy=False)
     return np.array([np.nan if x is None else x for x in values], dtype=np.float64)
@@ -145,6 +162,8 @@ def wide(x: Value, digits: int) -> str:
 
 def values_of(cells: Sequence[str], kind: str) -> Any:
     """What cells stand for: an array of numbers where numpy has the type; ValueError for others."""
+    import numpy as np
+
     if kind == DOUBLE:
         return np.array([x or "nan" for x in cells], dtype=np.str_).astype(np.float64)
     if kind == INTEGER:
@@ -173,6 +192,8 @@ def json_values(values: Values, kind: str) -> list[Value]:
         word = int if kind == INTEGER else bool
         return [word(x) for x in values]
     if kind == DOUBLE:
+        import numpy as np
+
         held = doubles(values)
         listed: list[Value] = held.tolist()
         return listed if np.isfinite(held).all() else [_finite(x) for x in listed]
@@ -197,11 +218,13 @@ def plain(value: Value, depth: int = 3) -> Value:
 def _finite(x: float) -> Value:
     if x != x:
         return None
-    return x if abs(x) != np.inf else repr(x)
+    return x if abs(x) != math.inf else repr(x)
 
 
 def of_json(values: Sequence[Value], kind: str) -> Any:
     """The values of a list in JSON; ValueError where one is of another type."""
+    import numpy as np
+
     allowed = _JSON_TYPES.get(kind, (str,))
     if kind not in (INTEGER, TRUTH, TEXT):
         allowed = (*allowed, type(None))
@@ -242,6 +265,8 @@ def _binary(text: str, number: NumberType) -> Value:
     if text in _INFINITE:
         infinite = float(text)
         if number.flat:
+            import numpy as np
+
             return np.longdouble(infinite)
         from polhode.numbers.mpmath_context import mpmath, ordinary
 

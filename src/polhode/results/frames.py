@@ -9,10 +9,9 @@ import numpy as np
 
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Irrational
-from polhode.results.cells import DOUBLE, doubles
+from polhode.results.cells import DOUBLE, doubles, word_of
 from polhode.results.packages import needed
 from polhode.results.table import Column, Content, Table
-from polhode.results.writer import word_of
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -6,9 +6,8 @@ from polhode.common.text_tables import aligned
 from polhode.numbers.balls import Ball, guaranteed
 from polhode.numbers.decimals import in_full, is_decimal, strings
 from polhode.numbers.number_types import DOUBLE as DOUBLES
-from polhode.results.cells import DOUBLE, EXACT, INTEGER, TEXT, TRUTH, doubles, texts, wide
+from polhode.results.cells import DOUBLE, EXACT, INTEGER, TEXT, TRUTH, doubles, texts, wide, word_of
 from polhode.results.table import Column, Table, Value
-from polhode.results.writer import word_of
 
 
 def lines(table: Table) -> list[str]:

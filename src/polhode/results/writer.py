@@ -24,13 +24,12 @@ from polhode.results.cells import (
     DOUBLE,
     EXACT,
     INTEGER,
-    OBJECT,
     TRUTH,
     doubles,
     json_values,
     plain,
     texts,
-    type_of,
+    word_of,
 )
 from polhode.results.packages import needed
 from polhode.results.table import Column, Content, Fact, Table, Value
@@ -98,15 +97,6 @@ def document(
         "about": about,
         **({"columns": _columns(table)} if columns else {}),
     }
-
-
-def word_of(x: Column | Fact) -> str:
-    """The word for a column's type, or a fact's that is no table: of a list that of its values."""
-    if isinstance(x, Column):
-        return type_of(x.values, x.type)
-    if isinstance(x.value, Mapping):
-        return OBJECT
-    return type_of(x.value if isinstance(x.value, (list, tuple)) else [x.value], x.type)
 
 
 def _about_column(column: Column) -> dict[str, Value]:

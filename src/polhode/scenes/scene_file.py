@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -34,6 +35,11 @@ from polhode.scenes.vocabulary import (
 
 MAX_FILE = 100_000  # bytes
 MAX_LINE = 10_000  # characters: a TOML key of thousands of parts costs quadratic time
+#: What stands where TOML wants a value and is an expression, or a number with a unit.
+_NUMBER = r"\d[\d.]*(?:e[+-]?\d+)?"
+_BARE = re.compile(
+    rf"(?:^|[=\[,])\s*([+-]?(?:{_NUMBER}\s*(?:[*/]|[^\W\d_])|(?:pi|sqrt|sin|cos)\b)[^,\]}}#\"']*)"
+)
 
 
 def read(path: Path, name: str | None = None) -> Scene:
@@ -98,8 +104,18 @@ def tables(text: str, name: str = "scene") -> dict[str, Any]:
     except UNREADABLE as error:
         reason = "nested too deeply" if isinstance(error, RecursionError) else str(error)
         reason = reason.partition(";")[0]  # Python's advice on too many digits is not for here
+        _refuse_bare_expression(text, name, reason)
         raise BadInput(name, "file", None, f"TOML ({reason})") from None
     return data
+
+
+def _refuse_bare_expression(text: str, name: str, reason: str) -> None:
+    """Raise BadInput where TOML stopped at an expression without quotes, such as 1/3 or 5 cm."""
+    line = re.search(r"\(at line (\d+), column \d+\)", reason)
+    if line and (bare := _BARE.search(text.splitlines()[int(line[1]) - 1])):
+        key, value = re.match(r"\s*([\w.]+)\s*=", bare.string), bare[1].strip()
+        expected = f'it in quotes, as every expression and number with a unit: "{value}"'
+        raise BadInput(name, key[1] if key else f"line {line[1]}", value, expected)
 
 
 class _File(Reading):

@@ -56,8 +56,7 @@ def _endings(verb: Verb) -> Sequence[str]:
 def main(verb: Verb, function: options.Front, asked: Namespace) -> int:
     """Carry out a verb that is a function; the exit code."""
     from polhode.proofs.refusals import NotProved
-    from polhode.scenes import library, start_box
-    from polhode.scenes.start_box import StartBox
+    from polhode.scenes import library
     from polhode.verbs import notes
 
     given = {
@@ -72,6 +71,9 @@ def main(verb: Verb, function: options.Front, asked: Namespace) -> int:
     places.check()
     places.check_figure(vars(asked))
     if verb.scene:
+        from polhode.scenes import start_box
+        from polhode.scenes.start_box import StartBox
+
         first = function.parameters[0].name
         box = start_box.read(given[first]) if verb.is_box else StartBox(library.load(given[first]))
         scene = scene_options.applied(asked, box.scene, verb.scene)

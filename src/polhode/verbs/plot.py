@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from polhode.figures.source import Shown
 
 HELP = "a figure of a motion or a result, from a scene or a file"
-_LONGEST = 1_000_000  # bytes of the words of a page
 PAGE, FILMS, PRINTED = ".html", (".gif", ".mp4"), (".svg", ".png", ".pdf")
 
 
@@ -92,8 +91,7 @@ def make(options: Namespace, endings: tuple[str, ...]) -> int:
     from polhode.figures.source import Asked, Unreached, shown
 
     path = Path(options.file)
-    named = (*options.sources, options.scene, options.text)
-    inputs = [library.path_of(name) for name in named if name]
+    inputs = [library.path_of(name) for name in (*options.sources, options.scene) if name]
     check_writable(path, endings, inputs)
     refuse_two_on_stdout(path, options.json)
     suffix = path.suffix.lower() if path.suffix.lower() in endings else endings[0]  # a stream
@@ -141,22 +139,11 @@ def make(options: Namespace, endings: tuple[str, ...]) -> int:
 
 def _page(every: Sequence[Shown], command: str, options: Namespace) -> str:
     """The page of a motion; of several, or with words of one's own, one that has them in frames."""
-    from polhode.common.files import read_whole
     from polhode.common.html_page import Page, together
     from polhode.figures.drawing import page_of
 
     pages = [Page(one.name, page_of(one, command)) for one in every]
-    if len(pages) == 1 and options.title is None is options.text:
-        return pages[0].text
-    text = (
-        b""
-        if options.text is None
-        else read_whole(Path(options.text), _LONGEST, "the file of a text, for --text")
-    )
-    try:
-        return together(pages, options.title or "", text.decode()).text
-    except UnicodeDecodeError:
-        raise BadInput(options.text, "--text", None, "a text in UTF-8") from None
+    return together(pages, options.title or "", options.text or "").text
 
 
 def _look(options: Namespace, suffix: str) -> Look:

@@ -19,8 +19,8 @@ def options(parser: ArgumentParser) -> None:
         "-o", dest="file", type=word, required=True, metavar="FILE", help="the page: .html"
     )
     parser.add_argument("--title", metavar="TEXT", help="a heading above the motions")
-    text = "words above them: a text, with empty lines between paragraphs"
-    parser.add_argument("--text", type=word, metavar="FILE", help=text)
+    text = "words below the heading, with empty lines between paragraphs"
+    parser.add_argument("--text", metavar="TEXT", help=text)
     parser.set_defaults(what="motion", size=None, fps=None)
 
 

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import UNREADABLE, BadInput
 from polhode.common.files import npy_header, read_whole
-from polhode.results.cells import texts
+from polhode.results.cells import texts, word_of
 from polhode.results.reader import is_result
-from polhode.results.writer import word_of
 from polhode.runs.saved import load_result
 from polhode.scenes.scene import Scene
 
