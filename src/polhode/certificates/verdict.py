@@ -45,7 +45,7 @@ class Verdict(Result):
         return self.proved
 
     def table(self) -> Table:
-        """The text, a row a line."""
+        """One row per line of the text."""
         lines = self.text.splitlines()
         return Table([Column("line", [*range(1, len(lines) + 1)]), Column("statement", lines)])
 

@@ -1,1 +1,1 @@
-"""Closed forms of the solvable tops: independent evidence, one folder a family."""
+"""Closed forms of the solvable tops: independent evidence, one folder per family."""

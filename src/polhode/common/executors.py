@@ -18,7 +18,7 @@ from queue import SimpleQueue
 from typing import TypeVar, cast
 
 from polhode.common.progress import Stop
-from polhode.common.worker_processes import Crew, Died
+from polhode.common.worker_processes import WorkerDied, WorkerPool
 
 J = TypeVar("J")
 T = TypeVar("T")
@@ -32,7 +32,7 @@ def cores() -> int:
         return os.cpu_count() or 1
 
 
-def here(
+def solve_in_threads(
     solve: Callable[[J, Stop], T],
     jobs: Sequence[J],
     ready: Callable[[int, T], None],
@@ -80,25 +80,25 @@ def in_order(
                 begun(job)
             yield solve(job)
         return
-    crew = Crew()
-    pool = ThreadPoolExecutor(workers, initializer=crew.begin)
+    workers_pool = WorkerPool()
+    pool = ThreadPoolExecutor(workers, initializer=workers_pool.begin)
     try:
-        futures = [pool.submit(crew.do, solve, job) for job in jobs]
+        futures = [pool.submit(workers_pool.do, solve, job) for job in jobs]
         for job, future in zip(jobs, futures, strict=True):
             if begun is not None:
                 begun(job)
             try:
                 result = future.result()
-            except Died:
+            except WorkerDied:
                 result = solve(job)
             yield result
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
-        crew.end()
+        workers_pool.end()
         pool.shutdown()
 
 
-def elsewhere(
+def solve_in_executor(
     solve: Callable[[J], T],
     jobs: Sequence[J],
     ready: Callable[[int, T], None],

@@ -53,7 +53,7 @@ body {{ font: 1rem/1.5 system-ui, sans-serif; max-width: 72rem; margin: 0 auto; 
 // each frame is as high as its page: one scrollbar for all
 addEventListener("load", ({{target}}) => {{
   const page = target.contentDocument?.documentElement;
-  const fit = () => {{ target.style.height = `${{Math.ceil(page.getBoundingClientRect().height)}}px`; }};
+  const fit = ([seen]) => {{ target.style.height = `${{Math.ceil(seen.contentRect.height)}}px`; }};
   if (page) new ResizeObserver(fit).observe(page);
 }}, true);
 </script>

@@ -50,7 +50,7 @@ class Finished(NamedTuple, Generic[T]):
         return np.repeat([result is not None for result in self.results], self.sizes)
 
 
-def carried_out(
+def run_jobs(
     solve: Solver[J, T],
     jobs: Sequence[J],
     sizes: Sequence[int],
@@ -92,7 +92,7 @@ def carried_out(
                 done += sizes[k]
         left = [k for k in range(len(jobs)) if found[k] is None]
         if executor is not None:
-            whole, lost = executors.elsewhere(
+            whole, lost = executors.solve_in_executor(
                 solve, [jobs[k] for k in left], lambda at, result: ready(left[at], result), executor
             )
             left = [left[at] for at in lost]
@@ -109,7 +109,7 @@ def carried_out(
                 if result is not None:
                     ready(left[at], result)
 
-            whole = executors.here(_Whole(solve), waiting, handed, count) and whole
+            whole = executors.solve_in_threads(_Whole(solve), waiting, handed, count) and whole
         if kept is not None and (not whole or kept.pieces()):
             with Delay() as delay:
                 kept.write_waiting()

@@ -26,7 +26,7 @@ T = TypeVar("T")
 _HEAD = 8  # bytes that say how many follow
 
 
-class Died(Exception):
+class WorkerDied(Exception):
     """The process that had a job is not there any more."""
 
 
@@ -41,7 +41,7 @@ class Process:
         )
 
     def do(self, solve: Callable[[J], T], job: J) -> T:
-        """The result of a job, or the fault that it raised; raises Died."""
+        """The result of a job, or the fault that it raised; raises WorkerDied."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         asked = pickle.dumps((solve, job))
@@ -51,7 +51,7 @@ class Process:
         except (OSError, ValueError):  # gone, or ended by :meth:`end`
             told = None
         if told is None:
-            raise Died
+            raise WorkerDied
         fault, result = pickle.loads(told)
         if fault is not None:
             raise fault
@@ -68,7 +68,7 @@ class Process:
         self._process.wait()
 
 
-class Crew:
+class WorkerPool:
     """Processes for the threads that ask: one each, made when its thread first asks."""
 
     def __init__(self) -> None:
@@ -82,7 +82,7 @@ class Crew:
             signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
 
     def do(self, solve: Callable[[J], T], job: J) -> T:
-        """The result of a job from this thread's process; raises Died: the next job has another."""
+        """The result of a job from this thread's process; after WorkerDied the next has another."""
         process: Process | None = getattr(self._mine, "process", None)
         if process is None:
             process = self._mine.process = Process()
@@ -91,7 +91,7 @@ class Crew:
                 process.end()
         try:
             return process.do(solve, job)
-        except Died:
+        except WorkerDied:
             self._mine.process = None
             process.end()
             raise

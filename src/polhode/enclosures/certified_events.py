@@ -54,7 +54,7 @@ class CertifiedEvents(Result):
         return not self.undecided
 
     def table(self) -> Table:
-        """A row an event: its time and the state then, as balls, and the slope of the event."""
+        """One row per event: its time and the state then, as balls, and the slope of the event."""
         count = Column("event", [*range(1, len(self.times) + 1)], type=INTEGER)
         return Table([count, *_columns(self.times)])
 

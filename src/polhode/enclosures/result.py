@@ -35,7 +35,7 @@ from polhode.scenes.vocabulary import COLUMNS
 
 
 class Part(NamedTuple):
-    """Angles or quaternions as balls, a row a time; None where an angle is not known.
+    """Angles or quaternions as balls, one row per time; None where an angle is not known.
 
     ``centres``: exact midpoints, ``radii``: doubles not below the radii, as in :class:`Enclosure`.
     """

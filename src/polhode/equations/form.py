@@ -1,4 +1,4 @@
-"""Forms of the equations of motion: one file a form, each field written once for any scalar.
+"""Forms of the equations of motion: one file per form, each field written once for any scalar.
 
 A form works in axes of its own and in its own variables.  Its ``field`` and its way back to omega
 and gamma take the variables, the exact non-zero coefficients by name as the run's numbers, and the

@@ -23,7 +23,7 @@ from polhode.numbers.vectors import cross, dot
 
 
 class Hodographs(NamedTuple):
-    """Rows of omega along the body's axes and along those of space (z up), a row a time.
+    """Rows of omega along the body's axes and along those of space (z up), one row per time.
 
     Arrays for double and extended, rows of mpf above; ``space`` is formed in more precision than
     the numbers have and rounded once.

@@ -222,7 +222,7 @@ def departures(scene: Scene, states: Rows, bits: int = 53) -> dict[str, Any]:
     """Relative departures of each integral along a run, with their signs, by its name.
 
     ``states``, ``bits``: as in :func:`drift`, whose scales these have.  Each answer is an ndarray,
-    one number a row: of long doubles for a run in double, else of mpf.
+    one number per row: of long doubles for a run in double, else of mpf.
     """
     import numpy as np
 

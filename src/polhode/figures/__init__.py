@@ -1,4 +1,4 @@
-"""Figures of a motion, one file a kind; matplotlib is imported here and in the studies' figures.
+"""Figures of a motion, one file per kind; matplotlib is imported here and in the studies' figures.
 
 A figure is ``draw(pyplot, samples)``, which :func:`polhode.figures.canvas.canvas.drawn` turns into
 bytes.

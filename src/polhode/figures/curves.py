@@ -80,7 +80,7 @@ def error(plt: Any, found: Samples, axes: Any = None) -> Any:
 
 
 def integrals(plt: Any, found: Samples, axes: Any = None) -> Any:
-    """The departures of the integrals from their exact values, one panel an integral."""
+    """The departures of the integrals from their exact values, one panel per integral."""
     return _logarithmic(plt, found, DEPARTURES, axes)
 
 

@@ -70,7 +70,7 @@ def _scaled(plt: Any, known: Saved, axes: Any, what: str, cmap: str | None) -> A
 
 
 def _mesh(panel: Any, known: Saved, values: Doubles, options: dict[str, Any]) -> Any:
-    """The largest value of each cell, white where no motion is on the level; or a dot a motion.
+    """The largest value of each cell, white where no motion is on the level; or one dot per motion.
 
     A dot stands over the first two coordinates, or over the only one and the motion's number.
     """

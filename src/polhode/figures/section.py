@@ -1,4 +1,4 @@
-"""Figure of a section: every crossing a dot, an orbit a colour."""
+"""Figure of a section: one dot per crossing, one colour per orbit."""
 
 from __future__ import annotations
 

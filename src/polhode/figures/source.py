@@ -24,6 +24,7 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber
 from polhode.results import reader
 from polhode.results.result import Storable
+from polhode.runs import earlier
 from polhode.runs.problem.options import choose_number
 from polhode.runs.saved import Saved, load_result
 from polhode.runs.trajectory import Trajectory
@@ -105,8 +106,9 @@ def shown(
     name = type(source).__name__
     if isinstance(source, (str, Path)) and is_table(source):
         path, name = Path(source), str(source)
-        told = (asked.scene, asked.read, asked.columns) != (None, None, None)
-        if told or not reader.is_result(path):
+        is_described = (asked.scene, asked.read, asked.columns) != (None, None, None)
+        is_result = path.suffix.lower() == ".json" or reader.is_result(path)
+        if is_described or not is_result:
             return _of_table(path, what or usual, asked)
         source = load_result(path)
     if isinstance(source, Trajectory):
@@ -114,6 +116,11 @@ def shown(
     if isinstance(source, Storable):
         kind = catalogue.kind_of(source)
         asked.refuse(name, [*vars(asked)], "no --{}: it is for a motion")
+        if isinstance(source, Saved) and source.content().version == earlier.VERSION:
+            expected = (
+                f"a {kind} of polhode 0.3, as this one lacks what figures need; make it again"
+            )
+            raise BadInput(name, "file", None, expected)
         notes = []
         if isinstance(source, Saved) and kind == "Frequencies":
             notes.append(f"{name}: the lines alone, no spectrum: a file has no samples")

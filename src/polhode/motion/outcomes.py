@@ -119,7 +119,7 @@ _CAUSES = {
 class EventTimes(Result, ByValue):
     """The times of one event of a scene, in order of integration, and the states there.
 
-        ``times``: in the scene's unit, rounded to the run's type.  ``states``: an array as in a
+    ``times``: in the scene's unit, rounded to the run's type.  ``states``: an array as in a
     trajectory, p q r [gamma1 gamma2 gamma3] at the event itself, read-only: on the section to the
     type's precision, even if the time has no digits left for that.  ``signs``: 1 rising, -1
     falling, 0 a contact, of which rounding decides whether it has no zero, one or two; contacts
@@ -129,12 +129,12 @@ class EventTimes(Result, ByValue):
     how far from zero it is.  Where that is less than the run's error, the exact motion may have
     other events.  ``complete``: whether no crossing was lost, and no pole of the expression passed.
 
-        >>> from dataclasses import replace
-        >>> import polhode
-        >>> scene = replace(polhode.load("lagrange/nutation"), events=(polhode.Event("nutation"),))
-        >>> (found,) = polhode.integrate(scene, at=[10]).events
-        >>> len(found.times), round(float(found.times[0]), 12), found.signs[:3]
-        (6, 0.46599315847, (1, -1, 1))
+    >>> from dataclasses import replace
+    >>> import polhode
+    >>> scene = replace(polhode.load("lagrange/nutation"), events=(polhode.Event("nutation"),))
+    >>> (found,) = polhode.integrate(scene, at=[10]).events
+    >>> len(found.times), round(float(found.times[0]), 12), found.signs[:3]
+    (6, 0.46599315847, (1, -1, 1))
     """
 
     name: str
@@ -155,7 +155,7 @@ class EventTimes(Result, ByValue):
         self.states.flags.writeable = False
 
     def table(self) -> Table:
-        """A row an event."""
+        """One row per event."""
         width = self.states.shape[1]
         columns = [Column("event", [*range(1, len(self.times) + 1)], type=INTEGER)]
         return Table([*columns, *_columns(None, STATE[:width], [self], self._number)])
@@ -239,7 +239,7 @@ class Events(tuple[EventTimes, ...]):
         raise KeyError(f"{which}: expected {nearest(which, [event.name for event in self])}")
 
     def table(self, scene: Scene, number: NumberType) -> Table:
-        """A row an event, of a run of this scene in numbers of a type."""
+        """One row per event, of a run of this scene in numbers of a type."""
         names = [event.name for event in self for _ in event.times]
         counts = [k for event in self for k in range(1, len(event.times) + 1)]
         columns = [

@@ -1,8 +1,8 @@
 """Products of vectors and quaternions, written once for any scalar.
 
-Exact numbers, floats, arrays of them (a column a component), mpmath's numbers, balls and heyoka's
-expressions have in common what is needed here.  Quaternions: scalar first, of the turns from body
-to space.
+Exact numbers, floats, arrays of them (one column per component), mpmath's numbers, balls and
+heyoka's expressions have in common what is needed here.  Quaternions: scalar first, of the turns
+from body to space.
 """
 
 from __future__ import annotations

@@ -36,7 +36,7 @@ class About(Result, ByValue):
         return "\n".join(f"{name:<12} {value}" for name, value in told.items())
 
     def table(self) -> Table:
-        """A row a number type: its bits, and the digits that these hold."""
+        """One row per number type: its bits, and the digits that these hold."""
         names, bits, digits = zip(*_NUMBERS, strict=True)
         return Table([Column("number", names), Column("bits", bits), Column("digits", digits)])
 

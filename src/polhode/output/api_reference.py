@@ -56,7 +56,7 @@ def _plain(text: str) -> str:
 
 
 def _called(name: str, thing: object) -> str:
-    """How it is called, an argument a line; nothing for what is not called by its users."""
+    """How it is called, one argument per line; nothing for what is not called by its users."""
     if not inspect.isroutine(thing):
         return ""
     signature = inspect.signature(thing)

@@ -24,7 +24,7 @@ class Cases(Result, ByValue):
         return f"<Cases: {counted(len(self.entries), 'case')}>"
 
     def table(self) -> Table:
-        """A row a case; tags with blanks between."""
+        """One row per case; tags with blanks between."""
         each = self.entries.values()
         columns = {
             "scene": [*self.entries],

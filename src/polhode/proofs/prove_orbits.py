@@ -51,7 +51,7 @@ class ProvedOrbits(Result, ByValue):
         return not self.interrupted and all(isinstance(x, ProvedOrbit) for x in self.proofs)
 
     def table(self) -> Table:
-        """A row an orbit: what the search found of it, and whether it is proved."""
+        """One row per orbit: what the search found of it, and whether it is proved."""
         proved = [isinstance(x, ProvedOrbit) for x in self.proofs]
         digits = [x.digits if isinstance(x, ProvedOrbit) else None for x in self.proofs]
         causes = ["" if isinstance(x, ProvedOrbit) else str(x) for x in self.proofs]

@@ -152,7 +152,7 @@ def _doubles(values: Any, scale: float) -> Doubles:
 
 
 def _legendre(x: Doubles, count: int) -> Doubles:
-    """P_0 ... P_{count-1} at points, a row a point."""
+    """P_0 ... P_{count-1} at points, one row per point."""
     found = [np.ones_like(x), x]
     for k in range(1, count - 1):
         found.append(((2 * k + 1) * x * found[k] - k * found[k - 1]) / (k + 1))

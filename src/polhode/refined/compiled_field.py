@@ -32,7 +32,7 @@ _COMPACT_FROM = 7  # limbs from which on the kernel is compiled in heyoka's comp
 
 
 class Kernels(NamedTuple):
-    """Compiled functions; arguments and results are rows, a column a node.
+    """Compiled functions; arguments and results are rows, one column per node.
 
     ``field``: 6 L limbs of x -> 6 L limbs of H f(x); parameters 10 L, limbs of k1 ... k9 and H.
     ``push``: x, a, b -> H J(x) (a + b) (6).  ``costate``: x, Y - 1 by rows -> -H Y J(x) (36).

@@ -181,7 +181,7 @@ def _exact(column: Column) -> Column:
 
 
 def _npz(content: Content) -> bytes:
-    """An array a column; of the tables among the facts by both names, with a dot between."""
+    """One array per column; of the tables among the facts by both names, with a dot between."""
     arrays = {x.name: array(x) for x in content.table.columns}
     for fact in content.facts:
         if isinstance(fact.value, Table):

@@ -196,7 +196,7 @@ def run_of(content: Content) -> Trajectory:
     )
     if not 0 <= run.tolerance < math.inf or run.method not in ("taylor", "refined"):
         raise ValueError("no tolerance or method of a run")
-    vars(run).update(dense=_Again(run))
+    vars(run).update(dense=_Recomputed(run))
     if content.version != earlier.VERSION:  # which told them rounded
         drift = Drift(*(_gap_or_float(facts[f"drift_{name}"]) for name in Drift._fields))
         outlook = _gap_or_float(facts["digits_expected"]), _gap_or_float(facts["lost_after"])
@@ -322,7 +322,7 @@ def _finite(value: Value) -> float:
     return float(_of((int, float), value))
 
 
-class _Again:
+class _Recomputed:
     """A loaded run at any time: the run made once more when it is first asked."""
 
     def __init__(self, run: Trajectory) -> None:

@@ -133,7 +133,7 @@ def _column(rows: Given | Stack | Sequence[Sequence[Value]], k: int) -> Values:
 
 
 def varied_columns(varied: Grid, member: Indices) -> list[Column]:
-    """What is varied, a column a key: exact numbers, or those of arrays; of these members."""
+    """What is varied, one column per key: exact numbers, or those of arrays; of these members."""
     columns = []
     for key, values, repeat in zip(
         varied.keys, varied.rows.columns, varied.rows.repeats, strict=True

@@ -35,9 +35,9 @@ from polhode.studies.row_filter import Only
 #: The studies in the order of the report, each a folder of that name, with _ for -; the seconds
 #: that each takes on two processors, whole and quick.
 STUDIES = {
+    "speed": (2600, 90),
     "accuracy": (170, 30),
     "proofs": (170, 20),
-    "speed": (2600, 90),
     "stability": (130, 30),
     "long-run": (130, 30),
     "events": (35, 10),
@@ -69,7 +69,8 @@ def write_report(
     """Run the studies and write each whole as it ends, then the page of all; the paths.
 
     A study whose results in ``folder`` were made by today's code, cases and versions in the same
-    mode is kept, unless ``fresh``: a report that was interrupted goes on where it stopped.
+    mode is kept, unless ``fresh``: a report that was interrupted goes on where it stopped.  Short
+    studies are run first.
     ``foretell``: told once what is run, and for how long.
     """
     command = "polhode report" + " --quick" * quick
@@ -77,6 +78,7 @@ def write_report(
     _check(folder, STUDIES)
     check_writable(folder / PAGE)
     asked = [name for name in STUDIES if fresh or not _is_current(folder, name, quick)]
+    asked.sort(key=lambda name: STUDIES[name][quick])
     foretell(_forecast(asked, quick))
     for k, name in enumerate(asked, 1):
         counted = partial(_count, tick, f"{k} of {len(asked)}")

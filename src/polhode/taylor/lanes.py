@@ -66,6 +66,8 @@ def states(job: BatchJob, fastest: Doubles, workers: int | None = None) -> Solve
     if len(groups) == 1:
         return part(order).those(np.argsort(order))
     whole = Solved.undone(np.empty((len(order), len(job.times), job.columns)))
-    if not executors.here(part, groups, lambda k, some: whole.put(groups[k], some), workers):
+    if not executors.solve_in_threads(
+        part, groups, lambda k, some: whole.put(groups[k], some), workers
+    ):
         raise KeyboardInterrupt
     return whole

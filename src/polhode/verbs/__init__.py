@@ -1,4 +1,4 @@
-"""The verbs of the command line: one file a verb.
+"""The verbs of the command line: one file per verb.
 
 Each has ``HELP``, ``options(parser)`` for its own options, and ``main(options)``, which returns an
 exit code.

@@ -64,7 +64,7 @@ def prepare() -> None:
             stream.reconfigure(errors="backslashreplace")
 
 
-def deaf() -> None:
+def ignore_signals() -> None:
     """From now on neither Ctrl-C nor SIGTERM is heard."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)

@@ -1,4 +1,4 @@
-"""Goryachev's motions of 1899 in elliptic functions: f = 0, one orbit a body.
+"""Goryachev's motions of 1899 in elliptic functions: f = 0, one orbit per body.
 
 Mg r0 = (c, 0, 0), c > 0, A (9B - 8C) = 16 C (B - C), 2C < B < 8C/3; with D = 9B - 8C
 

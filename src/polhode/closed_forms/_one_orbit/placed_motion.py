@@ -1,4 +1,4 @@
-"""What the families with one orbit a body share: their axes, the conditions, the rows.
+"""What the families with one orbit per body share: their axes, the conditions, the rows.
 
     I w' + w x I w = Mg gamma x r0,    gamma' = gamma x w        (Yehia 3.13-3.17)
 

@@ -1,4 +1,4 @@
-"""Steklov's motions in elliptic functions: one orbit a body, the centre of mass on axis 1.
+"""Steklov's motions in elliptic functions: one orbit per body, the centre of mass on axis 1.
 
 Mg r0 = (c, 0, 0), c > 0, 2C < A < 2B, A != B.  With M = (A - B)(A - C)/(A - 2C),
 N = (A - B)(A - C)/(A - 2B), a1 = (B - C)/A and e = sgn(B - A)

@@ -29,7 +29,7 @@ import numpy.typing as npt
 from polhode.common.arguments import each
 from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.errors import BadInput
-from polhode.common.jobs import carried_out
+from polhode.common.jobs import run_jobs
 from polhode.common.memory import refuse_too_much
 from polhode.common.progress import Progress
 from polhode.common.text_tables import counted
@@ -118,7 +118,7 @@ class ChaosMap(Result, ByValue):
         return {name: int((self.verdict == k).sum()) for k, name in enumerate(VERDICTS)}
 
     def table(self) -> Table:
-        """A row a motion: where it starts, its verdict, and what that rests on."""
+        """One row per motion: where it starts, its verdict, and what that rests on."""
         import numpy as np
 
         return Table(
@@ -297,7 +297,7 @@ def chaos_map(
         for k in range(0, len(begun), LANES)
     ]
     kept = JobCheckpoint.at(parts, "map", scene.text, length, looks, tol, begun, coefficients)
-    finished = carried_out(
+    finished = run_jobs(
         tangent_batches.solve,
         jobs,
         [len(job.starts) for job in jobs],

@@ -103,7 +103,7 @@ class Frequencies(Result, ByValue):
         return f"<Frequencies of {self.name}: strongest {told or 'none'}, to t = {self.end:g}>"
 
     def table(self) -> ResultTable:
-        """A row a line, of each signal the strongest first."""
+        """One row per spectral line, of each signal the strongest first."""
         rows = [(name, k + 1, x) for name, lines in self.lines.items() for k, x in enumerate(lines)]
         lines = [line for _, _, line in rows]
         phases = [math.atan2(x.amplitude.imag, x.amplitude.real) for x in lines]

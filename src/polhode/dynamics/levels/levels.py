@@ -134,7 +134,7 @@ class Levels(Result, ByValue):
         return tuple(mark for mark in self.marks if mark.kind == permanent_rotations.CUSP)
 
     def table(self) -> Table:
-        """A row a point of a branch of permanent rotations."""
+        """One row per point of the branches of permanent rotations."""
         import numpy as np
 
         sizes = [len(curve.points) for curve in self.curves]

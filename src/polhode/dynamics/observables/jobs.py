@@ -98,7 +98,7 @@ def _of_event(
 
 
 def _turns(plan: Plan, group: npt.NDArray[np.int64]) -> Doubles | None:
-    """From principal axes to the scene's, a row a member; None where there is no turn."""
+    """From principal axes to the scene's, one row per member; None where there is no turn."""
 
     def row(scene: Scene) -> list[float]:
         return [to_double(x) for axis in scene.body.axes.rows for x in axis]
@@ -123,7 +123,7 @@ def _tangents(plan: Plan, motions: Columns, end: float) -> TangentJob:
 
 
 class Reduced(NamedTuple):
-    """What a job's members were reduced to: arrays with an entry a member."""
+    """What a job's members were reduced to: arrays with one entry per member."""
 
     endings: npt.NDArray[np.uint8]
     counts: npt.NDArray[np.int64]

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from polhode.common.arguments import steps, whole
 from polhode.common.checkpoint import JobCheckpoint
-from polhode.common.jobs import carried_out
+from polhode.common.jobs import run_jobs
 from polhode.common.progress import Progress, bar
 from polhode.common.text_tables import counted
 from polhode.dynamics.observables.jobs import Reduced, check, job_of, solve
@@ -22,7 +22,7 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Stack, kind_of
 from polhode.numbers.scalars import AnyNumber
 from polhode.results.table import Column, Fact, Table
-from polhode.runs.sweep.endings import Ended
+from polhode.runs.sweep.endings import SweepResult
 from polhode.runs.sweep.plan import planned
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
@@ -42,7 +42,7 @@ LANES = 8  # a job has a multiple of so many members
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Reductions(Ended):
+class Reductions(SweepResult):
     """Some numbers of each member of a sweep, without its states.
 
     >>> import polhode
@@ -90,7 +90,7 @@ class Reductions(Ended):
         return tuple(self.numbers)
 
     def table(self) -> Table:
-        """A row a member: what is varied, how it ended, and its numbers."""
+        """One row per member: what is varied, how it ended, and its numbers."""
         import numpy as np
 
         member, digits = np.arange(len(self)), self.number.printed_digits
@@ -212,7 +212,7 @@ def reduce_many(
     jobs = [job_of(scene, plan, which, group) for group in groups]
     key = scene.text, scene.times, which, plan.varied, plan.number, tol, plan.max_steps
     kept = JobCheckpoint.at(parts, "sweep", *key)
-    finished = carried_out(
+    finished = run_jobs(
         solve,
         jobs,
         [len(group) for group in groups],

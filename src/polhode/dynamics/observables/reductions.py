@@ -89,7 +89,7 @@ def extremes(
     columns: Sequence[str],
     kind: NumberType,
 ) -> dict[str, Any]:
-    """What is told by states (members, times, columns): arrays with a number a member, by name."""
+    """What states (members, times, columns) tell: arrays by name, one number per member."""
     found: dict[str, Any] = {}
     with np.errstate(all="ignore"):
         for what in which:

@@ -68,7 +68,7 @@ class FamilyPoint(NamedTuple):
 
 
 def points_table(scene: Scene, points: Sequence[FamilyPoint]) -> Table:
-    """A row an orbit."""
+    """One row per orbit."""
     states = [point.state for point in points]
     return Table(
         [
@@ -126,7 +126,7 @@ class OrbitFamily(Result, ByValue):
         return f"<OrbitFamily of {self.scene.name}: {orbits} along {self.by}, {self.ended}>"
 
     def table(self) -> Table:
-        """A row an orbit, from the first on."""
+        """One row per orbit, from the first on."""
         return points_table(self.scene, self.points)
 
     def facts(self) -> list[Fact]:

@@ -90,7 +90,7 @@ class OrbitSearch(Result, ByValue):
         return f"<OrbitSearch of {self.scene.name}: {orbits} from {guesses}>"
 
     def table(self) -> Table:
-        """A row an orbit, by increasing period."""
+        """One row per orbit, by increasing period."""
         return points_table(self.scene, self.orbits)
 
     def facts(self) -> list[Fact]:

@@ -45,7 +45,7 @@ def digits(
     crossings in that unit, nan past an orbit's last one.  ``slants`` (n, m): see :func:`slant`.
     ``workers``: threads.
     """
-    from polhode.common.jobs import carried_out
+    from polhode.common.jobs import run_jobs
     from polhode.taylor.variations import tangent_batches
 
     found: Doubles = np.full(times.shape, np.nan)
@@ -81,7 +81,7 @@ def digits(
             )
         )
     sizes = [len(group) for group in groups]
-    finished = carried_out(tangent_batches.solve, jobs, sizes, workers)
+    finished = run_jobs(tangent_batches.solve, jobs, sizes, workers)
     if finished.interrupted:
         raise KeyboardInterrupt
     for group, span, result in zip(groups, spans, finished.done, strict=True):

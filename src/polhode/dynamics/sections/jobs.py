@@ -82,7 +82,7 @@ def zero_of(scene: Scene, on: Ground, by: str) -> SectionZero:
     return SectionZero(odd_part(by), moments, arm, rows, 2.0**scene.time_unit)  # type: ignore[arg-type]
 
 
-def worth(jobs: int, crossings: int) -> int:
+def worker_count(jobs: int, crossings: int) -> int:
     """Processes: as many as pay, for each costs half a second to begin.
 
     Threads would not do: at every crossing they wait for each other.

@@ -16,7 +16,7 @@ from polhode.common.arguments import whole
 from polhode.common.cached_property import cached_property
 from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.errors import BadInput
-from polhode.common.jobs import carried_out
+from polhode.common.jobs import run_jobs
 from polhode.common.memory import refuse_too_much
 from polhode.common.progress import Progress
 from polhode.common.text_tables import counted
@@ -138,7 +138,7 @@ class Section(Result, ByValue):
         return not self.interrupted and bool((self.counts == self.times.shape[1]).all())
 
     def table(self) -> Table:
-        """A row a crossing: its orbit, time, coordinates, and state."""
+        """One row per crossing: its orbit, time, coordinates, and state."""
         import numpy as np
 
         there = np.arange(self.times.shape[1]) < self.counts[:, None]
@@ -215,8 +215,8 @@ def section(
     extremum : {"max", "min"}, optional
         Which extrema are crossings, max unless given.
     starts : iterable of vectors, "scene" or path, optional
-        The word "scene" for the scene's own start, or a text file of starts, one a line.  Or rows:
-        [l, L/G], or [l, L/G, k], the k-th of several by rising y, for momentum and expressions;
+        "scene" for the scene's own start, or a text file with one start per line.  Or rows: [l,
+        L/G], or [l, L/G, k], the k-th of several by rising y, for momentum and expressions;
         [gamma1, gamma2, gamma3, ±1] in the scene's axes for height.
     grid : tuple of int, optional
         Cells of both coordinates, with starts in their centres (9x8 by default).
@@ -281,11 +281,11 @@ def section(
     key = scene.text, str(asked[1:]), count, direction, found.states
     kept = JobCheckpoint.at(parts, "section", *key)
     with _refused(asked, on, kept):
-        finished = carried_out(
+        finished = run_jobs(
             batch_search.solve,
             jobs,
             [len(job.starts) for job in jobs],
-            workers or section_jobs.worth(len(jobs), count),
+            workers or section_jobs.worker_count(len(jobs), count),
             executor,
             kept,
             section_jobs.packed,

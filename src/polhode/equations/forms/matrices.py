@@ -55,7 +55,7 @@ def product(left: Matrix, right: Sequence[Sequence[Exact]]) -> list[list[Exact]]
 
 
 def turning(matrix: Matrix) -> list[list[Exact]]:
-    """x × (matrix·x), a row a component, as coefficients of the :func:`products` of x.
+    """x × (matrix·x), one row per component, as coefficients of the :func:`products` of x.
 
     The coefficients of the squares add up to zero: x2² enters as x2² - x3².
     """

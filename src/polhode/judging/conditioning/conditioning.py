@@ -171,7 +171,7 @@ class Conditioning(Result, ByValue):
         return f"kappa {self.along.note}"
 
     def table(self) -> Table:
-        """A row a time: what the motion multiplies, and the digits that this leaves."""
+        """One row per time: what the motion multiplies, and the digits that this leaves."""
         bands = self.expected()
         columns = [
             Column("t", list(self.times), "time", unit_of(self.scene, "t"), cells.EXACT),

@@ -248,7 +248,7 @@ class Judgement(Result, Scores):
         return causes(self.subject, self.reference.scene)
 
     def table(self) -> ResultTable:
-        """A row a time: the digits that are correct, and what was to be expected."""
+        """One row per time: the digits that are correct, and what was to be expected."""
         unit = unit_of(self.reference.scene, "t")
         columns = [Column("t", list(self.times), "time", unit)]
         if self.digits:

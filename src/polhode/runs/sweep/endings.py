@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 
-class Ended(Result, ByValue):
+class SweepResult(Result, ByValue):
     """Members of a sweep, each of which ended in some way.
 
     ``endings``: how, indices into :data:`polhode.motion.outcomes.OUTCOMES`.

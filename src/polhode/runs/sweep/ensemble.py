@@ -20,7 +20,7 @@ from polhode.numbers.scalars import Real
 from polhode.results.cells import DOUBLE, EXACT
 from polhode.results.shown import lines
 from polhode.results.table import Column, Fact, Table
-from polhode.runs.sweep.endings import Ended
+from polhode.runs.sweep.endings import SweepResult
 from polhode.runs.trajectory import ERROR, Trajectory
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import (
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Ensemble(Ended):
+class Ensemble(SweepResult):
     """Members of a sweep at the same output times, states in the scene's body axes.
 
     >>> import polhode
@@ -87,7 +87,7 @@ class Ensemble(Ended):
         )
 
     def __str__(self) -> str:
-        """A line a member: what is varied, how it ended, its last state."""
+        """One line per member: what is varied, how it ended, its last state."""
         import numpy as np
 
         member = np.arange(len(self))
@@ -177,7 +177,7 @@ class Ensemble(Ended):
 
     @cached_property
     def errors(self) -> tuple[tuple[float | None, ...] | None, ...]:
-        """One entry a member: of a refined one what a refined trajectory's are, else None."""
+        """One entry per member: of a refined one what a refined trajectory's are, else None."""
         return tuple(self.told.get(k) for k in range(len(self)))
 
     @cached_property
@@ -192,7 +192,7 @@ class Ensemble(Ended):
         return drifts(self.members, self.states, lambda k: self[k].drift)
 
     def table(self) -> Table:
-        """A row a member and time that it reached: what is varied, t, the state, outputs."""
+        """One row per member and time that it reached: what is varied, t, the state, outputs."""
         import numpy as np
 
         there = self.states[:, :, 0] == self.states[:, :, 0]

@@ -13,7 +13,7 @@ from polhode.common.arguments import steps, whole
 from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.errors import BadInput
 from polhode.common.interrupts import Delay
-from polhode.common.jobs import carried_out
+from polhode.common.jobs import run_jobs
 from polhode.common.progress import Progress, Stop, bar
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber
@@ -180,7 +180,7 @@ def integrate_many(
     if executor is None and jobs:
         jobs[0].prepare()
     build = time.perf_counter() - began
-    finished = carried_out(
+    finished = run_jobs(
         _solved,
         jobs,
         [len(group) for group in groups],

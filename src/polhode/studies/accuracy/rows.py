@@ -74,7 +74,7 @@ def rows(quick: bool, say: Message, wanted: Only) -> JsonObject:
 def case_rows(
     scenes: Sequence[Scene], workers: int, begun: Callable[[Scene], None] | None = None
 ) -> list[dict[str, Any]]:
-    """A row a case of the library, each made once in a process; the longest motions come first."""
+    """One row per case of the library, made once in a process; the longest motions come first."""
     asked = [scene for scene in scenes if scene.name not in _made]
     asked.sort(key=lambda scene: -scene.log10_angle)
     for row in in_order(_case, asked, workers, begun):

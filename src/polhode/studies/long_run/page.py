@@ -167,7 +167,7 @@ def _faults(far: JsonObject) -> list[JsonObject]:
 
 
 def far_table(found: JsonObject) -> PageTable:
-    """Median and largest error of every method at the far moment, a column a kind of top."""
+    """Median and largest error of every method at the far moment, one column per kind of top."""
     far = found["at"]
     rows: dict[str, JsonObject] = {}
     for method in _methods(found["tops"]):

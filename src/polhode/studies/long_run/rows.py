@@ -103,7 +103,7 @@ def rows(quick: bool, say: Message, wanted: Only) -> dict[str, Any]:
 def ensembles(
     decades: tuple[int, int], starts: int, say: Message, wanted: Only, workers: int = 2
 ) -> Iterator[dict[str, Any]]:
-    """A row a top: medians over its starts at every half decade, and exponents."""
+    """One row per top: medians over its starts at every half decade, and exponents."""
     times = half_decades(*decades)
     methods = (PLAIN, PROJECTED)
     tops = [top for top in TOPS if wanted(f"{top} growth", *FAR)]

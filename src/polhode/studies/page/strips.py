@@ -1,4 +1,4 @@
-"""Strips of dots: correct digits of many runs, a strip a group of cases, a colour a number type."""
+"""Strips of dots, correct digits of many runs: one per group, one colour per number type."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _HEIGHT = 0.3  # inches of a strip
 
 
 def svg(groups: Mapping[str, Sequence[JsonObject]]) -> str:
-    """A figure of a study's runs, those that have digits; a strip a group from the top down."""
+    """A figure of a study's runs, those that have digits; one strip per group from the top down."""
     count = max(len(groups), 1)
     with paper() as plt:
         size = WIDTH, 1.1 + _HEIGHT * count

@@ -47,7 +47,7 @@ def manifolds(drawn: JsonObject) -> str:
 
 
 def residues(tops: list[JsonObject]) -> str:
-    """A panel a top: the residue of every orbit over its period."""
+    """One panel per top: the residue of every orbit over its period."""
     lines = -(-len(tops) // _COLUMNS)
     with paper() as plt:
         size = drawing.WIDTH, 0.6 + 1.6 * lines

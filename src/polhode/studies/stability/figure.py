@@ -11,7 +11,7 @@ _WIDTH = 24  # letters of a line of a strip's name
 
 
 def svgs(found: JsonObject) -> dict[str, str]:
-    """A strip a kind of difficulty; rings have fewer digits than expected."""
+    """One strip per kind of difficulty; rings have fewer digits than expected."""
     runs = {case["case"]: case["runs"] for case in found["cases"]}
     groups = {
         fill(kind["kind"], _WIDTH): [
