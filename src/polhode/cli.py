@@ -53,7 +53,7 @@ _MEANT = {
 }
 
 #: What follows is a name, even if it looks like an option.
-_BEFORE = "-- behind the verb and its options: what follows it is a name"
+_BEFORE = "it after the verb and its options; what follows it is a name"
 
 WELCOME = f"""\
 polhode {__version__}: how a heavy rigid body moves about a fixed point, to how many correct digits.

@@ -8,10 +8,11 @@ from types import ModuleType
 from polhode.common.errors import BadInput
 
 
-def needed(package: str) -> ModuleType:
-    """A package by its name; raises BadInput where it is missing."""
+def needed(package: str, source: str = "tables") -> ModuleType:
+    """A package by its name; raises BadInput, for ``source``, where it is missing."""
     try:
         return import_module(package)
     except ImportError:
-        expected = "it to be installed: pip install 'polhode[frames]'"
-        raise BadInput("tables", package, None, expected) from None
+        name = package.partition(".")[0]
+        what = "'polhode[frames]'" if name in ("pandas", "xarray") else name
+        raise BadInput(source, name, None, f"it to be installed: pip install {what}") from None

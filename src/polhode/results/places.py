@@ -23,7 +23,7 @@ def check_place(path: Path, kind: str, inputs: Iterable[Path | None] = ()) -> No
         check_writable(place, ENDINGS, inputs)
     refuse_facts(path)
     if path.suffix.lower() == ".parquet":
-        needed("pyarrow")
+        needed("pyarrow", str(path))
     if is_stream(path):
         return
     for place in places:

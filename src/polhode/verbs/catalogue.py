@@ -106,7 +106,7 @@ ROWS = (
     ),
     Verb(
         *("sweep", "polhode.verbs.sweep", "sweep", "Ensemble"),
-        "many tops at once: numbers of a scene varied; not projected, not checked",
+        "many tops at once, with varied numbers; not projected, not checked",
         scene=(TIMES,),
         figure_options={"--cmap": _CMAP, **_TITLE},
         counts="members",
@@ -147,7 +147,7 @@ ROWS = (
     ),
     Verb(
         *("verify", "polhode.certificates.verdict", "verify", "Verdict"),
-        "check a proof's certificate by code of its own",
+        "check a proof's certificate, by a program of its own",
         figure_options=None,
     ),
     Verb(

@@ -51,13 +51,12 @@ def judged(
     columns : sequence of str, optional
         The file's columns in order, t,qw,qx,..., or some of them, 'time_ms=t*1e-3, Q.W=q0'.
     at_least : float, optional
-        Judge the table as it stands, unless --read names its conventions, with exit code 3 if any
-        part has fewer correct digits at any time, 2 if a number is missing.
+        Fail (exit code 3) if any value has fewer correct digits than this, 2 if one is missing; the
+        table is then read as it stands, or as --read says.
     max_seconds : float, optional
         A limit in seconds on the proof that judges where there is no closed form.
     details : bool
-        Print all that is known: digits at more times beside those to expect, the kind of motion,
-        drift.
+        Print everything known: digits at more times and those to expect, the kind of motion, drift.
     line : ProgressLine
         Where progress is shown.
     """

@@ -48,7 +48,7 @@ def _add_times(parser: ArgumentParser) -> None:
         "--samples",
         type=whole,
         metavar="N",
-        help="so many times from 0 to the end, both included (as many as the scene's)",
+        help="N evenly spaced times from 0 to the end, both included (as many as the scene's)",
     )
     spacing.add_argument(
         "--every", metavar="DT", help="the times 0, DT, 2 DT, ... that are not beyond the end"

@@ -37,10 +37,10 @@ def sweep(
     scene : Scene
         A case that ships, or a path.
     vary : list of str, optional
-        A number of the scene file, such as start.omega[1] or body.weight, and N values for it
-        evenly spaced, or KEY=a,b,c; given several times for every combination.
+        A number of the scene file, such as start.omega[1] or body.weight, and N evenly spaced
+        values of it, or KEY=a,b,c; may be repeated, for every combination.
     starts : str or Path, optional
-        A start for each member instead, p q r gamma1 gamma2 gamma3 in the rows of a file.
+        A file with one start per row instead, p q r gamma1 gamma2 gamma3.
     keep : list of str, optional
         Numbers of each member instead of its states, among final, 'largest X', 'smallest X' (X an
         expression in the columns, t, theta, over the output times), 'first EVENT', lyapunov; may be
@@ -48,7 +48,7 @@ def sweep(
     number : str, optional
         The number type, double (default), extended, quad or mp.
     digits : int, optional
-        Digits wanted, which choose the number type by the fastest member and are not checked.
+        Choose the number type for this many digits of the fastest member (not checked).
     tol : number, optional
         The tolerance of a step (the type's eps by default).
     max_steps : int, optional

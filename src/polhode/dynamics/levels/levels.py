@@ -227,7 +227,7 @@ class Levels(Result, ByValue):
             raise BadInput(self.scene.name, "f", shown(given), expected) from None
 
     def columns(self, first: float, last: float, count: int = COLUMNS) -> list[Column]:
-        """The regions at so many f, evenly spaced; none in a column where they are not decided."""
+        """The regions at ``count`` evenly spaced f; none in a column where they are not decided."""
         body = RationalBody.of(self.scene.body)
         for end in (first, last):
             refuse_far(self.scene.name, "f", body, Fraction(end))

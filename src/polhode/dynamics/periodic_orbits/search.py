@@ -105,7 +105,7 @@ class OrbitSearch(Result, ByValue):
         ]
 
     def orbit(self, k: int, digits: int = DIGITS) -> Orbit:
-        """The k-th orbit to so many digits."""
+        """The k-th orbit to ``digits`` digits."""
         known = self.closed[k]
         anchor = [exactly(x) for x in known.state.tolist()]
         return completed(self.surface, known, anchor, digits, self.scene.name, 0.0)

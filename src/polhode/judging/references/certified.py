@@ -93,9 +93,9 @@ class Certified(Storable):
         self.proof.save(path)
 
     def at(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
-        """Rows p q r [gamma1 gamma2 gamma3] as mpf, proven to so many digits.
+        """Rows p q r [gamma1 gamma2 gamma3] as mpf, proven to ``digits`` digits.
 
-        Raises BadInput where so many cannot be proven.
+        Raises BadInput where that many cannot be proven.
         """
         found = self.enclosure(times, digits)
         self._states_asked = True
@@ -137,14 +137,14 @@ class Certified(Storable):
         return found
 
     def attitude(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
-        """Rows q0 q1 q2 q3 as mpf, the quaternion body to space, proven to so many digits."""
+        """Rows q0 q1 q2 q3 as mpf, the quaternion body to space, proven to ``digits`` digits."""
         found = self._with("attitude", times, digits)
         assert found.attitude is not None
         rows = found.attitude.midpoints(found.noise + 128)
         return [[x for x in row if x is not None] for row in rows]  # an attitude has no gaps
 
     def angles(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real | None]]:
-        """Rows psi theta phi in radians, continuous, proven to so many digits.
+        """Rows psi theta phi in radians, continuous, proven to ``digits`` digits.
 
         psi and phi are None at a start at a pole, and at all times where the third axis stays
         vertical.  Raises BadInput where a motion passes so close to a pole that it is not proven on

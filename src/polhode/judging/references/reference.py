@@ -78,7 +78,7 @@ class Reference(Storable):
         return tabulated(self).content()
 
     def at(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
-        """Rows p q r [gamma1 gamma2 gamma3] as mpf, right to so many digits.
+        """Rows p q r [gamma1 gamma2 gamma3] as mpf, right to ``digits`` digits.
 
         ``times``: ints, Fractions, floats, mpf or decimal strings, taken exactly.
         """
@@ -123,12 +123,12 @@ class Reference(Storable):
     ) -> list[list[Real | None]]:
         """Rows of an output by its word, such as "angles"; of hodographs omega in space.
 
-        What is derived is the same formula as a run's, of rows right to so many digits.
+        What is derived is the same formula as a run's, of rows right to ``digits`` digits.
         """
         return column_of(partial(getattr, self), self.scene, word, times, digits)
 
     def hodographs(self, times: Iterable[AnyNumber], digits: int = 50) -> Hodographs:
-        """Rows of omega in the body and in space, right to so many digits of the largest |w|."""
+        """Rows of omega in the body and in space, right to ``digits`` digits of the largest |w|."""
         times = _times(self.scene, times)
         rows, attitude = self.at(times, digits), self.attitude(times, digits + 1)
         return hodographs(rows, attitude, number_types.mp(digits + 1))

@@ -47,7 +47,7 @@ class _Answers(Protocol):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ReferenceTable(Result, ByValue):
-    """A reference at given times, each number to so many correct digits of its own.
+    """A reference at given times, each number to as many correct digits as were asked for.
 
     ``scene``: with these times and outputs.  ``kind``: which closed form; ``regime``: the kind of
     motion.  ``times``: decimals as they were asked for, others rounded where no digit notices.

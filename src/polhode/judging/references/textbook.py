@@ -74,7 +74,7 @@ class Textbook(Storable):
         return tabulated(Textbook(replace(self.scene, outputs=()))).content()
 
     def at(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
-        """Rows p q r [gamma1 gamma2 gamma3] as mpf, to so many digits that repeat themselves.
+        """Rows p q r [gamma1 gamma2 gamma3] as mpf, to ``digits`` digits that repeat themselves.
 
         ``times``: ints, Fractions, floats, mpf or decimal strings, taken exactly.
         """

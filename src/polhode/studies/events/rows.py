@@ -236,7 +236,7 @@ _MAKERS: dict[str, Callable[..., dict[str, Any]]] = {
 
 
 def _cost(name: str, repeats: int) -> dict[str, Any]:
-    """Microseconds a step with none, one and three events: the least of many, interleaved."""
+    """Microseconds a step with none, one and three events: the minimum of many, interleaved."""
     scene = library.load(COSTED).at((Fraction(COST_ENDS[name]),))
     scenes = [_watching(scene, *COST_EVENTS[:n]) for n in (0, 1, 3)]
     seconds = [math.inf] * len(scenes)
