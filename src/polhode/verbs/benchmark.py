@@ -3,24 +3,16 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
-from pathlib import Path
 
-from polhode.verbs.options import folder, word
-from polhode.verbs.terminal import DONE, ProgressLine, note, print_json, say
+from polhode.verbs.options import add_folder, word
+from polhode.verbs.terminal import DONE, ProgressLine, note, say_written
 
 HELP = "the heavy top benchmark: certified values, certificates, checkers in other languages"
 
 
 def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
-    parser.add_argument(
-        "-o",
-        dest="folder",
-        type=folder,
-        metavar="DIR",
-        default="reports/benchmark",
-        help="folder (reports/benchmark)",
-    )
+    add_folder(parser, "reports/benchmark")
     parser.add_argument(
         "--only",
         type=word,
@@ -39,9 +31,6 @@ def main(options: Namespace) -> int:
     if not options.only:
         note(f"polhode: {len(TOPS)} tops, about {SECONDS * len(TOPS) / 60:.0f} minutes")
     with ProgressLine("benchmark") as progress:
-        written = write_benchmark(Path(options.folder), options.only, progress.say)
-    if options.json:
-        print_json({"written": [str(path) for path in written]})
-    else:
-        say("\n".join(str(path) for path in written))
+        written = write_benchmark(options.folder, options.only, progress.say)
+    say_written(written, options.json)
     return DONE

@@ -116,11 +116,19 @@ def word(text: str) -> str:
     return text
 
 
-def folder(text: str) -> str:
-    """An option that names a folder."""
+def folder(text: str) -> Path:
+    """The folder that an option names."""
     if not text:
         raise ArgumentTypeError("a folder's name; . is the current one")
-    return text
+    return Path(text)
+
+
+def add_folder(parser: ArgumentParser, usual: str) -> None:
+    """The option of the folder that a verb writes to."""
+    told = f"folder ({usual})"
+    parser.add_argument(
+        "-o", dest="folder", type=folder, metavar="DIR", default=Path(usual), help=told
+    )
 
 
 def names(text: str) -> list[str]:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
-from pathlib import Path
 
-from polhode.verbs.options import folder
-from polhode.verbs.terminal import DONE, ProgressLine, print_json, say
+from polhode.verbs.options import add_folder
+from polhode.verbs.terminal import DONE, ProgressLine, print_json, say, say_written
 
 HELP = "run one study and write it"
 
@@ -22,9 +21,7 @@ def options(parser: ArgumentParser) -> None:
         default=[],
         help="only rows with TEXT in their names (may be repeated); printed, nothing is written",
     )
-    parser.add_argument(
-        "-o", dest="folder", type=folder, metavar="DIR", default="reports", help="folder (reports)"
-    )
+    add_folder(parser, "reports")
 
 
 def main(options: Namespace) -> int:
@@ -39,11 +36,10 @@ def main(options: Namespace) -> int:
         else:
             say(tables.rstrip())
         return DONE
-    place = Path(options.folder)
     with ProgressLine("study") as progress:
-        written = report.write_study(options.name, place, options.quick, progress.say)
+        written = report.write_study(options.name, options.folder, options.quick, progress.say)
     if options.json:
-        print_json(report.results(place, options.name))
+        print_json(report.results(options.folder, options.name))
     else:
-        say("\n".join(str(path) for path in written))
+        say_written(written, json=False)
     return DONE

@@ -9,7 +9,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -100,6 +100,15 @@ def print_json(value: Any) -> None:
     from polhode.common.json_text import as_json
 
     write_stdout(as_json(value))
+
+
+def say_written(paths: Sequence[Path], json: bool) -> None:
+    """The files that a verb wrote."""
+    names = list(map(str, paths))
+    if json:
+        print_json({"written": names})
+    else:
+        say("\n".join(names))
 
 
 def note(text: str) -> None:

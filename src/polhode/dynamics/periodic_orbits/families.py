@@ -154,7 +154,7 @@ class OrbitFamily(Result, ByValue):
         return not self.interrupted and not self.ended.startswith(LOST)
 
     def orbit(self, k: int, digits: int = DIGITS) -> Orbit:
-        """The k-th point's orbit to ``digits`` digits, on exactly the level that its doubles name."""
+        """The k-th point's orbit to ``digits`` digits, on exactly the level of its doubles."""
         point = self.points[k]
         levels = self.surface.h, self.surface.f
         given: list[Exact] = [exactly(point.h), exactly(point.f)]

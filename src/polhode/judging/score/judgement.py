@@ -22,6 +22,7 @@ from polhode.judging.diagnosis.error_budget import (
     selected,
     time_rounding,
 )
+from polhode.judging.diagnosis.other_start import other_start
 from polhode.judging.score.expectation import FOLLOWED, Expectation
 from polhode.judging.score.report_text import (
     BY_CHANCE,
@@ -338,7 +339,8 @@ class Judgement(Result, Scores):
         """The verdict: the digits at a few times, the fewest of all, what makes them more."""
         if not self.digits and not self._others:
             return "\n".join([NOTHING, *self._unread])
-        return "\n".join([*self._digits(self._worst.row), self.verdict, *self._why, *self._unread])
+        lines = [*self._digits(self._worst.row), self.verdict, *self._why, *self._unread]
+        return "\n".join([*self._other_start, *lines])
 
     def details(self) -> str:
         """All that is known, in words.
@@ -368,7 +370,16 @@ class Judgement(Result, Scores):
             lines.append(f"drift {self.drift}")
         if self.subject.projected and self.subject.run is not None:
             lines.append(f"projected {self.subject.run.projection}")
-        return "\n".join([*lines, *self._unread])
+        return "\n".join([*self._other_start, *lines, *self._unread])
+
+    @cached_property
+    def _other_start(self) -> list[str]:
+        """That a table of which nothing is right begins elsewhere, which is to be said first."""
+        subject = self.subject
+        if subject.run is not None or not self.digits or self.state_worst >= LAST:
+            return []
+        told = "" if self.readings or self.causes else other_start(subject, self.reference.scene)
+        return [f"{subject.name}: {told}"] if told else []
 
     def _digits(self, worst: int | None) -> list[str]:
         """The table of the digits, see :func:`polhode.judging.score.report_text.table`."""

@@ -1,0 +1,50 @@
+"""That a table begins with another state than the scene, and with which case's, in words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from polhode.judging.tables.reading import WRONG
+from polhode.judging.tables.table import Table
+from polhode.numbers.conversion import to_double
+from polhode.scenes import library
+from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import STATE
+
+_ALIKE = 6.0  # digits of a start that is a case's
+_SHOWN = 2  # cases
+
+
+def other_start(subject: Table, scene: Scene) -> str:
+    """That a table's row at t = 0 is not the scene's start; empty where it is, or there is none."""
+    row = _start_of(subject)
+    off = {name: digits for name, digits in _digits(row, scene).items() if digits < WRONG}
+    if not off:
+        return ""
+    own = dict(zip(scene.columns, map(to_double, scene.start), strict=True))
+    theirs = ", ".join(f"{name} = {row[name]:.6g}" for name in off)
+    right = ", ".join(f"{name} = {own[name]:.6g}" for name in off)
+    cases = (library.load(name) for name in library.names())
+    alike = [case.name for case in cases if min(_digits(row, case).values()) >= _ALIKE]
+    whose = f"; {' and '.join(alike[:_SHOWN])} begin{'s' * (len(alike) == 1)} so" * bool(alike)
+    return f"at t = 0 it has {theirs}, where {scene.name} has {right}{whose}"
+
+
+def _start_of(subject: Table) -> Mapping[str, float]:
+    """The numbers of the state at t = 0, as far as they are there."""
+    if 0 not in subject.times:
+        return {}
+    place = subject.times.index(0)
+    cells = {name: subject.columns[name][place] for name in subject.state}
+    return {name: float(x) for name, x in cells.items() if x is not None}
+
+
+def _digits(row: Mapping[str, float], scene: Scene) -> Mapping[str, float]:
+    """To how many digits each number is that of a scene's start; 0 where the scene has none."""
+    start = dict(zip(scene.columns, map(to_double, scene.start), strict=True))
+    size = math.hypot(*(start[name] for name in STATE[:3])) or 1.0
+    off = {name: abs(x - start.get(name, math.inf)) for name, x in row.items()}
+    for name in {*STATE[:3]} & off.keys():
+        off[name] /= size
+    return {name: -math.log10(x) if x else math.inf for name, x in off.items()}
