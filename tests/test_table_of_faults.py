@@ -230,6 +230,28 @@ def test_a_table_of_many_right_digits_is_given_them_all(tmp_path):
     assert 405 < polhode.compare(file, exact).worst < 413
 
 
+@pytest.mark.parametrize(
+    ("scene", "words"),
+    [
+        ("lagrange/nutation", "where lagrange/nutation has p = 0.16, q = 0.3, r = 4.1"),
+        ("euler/largest-axis", "where euler/largest-axis has"),
+        ("lagrange/looping", ""),
+    ],
+)
+def test_a_right_table_of_another_scene_is_told_first(scene, words):
+    """It had its digits, all 0, and only then that it was wrong in the first one."""
+    run = polhode.integrate("lagrange/looping", at=[0, 1, 2, 3])
+    told = {"t": run.t, **{name: run.states[:, k] for k, name in enumerate(run.columns)}}
+    first, *_ = str(polhode.compare(told, scene)).splitlines()
+    assert words in first
+    assert ("lagrange/looping" in first) == ("begin" in first) == bool(words)
+
+
+def test_a_table_that_begins_right_is_of_no_other_scene():
+    rows = [[0.16, 0.3, 4.1, 0.8, 0, 0.6], [4, 4, 4, 0, 0, 1]]
+    assert "begin" not in str(polhode.compare(rows, "lagrange/nutation", at=[0, 1]))
+
+
 def test_a_drift_beyond_doubles_is_said_in_words(tmp_path):
     file = tmp_path / "huge.csv"
     file.write_text("t,p,q,r,gamma1,gamma2,gamma3\n1,1e400,0,0,0,0,1\n")

@@ -84,6 +84,21 @@ def test_the_command_says_a_word_and_events_are_refused(tmp_path, capsys, monkey
         polhode.load_result("events.json")
 
 
+def test_a_run_is_shown_and_of_others_a_figure_is_refused(tmp_path, capsys, monkeypatch) -> None:
+    """A page asked for --scene, a figure blamed a column or a fact."""
+    pytest.importorskip("matplotlib")
+    monkeypatch.chdir(tmp_path)
+    for name in ("run", "map", "levels", "section", "orbit"):
+        loaded(name, tmp_path)
+    assert main(["view", "run.json", "--end", "1", "-o", "run.html"]) == 0
+    assert main(["plot", "run.json", "--end", "1", "-o", "run.svg"]) == 0
+    capsys.readouterr()
+    for name, kind in (("map", "ChaosMap"), ("levels", "Levels"), ("section", "Section")):
+        assert main(["plot", f"{name}.json", "-o", "x.svg"]) == 2
+        assert f"expected a {kind} of polhode 0.3" in capsys.readouterr().err
+    assert not Path("x.svg").exists()
+
+
 @pytest.mark.parametrize("change", ["a state", "a sum", "a class", "no result"])
 def test_one_that_was_changed_is_refused(change: str, tmp_path: Path) -> None:
     path = tmp_path / "run.json"

@@ -93,6 +93,28 @@ NUMBERS = [
 ]
 
 
+#: Lines of a file whose value is an expression without quotes: what is said of it.
+BARE = [
+    ("omega = [1/3, 0, 0]", 'omega = 1/3: expected it in quotes, as every expression'),
+    ("omega = [0, sqrt(2)/2, 1]", 'omega = sqrt(2)/2: ; with a unit: "sqrt(2)/2"'),
+    ("omega = [\n1e-3/2,\n0, 1]", 'line 2 = 1e-3/2: ; "1e-3/2"'),
+    ("angles = [0, -pi/6, 0] # x", 'angles = -pi/6: ; "-pi/6"'),
+    ("angles = [30 deg, 0, 0]", 'angles = 30 deg: ; "30 deg"'),
+    ("end = 10 s", 'end = 10 s: ; "10 s"'),
+    ("omega = [0 0 1]", "file: expected TOML (Unclosed array"),
+    ("omega = [1, 0, 0", "file: expected TOML (Unclosed array"),
+    ("end = 1 # [1/3]\nend = = 1", "file: expected TOML (Invalid value (at line 3"),
+]
+
+
+@pytest.mark.parametrize(("line", "words"), BARE)
+def test_an_expression_without_quotes_is_named(line, words):
+    """An unclosed array, it said."""
+    with pytest.raises(BadInput) as fault:
+        scene_file.parse(f"[start]\n{line}\n", "x.toml")
+    assert all(word in line_of(fault) for word in f"x.toml; {words}".split("; "))
+
+
 def line_of(fault) -> str:
     line = str(fault.value)
     assert line.isprintable()

@@ -14,7 +14,7 @@ from polhode.figures.canvas import canvas
 from polhode.figures.canvas.curve_sampling import Samples
 from polhode.figures.explanations import explained
 from polhode.figures.sampled_motion import ANOTHER, of_samples
-from polhode.figures.source import MOTION, Asked, Shown, Source, shown
+from polhode.figures.source import MOTION, Drawing, Request, Source, drawing_of
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers.scalars import AnyNumber
 from polhode.scenes.vocabulary import Several, Single
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
     from matplotlib.axes import Axes
 
-_ASKED = [x.name for x in fields(Asked)]
+_REQUEST = [x.name for x in fields(Request)]
 
 
 @overload
@@ -78,10 +78,10 @@ def plot(
     """
     plt = canvas.pyplot(own=False)
     drawn: dict[str, Any] = dict(options)
-    asked = {name: drawn.pop(name) for name in _ASKED if name in options}
+    request = {name: drawn.pop(name) for name in _REQUEST if name in options}
     usual = "omega" if hasattr(ax, "plot") else "angles"
-    found = shown(what_of, what, Asked(**asked), usual=usual)
-    figure = catalogue.draw(plt, found.found, ax, found.what, **drawn)
+    drawing = drawing_of(what_of, what, Request(**request), usual=usual)
+    figure = catalogue.draw(plt, drawing.subject, ax, drawing.what, **drawn)
     made = catalogue.own_panels(figure) if ax is None else ax
     several: npt.NDArray[np.object_] = np.ravel(np.asarray(made, dtype=object))
     if len(several) != 1:
@@ -127,28 +127,28 @@ def view(
     >>> import polhode
     >>> polhode.view("euler/largest-axis").save("motion.html")  # doctest: +SKIP
     """
-    every = [shown(source, MOTION, Asked(end=end)) for source in (what_of, *others)]
-    pages = [Page(found.name, page_of(found, "polhode.view")) for found in every]
+    every = [drawing_of(source, MOTION, Request(end=end)) for source in (what_of, *others)]
+    pages = [Page(drawing.name, page_of(drawing, "polhode.view")) for drawing in every]
     return together(pages, title, text)
 
 
-def page_of(found: Shown, command: str) -> str:
+def page_of(drawing: Drawing, command: str) -> str:
     """The page of a motion in columns, a run's or a file's."""
-    motion = of_samples(samples_of(found))
+    motion = of_samples(samples_of(drawing))
     scene = motion.scene
     origin = "Attitude and omega by heyoka's Taylor method, in double."
-    if found.measured:
+    if drawing.measured:
         origin = "Attitude and omega as the file has them."
-    known = reference_of(replace(scene, reference="auto"))
-    title, regime = scene.title or scene.name, known.regime
-    words = explained(known.kind, regime, scene)
-    if found.measured and not motion.on_level():
+    reference = reference_of(replace(scene, reference="auto"))
+    title, regime = scene.title or scene.name, reference.regime
+    words = explained(reference.kind, regime, scene)
+    if drawing.measured and not motion.on_level():
         words = regime = ANOTHER
     return motion_page.page(motion, title, regime, words, origin, command)
 
 
-def samples_of(found: Shown) -> Samples:
+def samples_of(drawing: Drawing) -> Samples:
     """The samples of a motion that is shown; raises BadInput where that is none."""
-    if not isinstance(found.found, Samples):
-        raise BadInput(found.name, "--what", MOTION, "a scene, a run, or a table of a motion")
-    return found.found
+    if not isinstance(drawing.subject, Samples):
+        raise BadInput(drawing.name, "--what", MOTION, "a scene, a run, or a table of a motion")
+    return drawing.subject

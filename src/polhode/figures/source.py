@@ -56,7 +56,7 @@ class Unreached(BadInput):
 
 
 @dataclass(frozen=True)
-class Asked:
+class Request:
     """How a motion is drawn, where that was said.
 
     ``end``: the last time.  ``number``, ``digits``: the type of the run's numbers.  ``scene``,
@@ -77,26 +77,26 @@ class Asked:
                 raise BadInput(source, f"--{name}", value, expected.format(name))
 
 
-class Shown(NamedTuple):
-    """What is drawn: a result, or samples of a motion, and as what.
+class Drawing(NamedTuple):
+    """What is drawn, ``subject``: a result, or samples of a motion; and as what.
 
     ``notes``: what is to be said of it.  ``measured``: whether the samples are a file's.
     """
 
-    found: Storable | Samples
+    subject: Storable | Samples
     what: str
     name: str
     notes: tuple[str, ...] = ()
     measured: bool = False
 
 
-def shown(
+def drawing_of(
     source: Source,
     what: str | None,
-    asked: Asked,
+    request: Request,
     progress: Progress | None = None,
     usual: str = "angles",
-) -> Shown:
+) -> Drawing:
     """What is drawn of a source; ``what``: one of its figures, unless given its default.
 
     A run is integrated anew at as many times as curves need; a table of another program is drawn
@@ -106,16 +106,16 @@ def shown(
     name = type(source).__name__
     if isinstance(source, (str, Path)) and is_table(source):
         path, name = Path(source), str(source)
-        is_described = (asked.scene, asked.read, asked.columns) != (None, None, None)
+        is_described = (request.scene, request.read, request.columns) != (None, None, None)
         is_result = path.suffix.lower() == ".json" or reader.is_result(path)
         if is_described or not is_result:
-            return _of_table(path, what or usual, asked)
+            return _of_table(path, what or usual, request)
         source = load_result(path)
     if isinstance(source, Trajectory):
-        return _of_scene(source.scene, what or usual, asked, source.number, progress)
+        return _of_scene(source.scene, what or usual, request, source.number, progress)
     if isinstance(source, Storable):
         kind = catalogue.kind_of(source)
-        asked.refuse(name, [*vars(asked)], "no --{}: it is for a motion")
+        request.refuse(name, [*vars(request)], "no --{}: it is for a motion")
         if isinstance(source, Saved) and source.content().version == earlier.VERSION:
             expected = (
                 f"a {kind} of polhode 0.3, as this one lacks what figures need; make it again"
@@ -124,9 +124,9 @@ def shown(
         notes = []
         if isinstance(source, Saved) and kind == "Frequencies":
             notes.append(f"{name}: the lines alone, no spectrum: a file has no samples")
-        return Shown(source, catalogue.chosen(kind, what, name), name, tuple(notes))
+        return Drawing(source, catalogue.chosen(kind, what, name), name, tuple(notes))
     scene = library.load(source)
-    return _of_scene(scene, what or usual, asked, None, progress)
+    return _of_scene(scene, what or usual, request, None, progress)
 
 
 def _check(what: str, source: str) -> None:
@@ -141,30 +141,30 @@ def _check(what: str, source: str) -> None:
 def _of_scene(
     scene: Scene,
     what: str,
-    asked: Asked,
+    request: Request,
     number: NumberType | None,
     progress: Progress | None,
-) -> Shown:
+) -> Drawing:
     """A scene's motion, integrated at even times."""
     _check(what, scene.name)
-    asked.refuse(scene.name, ("scene", "read", "columns"), "no --{}: it is for a FILE")
+    request.refuse(scene.name, ("scene", "read", "columns"), "no --{}: it is for a FILE")
     if what not in FREE_OF_GAMMA and scene.gamma is None:
         raise BadInput(scene.name, "--what", what, "a scene with start.gamma")
-    end = None if asked.end is None else _time(scene, asked.end)
+    end = None if request.end is None else _time(scene, request.end)
     long = what in OVER_TIME
     times = curve_sampling.shown_times(scene, end, departures.SAMPLES if long else None)
     reference = reference_of(scene) if what == "error" else None
-    found = curve_sampling.run(
+    run = curve_sampling.run(
         scene,
         times,
         OUTPUTS.get(what, ()),
-        asked.number or (number if asked.digits is None else None),
-        asked.digits,
+        request.number or (number if request.digits is None else None),
+        request.digits,
         progress,
         project=False if what == "integrals" else None,
     )
-    if not found.outcome.done:
-        expected = f"an earlier end: {found.outcome.cause}; {found.outcome.advice}"
+    if not run.outcome.done:
+        expected = f"an earlier end: {run.outcome.cause}; {run.outcome.advice}"
         raise Unreached(scene.name, "end", brief(times[-1]), expected)
     notes = []
     if what == "integrals":
@@ -180,12 +180,12 @@ def _of_scene(
         told = f"{apart:.2g} radians between two samples: a shorter --end draws curves"
         notes.append(f"{scene.name}: {told}")
     if reference is not None:
-        samples = departures.errors(of_run(found), reference, found.number)
+        samples = departures.errors(of_run(run), reference, run.number)
     elif long:
-        samples = departures.departures(of_run(found), scene, found.number)
+        samples = departures.departures(of_run(run), scene, run.number)
     else:
-        samples = curve_sampling.of_run(found)
-    return Shown(samples, what, scene.name, tuple(notes))
+        samples = curve_sampling.of_run(run)
+    return Drawing(samples, what, scene.name, tuple(notes))
 
 
 def _time(scene: Scene, end: AnyNumber) -> Exact:
@@ -195,65 +195,65 @@ def _time(scene: Scene, end: AnyNumber) -> Exact:
         raise BadInput(scene.name, "--end", end, f"a time ({fault})") from None
 
 
-def _of_table(path: Path, what: str, asked: Asked) -> Shown:
+def _of_table(path: Path, what: str, request: Request) -> Drawing:
     """A table as it is."""
     source = str(path)
     _check(what, source)
-    scene = None if asked.scene is None else library.load(asked.scene)
+    scene = None if request.scene is None else library.load(request.scene)
     if what in (*OVER_TIME, "momentum", MOTION) and scene is None:
         raise BadInput(source, "--scene", None, f"the scene that the file belongs to, for {what}")
-    asked.refuse(source, ("end",), "no --{}: a file is drawn whole")
+    request.refuse(source, ("end",), "no --{}: a file is drawn whole")
     if scene is None:
-        asked.refuse(source, ("number", "digits"), "a --scene to judge the file with it")
-        asked.refuse(source, ("read",), "a --scene whose conventions are meant")
+        request.refuse(source, ("number", "digits"), "a --scene to judge the file with it")
+        request.refuse(source, ("read",), "a --scene whose conventions are meant")
     number = None
-    if scene is not None and (asked.number is not None or asked.digits is not None):
-        number = choose_number(scene, asked.number, asked.digits)
-    table = read_table(path, number, PLAIN if asked.columns is None else naming(asked.columns))
-    if scene is not None and asked.read is not None:
-        table = table_as_told(table, reference_of(scene), asked.read)
+    if scene is not None and (request.number is not None or request.digits is not None):
+        number = choose_number(scene, request.number, request.digits)
+    table = read_table(path, number, PLAIN if request.columns is None else naming(request.columns))
+    if scene is not None and request.read is not None:
+        table = table_as_told(table, reference_of(scene), request.read)
     notes = [f"{table.name}: {told}" for told in table.remarks]
     if what == "error" and scene is not None:
-        found = departures.errors(table, reference_of(scene), number)
+        samples = departures.errors(table, reference_of(scene), number)
     elif what == "integrals" and scene is not None:
-        found = departures.departures(table, scene, number)
+        samples = departures.departures(table, scene, number)
     else:
-        found = curve_sampling.of_table(table, scene)
-        _refuse_what_is_missing(found, what)
+        samples = curve_sampling.of_table(table, scene)
+        _refuse_what_is_missing(samples, what)
     if what == MOTION:
-        notes += _on_motion(found)
-    return Shown(found, what, str(table.name), tuple(notes), measured=True)
+        notes += _on_motion(samples)
+    return Drawing(samples, what, str(table.name), tuple(notes), measured=True)
 
 
-def _on_motion(found: Samples) -> list[str]:
+def _on_motion(samples: Samples) -> list[str]:
     """What a file that is shown in motion is not."""
-    motion = of_samples(found)
-    notes = [f"{found.name}: {far}"] if (far := motion.coarse()) else []
+    motion = of_samples(samples)
+    notes = [f"{samples.name}: {far}"] if (far := motion.coarse()) else []
     if not motion.on_level():
         told = "polhode compare FILE SCENE says which convention or cause"
-        notes.append(f"{found.name}: {ANOTHER[0].lower()}{ANOTHER[1:].rstrip('.')}; {told}")
+        notes.append(f"{samples.name}: {ANOTHER[0].lower()}{ANOTHER[1:].rstrip('.')}; {told}")
     return notes
 
 
-def _refuse_what_is_missing(found: Samples, what: str) -> None:
+def _refuse_what_is_missing(samples: Samples, what: str) -> None:
     """Raise BadInput where a file lacks the columns of a figure, or has too few rows."""
     wanted = {
-        "omega": (any(found.has([name]) for name in STATE[:3]), "one of p, q, r"),
-        "momentum": (found.has(STATE[:3]), "columns p, q, r"),
-        "attitude": (found.has(ATTITUDE), "columns q0, q1, q2, q3"),
-        "motion": (found.has((*STATE[:3], *ATTITUDE)), "columns p, q, r and q0, q1, q2, q3"),
-        "angles": (any(found.has([name]) for name in ANGLES), "one of psi, theta, phi"),
-        "sphere": (found.has(STATE[3:]), "columns gamma1, gamma2, gamma3"),
+        "omega": (any(samples.has([name]) for name in STATE[:3]), "one of p, q, r"),
+        "momentum": (samples.has(STATE[:3]), "columns p, q, r"),
+        "attitude": (samples.has(ATTITUDE), "columns q0, q1, q2, q3"),
+        "motion": (samples.has((*STATE[:3], *ATTITUDE)), "columns p, q, r and q0, q1, q2, q3"),
+        "angles": (any(samples.has([name]) for name in ANGLES), "one of psi, theta, phi"),
+        "sphere": (samples.has(STATE[3:]), "columns gamma1, gamma2, gamma3"),
         "hodographs": (
-            found.has(STATE[:3]) and (found.has(ATTITUDE) or found.has(SPACE)),
+            samples.has(STATE[:3]) and (samples.has(ATTITUDE) or samples.has(SPACE)),
             "columns p, q, r and the attitude q0, q1, q2, q3 (or omega_x, omega_y, omega_z)",
         ),
     }
     there, expected = wanted[what]
     if not there:
         expected = f"{expected} for {what}"
-        if what == "angles" and found.has(ATTITUDE):
+        if what == "angles" and samples.has(ATTITUDE):
             expected += "; --what attitude draws its q0, q1, q2, q3"
-        raise BadInput(found.name, "header", ",".join(found.columns), expected)
-    if len(found.columns["t"]) < 3:
-        raise BadInput(found.name, "file", None, "three rows or more, to draw a curve")
+        raise BadInput(samples.name, "header", ",".join(samples.columns), expected)
+    if len(samples.columns["t"]) < 3:
+        raise BadInput(samples.name, "file", None, "three rows or more, to draw a curve")

@@ -41,9 +41,9 @@ def add_options(parser: ArgumentParser, verb: Verb) -> None:
     endings = f"{', '.join(_endings(verb))}; may be repeated"
     if any(x.name == "parts" for x in function.parameters):
         endings += "; what was interrupted continues from FILE.parts"
-    told = f"write a file, its ending says what: {endings}"
+    help_text = f"write a file, its ending says what: {endings}"
     parser.add_argument(
-        "-o", dest="places", type=options.word, metavar="FILE", action="append", help=told
+        "-o", dest="places", type=options.word, metavar="FILE", action="append", help=help_text
     )
     parser.set_defaults(main=partial(main, verb, function))
 
@@ -53,55 +53,63 @@ def _endings(verb: Verb) -> Sequence[str]:
     return [*own, *_DATA, *(() if verb.figure_options is None else _FIGURES)]
 
 
-def main(verb: Verb, function: options.Front, asked: Namespace) -> int:
+def main(verb: Verb, function: options.Front, namespace: Namespace) -> int:
     """Carry out a verb that is a function; the exit code."""
     from polhode.proofs.refusals import NotProved
     from polhode.scenes import library
     from polhode.verbs import notes
 
-    given = {
-        x.name: vars(asked)[x.name]
+    arguments = {
+        x.name: vars(namespace)[x.name]
         for x in function.parameters
-        if verb.named.get(x.name, x.name) is not None and vars(asked).get(x.name) is not None
+        if verb.named.get(x.name, x.name) is not None and vars(namespace).get(x.name) is not None
     }
-    inputs = [library.path_of(x) for x in _sources(given)]
-    others = [kind for name, kind in verb.other_kinds.items() if name in given]
+    inputs = [library.path_of(x) for x in _sources(arguments)]
+    others = [kind for name, kind in verb.other_kinds.items() if name in arguments]
     kind = others[0] if others else verb.kind
-    places = Places(verb, kind, [*map(Path, asked.places or ())], asked.json, inputs)
+    places = Places(verb, kind, [*map(Path, namespace.places or ())], namespace.json, inputs)
     places.check()
-    places.check_figure(vars(asked))
+    places.check_figure(vars(namespace))
     if verb.scene:
         from polhode.scenes import start_box
         from polhode.scenes.start_box import StartBox
 
         first = function.parameters[0].name
-        box = start_box.read(given[first]) if verb.is_box else StartBox(library.load(given[first]))
-        scene = scene_options.applied(asked, box.scene, verb.scene)
-        given[first] = StartBox(scene, box.radii) if verb.is_box else scene
+        box = (
+            start_box.read(arguments[first])
+            if verb.is_box
+            else StartBox(library.load(arguments[first]))
+        )
+        scene = scene_options.applied(namespace, box.scene, verb.scene)
+        arguments[first] = StartBox(scene, box.radii) if verb.is_box else scene
     with ProgressLine(verb.name) as line:
         try:
-            made = import_module(verb.home)
-            given |= places.told(function, line)
+            module = import_module(verb.home)
+            arguments |= places.extras(function, line)
             try:
-                found, missed = getattr(made, verb.function)(**given), ""
+                result, missed = getattr(module, verb.function)(**arguments), ""
             except NotEnough as fault:
-                found, missed = fault.found, str(fault)
-            places.write(found, vars(asked), line)
-            text = None if asked.json or places.paths else shown(found, given.get("details", False))
+                result, missed = fault.result, str(fault)
+            places.write(result, vars(namespace), line)
+            text = (
+                None
+                if namespace.json or places.paths
+                else shown(result, arguments.get("details", False))
+            )
         except NotProved as why:
             line.clear()
             note(f"polhode: not proved: {why}")
             return NOT_REACHED
-    if asked.json:
-        write_stdout(found.to_json())
+    if namespace.json:
+        write_stdout(result.to_json())
     elif text is not None:
         say(text)
-    for told in notes.of(verb.name, found, places.paths, asked):
-        note(told)
+    for sentence in notes.of(verb.name, result, places.paths, namespace):
+        note(sentence)
     if missed:
         note(missed)
         return NOT_REACHED
-    return code_of(found)
+    return code_of(result)
 
 
 def _sources(given: Mapping[str, object]) -> Iterable[str]:
@@ -149,21 +157,21 @@ class Places:
 
                 check_place(path, self.kind, self.inputs)
 
-    def check_figure(self, asked: Mapping[str, Any]) -> None:
+    def check_figure(self, values: Mapping[str, Any]) -> None:
         """Refuse options of a figure where none is written, and figures that there are not."""
-        given = {x: asked[x] for x in _figure_options(self.verb) if asked[x] is not None}
+        chosen = {x: values[x] for x in _figure_options(self.verb) if values[x] is not None}
         if not any(map(self._is_figure, self.paths)):
-            for name, value in given.items():
+            for name, value in chosen.items():
                 option = f"--{name.replace('_', '-')}"
                 expected = f"it with a figure: -o FILE{_FIGURES[0]}"
                 raise BadInput(self.verb.name, option, value, expected)
-        elif "what" in given:
+        elif "what" in chosen:
             from polhode.figures import catalogue
 
-            catalogue.chosen(self.verb.kind, given["what"], self.verb.name)
+            catalogue.chosen(self.verb.kind, chosen["what"], self.verb.name)
 
-    def told(self, function: options.Front, line: ProgressLine) -> dict[str, object]:
-        """What a function takes that no option says: how it tells its progress, what it is for.
+    def extras(self, function: options.Front, line: ProgressLine) -> dict[str, object]:
+        """What a function takes that no option says: how it shows progress, what it is for.
 
         Unfinished work is kept in ``parts`` beside the first file of data.
         """
@@ -174,49 +182,49 @@ class Places:
             "Message": line.say,
             "ProgressLine": line,
         }
-        found = {x.name: calls[x.annotation] for x in function.parameters if x.annotation in calls}
+        extras = {x.name: calls[x.annotation] for x in function.parameters if x.annotation in calls}
         names = {x.name for x in function.parameters}
         if "certificate" in names:
-            found["certificate"] = any(map(self._is_own, self.paths))
+            extras["certificate"] = any(map(self._is_own, self.paths))
         data = [x for x in self.paths if not self._is_figure(x)]
         if "parts" in names and data:
             from polhode.common import checkpoint
 
-            found["parts"] = checkpoint.beside(data[0])
-        return found
+            extras["parts"] = checkpoint.beside(data[0])
+        return extras
 
-    def write(self, found: Result, asked: Mapping[str, Any], line: ProgressLine) -> None:
+    def write(self, result: Result, values: Mapping[str, Any], line: ProgressLine) -> None:
         """Write all files or none; none where what was interrupted is kept in parts, which go else.
 
         Files of a kind's own, which are checked as they are made, are written once all others are
         made.
         """
-        kept = getattr(found, "kept", None)
-        if interrupted(found) and kept is not None and kept.folder.exists():
+        kept = getattr(result, "kept", None)
+        if interrupted(result) and kept is not None and kept.folder.exists():
             return
-        made: dict[Path, str | bytes] = {}
+        files: dict[Path, str | bytes] = {}
         for path in self.paths:
             if self._is_figure(path):
-                made[path] = _drawn(found, path.suffix.lower(), self.verb, asked)
+                files[path] = _drawn(result, path.suffix.lower(), self.verb, values)
             elif not self._is_own(path):
                 from polhode.results import places, writer
 
-                content = found.content()
+                content = result.content()
                 places.check_place(path, content.kind, self.inputs)
-                made |= writer.files(content, path)
+                files |= writer.files(content, path)
         for path in filter(self._is_own, self.paths):
-            if getattr(found, "times", True):  # of nothing there is no certificate
-                self._save(found, path, line)
-        write_whole(made)
+            if getattr(result, "times", True):  # of nothing there is no certificate
+                self._save(result, path, line)
+        write_whole(files)
         if kept is not None:
             kept.remove()
 
-    def _save(self, found: Any, path: Path, line: ProgressLine) -> None:
+    def _save(self, result: Any, path: Path, line: ProgressLine) -> None:
         """Write a file of the kind's own: a scene, a certificate."""
         if self.verb.checks:
-            found.save(path, line.foretelling(partial(_foretell, found.scene.name)))
+            result.save(path, line.foretelling(partial(_foretell, result.scene.name)))
         else:
-            found.save(path)
+            result.save(path)
 
     def _is_figure(self, path: Path) -> bool:
         return path.suffix.lower() in _FIGURES
@@ -232,17 +240,17 @@ def _foretell(name: str, seconds: float) -> None:
         note(f"{name}: making the certificate will take about {seconds:.2g} s")
 
 
-def _drawn(found: Result, suffix: str, verb: Verb, asked: Mapping[str, Any]) -> bytes:
+def _drawn(result: Result, suffix: str, verb: Verb, values: Mapping[str, Any]) -> bytes:
     """The figure of a result; of a run its scene's, integrated at as many times as curves need."""
     from polhode.figures import catalogue
-    from polhode.figures.source import Asked, shown
+    from polhode.figures.source import Request, drawing_of
     from polhode.verbs.notes import name_of
 
-    seen = shown(found, asked.get("what"), Asked())
-    for told in seen.notes:
-        note(told)
-    given = {name: asked.get(name) for name in _figure_options(verb) if name != "what"}
-    return catalogue.drawn(seen.found, suffix, name_of(found), seen.what, **given)
+    drawing = drawing_of(result, values.get("what"), Request())
+    for sentence in drawing.notes:
+        note(sentence)
+    chosen = {name: values.get(name) for name in _figure_options(verb) if name != "what"}
+    return catalogue.drawn(drawing.subject, suffix, name_of(result), drawing.what, **chosen)
 
 
 def _figure_options(verb: Verb) -> Sequence[str]:
@@ -250,7 +258,7 @@ def _figure_options(verb: Verb) -> Sequence[str]:
     return [option.removeprefix("--").replace("-", "_") for option in verb.figure_options or ()]
 
 
-def shown(found: Any, details: bool = False) -> str:
+def shown(result: Any, details: bool = False) -> str:
     """A result on a terminal: its report, where it has one, else its table.
 
     ``details``: whether all that is known is asked for.
@@ -259,25 +267,25 @@ def shown(found: Any, details: bool = False) -> str:
     from polhode.results.shown import lines
 
     if details:
-        return str(found.details())
-    report = type(found).__str__
+        return str(result.details())
+    report = type(result).__str__
     if report not in (object.__str__, getattr(Base, "__str__", None)):
-        return str(found)
-    return "\n".join(lines(found.table()))
+        return str(result)
+    return "\n".join(lines(result.table()))
 
 
-def interrupted(found: Result) -> bool:
+def interrupted(result: Result) -> bool:
     """Whether Ctrl-C ended the work."""
-    return bool(getattr(found, "interrupted", False))
+    return bool(getattr(result, "interrupted", False))
 
 
-def code_of(found: Result) -> int:
+def code_of(result: Result) -> int:
     """The exit code that a result means."""
-    if interrupted(found):
-        kept = getattr(found, "kept", None)
+    if interrupted(result):
+        kept = getattr(result, "kept", None)
         if kept is not None and kept.folder.exists():
             note(f"polhode: the same command continues from {kept.folder}")
         return INTERRUPTED
-    if getattr(found, "passed", None) is False:
+    if getattr(result, "passed", None) is False:
         return FAILED
-    return DONE if getattr(found, "complete", True) else NOT_REACHED
+    return DONE if getattr(result, "complete", True) else NOT_REACHED

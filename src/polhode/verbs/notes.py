@@ -29,24 +29,24 @@ if TYPE_CHECKING:
     from polhode.runs.trajectory import Trajectory
 
 #: A result of any kind: each function knows that of its verb.
-Found = Any
+AnyResult = Any
 
 
-def of(verb: str, found: Found, paths: Sequence[Path], asked: Namespace) -> Iterator[str]:
+def of(verb: str, result: AnyResult, paths: Sequence[Path], namespace: Namespace) -> Iterator[str]:
     """The lines about a result of a verb."""
-    yield from _NOTES.get(verb, _itself)(found, asked)
+    yield from _NOTES.get(verb, _itself)(result, namespace)
     own = [x for x in paths if x.suffix.lower() == ".json" or is_stdout(x)]
-    if verb in ("certify", "prove orbit", "prove chaos") and own and getattr(found, "times", True):
-        yield _certificate(found.scene.name, own[0])
+    if verb in ("certify", "prove orbit", "prove chaos") and own and getattr(result, "times", True):
+        yield _certificate(result.scene.name, own[0])
 
 
-def name_of(found: Found) -> str:
+def name_of(result: AnyResult) -> str:
     """The name of what a result is of."""
-    return str(found.name if hasattr(found, "name") else found.fact("scene"))
+    return str(result.name if hasattr(result, "name") else result.fact("scene"))
 
 
-def _itself(found: Found, asked: Namespace) -> Iterator[str]:
-    yield f"{name_of(found)}: {found!r}"
+def _itself(result: AnyResult, namespace: Namespace) -> Iterator[str]:
+    yield f"{name_of(result)}: {result!r}"
 
 
 def _certificate(name: str, path: Path) -> str:
@@ -55,37 +55,37 @@ def _certificate(name: str, path: Path) -> str:
     return f"{name}: certificate in {path}; polhode verify {path}"
 
 
-def _run(found: Trajectory, asked: Namespace) -> Iterator[str]:
-    name, number = found.scene.name, found.number
-    if not asked.json:
+def _run(result: Trajectory, namespace: Namespace) -> Iterator[str]:
+    name, number = result.scene.name, result.number
+    if not namespace.json:
         yield (
-            f"{name}: {number.name} ({number.bits} bits); {found.outcome.value}, "
-            f"{counted(found.steps, 'step')}; {_accuracy(found)}"
+            f"{name}: {number.name} ({number.bits} bits); {result.outcome.value}, "
+            f"{counted(result.steps, 'step')}; {_accuracy(result)}"
         )
-        if "not refined" in found.provenance:
-            yield f"{name}: not refined: {found.provenance['not refined']}"
-        yield from map(_event, found.events)
-    yield from _digits(found)
-    if not found.complete:
-        advice = f"; {found.advice}" if found.advice else ""
+        if "not refined" in result.provenance:
+            yield f"{name}: not refined: {result.provenance['not refined']}"
+        yield from map(_event, result.events)
+    yield from _digits(result)
+    if not result.complete:
+        advice = f"; {result.advice}" if result.advice else ""
         yield (
-            f"polhode: {name}: reached t = {brief(found.reached)} of {brief(found.scene.end)}: "
-            f"{found.cause}{advice}"
+            f"polhode: {name}: reached t = {brief(result.reached)} of {brief(result.scene.end)}: "
+            f"{result.cause}{advice}"
         )
 
 
-def _accuracy(found: Trajectory) -> str:
+def _accuracy(result: Trajectory) -> str:
     """What a run itself tells about its accuracy."""
-    if found.errors is not None:
-        known = [(x, t) for x, t in zip(found.errors, found.times, strict=True) if x is not None]
+    if result.errors is not None:
+        known = [(x, t) for x, t in zip(result.errors, result.times, strict=True) if x is not None]
         if not any(t for _, t in known):
             return "refined, without an estimate of the error"
         last = brief(max((t for _, t in known), key=abs))
-        lost = "" if len(known) == len(found.errors) else f" to t = {last}, no estimate beyond it"
+        lost = "" if len(known) == len(result.errors) else f" to t = {last}, no estimate beyond it"
         return f"refined, estimated error {max(x for x, _ in known):.1e}{lost}"
-    if found.projected:
-        return f"projected {found.projection}"
-    return f"drift {found.drift}" if len(found.times) else "no output time was reached"
+    if result.projected:
+        return f"projected {result.projection}"
+    return f"drift {result.drift}" if len(result.times) else "no output time was reached"
 
 
 def _event(event: EventTimes) -> str:
@@ -99,17 +99,17 @@ def _event(event: EventTimes) -> str:
     return f"event {event.name}: {len(event.times)}{when}{lost}"
 
 
-def _digits(found: Trajectory) -> Iterator[str]:
-    """What the digits printed are worth: those found right, or where the motion takes most."""
-    name, right = found.scene.name, found.correct_digits
+def _digits(result: Trajectory) -> Iterator[str]:
+    """What the digits printed are worth: those that are right, or where the motion takes most."""
+    name, right = result.scene.name, result.correct_digits
     if right is not None:
-        had = f"{math.floor(100 * right) / 100} are right by the {found.checked_by}"
-        yield f"{name}: {found.digits} digits were asked for, {had}"
+        had = f"{math.floor(100 * right) / 100} are right by the {result.checked_by}"
+        yield f"{name}: {result.digits} digits were asked for, {had}"
         return
-    expected = found.expected
+    expected = result.expected
     if expected.halved_after is None:
         return
-    printed, lost = found.number.printed_digits, expected.lost_after
+    printed, lost = result.number.printed_digits, expected.lost_after
     none = "" if lost is None else f", and none from t = {lost:.3g} on"
     yield (
         f"polhode: {name}: from t = {expected.halved_after:.3g} on fewer than half of the "
@@ -118,93 +118,93 @@ def _digits(found: Trajectory) -> Iterator[str]:
     )
 
 
-def _sweep(found: Found, asked: Namespace) -> Iterator[str]:
+def _sweep(result: AnyResult, namespace: Namespace) -> Iterator[str]:
     from polhode.motion.outcomes import code
 
-    if not asked.json:
-        made = getattr(found, "outputs", found.scene.outputs)  # of numbers alone there are none
-        words = [word for word in found.scene.outputs if word not in made]
+    if not namespace.json:
+        made = getattr(result, "outputs", result.scene.outputs)  # of numbers alone there are none
+        words = [word for word in result.scene.outputs if word not in made]
         left_out = f"; {', '.join(words)} left out" if words else ""
         unchecked = ""
-        if getattr(asked, "digits", None) is not None:
-            unchecked = f"; number type chosen for {asked.digits} digits, members not checked"
-        ended = ", ".join(f"{n} {outcome.value}" for outcome, n in found.tally().items())
+        if getattr(namespace, "digits", None) is not None:
+            unchecked = f"; number type chosen for {namespace.digits} digits, members not checked"
+        ended = ", ".join(f"{n} {outcome.value}" for outcome, n in result.tally().items())
         yield (
-            f"{found.scene.name}: {counted(len(found), 'member')}, {found.number.name} "
-            f"({found.number.bits} bits), not projected{left_out}{unchecked}; {ended}"
+            f"{result.scene.name}: {counted(len(result), 'member')}, {result.number.name} "
+            f"({result.number.bits} bits), not projected{left_out}{unchecked}; {ended}"
         )
-    for outcome in found.tally():
+    for outcome in result.tally():
         if not outcome.done:
             advice = f"; {outcome.advice}" if outcome.advice else ""
-            first = found.endings.tolist().index(code(outcome))
-            yield f"polhode: {found.members[first].name}: {outcome.cause}{advice}"
+            first = result.endings.tolist().index(code(outcome))
+            yield f"polhode: {result.members[first].name}: {outcome.cause}{advice}"
 
 
-def _section(found: Section, asked: Namespace) -> Iterator[str]:
-    told = Counter(found.outcomes)
-    ended = ", ".join(f"{outcome} in {n}" for outcome, n in told.items())
-    yield f"{found.scene.name}: {found!r}; {ended}"
-    if found.accuracy and not found.interrupted:
-        yield f"{found.scene.name}: {_lost(found)}"
+def _section(result: Section, namespace: Namespace) -> Iterator[str]:
+    counts = Counter(result.outcomes)
+    ended = ", ".join(f"{outcome} in {n}" for outcome, n in counts.items())
+    yield f"{result.scene.name}: {result!r}; {ended}"
+    if result.accuracy and not result.interrupted:
+        yield f"{result.scene.name}: {_lost(result)}"
 
 
-def _lost(found: Section) -> str:
+def _lost(result: Section) -> str:
     """In how many orbits no digit is left at the end, and from which crossing on."""
-    first = found.none_left_from
-    if not found.counts.any():
+    first = result.none_left_from
+    if not result.counts.any():
         return "no crossing"
     if not first.any():
         import numpy as np
 
-        least = float(np.nanmin(found.digits))
+        least = float(np.nanmin(result.digits))
         return f"{least:.1f} digits or more are expected at every crossing"
     gone = sorted(first[first > 0].tolist())
     where = f"{gone[0]}" if gone[0] == gone[-1] else f"{gone[0]} to {gone[-1]}"
     return f"no digits are left from crossing {where} on in {len(gone)} of {len(first)} orbits"
 
 
-def _map(found: ChaosMap, asked: Namespace) -> Iterator[str]:
-    yield f"{found.scene.name}: {counted(len(found.verdict), 'motion')}, {found.meaning}"
+def _map(result: ChaosMap, namespace: Namespace) -> Iterator[str]:
+    yield f"{result.scene.name}: {counted(len(result.verdict), 'motion')}, {result.meaning}"
 
 
-def _orbit(found: Orbit, asked: Namespace) -> Iterator[str]:
+def _orbit(result: Orbit, namespace: Namespace) -> Iterator[str]:
     yield (
-        f"{found.name}: start and period right to {found.error:.1e}, residue to "
-        f"{found.residue_error:.1e}, |det M - 1| = {found.determinant:.1e}; "
-        f"{found.moved:.2g} from the guess"
+        f"{result.name}: start and period right to {result.error:.1e}, residue to "
+        f"{result.residue_error:.1e}, |det M - 1| = {result.determinant:.1e}; "
+        f"{result.moved:.2g} from the guess"
     )
 
 
-def _reference(found: Found, asked: Namespace) -> Iterator[str]:
-    if vars(asked).get("backend") == "mpmath" and vars(asked).get("outputs") is None:
-        without = ", ".join(library.load(asked.scene).outputs)
+def _reference(result: AnyResult, namespace: Namespace) -> Iterator[str]:
+    if vars(namespace).get("backend") == "mpmath" and vars(namespace).get("outputs") is None:
+        without = ", ".join(library.load(namespace.scene).outputs)
         if without:
-            yield f"{found.scene.name}: without {without}: mpmath has states alone"
-    if not found.proven:
-        yield f"{found.scene.name}: the digits are reproduced, not proven"
+            yield f"{result.scene.name}: without {without}: mpmath has states alone"
+    if not result.proven:
+        yield f"{result.scene.name}: the digits are reproduced, not proven"
 
 
-def _certify(found: Enclosure, asked: Namespace) -> Iterator[str]:
-    name, outcome = found.scene.name, found.outcome
-    if not asked.json:
-        yield from map(_proven_event, found.events or ())
+def _certify(result: Enclosure, namespace: Namespace) -> Iterator[str]:
+    name, outcome = result.scene.name, result.outcome
+    if not namespace.json:
+        yield from map(_proven_event, result.events or ())
         least = (
-            f"at least {found.fewest:.1f} at each time" if found.times else "no time was reached"
+            f"at least {result.fewest:.1f} at each time" if result.times else "no time was reached"
         )
         yield (
-            f"{name}: every digit is proven, {least}; {counted(found.steps, 'step')} at a "
-            f"noise level of 2**-{found.noise}, {found.seconds_in_all:.1f} s"
+            f"{name}: every digit is proven, {least}; {counted(result.steps, 'step')} at a "
+            f"noise level of 2**-{result.noise}, {result.seconds_in_all:.1f} s"
         )
-    for what in found.assumed:
+    for what in result.assumed:
         yield f"{name}: assumed by the rule for equal numbers, not proven: {what}"
-    for since in found.lost:
+    for since in result.lost:
         yield (
             f"{name}: psi and phi are not given beyond t = {since:.6g}: the third axis is, "
             "or passes, too near the vertical for their turns to be counted"
         )
     if not outcome.done:
-        followed = f"followed to t = {found.until:.6g}: " if outcome is Outcome.TOO_WIDE else ""
-        times = f"{len(found.times)} of {len(found.scene.times)} times"
+        followed = f"followed to t = {result.until:.6g}: " if outcome is Outcome.TOO_WIDE else ""
+        times = f"{len(result.times)} of {len(result.scene.times)} times"
         yield f"polhode: {name}: {times}: {followed}{outcome.cause}; {outcome.advice}"
 
 
@@ -220,49 +220,49 @@ def _proven_event(event: CertifiedEvents) -> str:
     return f"event {event.name}: {len(event.times)} proven{when}{left}"
 
 
-def _check(found: Found, asked: Namespace) -> Iterator[str]:
-    if found.passed is None and not found.interrupted:
+def _check(result: AnyResult, namespace: Namespace) -> Iterator[str]:
+    if result.passed is None and not result.interrupted:
         yield (
             "polhode check: expected a case with bands of digits ([expect]), which --propose "
             "prints, or with figures"
         )
 
 
-def _nothing(found: Found, asked: Namespace) -> Iterator[str]:
+def _nothing(result: AnyResult, namespace: Namespace) -> Iterator[str]:
     yield from ()
 
 
-def _search(found: Found, asked: Namespace) -> Iterator[str]:
-    yield f"{found.scene.name}: {found!r}; no list is complete"
+def _search(result: AnyResult, namespace: Namespace) -> Iterator[str]:
+    yield f"{result.scene.name}: {result!r}; no list is complete"
 
 
-def _frequencies(found: Frequencies, asked: Namespace) -> Iterator[str]:
-    for signal, lines in found.lines.items():
+def _frequencies(result: Frequencies, namespace: Namespace) -> Iterator[str]:
+    for signal, lines in result.lines.items():
         if not lines:
-            yield f"{found.name}: {signal} has no line above rounding"
-    kind = "closed form" if found.closed_form else "basis"
-    if told := ", ".join(f"{name} = {value:.15g}" for name, value in found.known.items()):
-        yield f"{found.name}: {kind}: {told}"
+            yield f"{result.name}: {signal} has no line above rounding"
+    kind = "closed form" if result.closed_form else "basis"
+    if told := ", ".join(f"{name} = {value:.15g}" for name, value in result.known.items()):
+        yield f"{result.name}: {kind}: {told}"
 
 
-def _proved_orbit(found: ProvedOrbit, asked: Namespace) -> Iterator[str]:
+def _proved_orbit(result: ProvedOrbit, namespace: Namespace) -> Iterator[str]:
     from polhode.certificates.verdict import trusted_base
 
     yield (
-        f"{found.scene.name}: every digit is proven; {counted(found.runs, 'run')} of the checker "
-        f"at {found.bits} bits, {found.seconds:.2f} s"
+        f"{result.scene.name}: every digit is proven; {counted(result.runs, 'run')} of the checker "
+        f"at {result.bits} bits, {result.seconds:.2f} s"
     )
     yield trusted_base()
 
 
-def _proved_chaos(found: ProvedChaos, asked: Namespace) -> Iterator[str]:
+def _proved_chaos(result: ProvedChaos, namespace: Namespace) -> Iterator[str]:
     from polhode.certificates.verdict import trusted_base
 
-    yield f"{found.scene.name}: proved at try {found.tries}, {found.seconds:.2f} s"
+    yield f"{result.scene.name}: proved at try {result.tries}, {result.seconds:.2f} s"
     yield trusted_base()
 
 
-_NOTES: dict[str, Callable[[Found, Namespace], Iterator[str]]] = {
+_NOTES: dict[str, Callable[[AnyResult, Namespace], Iterator[str]]] = {
     **dict.fromkeys(("list", "show", "about", "compare", "order", "levels", "verify"), _nothing),
     "check": _check,
     "run": _run,

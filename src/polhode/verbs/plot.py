@@ -22,7 +22,7 @@ from polhode.verbs.terminal import (
 
 if TYPE_CHECKING:
     from polhode.figures.film import Look
-    from polhode.figures.source import Shown
+    from polhode.figures.source import Drawing
 
 HELP = "a figure of a motion or a result, from a scene or a file"
 PAGE, FILMS, PRINTED = ".html", (".gif", ".mp4"), (".svg", ".png", ".pdf")
@@ -48,7 +48,7 @@ def options(parser: ArgumentParser) -> None:
 
 
 def source_options(parser: ArgumentParser, name: str, nargs: str | None = None) -> None:
-    """What is drawn, and how: the fields of :class:`polhode.figures.source.Asked`."""
+    """What is drawn, and how: the fields of :class:`polhode.figures.source.Request`."""
     of = "a case, a scene's path, the file of a result, or a table"
     parser.add_argument(name, type=word, metavar="SCENE|FILE", help=of, nargs=nargs)
     parser.add_argument("--end", metavar="T", help="the last time, instead of the scene's end")
@@ -88,7 +88,7 @@ def make(options: Namespace, endings: tuple[str, ...]) -> int:
     from polhode.figures import catalogue, film
     from polhode.figures.canvas import canvas
     from polhode.figures.drawing import samples_of
-    from polhode.figures.source import Asked, Unreached, shown
+    from polhode.figures.source import Request, Unreached, drawing_of
 
     path = Path(options.file)
     inputs = [library.path_of(name) for name in (*options.sources, options.scene) if name]
@@ -98,46 +98,47 @@ def make(options: Namespace, endings: tuple[str, ...]) -> int:
     look = _look(options, suffix)
     if suffix != PAGE:
         canvas.require()
-    asked = Asked(**{name: getattr(options, name) for name in vars(Asked())})
+    request = Request(**{name: getattr(options, name) for name in vars(Request())})
     with ProgressLine("plot") as progress:
         try:
             every = [
-                shown(source, options.what, asked, progress.show) for source in options.sources
+                drawing_of(source, options.what, request, progress.show)
+                for source in options.sources
             ]
         except Unreached as why:
             progress.clear()
             note(f"polhode: {why}; nothing was written")
             return NOT_REACHED
-        found = every[0]
-        for told in (told for one in every for told in one.notes):
-            note(told)
-        answer = {"file": str(path), "what": found.what, "of": found.name} | _span(found)
+        drawing = every[0]
+        for line in (line for one in every for line in one.notes):
+            note(line)
+        answer = {"file": str(path), "what": drawing.what, "of": drawing.name} | _span(drawing)
         if suffix == PAGE:
             command = ("polhode", options.verb, *(called(Path(x)) for x in options.sources))
-            made = _page(every, " ".join(command), options).encode()
+            data = _page(every, " ".join(command), options).encode()
         elif suffix in FILMS:
             filmed = film.filmed(
-                samples_of(found), suffix, lambda done: progress.say(f"{100 * done:.0f} %"), look
+                samples_of(drawing), suffix, lambda done: progress.say(f"{100 * done:.0f} %"), look
             )
-            made = filmed.data
+            data = filmed.data
             if filmed.closed:
                 answer["to"] = filmed.end
                 again = f"at t = {filmed.end:.6g} the motion is as at t = {filmed.begin:g}"
                 end = f"to {film.CLOSED:.0e}: the film ends there, and repeats"
-                note(f"{found.name}: {again}, {end}")
+                note(f"{drawing.name}: {again}, {end}")
         else:
             own = {name: getattr(options, name) for name in ("cmap", "f_range", "h_range")}
             own["title"] = options.title or ""
-            made = catalogue.drawn(found.found, suffix, found.name, found.what, **own)
-    write_whole({path: made})
+            data = catalogue.drawn(drawing.subject, suffix, drawing.name, drawing.what, **own)
+    write_whole({path: data})
     if options.json:
-        print_json(answer | {"bytes": len(made)})
+        print_json(answer | {"bytes": len(data)})
     elif not is_stdout(path):
         say(str(path))
     return DONE
 
 
-def _page(every: Sequence[Shown], command: str, options: Namespace) -> str:
+def _page(every: Sequence[Drawing], command: str, options: Namespace) -> str:
     """The page of a motion; of several, or with words of one's own, one that has them in frames."""
     from polhode.common.html_page import Page, together
     from polhode.figures.drawing import page_of
@@ -159,11 +160,11 @@ def _look(options: Namespace, suffix: str) -> Look:
     return look
 
 
-def _span(found: Shown) -> dict[str, float | int]:
+def _span(drawing: Drawing) -> dict[str, float | int]:
     """How many samples of a motion are drawn, from when to when."""
     from polhode.figures.canvas.curve_sampling import Samples
 
-    if not isinstance(found.found, Samples):
+    if not isinstance(drawing.subject, Samples):
         return {}
-    t = found.found.columns["t"]
+    t = drawing.subject.columns["t"]
     return {"samples": len(t), "from": float(t[0]), "to": float(t[-1])}

@@ -27,10 +27,10 @@ DONE, FAILED, BAD_INPUT, NOT_REACHED = 0, 1, 2, 3
 
 
 class NotEnough(Exception):
-    """A result that stands, and does not do what was asked; its text says why."""
+    """A result that stands, and does not reach what was wanted; its text says why."""
 
-    def __init__(self, found: Result, text: str) -> None:
-        self.found = found
+    def __init__(self, result: Result, text: str) -> None:
+        self.result = result
         super().__init__(text)
 
 
