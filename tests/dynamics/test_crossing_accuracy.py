@@ -30,7 +30,7 @@ def true_digits(scene, found, which):
     step along the flow leads there.  For scenes in principal axes and inner units.
     """
     on = geometry.ground(scene, found.h, found.f)
-    times = [Fraction(found.times[0, m]) + Fraction(found.rests[0, m]) for m in which]
+    times = [Fraction(found.times[0, m]) + Fraction(found.times_low[0, m]) for m in which]
     if polhode.reference(scene).is_closed_form:
         exact = polhode.reference(scene).at(times, digits=30)
     else:

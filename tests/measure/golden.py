@@ -297,7 +297,8 @@ def sweeps() -> Entries:
 def dynamics() -> Entries:
     def cut(**options: Any) -> Any:
         section = polhode.section(CHAOTIC, crossings=20, workers=1, **options)
-        return attributes(section, "starts states times l ratio counts outcomes")
+        told = attributes(section, "starts states times l L_over_G counts outcomes")
+        return {"ratio" if name == "L_over_G" else name: value for name, value in told.items()}
 
     yield "section momentum", partial(cut, grid=(3, 3), h=3, f="1/2")
     yield "section q", partial(cut, by="q", grid=(2, 2), h=2, f="0.3")

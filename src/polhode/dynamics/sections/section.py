@@ -60,16 +60,17 @@ class Section(Result, ByValue):
     ``by``: momentum, height, or an expression.  ``starts`` (n, 2): coordinates of the starts;
     ``start_states`` (n, 6): their states, like those of the crossings.
     ``states`` (n, m, 6): p q r gamma1 gamma2 gamma3 in the scene's axes and units.  ``times``,
-    ``rests`` (n, m): a time is the sum of both.  ``l``, ``ratio`` (n, m): Andoyer's angle l and L/G
-    about r0.  ``counts`` (n,): the crossings of each orbit; ``outcomes``: how each orbit ended.
-    ``drift``: the largest residual of h, f and |gamma|^2 before a projection, relative.
+    ``times_low`` (n, m): a time is the sum of both.  ``l``, ``L_over_G`` (n, m): Andoyer's angle l
+    and L/G about r0.  ``counts`` (n,): the crossings of each orbit; ``outcomes``: how each orbit
+    ended.  ``drift``: the largest residual of h, f and |gamma|^2 before a projection, relative.
     ``accuracy``: whether its table has the digits that are expected of each crossing.
 
+    >>> import numpy as np
     >>> import polhode
     >>> found = polhode.section("lagrange/nutation", starts=[[1, 0.2]], crossings=20)
     >>> found
     <Section of lagrange/nutation by momentum: 1 orbit, 20 crossings>
-    >>> float(found.ratio[0].max() - found.ratio[0].min()) < 1e-14  # L is an integral, and so is G
+    >>> bool(np.ptp(found.L_over_G[0]) < 1e-14)  # L is an integral, and so is G
     True
     """
 
@@ -82,9 +83,9 @@ class Section(Result, ByValue):
     start_states: Doubles
     states: Doubles
     times: Doubles
-    rests: Doubles
+    times_low: Doubles
     l: Doubles
-    ratio: Doubles
+    L_over_G: Doubles
     counts: Integers
     outcomes: tuple[str, ...]
     drift: float
@@ -146,9 +147,9 @@ class Section(Result, ByValue):
         columns = [
             Column("orbit", orbit + 1),
             Column("crossing", crossing + 1, "number of the crossing of its orbit"),
-            time_column(self.scene, (self.times + self.rests)[there], DOUBLE, digits=15),
+            time_column(self.scene, (self.times + self.times_low)[there], DOUBLE, digits=15),
             Column("l", self.l[there], "Andoyer's angle about r0", "rad", digits=15),
-            Column("L_over_G", self.ratio[there], _RATIO, digits=15),
+            Column("L_over_G", self.L_over_G[there], _RATIO, digits=15),
         ]
         if self.accuracy:
             digits = self.digits[there]
