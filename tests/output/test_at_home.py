@@ -5,8 +5,10 @@ from __future__ import annotations
 import logging
 import re
 import sys
+import time
 import warnings
 from dataclasses import replace
+from itertools import count
 
 import mpmath
 import numpy as np
@@ -210,10 +212,12 @@ def test_without_tqdm_a_bar_is_one_line_on_a_terminal(monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "tqdm", None)
     monkeypatch.setitem(sys.modules, "tqdm.auto", None)
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    seconds = count(step=2)
+    monkeypatch.setattr(time, "monotonic", lambda: next(seconds))
     with bar("euler/long") as tell:
         tell(0.25, 7)
     shown = capsys.readouterr().err
-    assert shown == "\r\x1b[Keuler/long: 25 %, 7 done\r\x1b[K"
+    assert shown == "\r\x1b[Keuler/long: 25.0 %, 7 done\r\x1b[K"
 
 
 def test_a_run_logs_what_it_did(caplog):

@@ -11,7 +11,7 @@ import termios
 
 import pytest
 
-from polhode.verbs.terminal import ProgressLine
+from polhode.common.progress import ProgressLine
 
 
 @pytest.fixture

@@ -11,12 +11,12 @@ import pytest
 
 import polhode
 from polhode.cli import main
+from polhode.common.progress import ProgressLine
 from polhode.common.text_tables import counted
 from polhode.results.result import Result
 from polhode.results.table import Fact, Table
 from polhode.verbs.catalogue import Verb
 from polhode.verbs.deliver import Places
-from polhode.verbs.terminal import ProgressLine
 
 
 class Own(Result):

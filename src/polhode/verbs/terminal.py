@@ -8,8 +8,7 @@ import os
 import signal
 import sys
 import threading
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +16,7 @@ from polhode.common.errors import BadInput
 from polhode.common.files import is_stdout, write_stdout
 from polhode.common.interrupts import INTERRUPTED as INTERRUPTED
 from polhode.common.interrupts import hear, heard
+from polhode.common.progress import ProgressLine as ProgressLine
 from polhode.common.text_tables import printable
 
 if TYPE_CHECKING:
@@ -81,14 +81,6 @@ def say(text: str) -> None:
     write_stdout(printable(text) + "\n")
 
 
-def _columns() -> int:
-    """The width of stderr's terminal; 80 where it does not tell."""
-    try:
-        return os.get_terminal_size(sys.stderr.fileno()).columns or 80
-    except (OSError, ValueError):
-        return 80
-
-
 def refuse_two_on_stdout(path: Path, json: bool) -> None:
     """Refuse a file that is stdout beside results as JSON, which go there too."""
     if json and is_stdout(path):
@@ -117,58 +109,3 @@ def note(text: str) -> None:
         print(printable(text), file=sys.stderr)
     except OSError:
         sys.stderr = _Nowhere()
-
-
-class ProgressLine:
-    """One line on stderr, on a terminal only, once something takes longer than a second."""
-
-    def __init__(self, verb: str) -> None:
-        self.verb, self.shown = verb, False
-        self.began = time.monotonic()
-        self.fraction, self.first = 0.0, (self.began, 0.0)
-
-    def __enter__(self) -> ProgressLine:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.clear()
-
-    def show(self, fraction: float, steps: int, what: str = "steps") -> None:
-        """How far the work is, and how long it will go on at this pace."""
-        now = time.monotonic()
-        if fraction < self.fraction or self.fraction == 0.0:  # a new one
-            self.first = now, fraction
-        self.fraction = fraction
-        passed, done = now - self.first[0], fraction - self.first[1]
-        left = f", {passed / done * (1 - fraction):.0f} s left" if passed > 1 and done > 0 else ""
-        self.say(f"{100 * fraction:.1f} %, {steps} {what}{left}")
-
-    def foretelling(self, told: Callable[[float], None]) -> Callable[[float, int], None]:
-        """What shows progress, and tells once, early, how many seconds the work will take."""
-        began, asked = time.monotonic(), False
-
-        def show(fraction: float, steps: int) -> None:
-            nonlocal asked
-            passed = time.monotonic() - began
-            if not asked and passed > 2 and fraction > 0:
-                asked = True
-                self.clear()
-                told(passed / fraction)
-            self.show(fraction, steps)
-
-        return show
-
-    def say(self, text: str) -> None:
-        """The line's new text, once something has taken long."""
-        if sys.stderr.isatty() and time.monotonic() - self.began > 1:
-            line = f"{self.verb}: {printable(text)}"
-            sys.stderr.write("\r\x1b[K" + line[: _columns() - 1])  # a line that wraps stays behind
-            sys.stderr.flush()
-            self.shown = True
-
-    def clear(self) -> None:
-        """The line wiped."""
-        if self.shown:
-            sys.stderr.write("\r\x1b[K")
-            sys.stderr.flush()
-            self.shown = False
