@@ -95,7 +95,7 @@ NUMBERS = [
 
 #: Lines of a file whose value is an expression without quotes: what is said of it.
 BARE = [
-    ("omega = [1/3, 0, 0]", 'omega = 1/3: expected it in quotes, as every expression'),
+    ("omega = [1/3, 0, 0]", "omega = 1/3: expected it in quotes, as every expression"),
     ("omega = [0, sqrt(2)/2, 1]", 'omega = sqrt(2)/2: ; with a unit: "sqrt(2)/2"'),
     ("omega = [\n1e-3/2,\n0, 1]", 'line 2 = 1e-3/2: ; "1e-3/2"'),
     ("angles = [0, -pi/6, 0] # x", 'angles = -pi/6: ; "-pi/6"'),

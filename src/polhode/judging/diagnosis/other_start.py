@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+import numpy as np
+
+from polhode.judging.diagnosis.rotation_matrices import matrices
 from polhode.judging.tables.reading import WRONG
 from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import to_double
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
-from polhode.scenes.vocabulary import STATE
+from polhode.scenes.vocabulary import ATTITUDE, STATE
 
 _ALIKE = 6.0  # digits of a start that is a case's
 _SHOWN = 2  # cases
@@ -32,12 +35,20 @@ def other_start(subject: Table, scene: Scene) -> str:
 
 
 def _start_of(subject: Table) -> Mapping[str, float]:
-    """The numbers of the state at t = 0, as far as they are there."""
+    """The numbers of the state at t = 0, as far as they are there; gamma also of a quaternion."""
     if 0 not in subject.times:
         return {}
     place = subject.times.index(0)
-    cells = {name: subject.columns[name][place] for name in subject.state}
-    return {name: float(x) for name, x in cells.items() if x is not None}
+    cells = {
+        name: subject.columns[name][place]
+        for name in (*subject.state, *ATTITUDE)
+        if name in subject.columns
+    }
+    row = {name: float(x) for name, x in cells.items() if x is not None}
+    if {*ATTITUDE} <= row.keys():
+        (turned,) = matrices(np.array([[row[name] for name in ATTITUDE]]))
+        row = dict(zip(STATE[3:], turned[2].tolist(), strict=True)) | row
+    return {name: x for name, x in row.items() if name in STATE}
 
 
 def _digits(row: Mapping[str, float], scene: Scene) -> Mapping[str, float]:

@@ -376,7 +376,7 @@ class Judgement(Result, Scores):
     def _other_start(self) -> list[str]:
         """That a table of which nothing is right begins elsewhere, which is to be said first."""
         subject = self.subject
-        if subject.run is not None or not self.digits or self.state_worst >= LAST:
+        if subject.run is not None or not (self.digits or self._others) or self.worst >= LAST:
             return []
         told = "" if self.readings or self.causes else other_start(subject, self.reference.scene)
         return [f"{subject.name}: {told}"] if told else []
@@ -427,7 +427,7 @@ class Judgement(Result, Scores):
         if self.worst_part != STATE_PART:
             told += f", of {self.worst_part}"
             if not self.digits:
-                return told + read
+                return f"{told}{f', {WRONG_AT_ONCE}' * (self.worst < LAST)}{read}"
             time = brief(self.times[self._lowest])
             told += f"; of the state {self.state_worst:.2f} (t = {time})"
         return f"{told}, {self._meaning}{read}"

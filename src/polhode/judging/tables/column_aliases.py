@@ -63,6 +63,7 @@ _STEMS = {
     "matrix": rf"(?:[rmtc]|dcm|rot(?:m|mat)?|rotation|(?:rot(?:ation)?{_S})?matrix)"
     rf"(?:{_S}(?:t|bn|nb|bi|ib))?",
 }
+_BARE_QUATERNION = frozenset("wxyz")  # all of them: x y z alone may be a place
 _AXES = {"matrix": r"([xyz]{2}|\d{2}|\d\D{1,2}\d)", "quaternion": r"([wxyzrsijk0-4])"}
 #: What may follow: of an acceleration, which is not read, a unit of any kind.
 _AFTER = {"acceleration": r"(?:[\s_,(\[].*)?"}
@@ -164,10 +165,15 @@ def columns(headers: Sequence[str]) -> list[Column]:
     ['t', None, None, None, 'p', 'q', 'r']
     >>> [found.name for found in columns(["body.w_a[1]", "body.w_a[2]", "Gyroscope z (rad/s)"])]
     ['p', 'q', 'r']
+    >>> [found.name for found in columns(["t", "x", "y", "z", "w"])]
+    ['t', 'q1', 'q2', 'q3', 'q0']
     >>> columns(["time_ms", "psi_deg"])
     [Column(name='t', degrees=False, factor=Fraction(1, 1000), part=False), \
 Column(name='psi', degrees=True, factor=Fraction(1, 1), part=False)]
     """
+    bare = {header for header in headers if header.lower() in _BARE_QUATERNION}
+    if len(bare) == len(_BARE_QUATERNION):
+        headers = [f"q{header}" if header in bare else header for header in headers]
     alone = [_alone(header) for header in headers]
     parts = [one if isinstance(one, _Part) else None for one in alone]
     there = [part for part in parts if part is not None]

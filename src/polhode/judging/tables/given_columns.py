@@ -147,10 +147,8 @@ def refuse_names(source: str, key: str, header: Sequence[str], named: Sequence[C
         expected = f"each column once ({', '.join(both)}), or {NAMING} that chooses one"
         raise BadInput(source, key, name, expected)
     if all(meant.name in (None, "t") for meant in named):
-        expected = f"columns besides t that can be judged, of {', '.join(known()[1:])}"
-        raise BadInput(
-            source, key, ",".join(header), f"{expected}; or {NAMING} that translates names"
-        )
+        expected = f"columns besides t that can be judged: {NAMING} translates names"
+        raise BadInput(source, key, ",".join(header), f"{expected} to {', '.join(known()[1:])}")
 
 
 def _errors(
