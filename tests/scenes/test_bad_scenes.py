@@ -97,7 +97,7 @@ NUMBERS = [
 BARE = [
     ("omega = [1/3, 0, 0]", "omega = 1/3: expected it in quotes, as every expression"),
     ("omega = [0, sqrt(2)/2, 1]", 'omega = sqrt(2)/2: ; with a unit: "sqrt(2)/2"'),
-    ("omega = [\n1e-3/2,\n0, 1]", 'line 2 = 1e-3/2: ; "1e-3/2"'),
+    ("omega = [\n1e-3/2,\n0, 1]", 'line 3 = 1e-3/2: ; "1e-3/2"'),
     ("angles = [0, -pi/6, 0] # x", 'angles = -pi/6: ; "-pi/6"'),
     ("angles = [30 deg, 0, 0]", 'angles = 30 deg: ; "30 deg"'),
     ("end = 10 s", 'end = 10 s: ; "10 s"'),

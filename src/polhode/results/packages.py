@@ -14,5 +14,7 @@ def needed(package: str, source: str = "tables") -> ModuleType:
         return import_module(package)
     except ImportError:
         name = package.partition(".")[0]
-        what = "'polhode[frames]'" if name in ("pandas", "xarray") else name
-        raise BadInput(source, name, None, f"it to be installed: pip install {what}") from None
+        expected = f"it to be installed: pip install {name}"
+        if name in ("pandas", "xarray"):
+            expected = "it to be installed: pip install 'polhode[frames]'"
+        raise BadInput(source, name, None, expected) from None

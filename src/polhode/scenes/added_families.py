@@ -8,10 +8,13 @@ finds; ``polhode.register_family`` adds one to this process alone.  What a famil
 from __future__ import annotations
 
 from functools import cache
-from importlib.metadata import EntryPoint, entry_points
+from typing import TYPE_CHECKING
 
 from polhode.common.errors import BadInput
 from polhode.scenes.vocabulary import REFERENCES
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 GROUP = "polhode.families"
 _OF_PROCESS: dict[str, object] = {}
@@ -44,4 +47,6 @@ def added() -> list[object]:
 @cache
 def _installed() -> dict[str, EntryPoint]:
     """The entry points; of a name that polhode has its own is meant."""
+    from importlib.metadata import entry_points  # which takes a seventh of the time of polhode list
+
     return {p.name: p for p in entry_points(group=GROUP) if p.name not in REFERENCES}
