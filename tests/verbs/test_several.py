@@ -67,6 +67,8 @@ def test_a_page_of_several_motions_has_each_one_s_page(tmp_path, monkeypatch, ca
     assert "<h1>A &lt;lesson&gt;</h1>" in text
     assert "<p>One &amp; two.</p>\n<p>Three &lt;four&gt;.</p>" in text
     assert text.endswith("</html>\n")
+    assert 'document.addEventListener("load"' in text  # the load of a frame reaches no window
+    assert "new ResizeObserver(fit)" in text  # a frame was 46rem high, with a scrollbar of its own
     pages = framed(text)
     for page, top in zip(pages, tops, strict=True):
         alone = Path(f"{top[:5]}.html".replace("/", "")).read_text()

@@ -51,10 +51,12 @@ body {{ font: 1rem/1.5 system-ui, sans-serif; max-width: 72rem; margin: 0 auto; 
 </style>
 <script>
 // each frame is as high as its page: one scrollbar for all
-addEventListener("load", ({{target}}) => {{
+document.addEventListener("load", ({{target}}) => {{
   const page = target.contentDocument?.documentElement;
   const fit = ([seen]) => {{ target.style.height = `${{Math.ceil(seen.contentRect.height)}}px`; }};
-  if (page) new ResizeObserver(fit).observe(page);
+  if (!page) return;
+  page.style.overflow = "hidden";
+  new ResizeObserver(fit).observe(page);
 }}, true);
 </script>
 {heading}
