@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import shutil
+from base64 import b64decode
 from collections.abc import Iterator
 from typing import Any
 
@@ -203,6 +204,17 @@ def test_a_key_changes_with_every_module_and_nothing_beside_them(tmp_path, monke
 
 
 # -- what the pages link to -----------------------------------------------------------------------
+
+
+def test_the_report_begins_with_the_figure_that_everybody_looks_for():
+    """Error against computing time stood third, behind strips of dots."""
+    page = (COMMITTED / "report.html").read_text()
+    listed = re.findall(r'<li><a href="#([\w-]+)">', page)
+    assert listed == re.findall(r'<section id="([\w-]+)">', page) == [*report.STUDIES]
+    assert listed[0] == "speed"
+    first = re.search(r'<img src="data:image/svg\+xml;base64,([\w+/=]+)"', page)
+    assert first is not None
+    assert b64decode(first[1]).decode() == (COMMITTED / "speed.svg").read_text()
 
 
 def test_all_that_the_reports_link_to_is_there_and_nothing_else_is():
