@@ -2,8 +2,7 @@
 
 Each kind of motion is held in several processes, so that everything compiled is made as often, and
 the fastest of all counts, for all alike; but what in the first process takes more than ten times as
-long as the fastest, at every level, is not held again: equal builds differ by less than two.  (Of
-cells of the work-precision diagram all is.)  At
+long as the fastest, at every level, is not held again: equal builds differ by less than two.  At
 each level the seconds of each draw are read between its two tolerances next to it; a program
 reaches a level where at least seven of eight draws do.  Ratios are medians over the draws that both
 reach, with a bootstrap interval: a tie holds 1.
@@ -248,11 +247,9 @@ def _next_to_levels(points: Points) -> list[float]:
 def held_again(points: Mapping[str, Points], every_tolerance: bool) -> dict[str, list[float]]:
     """The tolerances of each program that are timed once more: none of one that is far behind.
 
-    ``every_tolerance``: all, of every program.
+    ``every_tolerance``: all of the others.
     """
-    if every_tolerance:
-        return {name: sorted({tol for _, tol in there}) for name, there in points.items()}
-    found = {}
+    again = {}
     middles = [
         {
             n: statistics.median(t.values())
@@ -263,5 +260,6 @@ def held_again(points: Mapping[str, Points], every_tolerance: bool) -> dict[str,
     ]
     for name, there in points.items():
         met = [times[name] <= _FAR * min(times.values()) for times in middles if name in times]
-        found[name] = _next_to_levels(there) if any(met) or not met else []
-    return found
+        near = sorted({tol for _, tol in there}) if every_tolerance else _next_to_levels(there)
+        again[name] = near if any(met) or not met else []
+    return again
