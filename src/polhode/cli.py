@@ -41,7 +41,7 @@ _MEANT = {
     **dict.fromkeys(("judge", "validate", "diff", "score"), "compare FILE SCENE"),
     **dict.fromkeys(("test", "regression"), "check"),
     "enclose": "certify SCENE",
-    **dict.fromkeys(("animate", "movie", "film"), "view SCENE, or plot SCENE --what motion"),
+    **dict.fromkeys(("animate", "movie", "film"), "view SCENE -o x.html, or plot SCENE -o x.gif"),
     **dict.fromkeys(("figure", "draw", "graph"), "plot SCENE"),
     **dict.fromkeys(("ensemble", "scan", "vary"), "sweep SCENE --vary KEY=FROM:TO:N"),
     "poincare": "section SCENE",
@@ -53,7 +53,7 @@ _MEANT = {
 }
 
 #: What follows is a name, even if it looks like an option.
-_BEFORE = "the verb and its options before it: what follows -- is read as a name"
+_BEFORE = "-- behind the verb and its options: what follows it is a name"
 
 WELCOME = f"""\
 polhode {__version__}: how a heavy rigid body moves about a fixed point, to how many correct digits.
@@ -90,7 +90,7 @@ class _Parser(ArgumentParser):
         write_stdout(message)
 
     def refuse(self, rest: Sequence[str], given: Sequence[str]) -> NoReturn:
-        """Say what could have been meant by arguments that the verb does not know."""
+        """Refuse unknown arguments, and suggest the closest known option."""
         if "--" in given:
             raise BadInput(self.prog, "argument", "--", _BEFORE)
         first = rest[0].partition("=")[0]
@@ -159,7 +159,7 @@ def _main(arguments: Sequence[str] | None) -> int:
         terminal.give_up_stdout()
         if isinstance(full.fault, BrokenPipeError):  # the reader had enough
             return DONE
-        terminal.note(f"polhode: stdout: expected a place to write to ({full})")
+        terminal.note(f"polhode: cannot write to standard output: {full}")
         return BAD_INPUT
     except OSError as fault:
         where = fault.filename or "the system"

@@ -116,20 +116,22 @@ def test_a_damaged_certificate_is_none(held, place, value, said):
 # -- one covering ---------------------------------------------------------------------------------
 
 
-def covers(size=(1.0, 1.0), middle=0.0, slope=None, **given: float) -> verify.Margins:
-    """An affine image of a set of sizes 1, made up, over a set with these."""
-    x = {"stretch": 2.0, "height": 0.5, "depth": 0.1, "shift": 0.0, "up": 0.0}
+def covers(
+    size=(1.0, 1.0), middle=0.0, slope=None, source=(1.0, 1.0), **given: float
+) -> verify.Margins:
+    """An affine image, made up, of a set of the sizes ``source``, over a set with these."""
+    x = {"stretch": 2.0, "height": 0.5, "depth": 0.1, "shift": 0.0, "up": 0.0, "last": 0.0}
     x |= {"bend": 0.0, "turn": 0.0} | given
     columns = [
         [arb(x["stretch"]), arb(x["turn"]), *[arb(0)] * 4],
         [arb(x["bend"]), arb(x["height"]), *[arb(0)] * 4],
         [arb(0), arb(0), *[arb(x["depth"])] * 4],
     ]
-    off = [arb(x["shift"]), arb(x["up"]), *[arb(0)] * 4]
+    off = [arb(x["shift"]), arb(x["up"]), *[arb(0)] * 3, arb(x["last"])]
     slope = slope or [[x["stretch"], x["bend"]], [x["turn"], x["height"]]]
     derivative = arb_mat([[arb(y) for y in row] for row in slope])
     with ctx.workprec(64):
-        one = verify.Rectangle(0, arb(0), arb(1), arb(1))
+        one = verify.Rectangle(0, arb(0), arb(source[0]), arb(source[1]))
         other = verify.Rectangle(0, arb(middle), arb(size[0]), arb(size[1]))
         what = verify.Image(off, columns, derivative, arb(1), arb(2))
         return verify.covers(what, one, other, arb(1), "one over another")
@@ -150,7 +152,9 @@ def test_the_margins_of_a_covering():
     found = covers(size=(1.4, 0.6), middle=0.5, stretch=-2.0, depth=0.0)
     assert float(found.stretch) == pytest.approx(1.5 / 1.4)
     assert float(found.height) == pytest.approx(0.5 / 0.6)
+    assert float(found.cone) == pytest.approx(((2 / 1.4) ** 2 - 1) * (1 - (0.5 / 0.6) ** 2))
     assert float(covers().cone) == (4.0 - 1.0) * (1.0 - 0.25)
+    assert float(covers(source=(0.75, 0.5)).cone) == (2.25 - 1.0) * (1.0 - 0.0625)
 
 
 NAN = float("nan")
@@ -164,11 +168,14 @@ HIGH, SHORT, SHEET = "too high", "ends in the set", "another sheet"
         ({"up": 0.5}, HIGH),
         ({"turn": 0.6}, HIGH),
         *(({"depth": x}, SHEET) for x in (1.0, NAN)),
+        *(({"last": x}, SHEET) for x in (0.95, -0.95)),  # of four depths one
         *(({"stretch": x}, SHORT) for x in (1.0, -1.0, NAN)),
         # one edge is not beyond; both edges lie on one side
         *(({"shift": x}, SHORT) for x in (1.0, 1.5, 4.0, NAN)),
         ({"bend": 1.0}, SHORT),
         ({"size": (1.6, 0.6), "middle": 0.5}, SHORT),
+        ({"source": (0.5, 1.0)}, "cone"),
+        ({"source": (1.0, 2.0)}, "cone"),
         ({"stretch": 1.2, "turn": 0.8, "height": 0.1, "bend": 0.1}, "cone"),
         *(
             ({"slope": slope}, "cone")

@@ -4,6 +4,9 @@ A guess that is changed proves the same statement or nothing.  A statement that 
 where it says less than what was proved.  A body or level whose number is another, has another sign,
 is 2 or is 0 is one that the sets do not fit; one that differs by 1e-9 has the same chaos, for the
 sets are wider than that moves them.
+
+An image is a function of a transit, a set and two charts: those that a change leaves alone are
+remembered, so that a certificate costs its changed images and not all of them.
 """
 
 from __future__ import annotations
@@ -16,6 +19,7 @@ from fractions import Fraction
 from typing import Any
 
 import pytest
+from flint import arb, arb_mat, ctx
 
 from polhode.certificates import verify
 from polhode.scenes import library
@@ -71,6 +75,34 @@ def mutated(seed: int, kind: str, held: dict[str, Any]) -> tuple[tuple[Any, ...]
     return (part, *path), how
 
 
+IMAGES: dict[Any, verify.Image] = {}
+
+
+def told(value: Any) -> Any:
+    """All that a value of the checker's says, exactly."""
+    if isinstance(value, arb):
+        return value.mid().man_exp(), value.rad().man_exp()
+    if isinstance(value, arb_mat):
+        return told(value.table())
+    return tuple(map(told, value)) if isinstance(value, (list, tuple)) else value
+
+
+@pytest.fixture
+def remembered(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Images that were made before are not made again."""
+    image_of = verify._image
+
+    def image(run: verify.Run, *given: Any) -> verify.Image:
+        guesses = (run.bits, run.time_bits, run.grid, run.centres, run.inertia, run.torque)
+        asked = told((*guesses, *given[:-1]))
+        if asked not in IMAGES:
+            IMAGES[asked] = image_of(run, *given)
+        ctx.prec = run.bits
+        return IMAGES[asked]
+
+    monkeypatch.setattr(verify, "_image", image)
+
+
 def check(seed: int, kind: str) -> bool:
     """Whether a changed certificate is proved; asserts that what is, is true."""
     given = json.loads(FILE.read_text())
@@ -102,6 +134,7 @@ def test_a_changed_certificate_proves_nothing_false(kind):
 
 
 @pytest.mark.campaign
+@pytest.mark.usefixtures("remembered")
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("first", range(0, 168, 8))
 def test_a_thousand_changed_certificates_prove_nothing_false(kind, first):

@@ -326,7 +326,7 @@ def body_of(*moments):
         return verify.Body(inertia, [arb("0.25"), arb("-0.5"), arb("0.125")])
 
 
-@pytest.mark.parametrize("moments", [(1, 1, 1), (3, 2, 2), (8, 7, 1)])
+@pytest.mark.parametrize("moments", [(1, 1, 1), (3, 2, 2), (8, 7, 1), (1, 8, 2)])
 def test_the_quadratic_part_of_the_rates_is_bounded_sharply(moments):
     """By its values where every component is 1 or -1: half the sum of f there and opposite."""
     body, largest = body_of(*moments), 0.0

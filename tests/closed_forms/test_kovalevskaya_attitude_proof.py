@@ -97,7 +97,7 @@ def values_at(attitude, way, u1, t):
     """The complex state, xi and eta and their slopes at a complex place; e^(c1 u1) is left out."""
     motion = attitude.motion
     quotients, V = motion.choices[0], motion.velocity
-    z = tuple(a + u1 * b + t * c for a, b, c in zip(quotients.z0, way, V, strict=True))
+    z = tuple(a + u1 * b + t * c for a, b, c in zip(motion.z0, way, V, strict=True))
     z, _, k = motion.jacobian.lattice.reduced(z, 2)
     state = quotients.state(motion.H, motion.values_at(z))
     low = tuple(a + b for a, b in zip(z, attitude.h, strict=True))

@@ -34,14 +34,7 @@ def rotation(q):
     )
 
 
-def params():
-    """The one far along a degenerate curve of Kovalevskaya takes seconds."""
-    for case in CASES:
-        name = case.get("name", case["group"])
-        yield pytest.param(case, id=name, marks=[pytest.mark.slow] * (name == "X4q"))
-
-
-@pytest.mark.parametrize("case", [*params()])
+@pytest.mark.parametrize("case", CASES, ids=[case.get("name", case["group"]) for case in CASES])
 def test_stored_values(case):
     body = polhode.Body.of_moments(case["moments"], case["centre"], case["weight"])
     found = polhode.reference(polhode.Scene(body, case["omega"], case["gamma"]))

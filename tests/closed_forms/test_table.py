@@ -47,6 +47,14 @@ CHEAP = {"euler": 6, "lagrange": 5, "pendulum": 5, "staude": 2}
 SLOW = ("hess",)
 #: Those that have the state alone: a reference encloses the attitude, and that costs seconds.
 ENCLOSED = ("goryachev-chaplygin",)
+
+
+def has_attitude(motion):
+    """Whether Kovalevskaya's top has more than the state, too."""
+    alone = "degenerate curve" in motion.regime or "separatrix" in motion.name
+    return motion.family != "kovalevskaya" or not alone
+
+
 STILL = ("rest", "permanent", "sleeping", "hanging", "steady precession", "spherical pendulum, con")
 
 
@@ -62,13 +70,12 @@ REPORTED = "hard/near-axial-pendulum", "hard/near-quasi-periodic", "kovalevskaya
 def rows(question, *, fast=1, slow=1, keep=lambda motion: True, dear=()):
     """Rows for a question, evenly spread over each family and other ones for each question.
 
-    ``dear``: families of which none is fast, and then none on a degenerate curve either.
+    ``dear``: families of which none is fast.
     """
     params, shift = [], crc32(question.encode())
     for family, motions in MOTIONS.items():
         asked = [motion for motion in motions if motion.scene.gamma is not None and keep(motion)]
-        quick = [] if family in dear else [m for m in asked if not (dear and "curve" in m.regime)]
-        quick = spread(quick, CHEAP.get(family, 1) * fast, shift)
+        quick = [] if family in dear else spread(asked, CHEAP.get(family, 1) * fast, shift)
         later = spread([m for m in asked if m not in quick], slow, shift)
         for motion in asked:
             reported = (dear and motion.name in REPORTED) or str(motion) in REPORTED
@@ -104,7 +111,7 @@ def test_the_state_by_power_series(motion):
 #: Where the third axis is exactly vertical ever again, which way it turns is a rule's matter.
 THROUGH_POLES = (
     *("through", "planar", "pendulum", "homoclinic", "rest", "sleeping", "hanging"),
-    *("degenerate curve, quasi", "Steklov"),
+    "Steklov",
 )
 #: Which pass it so closely that close samples do not tell on which side.
 NEAR_POLES = (
@@ -120,7 +127,12 @@ DEAR = ("bobylev-steklov", "steklov", "goryachev", "n-kowalewski", "chaplygin", 
 PAST_A_POLE = ("v constant, et = 0", "kovalevskaya/pendulum-equatorial")
 
 
-@rows("attitude", slow=2, dear=DEAR, keep=lambda motion: motion.name not in PAST_A_POLE)
+@rows(
+    "attitude",
+    slow=2,
+    dear=DEAR,
+    keep=lambda motion: has_attitude(motion) and motion.name not in PAST_A_POLE,
+)
 def test_attitude_and_angles_by_power_series(motion):
     """The sign at t = 0 and the turns too."""
     top, scene = motion.reference, motion.scene
@@ -174,7 +186,7 @@ def test_the_equations_hold_to_150_digits(motion):
 
 
 #: How far kinds of motion are asked, in their own unit of time.
-REACH = {"degenerate curve, asymptotic": 20, "multiply degenerate": 20, "degenerate curve": 1000}
+REACH = {"degenerate curve, asymptotic": 20}
 
 
 def far(motion, time):
@@ -188,23 +200,13 @@ def test_fewer_digits_are_those_of_more(motion):
     """The state at any time, 15, 50 and 200 digits."""
     top, times = motion.reference, [F(0), *motion.times(F(7, 3), -11)]
     times += [far(motion, 10**4), -far(motion, 10**12)]
-    is_slow = motion.family in SLOW or is_of_neighbours(motion)
-    for few, many in ((15, 33), (50, 90)) if is_slow else ((15, 50), (200, 220)):
+    for few, many in ((15, 33), (50, 90)) if motion.family in SLOW else ((15, 50), (200, 220)):
         error = table_gap(top.at(times, few), top.at(times, many), motion.rate)
         assert error < mpf(10) ** -few
         assert error > mpf(10) ** (-2 * few - 40) or is_still(motion)
 
 
-def is_of_neighbours(motion):
-    """Whether its state is by six neighbours, which have a limit of bits."""
-    return "degenerate curve" in motion.regime
-
-
-def is_dear_in_200_digits(motion):
-    return motion.family == "kovalevskaya" and not is_of_neighbours(motion)
-
-
-@rows("200 digits", fast=0, keep=is_dear_in_200_digits)
+@rows("200 digits", fast=0, keep=lambda m: m.family == "kovalevskaya" and has_attitude(m))
 def test_200_digits_of_kovalevskayas_tops_are_those_of_240(motion):
     """State and attitude, as far as the motion tells them; and power series to 60 digits."""
     top = motion.reference
@@ -227,11 +229,10 @@ def test_200_digits_of_kovalevskayas_tops_are_those_of_240(motion):
     assert gap(row[6:10], turn) < mpf("1e-60")
 
 
-@rows("far attitude", dear=DEAR)
+@rows("far attitude", dear=DEAR, keep=has_attitude)
 def test_attitude_at_any_time(motion):
     """Digits as asked, of length 1, and it carries the vertical."""
-    swing = motion.family == "kovalevskaya" and "separatrix" in motion.name
-    end = 100 if swing or motion.family in ENCLOSED else 10**9
+    end = 100 if motion.family in ENCLOSED else 10**9
     top, times = motion.reference, [-far(motion, 40), far(motion, end)]
     few, many = top.attitude(times, 20), top.attitude(times, 35)
     with mpmath.workdps(60):
@@ -323,7 +324,7 @@ PLACES = (
 )
 
 
-@rows("places", keep=lambda motion: motion.principal, dear=DEAR)
+@rows("places", keep=lambda motion: motion.principal and has_attitude(motion), dear=DEAR)
 def test_other_axes_and_units_give_the_same_motion(motion):
     """Axes renamed, reflected and turned, also by irrational matrices."""
     top, times = motion.reference, motion.times(F(7, 3), -4)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -35,15 +34,75 @@ def test_no_motion_of_an_integrable_top_is_chaotic(case):
     assert 0.5 < found.growth.max() < 4.5  # a tangent grows like a power of time
 
 
-def test_growing_motions_of_an_integrable_top_are_unstable_and_of_another_chaotic():
-    """So lyapunov calls them, too: the one on the separatrix."""
-    for case, word in (("euler/separatrix", "unstable"), (GENERIC, "chaotic")):
-        found = polhode.chaos_map(case, (2, 2), end=50, **LEVEL)
-        grown = replace(found, verdict=np.full_like(found.verdict, 2))
-        assert grown.counts[word] == len(found.verdict) == sum(grown.counts.values())
-        assert {*grown.column("verdict")} == {word}
-    assert polhode.lyapunov("euler/separatrix").verdict == "unstable"
-    assert polhode.lyapunov(GENERIC, 2000).verdict == "chaotic"
+def test_growing_motions_that_are_known_are_unstable_and_others_chaotic():
+    """So lyapunov calls them, too: on a separatrix, and a sleeping top that spins too slowly."""
+    sleeping = polhode.load("lagrange/sleeping-unstable")
+    varied = {"start.omega[3]": ["1/100", "1/10", 1000]}
+    found = polhode.chaos_map(sleeping, vary=varied, end=2000)
+    assert found.shape == (3,)
+    assert found.column("verdict")[:2] == ["unstable", "unstable"]
+    assert found.counts["chaotic"] == 0
+    assert polhode.lyapunov(sleeping).verdict == "unstable"
+    still = {"omega": [1, 0, 0], "gamma": [1, 0, 0], "moments": ["3/2", 2, 1]}  # Staude's, unstable
+    scene = polhode.top(**still, centre=["-1/10", 0, 0], weight=1)
+    found = polhode.chaos_map(scene, vary={"start.omega[1]": [1, "9/8"]}, end=1000)
+    assert found.counts == {"regular": 0, "undecided": 0, "chaotic": 0, "unstable": 2}
+    found = polhode.chaos_map(GENERIC, (4, 4), end=1000, **LEVEL)
+    assert found.counts["chaotic"] > 6
+    assert found.counts["unstable"] == 0
+
+
+def test_own_starts_are_the_motions_that_a_grid_has(tmp_path):
+    """From an array, a file, and as numbers that vary to the bit; gamma is made a unit vector."""
+    grid = polhode.chaos_map(GENERIC, (4, 3), end=50, **LEVEL)
+    cut = polhode.section(GENERIC, grid=(4, 3), crossings=1, **LEVEL)
+    rows, path = cut.start_states, tmp_path / "starts.csv"
+    path.write_text("\n".join(",".join(map(repr, row)) for row in rows.tolist()))
+    keys = [f"start.{name}[{k}]" for name in ("omega", "gamma") for k in (1, 2, 3)]
+    varied = dict(zip(keys, np.split(rows, 6, axis=1), strict=True))
+    found = [
+        polhode.chaos_map(GENERIC, end=50, **asked)
+        for asked in ({"starts": rows}, {"starts": path}, {"vary": varied})
+    ]
+    for own in found:
+        assert own.keys == tuple(keys)
+        assert own.shape == (len(rows),)
+        assert (own.at == rows).all()
+        assert (own.growth == found[0].growth).all()
+    off = np.abs(found[0].growth - grid.growth)
+    assert 0 < off.max() < 1e-9
+
+
+def test_bodies_vary_beside_own_starts_and_a_wrong_row_is_named():
+    rows = [[1.0, 0.5, 2.0, 0.6, 0.0, 0.8]] * 2
+    found = polhode.chaos_map(
+        GENERIC, starts=rows, vary={"body.weight": np.array([1.0, 3.0])}, end=50
+    )
+    assert found.growth[0] != found.growth[1]
+    for asked, words in (
+        ({"starts": rows, "grid": (2, 2)}, "no grid"),
+        ({"starts": rows, "by": "height"}, "no grid"),
+        ({"starts": [[1.0, 0.5, 2.0]]}, r"shape \(N, 6\)"),
+        ({"starts": [rows[0], [1.0, 0.5, 2.0, 0.6, 0.1, 0.8]]}, "member 2|row 2"),
+        ({"starts": "missing.csv"}, "missing.csv"),
+        ({"starts": np.empty((0, 6))}, "at least one start"),
+    ):
+        with pytest.raises(polhode.BadInput, match=words):
+            polhode.chaos_map(GENERIC, end=10, **asked)
+
+
+def test_own_starts_are_drawn_as_dots(tmp_path, capsys):
+    pytest.importorskip("matplotlib")
+    starts, figure = tmp_path / "s.csv", tmp_path / "m.svg"
+    starts.write_text("1,0.5,2,0.6,0,0.8\n0.1,0,3,0,0.6,0.8\n")
+    command = ["map", "general/asymmetric-chaotic", "--starts", str(starts), "--end", "50"]
+    for what in ("exponent", "verdict"):
+        assert main([*command, "--what", what, "-o", str(figure)]) == 0
+        assert "start.omega[2]" in figure.read_text()
+    assert main([*command, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["grid"] == [2]
+    assert len(found["columns"]["exponent"]) == 2
 
 
 def test_megno_of_made_up_growth():

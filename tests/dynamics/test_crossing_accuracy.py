@@ -13,11 +13,14 @@ import polhode
 from polhode.cli import main
 from polhode.dynamics.sections import coordinates as geometry
 from polhode.dynamics.sections import crossing_accuracy
-from polhode.numbers.conversion import exactly
+from polhode.numbers.conversion import doubles, exactly
 from polhode.scenes import scene_file
 
 EPS = 2.0**-52
 GENERIC = polhode.load("general/asymmetric-chaotic")
+TOP = (
+    "0.91609882742327018"  # of gamma3 on general/asymmetric-regular, at t = 1.34387, by a quad run
+)
 
 
 def true_digits(scene, found, which):
@@ -75,12 +78,25 @@ def test_true_digits_lie_in_a_band_about_those_told(scene, crossings):
     scene = polhode.load(scene) if isinstance(scene, str) else scene
     found = polhode.section(scene, starts="scene", crossings=crossings)
     told = found.digits[0]
-    assert (np.diff(told) <= 0).all()
     which = sorted({*np.linspace(4, int((told > 0.5).sum()) - 1, 9).astype(int).tolist()})
     more = true_digits(scene, found, which) - told[which]
     assert more.min() > -2.5
     assert more.max() < 1.5
     assert -2.0 < more.mean() < 1.0
+
+
+@pytest.mark.parametrize("below", [1e-6, 1e-11])
+def test_a_crossing_that_grazes_the_section_has_fewer_digits(below):
+    """Just below a top of gamma3, beside quad: 13.2 and 11 are true, where 15.6 were told."""
+    scene = polhode.load("general/asymmetric-regular")
+    level = Fraction(TOP) - Fraction(below).limit_denominator(10**12)
+    by = f"gamma3 - {level.numerator}/{level.denominator}"
+    found = polhode.section(scene, by=by, starts="scene", crossings=2)
+    watched = replace(scene, events=(polhode.Event("level", by),)).at([Fraction(27, 20)])
+    rows = doubles(polhode.integrate(watched, number="quad").events[0].states)
+    true = -np.log10(np.abs(rows[:2] - found.states[0]).max(axis=1))
+    assert np.abs(true - found.digits[0]).max() < 1
+    assert found.digits[0].max() < (14 if below > 1e-9 else 11.5)
 
 
 def test_no_digit_is_left_where_the_true_ones_end():

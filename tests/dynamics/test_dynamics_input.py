@@ -21,11 +21,11 @@ DOORS = {
         (GENERIC, {"h": -1}, "the least energy at f"),
         (GENERIC, {"by": "p"}, "momentum or height, for a map"),
         (GENERIC, {"tol": 1e-20}, "a tolerance from"),
-        (GENERIC, {"vary": {"start.omega[1]": [1]}}, "two numbers of the scene"),
+        (GENERIC, {"vary": {"start.omga[1]": [1]}}, "a number of the scene"),
         (
             GENERIC,
             {"vary": {"start.omega[1]": [1], "start.omega[2]": [1]}, "h": 3},
-            "no grid or level",
+            "no grid, section or level",
         ),
     ],
     polhode.section: [

@@ -269,3 +269,17 @@ def test_psi_of_a_motion_about_the_vertical_is_the_attitude_s(turn):
     found = azimuth_advance.advance(asleep, number_types.DOUBLE)
     assert not found.whole
     assert float(found.psi) == pytest.approx(float(turn), abs=1e-13)
+
+
+def test_the_advance_of_psi_is_told_as_far_as_it_is_known():
+    """Of few digits it was printed to as many places, and was nearly always called closed."""
+    found = polhode.orbit_search("general/asymmetric-chaotic", (12, 12), 2)
+    for k in (1, 3):
+        few, many = (found.orbit(k, digits) for digits in (5, 20))
+        off = abs(float(few.psi) - float(many.psi))
+        assert few.psi_error / 1e3 < off < few.psi_error < 1e-3
+        line = str(few).splitlines()[-1]
+        text = line.split()[1]
+        assert abs(float(text) - float(many.psi)) < 1.5 * 10.0 ** -len(text.partition(".")[2])
+        assert few.turns is None
+        assert "too few digits to tell whether" in line

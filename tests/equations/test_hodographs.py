@@ -243,7 +243,7 @@ def test_a_trajectory_file_holds_the_space_hodograph(tmp_path, capsys):
     beside(path).unlink()  # a table of anybody's
     capsys.readouterr()
     assert main(["compare", str(path), "kovalevskaya/generic"]) == 0
-    assert "column omega_x was not judged" in capsys.readouterr().out
+    assert "columns omega_x omega_y omega_z were not judged" in capsys.readouterr().out
 
 
 def test_hodographs_need_a_vertical():

@@ -14,7 +14,10 @@ from shared.results import MAKERS, result_of_kind
 
 plt = pytest.importorskip("matplotlib.pyplot")
 TOP = "lagrange/nutation"
-WITHOUT = {"Conditioning", "ObservedOrder", "ProvedOrbits", "Verdict"}  # kinds that have no figure
+WITHOUT = {
+    *("About", "Cases", "CheckReport", "Conditioning", "Description", "Lyapunov"),
+    *("ObservedOrder", "ProvedOrbits", "Verdict"),
+}  # kinds that have no figure
 
 
 @pytest.fixture(autouse=True)
@@ -54,14 +57,15 @@ def test_a_file_is_drawn_as_the_result_was(tmp_path, name):
         assert len(one) > 5000
 
 
-def test_the_file_of_frequencies_has_the_lines_and_no_spectrum(tmp_path):
+def test_the_file_of_frequencies_has_the_lines_and_the_spectrum_of_its_scene(tmp_path):
     found = result_of_kind("Frequencies")
     found.save(tmp_path / "x.json")
     assert isinstance(found, Frequencies)
     panels = [found.plot(), polhode.plot(tmp_path / "x.json")]
     own, read = ({x.get_gid(): x.get_xydata() for x in axes.lines} for axes in panels)
-    assert read["gamma3"].tolist() == own["gamma3"].tolist()
-    assert own.keys() - read.keys() == {"spectrum gamma3"}
+    assert own.keys() == read.keys()
+    for name in ("gamma3", "spectrum gamma3"):
+        assert read[name].tolist() == own[name].tolist()
     true = [(x.frequency, abs(x.amplitude)) for x in found.lines["gamma3"]]
     assert own["gamma3"].tolist() == pytest.approx(np.array(true))
 
@@ -84,6 +88,20 @@ def test_the_command_draws_what_python_draws(tmp_path, monkeypatch):
     title = f"title>polhode: crossings of {TOP}</"
     assert differing
     assert all(title in line for line in differing)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        f"section {TOP} --grid 1x2 --crossings 2",
+        "orbits general/asymmetric-regular --grid 1x2 --crossings 1",
+        f"sweep {TOP} --vary start.omega[2]=1:2:3 --at 1,2 --cmap magma",
+    ],
+)
+def test_every_verb_with_a_figure_takes_a_title(tmp_path, words):
+    path = tmp_path / "x.svg"
+    assert main([*words.split(), "-o", str(path), "--title", "mine & yours"]) == 0
+    assert ">mine &amp; yours</text>" in path.read_text(encoding="utf-8")
 
 
 def test_a_runs_file_is_drawn_as_the_run(tmp_path):
@@ -125,6 +143,23 @@ def test_colours_of_maps_and_of_a_style_are_taken(chaos):
     assert [line.get_color() for line in plain.lines[:3]] == ["#0072b2", "#d55e00", "#009e73"]
 
 
+def test_a_dark_style_hides_nothing_and_sections_and_axes_take_its_colours():
+    with plt.style.context("dark_background"):
+        cycle = plt.rcParams["axes.prop_cycle"].by_key()["color"]
+        drawn = polhode.section(TOP, grid=(3, 2), crossings=2).plot()
+        globe = polhode.plot(TOP, "sphere", end=1)[0]
+    assert {line.get_color() for line in drawn.lines} == {*cycle[:6]}
+    assert "white" in {text.get_color() for text in globe.texts}
+
+
+def test_a_map_takes_the_colours_of_the_style_and_a_map_of_colours_of_ones_own(chaos):
+    with plt.rc_context({"image.cmap": "cividis"}):
+        (mesh,) = chaos.plot("megno").collections
+    assert mesh.get_cmap().name == "cividis"
+    (mesh,) = chaos.plot("megno", cmap=plt.get_cmap("magma")).collections
+    assert mesh.get_cmap().name == "magma"
+
+
 def test_levels_show_the_range_that_is_asked_for():
     found = polhode.levels("general/asymmetric-chaotic")
     axes = found.plot(f_range=(0, "1/2"), h_range="1:2")
@@ -148,7 +183,9 @@ def test_what_a_map_does_not_have_is_refused(chaos, asked, said):
 
 
 def test_kinds_without_a_figure_say_so():
-    with pytest.raises(polhode.BadInput, match="Conditioning: expected a result that has a figure"):
+    with pytest.raises(
+        polhode.BadInput, match="result = Conditioning: expected one that has a figure"
+    ):
         result_of_kind("Conditioning").plot()
 
 
@@ -156,13 +193,18 @@ def test_kinds_without_a_figure_say_so():
     ("words", "said"),
     [
         ("plot x.npz -o y.svg --what megna", "did you mean 'megno'?"),
-        ("plot x.npz -o y.html", "x.npz: --what = motion: expected fli, megno, exponent, verdict"),
+        (
+            "plot x.npz -o y.html",
+            "y.html: -o: expected polhode view x.npz -o y.html, which makes pages",
+        ),
         ("plot x.npz -o y.svg --end 3", "--end = 3: expected no --end: it is for a motion"),
         ("plot x.npz -o y.svg --scene euler/rest --what sphere", "x.npz"),
         ("plot x.npz -o x.npz", "-o"),
         (f"map {TOP} --grid 2x2 --cmap magma", "--cmap = magma: expected it with a figure"),
         (f"map {TOP} --grid 2x2 --what flu -o y.svg", "did you mean 'fli'?"),
         (f"levels {TOP} --f-range 2:1 -o y.svg", "--f-range = 2:1: expected A:B with A below B"),
+        ("plot x.npz -o y.svg --f-range 0:1", "plot fli: f_range = 0:1: expected cmap, title"),
+        (f"plot {TOP} -o y.svg --what chaos-proof", "polhode prove chaos SCENE -o FILE.svg"),
         (f"levels {TOP} --h-range 2 -o y.svg", "--h-range = 2: expected A:B, two numbers"),
     ],
 )

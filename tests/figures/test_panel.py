@@ -13,7 +13,8 @@ from polhode.figures.canvas.canvas import COLOURS, paper
 from polhode.studies.long_run import rows as long_run
 from polhode.studies.page.drawing import LOOKS, plain
 from polhode.studies.speed import number_types
-from polhode.studies.speed.programs import OURS, PROGRAMS
+from polhode.studies.speed.figure import LINES
+from polhode.studies.speed.programs import PROGRAMS
 
 
 @pytest.mark.parametrize(
@@ -38,14 +39,15 @@ def test_a_logarithmic_axis_has_labels_each_of_its_value(low, high, least):
 
 
 def test_methods_of_a_figure_look_different_and_no_other_program_like_a_number_type():
-    types = {way.name for way in number_types.WAYS}
-    drawn = [p.name for p in PROGRAMS if p.last and p.name != OURS]
+    types = {way.name.removeprefix("polhode ") for way in number_types.WAYS}
+    drawn = [*LINES]
     assert {*types, *drawn, long_run.PLAIN, long_run.PROJECTED} <= LOOKS.keys()
     for those in (types, drawn):
         assert len({tuple(LOOKS[name].values()) for name in those}) == len(those)
-    others = {(LOOKS[x]["color"], x.split()[0]) for x in drawn if not x.startswith("polhode")}
-    assert len({colour for colour, _ in others}) == len(others)  # one colour a program
-    assert {colour for colour, _ in others}.isdisjoint(COLOURS.values())
+    others = [LOOKS[name]["color"] for name in drawn if not name.startswith("polhode")]
+    assert len({*others}) == len(others)  # one colour a program
+    assert {*others}.isdisjoint(COLOURS.values())
+    assert {name for names in LINES.values() for name in names} < {p.name for p in PROGRAMS}
 
 
 @pytest.mark.parametrize("by", ["momentum", "height"])

@@ -152,6 +152,11 @@ def test_the_error_shown_is_the_error_found(number):
     worst = -min(polhode.compare(run).digits)
     own = max(np.nanmax(drawn[name][:, 1]) for name in ("omega", "gamma"))
     assert own == pytest.approx(worst, abs=0.3)
+    true = np.array(polhode.reference(scene).at(run.times, 50))
+    off = np.abs((np.array(run.states, dtype=object) - true).astype(float))
+    scale = np.linalg.norm(true[:, :3].astype(float), axis=1).max()
+    for name, errors in (("omega", off[:, :3] / scale), ("gamma", off[:, 3:])):
+        assert np.nanmax(drawn[name][:, 1]) == pytest.approx(np.log10(errors.max()), abs=1e-6), name
     assert [text.get_text() for text in panels[0].texts] == ["eps"]
     assert panels[0].lines[-1].get_ydata()[0] == pytest.approx(math.log10(run.number.eps))
 
@@ -299,12 +304,15 @@ def test_json_says_what_was_drawn(tmp_path, capsys):
         (f"{TOP} --what angles -o x.jpg", ".svg or .png or .pdf"),
         (f"{TOP} --what angles -o x.svg.gz", ".svg"),
         (f"{TOP} --what angles -o nowhere/x.svg", "nowhere"),
-        (f"{TOP} --what motion", ".html or .gif or .mp4"),
+        (f"{TOP} --what motion", ".gif or .mp4"),
         (f"{TOP} --what motion -o x.gif --fps 0", "--fps"),
         (f"{TOP} --what motion -o x.gif --fps 30", "hundredths of a second"),
         (f"{TOP} --what motion -o x.gif --size 5", "an even number"),
         (f"{TOP} --what omega --fps 20", "a film"),
-        (f"{TOP} --what motion -o x.html --size 200", "a film"),
+        (
+            f"{TOP} --what motion -o x.html",
+            "polhode view lagrange/looping -o x.html, which makes pages",
+        ),
     ],
 )
 def test_what_cannot_be_drawn_is_refused_in_one_line(tmp_path, refusal, words, said):

@@ -68,7 +68,7 @@ def test_two_reports_into_one_folder_at_once(tmp_path):
 from pathlib import Path
 from polhode import cli
 from polhode.studies import report
-report.STUDIES = ('events',)
+report.STUDIES = {{'events': (9, 9)}}
 report._run = lambda *_: Path({str(committed)!r}).read_text()
 raise SystemExit(cli.main(['report', '--quick', '-o', 'out']))
 """
@@ -165,7 +165,7 @@ command()
     [
         ("argparse", signal.SIGTERM),
         ("polhode.verbs.terminal", signal.SIGINT),
-        ("polhode.verbs.list", signal.SIGTERM),
+        ("polhode.output.cases", signal.SIGTERM),
     ],
 )
 def test_a_signal_while_polhode_is_loaded_is_obeyed(module, by):

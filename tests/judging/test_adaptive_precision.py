@@ -82,7 +82,7 @@ def test_a_plain_run_says_from_when_on_no_digit_is_left(capsys, name, at, warned
     assert cli.main(["run", name, "--at", at, "--json"]) == 0
     out, err = capsys.readouterr()
     answer = json.loads(out)
-    assert ("digits printed to be right from t = " in err) == warned
+    assert ("printed digits are expected to be correct" in err) == warned
     assert ("and none from t = 10" in err) == warned
     if warned:  # kappa·eps reaches 1 at t = 100
         assert answer["digits_expected"] == 0

@@ -313,7 +313,7 @@ def test_compare_prints_the_limit_and_no_number_where_none_is_left(tmp_path, cap
     assert cli.main(["compare", str(path), "euler/separatrix"]) == 0
     out = capsys.readouterr().out
     assert "none left" in out
-    assert "no digits left after t = 100; limited by conditioning" in out
+    assert "no digits left after t = 100: as many as double precision allows" in out
     assert "worst" not in out
     assert cli.main(["compare", str(path), "euler/separatrix", "--json"]) == 0
     answer = judged(capsys.readouterr().out)
@@ -408,3 +408,37 @@ def test_unstable_periodic_and_asymptotic_motions_are_called_so(name):
         rate = math.sqrt(float(scene.body.torque[2]) / a - (c * float(scene.omega[2]) / 2 / a) ** 2)
         assert abs(found.exponent - rate) < found.uncertainty
         assert math.isclose(found.exponent, rate, rel_tol=1e-3)
+
+
+# -- all exponents ---------------------------------------------------------------------------------
+
+
+def test_all_exponents_of_a_chaotic_motion_are_one_zeros_and_its_negative():
+    """Four zeros: along the motion, and across h, f and |gamma|^2; the flow keeps volume."""
+    found = polhode.lyapunov("general/asymmetric-chaotic", 4000, spectrum=True)
+    first, *zeros, last = found.spectrum
+    assert abs(first - found.exponent) < 2 * found.uncertainty
+    assert abs(first + last) < 2e-3 < first / 20
+    assert max(map(abs, zeros)) < 5e-3
+    assert abs(sum(found.spectrum)) < 1e-9
+    assert list(found.spectrum) == sorted(found.spectrum, reverse=True) == found.fact("spectrum")
+
+
+def test_all_exponents_of_a_permanent_rotation_are_real_parts_of_eigenvalues():
+    """A sleeping top that is focus-focus: two pairs."""
+    scene = polhode.load("lagrange/sleeping-unstable")
+    found = polhode.lyapunov(scene, 400, spectrum=True)
+    a, _, c = (float(x) for x in scene.body.moments)
+    rate = math.sqrt(float(scene.body.torque[2]) / a - (c * float(scene.omega[2]) / 2 / a) ** 2)
+    expected = [rate, rate, 0, 0, -rate, -rate]
+    assert np.abs(np.array(found.spectrum) - expected).max() < 2 / 400
+    free = polhode.lyapunov("euler/no-gamma", 400, spectrum=True)
+    assert len(free.spectrum) == 3
+    assert max(map(abs, free.spectrum)) < 6 / 400
+    assert polhode.lyapunov("euler/no-gamma", 400).spectrum is None
+
+
+def test_all_exponents_do_not_depend_on_the_unit_of_time():
+    slow = polhode.lyapunov(asymmetric("1.1", [1]), 500, spectrum=True)
+    quick = polhode.lyapunov(asymmetric("1.1", rate=2**40), Fraction(500, 2**40), spectrum=True)
+    assert np.allclose(np.array(quick.spectrum) / 2**40, slow.spectrum, rtol=1e-9, atol=1e-12)

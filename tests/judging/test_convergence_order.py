@@ -98,7 +98,7 @@ def test_steps_may_be_told_and_three_files_given(tmp_path, capsys):
     files = [written(tmp_path / f"{n}.csv", rk4, 0.1 / n, 5 * n) for n in (1, 2, 4)]
     command = ["order", *files, SCENE]
     assert main(command) == 2
-    assert "the rows of all files are 0.5 apart" in capsys.readouterr().err
+    assert "in --steps: the files' rows are 0.5, 0.5, 0.5 apart" in capsys.readouterr().err
     assert main([*command, "--steps", "1/10,0.05,0.025", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["steps"] == [0.1, 0.05, 0.025]

@@ -125,7 +125,7 @@ def test_a_scene_without_closed_form_is_judged_by_a_proven_enclosure(kind):
     assert max(abs(float(x - y)) for x, y in zip(*rows, strict=True)) < 1e-24
     found = polhode.compare(polhode.integrate(scene), proven)
     assert 11 < found.worst < 16
-    assert "proven to" in str(found)
+    assert "proven to" in found.details()
 
 
 def test_a_closed_form_is_enclosed_where_a_scene_asks_for_that():
@@ -205,15 +205,6 @@ def test_the_attitude_of_a_run_is_judged_with_either_sign_of_the_quaternion(time
     assert polhode.compare(replace(run, attitude=half)).parts["attitude"] == 0
 
 
-def test_whether_the_digits_asked_for_were_reached_is_told():
-    held = polhode.compare(polhode.integrate("euler/largest-axis", digits=12))
-    assert held.asked == 12
-    assert held.reached
-    steps = polhode.integrate("euler/separatrix", "quad", digits=30, at=[30], method="taylor")
-    assert not polhode.compare(steps).reached
-    assert polhode.compare(polhode.integrate("euler/largest-axis")).reached is None
-
-
 def test_what_a_judgement_asked_judges_runs_in_narrower_types_too():
     """The same rows of the reference, to the digits that the widest type needs; of no other one."""
     scene, end = polhode.load("kovalevskaya/generic"), [1, 5]
@@ -224,7 +215,7 @@ def test_what_a_judgement_asked_judges_runs_in_narrower_types_too():
     assert narrow.known_answers is wide.known_answers
     assert alone.known_answers is not wide.known_answers
     assert narrow.worst == pytest.approx(alone.worst, abs=1e-8)
-    assert str(narrow) == str(alone)
+    assert narrow.details() == alone.details()
     again = polhode.compare(runs[0], against, known=alone)  # which has too few digits for it
     assert again.worst == pytest.approx(wide.worst, abs=1e-8)
     later = polhode.integrate(scene, at=[1, 6])

@@ -114,16 +114,6 @@ def test_a_table_that_was_changed_is_any_table_and_that_is_told(tmp_path, run, j
     assert found.worst == pytest.approx(judged.worst, abs=1.5)
 
 
-def test_facts_of_an_earlier_version_are_told_not_to_be_read(tmp_path, run):
-    path = changed(tmp_path, run)
-    os.remove(tmp_path / "x.csv.json")
-    (tmp_path / "x.json").write_text('{"number": "double", "bits": 53, "t_bits": 53}')
-    found = polhode.compare(path, SCENE)
-    assert found.subject.remarks[0] == (
-        "x.json was not read: the facts of a table are in x.csv.json"
-    )
-
-
 @pytest.mark.parametrize(
     "make", [os.mkfifo, lambda place: place.symlink_to("/dev/zero"), lambda place: place.mkdir()]
 )

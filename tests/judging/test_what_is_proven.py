@@ -29,7 +29,7 @@ SAID: list[tuple[str | polhode.Scene, bool | tuple[str, ...]]] = [
     ("euler/separatrix-irrational", (ZERO,)),
     ("kovalevskaya/delaunay", True),
     ("kovalevskaya/generic", (FORMULA,)),
-    ("kovalevskaya/asymptotic", False),
+    ("kovalevskaya/asymptotic", ("the attitude by an enclosure",)),
     ("bobylev-steklov/asymptotic", (ZERO,)),
     ("bobylev-steklov/cn", True),
     ("chaplygin/motion", (ZERO,)),

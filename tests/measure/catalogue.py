@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from polhode.output.cases import entry_of
 from polhode.scenes import catalogue, library
-from polhode.verbs.list import entry_of
 
 if __name__ == "__main__":
     text = catalogue.written({name: entry_of(name) for name in library.names()})

@@ -4,7 +4,9 @@
 
 MUTANTS.json is a list of objects with an ``id``, a ``file``, ``old`` and ``new``, a text that
 stands there once and what it becomes, and ``tests``, the folders and files to run: those that are
-named like the changed one or its folder come first.  ``mutants.json`` beside this is such a list.
+named like the changed one or its folder come first.  ``mutants.json`` beside this is such a list;
+``checker.json`` has each inequality and each term of ``certificates/verify.py``, left out or
+weakened, and where that cannot make a false claim pass, ``cannot`` says why.
 Each mutant lives in a copy of the project, never in the project itself.  It is killed by a test
 that fails, or where the tests take LIMIT seconds of processor time.  The result is written after
 every mutant, and a run that was interrupted goes on where it was.
@@ -30,7 +32,10 @@ LIMIT = 900
 
 
 class Mutant(NamedTuple):
-    """One change of a file; ``why``: the fault that it stands for."""
+    """One change of a file; ``why``: the fault that it stands for.
+
+    ``cannot``: why no test can tell it from the code; empty where one has to.
+    """
 
     id: str
     file: str
@@ -38,6 +43,7 @@ class Mutant(NamedTuple):
     new: str
     tests: list[str]
     why: str = ""
+    cannot: str = ""
 
 
 class Copy:
@@ -104,9 +110,11 @@ def main(listed: Path, target: Path, options: list[str]) -> None:
                 target.write_text(json.dumps(results, indent=1))
                 print(mutant.id, *results[mutant.id], flush=True)
     outcomes = [results[mutant.id][0] for mutant in chosen]
-    print(f"{outcomes.count('killed') + outcomes.count('slow')} of {len(chosen)} killed")
+    alike = sum(bool(mutant.cannot) for mutant in chosen)
+    noticed = outcomes.count("killed") + outcomes.count("slow")
+    print(f"{noticed} of {len(chosen)} killed; of {alike} a reason is told why none can be")
     for mutant in chosen:
-        if results[mutant.id][0] in ("survived", "gone"):
+        if results[mutant.id][0] in ("survived", "gone") and not mutant.cannot:
             print(f"{results[mutant.id][0]}: {mutant.id}, {mutant.file}: {mutant.why}")
 
 

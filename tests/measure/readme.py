@@ -15,7 +15,7 @@ from typing import Any
 from polhode.studies import report
 from polhode.studies.long_run.page import far_table
 from polhode.studies.speed.draws import DRAWS
-from polhode.studies.speed.page import SUMMARY_OUTPUTS, summary
+from polhode.studies.speed.page import SUMMARY_OUTPUTS, standing, summary
 
 ROOT = Path(__file__).parents[2]
 WIDTH = 118
@@ -31,11 +31,11 @@ PLACES = {
 def parts() -> dict[str, str]:
     """The texts by their names."""
     speed = report.results(ROOT / "reports", "speed")
-    ahead = _paragraph("speed", "A polhode propagator is ahead")
+    table, refined = standing(speed["cells"]).markdown, _paragraph("speed", "a refined run takes")
     far = far_table(report.results(ROOT / "reports", "long-run"))
     return {
         "summary": _summary(speed),
-        "speed": f"{ahead}\n\n{_paragraph('speed', 'In quad a refined run takes')}",
+        "speed": f"{table}\n\n{refined}",
         "far": far._replace(again="").markdown,
         "proofs": _paragraph("proofs", "The checker of certificates"),
     }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import math
 import time
 from fractions import Fraction
 
@@ -12,7 +13,14 @@ from hypothesis import strategies as st
 
 from polhode.numbers import exact
 from polhode.numbers.exact import Irrational, sign
-from polhode.numbers.expression import Algebra, ExpressionError, decimal, evaluate, number
+from polhode.numbers.expression import (
+    Algebra,
+    ExpressionError,
+    decimal,
+    evaluate,
+    number,
+    odd_part,
+)
 
 MAX_SECONDS = 1.0  # of the processor
 ROUGHLY = Fraction(1, 2**40)  # a few roundings of doubles
@@ -242,6 +250,45 @@ def test_names_meet_numbers_in_the_arithmetic_of_the_names() -> None:
     ):
         with pytest.raises(ExpressionError, match=message):
             evaluate(text, {"p": 16.0, "gamma1": 0.0}, algebra)
+
+
+@pytest.mark.parametrize(
+    ("text", "odd"),
+    [
+        ("q**3", "(q)"),
+        ("-2*(q - 1/2)**3*gamma3**2*p*(q - 1/2)**2", "(-1)*(2)*(q-1/2)*(gamma3)**2*(p)"),
+        ("(p*q)**3/2", "(p)*(q)*(1/(2))"),
+        ("(q - 1)*(q - 1)*q**3", "(q-1)**2*(q)"),
+        ("sqrt(p)**2*q**3", "(sqrt(p))**2*(q)"),  # not where p < 0
+        ("-(-q)**3*-p", "(-1)*(q)*(p)"),
+        ("sin(q**3)**5", "(sin(q**3))"),
+        ("0**2*q**3", "(0)**2*(q)"),
+        ("-(-q)**3", "(-1)**2*(q)"),
+        *((same, same) for same in ("-q**2", "gamma3*q**2", "q*pi*q")),
+        *((same, same) for same in ("p*q + q**3", "q**2", "q**-3", "q**3/p + 1", "2**3**2*q", "p")),
+        *((same, same) for same in ("q^3 - 1", "-q", "(p)*(q + 1)")),
+    ],
+)
+def test_the_odd_part_of_a_product(text: str, odd: str) -> None:
+    assert odd_part(text) == odd
+
+
+_FACTORS = ["p", "-p", "(p - q)", "q", "(q + 2/3)", "sin(p)", "3", "(2*p*q)", "(-(p))", "(p*q**3)"]
+
+
+@given(
+    st.lists(
+        st.tuples(st.sampled_from("*/"), st.sampled_from(_FACTORS), st.integers(1, 4)), min_size=1
+    ),
+    st.sampled_from(["p", "-p", "1", "--q**3"]),
+)
+def test_the_odd_part_has_the_sign_of_the_expression(parts: list, first: str) -> None:
+    text = first + "".join(f"{sign}{factor}**{n}" for sign, factor, n in parts)
+    algebra = Algebra(float, {"sin": math.sin})
+    for p, q in ((0.3, 0.7), (-0.3, 0.7), (1.1, -0.4), (-2.9, -1.3), (3.3, 2.1)):
+        values = [evaluate(x, {"p": p, "q": q}, algebra) for x in (text, odd_part(text))]
+        assert math.copysign(1, values[0]) == math.copysign(1, values[1])
+        assert values[0] != 0 != values[1]
 
 
 @settings(deadline=None)

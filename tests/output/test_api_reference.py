@@ -33,7 +33,7 @@ def test_every_argument_of_a_public_function_is_told_once_and_nothing_else(name)
     assert {"Parameters", *returns, "Raises", "Examples"} <= set(found)
     assert ("Returns" in found) == bool(returns)
     asked = [
-        "**" * (p.kind is p.VAR_KEYWORD) + p.name
+        {p.VAR_KEYWORD: "**", p.VAR_POSITIONAL: "*"}.get(p.kind, "") + p.name
         for p in inspect.signature(function).parameters.values()
     ]
     told = entries(found["Parameters"])

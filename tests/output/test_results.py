@@ -15,7 +15,10 @@ from polhode.cli import main
 from shared.results import MAKERS, result_of_kind, watched
 
 #: Kinds that have no figure.
-UNDRAWN = ("Conditioning", "ReferenceTable", "Textbook", "Verdict")
+UNDRAWN = (
+    *("About", "Cases", "CheckReport", "CheckReport of bands", "Conditioning", "Description"),
+    *("Description in other axes", "ProvedOrbits", "ReferenceTable", "Textbook", "Verdict"),
+)
 
 
 @pytest.mark.sample(4, slow=4)

@@ -6,11 +6,17 @@ import shlex
 from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import polhode
+from polhode.checks.check_report import check_cases
 from polhode.cli import main
+from polhode.judging.convergence_order import order_between
+from polhode.output.about import about
+from polhode.output.cases import cases
+from polhode.output.description import describe
 from polhode.results.writer import ENDINGS
 
 TOP = "lagrange/nutation"
@@ -18,7 +24,16 @@ GENERAL = "general/asymmetric-regular"
 VARY = {"start.omega[3]": "2:4:3"}
 
 #: Commands without -o, and the same in Python.
-SAME: dict[str, Callable[[], polhode.Trajectory]] = {
+SAME: dict[str, Callable[[], Any]] = {
+    "list --tag euler": lambda: cases("euler"),
+    f"show {TOP}": lambda: describe(TOP),
+    "about --cite": lambda: about(cite=True),
+    "check euler/rest --number double": lambda: check_cases(["euler/rest"], number=["double"]),
+    f"compare run.csv {TOP}": lambda: polhode.compare(Path("run.csv"), TOP),
+    f"order run.csv fine.csv {TOP} --steps 2,1": lambda: order_between(
+        [polhode.compare(Path(name), TOP) for name in ("run.csv", "fine.csv")], ["2", "1"]
+    ),
+    "verify cert.json": lambda: polhode.verify("cert.json"),
     f"run {TOP} --at 0,1/3,pi": lambda: polhode.integrate(TOP, at=["0", "1/3", "pi"]),
     f"run {TOP} --number quad --at 1": lambda: polhode.integrate(TOP, "quad", at=[1]),
     f"run {TOP} --digits 20 --at 1 --no-prove": lambda: polhode.integrate(
@@ -55,16 +70,24 @@ SAME: dict[str, Callable[[], polhode.Trajectory]] = {
     ),
 }
 #: Those that draw their results.
+WITHOUT_FIGURE = ("list", "show", "about", "check", "order", "orbits", "verify", "prove orbits")
 DRAWN = [
-    *(
-        f"{command} -o x.svg"
-        for command in SAME
-        if not command.startswith(("orbits", "prove orbits"))
-    ),
+    *(f"{command} -o x.svg" for command in SAME if not command.startswith(WITHOUT_FIGURE)),
     "prove chaos general/asymmetric-chaotic -o x.svg",
-    f"compare run.csv {TOP} -o x.svg",
 ]
 CERTIFICATES = ("certify", "prove orbit grioli")
+
+
+def files_read(command: str) -> None:
+    """Files that a command reads: other programs' tables with errors, a certificate."""
+    if command.startswith(("compare", "order")):
+        run = polhode.integrate(TOP, at=[1, 2, 3])
+        for name, digits in (("run.csv", 3), ("fine.csv", 5)):
+            cells = [[repr(float(x) + 10.0**-digits) for x in row] for row in run.states]
+            rows = [f"{t},{','.join(row)}" for t, row in zip("123", cells, strict=True)]
+            Path(name).write_text("\n".join(["t,p,q,r,gamma1,gamma2,gamma3", *rows, ""]))
+    if command.startswith("verify"):
+        polhode.certify("euler/largest-axis", at=[1], digits=20).save("cert.json")
 
 
 @pytest.mark.sample(6)
@@ -73,6 +96,7 @@ def test_a_command_writes_what_save_writes_and_prints_what_to_json_gives(
     command, tmp_path, monkeypatch, capsys
 ):
     monkeypatch.chdir(tmp_path)
+    files_read(command)
     certified = command.startswith(CERTIFICATES)
     endings = [x for x in ENDINGS if not (certified and x == ".json")]
     if find_spec("pyarrow") is None:
@@ -99,7 +123,7 @@ def test_a_command_writes_what_save_writes_and_prints_what_to_json_gives(
 def test_a_command_draws_its_result(command, tmp_path, monkeypatch, capsys):
     pytest.importorskip("matplotlib")
     monkeypatch.chdir(tmp_path)
-    polhode.integrate(TOP, at=[0, 1, 2]).save("run.csv")
+    files_read(command)
     assert main(shlex.split(command)) == 0
     assert Path("x.svg").read_text().startswith("<?xml")
     assert capsys.readouterr().out == ""

@@ -25,7 +25,10 @@ from shared.results import CERTIFIED, MAKERS, result_of_kind, watched
 
 #: Whose files hold a table of them, at the times of their scene.
 TABULATED = ("Reference", "Certified", "Textbook")
-WITHOUT_SCENE = ("EventTimes", "CertifiedEvents", "ObservedOrder", "Verdict")
+WITHOUT_SCENE = (
+    *("About", "Cases", "CheckReport", "CheckReport of bands", "EventTimes", "CertifiedEvents"),
+    *("ObservedOrder", "Verdict"),
+)
 KINDS = [*MAKERS]
 
 

@@ -59,6 +59,9 @@ def test_integrals_and_closed_forms_agree_with_the_finder():
             continue
         family, integral = by_kind[kind]
         first = next(closed_forms(scene), None)
+        if name == "kovalevskaya/multiply-degenerate":  # two double roots: an enclosure judges it
+            assert first is None
+            continue
         assert first is not None
         assert first[0] == family
         assert integrals.first_integrals(scene).onto[-1] == integral

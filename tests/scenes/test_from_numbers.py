@@ -207,7 +207,7 @@ INSTEAD = {
     **{("body.parts", key): CONE for key in ("height", "shape", "axis")},
     ("start", "momentum"): "gamma = [0, 0, 1]",
     ("start", "rates"): "angles = [0, 1, 0]",
-    **{("start", key): "omega = [1, 0, 0]" for key in ("angles", "quaternion")},
+    **{("start", key): "omega = [1, 0, 0]" for key in ("angles", "quaternion", "mrp", "matrix")},
     **{("start", key): LEVEL for key in ("h", "f", "sign")},
     **{("run", key): "" for key in ("end", "at")},
 }

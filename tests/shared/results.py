@@ -8,7 +8,11 @@ from dataclasses import replace
 from fractions import Fraction
 
 import polhode
+from polhode.checks.check_report import check_cases
 from polhode.judging.convergence_order import ObservedOrder
+from polhode.output.about import about
+from polhode.output.cases import cases
+from polhode.output.description import describe
 from polhode.results.result import Storable
 
 TOP = "lagrange/nutation"
@@ -20,6 +24,12 @@ def watched() -> polhode.Scene:
 
 
 MAKERS: dict[str, Callable[[], Storable]] = {
+    "About": about,
+    "Cases": lambda: cases("euler"),
+    "Description": lambda: describe("kovalevskaya/delaunay"),
+    "Description in other axes": lambda: describe("euler/turned-axes"),
+    "CheckReport": lambda: check_cases(["euler/rest", "published/orekit"], number=["double"]),
+    "CheckReport of bands": lambda: check_cases(["euler/sphere"], propose=True),
     "Trajectory": lambda: polhode.integrate(TOP, at=[1, 2]),
     "Trajectory in quad": lambda: polhode.integrate(TOP, at=[1], number="quad"),
     "Reference": lambda: polhode.reference(polhode.load("euler/largest-axis").at((1, 2))),
@@ -41,6 +51,9 @@ MAKERS: dict[str, Callable[[], Storable]] = {
     ),
     "Section": lambda: polhode.section(TOP, starts=[[1, 0.2]], crossings=6),
     "ChaosMap": lambda: polhode.chaos_map(TOP, grid=(3, 3), end=20),
+    "ChaosMap of starts": lambda: polhode.chaos_map(
+        TOP, starts=[[1, 0, 2, 0, 0, 1], [1, 0, 3, 0, 0, 1]], end=20
+    ),
     "Levels": lambda: polhode.levels("general/asymmetric-chaotic"),
     "Frequencies": lambda: polhode.frequencies(TOP, of=["gamma3"], end=100),
     "OrbitSearch": lambda: polhode.orbit_search("general/asymmetric-regular", (4, 4), crossings=1),
@@ -51,6 +64,7 @@ MAKERS: dict[str, Callable[[], Storable]] = {
     "ProvedChaos": lambda: polhode.prove_chaos("general/asymmetric-chaotic"),
     "Verdict": lambda: polhode.Verdict(False, "not proved: the condition of the step"),
     "Lyapunov": lambda: polhode.lyapunov("euler/largest-axis", 200),
+    "Lyapunov of all": lambda: polhode.lyapunov("euler/largest-axis", 20, spectrum=True),
     "ObservedOrder": lambda: ObservedOrder(
         (4.0, 2.0, 1.0), (Fraction(1, 3), Fraction(2)), ((4.0, 3.0), (5.2, 4.1), (6.4, 5.2)), 12.0
     ),

@@ -15,7 +15,7 @@ import pytest
 
 import polhode
 from polhode.judging.conditioning.lyapunov import lyapunov
-from polhode.studies import report
+from polhode.studies.processes import ask
 from polhode.studies.row_filter import Only
 from polhode.studies.speed import cells, contest, draws, figure, page, programs
 from polhode.studies.speed import rows as speed
@@ -107,7 +107,9 @@ def test_a_start_that_is_none_is_refused():
 
 def test_the_least_of_several_calls_next_to_a_level_is_told(monkeypatch):
     near = {(0, 10.0**-k): (float(k), 1.0) for k in range(1, 16)}
-    assert [tol for _, tol in contest._next_to_levels(near)] == [10.0**-k for k in range(13, 4, -1)]
+    assert [tol for _, tol in contest.timed_again(near, False)] == [
+        10.0**-k for k in range(13, 4, -1)
+    ]
     true, seconds = draws.truth("lagrange", 0, 10), iter((0.0, 3.0, 5.0, 6.0, 8.0, 10.0))
     monkeypatch.setattr(contest, "time", SimpleNamespace(process_time=lambda: next(seconds)))
     cell = Cell("lagrange", 10, draws.JUDGED)
@@ -122,6 +124,24 @@ def test_the_least_of_several_calls_next_to_a_level_is_told(monkeypatch):
     for seconds in (2.0, 1.0, 3.0):  # of three processes, by the fastest
         cells._enter(entered, {OURS: [[0, tol, digits, seconds]]})
     assert entered == {OURS: {(0, tol): (digits, 1.0)}}
+
+
+@pytest.mark.slow
+def test_a_program_that_cannot_be_prepared_is_told_and_the_others_run(monkeypatch, tmp_path):
+    truth = draws.truth("lagrange", 0, 10)
+    asked = {"end": 10, "outputs": 2, "starts": 0, "truths": [cells._plain(truth)] * DRAWS}
+    job = {"kind": "lagrange", "cells": [asked], "programs": ["broken", OURS], "patience": 0}
+    job["tolerances"] = {"lagrange t=10 outputs=2": {OURS: [1e-9]}}
+    answers, fault = ask(cells._MODULE, job, 60.0, tmp_path)
+    failed, cell = answers
+    assert fault == ""
+    assert failed == {"failed": "broken", "fault": "KeyError: 'broken'"}
+    assert len(cell["points"][OURS]) == DRAWS
+    assert cell["faults"] == {}
+    monkeypatch.setattr(cells, "ask", lambda *_: (answers, ""))
+    truths = {("lagrange", 10, False, k): truth for k in range(DRAWS)}
+    (row,) = cells._kind("lagrange", [Cell("lagrange", 10, 2)], [], truths, tmp_path, True, print)
+    assert row["faults"] == {"broken": failed["fault"]}
 
 
 # rows
@@ -166,14 +186,14 @@ def test_what_is_far_behind_at_every_level_is_not_held_again():
     close = points(REACH, dict.fromkeys(REACH, 30.0) | {1e-5: 9.8, 1e-8: 9.8})  # at 6 digits
     lost = points({1e-5: 2.0}, {1e-5: 50.0})  # reaches no level: nothing is known of it
     every = {OURS: ours, "far": far, PEER: close, "lost": lost}
-    again = cells.held_again(every, every_tolerance=False)
+    again = cells.held_again(every, every=False)
     assert again["far"] == []
     assert again["lost"] == [1e-5]
     assert again[OURS] == again[PEER] == [1e-14, 1e-11, 1e-8, 1e-5][::-1]
     ours[0, 1e-3] = 3.0, 1.0
-    again = cells.held_again(every, every_tolerance=True)
+    again = cells.held_again(every, every=True)
     assert again["far"] == []
-    assert again[OURS] == [*sorted(REACH), 1e-3]
+    assert again[OURS] == [1e-3, *sorted(REACH, reverse=True)]
 
 
 def test_a_panel_of_the_diagram_has_the_medians_of_each_tolerance_and_what_no_other_beats():
@@ -270,24 +290,23 @@ def synthetic(factor: float) -> dict:
 @pytest.mark.parametrize("factor", [2.0, 0.5, 1.0])
 def test_what_the_page_counts_follows_from_the_rows(factor):
     found = synthetic(factor)
-    told = page.facts(found)
     words = {2.0: "ahead", 0.5: "behind", 1.0: "even"}
-    for part, lengths in (("far", range(100, 10**6)), ("near", range(11))):
-        single = [x for x in found["cells"] if x["end"] in lengths and not x["starts"]]
-        held = [x for cell in single for x in stands(cell)]
-        assert held
-        assert told[part]["compared"] == len(held)
-        assert told[part][words[factor]] == len(held)
-        assert sum(told[part][word] for word in page.WORDS) == len(held)
-    assert (f"({PEER} 0.50)" in told["losses"]) == (factor == 0.5)
-    assert (told["losses"] == "–") == (factor != 0.5)
-    many = 3 * len(draws.MANY)
-    assert told["of_many"] == dict.fromkeys(page.WORDS, 0) | {words[factor]: many, "compared": many}
-    assert (f"({PEER} 0.50)" in told["many_losses"]) == (factor == 0.5)
+    standing = page.tables(found)["standing"]
+    own = standing.header.index(words[factor])
+    lengths = {(x["starts"], x["end"]): [] for x in found["cells"]}
+    for cell in found["cells"]:
+        lengths[cell["starts"], cell["end"]] += stands(cell)
+    assert len(standing.rows) == len(lengths)
+    for row, (many, end) in zip(standing.rows, sorted(lengths), strict=True):
+        assert row[0] == f"t = {end}" + (f", {many} starts" if many else "")
+        counts = [int(x) for x in row[1:6]]
+        assert counts[own - 1] == sum(counts) == len(lengths[many, end])
+        lost = (f"{0.5:.2f} (0.50–0.50)", PEER) if factor == 0.5 else ("–", "–")
+        assert row[6:8] == lost
+        assert row[8].startswith("1.00 (1.00–")
     lines = page.tables(found)["many"].markdown.splitlines()
     assert sum("starts=100 " in line for line in lines) == 9
     assert "starts" not in page.tables(found)["short"].markdown
-    assert told["engine"].startswith("1.00 (at most 1.00) at t = 1")
     ratio = f"{factor:.2f}"
     cell = f"**{ratio}** {PEER}" if factor > 1 else f"{ratio} {PEER}"
     summary = page.tables(found)["summary"]
@@ -301,22 +320,18 @@ def test_what_the_page_counts_follows_from_the_rows(factor):
 # the study
 
 
-def test_a_program_that_is_not_there_ends_the_study_unless_it_is_left_out(monkeypatch):
+def test_a_program_that_is_not_installed_is_left_out_and_named(monkeypatch):
     monkeypatch.setattr(programs, "find_spec", lambda need: None if need == "CyRK" else True)
-    with pytest.raises(polhode.BadInput, match=r"CyRK.*--without CyRK"):
-        speed.taking_part(False, ())
-    chosen = speed.taking_part(False, ("cyrk",))
-    assert OURS in {program.name for program in chosen}
-    assert not [program for program in chosen if program.name.startswith("CyRK")]
-    with pytest.raises(polhode.BadInput, match="one of CyRK"):
-        speed.taking_part(False, ("nothing",))
-    with pytest.raises(polhode.BadInput, match="runs polhode alone"):
-        report.part("accuracy", ["euler"], without=["CyRK"])
+    found = speed.rows(False, print, Only(("no such row",)))
+    assert found["without"] == [p.name for p in programs.PROGRAMS if p.name.startswith("CyRK")]
+    assert not {*found["without"]} & {*found["programs"]}
+    assert OURS in found["programs"]
+    assert page.facts(found)["without"] == ", ".join(found["without"])
 
 
 @pytest.mark.slow
 def test_a_small_contest_of_many_starts_from_end_to_end():
-    found = speed.rows(quick=True, only=Only(("asymmetric t=1 starts=100",)))
+    found = speed.rows(True, print, Only(("asymmetric t=1 starts=100",)))
     (cell,) = found["cells"]
     assert (cell["starts"], cell["faults"]) == (100, {})
     for level in cell["levels"]:
@@ -330,7 +345,7 @@ def test_a_small_contest_of_many_starts_from_end_to_end():
 @pytest.mark.slow
 def test_a_small_contest_from_end_to_end():
     """Two cells in processes of their own, without compilers; the page is of the rows."""
-    found = speed.rows(quick=True, only=Only(("kovalevskaya t=10",)))
+    found = speed.rows(True, print, Only(("kovalevskaya t=10",)))
     assert [cell["outputs"] for cell in found["cells"]] == [2, 101]
     for cell in found["cells"]:
         assert cell["faults"] == {}

@@ -88,7 +88,7 @@ def test_every_table_and_every_fact_stands_on_the_page_once_and_is_explained(nam
     named = [field for _, field, _, _ in Formatter().parse(template) if field is not None]
     assert not {*tables} & {*facts}
     assert sorted(field for field in named if field in tables) == sorted(tables)
-    assert {field.partition("[")[0] for field in named} == {*tables, *facts, "question"}
+    assert {field.partition("[")[0] for field in named} == {*tables, *facts, "question", "origin"}
     meanings = {meaning for made in tables.values() for meaning in made.meanings if meaning}
     assert meanings
     assert not [line for line in meanings if ";" in line or line.endswith(".")]
@@ -122,9 +122,11 @@ def finds(command: str, name: str, rows: list[tuple[str, ...]]) -> bool:
 @pytest.mark.parametrize("name", report.STUDIES)
 def test_every_row_has_a_command_that_finds_it(name):
     listed, found = Listed(("nothing",)), committed(name)
-    module(name, "rows").rows(False, None, listed)  # nothing is run
+    module(name, "rows").rows(False, print, listed)  # nothing is run
     tables = module(name, "page").tables(found)
-    assert all(made.again or place in ("summary", "faults") for place, made in tables.items())
+    assert all(
+        made.again or place in ("summary", "standing", "faults") for place, made in tables.items()
+    )
     made = [x.command(row) for x in tables.values() if x.again for row in x.rows]
     text = report.page(found).partition("## Provenance")[0]
     made += re.findall(r"`(polhode study [^`]+)`", text)
@@ -183,6 +185,16 @@ def test_a_row_less_is_a_mark_less(study, change):
     before = marks(found, study)
     change(found)
     assert before - marks(found, study) == 1
+
+
+def test_a_run_with_fewer_digits_than_expected_has_a_ring():
+    found = committed("stability")
+    runs = [run for case in found["cases"] for run in case["runs"] if run.get("expected")]
+    behind = sum(run["correct_digits"] < run["expected"][0] for run in runs)
+    before = marks(found, "stability")
+    for run in runs:
+        run["expected"] = None
+    assert before - marks(found, "stability") == behind > 10
 
 
 def test_a_study_of_which_a_part_has_no_rows_has_its_figures():

@@ -6,6 +6,7 @@ import pytest
 
 from polhode.studies import report
 from polhode.studies.proofs import figure, page, rows
+from polhode.studies.row_filter import Only
 from shared.reports import committed
 
 
@@ -42,7 +43,7 @@ def test_page_and_figures_follow_from_the_rows():
 
 @pytest.mark.campaign
 def test_a_small_study_from_end_to_end():
-    found = rows.rows(quick=True)
+    found = rows.rows(True, print, Only())
     (one,) = found["orbits"]
     assert one["orbits"]
     for row in one["orbits"]:

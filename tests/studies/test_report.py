@@ -38,6 +38,14 @@ def test_every_study_is_committed_with_its_page_and_figures(name):
         assert [case["case"] for case in found["cases"]] == library.names()
 
 
+@pytest.mark.parametrize("name", report.STUDIES)
+def test_a_page_says_at_its_head_what_made_it_and_where_and_how_long_it_takes(name):
+    origin = committed(name)["provenance"]
+    head = report.page(committed(name)).split("\n\n")[2]
+    assert head == f"Made by polhode {origin['versions']['polhode']} on {origin['cpu']}."
+    assert 0.5 < report.STUDIES[name][0] / origin["seconds"] < 2
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["events", "long-run", "proofs", "stability"])
 def test_the_figures_of_a_study_are_those_of_its_page(name):
@@ -91,9 +99,9 @@ class Studies:
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.runs: list[str] = []
         self.interrupted = False
-        monkeypatch.setattr(report, "STUDIES", ("events", "accuracy"))
-        for module in (events, accuracy):
-            monkeypatch.setattr(module, "rows", self._rows(module.NAME))
+        monkeypatch.setattr(report, "STUDIES", {"events": (90, 30), "accuracy": (600, 60)})
+        for name, module in (("events", events), ("accuracy", accuracy)):
+            monkeypatch.setattr(module, "rows", self._rows(name))
 
     def _rows(self, name: str) -> Any:
         kept = committed(name)
@@ -101,12 +109,11 @@ class Studies:
         few = {"cases": 3, "motions": 1, "cost": 1}  # fewer rows are drawn sooner
         kept |= {key: kept[key][:count] for key, count in few.items() if key in kept}
 
-        def rows(quick: bool, tick: Any) -> dict[str, Any]:
+        def rows(quick: bool, say: Any, wanted: Any) -> dict[str, Any]:
             if self.interrupted and name == "accuracy":
                 raise KeyboardInterrupt
             self.runs.append(name)
-            if tick is not None:
-                tick(f"{name}: half")
+            say("half")
             return kept | {"quick": quick}
 
         return rows
@@ -119,14 +126,18 @@ def studies(monkeypatch):
 
 def test_a_report_that_was_killed_goes_on_where_it_stopped(studies, tmp_path):
     said: list[str] = []
+    foretold: list[str] = []
     studies.interrupted = True
     with pytest.raises(KeyboardInterrupt):
-        report.write_report(tmp_path, tick=said.append)
+        report.write_report(tmp_path, tick=said.append, foretell=foretold.append)
     assert [p.name for p in tmp_path.iterdir()] == ["events.json"]  # whole, and nothing else
     studies.interrupted = False
-    paths = report.write_report(tmp_path, tick=said.append)
+    paths = report.write_report(tmp_path, tick=said.append, foretell=foretold.append)
     assert studies.runs == ["events", "accuracy"]
-    assert "2 of 2: accuracy: half" in said
+    assert [text for text in said if "half" in text] == [
+        "1 of 2: events: half",
+        "1 of 1: accuracy: half",
+    ]
     assert sorted(tmp_path.iterdir()) == sorted(paths)
     assert {p.suffix for p in paths} == {".json", ".md", ".svg", ".html"}
     texts = {path: path.read_text() for path in paths}
@@ -135,8 +146,14 @@ def test_a_report_that_was_killed_goes_on_where_it_stopped(studies, tmp_path):
             path.unlink()
     assert report.write_pages(tmp_path) == paths  # from the results alone
     assert {path: path.read_text() for path in paths} == texts
-    assert report.write_report(tmp_path) == paths
+    assert report.write_report(tmp_path, foretell=foretold.append) == paths
     assert studies.runs == ["events", "accuracy"]
+    goes_on = "on two processors; stopped, the same command goes on with the study that it was at"
+    assert foretold == [
+        f"events, accuracy: about 12 minutes {goes_on}",
+        f"accuracy: about 10 minutes {goes_on}",
+        "every study is of today's code: pages and figures alone are made",
+    ]
 
 
 @pytest.mark.sample(1, first=2)

@@ -256,10 +256,12 @@ def test_lanes_are_sure_behind_a_start_at_zero_and_leave_contacts_to_runs(monkey
     three = {"start.omega[1]": ["0.3"] * 3}
     polhode.reduce_many(top(Event("e", "q*(p-0.28)")), three, "first e")
     assert not alone
-    for zero, first in (("(t-1/2)**2*(t-1)", 1), ("(t-1/2)**3", 0.5), ("(t-1/2)**2", math.nan)):
+    multiplied_out = ("t**3 - 3/2*t**2 + 3/4*t - 1/8", 0.5), ("t**2 - t + 1/4", math.nan)
+    asked = [("(t-1/2)**2*(t-1)", 1), ("(t-1/2)**3", 0.5), ("(t-1/2)**2", math.nan)]
+    for zero, first in (*asked, *multiplied_out):
         found = polhode.reduce_many(top(Event("e", zero)), three, "first e")
         assert found["t of first e"] == pytest.approx([first] * 3, abs=1e-4, nan_ok=True)
-    assert alone
+        assert bool(alone) == ((zero, first) in multiplied_out)
 
 
 def test_contacts_are_no_crossings_of_a_section():
@@ -298,6 +300,20 @@ def test_no_section_loses_flat_crossings(name, plain, flat):
     assert one.complete
     assert other.outcomes == one.outcomes
     assert np.abs(one.times - other.times).max() < 1e-2
+
+
+@pytest.mark.parametrize("powers", [(3, 3), (3, 5), (1, 3)])
+def test_two_multiple_zeros_of_a_step_are_those_of_the_factors(powers):
+    """To the bit: what is watched are the factors, each once."""
+    asked = {"grid": (2, 2), "crossings": 10, "h": 3, "f": "1/2"}
+    factors = "(q - 0.099)", "(q - 0.102)"
+    flat = "*".join(f"{x}**{n}" for x, n in zip(factors, powers, strict=True))
+    one, other = (
+        polhode.section("general/asymmetric-chaotic", by=by, **asked)
+        for by in ("*".join(factors), flat)
+    )
+    assert other.outcomes == one.outcomes
+    assert np.array_equal(one.states, other.states)
 
 
 @pytest.mark.parametrize("direction", ["any", "rising", "falling"])

@@ -8,8 +8,8 @@ import shutil
 import pytest
 
 from polhode.cli import main
+from polhode.output.cases import entry_of
 from polhode.scenes import catalogue, library
-from polhode.verbs.list import entry_of
 
 
 @pytest.mark.slow
@@ -32,7 +32,9 @@ def cases(tmp_path, monkeypatch):
 
 def listed(capsys):
     assert main(["list", "--json"]) == 0
-    return {row["name"]: row for row in json.loads(capsys.readouterr().out)}
+    columns = json.loads(capsys.readouterr().out)["columns"]
+    rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    return {row["scene"]: row for row in rows}
 
 
 def test_known_cases_are_listed_without_being_read(cases, capsys, monkeypatch):

@@ -59,9 +59,9 @@ REFUSED = {
     f"run {CASE} --dt 0.1": "option = --dt: expected --every, as it",
     f"run {CASE} --n-jobs 2": "option = --n-jobs: expected --help, --number",  # it has no workers
     f"sweep {CASE} --n-jobs 2 {VARY}": "expected --workers, as it",
-    "-- run top.toml": "argument = --: expected the verb and its options before it",
-    "run -- --digits 20 top.toml": "argument = --: expected the verb and its options before it",
-    "run top.toml -- --digits 20": "argument = --: expected the verb and its options before it",
+    "-- run top.toml": "argument = --: expected -- behind the verb and its options",
+    "run -- --digits 20 top.toml": "argument = --: expected -- behind the verb and its options",
+    "run top.toml -- --digits 20": "argument = --: expected -- behind the verb and its options",
     "--print-completion fish!": "expected bash, zsh",
     "about x": "argument = x: expected nothing more",
     # -- scenes
@@ -143,7 +143,7 @@ REFUSED = {
     "study stabilty -o out": "did you mean 'stability'",
     "study accuracy -o table.csv/below": "a folder to write to",
     "report -o table.csv/below": "a folder to write to",
-    "study accuracy --without CyRK -o out": "runs polhode alone",
+    "study speed --without CyRK -o out": "as what is not installed is left out",
     "study accuracy --only nothing": "part of the name of a row",
     "benchmark --only nosuch -o out": "nosuch",
     "guide xyzzy": "expected",
@@ -152,6 +152,7 @@ REFUSED = {
     "guide api integrat": "did you mean 'integrate'?",
     "compare table.csv top.toml --digits 30": "digits",
     "compare table.csv other.csv": "a table is judged by a motion",
+    "compare table.csv": "the following arguments are required: SCENE",
     # -- times
     f"run {CASE} --at": "expected",
     f"run {CASE} --at ''": "--at",
@@ -222,7 +223,7 @@ REFUSED = {
     f"view {CASE} -o x.gif": f"ends in .html, or polhode plot {CASE} --what motion -o x.gif",
     f"view {CASE} -o x.svg": f"ends in .html, or polhode plot {CASE} --what W -o x.svg",
     f"view {CASE} -o x.txt": "-o: expected a name that ends in .html\n",
-    f"plot {CASE} --what angles -o x.gif": ".svg, .png, .pdf; --what motion makes a page or a film",
+    f"plot {CASE} --what angles -o x.gif": ".svg, .png, .pdf; --what motion makes a film",
     # -- names that are none: they were the current folder, and "Is a directory"
     "run ''": " = : expected a name\n",
     "run top.toml -o ''": "-o = : expected a name\n",

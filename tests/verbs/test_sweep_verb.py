@@ -262,6 +262,7 @@ NO_STARTS = [
     ([], "--vary: expected numbers to vary or --starts FILE, one of them"),
     (["--starts", "rows.txt"], "rows.txt: --starts = .txt: expected a file .csv or .npy"),
     (["--starts", "none.npy"], "none.npy: file: expected a readable file of starts (No such file"),
+    (["--starts", "none.npz"], "none.npz: file: expected a readable file of starts (No such file"),
     (["--starts", "text.npy"], "text.npy: file: expected an array that NumPy wrote"),
     (["--starts", "objects.npy"], "objects.npy: file: expected an array that NumPy wrote"),
     (["--starts", "short.npy"], "short.npy: file: expected an array that NumPy wrote (it is not"),

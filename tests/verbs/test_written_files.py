@@ -116,7 +116,8 @@ def test_a_csv_round_trips_and_compare_judges_it(capsys, number, bits):
 def test_drift_of_a_projected_file_is_no_evidence(capsys):
     for options, notes in (((), 1), (("--no-project",), 0)):
         ran(capsys, "run", "kovalevskaya/generic", "--at", "500", "-o", "x.csv", *options)
-        out, _ = ran(capsys, "compare", "x.csv", "kovalevskaya/generic", "--number", "double")
+        asked = ("compare", "x.csv", "kovalevskaya/generic", "--number", "double", "--details")
+        out, _ = ran(capsys, *asked)
         assert out.count("they were projected") == notes
         assert ("drift h" in out) == (not notes)
 

@@ -15,6 +15,7 @@ from polhode.certificates import verify
 from polhode.common.progress import Progress
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact, Irrational
+from polhode.numbers.polynomials import middle
 from polhode.scenes.body import Body
 
 _STEP = 0.3  # of the radius of convergence, if nothing else is asked
@@ -84,7 +85,7 @@ def steps(
     while abs(grid[-1]) < last:
         if progress is not None:
             progress(abs(grid[-1]) / last, len(centres))
-        centres.append([_nearest(y * arb(2) ** e) for y, e in zip(x, powers, strict=True)])
+        centres.append([round(middle(y * arb(2) ** e)) for y, e in zip(x, powers, strict=True)])
         steep = float(verify.row_sum(verify.slope(body, x))) if growth else 0.0
         longest = growth / steep if steep else _length(body, x, part)
         ticks = max(1, min(int(longest * 2**_FINE), last - abs(grid[-1])))
@@ -99,12 +100,6 @@ def steps(
         times = [x << (time_bits - fine) for x in grid[:-1]]
         grid, fine = [*times, round(end * Fraction(2) ** time_bits)], time_bits
     return {"time_bits": fine, "grid": grid, "state_bits": state_bits, "centres": centres}
-
-
-def _nearest(x: arb) -> int:
-    found = (x.mid() + arb("0.5")).floor().mid().unique_fmpz()
-    assert found is not None
-    return int(found)
 
 
 def _length(body: verify.Body, centre: Sequence[arb], part: float) -> float:

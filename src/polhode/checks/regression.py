@@ -62,7 +62,7 @@ class Line:
 
     @property
     def limit(self) -> str:
-        """What limits the digits; empty where there are none."""
+        """What limits the digits; empty where there are none.  Dear: the motion is followed."""
         return "" if self.judgement is None else self.judgement.limit
 
     @property
@@ -109,11 +109,13 @@ def check(
     numbers: Sequence[str] = (),
     tick: TICK | None = None,
     workers: int = 1,
+    details: bool = True,
 ) -> Iterator[Report]:
     """Check cases (all that ship, or names, patterns, paths) in the number types that they expect.
 
     ``numbers``: these types instead; a case without a band for one is run and shown without.
-    ``workers``: processes that share the cases.
+    ``workers``: processes that share the cases.  ``details``: whether the limits of the digits will
+    be asked for, which follow the motion; else they are found where they are.
     """
     for number in numbers:
         if number not in number_types.NAMES:
@@ -124,16 +126,21 @@ def check(
         if tick is not None:
             tick(scene.name)
 
-    solve = partial(check_scene, numbers=tuple(numbers))
+    solve = partial(check_scene, numbers=tuple(numbers), details=details)
     yield from of_work.in_order(solve, scenes, min(workers, len(scenes)), begun)
 
 
-def check_scene(scene: Scene, numbers: Sequence[str] = ()) -> Report:
-    """The checks of one case: of its states, by runs without outputs and events."""
+def check_scene(scene: Scene, numbers: Sequence[str] = (), details: bool = True) -> Report:
+    """The checks of one case: of its states, by runs without outputs and events.
+
+    ``details``: as of :func:`check`.
+    """
     reference = reference_of(scene)
     wanted = [*(numbers or scene.expect)]
     widest = sorted(wanted, key=number_types.NAMES.index, reverse=True)
-    known = conditioning(scene, number=number_types.named(widest[0])) if widest else None
+    known = None
+    if widest and details:
+        known = conditioning(scene, number=number_types.named(widest[0]))
     made: dict[str, Line] = {}
     for number in widest:  # whose rows of the reference judge the others, too
         earlier = next((one.judgement for one in made.values() if one.judgement), known)

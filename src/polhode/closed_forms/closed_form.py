@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, Never, Protocol, TypeVar
 
 from flint import arb
 
@@ -29,6 +29,9 @@ from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf
 from polhode.numbers.vectors import Vector
 
+#: What :attr:`ClosedForm.proven` says where the attitude has no formula.
+ENCLOSED_ATTITUDE = "states are proven by the closed form, the attitude by an enclosure"
+_ALONE = "the state has a closed form here, the attitude none: ask for reference.kind = certified"
 _ERROR_BITS = 64
 _SPARE = 5  # digits of frequencies, of which one may be much smaller than another
 
@@ -51,6 +54,11 @@ class Solution(Protocol):
 
 
 S = TypeVar("S", bound=Solution)
+
+
+def no_attitude() -> Never:
+    """Refuse the attitude of a motion of which only the state has a formula."""
+    raise Refused(_ALONE)
 
 
 class ClosedForm(ABC, Generic[S]):

@@ -29,7 +29,7 @@ from polhode.closed_forms.euler import conditions as euler
 from polhode.closed_forms.family import Family, Maker, by_conditions
 from polhode.closed_forms.goryachev_chaplygin import axes as goryachev_chaplygin
 from polhode.closed_forms.hess import axes as hess
-from polhode.closed_forms.kovalevskaya import axes as kovalevskaya
+from polhode.closed_forms.kovalevskaya import regimes as kovalevskaya
 from polhode.closed_forms.lagrange import axes as lagrange
 from polhode.closed_forms.membership.misfit import Misfit
 from polhode.closed_forms.membership.normal_form import Condition, Placed, equal, positive
@@ -81,11 +81,11 @@ def _top(folder: str, name: str) -> Callable[[], Maker]:
 FAMILIES: tuple[Family, ...] = (
     Family("euler", euler.fits, euler.misfit, _top("euler", "EulerTop")),
     by_conditions("lagrange", lagrange.conditions, _top("lagrange", "LagrangeTop"), lagrange.fits),
-    by_conditions(
+    Family(
         "kovalevskaya",
-        kovalevskaya.conditions,
-        _top("kovalevskaya", "KovalevskayaTop"),
         kovalevskaya.fits,
+        kovalevskaya.misfit,
+        _top("kovalevskaya", "KovalevskayaTop"),
     ),
     by_conditions("pendulum", pendulum.conditions, _top("pendulum", "Pendulum"), pendulum.fits),
     orbit_family("staude", staude.Staude),

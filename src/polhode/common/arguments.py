@@ -85,6 +85,8 @@ def not_taken(values: Any, found: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
     import numpy as np
 
     wrong = np.zeros(found.shape, dtype=bool)
+    if type(values) is np.ndarray and values.dtype.kind == "f":  # narrower floats stay themselves
+        return wrong
     if isinstance(values, (list, tuple)) and found.ndim > 1:
         for k, row in enumerate(values):
             if isinstance(row, np.ma.MaskedArray):
@@ -103,8 +105,7 @@ def unit_rows(source: str, key: str, rows: npt.NDArray[Any], eps: Fraction) -> N
     """Refuse rows that are no unit vectors to 8 eps, by the first of them."""
     import numpy as np
 
-    x, y, z = rows.T
-    off, most = np.abs(x * x + y * y + z * z - 1), 8 * float(eps)
+    off, most = np.abs(np.einsum("ij,ij->i", rows, rows) - 1), 8 * float(eps)
     for k in np.flatnonzero(~(off <= most / 2)).tolist():  # rounding here is less than that
         square = sum((Fraction(*x.as_integer_ratio()) ** 2 for x in rows[k]), Fraction(-1))
         if abs(square) > 8 * eps:

@@ -25,11 +25,12 @@ def derived_balls(
     found, width = column(word), len(COLUMNS[word].names)
     rows = []
     with ctx.workprec(bits):
-        k = {name: ball(x, bits) for name, x in found.of(scene).items()}
+        formula, coefficients = found.of(scene)
+        k = {name: ball(x, bits) for name, x in coefficients.items()}
         fn = Functions(arb(0), arb.sin, arb.cos, arb.sqrt)
         for parts in zip(*(given[need] for need in COLUMNS[word].needs), strict=True):
             row = [x for part in parts for x in part]
-            made = [] if any(x is None for x in row) else [arb(x) for x in found.values(row, k, fn)]
-            whole = len(made) == width and all(x.is_finite() for x in made)
-            rows.append(made if whole else [None] * width)
+            made = [] if any(x is None for x in row) else [arb(x) for x in formula(row, k, fn)]
+            kept = made if all(x.is_finite() for x in made) else []
+            rows.append([*kept, *[None] * (width - len(kept))])
     return rows

@@ -23,13 +23,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from flint import arb, fmpz
+from flint import arb
 
 from polhode.enclosures.polynomial import Polynomial, ball, total, variable
 from polhode.numbers import exact
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.flint_context import ctx
+from polhode.numbers.polynomials import middle
 from polhode.numbers.vectors import Matrix, Vector, dot
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
@@ -286,7 +287,7 @@ def sharp(made: Callable[[int], Any], bits: int) -> Any:
 
 def _nearest(known: Any, bits: int) -> tuple[int, Any]:
     """The integer n for which n·2**-bits is near a ball's midpoint, and |ball - n·2**-bits|."""
-    near = int((known.mid() * arb((1, bits)) + arb((1, -1))).floor().unique_fmpz() or fmpz(0))
+    near = round(middle(known) * 2**bits) if known.is_finite() else 0
     return near, abs(known - arb((near, -bits)))
 
 

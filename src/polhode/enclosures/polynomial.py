@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from flint import arb, fmpq
+from flint import arb
 
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact
@@ -136,5 +136,5 @@ def ball(x: Exact, bits: int) -> Any:
     """A ball around an exact number, every step carried to so many bits."""
     with ctx.workprec(bits):
         if isinstance(x, Fraction):
-            return arb(fmpq(x.numerator, x.denominator))
+            return exact.as_ball(x)
         return x.enclosure(bits)

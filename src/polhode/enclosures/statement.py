@@ -63,10 +63,10 @@ TRUSTED = (
         for name in (
             *("body", "body_and_start", "scene", "scene_file", "scene_text", "start_box", "keys"),
             *("shapes", "level_start", "validation", "vocabulary", "output_times", "event"),
-            "given_numbers",
+            *("given_numbers", "classification"),
         )
     ),
-    *(f"equations/{name}" for name in ("kinematics", "pole_passage", "column")),
+    *(f"equations/{name}" for name in ("kinematics", "pole_passage", "column", "integrals")),
     "equations/forms/matrices",
     "equations/hodographs",
     *_room("equations/columns"),
@@ -80,6 +80,7 @@ BESIDE = {
     "enclosures/approximation": "guesses, which the proof does not trust",
     "scenes/library": "where a case's file is",
     "scenes/added_families": "names of closed forms",
+    "numbers/double_double": "drift of sweeps, in pairs of doubles",
     "output/notebook": "how a scene is shown",
     "scenes/column_expressions": "whether an expression of a run can be read",
     "scenes/variation": "scenes of a sweep, as text",

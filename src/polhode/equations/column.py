@@ -26,18 +26,21 @@ class Column:
     """A derived column.
 
     ``values``: of a row of what it needs, one after the other (the state is p q r gamma1 gamma2
-    gamma3), of coefficients and of the scalar's functions.  ``coefficients``: exact numbers of the
-    scene by name, where the formula has any.  ``not_judged``: why a file's column is not held
-    against a reference, where it is not.
+    gamma3), of coefficients and of the scalar's functions.  ``of_scene``: in its place a scene's
+    formula and exact coefficients by name.  ``not_judged``: why a file's column is not held against
+    a reference, where it is not.
     """
 
-    values: RowFormula
-    coefficients: Callable[[Scene], Mapping[str, Exact]] | None = None
+    values: RowFormula | None = None
+    of_scene: Callable[[Scene], tuple[RowFormula, Mapping[str, Exact]]] | None = None
     not_judged: str = ""
 
-    def of(self, scene: Scene) -> Mapping[str, Exact]:
-        """The formula's coefficients."""
-        return {} if self.coefficients is None else self.coefficients(scene)
+    def of(self, scene: Scene) -> tuple[RowFormula, Mapping[str, Exact]]:
+        """The formula of a scene, and its coefficients."""
+        if self.of_scene is not None:
+            return self.of_scene(scene)
+        assert self.values is not None
+        return self.values, {}
 
 
 def column(word: str) -> Column:
@@ -59,16 +62,14 @@ def of_state_alone() -> list[str]:
 def derived_stack(word: str, scenes: Sequence[Scene], states: Stack, number: NumberType) -> Stack:
     """A column of states alone, (members, times, columns); not a number where there is none."""
     found, width = column(word), len(COLUMNS[word].names)
-    if found.coefficients is None:
-        return mapped_stack(found.values, states, {}, number, width)
     made: Stack = states[:, :, :1].repeat(width, axis=2)
     for k, scene in enumerate(scenes):
-        part = states[k : k + 1]
-        made[k] = mapped_stack(found.values, part, found.of(scene), number, width)[0]
+        formula, coefficients = found.of(scene)
+        made[k] = mapped_stack(formula, states[k : k + 1], coefficients, number, width)[0]
     return made
 
 
 def derived(word: str, scene: Scene, parts: Sequence[Given], number: NumberType) -> Columns:
     """A derived column of rows of all that it needs, in the order of its ``needs``."""
-    found = column(word)
-    return mapped(found.values, parts, found.of(scene), number, len(COLUMNS[word].names))
+    formula, coefficients = column(word).of(scene)
+    return mapped(formula, parts, coefficients, number, len(COLUMNS[word].names))

@@ -21,7 +21,7 @@ import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_extended, to_mpf
@@ -39,6 +39,13 @@ GUARD_BITS = 64
 NEAR_REST = 10  # where |G(0)| is so many times less than the pendulum's momentum
 ENERGY, AREA, LENGTH = "h", "f", "|gamma|^2"
 MOMENTUM, SPIN, KOVALEVSKAYA, CHAPLYGIN = "|G|^2", "spin", "K^2", "F"
+
+
+#: The integrals at a state, and their relative departures from the start's.
+Along: TypeAlias = (
+    "Callable[[Sequence[Scalar] | Flat, Mapping[str, Scalar], Scalar], "
+    "tuple[list[Scalar], list[Scalar]]]"
+)
 
 
 class Drift(NamedTuple):
@@ -206,31 +213,32 @@ def drift(scene: Scene, states: Rows, bits: int) -> Drift:
     """
     import numpy as np
 
+    found = departures(scene, states, bits).values()
+    with np.errstate(over="ignore"):  # told as inf
+        return _named(scene, [float(np.max(np.abs(d.astype(float)))) for d in found])
+
+
+def departures(scene: Scene, states: Rows, bits: int = 53) -> dict[str, Any]:
+    """Relative departures of each integral along a run, with their signs, by its name.
+
+    ``states``, ``bits``: as in :func:`drift`, whose scales these have.  Each answer is an ndarray,
+    one number a row: of long doubles for a run in double, else of mpf.
+    """
+    import numpy as np
+
+    names = first_integrals(scene).onto
     if isinstance(states, np.ndarray) and states.dtype == np.float64:
-        found = departures(scene, states).values()
-        return _named(scene, [float(np.max(np.abs(d))) for d in found])
+        columns = list(states.astype(np.longdouble).T)
+        found = _departures(scene, [columns], to_extended)[0]
+        one = np.ones(len(states))  # an integral of nothing but zeros is one number
+        return {name: d * one for name, d in zip(names, found, strict=True)}
     from polhode.numbers.mpmath_context import mpmath
 
     precision = bits + GUARD_BITS
     with mpmath.workprec(precision):
         wide = [[to_mpf(exactly(x), precision) for x in row] for row in states]
         rows = _departures(scene, wide, lambda x: to_mpf(x, precision))
-        worst = [max(abs(row[i]) for row in rows) for i in range(len(rows[0]))]
-        return _named(scene, [float(x) for x in worst])
-
-
-def departures(scene: Scene, states: Any) -> dict[str, Any]:
-    """Relative departures of each integral along a run in double, with their signs, by its name.
-
-    ``states``: an ndarray of doubles as in :func:`drift`, whose scales these have.  Each answer is
-    an ndarray of long doubles, one a row.
-    """
-    import numpy as np
-
-    columns = list(states.astype(np.longdouble).T)
-    found = _departures(scene, [columns], to_extended)[0]
-    one = np.ones(len(states))  # an integral of nothing but zeros is one number
-    return {name: d * one for name, d in zip(first_integrals(scene).onto, found, strict=True)}
+    return dict(zip(names, np.array(rows, dtype=object).T, strict=True))
 
 
 def drift_of_columns(scene: Scene, columns: Sequence[Pairs]) -> Drift | None:
@@ -262,26 +270,43 @@ def _departures(
     scene: Scene, states: Iterable[Sequence[Scalar] | Flat], number: Callable[[Exact], Scalar]
 ) -> list[list[Scalar]]:
     """Relative departures of the integrals at each state (or at columns of states)."""
-    found = first_integrals(scene)
-    k = {name: number(x) for name, x in found.coefficients.items()}
-    targets = [number(x) for x in exact_values(scene, found)]
-    measures = [number(x) for x in _scales(scene, found)]
-    unit = number(Fraction(2) ** scene.time_unit)
-    axes = scene.body.axes
-    turn = None if axes.trivial else [[number(x) for x in row] for row in axes.rows]
-
-    def principal(vector: Sequence[Scalar] | Flat) -> list[Scalar]:
-        return list(vector) if turn is None else [dot(row, vector) for row in turn]
-
+    formula, coefficients = along(scene)
+    k = {name: number(x) for name, x in coefficients.items()}
     zero = number(ZERO)
-    answers = []
-    for state in states:
-        inside = [unit * w for w in principal(state[:3])]
+    return [formula(state, k, zero)[1] for state in states]
+
+
+def along(scene: Scene) -> tuple[Along, Mapping[str, Exact]]:
+    """A formula of states for the integrals there and their relative departures, for any scalars.
+
+    Beside it its coefficients; its values are in the units of FirstIntegrals.
+    """
+    found, axes = first_integrals(scene), scene.body.axes
+    onto, turn = found.onto, range(0 if axes.trivial else 3)
+    targets = [f"{name} at the start" for name in onto]
+    measures = [f"scale of {name}" for name in onto]
+    coefficients: dict[str, Exact] = {
+        **found.coefficients,
+        **dict(zip(targets, exact_values(scene, found), strict=True)),
+        **dict(zip(measures, _scales(scene, found), strict=True)),
+        **{f"axis {i}{j}": axes.rows[i][j] for i in turn for j in turn},
+        "unit": Fraction(2) ** scene.time_unit,
+    }
+
+    def formula(
+        state: Sequence[Scalar] | Flat, k: Mapping[str, Scalar], zero: Scalar
+    ) -> tuple[list[Scalar], list[Scalar]]:
+        def principal(vector: Sequence[Scalar] | Flat) -> list[Scalar]:
+            rows = [[k[f"axis {i}{j}"] for j in turn] for i in turn]
+            return [dot(row, vector) for row in rows] or list(vector)
+
+        inside = [k["unit"] * w for w in principal(state[:3])]
         inside += principal(state[3:]) if len(state) > 3 else []
         values = found.values(inside, k, zero)
         parts = zip(values, targets, measures, strict=True)
-        answers.append([(value - target) / measure for value, target, measure in parts])
-    return answers
+        return values, [(value - k[target]) / k[measure] for value, target, measure in parts]
+
+    return formula, coefficients
 
 
 def scales(scene: Scene) -> tuple[Exact, Exact]:

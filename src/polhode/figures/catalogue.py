@@ -18,14 +18,14 @@ from polhode.runs.saved import Saved
 
 #: Of motions: where the function is that draws samples of one; the first is the default.
 MOTION: Mapping[str, tuple[str, str]] = {
-    "angles": ("angles", "draw"),
+    "angles": ("curves", "angles"),
     "omega": ("curves", "omega"),
     "momentum": ("curves", "momentum"),
     "attitude": ("curves", "attitude"),
     "hodographs": ("hodographs", "draw"),
     "sphere": ("sphere", "draw"),
-    "integrals": ("logarithmic", "integrals"),
-    "error": ("logarithmic", "error"),
+    "integrals": ("curves", "integrals"),
+    "error": ("curves", "error"),
 }
 _MAPS = {word: ("map", word) for word in ("fli", "megno", "exponent", "verdict")}
 _PERIOD = {"omega": ("results", "period")}
@@ -43,7 +43,6 @@ FIGURES: Mapping[str, Mapping[str, tuple[str, str]]] = {
     "Frequencies": {"lines": ("frequencies", "draw")},
     "Judgement": {"digits": ("results", "digits")},
     "Levels": {"diagram": ("levels", "draw")},
-    "Lyapunov": {"exponent": ("results", "exponent")},
     "Orbit": _PERIOD,
     "OrbitFamily": {"residue": ("orbit_family", "draw")},
     "OrbitSearch": {"residue": ("results", "residues")},
@@ -69,20 +68,11 @@ def words(kind: str) -> tuple[str, ...]:
     return tuple(FIGURES.get(kind, ()))
 
 
-def options(kind: str) -> Mapping[str, inspect.Parameter]:
-    """The options of a kind's figures, by name."""
-    found: dict[str, inspect.Parameter] = {}
-    for what in words(kind):
-        parameters = inspect.signature(_function(*FIGURES[kind][what])).parameters
-        found |= {k: x for k, x in parameters.items() if x.kind is x.KEYWORD_ONLY}
-    return found
-
-
 def chosen(kind: str, what: str | None, source: str = "plot") -> str:
     """A word of a kind's figures, unless given the default; raises BadInput for another."""
     known = words(kind)
     if not known:
-        raise BadInput(source, "what_of", kind, "a result that has a figure")
+        raise BadInput(source, "result", kind, "one that has a figure")
     if what is not None and what not in known:
         raise BadInput(source, "--what", what, nearest(what, [*known]))
     return what or known[0]
@@ -110,9 +100,10 @@ def draw(
     for key, value in given.items():
         if key not in known:
             raise BadInput(f"plot {what}", key, value, nearest(key, [*known, "title"]))
-    if given.get("cmap", "viridis") not in plt.colormaps():
-        expected = nearest(str(given["cmap"]), plt.colormaps())
-        raise BadInput(f"plot {what}", "cmap", given["cmap"], expected)
+    cmap = given.get("cmap")
+    if cmap is not None and not hasattr(cmap, "resampled") and cmap not in plt.colormaps():
+        expected = nearest(str(cmap), plt.colormaps())
+        raise BadInput(f"plot {what}", "cmap", cmap, expected)
     figure = make(plt, found, axes, **given)
     if title:
         panels = own_panels(figure) if axes is None else np.ravel(np.asarray(axes, dtype=object))

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 #: Two numbers of many points.
 Points: TypeAlias = tuple[Doubles, Doubles]
 
-OUT, INTO, SETS = "#d55e00", "#0072b2", "#222222"
+SETS = "#222222"
 
 
 def draw(plt: ModuleType, found: Storable, axes: Any = None) -> Figure:
@@ -64,9 +64,10 @@ def crossings(found: ProvedChaos) -> Crossings:
 
 def draw_crossings(axes: Axes, points: Crossings) -> None:
     """The section with both manifolds and the sets."""
+    into, out = canvas.series(2)
     for name, colour, where in (
-        ("unstable", OUT, points.unstable),
-        ("stable", INTO, points.stable),
+        ("unstable", out, points.unstable),
+        ("stable", into, points.stable),
     ):
         gid = f"{name} manifold"
         look: dict[str, Any] = {"ms": 1.4, "mew": 0, "color": colour, "rasterized": True}
@@ -84,10 +85,11 @@ def _sets(axes: Axes, found: ProvedChaos) -> None:
         y = np.array([-1, -1, 1, 1, -1]) * what.height / home.height
         axes.plot(x, y, color=SETS, lw=1.2, gid=name)
         axes.text(what.middle / home.width, 1.06 * y.max(), name, ha="center", size=9)
+    into, out = canvas.series(2)
     x, y = _outline(found.images[0])
-    axes.fill(x / home.width, y / home.height, color=OUT, alpha=0.35, lw=0, label="image of N0")
+    axes.fill(x / home.width, y / home.height, color=out, alpha=0.35, lw=0, label="image of N0")
     x, y = _outline(found.images[-1])
-    look: dict[str, Any] = {"color": INTO, "alpha": 0.6, "lw": 1.0}
+    look: dict[str, Any] = {"color": into, "alpha": 0.6, "lw": 1.0}
     axes.fill(x / home.width, y / home.height, label=f"image of M{found.sets - 1}", **look)
     axes.set(xlabel="along the unstable direction", ylabel="along the stable direction")
     axes.set(ylim=(-1.4, 1.4))

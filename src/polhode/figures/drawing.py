@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from polhode.common.errors import BadInput
-from polhode.common.html_page import Page
+from polhode.common.html_page import Page, together
 from polhode.figures import catalogue, motion_page
 from polhode.figures.canvas import canvas
 from polhode.figures.canvas.curve_sampling import Samples
@@ -90,15 +90,27 @@ def plot(
     return only
 
 
-def view(what_of: Source, *, end: AnyNumber | None = None) -> Page:
-    """Show a motion as one page that moves: no network, nothing else needed.
+def view(
+    what_of: Source,
+    *others: Source,
+    end: AnyNumber | None = None,
+    title: str = "",
+    text: str = "",
+) -> Page:
+    """Show a motion, or several, as one page that moves: no network, nothing else needed.
 
     Parameters
     ----------
     what_of : Scene, Trajectory, str or Path
         A scene, a run, or the file of a run.
+    *others
+        More of them, one below the other.
     end : number, optional
         The last time shown, as for :func:`polhode.plot`.
+    title : str
+        A heading above the motions.
+    text : str
+        Words below the heading, with empty lines between paragraphs.
 
     Returns
     -------
@@ -115,8 +127,9 @@ def view(what_of: Source, *, end: AnyNumber | None = None) -> Page:
     >>> import polhode
     >>> polhode.view("euler/largest-axis").save("motion.html")  # doctest: +SKIP
     """
-    found = shown(what_of, MOTION, Asked(end=end))
-    return Page(found.name, page_of(found, "polhode.view"))
+    every = [shown(source, MOTION, Asked(end=end)) for source in (what_of, *others)]
+    pages = [Page(found.name, page_of(found, "polhode.view")) for found in every]
+    return together(pages, title, text) if others or title or text else pages[0]
 
 
 def page_of(found: Shown, command: str) -> str:

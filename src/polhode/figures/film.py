@@ -17,7 +17,7 @@ import numpy as np
 
 from polhode.common.errors import BadInput
 from polhode.equations.hodographs import turned
-from polhode.figures.canvas.canvas import BODY, HIDDEN, PAPER, SPACE, pyplot
+from polhode.figures.canvas.canvas import BODY, HIDDEN, SPACE, paper
 from polhode.figures.canvas.curve_sampling import Samples
 from polhode.figures.canvas.globe import facing_most
 from polhode.figures.sampled_motion import Motion, of_samples
@@ -80,13 +80,12 @@ class Film(NamedTuple):
 
 def filmed(found: Samples, suffix: str, tell: Callable[[float], None], look: Look = USUAL) -> Film:
     """The body, the apex and its path; ``tell``: the fraction done."""
-    plt = pyplot()
     motion = of_samples(found)
     count = SECONDS * look.rate
     back = return_time(motion)
     begin, end = float(motion.times[0]), float(motion.times[-1]) if back is None else back
     moments = np.linspace(begin, end, count, endpoint=back is None)
-    with plt.rc_context(PAPER):
+    with paper() as plt:
         inches = look.size / DOTS
         figure, axes = plt.subplots(figsize=(inches, inches), dpi=DOTS, layout="constrained")
         drawn = _Frames(motion, axes, end, closed=back is not None)

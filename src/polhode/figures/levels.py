@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -59,30 +58,27 @@ def draw(
         found = levels(told(found).scene)
     shown = window(found, f_range, h_range)
     figure, panels = canvas.panels(plt, axes, 1, figsize=(6.6, 4.4))
-    legend = canvas.legend_of(figure, axes)
-    axes = panels[0, 0]
-    _shades(axes, found, shown)
+    place, axes = canvas.legend_of(figure, axes), panels[0, 0]
     sides = [side for side in (1, -1) if (shown.f[0] < 0 if side < 0 else shown.f[1] > 0)]
-    lines, marks = {}, {}
-    for curve in found.curves:
+    for curve in sorted(found.curves, key=lambda curve: (curve.type, curve.morse == 0)):
         stable = curve.morse == 0
         style, colour = LINES[curve.type]
         look = {"linestyle": style, "color": colour, "linewidth": STABLE if stable else 0.9}
-        lines[curve.type, stable] = look
+        look["label"] = curve.type + (", Liapunov stable" if stable else "")
+        look["gid"] = f"{curve.family} family, {curve.type}"
         for side in sides:
-            gid = f"{curve.family} family, {curve.type}"
-            axes.plot(side * curve.points[:, 0], curve.points[:, 1], gid=gid, **look)
-    for mark in found.marks:
+            axes.plot(side * curve.points[:, 0], curve.points[:, 1], **look)
+    for mark in sorted(found.marks, key=lambda mark: mark.kind):
         look = {"marker": MARKS[mark.kind], "linestyle": "", **_MARK}
+        if min(shown.f) <= sides[0] * float(mark.f) <= max(shown.f):
+            look["label"] = mark.kind
         for side in sides:
             axes.plot(side * float(mark.f), float(mark.h), **look)
-        if min(shown.f) <= sides[0] * float(mark.f) <= max(shown.f):
-            marks[mark.kind] = look
-    scene = {"marker": "o", "linestyle": "", "color": series(plt, 2)[1], "ms": 5}
-    axes.plot(to_double(found.here.f), to_double(found.here.h), **scene)
-    named = {kind + (", Liapunov stable" if x else ""): lines[kind, x] for kind, x in sorted(lines)}
-    named |= {kind: marks[kind] for kind in sorted(marks)} | {"the scene": scene}
-    _legend(legend, axes, named)
+    scene = {"marker": "o", "linestyle": "", "color": series(2)[1], "ms": 5}
+    axes.plot(to_double(found.here.f), to_double(found.here.h), label="the scene", **scene)
+    _shades(axes, found, shown)
+    white = {"facecolor": "#ffffff", "edgecolor": "none", "labelcolor": "#000000", "framealpha": 1}
+    canvas.legend(place, [axes], fontsize=7.5, frameon=True, **white)
     axes.set(xlim=shown.f, ylim=shown.h, xlabel="f", ylabel="h")
     return figure
 
@@ -170,14 +166,6 @@ def _strip(
             axes.fill_between(f, low, high, color=shade, linewidth=0.3, edgecolor=shade)
             seen.add(region)
     return seen
-
-
-def _legend(legend: Any, axes: Axes, named: Mapping[str, Mapping[str, Any]]) -> None:
-    from matplotlib.lines import Line2D
-
-    patches, regions = axes.get_legend_handles_labels()
-    handles = [*(Line2D([], [], **look) for look in named.values()), *patches]
-    legend(handles=handles, labels=[*named, *regions], frameon=False, fontsize=7.5)
 
 
 def name(region: Region) -> str:

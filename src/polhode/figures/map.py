@@ -1,4 +1,4 @@
-"""Figure of a chaos map: a cell a motion."""
+"""Figure of a chaos map: a cell of the grid a motion, or a dot."""
 
 from __future__ import annotations
 
@@ -15,26 +15,26 @@ from polhode.runs.saved import Saved
 LABELS = {"fli": "FLI = max ln|u|", "megno": "MEGNO", "exponent": "exponent (1/unit of time)"}
 #: Above these all is chaotic: the colours are for what is below.
 TOPS = {"fli": 15.0, "megno": 4.0}
-SHADES = ("#cfe3f2", "#f5e6b3", "#b2182b")  # regular, undecided, chaotic
+SHADES = ("#cfe3f2", "#f5e6b3", "#b2182b", "#ef8a62")  # regular, undecided, chaotic, unstable
 
 
-def fli(plt: Any, found: Storable, axes: Any = None, *, cmap: str = "viridis") -> Any:
+def fli(plt: Any, found: Storable, axes: Any = None, *, cmap: str | None = None) -> Any:
     """The fast Lyapunov indicator."""
     return _scaled(plt, told(found), axes, "fli", cmap)
 
 
-def megno(plt: Any, found: Storable, axes: Any = None, *, cmap: str = "viridis") -> Any:
+def megno(plt: Any, found: Storable, axes: Any = None, *, cmap: str | None = None) -> Any:
     """The mean exponential growth of nearby orbits."""
     return _scaled(plt, told(found), axes, "megno", cmap)
 
 
-def exponent(plt: Any, found: Storable, axes: Any = None, *, cmap: str = "viridis") -> Any:
+def exponent(plt: Any, found: Storable, axes: Any = None, *, cmap: str | None = None) -> Any:
     """Lyapunov's largest exponent."""
     return _scaled(plt, told(found), axes, "exponent", cmap)
 
 
 def verdict(plt: Any, found: Storable, axes: Any = None) -> Any:
-    """The verdict on each motion, as one of three colours."""
+    """The verdict on each motion, as one of four colours."""
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
 
@@ -42,9 +42,9 @@ def verdict(plt: Any, found: Storable, axes: Any = None) -> Any:
     figure, panels = canvas.panels(plt, axes, 1, figsize=(6.0, 4.4))
     legend, panel = canvas.legend_of(figure, axes), panels[0, 0]
     counts = known.fact("counts")
-    words = [*counts][: len(SHADES)]
+    words = [*counts]
     values = np.array([words.index(word) for word in known.column("verdict")], dtype=float)
-    options = {"cmap": ListedColormap(SHADES), "vmin": -0.5, "vmax": 2.5}
+    options = {"cmap": ListedColormap(SHADES), "vmin": -0.5, "vmax": 3.5}
     _mesh(panel, known, values, options)
     patches = [
         Patch(color=shade, label=f"{name}: {counts[name]}")
@@ -54,7 +54,7 @@ def verdict(plt: Any, found: Storable, axes: Any = None) -> Any:
     return figure
 
 
-def _scaled(plt: Any, known: Saved, axes: Any, what: str, cmap: str) -> Any:
+def _scaled(plt: Any, known: Saved, axes: Any, what: str, cmap: str | None) -> Any:
     """A number of each motion by a colour."""
     figure, panels = canvas.panels(plt, axes, 1, figsize=(6.0, 4.4))
     panel, values = panels[0, 0], numbers(known, what)
@@ -70,13 +70,19 @@ def _scaled(plt: Any, known: Saved, axes: Any, what: str, cmap: str) -> Any:
 
 
 def _mesh(panel: Any, known: Saved, values: Doubles, options: dict[str, Any]) -> Any:
-    """The largest value of each cell; white where no motion is on the level."""
-    rows, columns = known.fact("grid")
-    cells = np.full(rows * columns, np.nan)
-    np.fmax.at(cells, np.asarray(known.column("cell"), dtype=int), values)
-    x, y = (_edges(known, k) for k in (0, 1))
-    mesh = panel.pcolormesh(x, y, cells.reshape(rows, columns).T, rasterized=True, **options)
-    keys = known.fact("keys")
+    """The largest value of each cell, white where no motion is on the level; or a dot a motion.
+
+    A dot stands over the first two coordinates, or over the only one and the motion's number.
+    """
+    keys, grid = [*known.fact("keys"), "motion"][:2], known.fact("grid")
+    if len(grid) == 1:
+        x, y = (numbers(known, key) for key in keys)
+        mesh = panel.scatter(x, y, c=values, s=9, rasterized=True, **options)
+    else:
+        cells = np.full(grid[0] * grid[1], np.nan)
+        np.fmax.at(cells, np.asarray(known.column("cell"), dtype=int), values)
+        x, y = (_edges(known, k) for k in (0, 1))
+        mesh = panel.pcolormesh(x, y, cells.reshape(grid).T, rasterized=True, **options)
     if known.fact("h") is None:
         panel.set(xlabel=keys[0], ylabel=keys[1])
     else:

@@ -6,7 +6,7 @@ from typing import Any
 
 from polhode.dynamics.periodic_orbits.continuation import BRANCH, DOUBLING, FOLD
 from polhode.figures.canvas import canvas
-from polhode.figures.canvas.canvas import PLAIN, series
+from polhode.figures.canvas.canvas import ink, series
 from polhode.figures.canvas.residue_axis import residue_axis
 from polhode.figures.results import numbers, told
 from polhode.results.result import Storable
@@ -19,8 +19,8 @@ def draw(plt: Any, found: Storable, axes: Any = None) -> Any:
     known = told(found)
     figure, panels = canvas.panels(plt, axes, 2, figsize=(4.8, 4.8), sharex=True)
     by, passed = known.fact("by"), known.fact("bifurcations")
-    first, *others = series(plt, 3)
-    colours = dict(zip(_MARKS, (*others, PLAIN), strict=True))
+    first, *others = series(3)
+    colours = dict(zip(_MARKS, (*others, ink()), strict=True))
     for panel, name in zip(panels[:, 0], ("period", "residue"), strict=True):
         over, values = numbers(known, by), numbers(known, name)
         panel.plot(over, values, "-", color=first, lw=0.9, gid=f"family {name}")

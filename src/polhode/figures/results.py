@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from polhode.figures.canvas import canvas
-from polhode.figures.canvas.canvas import rate_unit, series, time_label
+from polhode.figures.canvas.canvas import over_time, rate_unit, series, time_label
 from polhode.figures.canvas.residue_axis import residue_axis
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles
@@ -40,10 +41,18 @@ def names(found: Saved) -> list[str]:
     return [x.name for x in found.table().columns]
 
 
-def _panel(plt: Any, axes: Any) -> tuple[Any, Any, str]:
-    """A figure, its one panel, and the first colour."""
+def _curves(
+    plt: Any, axes: Any, x: Any, shown: Mapping[str, Any], style: str, **labels: str
+) -> tuple[Any, Any]:
+    """A figure of one panel with curves by name, and the panel."""
     figure, made = canvas.panels(plt, axes, 1)
-    return figure, made[0, 0], series(plt, 1)[0]
+    panel = made[0, 0]
+    for (name, values), colour in zip(shown.items(), series(len(shown)), strict=True):
+        panel.plot(x, values, style, color=colour, label=name, gid=name, ms=3)
+    panel.set(**labels)
+    if len(shown) > 1:
+        panel.legend(frameon=False)
+    return figure, panel
 
 
 def period(plt: Any, found: Storable, axes: Any = None) -> Any:
@@ -70,52 +79,35 @@ def reference(plt: Any, found: Storable, axes: Any = None) -> Any:
 
 
 def _omega(plt: Any, axes: Any, t: Any, rows: Any, scene: Any) -> Any:
-    figure, panel, _ = _panel(plt, axes)
-    for name, colour, values in zip("pqr", series(plt, 3), rows, strict=False):
-        panel.plot(t, values, color=colour, label=name, gid=name)
-    panel.set(xlabel=time_label(scene), ylabel=f"ω ({rate_unit(scene)})")
-    panel.legend(frameon=False)
-    return figure
-
-
-def exponent(plt: Any, found: Storable, axes: Any = None) -> Any:
-    """Lyapunov's exponent and its uncertainty at the time that the motion was followed to."""
-    known = told(found)
-    figure, panel, colour = _panel(plt, axes)
-    end, value, around = (known.fact(name) for name in ("end", "exponent", "uncertainty"))
-    panel.errorbar([end], [value], [around if np.isfinite(around) else 0], fmt="o", color=colour)
-    panel.axhline(0, color=GREY, lw=0.6)
-    panel.set(xlabel=time_label(None), ylabel="largest exponent", title=known.fact("verdict"))
-    return figure
+    shown = dict(zip("pqr", rows, strict=False))
+    return over_time(plt, t, scene, {f"ω ({rate_unit(scene)})": shown}, axes)[0]
 
 
 def digits(plt: Any, found: Storable, axes: Any = None) -> Any:
     """Correct digits over time, and the band that is expected."""
     known = told(found)
-    figure, panel, colour = _panel(plt, axes)
-    t = numbers(known, "t")
-    if "correct_digits" in names(known):
+    t, word = numbers(known, "t"), "correct_digits"
+    shown = {"correct digits": numbers(known, word)} if word in names(known) else {}
+    where = {"xlabel": time_label(known.scene), "ylabel": "correct digits"}
+    figure, panel = _curves(plt, axes, t, shown, ".-", **where)
+    if shown:
         low, high = (numbers(known, f"digits_expected_{word}") for word in ("least", "most"))
         if (there := np.isfinite(low)).any():
-            look = {"color": colour, "alpha": 0.2, "lw": 0}
+            look = {"color": series(1)[0], "alpha": 0.2, "lw": 0}
             label = "expected, nine runs in ten"
             panel.fill_between(t[there], low[there], high[there], label=label, **look)
-        look = {"color": colour, "ms": 3, "gid": "digits"}
-        panel.plot(t, numbers(known, "correct_digits"), ".-", label="correct digits", **look)
-    panel.set(xlabel=time_label(known.scene), ylabel="correct digits")
+        panel.legend(frameon=False)
     panel.set_ylim(bottom=0)
-    panel.legend(frameon=False)
     return figure
 
 
 def proven(plt: Any, found: Storable, axes: Any = None) -> Any:
     """Proven digits over time."""
     known = told(found)
-    figure, panel, colour = _panel(plt, axes)
-    look = {"color": colour, "gid": "digits"}
-    panel.plot(numbers(known, "t"), numbers(known, "digits_proven"), ".-", **look)
+    shown = {"proven digits": numbers(known, "digits_proven")}
+    where = {"xlabel": time_label(known.scene), "ylabel": "proven digits (dotted: asked for)"}
+    figure, panel = _curves(plt, axes, numbers(known, "t"), shown, ".-", **where)
     panel.axhline(known.fact("digits"), color=GREY, lw=0.6, ls=":")
-    panel.set(xlabel=time_label(known.scene), ylabel="proven digits (dotted: asked for)")
     return figure
 
 
@@ -124,17 +116,16 @@ def intervals(plt: Any, found: Storable, axes: Any = None) -> Any:
     known = told(found)
     t = numbers(known, "t")
     name = known.fact("event" if known.kind == "CertifiedEvents" else "name")
-    figure, panel, colour = _panel(plt, axes)
-    panel.plot(t[1:], np.diff(t), ".", color=colour, gid=name)
-    panel.set(xlabel=time_label(None), ylabel="time since the one before")
+    where = {"xlabel": time_label(None), "ylabel": "time since the one before"}
+    figure, panel = _curves(plt, axes, t[1:], {name: np.diff(t)}, ".", **where)
     panel.set_title(f"{name}: {len(t)} times")
     return figure
 
 
-def members(plt: Any, found: Storable, axes: Any = None, *, cmap: str = "viridis") -> Any:
+def members(plt: Any, found: Storable, axes: Any = None, *, cmap: str | None = None) -> Any:
     """The height of the third axis of each member over time, r of a free body without gamma."""
     known = told(found)
-    figure, panel, _ = _panel(plt, axes)
+    figure, ((panel,),) = canvas.panels(plt, axes, 1)
     count = known.fact("members").rows
     column = known.scene.columns[-1]
     member, t, values = (numbers(known, name) for name in ("member", "t", column))
@@ -151,26 +142,19 @@ def members(plt: Any, found: Storable, axes: Any = None, *, cmap: str = "viridis
 def reductions(plt: Any, found: Storable, axes: Any = None) -> Any:
     """Each number that was kept over what is varied first."""
     known = told(found)
-    figure, panel, _ = _panel(plt, axes)
     key, columns = known.fact("vary")[0], names(known)
-    kept = columns[columns.index("steps") + 1 :]
-    for name, colour in zip(kept, series(plt, len(kept)), strict=True):
-        look = {"color": colour, "label": name, "gid": name, "ms": 3}
-        panel.plot(numbers(known, key), numbers(known, name), ".-", **look)
-    panel.set(xlabel=key)
-    panel.legend(frameon=False)
-    return figure
+    kept = {name: numbers(known, name) for name in columns[columns.index("steps") + 1 :]}
+    alone = {"ylabel": next(iter(kept))} if len(kept) == 1 else {}
+    return _curves(plt, axes, numbers(known, key), kept, ".-", xlabel=key, **alone)[0]
 
 
 def residues(plt: Any, found: Storable, axes: Any = None) -> Any:
     """Residue over period."""
     known = told(found)
-    figure, panel, colour = _panel(plt, axes)
-    periods = numbers(known, "period")
-    panel.plot(periods, numbers(known, "residue"), "o", color=colour)
+    periods, shown = numbers(known, "period"), {"residue": numbers(known, "residue")}
+    figure, panel = _curves(plt, axes, periods, shown, "o", xlabel="period", ylabel="residue")
     residue_axis(panel)
     if len(periods):  # equal but for rounding they stand above each other
         margin = max(0.05 * np.ptp(periods), 0.02 * periods.max())
         panel.set_xlim(periods.min() - margin, periods.max() + margin)
-    panel.set(xlabel="period", ylabel="residue")
     return figure

@@ -16,9 +16,6 @@ from polhode.results.result import Storable
 from polhode.runs.saved import Saved
 from polhode.scenes.vocabulary import STATE
 
-#: Dark enough on white, neighbours far apart.
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8c6d00", "#5d3a9b", "#1b9e9e", "#a50f15")
-
 
 def draw(plt: Any, found: Storable, axes: Any = None) -> Any:
     """l and L/G; of a section by height the azimuth of the vertical about r0 and its cosine."""
@@ -31,9 +28,10 @@ def draw(plt: Any, found: Storable, axes: Any = None) -> Any:
     orbit = numbers(known, "orbit")
     size = float(np.clip(120 * max(1, len(orbit)) ** -0.5, 0.7, 3.0))  # neither vanish nor merge
     order = np.argsort(np.argsort(starts, kind="stable"), kind="stable")
+    colours = canvas.series(len(order))
     look = {"ms": size, "mew": 0, "rasterized": len(orbit) > 20_000}
     for k, place in enumerate(order, 1):
-        own, colour = orbit == k, COLOURS[place % len(COLOURS)]
+        own, colour = orbit == k, colours[place]
         panel.plot(first[own], second[own], ".", color=colour, gid=f"orbit {k}", **look)
     section_axes.label(panel, height, known.scene.body.torque_free)
     kind = f", {known.fact('extremum')}ima" if by in (HEIGHT, "momentum") else ""

@@ -140,15 +140,7 @@ def _frame(
 def _ellipsoid(semi: Lengths, n: int) -> tuple[Doubles, Doubles]:
     """Patches between parallels and meridians, octants in two tones."""
     lat = np.pi * (np.arange(n + 1) / n - 0.5)
-    lon = np.pi * np.arange(2 * n + 1) / n
-    u = np.stack(
-        [
-            np.outer(np.cos(lat), np.cos(lon)),
-            np.outer(np.cos(lat), np.sin(lon)),
-            np.outer(np.sin(lat), np.ones(2 * n + 1)),
-        ],
-        axis=-1,
-    ) * np.array(semi)
+    u = _swept(np.cos(lat), np.sin(lat), 2 * n) * np.array(semi)
     i, j = np.meshgrid(np.arange(n), np.arange(2 * n), indexing="ij")
     return _patches(u), ((2 * i // n + 2 * j // n) % 2).ravel().astype(float)
 
@@ -156,17 +148,16 @@ def _ellipsoid(semi: Lengths, n: int) -> tuple[Doubles, Doubles]:
 def _revolved(line: Lengths, n: int) -> tuple[Doubles, Doubles]:
     """Patches around the third axis, quarters in two tones."""
     radius, height = _divided(line).T
-    turn = 2 * np.pi * np.arange(n + 1) / n
-    u = np.stack(
-        [
-            np.outer(radius, np.cos(turn)),
-            np.outer(radius, np.sin(turn)),
-            np.outer(height, np.ones(n + 1)),
-        ],
-        axis=-1,
-    )
     _, j = np.meshgrid(np.arange(len(radius) - 1), np.arange(n), indexing="ij")
-    return _patches(u), ((4 * j // n) % 2).ravel().astype(float)
+    return _patches(_swept(radius, height, n)), ((4 * j // n) % 2).ravel().astype(float)
+
+
+def _swept(radius: Doubles, height: Doubles, n: int) -> Doubles:
+    """What points sweep about the third axis, in ``n`` steps of a turn."""
+    turn = 2 * np.pi * np.arange(n + 1) / n
+    rows = (np.outer(radius, np.cos(turn)), np.outer(radius, np.sin(turn)))
+    found: Doubles = np.stack([*rows, np.outer(height, np.ones(n + 1))], axis=-1)
+    return found
 
 
 def _divided(line: Lengths) -> Doubles:

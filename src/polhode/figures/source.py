@@ -8,24 +8,24 @@ from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
 from polhode.common.errors import BadInput, nearest
-from polhode.common.progress import Message, Progress
+from polhode.common.progress import Progress
 from polhode.figures import catalogue
-from polhode.figures.canvas import curve_sampling, over_time
+from polhode.figures.canvas import curve_sampling, departures
 from polhode.figures.canvas.curve_sampling import Samples
 from polhode.figures.sampled_motion import ANOTHER, of_samples
 from polhode.judging.diagnosis.told_readings import table_as_told
 from polhode.judging.references.reference import reference as reference_of
-from polhode.judging.tables.naming import PLAIN, naming
+from polhode.judging.tables.column_aliases import PLAIN, naming
+from polhode.judging.tables.table import of_run
 from polhode.judging.tables.table_file import is_table, read_table
 from polhode.numbers.decimals import brief
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber
-from polhode.proofs.chaos.prove_chaos import prove_chaos
 from polhode.results import reader
 from polhode.results.result import Storable
 from polhode.runs.problem.options import choose_number
-from polhode.runs.saved import load_result
+from polhode.runs.saved import Saved, load_result
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME
@@ -94,7 +94,6 @@ def shown(
     what: str | None,
     asked: Asked,
     progress: Progress | None = None,
-    say: Message | None = None,
     usual: str = "angles",
 ) -> Shown:
     """What is drawn of a source; ``what``: one of its figures, unless given its default.
@@ -115,17 +114,19 @@ def shown(
     if isinstance(source, Storable):
         kind = catalogue.kind_of(source)
         asked.refuse(name, [*vars(asked)], "no --{}: it is for a motion")
-        return Shown(source, catalogue.chosen(kind, what, name), name)
+        notes = []
+        if isinstance(source, Saved) and kind == "Frequencies":
+            notes.append(f"{name}: the lines alone, no spectrum: a file has no samples")
+        return Shown(source, catalogue.chosen(kind, what, name), name, tuple(notes))
     scene = library.load(source)
-    if what == CHAOS:
-        asked.refuse(scene.name, [*vars(asked)], f"not with --what {CHAOS}")
-        return Shown(prove_chaos(scene, progress=say), what, scene.name)
     return _of_scene(scene, what or usual, asked, None, progress)
 
 
 def _check(what: str, source: str) -> None:
     """Raise BadInput for what is no figure of a motion."""
     known = [*catalogue.MOTION, MOTION]
+    if what == CHAOS:
+        raise BadInput(source, "--what", what, "polhode prove chaos SCENE -o FILE.svg from 0.3 on")
     if what not in known:
         raise BadInput(source, "--what", what, nearest(what, known))
 
@@ -144,7 +145,7 @@ def _of_scene(
         raise BadInput(scene.name, "--what", what, "a scene with start.gamma")
     end = None if asked.end is None else _time(scene, asked.end)
     long = what in OVER_TIME
-    times = curve_sampling.shown_times(scene, end, over_time.SAMPLES if long else None)
+    times = curve_sampling.shown_times(scene, end, departures.SAMPLES if long else None)
     reference = reference_of(scene) if what == "error" else None
     found = curve_sampling.run(
         scene,
@@ -163,16 +164,20 @@ def _of_scene(
         told = "without projection, after which the integrals would say nothing"
         notes.append(f"{scene.name}: {told}")
     if abs(times[-1]) < abs(scene.end) and end is None:
-        told = f"{curve_sampling.WINDOW} radians; --end draws to another time"
-        notes.append(f"{scene.name}: drawn to t = {brief(times[-1])} of {brief(scene.end)}, {told}")
+        told = f"{curve_sampling.WINDOW} radians; --end shows another time"
+        notes.append(
+            f"{scene.name}: showing t = 0 to {brief(times[-1])} of {brief(scene.end)}, {told}"
+        )
     apart = curve_sampling.radians_apart(scene, times)
     if not long and apart > 0.5:
         told = f"{apart:.2g} radians between two samples: a shorter --end draws curves"
         notes.append(f"{scene.name}: {told}")
     if reference is not None:
-        samples = over_time.errors_of_run(found, reference)
+        samples = departures.errors(of_run(found), reference, found.number)
+    elif long:
+        samples = departures.departures(of_run(found), scene, found.number)
     else:
-        samples = over_time.departures_of_run(found) if long else curve_sampling.of_run(found)
+        samples = curve_sampling.of_run(found)
     return Shown(samples, what, scene.name, tuple(notes))
 
 
@@ -202,9 +207,9 @@ def _of_table(path: Path, what: str, asked: Asked) -> Shown:
         table = table_as_told(table, reference_of(scene), asked.read)
     notes = [f"{table.name}: {told}" for told in table.remarks]
     if what == "error" and scene is not None:
-        found = over_time.errors_of_table(table, reference_of(scene), number)
+        found = departures.errors(table, reference_of(scene), number)
     elif what == "integrals" and scene is not None:
-        found = over_time.departures_of_table(table, scene, number)
+        found = departures.departures(table, scene, number)
     else:
         found = curve_sampling.of_table(table, scene)
         _refuse_what_is_missing(found, what)

@@ -29,7 +29,7 @@ def draw(plt: Any, found: Samples, axes: Any = None) -> Any:
     size = (3.4 * len(spheres), 3.6)
     figure, made = panels(plt, axes, 1, len(spheres), figsize=size)
     for axes, colour, (title, points, labels, name) in zip(
-        made[0], series(plt, 2), spheres, strict=False
+        made[0], series(2), spheres, strict=False
     ):
         points = points[np.isfinite(points).all(axis=1)]
         points = points / np.linalg.norm(points, axis=1)[:, None]

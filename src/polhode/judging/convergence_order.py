@@ -172,7 +172,8 @@ def order_between(
     names = tuple(one.subject.name for one in judged)
     if steps is None:
         lengths = tuple(_spacing(one) for one in judged)
-        expected = f"step sizes: the rows of all files are {lengths[0]:g} apart"
+        apart = ", ".join(f"{x:g}" for x in lengths)
+        expected = f"the step sizes of the method in --steps: the files' rows are {apart} apart"
     else:
         lengths = _lengths("orders", steps)
         expected = f"{len(judged)} different ones above 0, one a file"

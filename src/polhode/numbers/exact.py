@@ -342,6 +342,13 @@ def magnitude(x: Irrational) -> int:
     return exponent + mantissa.bit_length()
 
 
+def as_ball(x: Fraction | int) -> arb:
+    """A fraction as a ball at the precision in force; ``polynomials.middle`` is the way back."""
+    from flint import arb, fmpq
+
+    return arb(fmpq(x.numerator, x.denominator))
+
+
 def binary(mantissa: int, exponent: int) -> Fraction:
     """mantissa·2**exponent, exactly."""
     if exponent >= 0:
@@ -388,6 +395,4 @@ def _irrational(
 def _held(part: Exact, prec: int) -> arb:
     if isinstance(part, Irrational):
         return part._known[prec]
-    from flint import arb, fmpq
-
-    return arb(fmpq(part.numerator, part.denominator))
+    return as_ball(part)

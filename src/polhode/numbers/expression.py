@@ -8,8 +8,9 @@ the name's own arithmetic.  Precedence is Python's: ``-2**2`` is -4, ``2**3**2``
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
+from itertools import accumulate
 from typing import NamedTuple
 
 from polhode.common.errors import listed, nearest
@@ -241,6 +242,69 @@ class _Reader:
             return value
         assert self.algebra is not None
         return self.algebra.lift(value)
+
+
+def odd_part(text: str) -> str:
+    """A product with the same sign: factors of odd powers once, those of even powers squared.
+
+    What was a multiple zero of the product, because one of its factors has an odd power, or
+    stands there several times, is a simple one then.  Squares stay, for one may be 0 all along, or
+    not be real.  The text itself where no factor has a higher power.
+
+    >>> odd_part("-2*(q - 1/2)**3*gamma3**4*p*(q - 1/2)**2")
+    '(-1)*(2)*(q-1/2)*(gamma3)**2*(p)'
+    >>> odd_part("p*q + 1")
+    'p*q + 1'
+    """
+    powers: dict[str, int] = {}
+    for factor, power in _factors(_split(text)[:-1]):
+        powers[factor] = powers.get(factor, 0) + power
+    kept = [
+        f"({factor})" if power % 2 else f"({factor})**2"  # which may be 0 all along
+        for factor, power in powers.items()
+    ]
+    odd = "*".join(kept)
+    return text if max(powers.values()) < 3 or len(odd) > MAX_LENGTH else odd
+
+
+def _factors(tokens: list[str]) -> Iterator[tuple[str, int]]:
+    """The factors of a product and their whole powers; all of it where it is a sum."""
+    parts: list[tuple[str, list[str]]] = [("*", [])]
+    depth = 0
+    for token in tokens:
+        depth += (token == "(") - (token == ")")
+        part = parts[-1][1]
+        if depth == 0 and token in ("+", "-") and part and part[-1] not in ("**", "+", "-"):
+            yield "".join(tokens), 1
+            return
+        if depth == 0 and token in ("*", "/"):
+            parts.append((token, []))
+        else:
+            part.append(token)
+    for sign, part in parts:
+        if sign == "/":
+            yield f"1/({''.join(part)})", 1
+        else:
+            yield from _powers(part)
+
+
+def _powers(part: list[str]) -> Iterator[tuple[str, int]]:
+    """The factors of a part of a product that may be raised to a power."""
+    while part[0] in ("+", "-"):
+        if part[0] == "-":
+            yield "-1", 1
+        part = part[1:]
+    base, power = part, 1
+    if part[-2:-1] == ["**"] and part[-1].isdigit():
+        base, power = part[:-2], int(part[-1])
+    depths = accumulate((token == "(") - (token == ")") for token in base)
+    within = [token for token, depth in zip(base, depths, strict=True) if depth == 0]
+    if within == [")"] and base[0] == "(":
+        yield from ((factor, n * power) for factor, n in _factors(base[1:-1]))
+    elif "**" in within:
+        yield "".join(part), 1
+    else:
+        yield "".join(base), power
 
 
 def in_ascii(text: str) -> str:

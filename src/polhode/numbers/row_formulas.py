@@ -31,10 +31,10 @@ def mapped(
     """What a formula makes of each row: evaluated with guard bits, rounded once to the type.
 
     ``parts``: rows of equal count, whose numbers follow each other in a row of the formula.
-    ``width``: how many numbers the formula gives.  Doubles are evaluated in extended, all rows at
-    once, where this machine has it; else each row with ``GUARD_BITS`` more in mpmath's numbers.  A
-    row is a gap, None throughout, where a number that it needs is missing or the formula has no
-    finite real value.
+    ``width``: how many numbers the formula gives; where it gives fewer the last ones are gaps.
+    Doubles are evaluated in extended, all rows at once, where this machine has it; else each row
+    with ``GUARD_BITS`` more in mpmath's numbers.  A row is a gap, None throughout, where a number
+    that it needs is missing or the formula has no finite real value.
     """
     flat = number.name == "double" and extended_here()
     if flat and all(hasattr(part, "ndim") or _whole(part) for part in parts):
@@ -91,13 +91,14 @@ def _at_once(
     k = {name: to_extended(x) for name, x in coefficients.items()}
     with np.errstate(all="ignore"):
         made = formula(columns, k, of_extended())
-        found: Doubles = np.empty((count, width))
-        for i, column in zip(range(width), made, strict=True):
+        found: Doubles = np.empty((count, len(made)))
+        for i, column in enumerate(made):
             found[:, i] = np.broadcast_to(column, count)
     whole = np.all(np.isfinite(found), axis=1, keepdims=True).ravel()
-    if whole.all():
+    if whole.all() and len(made) == width:
         return found
-    return [row if ok else [None] * width for ok, row in zip(whole, found.tolist(), strict=True)]
+    rows = (row if ok else [] for ok, row in zip(whole, found.tolist(), strict=True))
+    return [[*row, *[None] * (width - len(row))] for row in rows]
 
 
 def _row_by_row(
@@ -120,10 +121,8 @@ def _row_by_row(
             made = None if any(x is None for x in row) else _value(formula, row, k, fn, wide)
             values = None if made is None else [number_value(x, number) for x in made]
             if values is None or any(x - x != 0 for x in values):  # beyond the type's range
-                found.append([None] * width)
-            else:
-                assert len(values) == width
-                found.append(values)
+                values = []
+            found.append([*values, *[None] * (width - len(values))])
     return found
 
 

@@ -106,3 +106,27 @@ def upright(q: GivenRow, gamma: GivenRow, root: Callable[[Scalar], Scalar]) -> l
     found = quaternion_product(q, (1 + dot(gamma, own), *cross(gamma, own)))
     length = root(sum((x * x for x in found[1:]), found[0] * found[0]))
     return [x / length for x in found]
+
+
+def quaternion_products(r: Sequence[Scalar]) -> tuple[Quadruple, ...]:
+    """4 q_i q_j of the quaternion q of a rotation matrix, whose nine elements r are row by row."""
+    x, y, z = r[7] - r[5], r[2] - r[6], r[3] - r[1]
+    xy, xz, yz = r[1] + r[3], r[2] + r[6], r[5] + r[7]
+    return (
+        (1 + r[0] + r[4] + r[8], x, y, z),
+        (x, 1 + r[0] - r[4] - r[8], xy, xz),
+        (y, xy, 1 - r[0] + r[4] - r[8], yz),
+        (z, xz, yz, 1 - r[0] - r[4] + r[8]),
+    )
+
+
+def rotation(q: Sequence[Scalar]) -> tuple[Scalar, ...]:
+    """The nine elements of the rotation matrix of a quaternion of any length, row by row."""
+    a, b, c, d = q
+    square = a * a + b * b + c * c + d * d
+    found = (
+        *(a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)),
+        *(2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)),
+        *(2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d),
+    )
+    return tuple(x / square for x in found)

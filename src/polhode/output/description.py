@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from polhode.closed_forms.families import near
 from polhode.common.deadline import TooLong, within
 from polhode.common.errors import BadInput
 from polhode.common.json_text import JsonObject
+from polhode.common.text_tables import one_line
+from polhode.common.value_semantics import ByValue
 from polhode.equations import equilibrium
 from polhode.equations.form import equations, source
 from polhode.judging.references.reference import Reference
@@ -16,15 +21,82 @@ from polhode.numbers import number_types
 from polhode.numbers.decimals import shown, strings
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Real
+from polhode.results.cells import TEXT
+from polhode.results.result import Result
+from polhode.results.table import Column, Fact, Table
+from polhode.scenes import library
 from polhode.scenes.classification import kind_of_body
 from polhode.scenes.scene import Scene
+from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of
 from polhode.scenes.vocabulary import COLUMNS
 
 SECONDS = 1.0  # that frequencies may take
+_BOOK = "Yehia, Rigid Body Dynamics: A Lagrangian Approach"
+_IN_FULL = {"period": "period of omega"}  # in the body
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Description(Result, ByValue):
+    """What a scene is; ``told``: the facts of :func:`described`."""
+
+    scene: Scene
+    told: Mapping[str, Any]
+
+    def __repr__(self) -> str:
+        return f"<Description of {self.scene.name}: {one_line(self.scene.title)}>"
+
+    def __str__(self) -> str:
+        return "\n".join(
+            f"{key:<14}{one_line(_in_words(key, value))}"
+            for key, value in self.told.items()
+            if value not in (None, "", [])
+        )
+
+    def table(self) -> Table:
+        """A row for each column that a run of the scene gives: its name and unit."""
+        names = self.told["columns"]
+        units = [unit_of(self.scene, name) for name in names]
+        return Table([Column("column", names, type=TEXT), Column("unit", units, type=TEXT)])
+
+    def facts(self) -> list[Fact]:
+        """All that is told but the columns; decimals are texts of 17 digits or all that there are.
+
+        The title is ``scene_title``: every file of a result has a ``title`` of its own.
+        """
+        named = {"title": "scene_title"}
+        told = {named.get(key, key): x for key, x in self.told.items()}
+        told |= told.pop("integrals")
+        if "axes" in told:
+            told["axes"] = dict(zip("123", told["axes"], strict=True))
+        return [
+            *scene_facts(self.scene),
+            *(Fact(key, x) for key, x in told.items() if key not in ("scene", "columns")),
+            provenance_fact(self.scene.provenance()),
+        ]
+
+
+def describe(scene: Scene | str | Path) -> Description:
+    """Tell body, regime, integrals, frequencies, columns to be integrated.
+
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        A case that ships, or a path.
+    """
+    scene = library.load(scene)
+    return Description(scene, described(scene))
+
+
+def _in_words(key: str, value: object) -> str:
+    if isinstance(value, dict):
+        return ", ".join(f"{_IN_FULL.get(k, k)} = {v}" for k, v in value.items() if v is not None)
+    if isinstance(value, list):
+        return ", ".join(map(str, value))
+    return f"{_BOOK}, {value}" if key == "source" else str(value)
 
 
 def described(scene: Scene) -> JsonObject:
-    """The facts that ``polhode show`` prints, as a JSON object."""
+    """The facts about a scene by name, decimals as texts."""
     reference = reference_of(scene)
     body = scene.body
     values = scene.integrals

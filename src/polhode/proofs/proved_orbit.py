@@ -21,7 +21,7 @@ from polhode.enclosures.fixed_point_problem import upper
 from polhode.enclosures.polynomial import ball
 from polhode.numbers.balls import Ball
 from polhode.numbers.decimals import brief, shown
-from polhode.numbers.exact import Exact
+from polhode.numbers.exact import Exact, as_ball
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.polynomials import middle
@@ -293,8 +293,7 @@ def ball_of(x: arb) -> Ball:
 
 def as_arb(x: Ball) -> arb:
     """A ball of FLINT's that holds this one."""
-    top, bottom = x.centre.numerator, x.centre.denominator
-    return arb(top) / arb(bottom) + arb(0, x.radius)
+    return as_ball(x.centre) + arb(0, x.radius)
 
 
 def down(value: float) -> str:

@@ -41,7 +41,8 @@ _HEAD = 4096  # bytes of a JSON file that tell its kind
 
 #: The kinds of results, by the names of their classes.
 KINDS = (
-    *("CertifiedEvents", "ChaosMap", "Conditioning", "Enclosure", "Ensemble", "EventTimes"),
+    *("About", "Cases", "CertifiedEvents", "ChaosMap", "CheckReport", "Conditioning"),
+    *("Description", "Enclosure", "Ensemble", "EventTimes"),
     *("Frequencies", "Judgement", "Levels", "Lyapunov", "ObservedOrder", "Orbit", "OrbitFamily"),
     *(
         "OrbitSearch",

@@ -24,7 +24,6 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Doubles, Extendeds, Flat, double_array, flat
 from polhode.numbers.scalars import AnyNumber, numbers_given
 from polhode.numbers.vectors import scaled
-from polhode.runs.methods.output_loop import march
 from polhode.runs.problem.options import cadence, choose_number, corrections, rounded_tolerance
 from polhode.runs.problem.problem import Problem, problem
 from polhode.scenes import library
@@ -41,6 +40,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 _REACHED_END = Outcome.REACHED_END
+_REACHED = code(_REACHED_END)
 _THERE = TIME_LIMIT.value
 _UNIT = 8  # |gamma|² is 1 to so many eps
 _BYTES = 24  # of a number of the states of many starts, while they are put in order
@@ -112,7 +112,7 @@ class Propagator:
         self._plain = unit == 1 and self._turn is None
         self._unit = (1 / unit).item()  # Python's own number: a product too large is inf, unsaid
         choices = defaults.of(self.number)
-        self._chunk, self._most = choices.chunk, choices.max_steps
+        self._most = choices.max_steps
         #: (rate t)**2 of a call that needs no limit; none is, where the state is projected
         self._sure = (choices.chunk / lanes.STEPS) ** 2 if every is None else 0.0
         body = self.scene.body
@@ -231,7 +231,7 @@ class Propagator:
         times, several = self._times(t)
         what = f"{len(rows)} starts at {len(times)} times"
         refuse_too_much(name, "start", what, rows.size * len(times), _BYTES, _SPLIT)
-        ended = np.full(len(rows), code(_REACHED_END), dtype=np.uint8)
+        ended = np.full(len(rows), _REACHED, dtype=np.uint8)
         if not self._long and self._every is None:
             inside = double_array(rows if self._plain else self._inside(rows))
             job = self._job._replace(
@@ -249,7 +249,7 @@ class Propagator:
                 states[k] = self(row, t=t)
                 ended[k] = code(self.outcome)
         self.steps, self.outcome, self._ended = None, _REACHED_END, ended
-        short = ended[ended != code(_REACHED_END)]
+        short = ended[ended != _REACHED]
         if len(short):
             self.outcome = OUTCOMES[short[0]]
         return states if several else states[:, 0]
@@ -273,7 +273,7 @@ class Propagator:
         """Times in the run's own unit as an array, and whether several were given."""
         single = type(t) is float
         grid = self._grid(np.array([t], self._kind) if single else t)
-        if grid is not None and (np.diff(grid) * np.sign(grid[-1]) > 0).all():
+        if grid is not None and (single or (np.diff(grid) * np.sign(grid[-1]) > 0).all()):
             return grid[-1 if single else len(grid) - len(cast(Flat, t)) :], not single
         several = numbers_given(t)[1]  # other numbers; or what is wrong with them is told
         try:
@@ -369,7 +369,7 @@ class Propagator:
         integrator = Integrator(self._problem.prepared(), corrector=corrector, engine=self._engine)
         rows = self._state[None].copy()[: times[0] == 0]
         try:
-            found, self.outcome = march(integrator, times, rows, self._most, self._chunk, None)
+            found, self.outcome = integrator.advance(times, rows, self._most)
         except OutOfRange as fault:
             raise _too_wide(self.scene, self.number, fault) from None
         self.steps = integrator.steps

@@ -23,6 +23,7 @@ from polhode.numbers.rows import Row, States, read_only
 from polhode.results.reader import DAMAGED, content_of
 from polhode.results.result import Result
 from polhode.results.table import Content, Fact, Table, Value
+from polhode.runs import earlier
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import scene_file
 from polhode.scenes.output_times import listed_times
@@ -85,7 +86,7 @@ def load_result(path: str | Path) -> Trajectory | Saved:
     ----------
     path : str or Path
         A file ``.csv``, ``.json``, ``.npz`` or ``.parquet``; of a CSV file the facts are read from
-        the file beside it.
+        the file beside it.  Of polhode 0.2, a ``.json`` file that a result saved.
 
     Returns
     -------
@@ -109,14 +110,14 @@ def load_result(path: str | Path) -> Trajectory | Saved:
     (True, True)
     """
     of_kind("load_result", "path", path, (str, Path), "the path of a file")
-    content = content_of(Path(path))
-    if content.kind != Trajectory.__name__:
-        return Saved(content)
     try:
-        return run_of(content)
+        content = earlier.content_of(Path(path)) or content_of(Path(path))
+        return run_of(content) if content.kind == Trajectory.__name__ else Saved(content)
+    except BadInput:
+        raise
     except DAMAGED as fault:
         told = "it is damaged" if isinstance(fault, KeyError) else str(fault)
-        raise BadInput(str(path), "file", None, f"a run that polhode saved ({told})") from None
+        raise BadInput(str(path), "file", None, f"a result that polhode saved ({told})") from None
 
 
 def load_run(path: str | Path) -> Trajectory:
@@ -195,9 +196,11 @@ def run_of(content: Content) -> Trajectory:
     )
     if not 0 <= run.tolerance < math.inf or run.method not in ("taylor", "refined"):
         raise ValueError("no tolerance or method of a run")
-    drift = Drift(*(_gap_or_float(facts[f"drift_{name}"]) for name in Drift._fields))
-    outlook = _gap_or_float(facts["digits_expected"]), _gap_or_float(facts["lost_after"])
-    vars(run).update(drift=drift, _least_expected=outlook, dense=_Again(run))
+    vars(run).update(dense=_Again(run))
+    if content.version != earlier.VERSION:  # which told them rounded
+        drift = Drift(*(_gap_or_float(facts[f"drift_{name}"]) for name in Drift._fields))
+        outlook = _gap_or_float(facts["digits_expected"]), _gap_or_float(facts["lost_after"])
+        vars(run).update(drift=drift, _least_expected=outlook)
     return run
 
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from fractions import Fraction
 from typing import Any, NamedTuple
 
 from polhode.common.errors import BadInput
 from polhode.numbers import exact
 from polhode.numbers.decimals import brief
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
-from polhode.numbers.rounding import is_unit_but_for_rounding
-from polhode.numbers.vectors import Vector, scaled
+from polhode.numbers.rounding import GRACE, is_unit_but_for_rounding
+from polhode.numbers.vectors import Vector, quaternion_products, rotation, scaled
 from polhode.scenes.body import MATRIX, Body, UnphysicalBody, diagonal
 from polhode.scenes.given_numbers import in_units
 from polhode.scenes.level_start import omega_on_level
@@ -20,7 +21,8 @@ from polhode.scenes.vocabulary import CENTRE, FIXED_POINT, SIGNS
 
 THETA = "start.angles[2]"
 _NOWHERE: Vector = (ZERO, ZERO, ZERO)
-_WAYS_TO_TURN = ("gamma", "angles", "quaternion")
+_WAYS_TO_TURN = ("gamma", "angles", "quaternion", "mrp", "matrix")
+_SKEWED = Fraction(1, 1000)  # of an element of a matrix that is still meant as a rotation
 _WAYS_TO_MOVE = ("omega", "momentum", "rates", "h")
 
 
@@ -179,6 +181,13 @@ def _turn(reading: Reading, table: Mapping[str, Any], body: Body) -> Turn | None
     if "quaternion" in table:
         reading.alone("start", table, ["psi"], "no value together with quaternion")
         return _of_quaternion(reading, table["quaternion"], normalise)
+    if "mrp" in table:
+        reading.alone("start", table, ("psi", "normalise"), "no value together with mrp")
+        sigma = reading.read("start", table, "mrp")
+        return _turned(1 - exact.total(x * x for x in sigma), *(2 * x for x in sigma))
+    if "matrix" in table:
+        reading.alone("start", table, ["psi"], "no value together with matrix")
+        return _of_matrix(reading, table["matrix"], normalise)
     if "gamma" not in table:
         if not body.torque_free:
             raise reading.bad("start.gamma", None, "a unit vector, since the weight has a moment")
@@ -248,13 +257,36 @@ def _of_rates(turn: Turn, rates: Vector) -> Vector:
 
 
 def _of_quaternion(reading: Reading, given: object, normalise: bool) -> Turn:
+    numbers = reading.array("start.quaternion", given, 4)
+    q = [reading.number("start.quaternion", x) for x in numbers]
+    _square(reading, "quaternion", numbers, q, normalise)
+    return _turned(*q)
+
+
+def _of_matrix(reading: Reading, given: object, normalise: bool) -> Turn:
+    """By the quaternion, whose largest component times itself the matrix tells without a root."""
+    rows: list[Any] = given if isinstance(given, list) and len(given) == 3 else [None] * 3
+    r = [x for i, row in enumerate(rows) for x in reading.vector(f"start.matrix[{i + 1}]", row)]
+    products = quaternion_products(r)
+    q = products[max(range(4), key=lambda k: products[k][k])]
+    off = max(abs(x - y) for x, y in zip(r, rotation(q), strict=True))
+    if sign(off) and not normalise:
+        rounded = not any(is_expression(x) for row in rows for x in row)
+        if not rounded or off > GRACE:
+            expected = f"a rotation, or normalise = true: it is off by {brief(off, 2)}"
+            raise reading.bad("start.matrix", None, expected)
+        reading.change = f"start.matrix made a rotation (it was off by {brief(off, 2)}: rounding)"
+    if off > _SKEWED:
+        raise reading.bad("start.matrix", None, f"a rotation: it is off by {brief(off, 2)}")
+    return _turned(*q)
+
+
+def _turned(a: Exact, b: Exact, c: Exact, d: Exact) -> Turn:
     """Gamma is the third row of R, and psi the direction of its third column.
 
     R is quadratic in the quaternion: it is divided by the squared length, no root is drawn.
     """
-    numbers = reading.array("start.quaternion", given, 4)
-    a, b, c, d = (reading.number("start.quaternion", x) for x in numbers)
-    square = _square(reading, "quaternion", numbers, (a, b, c, d), normalise)
+    square = exact.total(x * x for x in (a, b, c, d))
     third = (a * a - b * b - c * c + d * d) / square
     gamma = (2 * (b * d - a * c) / square, 2 * (c * d + a * b) / square, third)
     x, y = 2 * (b * d + a * c), 2 * (a * b - c * d)  # R13 and -R23: sin theta (sin psi, cos psi)

@@ -32,6 +32,8 @@ def top(
     psi: AnyNumber | None = None,
     angles: AnyVector | None = None,
     quaternion: Iterable[AnyNumber] | None = None,
+    mrp: AnyVector | None = None,
+    matrix: Iterable[AnyVector] | None = None,
     normalise: bool = False,
     h: AnyNumber | None = None,
     f: AnyNumber | None = None,
@@ -82,8 +84,13 @@ def top(
         Or psi, theta, phi.
     quaternion : 4 numbers, optional
         Or the attitude, body to space, scalar first.
+    mrp : vector, optional
+        Or its modified Rodrigues parameters, the axis times tan(angle/4).
+    matrix : 3 vectors, optional
+        Or the rotation matrix, row by row; floats of a rotation but for their rounding (8 eps) are
+        made one.
     normalise : bool
-        Bring gamma or the quaternion to length 1.
+        Bring gamma or the quaternion to length 1, make a rotation of the matrix.
     h, f : number, optional
         Or the energy h and the area integral f: omega is then one of the two on that level in the
         given orientation.

@@ -17,7 +17,15 @@ from polhode.scenes.output_times import OutputTimes
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_text import as_toml
 from polhode.scenes.variation.vary import Grid
-from polhode.scenes.vocabulary import ANGLES, ATTITUDE, SPACE, STATE
+from polhode.scenes.vocabulary import (
+    ANGLES,
+    ATTITUDE,
+    INTEGRALS,
+    MATRIX,
+    RODRIGUES,
+    SPACE,
+    STATE,
+)
 
 if TYPE_CHECKING:
     from polhode.numbers.rows import Stack
@@ -36,6 +44,10 @@ _MEANINGS = {
     **dict(zip(ANGLES, ("precession", "nutation", "proper rotation"), strict=True)),
     **{name: f"quaternion body to space, element {k}" for k, name in enumerate(ATTITUDE)},
     **{name: f"angular velocity along {name[-1]} of space" for name in SPACE},
+    **dict.fromkeys(MATRIX, "element of the rotation matrix, body to space"),
+    **dict.fromkeys(RODRIGUES, "modified Rodrigues parameter"),
+    **dict(zip(INTEGRALS, ("energy", "vertical momentum"), strict=False)),
+    **dict.fromkeys(INTEGRALS[2:], "departure from the start's integral, relative"),
 }
 
 

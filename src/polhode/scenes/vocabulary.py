@@ -32,6 +32,15 @@ ANGLES = ("psi", "theta", "phi")
 ATTITUDE = ("q0", "q1", "q2", "q3")
 
 
+MATRIX = tuple(f"R{i}{j}" for i in "123" for j in "123")  # body to space, row by row
+
+
+RODRIGUES = ("sigma1", "sigma2", "sigma3")  # modified: the axis times tan(angle / 4)
+
+
+INTEGRALS = ("h", "f", "drift_h", "drift_f", "drift_gamma", "drift_fourth")
+
+
 SPACE = ("omega_x", "omega_y", "omega_z")  # omega along the axes of space, z up
 
 
@@ -66,6 +75,23 @@ COLUMNS: Mapping[str, ColumnWord] = {
     ),
     "hodographs": ColumnWord(
         SPACE, ("state", "attitude"), "derived", "omega along the axes of space, z up"
+    ),
+    "matrix": ColumnWord(
+        MATRIX, ("attitude",), "derived", "the rotation matrix, body to space, row by row"
+    ),
+    "mrp": ColumnWord(
+        RODRIGUES,
+        ("attitude",),
+        "derived",
+        "modified Rodrigues parameters, the axis times tan(angle/4), of the quaternion with its "
+        "sign: continuous, empty where it is -1",
+    ),
+    "integrals": ColumnWord(
+        INTEGRALS,
+        ("state",),
+        "derived",
+        "energy and vertical momentum, and how far they, the length of gamma and a fourth integral "
+        "are from the start's, relative; without a fourth integral the last one is empty",
     ),
 }
 

@@ -1,29 +1,27 @@
 """Reports: each study's results as JSON, from which alone its figures and its page are made.
 
-A study is a folder beside this file: ``rows.py`` has NAME, QUESTION and ``rows(quick, tick,
-only)``, the JSON object, or some of its rows; ``page.md``, the page as a template, and ``page.py``
-``tables(found)`` and ``facts(found)``, what stands in its fields; ``figure.py`` ``svg(found)``, one
-figure with the study's name, or ``svgs(found)``, several by name.
-Where ``rows.py`` tells its own ``versions()``, they belong to its provenance.
+A study is a folder beside this file: ``rows.py`` has QUESTION and ``rows(quick, say, wanted)``, the
+JSON object of the rows that are wanted (``say``: told what is being done); ``page.md``, the page as
+a template, and ``page.py`` ``tables(found)`` and ``facts(found)``, what stands in its fields;
+``figure.py`` ``svgs(found)``, its figures by name.  Where ``rows.py`` tells its own ``versions()``,
+they belong to its provenance.
 """
 
 from __future__ import annotations
 
-import inspect
 import json
-import shlex
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
 from importlib import import_module
 from importlib.resources import files
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 from polhode.common.errors import UNREADABLE, BadInput, nearest
 from polhode.common.files import check_writable, make_folder, write_whole
 from polhode.common.interrupts import heard
-from polhode.common.json_text import as_json
+from polhode.common.json_text import JsonObject, as_json
 from polhode.common.progress import Message
 from polhode.common.provenance import cpu, digest, versions
 from polhode.figures.canvas import canvas
@@ -34,8 +32,16 @@ from polhode.studies.page.tables import PageTable
 from polhode.studies.page.template import filled
 from polhode.studies.row_filter import Only
 
-#: The studies in the order of the report; each is a folder of that name, with _ for -.
-STUDIES = ("accuracy", "proofs", "speed", "stability", "long-run", "events")
+#: The studies in the order of the report, each a folder of that name, with _ for -; the seconds
+#: that each takes on two processors, whole and quick.
+STUDIES = {
+    "accuracy": (170, 30),
+    "proofs": (170, 20),
+    "speed": (2600, 90),
+    "stability": (130, 30),
+    "long-run": (130, 30),
+    "events": (35, 10),
+}
 #: Studies that there were, and what has their rows, or makes them, now.
 GONE = {
     "needs": "the studies accuracy (digits of each case) and speed (what they cost)",
@@ -49,60 +55,68 @@ PAGE = "report.html"
 PACKAGE = Path(__file__).parents[1]
 
 
+def _unsaid(text: str) -> None:
+    """A message for nobody."""
+
+
 def write_report(
-    folder: Path, quick: bool = False, fresh: bool = False, tick: Message | None = None
+    folder: Path,
+    quick: bool = False,
+    fresh: bool = False,
+    tick: Message = _unsaid,
+    foretell: Message = _unsaid,
 ) -> list[Path]:
     """Run the studies and write each whole as it ends, then the page of all; the paths.
 
     A study whose results in ``folder`` were made by today's code, cases and versions in the same
     mode is kept, unless ``fresh``: a report that was interrupted goes on where it stopped.
+    ``foretell``: told once what is run, and for how long.
     """
     command = "polhode report" + " --quick" * quick
     require_markdown()
     _check(folder, STUDIES)
     check_writable(folder / PAGE)
-    for k, name in enumerate(STUDIES):
-        if fresh or not _is_current(folder, name, quick):
-            said = None if tick is None else _counted(tick, k + 1)
-            write_whole({folder / f"{name}.json": _run(name, quick, command, said)})
+    asked = [name for name in STUDIES if fresh or not _is_current(folder, name, quick)]
+    foretell(_forecast(asked, quick))
+    for k, name in enumerate(asked, 1):
+        counted = partial(_count, tick, f"{k} of {len(asked)}")
+        write_whole({folder / f"{name}.json": _run(name, quick, command, counted)})
     return write_pages(folder, tick)
 
 
-def write_study(
-    name: str,
-    folder: Path,
-    quick: bool = False,
-    tick: Message | None = None,
-    without: Sequence[str] = (),
-) -> list[Path]:
-    """Run one study and write its results, page and figures, all of them or none; the paths.
+def _count(tick: Message, which: str, text: str) -> None:
+    tick(f"{which}: {text}")
 
-    ``without``: what is left out of a study that can.
-    """
-    options = _options(name, without)
-    _check(folder, [name])
-    command = f"polhode study {name}" + " --quick" * quick
-    command += "".join(f" --without {shlex.quote(word)}" for word in without)
-    text = _run(name, quick, command, tick, options)
+
+def _forecast(asked: Sequence[str], quick: bool) -> str:
+    """Which studies a report runs, and how long that takes."""
+    if not asked:
+        return "every study is of today's code: pages and figures alone are made"
+    minutes = sum(STUDIES[name][quick] for name in asked) / 60
+    goes_on = "stopped, the same command goes on with the study that it was at"
+    return f"{', '.join(asked)}: about {minutes:.0f} minutes on two processors; {goes_on}"
+
+
+def write_study(
+    name: str, folder: Path, quick: bool = False, tick: Message = _unsaid
+) -> list[Path]:
+    """Run one study and write its results, page and figures, all of them or none; the paths."""
+    _check(folder, [_known(name)])
+    text = _run(name, quick, f"polhode study {name}" + " --quick" * quick, tick)
     texts = {folder / f"{name}.json": text, **_made(folder, json.loads(text), tick)}
     write_whole(texts)
     return [*texts]
 
 
 def part(
-    name: str,
-    texts: Sequence[str],
-    quick: bool = False,
-    tick: Message | None = None,
-    without: Sequence[str] = (),
-) -> tuple[dict[str, Any], str]:
+    name: str, texts: Sequence[str], quick: bool = False, tick: Message = _unsaid
+) -> tuple[JsonObject, str]:
     """The rows of a study whose names hold all texts, made again, and their tables as Markdown.
 
     Nothing is written: a part of a study is no study.  Raises BadInput where no row is named so.
     """
-    options = _options(name, without)
     only = Only(tuple(texts))
-    found: dict[str, Any] = _module(name, "rows").rows(quick, tick, only, **options)
+    found = _rows(_known(name), quick, tick, only)
     if not only.taken:
         likely = nearest(" ".join(texts), [*dict.fromkeys(only.passed)])
         raise BadInput("study", "--only", " ".join(texts), f"part of the name of a row; {likely}")
@@ -110,7 +124,7 @@ def part(
     return found, "\n\n".join(made.markdown for made in tables.values() if made.rows)
 
 
-def write_pages(folder: Path, tick: Message | None = None) -> list[Path]:
+def write_pages(folder: Path, tick: Message = _unsaid) -> list[Path]:
     """Figures and pages of all results in the folder, made from them alone; paths of all files."""
     every = [found for name in STUDIES if (found := results(folder, name)) is not None]
     texts = {path: text for found in every for path, text in _made(folder, found, tick).items()}
@@ -119,15 +133,14 @@ def write_pages(folder: Path, tick: Message | None = None) -> list[Path]:
     return [*(folder / f"{found['study']}.json" for found in every), *texts]
 
 
-def _made(folder: Path, found: dict[str, Any], tick: Message | None) -> dict[Path, str]:
+def _made(folder: Path, found: JsonObject, tick: Message) -> dict[Path, str]:
     """What is made of a study's results, by its place: figures and page."""
-    if tick is not None:
-        tick(f"{found['study']}: figures and pages")
+    tick(f"{found['study']}: figures and pages")
     texts = {folder / f"{name}.svg": svg for name, svg in figures(found).items()}
     return {**texts, folder / f"{found['study']}.md": page(found)}
 
 
-def results(folder: Path, name: str) -> dict[str, Any] | None:
+def results(folder: Path, name: str) -> JsonObject | None:
     """The JSON object of a study in a folder; None where there is none that can be read."""
     try:
         found = json.loads((folder / f"{name}.json").read_text(encoding="utf-8"))
@@ -136,26 +149,25 @@ def results(folder: Path, name: str) -> dict[str, Any] | None:
     return found if isinstance(found, dict) and found.get("study") == name else None
 
 
-def figures(found: dict[str, Any]) -> dict[str, str]:
+def figures(found: JsonObject) -> dict[str, str]:
     """A study's figures as SVG by name, from its JSON object."""
-    name = found["study"]
-    module = _module(name, "figure")
-    drawn: dict[str, str] = (
-        module.svgs(found) if hasattr(module, "svgs") else {name: module.svg(found)}
-    )
+    drawn: dict[str, str] = _module(found["study"], "figure").svgs(found)
     return drawn
 
 
-def page(found: dict[str, Any]) -> str:
+def page(found: JsonObject) -> str:
     """A study's page as Markdown, from its JSON object."""
-    name, origin = found["study"], found["provenance"]
-    again = f"polhode study {name}{' --quick' * found['quick']}"
-    packages = ", ".join(f"{package} {version}" for package, version in origin["versions"].items())
-    module, template = _module(name, "page"), _text(_folder(name), "page.md")
-    facts = module.facts(found) | {"question": found["question"]}
-    made = {"again": again, "packages": packages, "note": "", **origin}
-    end = _text("page", "provenance.md").format_map(made)
-    return f"{filled(template, module.tables(found), facts)}{end.rstrip()}\n"
+    name, origin = found["study"], dict(found["provenance"])
+    packages = [f"{package} {version}" for package, version in origin["versions"].items()]
+    origin |= {
+        "again": f"polhode study {name}{' --quick' * found['quick']}",
+        "packages": ", ".join(packages),
+        "polhode": packages[0],
+    }
+    module = _module(name, "page")
+    template = _text(_folder(name), "page.md") + _text("page", "provenance.md")
+    shared = {"question": found["question"], "origin": origin}
+    return filled(template, module.tables(found), module.facts(found) | shared)
 
 
 def _text(folder: str, file: str) -> str:
@@ -206,31 +218,20 @@ def _check(folder: Path, names: Iterable[str]) -> None:
             check_writable(folder / f"{name}{suffix}")
 
 
-def _options(name: str, without: Sequence[str]) -> dict[str, Any]:
-    """Options of a study's rows; raises BadInput for a study that is not, or that has none."""
+def _known(name: str) -> str:
+    """The name of a study; raises BadInput for another."""
     if name in GONE:
         there = f"{', '.join(STUDIES)}; {name} is a study no more, see {GONE[name]}"
         raise BadInput("study", "NAME", name, there)
     if name not in STUDIES:
         raise BadInput("study", "NAME", name, nearest(name, [*STUDIES]))
-    if not without:
-        return {}
-    if "without" not in inspect.signature(_module(name, "rows").rows).parameters:
-        raise BadInput("study", "--without", without[0], f"nothing: {name} runs polhode alone")
-    return {"without": tuple(without)}
+    return name
 
 
-def _run(
-    name: str,
-    quick: bool,
-    command: str,
-    tick: Message | None,
-    options: Mapping[str, Any] = MappingProxyType({}),
-) -> str:
+def _run(name: str, quick: bool, command: str, tick: Message) -> str:
     """Run one study; its results as JSON text."""
     began, made_of = time.perf_counter(), key(name, quick)
-    found = _module(name, "rows").rows(quick, _stoppable(tick), **options)
-    _end_if_interrupted()
+    found = _rows(name, quick, tick, Only())
     found["provenance"] = {
         "command": command,
         "key": made_of,
@@ -241,22 +242,20 @@ def _run(
     return as_json(found)
 
 
-def _stoppable(tick: Message | None) -> Message:
-    """A message that ends the study where Ctrl-C came."""
+def _rows(name: str, quick: bool, tick: Message, wanted: Only) -> JsonObject:
+    """The rows of a study that are wanted; Ctrl-C ends it, as what is left of a run is no row."""
 
-    def tell(text: str) -> None:
+    def say(text: str) -> None:
         _end_if_interrupted()
-        if tick is not None:
-            tick(text)
+        tick(f"{name}: {text}")
 
-    return tell
+    study = _module(name, "rows")
+    rows = study.rows(quick, say, wanted)
+    _end_if_interrupted()
+    return {"study": name, "question": study.QUESTION, "quick": quick, **rows}
 
 
 def _end_if_interrupted() -> None:
-    """Ctrl-C during a run ends the run early, and what is left of it is no row."""
+    """Ctrl-C during a run ends the run early, without an exception."""
     if heard.came:
         raise KeyboardInterrupt
-
-
-def _counted(tick: Message, k: int) -> Message:
-    return lambda text: tick(f"{k} of {len(STUDIES)}: {text}")

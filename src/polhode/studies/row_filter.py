@@ -23,7 +23,3 @@ class Only:
         wanted = all(any(t.lower() in x.lower() for x in labels) for t in self.texts)
         (self.taken if wanted else self.passed).extend(labels)
         return wanted
-
-    def __bool__(self) -> bool:
-        """Whether anything at all is left out."""
-        return bool(self.texts)

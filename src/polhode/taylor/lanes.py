@@ -50,7 +50,6 @@ def states(job: BatchJob, fastest: Doubles, workers: int | None = None) -> Solve
     Steps are not counted where none is needed to tell.  Raises KeyboardInterrupt where Ctrl-C came.
     """
     order, end = np.argsort(fastest), abs(float(job.times[-1]))
-    whole = Solved.undone(np.empty((len(order), len(job.times), job.columns)))
     steps = STEPS * end * float(fastest[order[-1:]].sum())  # nan, if a start is so large
     short = end <= batch_integrator.longest(job.number)
     job = job._replace(sure=short and steps < min(_SURE, job.max_steps))
@@ -65,7 +64,8 @@ def states(job: BatchJob, fastest: Doubles, workers: int | None = None) -> Solve
         return batch_integrator.solve(job._replace(motions=job.motions.some(group)), stop)
 
     if len(groups) == 1:
-        whole.put(order, part(order))
-    elif not executors.here(part, groups, lambda k, some: whole.put(groups[k], some), workers):
+        return part(order).those(np.argsort(order))
+    whole = Solved.undone(np.empty((len(order), len(job.times), job.columns)))
+    if not executors.here(part, groups, lambda k, some: whole.put(groups[k], some), workers):
         raise KeyboardInterrupt
     return whole

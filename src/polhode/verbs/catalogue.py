@@ -7,6 +7,10 @@ from typing import Any, NamedTuple
 
 from polhode.verbs.scene_options import FORM, OUTPUTS, TIMES
 
+_RANGE = {"metavar": "A:B", "help": "the range that a figure shows"}
+_TITLE = {"--title": {"metavar": "TEXT", "help": "of a figure, in place of its own"}}
+_CMAP = {"metavar": "NAME", "help": "matplotlib's colours of a figure (viridis)"}
+
 
 class Verb(NamedTuple):
     """What makes a verb of a function.
@@ -17,6 +21,7 @@ class Verb(NamedTuple):
     progress counts.  ``own``: the ending of a file of the kind's own, which a stream gets, too;
     ``checks``: whether that is a certificate whose check takes long.  ``is_box``: whether its
     scene's start may be a box.  ``other_kinds``: of the result where a parameter is given.
+    ``figure_options``: None where it has no figure.
     """
 
     name: str
@@ -31,15 +36,11 @@ class Verb(NamedTuple):
     checks: bool = False
     is_box: bool = False
     other_kinds: Mapping[str, str] = {}
-    has_figure: bool = True
-    figure_options: Mapping[str, Mapping[str, Any]] = {}
+    figure_options: Mapping[str, Mapping[str, Any]] | None = _TITLE
 
 
 _DYNAMICS = "polhode.dynamics"
 _ORBITS = f"{_DYNAMICS}.periodic_orbits"
-_RANGE = {"metavar": "A:B", "help": "the range that a figure shows"}
-_TITLE = {"metavar": "TEXT", "help": "of a figure, in place of its own"}
-_CMAP = {"metavar": "NAME", "help": "matplotlib's colours of a figure (viridis)"}
 _MOTION = "angles (default), omega, momentum, attitude, hodographs, sphere, integrals or error"
 _MAP = "fli (default), megno, exponent or verdict"
 
@@ -50,11 +51,31 @@ def _what(words: str) -> Mapping[str, str]:
 
 ROWS = (
     Verb(
+        *("list", "polhode.output.cases", "cases", "Cases"),
+        "the cases that ship, with regime and reference",
+        figure_options=None,
+    ),
+    Verb(
+        *("show", "polhode.output.description", "describe", "Description"),
+        "body, regime, integrals, frequencies, columns to be integrated",
+        figure_options=None,
+    ),
+    Verb(
+        *("check", "polhode.checks.check_report", "check_cases", "CheckReport"),
+        "regression against references and published figures",
+        figure_options=None,
+    ),
+    Verb(
+        *("about", "polhode.output.about", "about", "About"),
+        "versions, number types, processor, caches; how to cite",
+        figure_options=None,
+    ),
+    Verb(
         *("run", "polhode.judging.adaptive_precision", "integrate", "Trajectory"),
         "integrate a scene",
         {"at": None, "inputs": None, "proved": "--prove"},
         (TIMES, FORM, OUTPUTS),
-        figure_options={"--what": _what(_MOTION), "--title": _TITLE},
+        figure_options={"--what": _what(_MOTION), **_TITLE},
     ),
     Verb(
         *("reference", "polhode.judging.references.reference_table", "reference_table"),
@@ -81,20 +102,20 @@ ROWS = (
         *("order", "polhode.verbs.compare", "order", "ObservedOrder"),
         "the order of a method, from files that it made with different steps",
         {"scene": "scene"},
-        has_figure=False,
+        figure_options=None,
     ),
     Verb(
         *("sweep", "polhode.verbs.sweep", "sweep", "Ensemble"),
         "many tops at once: numbers of a scene varied; not projected, not checked",
         scene=(TIMES,),
-        figure_options={"--title": _TITLE},
+        figure_options={"--cmap": _CMAP, **_TITLE},
         counts="members",
         other_kinds={"keep": "Reductions"},
     ),
     Verb(
         *("levels", f"{_DYNAMICS}.levels.levels", "levels", "Levels"),
         "the (f, h) diagram in closed form: permanent rotations, cusps, where a scene lies",
-        figure_options={"--f-range": _RANGE, "--h-range": _RANGE, "--title": _TITLE},
+        figure_options={"--f-range": _RANGE, "--h-range": _RANGE, **_TITLE},
     ),
     Verb(
         *("section", f"{_DYNAMICS}.sections.section", "section", "Section"),
@@ -104,7 +125,7 @@ ROWS = (
     Verb(
         *("map", f"{_DYNAMICS}.chaos.chaos_map", "chaos_map", "ChaosMap"),
         "a chaos map: growth of one tangent per motion, over a grid or two varied numbers",
-        figure_options={"--what": _what(_MAP), "--cmap": _CMAP, "--title": _TITLE},
+        figure_options={"--what": _what(_MAP), "--cmap": _CMAP, **_TITLE},
         counts="motions",
     ),
     Verb(
@@ -115,7 +136,6 @@ ROWS = (
     Verb(
         *("orbits", f"{_ORBITS}.search", "orbit_search", "OrbitSearch"),
         "the periodic orbits of a level, searched from cells of its section",
-        has_figure=False,
     ),
     Verb(
         *("family", f"{_ORBITS}.families", "orbit_family", "OrbitFamily"),
@@ -128,7 +148,7 @@ ROWS = (
     Verb(
         *("verify", "polhode.certificates.verdict", "verify", "Verdict"),
         "check a proof's certificate by code of its own",
-        has_figure=False,
+        figure_options=None,
     ),
     Verb(
         *("prove orbit", "polhode.proofs.prove_orbit", "prove_orbit", "ProvedOrbit"),
@@ -138,7 +158,7 @@ ROWS = (
     Verb(
         *("prove orbits", "polhode.proofs.prove_orbits", "prove_orbits", "ProvedOrbits"),
         "which orbits of a search of a level exist",
-        has_figure=False,
+        figure_options=None,
     ),
     Verb(
         *("prove chaos", "polhode.proofs.chaos.prove_chaos", "prove_chaos", "ProvedChaos"),
@@ -171,5 +191,6 @@ MOVED = {
         "--prove": "polhode prove orbit SCENE",
         "--continue": "polhode family SCENE --by h --to VALUE",
     },
+    "study": {"--without": "no option, as what is not installed is left out"},
     "levels": {"--f": "--f-range A:B", "--h": "--h-range A:B"},
 }

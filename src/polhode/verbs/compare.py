@@ -29,6 +29,7 @@ def judged(
     columns: Sequence[str] | None = None,
     at_least: float | None = None,
     max_seconds: float | None = None,
+    details: bool = False,
     line: ProgressLine | None = None,
 ) -> Judgement:
     """Judge a trajectory that another program computed.
@@ -54,9 +55,13 @@ def judged(
         part has fewer correct digits at any time, 2 if a number is missing.
     max_seconds : float, optional
         A limit in seconds on the proof that judges where there is no closed form.
+    details : bool
+        Print all that is known: digits at more times beside those to expect, the kind of motion,
+        drift.
     line : ProgressLine
         Where progress is shown.
     """
+    del details  # of what is printed
     found = _judged(
         Path(file),
         scene,
@@ -146,25 +151,18 @@ def _judged(
     from polhode.judging.score.compare import compare
     from polhode.proofs.refusals import NotProved
 
-    def first(brief: Judgement, count: int) -> None:
-        digits = f"{brief.state_worst:.2f} correct digits" if brief.digits else "no state"
-        told = f"{digits} in {len(brief.times)} of {count} rows, all of them follow"
-        line.say(told, at_once=True)
-
-    def foretold(seconds: float, unit: str) -> None:
+    def foretold(seconds: float) -> None:
         if seconds > LONG:
-            hint = f"; its t seems to be in {unit}" if unit else ""
             line.clear()
             note(
                 f"{path}: there is no closed form here, and the proof that judges will take "
-                f"about {seconds:.2g} s; --max-seconds S or Ctrl-C ends it sooner{hint}"
+                f"about {seconds:.2g} s; --max-seconds S or Ctrl-C ends it sooner"
             )
 
     try:
         found = compare(
             path,
             scene,
-            first=first,
             progress=partial(line.show, what="rows or steps of the reference"),
             max_seconds=max_seconds,
             forecast=foretold,

@@ -36,7 +36,7 @@ def add_options(parser: ArgumentParser, verb: Verb) -> None:
     function = options.front(verb.home, verb.function)
     options.add(parser, function, verb.named)
     scene_options.add(parser, verb.scene)
-    for option, how in verb.figure_options.items():
+    for option, how in (verb.figure_options or {}).items():
         parser.add_argument(option, **how)
     endings = f"{', '.join(_endings(verb))}; may be repeated"
     if any(x.name == "parts" for x in function.parameters):
@@ -50,7 +50,7 @@ def add_options(parser: ArgumentParser, verb: Verb) -> None:
 
 def _endings(verb: Verb) -> Sequence[str]:
     own = (verb.own,) if verb.own and verb.own not in _DATA else ()
-    return [*own, *_DATA, *(_FIGURES if verb.has_figure else ())]
+    return [*own, *_DATA, *(() if verb.figure_options is None else _FIGURES)]
 
 
 def main(verb: Verb, function: options.Front, asked: Namespace) -> int:
@@ -65,7 +65,6 @@ def main(verb: Verb, function: options.Front, asked: Namespace) -> int:
         for x in function.parameters
         if verb.named.get(x.name, x.name) is not None and vars(asked).get(x.name) is not None
     }
-    first = function.parameters[0].name
     inputs = [library.path_of(x) for x in _sources(given)]
     others = [kind for name, kind in verb.other_kinds.items() if name in given]
     kind = others[0] if others else verb.kind
@@ -73,6 +72,7 @@ def main(verb: Verb, function: options.Front, asked: Namespace) -> int:
     places.check()
     places.check_figure(vars(asked))
     if verb.scene:
+        first = function.parameters[0].name
         box = start_box.read(given[first]) if verb.is_box else StartBox(library.load(given[first]))
         scene = scene_options.applied(asked, box.scene, verb.scene)
         given[first] = StartBox(scene, box.radii) if verb.is_box else scene
@@ -85,7 +85,7 @@ def main(verb: Verb, function: options.Front, asked: Namespace) -> int:
             except NotEnough as fault:
                 found, missed = fault.found, str(fault)
             places.write(found, vars(asked), line)
-            text = None if asked.json or places.paths else shown(found)
+            text = None if asked.json or places.paths else shown(found, given.get("details", False))
         except NotProved as why:
             line.clear()
             note(f"polhode: not proved: {why}")
@@ -184,7 +184,11 @@ class Places:
         return found
 
     def write(self, found: Result, asked: Mapping[str, Any], line: ProgressLine) -> None:
-        """Write all files, unless what was interrupted is kept in parts, which go otherwise."""
+        """Write all files or none; none where what was interrupted is kept in parts, which go else.
+
+        Files of a kind's own, which are checked as they are made, are written once all others are
+        made.
+        """
         kept = getattr(found, "kept", None)
         if interrupted(found) and kept is not None and kept.folder.exists():
             return
@@ -192,15 +196,15 @@ class Places:
         for path in self.paths:
             if self._is_figure(path):
                 made[path] = _drawn(found, path.suffix.lower(), self.verb, asked)
-            elif self._is_own(path):
-                if getattr(found, "times", True):  # of nothing there is no certificate
-                    self._save(found, path, line)
-            else:
+            elif not self._is_own(path):
                 from polhode.results import places, writer
 
                 content = found.content()
                 places.check_place(path, content.kind, self.inputs)
                 made |= writer.files(content, path)
+        for path in filter(self._is_own, self.paths):
+            if getattr(found, "times", True):  # of nothing there is no certificate
+                self._save(found, path, line)
         write_whole(made)
         if kept is not None:
             kept.remove()
@@ -241,14 +245,19 @@ def _drawn(found: Result, suffix: str, verb: Verb, asked: Mapping[str, Any]) -> 
 
 def _figure_options(verb: Verb) -> Sequence[str]:
     """The options of a verb's figures, by the names of the parameters of what draws."""
-    return [option.removeprefix("--").replace("-", "_") for option in verb.figure_options]
+    return [option.removeprefix("--").replace("-", "_") for option in verb.figure_options or ()]
 
 
-def shown(found: Result) -> str:
-    """A result on a terminal: its report, where it has one, else its table."""
+def shown(found: Any, details: bool = False) -> str:
+    """A result on a terminal: its report, where it has one, else its table.
+
+    ``details``: whether all that is known is asked for.
+    """
     from polhode.results.result import Result as Base
     from polhode.results.shown import lines
 
+    if details:
+        return str(found.details())
     report = type(found).__str__
     if report not in (object.__str__, getattr(Base, "__str__", None)):
         return str(found)

@@ -112,9 +112,9 @@ def _digits(found: Trajectory) -> Iterator[str]:
     printed, lost = found.number.printed_digits, expected.lost_after
     none = "" if lost is None else f", and none from t = {lost:.3g} on"
     yield (
-        f"polhode: {name}: expect fewer than half of the {printed} digits printed to be right from "
-        f"t = {expected.halved_after:.3g} on{none}: this motion multiplies errors; "
-        f"--digits D gives D correct ones"
+        f"polhode: {name}: from t = {expected.halved_after:.3g} on fewer than half of the "
+        f"{printed} printed digits are expected to be correct{none}: this motion multiplies "
+        f"errors; --digits D gives D correct ones"
     )
 
 
@@ -220,6 +220,14 @@ def _proven_event(event: CertifiedEvents) -> str:
     return f"event {event.name}: {len(event.times)} proven{when}{left}"
 
 
+def _check(found: Found, asked: Namespace) -> Iterator[str]:
+    if found.passed is None and not found.interrupted:
+        yield (
+            "polhode check: expected a case with bands of digits ([expect]), which --propose "
+            "prints, or with figures"
+        )
+
+
 def _nothing(found: Found, asked: Namespace) -> Iterator[str]:
     yield from ()
 
@@ -255,13 +263,11 @@ def _proved_chaos(found: ProvedChaos, asked: Namespace) -> Iterator[str]:
 
 
 _NOTES: dict[str, Callable[[Found, Namespace], Iterator[str]]] = {
+    **dict.fromkeys(("list", "show", "about", "compare", "order", "levels", "verify"), _nothing),
+    "check": _check,
     "run": _run,
     "reference": _reference,
     "certify": _certify,
-    "compare": _nothing,
-    "order": _nothing,
-    "levels": _nothing,
-    "verify": _nothing,
     "sweep": _sweep,
     "section": _section,
     "map": _map,

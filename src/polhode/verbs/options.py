@@ -5,7 +5,6 @@ The source is read as text, so that ``--help`` and a wrong option import nothing
 
 from __future__ import annotations
 
-import argparse
 import ast
 import inspect
 import math
@@ -184,15 +183,14 @@ def kind_of(annotation: str) -> Kind | None:
 
 
 def add(parser: ArgumentParser, function: Front, named: Mapping[str, str | None]) -> None:
-    """Add an option for each parameter that may be one.
+    """Add an option for each parameter that may be one; the first, if it is needed, an argument.
 
     ``named``: another name for some; one without dashes is an argument; None for none.
     """
     helps = function.helps
-    first, *rest = function.parameters
-    _positional(parser, first, helps.get(first.name))
-    for parameter in rest:
-        option = named.get(parameter.name, f"--{parameter.name.replace('_', '-')}")
+    for place, parameter in enumerate(function.parameters):
+        dashes = "" if place == 0 and _is_argument(parameter) else "--"
+        option = named.get(parameter.name, f"{dashes}{parameter.name.replace('_', '-')}")
         if option is None:
             continue
         if option.startswith("-"):
@@ -201,12 +199,17 @@ def add(parser: ArgumentParser, function: Front, named: Mapping[str, str | None]
             _positional(parser, parameter, helps.get(parameter.name))
 
 
+def _is_argument(parameter: Parameter) -> bool:
+    return not parameter.default or parameter.annotation.startswith("Sequence[")
+
+
 def _positional(parser: ArgumentParser, parameter: Parameter, told: str | None) -> None:
     several = parameter.annotation.startswith("Sequence[")
     inner = parameter.annotation.removeprefix("Sequence[").removesuffix("]" if several else "")
     kind = kind_of(inner) or Kind(parameter.name.upper(), word)
-    more: dict[str, Any] = {"nargs": "+"} if several else {}
-    parser.add_argument(parameter.name, type=kind.read, metavar=kind.metavar, help=told, **more)
+    more: dict[str, Any] = {"nargs": "*" if parameter.default else "+"} if several else {}
+    metavar = "SCENE" if parameter.name == "scene" else kind.metavar
+    parser.add_argument(parameter.name, type=kind.read, metavar=metavar, help=told, **more)
 
 
 def _option(parser: ArgumentParser, parameter: Parameter, option: str, told: str | None) -> None:
@@ -219,7 +222,7 @@ def _option(parser: ArgumentParser, parameter: Parameter, option: str, told: str
     if kinds == {"bool", "int"}:
         either = parser.add_mutually_exclusive_group()
         either.add_argument(option, type=positive, metavar="N", **common)
-        common["help"] = argparse.SUPPRESS
+        common["help"] = f"never {option[2:]}"
         either.add_argument(f"--no-{option[2:]}", action="store_false", **common)
         return
     kind = kind_of(parameter.annotation)

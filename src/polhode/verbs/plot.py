@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from polhode.figures.source import Shown
 
 HELP = "a figure of a motion or a result, from a scene or a file"
+_LONGEST = 1_000_000  # bytes of the words of a page
 PAGE, FILMS, PRINTED = ".html", (".gif", ".mp4"), (".svg", ".png", ".pdf")
 
 
@@ -31,24 +33,25 @@ def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
     what = (
         "of a motion angles (default), omega, momentum, attitude, hodographs, sphere, integrals, "
-        "error, or motion: a page or a film; of a scene also chaos-proof; of a map fli (default), "
-        "megno, exponent, verdict"
+        "error, or motion: a film; of a map fli (default), megno, exponent, verdict"
     )
-    source_options(parser)
+    source_options(parser, "source")
     parser.add_argument("--what", type=word, metavar="WORD", help=what)
-    endings = f"the figure: {', '.join(PRINTED)}; of a motion that moves {PAGE}, {', '.join(FILMS)}"
+    endings = f"the figure: {', '.join(PRINTED)}; of a motion that moves {', '.join(FILMS)}"
     parser.add_argument("-o", dest="file", type=word, required=True, metavar="FILE", help=endings)
     parser.add_argument("--title", metavar="TEXT", help="in place of the figure's own")
     parser.add_argument("--cmap", metavar="NAME", help="matplotlib's colours of a map (viridis)")
+    for axis in "fh":
+        parser.add_argument(f"--{axis}-range", metavar="A:B", help=f"of levels: the {axis} shown")
     size = "of a film: pixels of a side (360)"
     parser.add_argument("--size", type=whole, metavar="PIXELS", help=size)
     parser.add_argument("--fps", type=whole, metavar="N", help="of a film: frames a second (20)")
 
 
-def source_options(parser: ArgumentParser) -> None:
+def source_options(parser: ArgumentParser, name: str, nargs: str | None = None) -> None:
     """What is drawn, and how: the fields of :class:`polhode.figures.source.Asked`."""
     of = "a case, a scene's path, the file of a result, or a table"
-    parser.add_argument("what_of", type=word, metavar="SCENE|FILE", help=of)
+    parser.add_argument(name, type=word, metavar="SCENE|FILE", help=of, nargs=nargs)
     parser.add_argument("--end", metavar="T", help="the last time, instead of the scene's end")
     parser.add_argument(
         "--scene", type=word, metavar="SCENE", help="for a FILE: the scene that it belongs to"
@@ -66,28 +69,31 @@ def source_options(parser: ArgumentParser) -> None:
 def main(options: Namespace) -> int:
     """Make one figure."""
     suffix = Path(options.file).suffix.lower()
-    moving = suffix in (PAGE, *FILMS)
-    if options.what is None and moving:
+    options.sources, options.text = [options.source], None
+    if suffix == PAGE:
+        meant = f"polhode view {options.source} -o {options.file}, which makes pages"
+        raise BadInput(options.file, "-o", None, meant)
+    if options.what is None and suffix in FILMS:
         options.what = "motion"
     if options.what == "motion":
-        return make(options, (PAGE, *FILMS), "--what motion")
-    if moving:
-        expected = f"a name that ends in {', '.join(PRINTED)}; --what motion makes a page or a film"
+        return make(options, FILMS)
+    if suffix in FILMS:
+        expected = f"a name that ends in {', '.join(PRINTED)}; --what motion makes a film"
         raise BadInput(options.file, "-o", None, expected)
     return make(options, PRINTED)
 
 
-def make(options: Namespace, endings: tuple[str, ...], words: str = "") -> int:
-    """Write one file of these endings; ``words``: of the command that a page tells."""
+def make(options: Namespace, endings: tuple[str, ...]) -> int:
+    """Write one file of these endings."""
     from polhode.common.files import called, check_writable, is_stdout, write_whole
     from polhode.figures import catalogue, film
     from polhode.figures.canvas import canvas
-    from polhode.figures.drawing import page_of, samples_of
+    from polhode.figures.drawing import samples_of
     from polhode.figures.source import Asked, Unreached, shown
-    from polhode.proofs.refusals import NotProved
 
     path = Path(options.file)
-    inputs = [library.path_of(name) for name in (options.what_of, options.scene) if name]
+    named = (*options.sources, options.scene, options.text)
+    inputs = [library.path_of(name) for name in named if name]
     check_writable(path, endings, inputs)
     refuse_two_on_stdout(path, options.json)
     suffix = path.suffix.lower() if path.suffix.lower() in endings else endings[0]  # a stream
@@ -97,21 +103,20 @@ def make(options: Namespace, endings: tuple[str, ...], words: str = "") -> int:
     asked = Asked(**{name: getattr(options, name) for name in vars(Asked())})
     with ProgressLine("plot") as progress:
         try:
-            found = shown(options.what_of, options.what, asked, progress.show, progress.say)
-        except NotProved as why:
-            progress.clear()
-            note(f"polhode: not proved: {why}")
-            return NOT_REACHED
+            every = [
+                shown(source, options.what, asked, progress.show) for source in options.sources
+            ]
         except Unreached as why:
             progress.clear()
             note(f"polhode: {why}; nothing was written")
             return NOT_REACHED
-        for told in found.notes:
+        found = every[0]
+        for told in (told for one in every for told in one.notes):
             note(told)
         answer = {"file": str(path), "what": found.what, "of": found.name} | _span(found)
         if suffix == PAGE:
-            command = " ".join(("polhode", options.verb, called(Path(options.what_of)), words))
-            made = page_of(found, command.rstrip()).encode()
+            command = ("polhode", options.verb, *(called(Path(x)) for x in options.sources))
+            made = _page(every, " ".join(command), options).encode()
         elif suffix in FILMS:
             filmed = film.filmed(
                 samples_of(found), suffix, lambda done: progress.say(f"{100 * done:.0f} %"), look
@@ -123,7 +128,8 @@ def make(options: Namespace, endings: tuple[str, ...], words: str = "") -> int:
                 end = f"to {film.CLOSED:.0e}: the film ends there, and repeats"
                 note(f"{found.name}: {again}, {end}")
         else:
-            own = {"title": options.title or "", "cmap": options.cmap}
+            own = {name: getattr(options, name) for name in ("cmap", "f_range", "h_range")}
+            own["title"] = options.title or ""
             made = catalogue.drawn(found.found, suffix, found.name, found.what, **own)
     write_whole({path: made})
     if options.json:
@@ -131,6 +137,26 @@ def make(options: Namespace, endings: tuple[str, ...], words: str = "") -> int:
     elif not is_stdout(path):
         say(str(path))
     return DONE
+
+
+def _page(every: Sequence[Shown], command: str, options: Namespace) -> str:
+    """The page of a motion; of several, or with words of one's own, one that has them in frames."""
+    from polhode.common.files import read_whole
+    from polhode.common.html_page import Page, together
+    from polhode.figures.drawing import page_of
+
+    pages = [Page(one.name, page_of(one, command)) for one in every]
+    if len(pages) == 1 and options.title is None is options.text:
+        return pages[0].text
+    text = (
+        b""
+        if options.text is None
+        else read_whole(Path(options.text), _LONGEST, "the file of a text, for --text")
+    )
+    try:
+        return together(pages, options.title or "", text.decode()).text
+    except UnicodeDecodeError:
+        raise BadInput(options.text, "--text", None, "a text in UTF-8") from None
 
 
 def _look(options: Namespace, suffix: str) -> Look:

@@ -6,7 +6,7 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
 from polhode.verbs.options import folder
-from polhode.verbs.terminal import DONE, ProgressLine, print_json, say
+from polhode.verbs.terminal import DONE, ProgressLine, note, print_json, say
 
 HELP = "run all studies and write them as JSON, Markdown and one HTML page"
 
@@ -24,8 +24,9 @@ def main(options: Namespace) -> int:
     """Run all studies and write them."""
     from polhode.studies.report import write_report
 
+    place, mode = Path(options.folder), (options.quick, options.fresh)
     with ProgressLine("report") as progress:
-        written = write_report(Path(options.folder), options.quick, options.fresh, progress.say)
+        written = write_report(place, *mode, progress.say, lambda text: note(f"report: {text}"))
     if options.json:
         print_json({"written": [str(path) for path in written]})
     else:

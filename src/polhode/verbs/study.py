@@ -23,13 +23,6 @@ def options(parser: ArgumentParser) -> None:
         help="only rows with TEXT in their names (may be repeated); printed, nothing is written",
     )
     parser.add_argument(
-        "--without",
-        metavar="NAME",
-        action="append",
-        default=[],
-        help="with the study speed: leave out a program, by its package (may be repeated)",
-    )
-    parser.add_argument(
         "-o", dest="folder", type=folder, metavar="DIR", default="reports", help="folder (reports)"
     )
 
@@ -40,9 +33,7 @@ def main(options: Namespace) -> int:
 
     if options.only:
         with ProgressLine("study") as progress:
-            found, tables = report.part(
-                options.name, options.only, options.quick, progress.say, options.without
-            )
+            found, tables = report.part(options.name, options.only, options.quick, progress.say)
         if options.json:
             print_json(found)
         else:
@@ -50,9 +41,7 @@ def main(options: Namespace) -> int:
         return DONE
     place = Path(options.folder)
     with ProgressLine("study") as progress:
-        written = report.write_study(
-            options.name, place, options.quick, progress.say, options.without
-        )
+        written = report.write_study(options.name, place, options.quick, progress.say)
     if options.json:
         print_json(report.results(place, options.name))
     else:

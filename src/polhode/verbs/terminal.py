@@ -17,7 +17,7 @@ from polhode.common.errors import BadInput
 from polhode.common.files import is_stdout, write_stdout
 from polhode.common.interrupts import INTERRUPTED as INTERRUPTED
 from polhode.common.interrupts import hear, heard
-from polhode.common.text_tables import aligned, printable
+from polhode.common.text_tables import printable
 
 if TYPE_CHECKING:
     from polhode.results.result import Result
@@ -102,12 +102,6 @@ def print_json(value: Any) -> None:
     write_stdout(as_json(value))
 
 
-def print_table(header: Any, rows: Any) -> None:
-    """A table of strings in columns on stdout."""
-    for line in aligned(header, rows):
-        say(line)
-
-
 def note(text: str) -> None:
     """A line on stderr; nowhere where that takes no more, as nobody could be told of it."""
     try:
@@ -155,9 +149,9 @@ class ProgressLine:
 
         return show
 
-    def say(self, text: str, at_once: bool = False) -> None:
-        """The line's new text; ``at_once``: even if nothing has taken long yet."""
-        if sys.stderr.isatty() and (at_once or time.monotonic() - self.began > 1):
+    def say(self, text: str) -> None:
+        """The line's new text, once something has taken long."""
+        if sys.stderr.isatty() and time.monotonic() - self.began > 1:
             line = f"{self.verb}: {printable(text)}"
             sys.stderr.write("\r\x1b[K" + line[: _columns() - 1])  # a line that wraps stays behind
             sys.stderr.flush()

@@ -20,13 +20,14 @@ from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import Generic, TypeAlias, TypeVar
 
-from flint import acb, arb, fmpq
+from flint import acb, arb
 from mpmath import libmp
 
 from polhode.closed_forms.rounding import SPARE
-from polhode.numbers.exact import ZERO, Exact, sign
+from polhode.numbers.exact import ZERO, Exact, as_ball, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.polynomials import middle
 
 T = TypeVar("T")
 
@@ -50,14 +51,14 @@ class Refused(ValueError):
 def ball(x: Exact | int) -> arb:
     """An exact number at the precision in force; the exact 0 where it is 0, by the rule."""
     if isinstance(x, (int, Fraction)):
-        return arb(fmpq(x.numerator, x.denominator))
+        return as_ball(x)
     return x.enclosure(ctx.prec) if sign(x) else arb(0)
 
 
 def enclosed(x: Exact | int) -> arb:
     """The same without the question whether it is 0: for factors of sums, which need no answer."""
     if isinstance(x, (int, Fraction)):
-        return arb(fmpq(x.numerator, x.denominator))
+        return as_ball(x)
     return x.enclosure(ctx.prec)
 
 
@@ -89,8 +90,7 @@ def nearest_integer(x: arb) -> int:
         return int(n)
     if not x.is_finite():
         raise TooFewBits
-    mantissa, exponent = x.mid().man_exp()  # the sum was rounded to both sides of an integer
-    return math.floor(Fraction(int(mantissa)) * Fraction(2) ** int(exponent) + Fraction(1, 2))
+    return math.floor(middle(x) + Fraction(1, 2))  # the sum was rounded to both sides of an integer
 
 
 class Kept(Generic[T]):

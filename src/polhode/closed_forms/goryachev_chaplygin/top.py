@@ -19,49 +19,31 @@ from collections.abc import Mapping, Sequence
 
 from flint import arb
 
-from polhode.closed_forms.balls.core import Refused, TooFewBits, ball, square
-from polhode.closed_forms.balls.frames import Rows
-from polhode.closed_forms.closed_form import ClosedForm
+from polhode.closed_forms.balls.core import TooFewBits, ball, root, square
+from polhode.closed_forms.balls.frames import Rows, SeenMotion
+from polhode.closed_forms.closed_form import ENCLOSED_ATTITUDE, ClosedForm, no_attitude
 from polhode.closed_forms.goryachev_chaplygin import regimes
 from polhode.closed_forms.goryachev_chaplygin.axes import GoryachevStart, start
 from polhode.closed_forms.goryachev_chaplygin.explicit import explicit
 from polhode.closed_forms.goryachev_chaplygin.separated import Point, Separated
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
-from polhode.numbers.exact import Exact, sign
-from polhode.numbers.mpmath_context import mpf
-
-_ALONE = "the state has a closed form here, the attitude none: ask for reference.kind = certified"
 
 
 class GoryachevMotion:
-    """A motion at the precision in force."""
+    """The state in the motion's axes and units, at the precision in force."""
 
     def __init__(self, start: GoryachevStart, regime: str) -> None:
-        self._start, self._unit = start, ball(start.unit)
         of_zero = regime in regimes.EXPLICIT
         self.path = explicit(start, regime) if of_zero else Separated(start, regime)
         self._side = 1
-        given, row = [ball(x) for x in (*start.omega, *start.gamma)], self._state(arb(0))
+        given, row = [ball(x) for x in (*start.omega, *start.gamma)], self.at(arb(0))
         lead = max((0, 1, 5), key=lambda i: abs(given[i].mid()))
         if not abs(row[lead]) > 0:
             raise TooFewBits
         self._side = 1 if (row[lead] > 0) == (given[lead] > 0) else -1
-        #: w^2 <= H - 2a gamma1.
-        self.speed = abs(self._unit) * ball(start.H + 2 * start.a).sqrt()
 
-    @property
-    def unit(self) -> arb:
-        """How many of the motion's units of time are in the scene's."""
-        return abs(self._unit)
-
-    def row(self, t: arb, attitude: bool) -> Sequence[arb]:
-        """p q r gamma1 gamma2 gamma3 in the scene's axes."""
-        del attitude
-        state, back = self._state(t * self._unit), self._start.frame.back
-        return [*back([x * self._unit for x in state[:3]]), *back(state[3:])]
-
-    def _state(self, t: arb) -> list[arb]:
-        """p, q, r, g1, g2, g3 in the motion's axes and units."""
+    def at(self, t: arb) -> Sequence[arb]:
+        """p, q, r, g1, g2, g3."""
         point: Point = self.path.at(t)
         (sx, cx), (se, ce) = point.xi, point.et
         one, two, both = point.shares
@@ -76,10 +58,10 @@ class GoryachevMotion:
         ]
 
 
-class GoryachevChaplyginTop(ClosedForm[GoryachevMotion]):
+class GoryachevChaplyginTop(ClosedForm[SeenMotion[GoryachevMotion]]):
     """The state of one motion of Goryachev and Chaplygin's case from one start."""
 
-    proven = "states are proven by the closed form, the attitude by an enclosure"
+    proven = ENCLOSED_ATTITUDE
     has_attitude = False
     is_dear = True
     held = ("A = B = 4C", "r0 at right angles to axis 3", "f = Iw.gamma = 0")
@@ -88,29 +70,19 @@ class GoryachevChaplyginTop(ClosedForm[GoryachevMotion]):
         self._begin = start(scene, axes)
         self.regime = regimes.regime(self._begin)
 
-    def attitude(self, times: Sequence[Exact], digits: int) -> list[list[mpf]]:
-        """That of the start; refused at other times."""
-        self._refuse(times)
-        return super().attitude(times, digits)
-
-    def angles(self, times: Sequence[Exact], digits: int) -> list[list[mpf | None]]:
-        """Those of the start; refused at other times."""
-        self._refuse(times)
-        return super().angles(times, digits)
-
-    def _refuse(self, times: Sequence[Exact]) -> None:
-        if any(sign(t) != 0 for t in times):
-            raise Refused(f"{self.regime}: {_ALONE}")
-
-    def _solved(self) -> GoryachevMotion:
-        return GoryachevMotion(self._begin, self.regime)
+    def _solved(self) -> SeenMotion[GoryachevMotion]:
+        start = self._begin
+        unit, speed = ball(start.unit), root(start.H + 2 * start.a)  # w^2 <= H - 2a gamma1
+        motion = GoryachevMotion(start, self.regime)
+        first, speed = self._start().attitude, speed * unit.sgn()
+        return SeenMotion(motion, no_attitude, start.frame, first, speed, unit)
 
     def _period_ball(self) -> arb | None:
         """None where there are two frequencies or none."""
         if self.regime in (*regimes.TWO_FREQUENCIES, *regimes.ASYMPTOTIC):
             return None
-        motion = self._solution()
-        return None if motion.path.period is None else motion.path.period / motion.unit
+        period = self._solution().motion.path.period
+        return None if period is None else period / ball(abs(self._begin.unit))
 
     def _rate_balls(self) -> Mapping[str, arb]:
         """Of two frequencies "u" and "v", the mean rates of the phases of u and v.
@@ -119,7 +91,6 @@ class GoryachevChaplyginTop(ClosedForm[GoryachevMotion]):
         """
         if self.regime not in regimes.TWO_FREQUENCIES:
             return super()._rate_balls()
-        motion = self._solution()
-        assert isinstance(motion.path, Separated)
-        one, other = motion.path.means
-        return {"u": one * motion.unit, "v": other * motion.unit}
+        path, unit = self._solution().motion.path, ball(abs(self._begin.unit))
+        assert isinstance(path, Separated)
+        return {name: rate * unit for name, rate in zip("uv", path.means, strict=True)}

@@ -14,42 +14,23 @@ Integrals of these equations, |gamma| = 1 not being used:
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator
 from dataclasses import dataclass
-from fractions import Fraction
 
 from flint import arb
 
 from polhode.closed_forms.balls.core import ball
 from polhode.closed_forms.balls.frames import Frame, Rows
-from polhode.closed_forms.membership.normal_form import Condition, Placed, equal
+from polhode.closed_forms.balls.periodic_attitude import Equations
+from polhode.closed_forms.kovalevskaya.divisor import State
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.closed_forms.rounding import log2
 from polhode.common.cached_property import cached_property
-from polhode.numbers.exact import ZERO, Exact, binary, exact, rounded, sign, sqrt
+from polhode.numbers.exact import ZERO, Exact, exact, sign, sqrt
 from polhode.numbers.vectors import Vector
 from polhode.scenes.classification import KOVALEVSKAYA, classical_top, with_last
 
-
-def fits(scene: PrincipalScene) -> bool:
-    """Whether the body is a Kovalevskaya top."""
-    return classical_top(scene.moments, scene.torque).kind == KOVALEVSKAYA
-
-
-def conditions(scene: Placed) -> Iterator[Condition]:
-    """Those of the body, its axes in the top's order."""
-    A, B, C = scene.moments
-    yield equal("A = B", A, B)
-    yield equal("A = 2C", A, 2 * C)
-    yield equal("z0 = 0", scene.torque[2], ZERO, scene.weight)
-
-
-#: A direction in the space of states that no special motion is known to keep.
-_WAYS = (
-    (Fraction(3, 8), Fraction(5, 8), Fraction(-7, 16)),
-    (Fraction(9, 16), Fraction(-5, 16), Fraction(11, 16)),
-)
+#: In the top's axes and units.
+EQUATIONS = Equations((arb(2), arb(2), arb(1)), (arb(1), arb(0), arb(0)))
 
 
 @dataclass(frozen=True)
@@ -74,53 +55,21 @@ class KovalevskayaStart:
         """a^2 - k^2."""
         return self.a2 - self.k2
 
-    def moved(self, share: Fraction, bits: int) -> KovalevskayaStart:
-        """The start moved by ``share`` of a generic direction; both rounded to ``bits`` bits."""
-        speed = Fraction(2) ** round(self.log2_scale)
-        heavy = Fraction(2) ** round(log2(self.weight))
-        rows = []
-        for vector, size, way in ((self.omega, speed, _WAYS[0]), (self.G, heavy, _WAYS[1])):
-            row = [
-                binary(*rounded(x, bits)) + share * size * d
-                for x, d in zip(vector, way, strict=True)
-            ]
-            rows.append(row)
-        (p, q, r), (G1, G2, G3) = rows
-        m = p * G1 + q * G2 + r * G3 / 2
-        xi = p * p - q * q - G1, 2 * p * q - G2
-        return KovalevskayaStart(
-            omega=(p, q, r),
-            G=(G1, G2, G3),
-            H=p * p + q * q + r * r / 2 + G1,
-            m=m,
-            m2=m * m,
-            a2=G1 * G1 + G2 * G2 + G3 * G3,
-            k2=xi[0] * xi[0] + xi[1] * xi[1],
-            weight=self.weight,
-            exponent=self.exponent,
-        )
+    @cached_property
+    def state(self) -> State:
+        """What the separation variables take of it."""
+        return State(*self.omega, *self.G[1:], self.H, self.m, self.b)
 
     def speed_bound(self) -> arb:
         """A bound of |w| at the precision in force: w^2/2 <= H - G1 <= H + |G|."""
         return (2 * (ball(self.H) + ball(self.a2).sqrt())).sqrt()
-
-    @cached_property
-    def log2_speed(self) -> float:
-        """log2 of a bound of |w|, in these units: r^2/2 + p^2 + q^2 <= H + |G|."""
-        return log2(2 * (abs(self.H) + self.weight + self.a2 / self.weight)) / 2
-
-    @cached_property
-    def log2_scale(self) -> float:
-        """log2 of the size of w: at the start, or what the weight will make of it; 0 at rest."""
-        found = max(log2(x) for x in (*self.omega, self.G[1], self.G[2]))
-        return min(found, self.log2_speed) if found > -math.inf else 0.0
 
 
 def top_start(scene: PrincipalScene, within: Rows | None) -> tuple[Frame, KovalevskayaStart]:
     """The top's axes, ``within`` the rows of the principal ones; the start and the integrals.
 
     From principal axes these are rational where n^2 alone is not.  Raises ValueError for a body
-    that is no Kovalevskaya top (:func:`fits`).
+    that is no Kovalevskaya top.
     """
     moments, torque, omega, gamma = scene
     kind, axis = classical_top(moments, torque)

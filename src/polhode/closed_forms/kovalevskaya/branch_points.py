@@ -18,7 +18,7 @@ from typing import TypeVar
 
 from flint import acb, arb
 
-from polhode.closed_forms.balls.core import TooFewBits, ball, root
+from polhode.closed_forms.balls.core import TooFewBits, ball, either_root, root
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.flint_context import ctx
@@ -63,6 +63,19 @@ def branch_points(start: KovalevskayaStart, disc: Exact | None = None) -> list[a
         e = [acb(u + v - shift), pair, pair.conjugate()]
     k = root(start.k2)
     return [*e, acb(k), acb(-k)]
+
+
+def square_roots(e: acb, H: arb, m: arb, b: arb) -> tuple[acb, acb]:
+    """f and g at a root e of S: f^2 = e^2 + b, g^2 = 2 (e + H), f g = 2m, of either sign.
+
+    The larger one by its root.
+    """
+    f, g = e * e + b, 2 * (e + H)
+    if abs(f).mid() > abs(g).mid():
+        f = either_root(f)
+        return f, 2 * m / f
+    g = either_root(g)
+    return 2 * m / g, g
 
 
 def kind(start: KovalevskayaStart) -> str:

@@ -6,13 +6,22 @@ Steklov's q = 0, G3 = p r, and the special motions of Appelrot's second and thir
 degenerate where two of the points e1, e2, e3, k, -k are equal:
 
     (H a^2 - 2m^2)^2 = k^2 a^4  (an e is k or -k),    disc S = 0  (two e's are equal).
+
+The first kind has a formula where an e is -k (:mod:`.degenerate`).
 """
 
 from __future__ import annotations
 
-from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
+from collections.abc import Iterator
+
+from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart, top_start
 from polhode.closed_forms.kovalevskaya.branch_points import discriminant, kind
-from polhode.numbers.exact import Exact, sign
+from polhode.closed_forms.kovalevskaya.node import is_node
+from polhode.closed_forms.membership.misfit import Misfit
+from polhode.closed_forms.membership.normal_form import Condition, Placed, equal, shortfall
+from polhode.closed_forms.membership.principal_scene import PrincipalScene
+from polhode.numbers.exact import ZERO, Exact, sign
+from polhode.scenes.classification import KOVALEVSKAYA, classical_top
 
 HANGING, UPRIGHT = "rest, hanging", "rest, upright"
 ROTATION = "permanent rotation"
@@ -20,11 +29,35 @@ PENDULUM_Z = "pendulum about the axis of symmetry"
 PENDULUM_Y = "pendulum about an equatorial axis"
 BOBYLEV, DELAUNAY, APPELROT = "Bobylev-Steklov", "Delaunay", "Appelrot, special motion"
 ASYMPTOTIC, QUASI_PERIODIC = "degenerate curve, asymptotic", "degenerate curve, quasi-periodic"
-MULTIPLE = "multiply degenerate curve"
+OTHER = "degenerate curve, no formula"
 
 STEADY = (HANGING, UPRIGHT, ROTATION)
 ONE_FREQUENCY = (PENDULUM_Z, PENDULUM_Y, BOBYLEV, DELAUNAY, APPELROT)
-DEGENERATE = (ASYMPTOTIC, QUASI_PERIODIC, MULTIPLE)
+DEGENERATE = (ASYMPTOTIC, QUASI_PERIODIC)
+
+
+def _is_top(scene: PrincipalScene) -> bool:
+    return classical_top(scene.moments, scene.torque).kind == KOVALEVSKAYA
+
+
+def fits(scene: PrincipalScene) -> bool:
+    """Whether the body is a Kovalevskaya top, and the motion has a formula."""
+    return _is_top(scene) and has_formula(top_start(scene, None)[1])
+
+
+def misfit(scene: PrincipalScene) -> Misfit | None:
+    """Why a scene is not one's, or its motion has no formula."""
+    if not _is_top(scene):
+        return shortfall(conditions, scene)
+    return None if fits(scene) else Misfit("a motion that has a formula on its degenerate curve")
+
+
+def conditions(scene: Placed) -> Iterator[Condition]:
+    """Those of the body, its axes in the top's order."""
+    A, B, C = scene.moments
+    yield equal("A = B", A, B)
+    yield equal("A = 2C", A, 2 * C)
+    yield equal("z0 = 0", scene.torque[2], ZERO, scene.weight)
 
 
 def regime(start: KovalevskayaStart) -> str:
@@ -71,44 +104,27 @@ def centre(start: KovalevskayaStart) -> Exact | None:
     return None
 
 
-def passes_poles(start: KovalevskayaStart) -> bool:
-    """Whether an e is k or -k: elsewhere the top's third axis is never vertical.
-
-    There it is vertical along curves on the torus, which a motion crosses again and again.
-    """
-    lever = 2 * start.m2 - start.H * start.a2
-    return sign(lever * lever - start.k2 * start.a2 * start.a2) == 0
+def has_formula(start: KovalevskayaStart) -> bool:
+    """Whether the motion has one here: on other degenerate curves it is left to the enclosure."""
+    return _one_frequency(start) is not None or _degenerate(start) != OTHER
 
 
 def _degenerate(start: KovalevskayaStart) -> str | None:
     """The name of a motion on a degenerate curve, k > 0; None where the curve is none.
 
-    With K the double root, w^2 = -2 (s - K)^2 c(s): where c(K) > 0 the node is a point alone, where
-    c(K) < 0 the motion tends to the one-frequency motion that sits there.
+    Where an e is -k alone, w^2 = -2 (s + k)^2 c(s): with c(-k) > 0 the node is a point alone, with
+    c(-k) < 0 the motion tends to the one-frequency motion that sits there.
     """
-    H, b, m2, a2, k2 = start.H, start.b, start.m2, start.a2, start.k2
-    side = 2 * m2 - H * a2  # S(k) = k a^2 - side, S(-k) = -k a^2 - side
-    at_k = passes_poles(start)
-    c, d = b, H * b - 2 * m2  # s^3 + H s^2 + c s + d
-    twice = sign(discriminant(start)) == 0
-    if not at_k and not twice:
-        return None
-    if at_k and twice:
-        return MULTIPLE
-    if twice:
-        spread = H * H - 3 * c
-        if sign(spread) == 0:
-            return MULTIPLE
-        K = (9 * d - H * c) / (2 * spread)
-        third = -H - 2 * K
-        value = sign((K - third) * (K * K - k2))
-    elif sign(side) > 0:
-        return MULTIPLE  # e = k without the special motion: none is known
-    else:
-        # K = -k: c = (s - k)(s - e1)(s - e2), (s - e1)(s - e2) = S/(s + k); at -k it is S'(-k).
-        # -2k S'(-k), S'(-k) = 3k^2 - 2Hk + b; k = -side/a^2.
-        k = -side / a2
-        value = -sign(3 * k * k - 2 * H * k + b)
+    at_k, twice = is_node(start), sign(discriminant(start)) == 0
+    if not at_k:
+        return OTHER if twice else None
+    side = 2 * start.m2 - start.H * start.a2  # S(k) = k a^2 - side, S(-k) = -k a^2 - side
+    if twice or sign(side) > 0:
+        return OTHER
+    # c = (s - k)(s - e1)(s - e2), (s - e1)(s - e2) = S/(s + k); at -k it is S'(-k).
+    # -2k S'(-k), S'(-k) = 3k^2 - 2Hk + b; k = -side/a^2.
+    k = -side / start.a2
+    value = sign(3 * k * k - 2 * start.H * k + start.b)
     if value == 0:
-        return MULTIPLE
-    return QUASI_PERIODIC if value > 0 else ASYMPTOTIC
+        return OTHER
+    return QUASI_PERIODIC if value < 0 else ASYMPTOTIC

@@ -4,21 +4,20 @@
 
 (Yehia 3.13-3.17).  w = (p, q, r) and the upward vertical gamma in body axes.  Any start, any time,
 any number of digits: generic motion by genus-2 theta functions (Kowalevski, Acta Math. 12 (1889)
-177), one-frequency motions by Weierstrass' functions, others on a degenerate curve as the mean of
-six neighbours: digits of these are reproduced, not proven.  Units: any consistent set, angles in
-radians.
+177), one-frequency motions by Weierstrass' functions, those on a curve of which an e is -k by sigma
+functions.  Units: any consistent set, angles in radians.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
 from flint import arb
 
 from polhode.closed_forms.balls.angles import Arguments
-from polhode.closed_forms.balls.core import Kept, Refused, ball, enclosed
+from polhode.closed_forms.balls.core import ball, enclosed
 from polhode.closed_forms.balls.frames import (
     OwnMotion,
     OwnTurning,
@@ -29,25 +28,22 @@ from polhode.closed_forms.balls.frames import (
     quaternion,
 )
 from polhode.closed_forms.balls.one_axis import OneAxis, Permanent
-from polhode.closed_forms.balls.periodic_attitude import Equations, InTime, PeriodicAttitude, Strip
-from polhode.closed_forms.closed_form import ClosedForm
+from polhode.closed_forms.balls.periodic_attitude import InTime, PeriodicAttitude, Strip
+from polhode.closed_forms.closed_form import ENCLOSED_ATTITUDE, ClosedForm, no_attitude
 from polhode.closed_forms.kovalevskaya import regimes
-from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart, top_start
+from polhode.closed_forms.kovalevskaya.axes import EQUATIONS, top_start
 from polhode.closed_forms.kovalevskaya.branch_points import branch_points, discriminant
-from polhode.closed_forms.kovalevskaya.neighbours import MOST_BITS, Neighbours, NeighboursAttitude
+from polhode.closed_forms.kovalevskaya.degenerate import DegenerateState
 from polhode.closed_forms.kovalevskaya.periodic import Periodic, quartic
 from polhode.closed_forms.kovalevskaya.theta.cycles import rates
 from polhode.closed_forms.kovalevskaya.theta.theta_attitude import ThetaAttitude
 from polhode.closed_forms.kovalevskaya.theta.theta_state import ThetaState
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
-from polhode.numbers.exact import ZERO, Exact, sign
-from polhode.numbers.mpmath_context import mpc, mpf
+from polhode.numbers.exact import ZERO, sign
+from polhode.numbers.mpmath_context import mpc
 from polhode.numbers.scalars import Scalar
 
-#: Radians at the bound of |w| up to which a motion that tends to a steady one has an attitude.
-_SEPARATRIX_REACH = 300.0
-#: In the top's axes and units.
-_EQUATIONS = Equations((arb(2), arb(2), arb(1)), (arb(1), arb(0), arb(0)))
+_CHECKED = "states are proven; of the attitude the formula is checked, the arithmetic proven"
 
 
 class KovalevskayaTop(ClosedForm[SeenMotion[Any]]):
@@ -61,18 +57,24 @@ class KovalevskayaTop(ClosedForm[SeenMotion[Any]]):
 
     def _set_up(self, scene: PrincipalScene, axes: Rows | None) -> None:
         self._frame, self.begin = top_start(scene, axes)
-        self.regime = regimes.regime(self.begin)
+        self.regime = regime = regimes.regime(self.begin)
+        if regime == regimes.OTHER:
+            raise ValueError("a degenerate curve on which the motion has no formula")
         self._disc = discriminant(self.begin)
         self._strip: Strip | None = None
-        self._first_turn = Kept(self._made_first_turn)
-        self.proven = _proof(self.begin, self.regime)
-        self.knows_turns = self.regime in regimes.STEADY
+        if regime in regimes.ONE_FREQUENCY:
+            self.has_attitude = quartic(self.begin, regime).has_period
+        elif regime not in regimes.STEADY:
+            self.has_attitude, self.proven = regime not in regimes.DEGENERATE, _CHECKED
+        if not self.has_attitude:
+            self.proven = ENCLOSED_ATTITUDE
+        self.knows_turns = regime in regimes.STEADY
         if self.knows_turns:
             self._axis = OneAxis(self._omega, self._gamma)
 
     def _most_bits(self, digits: int) -> int:
         """Ever more bits would take minutes: near some motions no number of them is enough."""
-        return MOST_BITS if self.regime in regimes.DEGENERATE else 20 * digits + 3_000
+        return 20 * digits + 3_000
 
     def _solved(self) -> SeenMotion[Any]:
         start, regime = self.begin, self.regime
@@ -81,8 +83,7 @@ class KovalevskayaTop(ClosedForm[SeenMotion[Any]]):
             return self._seen(steady, steady.speed, lambda: steady)
         speed = start.speed_bound()
         if regime in regimes.DEGENERATE:
-            near = Neighbours(start)
-            return self._seen(near, speed, lambda: NeighboursAttitude(near, self._first_turn()))
+            return self._seen(DegenerateState(start), speed, no_attitude)
         if regime in regimes.ONE_FREQUENCY:
             periodic = Periodic(start, regime)
             return self._seen(periodic, speed, partial(self._periodic_turning, periodic))
@@ -98,26 +99,16 @@ class KovalevskayaTop(ClosedForm[SeenMotion[Any]]):
         return SeenMotion(motion, turning, self._frame, attitude, speed, unit, weight)
 
     def _periodic_turning(self, motion: Periodic) -> OwnTurning:
-        """The attitude of a motion that has a period, or that tends to a steady one."""
+        """The attitude of a motion that has a period."""
         if motion.period is None:
-            near = Neighbours(self.begin)
-            return NeighboursAttitude(near, self._first_turn(), _SEPARATRIX_REACH)
+            return no_attitude()
         size = ball(self.begin.a2).sqrt()
         orbit = InTime(motion.complex_state, motion.period)
-        attitude = PeriodicAttitude(orbit, size, motion.speed, _EQUATIONS, self._strip)
+        attitude = PeriodicAttitude(orbit, size, motion.speed, EQUATIONS, self._strip)
         self._strip = attitude.strip
         return attitude
 
-    def angles(self, times: Sequence[Exact], digits: int) -> list[list[mpf | None]]:
-        """psi, theta, phi, their turns counted; Refused where the motion passes pole after pole."""
-        if self.regime in regimes.DEGENERATE and regimes.passes_poles(self.begin):
-            raise Refused(
-                f"{self.regime}: the third axis passes the vertical, where psi and phi jump: ask "
-                "for the attitude"
-            )
-        return super().angles(times, digits)
-
-    def _made_first_turn(self) -> Turn:
+    def _first_turn(self) -> Turn:
         """A quaternion of the start's gamma in the top's axes."""
         a, b, c = (x / self.begin.weight for x in self.begin.G)
         return quaternion(*halves((a, b, c), ZERO))
@@ -127,7 +118,8 @@ class KovalevskayaTop(ClosedForm[SeenMotion[Any]]):
         assert start is not None
         w = motion.row(t, attitude=False)[:3]
         x, y, z = (v / motion.speed for v in w)
-        return self._axis.arguments(start, (x, y, z), motion.speed * t / 2)
+        still = all(v.is_zero() for v in w)  # whose speed is no zero, but 1, to divide by
+        return self._axis.arguments(start, (x, y, z), arb(0) if still else motion.speed * t / 2)
 
     def repeats(self) -> arb | None:
         """The period, of w and gamma."""
@@ -185,16 +177,3 @@ class KovalevskayaTop(ClosedForm[SeenMotion[Any]]):
             return super()._rate_balls()
         one, two = rates(motion.motion.jacobian.points)
         return {"s1": one * motion.unit, "s2": two * motion.unit}
-
-
-def _proof(start: KovalevskayaStart, regime: str) -> bool | str:
-    """What of a motion's digits is proven."""
-    if regime in regimes.DEGENERATE:
-        return False  # the mean of neighbours
-    if regime in regimes.STEADY:
-        return True
-    if regime in regimes.ONE_FREQUENCY:
-        if quartic(start, regime).has_period:
-            return True
-        return "states are proven; the attitude is reproduced, by neighbours"
-    return "states are proven; of the attitude the formula is checked, the arithmetic proven"

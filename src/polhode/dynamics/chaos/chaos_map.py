@@ -1,4 +1,4 @@
-"""Chaos maps: which motions of a level, or of a family of scenes, are chaotic.
+"""Chaos maps: which motions of a level, of a family of scenes, or of own starts, are chaotic.
 
 One tangent u a motion, followed to the time T:
 
@@ -6,8 +6,9 @@ One tangent u a motion, followed to the time T:
     MEGNO = (1/T) int Y dt,              Y(t) = 2 ln|u(t)| - (2/t) int_0^t ln|u|
 
 (the mean exponential growth of nearby orbits of P. Cincotta and C. Simo, A&AS 147 (2000) 205).  A
-motion is *chaotic* where growth > 6, or *unstable* where all motions of its body are known
-(the definition and the bound are those of :mod:`polhode.judging.conditioning.motion_kinds`);
+motion is *chaotic* where growth > 6, or *unstable* where it is known: all motions of its body are,
+or it is a fixed point or has a closed form (the definition and the bound are those of
+:mod:`polhode.judging.conditioning.motion_kinds`);
 *regular* (up to T) where growth < 2.5 and MEGNO < 2.2 and T is 1000 units or more; else
 *undecided*.  Orbits that stick to islands for longer than T are called regular.
 """
@@ -23,6 +24,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from polhode.common.arguments import each
 from polhode.common.checkpoint import JobCheckpoint
@@ -34,13 +36,15 @@ from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.chaos import map_motions
 from polhode.dynamics.sections.initial_tangents import tangents_of
-from polhode.judging.conditioning.motion_kinds import UNSTABLE, UNSTABLE_GROWTH, is_integrable
+from polhode.judging.conditioning.motion_kinds import UNSTABLE, UNSTABLE_GROWTH
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles, Integers
 from polhode.numbers.scalars import AnyNumber
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
+from polhode.runs.sweep import starts_file
+from polhode.runs.sweep.array_starts import from_starts
 from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
@@ -53,7 +57,8 @@ REGULAR_GROWTH, REGULAR_MEGNO, SHORTEST = 2.5, 2.2, 1000.0
 _BYTES = 24  # of a look: ln|u|, and what it is judged by
 LOOK, LEAST_LOOKS = 8.0, 16  # units of time between two looks, at most; looks, a multiple of this
 LANES = 256
-VERDICTS = ("regular", "undecided", "chaotic")
+VERDICTS = ("regular", "undecided", "chaotic", UNSTABLE)
+_CHAOTIC, _UNSTABLE = 2, 3
 MOST = 10_000_000  # units of time
 _ROUNDING = 1e-9  # of an end
 
@@ -62,11 +67,12 @@ _ROUNDING = 1e-9  # of an end
 class ChaosMap(Result, ByValue):
     """Verdicts of many motions: arrays with one row per motion.
 
-    ``keys``: the names of the two coordinates; ``at`` (n, 2): their values.  ``shape``: cells of
-    the grid, ``cell`` (n,) the cell of each motion, in C order.  ``verdict`` (n,): indices into
-    VERDICTS.  ``fli`` (max ln|u|), ``megno``, ``growth`` (of ln|u| over the second half of the
-    time), ``exponent`` (per unit of the scene's time), each (n,), up to the time ``until``, which
-    is less than ``end`` for a motion that was found chaotic earlier.
+    ``keys``: the names of the coordinates, two of a grid; ``at`` (n, keys): their values.
+    ``shape``: cells of the grid, ``cell`` (n,) the cell of each motion, in C order; without a grid
+    a cell is a motion.  ``verdict`` (n,): indices into VERDICTS.  ``fli`` (max ln|u|), ``megno``,
+    ``growth`` (of ln|u| over the second half of the time), ``exponent`` (per unit of the scene's
+    time), each (n,), up to the time ``until``, which is less than ``end`` for a motion that was
+    found chaotic earlier.
 
     >>> import polhode
     >>> found = polhode.chaos_map("lagrange/nutation", grid=(3, 3), end=1000)
@@ -75,8 +81,8 @@ class ChaosMap(Result, ByValue):
     """
 
     scene: Scene
-    keys: tuple[str, str]
-    shape: tuple[int, int]
+    keys: tuple[str, ...]
+    shape: tuple[int, ...]
     at: Doubles
     cell: Integers
     verdict: Integers
@@ -109,14 +115,7 @@ class ChaosMap(Result, ByValue):
     @property
     def counts(self) -> dict[str, int]:
         """How many motions have each verdict."""
-        found = {name: int((self.verdict == k).sum()) for k, name in enumerate(self.words)}
-        return found | {name: 0 for name in VERDICTS if name not in found}
-
-    @property
-    def words(self) -> tuple[str, ...]:
-        """The verdicts' names: unstable for chaotic on a level of a body that is integrable."""
-        known = self.h is not None and is_integrable(self.scene.body)
-        return (*VERDICTS[:2], UNSTABLE) if known else VERDICTS
+        return {name: int((self.verdict == k).sum()) for k, name in enumerate(VERDICTS)}
 
     def table(self) -> Table:
         """A row a motion: where it starts, its verdict, and what that rests on."""
@@ -127,7 +126,7 @@ class ChaosMap(Result, ByValue):
                 Column("motion", np.arange(1, len(self.verdict) + 1)),
                 *(Column(key, self.at[:, k]) for k, key in enumerate(self.keys)),
                 Column("cell", self.cell, "its cell of the grid, row by row from 0"),
-                text_column("verdict", [self.words[k] for k in self.verdict.tolist()]),
+                text_column("verdict", [VERDICTS[k] for k in self.verdict.tolist()]),
                 Column("fli", self.fli, "largest logarithm of the tangent", digits=4),
                 Column("megno", self.megno, "mean exponential growth of nearby orbits", digits=4),
                 Column("growth", self.growth, "of the logarithm, in the second half", digits=4),
@@ -164,7 +163,7 @@ class ChaosMap(Result, ByValue):
             Fact("h", self.h, "energy"),
             Fact("f", self.f, "vertical momentum"),
             Fact("keys", list(self.keys), "the coordinates of a motion"),
-            Fact("grid", list(self.shape), "rows and columns of cells"),
+            Fact("grid", list(self.shape), "rows and columns of cells; or motions without a grid"),
             Fact("end", self.end, "how far motions are followed", unit_of(self.scene, "t")),
             Fact("least_end", self.enough, "the least end at which one is called regular"),
             Fact("counts", self.counts, "motions of each verdict"),
@@ -188,8 +187,9 @@ def chaos_map(
     executor: Executor | None = None,
     parts: Path | None = None,
     progress: Progress | None = None,
+    starts: npt.ArrayLike | str | Path | None = None,
 ) -> ChaosMap:
-    """Classify the motions of a section's grid, or of scenes in which two numbers vary.
+    """Classify the motions of a section's grid, of scenes in which numbers vary, or of own starts.
 
     Each is regular, unstable, chaotic or undecided by the growth of a tangent vector, see
     :func:`polhode.lyapunov`; regular means up to ``end``.
@@ -201,8 +201,8 @@ def chaos_map(
     grid : tuple of int, optional
         The cells of the section's two coordinates (50x50 unless given).
     vary : mapping, optional
-        Two numbers of the scene file and values of each instead of the grid, as in
-        :func:`polhode.integrate_many`.
+        Numbers of the scene file and values of each instead of the section's grid, as in
+        :func:`polhode.integrate_many`; all combinations of two of them make a grid.
     end : number, optional
         The last time of each motion, in the scene's unit (about 1000 radians by default).  The
         default is 1000 units of the inner time, a power of two of the scene's unit, about a radian
@@ -212,7 +212,7 @@ def chaos_map(
     h, f : number, optional
         The level's energy h or vertical momentum f, if not the scene's.
     tol : float or None
-        The tolerance of a step (1e-8); None for the eps of double.
+        The tolerance of a step (1e-8); in Python None for the eps of double.
     workers : int, optional
         Threads, as many as there are cores unless given.
     executor : Executor, optional
@@ -221,16 +221,21 @@ def chaos_map(
         A folder for finished jobs, from which the same call continues after a kill.
     progress : callable, optional
         Called with the fraction done and the motions done.
+    starts : array_like, shape (N, 6), or path, optional
+        A start for each motion instead of the grid, p q r gamma1 gamma2 gamma3 in the scene's axes
+        and units, or a file of such rows, as for ``polhode sweep``; in Python ``vary`` may have
+        arrays of the body's numbers beside them.
 
     Returns
     -------
     ChaosMap
-        A verdict and an exponent for each cell or member.
+        A verdict and an exponent for each motion.
 
     Raises
     ------
     BadInput
-        A level that does not exist, an end of 0, a number that cannot vary.
+        A level that does not exist, an end of 0, a number that cannot vary, a gamma that is not of
+        length 1.
 
     Examples
     --------
@@ -238,6 +243,10 @@ def chaos_map(
     >>> found = polhode.chaos_map("general/asymmetric-chaotic", (4, 4), end=1000, h=3, f="1/2")
     >>> found.counts["chaotic"] > 6
     True
+    >>> own = [[1.0, 0.5, 2.0, 0.6, 0.0, 0.8], [0.1, 0.0, 3.0, 0.0, 0.6, 0.8]]
+    >>> found = polhode.chaos_map("general/asymmetric-chaotic", starts=own, end=2000)
+    >>> found.exponent.shape
+    (2,)
     """
     from polhode.taylor.variations import tangent_batches
 
@@ -258,22 +267,26 @@ def chaos_map(
         words = "samples in all; a coarser grid, or an earlier end"
         refuse_too_much(scene.name, "map", what, many * looks, _BYTES, words)
 
-    if vary is None:
+    if vary is None and starts is None:
         foretold = partial(forecast, more_than="more than ")
         motions = map_motions.on_section(scene, grid, by, extremum, h, f, foretold)
     else:
-        if grid is not None or h is not None or f is not None:
-            raise BadInput(scene.name, "vary", None, "no grid or level together with it")
-        motions = map_motions.of_varied(scene, vary, forecast)
-    starts, coefficients = motions.starts, motions.coefficients
-    forecast(len(starts))
-    first = tangents_of(starts, motions.moments, motions.torques)
+        if any(x is not None for x in (grid, by, extremum, h, f)):
+            key = "vary" if starts is None else "starts"
+            raise BadInput(scene.name, key, None, "no grid, section or level together with it")
+        if isinstance(starts, (str, Path)):
+            starts = starts_file.read(Path(starts), scene)
+        source, varied = (scene, vary) if starts is None else from_starts(scene, starts, vary)
+        motions = map_motions.of_varied(source, varied or {}, forecast)
+    begun, coefficients = motions.starts, motions.coefficients
+    forecast(len(begun))
+    first = tangents_of(begun, motions.moments, motions.torques)
     early = (looks // 8, looks // 4, looks // 2)
     jobs = [
         tangent_batches.TangentJob(
             motions.names,
             coefficients[k : k + LANES],
-            starts[k : k + LANES],
+            begun[k : k + LANES],
             first[k : k + LANES],
             length,
             looks,
@@ -281,9 +294,9 @@ def chaos_map(
             early,
             UNSTABLE_GROWTH,
         )
-        for k in range(0, len(starts), LANES)
+        for k in range(0, len(begun), LANES)
     ]
-    kept = JobCheckpoint.at(parts, "map", scene.text, length, looks, tol, starts, coefficients)
+    kept = JobCheckpoint.at(parts, "map", scene.text, length, looks, tol, begun, coefficients)
     finished = carried_out(
         tangent_batches.solve,
         jobs,
@@ -297,6 +310,9 @@ def chaos_map(
     )
     sizes, left = (np.concatenate(arrays) for arrays in zip(*finished.done, strict=True))
     judged = _judged(sizes, left, length)
+    verdict, done = judged["verdict"], np.flatnonzero(finished.rows)
+    known = [k for k in np.flatnonzero(verdict == _CHAOTIC).tolist() if motions.is_known(done[k])]
+    verdict[known] = _UNSTABLE
     judged["exponent"] = judged["exponent"] / unit
     judged["until"] = judged["until"] * unit
     return ChaosMap(
@@ -333,7 +349,7 @@ def _judged(sizes: Any, last: Any, length: float) -> dict[str, Any]:
     calm = (
         (growth < REGULAR_GROWTH) & (megno < REGULAR_MEGNO) & (until >= SHORTEST * (1 - _ROUNDING))
     )
-    verdict = np.where(growth > UNSTABLE_GROWTH, 2, np.where(calm, 0, 1))
+    verdict = np.where(growth > UNSTABLE_GROWTH, _CHAOTIC, np.where(calm, 0, 1))
     half = np.maximum(last - last // 2, 1) * step
     return {
         "verdict": verdict,

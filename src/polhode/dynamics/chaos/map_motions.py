@@ -1,4 +1,4 @@
-"""The motions of a chaos map: those of a section's grid, or of scenes in which two numbers vary."""
+"""The motions of a chaos map: of a section's grid, or of scenes in which numbers vary."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from polhode.dynamics.sections import coordinates as geometry
 from polhode.dynamics.sections.starts import asked_of, starts_of
 from polhode.equations.forms import principal
 from polhode.equations.section_functions import HEIGHT, MOMENTUM
+from polhode.judging.conditioning.lyapunov import is_known
+from polhode.judging.conditioning.motion_kinds import is_integrable
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles, Integers
@@ -31,10 +33,12 @@ class Motions(NamedTuple):
     ``keys``, ``shape``, ``at``, ``cell``, ``h``, ``f``: as a ChaosMap has them.  ``starts`` (n, 6),
     ``moments``, ``torques`` (n, 3): in principal axes and the run's unit of time.
     ``coefficients``: of the equations in their principal form, a column for each of ``names``.
+    ``members``: the scenes of motions that are not those of one level.
     """
 
-    keys: tuple[str, str]
-    shape: tuple[int, int]
+    scene: Scene
+    keys: tuple[str, ...]
+    shape: tuple[int, ...]
     at: Doubles
     cell: Integers
     starts: Doubles
@@ -44,6 +48,14 @@ class Motions(NamedTuple):
     coefficients: Doubles
     h: Exact | None = None
     f: Exact | None = None
+    members: Members | None = None
+
+    def is_known(self, k: int) -> bool:
+        """Whether the k-th is a motion that is not called chaotic, however nearby ones separate."""
+        if self.members is None:
+            return is_integrable(self.scene.body)
+        member = self.members[k]
+        return is_integrable(member.body) or is_known(member)
 
 
 def on_section(
@@ -70,6 +82,7 @@ def on_section(
     k = {n: to_double(x) for n, x in principal.coefficients(scene.body, scene.time_unit).items()}
     many = (len(found.states), 1)
     return Motions(
+        scene,
         keys=("azimuth", "u") if asked.by == HEIGHT else ("l", "L_over_G"),
         shape=(first, second),
         at=np.stack([angle[of], cosine[of]], axis=1),
@@ -85,25 +98,30 @@ def on_section(
 
 
 def of_varied(scene: Scene, varied: vary.Vary, foretold: Callable[[int], object]) -> Motions:
-    """The motions of a scene in which two numbers vary; raises BadInput.
+    """The motions of a scene in which numbers vary; raises BadInput.
 
-    ``foretold``: told how many they are before they are made, to refuse them.
+    All combinations of two numbers make a grid.  ``foretold``: told how many they are before they
+    are made, to refuse them.
     """
     grid = vary.grid(varied, scene.name, scene.units)
-    if len(grid.keys) != 2:
-        raise BadInput(scene.name, "vary", ", ".join(grid.keys), "two numbers of the scene")
     if len(grid.rows) > MOST_MOTIONS:
         expected = f"at most {MOST_MOTIONS}; a coarser grid"
         raise BadInput(scene.name, "vary", f"{len(grid.rows)} motions", expected)
+    if not len(grid.rows):
+        raise BadInput(scene.name, "starts", "nothing", "at least one start")
     if scene.gamma is None:
         raise BadInput(scene.name, "start.gamma", None, "a unit vector, for a map")
     foretold(len(grid.rows))
     members = Members(scene, grid)
     unit = 2.0**scene.time_unit
     rows = np.array([[to_double(x) for x in row] for row in grid.rows])
-    axes = [np.unique(rows[:, k]) for k in (0, 1)]
-    first, second = (np.searchsorted(axis, rows[:, k]) for k, axis in enumerate(axes))
-    cell = first * len(axes[1]) + second
+    shape: tuple[int, ...] = (len(rows),)
+    cell = np.arange(len(rows))
+    if len(grid.keys) == 2 and grid.rows.product:
+        axes = [np.unique(column) for column in rows.T]
+        first, second = (np.searchsorted(*pair) for pair in zip(axes, rows.T, strict=True))
+        shape = (len(axes[0]), len(axes[1]))
+        cell = first * len(axes[1]) + second
     starts, moments, torques, every = [], [], [], []
     for member in members:
         turned = member.body.axes.components
@@ -116,8 +134,9 @@ def of_varied(scene: Scene, varied: vary.Vary, foretold: Callable[[int], object]
     names = tuple(name for name in principal.NAMES if any(name in k for k in every))
     values = np.array([[to_double(k.get(name, 0)) for name in names] for k in every])
     return Motions(
-        keys=(grid.keys[0], grid.keys[1]),
-        shape=(len(axes[0]), len(axes[1])),
+        scene,
+        keys=tuple(grid.keys),
+        shape=shape,
         at=rows,
         cell=cell,
         starts=np.array(starts),
@@ -125,4 +144,5 @@ def of_varied(scene: Scene, varied: vary.Vary, foretold: Callable[[int], object]
         torques=np.array(torques),
         names=names,
         coefficients=values,
+        members=members,
     )

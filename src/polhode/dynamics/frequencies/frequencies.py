@@ -20,11 +20,13 @@ from polhode.dynamics.frequencies import naff
 from polhode.judging.references.reference import reference
 from polhode.judging.tables.table import Table
 from polhode.judging.tables.table_file import is_table, read_table
-from polhode.numbers.conversion import to_double
+from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.exact import Exact, sign
+from polhode.numbers.exact_sequences import Floats
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Complexes, Doubles
 from polhode.numbers.scalars import AnyNumber
+from polhode.numbers.vectors import quaternion_product
 from polhode.results.cells import INTEGER
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact
@@ -35,7 +37,7 @@ from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.output_times import even_times
 from polhode.scenes.scene import Scene
-from polhode.scenes.scene_facts import provenance_fact, text_column
+from polhode.scenes.scene_facts import provenance_fact, scene_facts, text_column
 from polhode.scenes.vocabulary import ATTITUDE, STATE
 
 LINES = 6
@@ -74,7 +76,7 @@ class Frequencies(Result, ByValue):
 
     ``known``: frequencies by name that the lines are combinations of: a closed form's where
     ``closed_form``, else lines that are no combination of those before.  The mean of a real signal
-    is taken away.
+    is taken away.  ``scene``: with the times of the samples; None of a table or of listed times.
 
     >>> import polhode
     >>> found = polhode.frequencies("lagrange/nutation", of=["gamma3"], end=200)
@@ -92,6 +94,7 @@ class Frequencies(Result, ByValue):
     closed_form: bool
     signals: Mapping[str, Doubles | Complexes] = field(default_factory=dict)
     step: float = 0.0
+    scene: Scene | None = None
     provenance: Mapping[str, object] = field(default_factory=dict)
 
     def __repr__(self) -> str:
@@ -112,7 +115,7 @@ class Frequencies(Result, ByValue):
                 Column("error", [x.error for x in lines], "estimate", "rad/time", digits=2),
                 Column("half", [x.half for x in lines], "from half of the time", "rad/time"),
                 Column("amplitude", [abs(x.amplitude) for x in lines]),
-                Column("phase", phases, "at t = 0", "rad"),
+                Column("phase", phases, "at the first time", "rad"),
                 text_column("combination", [in_words(x.combination) for x in lines]),
             ],
             2,
@@ -121,8 +124,9 @@ class Frequencies(Result, ByValue):
     def facts(self) -> list[Fact]:
         """Of what motion, how long it was followed, and which frequencies are known."""
         known = [text_column("name", [*self.known]), Column("frequency", [*self.known.values()])]
+        source = [Fact("scene", self.name, "a scene's name, or a file")]
         return [
-            Fact("scene", self.name, "a scene's name, or a file"),
+            *(source if self.scene is None else scene_facts(self.scene)),
             Fact("end", self.end, "the last time"),
             Fact("samples", self.samples),
             Fact("known", ResultTable(known), "of which lines are combinations"),
@@ -249,15 +253,9 @@ def _fastest(scene: Scene) -> float:
 def _of_run(run: Trajectory, names: tuple[str, ...], count: int) -> Frequencies:
     scene = run.scene
     step = _step(scene.name, run.times)
-    columns = {
-        name: np.array([float(x) for x in column])
-        for name, column in zip(run.columns, zip(*run.states, strict=True), strict=True)
-    }
+    columns = dict(zip(run.columns, doubles(run.states).T, strict=True))
     if run.attitude is not None:
-        columns |= {
-            name: np.array([float(x) for x in column])
-            for name, column in zip(ATTITUDE, zip(*run.attitude, strict=True), strict=True)
-        }
+        columns |= zip(ATTITUDE, doubles(run.attitude).T, strict=True)
     closed = reference(scene)
     known: dict[str, float] = {}
     if closed.is_closed_form:
@@ -265,7 +263,9 @@ def _of_run(run: Trajectory, names: tuple[str, ...], count: int) -> Frequencies:
         for name, x in closed.frequencies.items():
             known |= {f"{name}/2": float(x) / 2} if name in half else {name: float(x)}
     signals = {name: _signal(scene.name, name, columns, scene) for name in names}
-    return _found(scene.name, signals, step, count, known, scene.provenance())
+    found = _found(scene.name, signals, step, count, known, scene.provenance())
+    listed = isinstance(scene.output_times.numbers, Floats)  # which a text would hold one by one
+    return found if listed else replace(found, scene=scene)
 
 
 def _of_table(table: Table, of: Sequence[str] | None, count: int) -> Frequencies:
@@ -320,16 +320,11 @@ def _axis(columns: Mapping[str, Any], scene: Scene | None) -> Any:
     )
     if scene is None or not scene.body.torque_free:
         return axis[0] + 1j * axis[1]
-    momentum = np.array([to_double(x) for x in scene.body.momentum(scene.omega)])
-    a, b, c, d = (float(x[0]) for x in (q0, q1, q2, q3))
-    turn = np.array(
-        [
-            [a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)],
-            [2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)],
-            [2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d],
-        ]
-    )
-    up = turn @ momentum
+    inertia = np.array([[to_double(x) for x in row] for row in scene.body.inertia])
+    momentum = inertia @ [columns[name][0] for name in STATE[:3]]
+    a, *b = (float(x[0]) for x in (q0, q1, q2, q3))
+    turned = quaternion_product((a, *b), (0.0, *momentum.tolist()))
+    up = np.array(quaternion_product(turned, (a, *(-x for x in b)))[1:])
     up = up / np.linalg.norm(up)
     first = np.cross(np.eye(3)[int(np.argmin(np.abs(up)))], up)
     first = first / np.linalg.norm(first)
@@ -365,7 +360,9 @@ def _found(
         found[signal] = tuple(parts)
     length = step * (len(next(iter(signals.values()))) - 1)
     n = len(next(iter(signals.values())))
-    return Frequencies(name, length, n, found, known, closed, dict(signals), step, origin)
+    return Frequencies(
+        name, length, n, found, known, closed, dict(signals), step, provenance=origin
+    )
 
 
 def _mean(samples: Any) -> complex:

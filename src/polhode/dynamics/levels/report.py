@@ -36,7 +36,5 @@ def report(found: Any, topology: str) -> str:
         lines.append(f"fourth integral  {here.fourth.name} = {here.fourth.value:.12g}; critical:")
         lines += (f"  {value.value:<20.12g}{value.what}" for value in here.fourth.critical)
     if not found.exact:
-        lines.append(
-            "decided with the irrational numbers of the body, or h and f, rounded to 1024 bits"
-        )
+        lines.append("irrational numbers of the body, or h and f, were rounded to 1024 bits")
     return "\n".join(lines)

@@ -18,6 +18,7 @@ from polhode.dynamics.observables.reductions import FIRST, LYAPUNOV, Reduction, 
 from polhode.judging.conditioning import lyapunov
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.conversion import to_double
+from polhode.numbers.expression import odd_part
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles, double_array
 from polhode.runs.problem.options import Options
@@ -78,12 +79,12 @@ def _of_event(
     scene: Scene, plan: Plan, event: Event, group: npt.NDArray[np.int64], end: float
 ) -> tuple[SearchJob, Singles]:
     """The job of an event, and what it needs where lanes are not sure."""
-
-    size, motions = size_of(scene, event), plan.motions.some(group)
-    largest = math.frexp(max(float(size.value), float(size.rate)) or 1.0)[1]
     assert event.expression is not None
+    odd = odd_part(event.expression)  # it crosses zero where the expression does
+    size, motions = size_of(scene, event._replace(zero=odd)), plan.motions.some(group)
+    largest = math.frexp(max(float(size.value), float(size.rate)) or 1.0)[1]
     turns = _turns(plan, group)
-    watched = Watched(plan.names, scene.columns, event.expression, 2.0**largest, turns is not None)
+    watched = Watched(plan.names, scene.columns, odd, 2.0**largest, turns is not None)
     job = SearchJob(
         *(watched, _DIRECTIONS[event.direction], 1, end, STRETCH),
         *(double_array(motions.coefficients), double_array(motions.starts)),

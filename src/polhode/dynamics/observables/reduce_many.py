@@ -19,7 +19,7 @@ from polhode.dynamics.observables.jobs import Reduced, check, job_of, solve
 from polhode.dynamics.observables.reductions import asked
 from polhode.motion.outcomes import OUTCOMES, Outcome, code
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Stack
+from polhode.numbers.rows import Stack, kind_of
 from polhode.numbers.scalars import AnyNumber
 from polhode.results.table import Column, Fact, Table
 from polhode.runs.sweep.endings import Ended
@@ -226,11 +226,8 @@ def reduce_many(
     endings = np.full(len(plan.members), code(Outcome.NOT_RUN), dtype=np.uint8)
     counts = np.zeros(len(plan.members), dtype=np.int64)
     names = [name for what in which for name in what.names(scene.columns)]
-    none = np.full(len(plan.members), np.nan)
-    if plan.number.name == "double":
-        numbers: dict[str, Stack] = {name: none.copy() for name in names}
-    else:
-        numbers = {name: none.astype(np.longdouble) for name in names}
+    kind = np.dtype(kind_of(plan.number))
+    numbers = {name: np.full(len(plan.members), np.nan, kind) for name in names}
     for group, found in zip(groups, finished.results, strict=True):
         if found is None:
             continue

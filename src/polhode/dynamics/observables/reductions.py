@@ -1,8 +1,7 @@
 """Numbers that a motion is reduced to, asked for in words.
 
 final            the last state
-largest X        of an expression in the columns of a state, in those derived from the state alone
-                 without numbers of the body, in t and theta over the output times,
+largest X        of an expression in the columns of a state, in t and theta over the output times,
 smallest X       and the first of those times at which it is reached
 first NAME       the first time after 0 of the scene's event NAME, and the state there
 lyapunov         the largest Lyapunov exponent to the last time, as polhode.lyapunov tells it
@@ -10,7 +9,6 @@ lyapunov         the largest Lyapunov exponent to the last time, as polhode.lyap
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -18,17 +16,15 @@ import numpy as np
 
 from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput, nearest
-from polhode.equations.column import column, of_state_alone
 from polhode.numbers import expression
 from polhode.numbers.conversion import number_value
 from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.number_types import DOUBLE, NumberType
-from polhode.numbers.row_formulas import mapped_stack
 from polhode.numbers.rows import Stack
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
-from polhode.scenes.vocabulary import COLUMNS, READY_MADE, STATE
-from polhode.taylor.events.callbacks import is_entire
+from polhode.scenes.vocabulary import READY_MADE, STATE
+from polhode.taylor.events.magnitudes import identically_zero, size_of
 
 FINAL, LARGEST, SMALLEST, FIRST, LYAPUNOV = "final", "largest", "smallest", "first", "lyapunov"
 _EXPECTED = "final, largest X, smallest X, first EVENT or lyapunov"
@@ -77,8 +73,11 @@ def event_of(scene: Scene, name: str) -> Event:
     if name not in events:
         raise BadInput(scene.name, f"keep: {FIRST}", name, f"an event: {nearest(name, [*events])}")
     event = events[name]
-    if event.expression is None or not is_entire(scene, event):
+    if event.expression is None or not size_of(scene, event).entire:
         expected = "an event with an expression, without roots and division by a variable"
+        raise BadInput(scene.name, f"keep: {FIRST}", name, expected)
+    if identically_zero(event.expression, (*scene.columns, "t")):
+        expected = f"an event that is not zero everywhere, as {event.expression} is"
         raise BadInput(scene.name, f"keep: {FIRST}", name, expected)
     return event
 
@@ -113,20 +112,10 @@ def _values(
     if "gamma3" in names:
         across = np.hypot(names["gamma1"], names["gamma2"])
         names["theta"] = np.arctan2(across, names["gamma3"])
-    for word in of_state_alone():
-        found = column(word)
-        if len(columns) == len(STATE) and found.coefficients is None and _named_in(text, word):
-            made = mapped_stack(found.values, states, {}, kind, len(COLUMNS[word].names))
-            names |= {name: made[:, :, i] for i, name in enumerate(COLUMNS[word].names)}
     names["t"] = np.broadcast_to(times, states.shape[:2])
     functions = {"sqrt": np.sqrt, "sin": np.sin, "cos": np.cos}
     value = expression.evaluate(text, names, Algebra(lambda x: number_value(x, kind), functions))
     return np.broadcast_to(value, states.shape[:2])
-
-
-def _named_in(text: str, word: str) -> bool:
-    """Whether an expression names a column of a derived output."""
-    return any(re.search(rf"\b{name}\b", text) for name in COLUMNS[word].names)
 
 
 def _read(scene: Scene, text: str) -> Reduction:

@@ -39,6 +39,7 @@ from polhode.taylor.variations.flow_map import Flow, NotFollowed
 
 SPARE_DIGITS = 2  # written beside those asked for
 MOST_TYPES = 3  # tried until the digits are reached
+DIGITS_OF_TURNS = 8  # at least: by chance one advance in 3000 is a fraction of a turn to so many
 HELD = 15  # digits up to which a monodromy matrix in double is enough
 
 Fractions = Sequence[Fraction]

@@ -37,13 +37,18 @@ def report(found: Orbit) -> str:
 
 
 def _advance(found: Orbit) -> str:
-    if found.psi is None:
+    error = found.psi_error  # 0 beyond the range of doubles
+    known = math.floor(-math.log10(error)) if error else found.digits - 2
+    places = min(found.digits, known)
+    if found.psi is None or places < 1:
         return "not known"
     closes = "the motion in space does not close in few periods"
+    if found.digits < high_precision.DIGITS_OF_TURNS:
+        closes = "too few digits to tell whether the motion in space closes"
     if found.turns is not None:
         count = counted(found.turns.denominator, "period")
         closes = f"the motion in space closes after {count}"
-    return f"{_placed(exactly(found.psi), found.digits)} per period; {closes}"
+    return f"{_placed(exactly(found.psi), places)} per period; {closes}"
 
 
 def _multipliers(found: Orbit) -> list[tuple[str, str]]:

@@ -5,7 +5,9 @@ values the orbit is kept:
 
     G(t) = max over s <= t' <= t of |u(t')| / |u(s)|,    digits(t) = -log10(eps G(t))
 
-from 0 to those of a double: what one rounding on the way is multiplied by.  A run makes many, and
+from 0 to those of a double: what one rounding on the way is multiplied by.  Where the orbit grazes
+the section, an error across it moves the crossing along the orbit by |x'| |grad z|/|z'| of itself,
+z the section's function; G is multiplied by what of that exceeds STRAIGHT.  A run makes many, and
 the tangent has one direction of two: found were from two digits fewer to one more, of the state at
 the crossing.  On a chaotic orbit G grows exponentially, and from some crossing on no digit is left:
 later ones are those of a neighbour, right for pictures and statistics and not this orbit's.  w
@@ -21,6 +23,7 @@ import numpy as np
 
 from polhode.dynamics.sections.initial_tangents import tangents_of
 from polhode.equations.forms import principal
+from polhode.equations.section_functions import SectionZero
 from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles, Integers
@@ -29,20 +32,25 @@ from polhode.scenes.scene import Scene
 EPS = 2.0**-52
 LOOK = 8.0  # units of the inner time between two looks at the tangent
 LANES = 64  # orbits of a job, in the order of their lengths
+STRAIGHT = 10.0  # so much more does the scatter of errors hide
 LOST = math.log(1 / EPS)  # of ln G
 
 
-def digits(scene: Scene, starts: Doubles, times: Doubles, workers: int | None = None) -> Doubles:
+def digits(
+    scene: Scene, starts: Doubles, times: Doubles, slants: Doubles, workers: int | None = None
+) -> Doubles:
     """Correct digits to be expected of each crossing, nan where there is none: (n, m).
 
     ``starts`` (n, 6): states in principal axes and the run's unit of time; ``times`` (n, m): of the
-    crossings in that unit, nan past an orbit's last one.  ``workers``: threads.
+    crossings in that unit, nan past an orbit's last one.  ``slants`` (n, m): see :func:`slant`.
+    ``workers``: threads.
     """
     from polhode.common.jobs import carried_out
     from polhode.taylor.variations import tangent_batches
 
     found: Doubles = np.full(times.shape, np.nan)
     made = np.isfinite(times)
+    grazing = np.log(np.maximum(slants / STRAIGHT, 1.0))
     last = np.where(made, times, 0.0).max(axis=1, initial=0.0)
     orbits = np.argsort(last, kind="stable")
     orbits = orbits[last[orbits] > 0]
@@ -82,8 +90,31 @@ def digits(scene: Scene, starts: Doubles, times: Doubles, workers: int | None = 
         grown = np.maximum.accumulate(grown, axis=1)
         looks = np.ceil(np.where(made[group], times[group], 0.0) / span).astype(int)
         at = np.take_along_axis(grown, looks, axis=1)
-        right = np.clip((LOST - at) / math.log(10), 0.0, DOUBLE.most_digits)
+        right = np.clip((LOST - at - grazing[group]) / math.log(10), 0.0, DOUBLE.most_digits)
         found[group] = np.where(made[group], right, np.nan)
+    return found
+
+
+def slant(scene: Scene, zero: SectionZero, states: Doubles, fastest: float) -> Doubles:
+    """|x'| |grad z|/|z'| of states (n, m, 6) in principal axes and the run's unit of time.
+
+    ``fastest``: what w is measured by.
+    """
+    from polhode.taylor.corrections.level_projection import ARRAYS, TINY
+
+    k = {n: to_double(x) for n, x in principal.coefficients(scene.body, scene.time_unit).items()}
+    scales = np.array([fastest or 1.0] * 3 + [1.0] * 3)
+    x = np.moveaxis(states, -1, 0)
+    steps = TINY * 1j * np.diag(scales)[:, :, None, None]
+    across = slope = speed = 0.0 * x[0]
+    with np.errstate(all="ignore"):
+        rates = principal.field([*x], k, ARRAYS)
+        for step, rate, scale in zip(steps, rates, scales, strict=True):
+            gradient = np.imag(zero.value([*(x + step)], ARRAYS)) / TINY
+            across = across + gradient**2
+            slope = slope + gradient * rate / scale
+            speed = speed + (rate / scale) ** 2
+        found: Doubles = np.sqrt(across * speed) / np.abs(slope)
     return found
 
 

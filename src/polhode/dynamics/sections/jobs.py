@@ -15,6 +15,7 @@ from polhode.equations.integrals import first_integrals
 from polhode.equations.section_functions import HEIGHT, MOMENTUM, SectionZero
 from polhode.numbers.conversion import to_double, to_extended
 from polhode.numbers.exact import Exact
+from polhode.numbers.expression import odd_part
 from polhode.numbers.rows import Doubles, double_array
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
@@ -70,7 +71,7 @@ def level_of(scene: Scene, h: Exact, f: Exact) -> Level:
 
 
 def zero_of(scene: Scene, on: Ground, by: str) -> SectionZero:
-    """A section's function, scaled to order one."""
+    """A section's function, scaled to order one; of an expression the odd part."""
     from polhode.equations.section_functions import SectionZero
 
     moments = tuple(float(a) for a in on.moments)
@@ -78,7 +79,7 @@ def zero_of(scene: Scene, on: Ground, by: str) -> SectionZero:
     size = on.largest_momentum if by == MOMENTUM else on.fastest
     arm = tuple(float(side * x / (size or 1.0)) for x in on.frame[2])
     rows = tuple(tuple(to_double(x) for x in row) for row in scene.body.axes.rows)
-    return SectionZero(by, moments, arm, rows, 2.0**scene.time_unit)  # type: ignore[arg-type]
+    return SectionZero(odd_part(by), moments, arm, rows, 2.0**scene.time_unit)  # type: ignore[arg-type]
 
 
 def worth(jobs: int, crossings: int) -> int:

@@ -115,9 +115,14 @@ class Section(Result, ByValue):
         """
         if self.interrupted:
             return self.times * float("nan")
-        starts = geometry.turned(self.scene, self.start_states, back=True)
-        times = self.times / 2.0**self.scene.time_unit
-        return crossing_accuracy.digits(self.scene, starts, times)
+        scene = self.scene
+        starts, states = (
+            geometry.turned(scene, x, back=True) for x in (self.start_states, self.states)
+        )
+        on = geometry.ground(scene, self.h, self.f)
+        zero = section_jobs.zero_of(scene, on, self.by)
+        slants = crossing_accuracy.slant(scene, zero, states, on.fastest)
+        return crossing_accuracy.digits(scene, starts, self.times / 2.0**scene.time_unit, slants)
 
     @property
     def none_left_from(self) -> Integers:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from functools import partial
 from io import BytesIO, StringIO
+from itertools import cycle, islice
+from pathlib import Path
 from typing import Any
 
 from polhode.common.errors import BadInput
@@ -72,6 +74,30 @@ def panels(plt: Any, axes: Any, rows: int, columns: int = 1, **how: Any) -> tupl
     return given[0].figure, given.reshape(rows, columns)
 
 
+def over_time(
+    plt: Any,
+    t: Any,
+    scene: Scene | None,
+    rows: Mapping[str, Mapping[str, Any]],
+    axes: Any = None,
+    **how: Any,
+) -> tuple[Any, Any]:
+    """A figure and its panels above one another: a label each, and curves over time by name."""
+    size = 5.6, 0.6 + (1.5 if len(rows) > 1 else 2.2) * len(rows)
+    figure, made = panels(plt, axes, len(rows), sharex=True, figsize=size, **how)
+    for panel, (label, curves) in zip(made[:, 0], rows.items(), strict=True):
+        for (name, values), colour in zip(curves.items(), (*series(3), LAST), strict=False):
+            panel.plot(t, values, color=colour, label=name, gid=name)
+        panel.set_ylabel(label)
+        if len(curves) > 1:
+            panel.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
+    made[-1, 0].set_xlabel(time_label(scene))
+    if min(t) < max(t):  # one time alone has a place of its own
+        made[-1, 0].set_xlim(min(t), max(t))
+    figure.align_ylabels()
+    return figure, made[:, 0]
+
+
 def legend_of(figure: Any, axes: Any) -> Any:
     """Makes a legend: beside the panels of a figure of our own, within axes that were given."""
     if axes is None:
@@ -79,6 +105,15 @@ def legend_of(figure: Any, axes: Any) -> Any:
     import numpy as np
 
     return np.ravel(np.asarray(axes, dtype=object))[0].legend
+
+
+def legend(place: Callable[..., Any], axes: Iterable[Any], **how: Any) -> None:
+    """Every name of the panels once; ``place``: makes a legend."""
+    found: dict[str, Any] = {}
+    for panel in axes:
+        for handle, name in zip(*panel.get_legend_handles_labels(), strict=True):
+            found.setdefault(name, handle)
+    place(found.values(), found.keys(), **{"frameon": False} | how)
 
 
 def as_svg(figure: Any, title: str | None = None) -> str:
@@ -92,51 +127,44 @@ def as_svg(figure: Any, title: str | None = None) -> str:
     return "\n".join(line.rstrip() for line in out.getvalue().splitlines()) + "\n"
 
 
-#: Of printed figures: text stays text (no mathtext: it sets letter by letter), thin axes.
-PAPER = {
-    "svg.fonttype": "none",
-    "pdf.fonttype": 42,
-    "font.sans-serif": ["DejaVu Sans", "Arial", "Helvetica"],
-    "font.size": 9,
-    "axes.linewidth": 0.6,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.labelsize": 9,
-    "xtick.labelsize": 8,
-    "ytick.labelsize": 8,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "lines.linewidth": 0.8,
-    "lines.solid_joinstyle": "round",
-}
+#: The style sheet of printed figures.
+STYLE = Path(__file__).parent / "paper.mplstyle"
 
 
 @contextmanager
 def paper() -> Iterator[Any]:
     """matplotlib.pyplot while a printed figure is drawn."""
     plt = pyplot()
-    with plt.rc_context(PAPER):
+    with plt.style.context(STYLE):
         yield plt
 
 
 #: Colours of Okabe and Ito's set, told apart by every eye; the same hue, lighter, for what is
 #: hidden behind a surface.
 BODY, SPACE, REST = "#0072b2", "#d55e00", "#009e73"
-SERIES = (BODY, SPACE, REST, "#a0508a")  # motions, in the order in which they are drawn
-PLAIN = "#333333"  # where a colour would say something
-HIDDEN = {BODY: "#a6cbe3", SPACE: "#f3c6a5", REST: "#a6dccb", PLAIN: "#b0b0b0"}
+#: Of motions, in the order in which they are drawn: dark enough on white, neighbours far apart.
+SERIES = (BODY, SPACE, REST, "#cc79a7", "#8c6d00", "#5d3a9b", "#1b9e9e", "#a50f15")
+LAST = "#777777"  # of four curves
+HIDDEN = {BODY: "#a6cbe3", SPACE: "#f3c6a5", REST: "#a6dccb"}
 TIME = "t (units of the scene)"
 
 
-def series(plt: Any, count: int) -> tuple[str, ...]:
+def series(count: int) -> tuple[str, ...]:
     """So many colours: those of a style that the user chose, else ours."""
     import matplotlib
 
-    own = matplotlib.rcParamsDefault["axes.prop_cycle"]
-    chosen = plt.rcParams["axes.prop_cycle"]
-    colours = [] if chosen == own else chosen.by_key().get("color", [])
-    colours = colours or SERIES
-    return tuple(colours[k % len(colours)] for k in range(count))
+    chosen = matplotlib.rcParams["axes.prop_cycle"]
+    own = chosen == matplotlib.rcParamsDefault["axes.prop_cycle"]
+    colours = () if own else chosen.by_key().get("color", ())
+    return tuple(islice(cycle(colours or SERIES), count))
+
+
+def ink() -> str:
+    """The colour of what is black on white, in the style that is in use."""
+    import matplotlib
+
+    colour: str = matplotlib.rcParams["text.color"]
+    return colour
 
 
 def pale(colour: str) -> str:

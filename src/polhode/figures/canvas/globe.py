@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from polhode.figures.canvas.canvas import pale
+from polhode.figures.canvas.canvas import ink, pale
 from polhode.numbers.rows import Doubles
 
 FRONT, BACK, RIM = "#c4c4c4", "#ececec", "#8a8a8a"
@@ -109,7 +109,7 @@ class Globe:
         """The three axes outside the surface, named."""
         for i, label in enumerate(labels):
             page, seen = self.onto_page(self._arm(i)), self.towards[i] > 0
-            colour = "#333333" if seen else "#b0b0b0"
+            colour = ink() if seen else RIM
             axes.plot(*page[:2].T, color=colour, lw=0.7, zorder=4 if seen else 0)
             axes.annotate(label, page[2], ha="center", va="center", color=colour, zorder=5)
 

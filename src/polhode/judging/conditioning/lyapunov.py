@@ -49,6 +49,7 @@ SHORTEST = 100  # below this no verdict rests on growth
 BLOCKS, LOOKS = 32, 8  # blocks over the whole time, looks at the tangent in each
 NEIGHBOURS, APART = 7, 1e-6  # of a chaotic motion: their number, their relative distance
 MOVED = tuple(1 + APART * k for k in range(1, NEIGHBOURS + 1))  # times the start: neighbours
+CLOSE = 8.0  # units of time at most between two looks at all tangents together
 TANGENT = 0.6, -0.5, 0.4, 0.3, 0.2, -0.3  # along no axis
 _DOUBLES_TRUE = 12 * math.log(10)  # ln of the growth up to which a double follows the motion
 
@@ -64,6 +65,8 @@ class Lyapunov(Result):
     ``verdict``: "regular" (nearby motions separate no faster than a power of t), "unstable"
     (exponentially, but the motion is known from a closed form or is a fixed point), "chaotic"
     (exponentially, and nothing of that kind is known) or "undecided" (the time is too short).
+    ``spectrum``: all exponents from the largest down, where they were asked for: of six those along
+    the motion and across h, f and |gamma|^2 are 0, which they show to about 2/``end``.
 
     >>> import polhode
     >>> polhode.lyapunov("euler/largest-axis", 1000).verdict
@@ -77,6 +80,7 @@ class Lyapunov(Result):
     end: float
     verdict: str
     reason: str
+    spectrum: tuple[float, ...] | None = None
 
     def table(self) -> Table:
         """One row: the verdict, and what it rests on."""
@@ -99,6 +103,7 @@ class Lyapunov(Result):
             *scene_facts(self.scene),
             *(Fact(x.name, x.values[0], x.meaning, x.unit) for x in row),
             Fact("reason", self.reason),
+            Fact("spectrum", self.spectrum and list(self.spectrum), "all exponents"),
             provenance_fact(self.scene.provenance()),
         ]
 
@@ -113,7 +118,10 @@ class Lyapunov(Result):
 
 
 def lyapunov(
-    scene: Scene | str | Path, end: AnyNumber | None = None, max_steps: int = MAX_STEPS
+    scene: Scene | str | Path,
+    end: AnyNumber | None = None,
+    max_steps: int = MAX_STEPS,
+    spectrum: bool = False,
 ) -> Lyapunov:
     """Estimate the largest Lyapunov exponent of a scene's motion, and classify the motion.
 
@@ -126,6 +134,9 @@ def lyapunov(
         slower of its spin and its pendulum's swing if that is longer.
     max_steps : int
         A limit on the steps of the variational equations.
+    spectrum : bool
+        Whether to compute all exponents, by tangents that are made orthogonal again and again
+        (G. Benettin et al., Meccanica 15 (1980) 9).
 
     Returns
     -------
@@ -144,6 +155,9 @@ def lyapunov(
     >>> found = polhode.lyapunov("general/asymmetric-chaotic", 2000)
     >>> found.verdict, 0.06 < found.exponent < 0.14
     ('chaotic', True)
+    >>> found = polhode.lyapunov("general/asymmetric-chaotic", 2000, spectrum=True)
+    >>> [round(abs(x), 1) for x in found.spectrum]
+    [0.1, 0.0, 0.0, 0.0, 0.0, 0.1]
     """
     scene = library.load(scene)
     unit = 2.0**scene.time_unit
@@ -185,7 +199,7 @@ def lyapunov(
         looks = len(sizes) - 1
         if closed and not still and looks < BLOCKS * LOOKS and size - sizes[0] > _DOUBLES_TRUE:
             # as far as it is this motion
-            return lyapunov(scene, last * looks / (BLOCKS * LOOKS) * unit, max_steps)
+            return lyapunov(scene, last * looks / (BLOCKS * LOOKS) * unit, max_steps, spectrum)
     reached = abs(last) * (len(sizes) - 1) / (BLOCKS * LOOKS)
     exponent, error, growth = fitted(sizes, reached)
     verdict, reason = _judged(still, closed, growth, exponent, error, reached / slow)
@@ -193,8 +207,36 @@ def lyapunov(
         moved = (start * by for by in MOVED)
         ends = [fitted([*followed(x, math.copysign(reached, last))], reached)[0] for x in moved]
         error = scatter([exponent, *ends])
-    found = math.copysign(reached * unit, last)
-    return Lyapunov(scene, exponent / unit, error / unit, growth, found, verdict, reason)
+    last = math.copysign(reached, last)
+    every = None
+    if spectrum and reached:
+        flow = Variations(plain.coefficients, start, np.eye(6)[:, : len(plain.start)])
+        rates = _all_exponents(flow, last, start if still else None, max_steps)
+        every = tuple(float(x) / unit for x in rates)
+        flow.release()
+    found = last * unit
+    return Lyapunov(scene, exponent / unit, error / unit, growth, found, verdict, reason, every)
+
+
+def _all_exponents(flow: Variations, last: float, still: Doubles | None, most: int) -> Doubles:
+    """The mean growth of tangents kept orthogonal, over the second half of the time, descending.
+
+    ``still``: the state to be put back to, of a fixed point.  All nan where the end is not reached.
+    """
+    looks = 2 * math.ceil(max(BLOCKS * LOOKS, abs(last) / CLOSE) / 2)
+    grown = np.zeros(flow.tangents.shape[1])
+    half = grown
+    for k in range(1, looks + 1):
+        if not flow.to(last * k / looks, most - flow.steps):
+            return grown * math.nan
+        if still is not None:
+            flow.state = still
+        across, sizes = np.linalg.qr(flow.tangents)
+        flow.tangents[:] = across
+        grown = grown + np.log(np.abs(np.diag(sizes)))
+        if k == looks // 2:
+            half = grown
+    return np.sort((grown - half) / (abs(last) / 2))[::-1]
 
 
 def _judged(
@@ -220,9 +262,12 @@ def is_chaotic(scene: Scene, growth: float, exponent: float, error: float) -> bo
 
     The scene is looked at only where the growth asks for it.
     """
-    if not _grows(growth, exponent, error):
-        return False
-    return not at_rest(scene).state and not reference(scene).is_closed_form
+    return _grows(growth, exponent, error) and not is_known(scene)
+
+
+def is_known(scene: Scene) -> bool:
+    """Whether a scene's motion is a fixed point or has a closed form: it is not called chaotic."""
+    return at_rest(scene).state or reference(scene).is_closed_form
 
 
 def scatter(exponents: Sequence[float]) -> float:

@@ -7,7 +7,8 @@ Where one number makes the table right to three digits more, it is told, with th
 fitted to.  Nothing is changed: it may be the program's mistake, or the scene's.
 
 A rough method is late or early as a slow clock is, or as a body of other moments: so what differs
-by less than ``LEAST`` is not told.
+by less than ``LEAST`` is not told; of a clock's pace, which a crystal holds to some 1e-5, less if
+the table is then right to more digits than such a method's is.
 """
 
 from __future__ import annotations
@@ -35,12 +36,12 @@ from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
 
 LEAST = 1e-5  # of a number: below it a method's error may look like it
-_CLOCK = 1e-4  # likewise of a clock's pace
+_CLOCK, _CLOCK_IF_SURE, _SURE = 1e-4, 1e-7, 9.0  # of a clock's pace, and digits of a sure one
 _ROWS = 40
 _FIRST = 6  # rows that are fitted first; then twice as many, and so on
 _STEPS, _HALVINGS = 8, 5  # of Gauss and Newton; of a step that leads nowhere
 _SMALL = 1e-6  # a change that a derivative is taken by
-_ENOUGH = 1e-13
+_LEADS = 0.5  # of the square of what is left of the first rows, at least, is along the change
 _FARTHEST = 3e3  # radians or so
 _ALIKE = 1.0  # digits: causes that explain as much
 _TOLD = 3  # causes at most
@@ -60,31 +61,31 @@ class Cause(NamedTuple):
 
 
 class _Candidate(NamedTuple):
-    """A number that may be another, ``origin`` and ``unit`` times a change; its ``least`` one.
+    """A number that may be another, ``origin`` and ``unit`` times a change.
 
-    ``part``: the columns that are of the changed motion.
+    ``least``: the least change that is told; ``least_if_sure``: of a table that it makes right.
     """
 
     words: str
     change: Change
     origin: float
     unit: float
-    least: float = 0.0
-    part: slice = slice(0, 6)
+    least: float = LEAST
+    least_if_sure: float = LEAST
 
 
 def causes(subject: Table, scene: Scene) -> tuple[Cause, ...]:
     """What explains a table of states that is wrong, the best first; empty where nothing does."""
-    some = subject.some(sorted(few(len(subject.times), _ROWS), key=lambda k: abs(subject.times[k])))
+    whole = subject.some(subject.whole_rows(subject.state))
+    chosen = few(len(whole.times), _ROWS)
+    some = whole.some(sorted(chosen, key=lambda k: abs(whole.times[k])))
     times, cells = [*some.times], some.rows(some.state)
     columns = [k for k, name in enumerate(scene.columns) if name in some.state]
     speed = max([1e-300, *(abs(to_double(x)) for x in scene.start[:3])])
-    if cells is None or abs(to_double(times[-1])) * speed > _FARTHEST:
-        return ()
-    if any(x is None for row in cells for x in row):
+    if not cells or abs(to_double(times[-1])) * speed > _FARTHEST:
         return ()
     fit = Fit(doubles(cells), times, columns, scene)
-    found = [cause for one in _candidates(scene, columns) if (cause := fit.cause(one)) is not None]
+    found = [cause for one in _candidates(scene) if (cause := fit.cause(one)) is not None]
     found.sort(key=lambda one: -one.digits)
     return tuple(one for one in found if one.digits >= found[0].digits - _ALIKE)[:_TOLD]
 
@@ -117,12 +118,11 @@ class Fit:
         except ValueError:  # moments of no body
             return None
         other = integrated(scene, [moved.of(t) for t in self.times[:count]], attitude=False)
-        if other is None or self.plain is None:
+        if other is None:
             return None
-        states = self.plain[:count].copy()
-        states[:, one.part] = other.states[:, one.part]
         with np.errstate(over="ignore", invalid="ignore"):
-            found: Doubles = ((states[:, self.columns] - self.table[:count]) / self.scale).ravel()
+            off = other.states[:, self.columns] - self.table[:count]
+            found: Doubles = (off / self.scale).ravel()
         return found if np.all(np.isfinite(found)) else None
 
     def cause(self, one: _Candidate) -> Cause | None:
@@ -138,7 +138,8 @@ class Fit:
             if count == len(self.times):
                 break
             count = min(2 * count, len(self.times))
-        digits, least = self._digits(error), max(LEAST, one.least)
+        digits = self._digits(error)
+        least = one.least_if_sure if digits >= _SURE else one.least
         if digits < max(WRONG, self.before + GAIN) or abs(x) < least or not slope:
             return None
         value = one.origin + one.unit * x
@@ -148,21 +149,21 @@ class Fit:
         return Cause(words, min(digits, 15.0))
 
     def fitted(self, one: _Candidate, x: float, count: int) -> tuple[float, float, Doubles] | None:
-        """The number for the first rows, the largest change by it, and what is left."""
-        error = self._error(one, x, count)
-        if error is None:
+        """The number for the first rows, the largest change by it, and what is left.
+
+        The change by the number is that over the last step, as long as that is no small one.
+        """
+        error, moved = self._error(one, x, count), self._error(one, x + _SMALL, count)
+        if error is None or moved is None:
             return None
-        largest = 0.0
+        slope, leads = (moved - error) / _SMALL, _LEADS if count < len(self.times) else 0.0
         for _ in range(_STEPS):
-            moved = self._error(one, x + _SMALL, count)
-            if moved is None:
-                return None
-            slope = (moved - error) / _SMALL
-            largest = float(np.max(np.abs(slope)))
-            square = float(slope @ slope)
+            along, square = float(slope @ error), float(slope @ slope)
             if not square > 0:
                 return None
-            step = -float(slope @ error) / square
+            if along * along < leads * square * float(error @ error):
+                break
+            step = -along / square
             for _ in range(_HALVINGS):
                 nearer = self._error(one, x + step, count)
                 if nearer is not None and nearer @ nearer < error @ error:
@@ -170,15 +171,15 @@ class Fit:
                 step /= 2
             else:
                 break
+            if abs(step) > _SMALL:
+                slope = (nearer - error) / step
             x, error = x + step, nearer
-            if abs(step) < _ENOUGH:
-                break
-        return x, largest, error
+        return x, float(np.max(np.abs(slope))), error
 
 
-def _candidates(scene: Scene, columns: Sequence[int]) -> Iterator[_Candidate]:
+def _candidates(scene: Scene) -> Iterator[_Candidate]:
     """Numbers that may be others, the plainer first."""
-    yield from _of_clock(scene, columns)
+    yield from _of_clock(scene)
     yield from _of_body(scene)
     rate = max([to_double(abs(w)) for w in scene.omega]) or 1.0
     for i, name in enumerate(STATE[:3]):
@@ -187,20 +188,18 @@ def _candidates(scene: Scene, columns: Sequence[int]) -> Iterator[_Candidate]:
         yield _Candidate(words, partial(_other_start, scene, i, rate), own, rate)
 
 
-def _of_clock(scene: Scene, columns: Sequence[int]) -> Iterator[_Candidate]:
-    """Times that begin elsewhere, for all columns or for omega alone; a clock of another pace."""
+def _of_clock(scene: Scene) -> Iterator[_Candidate]:
+    """Times that begin elsewhere; a clock of another pace."""
     unit = 2.0**scene.time_unit
 
     def later(x: Fraction) -> tuple[Scene, TimeChange]:
         return scene, TimeChange(shift=-Fraction(float(x) * unit))
 
     yield _Candidate("rows that belong to t + {}", later, 0.0, unit)
-    if any(c < 3 for c in columns) and any(c >= 3 for c in columns):
-        for name, part in (("omega", slice(0, 3)), ("gamma", slice(3, 6))):
-            words = f"{name} that belongs to t + {{}}, and all else to t"
-            yield _Candidate(words, later, 0.0, unit, part=part)
     words = "a clock of {} times the pace"
-    yield _Candidate(words, lambda x: (scene, TimeChange(unit=1 + x)), 1.0, 1.0, _CLOCK)
+    yield _Candidate(
+        words, lambda x: (scene, TimeChange(unit=1 + x)), 1.0, 1.0, _CLOCK, _CLOCK_IF_SURE
+    )
 
 
 def _of_body(scene: Scene) -> Iterator[_Candidate]:

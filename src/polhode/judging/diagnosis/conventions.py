@@ -1,25 +1,24 @@
 """What a table that is wrong may mean: the usual other conventions, tried together.
 
 A table is held against the scene's motion at the times as they stand and, where it is not right
-there, against other worlds (:mod:`worlds`) and the times of another clock
-(:mod:`polhode.judging.diagnosis.clock`).  In each of them each part is tried in all its conventions
-(:mod:`ways`), by one measure: the digits of its first rows (:mod:`evidence`).  What a program loses
-later is its drift, and is reported in the reading that fits.
+there, against other worlds (:mod:`worlds`).  In each of them each part is tried in all its
+conventions (:mod:`ways`), by one measure: the digits of its first rows (:mod:`evidence`).  What a
+program loses later is its drift, and is reported in the reading that fits.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from polhode.judging.diagnosis.clock import clock
 from polhode.judging.diagnosis.evidence import (
     BEGINS,
     FAR_GAIN,
     LEAST_GAIN,
+    SURE,
     course,
     first_rows,
     follows,
@@ -30,7 +29,6 @@ from polhode.judging.diagnosis.evidence import (
     probed_rows,
 )
 from polhode.judging.diagnosis.motion_in_double import integrated
-from polhode.judging.diagnosis.other_times import UNITS
 from polhode.judging.diagnosis.rotation_matrices import matrices
 from polhode.judging.diagnosis.ways import (
     ALIKE_AT_START,
@@ -40,10 +38,10 @@ from polhode.judging.diagnosis.ways import (
     Way,
     ways,
 )
-from polhode.judging.diagnosis.worlds import World, at_times, other_worlds
+from polhode.judging.diagnosis.worlds import World, other_worlds
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import AnyReference
-from polhode.judging.tables.reading import WRONG, Reading, TimeChange
+from polhode.judging.tables.reading import WRONG, Reading
 from polhode.judging.tables.table import PARTS, Table
 from polhode.numbers.conversion import doubles
 from polhode.numbers.rows import Doubles
@@ -112,18 +110,13 @@ class View(NamedTuple):
 def view(subject: Table, reference: AnyReference) -> View:
     """A table beside the motion of a reference."""
     values, times = whole_parts(subject)
-    turning = not reference.encloses_attitude or bool({*values} & {"attitude", "angles"})
-    right = _motion(reference, times, turning)
-    seen = View(values, times, right, _parts(values, right))
-    if turning or seen.is_right:
-        return seen
-    right = _motion(reference, times, True)  # omega may be along the axes of space
+    right = _motion(reference, times)
     return View(values, times, right, _parts(values, right))
 
 
-def _motion(reference: AnyReference, times: Sequence[Fraction], turning: bool) -> Right | None:
-    """The reference's motion, with its attitude if it is ``turning``; a run in double tells what is
-    enclosed, whose proof may have far to go."""
+def _motion(reference: AnyReference, times: Sequence[Fraction]) -> Right | None:
+    """The reference's motion with its attitude; a run in double tells what is enclosed, whose proof
+    may have far to go."""
 
     def asked(question: Callable[..., Any]) -> Any:
         try:
@@ -131,28 +124,31 @@ def _motion(reference: AnyReference, times: Sequence[Fraction], turning: bool) -
         except (TypeError, ValueError):  # no closed form for it, a pole
             return None
 
-    run = None
-    if (turning and reference.encloses_attitude) or isinstance(reference, Certified):
-        run = integrated(reference.scene, times, turning)
+    run = integrated(reference.scene, times) if reference.encloses_attitude else None
     if isinstance(reference, Certified):
         return run
     states = asked(reference.at)
-    if states is None or not turning:
-        return None if states is None else Right(states)
+    if states is None:
+        return None
     attitude = run and run.attitude if reference.encloses_attitude else asked(reference.attitude)
     return Right(states, attitude, None if attitude is None else matrices(attitude))
 
 
 def other_world(seen: View, subject: Table, scene: Scene) -> World | None:
-    """The world in which a table that is wrong is right in its first rows; None where none is."""
-    found = _best(seen, other_worlds(seen.times, subject.times, scene))
-    parts = seen.parts if found is None else _parts(seen.values, found.right, found.words)
-    if found is not None or is_explained(parts):
-        return found
-    at_clock = _at_the_clock(seen, subject, scene)
-    if at_clock is None or at_clock.is_sure:
-        return at_clock
-    return at_clock if is_explained(_parts(seen.values, at_clock.right, "clock")) else None
+    """The world in which a table that is wrong is right in its first rows; None where none is.
+
+    The one that explains most, the first of those that are alike.
+    """
+    found, best = None, seen.parts
+    if all(one.way.digits >= WRONG for one in best.values()):
+        return None
+    for world in other_worlds(seen.times, subject.times, scene):
+        parts = _parts(seen.values, world.right, world.words)
+        if _is_better_world(parts, best):
+            found, best = world, parts
+            if all(one.goes and one.way.digits >= SURE for one in parts.values()):
+                break  # in all its rows: the others are farther away
+    return found
 
 
 def is_explained(parts: Mapping[str, _Part]) -> bool:
@@ -160,31 +156,6 @@ def is_explained(parts: Mapping[str, _Part]) -> bool:
     return all(
         one.is_told or float(np.min(first_rows(one.plain.rows))) >= WRONG for one in parts.values()
     )
-
-
-def likely_unit(subject: Table, scene: Scene) -> str:
-    """The unit that the times of a table seem to have; empty where it is the scene's."""
-    values, times = whole_parts(subject)
-    plain = next(at_times({"": TimeChange()}, times, scene), None)
-    right = plain and plain.right
-    seen = View(values, times, right, _parts(values, right))
-    if not values or seen.is_right:
-        return ""
-    units = {unit.name: TimeChange(unit=unit.length) for unit in UNITS}
-    found = _best(seen, at_times(units, times, scene))
-    return "" if found is None else found.words
-
-
-def _best(seen: View, worlds: Iterator[World]) -> World | None:
-    """The world of several that explains most, the first of those that are alike."""
-    found, best = None, seen.parts
-    if all(one.way.digits >= WRONG for one in best.values()):
-        return None
-    for world in worlds:
-        parts = _parts(seen.values, world.right, world.words)
-        if _is_better_world(parts, best):
-            found, best = world, parts
-    return found
 
 
 def _parts(values: Mapping[str, Doubles], right: Right | None, words: str = "") -> dict[str, _Part]:
@@ -279,21 +250,14 @@ def shown_rows(way: Way, times: Sequence[Fraction]) -> tuple[tuple[Fraction, flo
     return tuple((times[k], float(way.rows[k])) for k in sorted({first, middle, last}))
 
 
-def _at_the_clock(seen: View, subject: Table, scene: Scene) -> World | None:
-    """The motion at the times of another clock, where its first rows are found on it."""
-    earliest = sorted(range(len(subject.times)), key=subject.times.__getitem__)
-    rows = subject.some(first_rows(earliest))
-    values, times = whole_parts(rows)
-    found = clock(values, times, max(rows.time_errors, default=0.0), scene)
-    if found is None:
-        return None
-    at = next(at_times({found.words: found.change}, seen.times, scene), None)
-    return at and at._replace(off=found.off, is_sure=found.entire)
-
-
 def whole_parts(subject: Table) -> tuple[dict[str, Doubles], list[Fraction]]:
-    """The parts of which every number is there, as doubles, in the rows that tell; their times."""
-    some = subject.some(probed_rows(subject.times))
-    found = {part: doubles(rows) for part, names in PARTS.items() if (rows := some.rows(names))}
-    whole = {part: values for part, values in found.items() if not np.isnan(values).any()}
-    return whole, [*some.times]
+    """The parts that have all their numbers in some rows, as doubles, in those of the rows that
+    tell; their times."""
+    parts, common = [], {*range(len(subject.times))}
+    for part, names in PARTS.items():
+        if rows := common.intersection(subject.whole_rows(names)):
+            parts.append(part)
+            common = rows
+    whole = subject.some(sorted(common))
+    some = whole.some(probed_rows(whole.times))
+    return {part: doubles(some.rows(PARTS[part]) or []) for part in parts}, [*some.times]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from bisect import bisect
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from statistics import NormalDist
@@ -30,8 +29,6 @@ OF_THIN = "unknown (steps of so thin a body lose more than the expected digits a
 ALONE = 0.03  # digits: what steps add to an error three times theirs
 _MORE = 1.1  # times what rounded times explain: of rates that are not the same between two times
 _MOST = 2.0  # times what the worst row's time explains: most of its error
-#: What a table that is no run of polhode's may have instead of a method's error.
-BEYOND_ROUNDING = "more than rounding: the program's steps, noise, or another motion"
 
 
 def limit(
@@ -121,26 +118,18 @@ def between(known: Mapping[Any, Any], times: Sequence[Fraction]) -> tuple[Any, .
 
     None where they are not known at a neighbour.
     """
-    nodes = sorted(known)
-    places = [float(t) for t in nodes]
-    found = []
-    for t in times:
-        if t in known:
-            found.append(known[t])
-            continue
-        place = float(t)
-        k = min(max(bisect(places, place), 1), len(nodes) - 1)
-        one, other = known[nodes[k - 1]], known[nodes[k]]
-        if one is None or other is None:
-            found.append(None)
-            continue
-        length = places[k] - places[k - 1]  # 0 where the two are one double
-        part = (place - places[k - 1]) / length if length else 0.0
-        if isinstance(one, float):
-            found.append(one + part * (other - one))
-        else:
-            found.append(type(one)(*(a + part * (b - a) for a, b in zip(one, other, strict=True))))
-    return tuple(found)
+    kind = next((x for x in known.values() if x is not None), None)
+    if kind is None:
+        return (None,) * len(times)
+    nodes, unknown = sorted(known), np.full(np.size(kind), math.nan)
+    rows = np.array([unknown if known[t] is None else np.ravel(known[t]) for t in nodes])
+    places, at = (np.array([to_double(t) for t in some]) for some in (nodes, times))
+    found = np.stack([np.interp(at, places, column) for column in rows.T], axis=1).tolist()
+    make = type(kind) if np.size(kind) > 1 else float
+    return tuple(
+        known[t] if t in known else None if math.isnan(row[0]) else make(*row)
+        for t, row in zip(times, found, strict=True)
+    )
 
 
 def time_rounding(

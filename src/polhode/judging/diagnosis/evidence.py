@@ -29,7 +29,7 @@ LEAST_GAIN = 1.5  # digits that a convention gives at least, at some of the firs
 FAR_GAIN = 2.0  # likewise other times, or another scene
 _RARE = 3.5  # log10 of so many tables of which one is right by chance
 _ALIKE, _ALIKE_IF_EXACT, _EXACT = 0.3, 1.0, 9.0  # digits by which conventions do not differ
-_SURE = 6.0  # digits of a first row that is the start
+SURE = 6.0  # digits of a first row that is the start
 _STAYS = 0.5  # digits that are left where the motion has left it
 _LEFT = 0.1  # of its size: by so much the motion has left its first row
 _FAR_LEFT = 0.5  # likewise, so that what goes elsewhere is plainly not there
@@ -88,7 +88,7 @@ def least_gain(tries: int, freedom: int) -> float:
 
 def is_sure(mine: Doubles) -> bool:
     """Whether the first row is right to many digits."""
-    return bool(mine[0] >= _SURE)
+    return bool(mine[0] >= SURE)
 
 
 def follows(mine: Doubles, moved: Doubles, fitted: bool, must_move: bool, sure: bool) -> bool:

@@ -15,7 +15,6 @@ from polhode.judging.diagnosis.ways import Right
 from polhode.judging.references.reference import by_sign
 from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import DOUBLE, NumberType
-from polhode.numbers.rows import Doubles, Indices
 from polhode.scenes.scene import Scene
 
 FARTHEST = 1e6  # radians, to which the steps of a run do not go
@@ -30,33 +29,11 @@ def integrated(
     """
     if max((abs(to_double(t)) for t in times), default=0.0) * 10.0**scene.log10_rate > FARTHEST:
         return None
-    parts = by_sign(times)
-    places = {t: k for k, t in enumerate(chain(*parts))}
-    return _motion(scene, parts, [places[t] for t in times], attitude, number)
-
-
-def sampled(scene: Scene, times: Doubles, attitude: bool = False) -> Right | None:
-    """The same at many times, in doubles: a run at no more times than there are different ones."""
-    different, places = np.unique(times, return_inverse=True)
-    behind = int(np.searchsorted(different, 0.0))  # of them are before 0
-    parts = [part for part in (different[behind:], different[:behind][::-1]) if len(part)]
-    ahead = len(different) - behind
-    order = np.where(places >= behind, places - behind, ahead + behind - 1 - places)
-    return _motion(scene, parts, order, attitude, DOUBLE)
-
-
-def _motion(
-    scene: Scene,
-    parts: Sequence[Sequence[Fraction] | Doubles],
-    order: Sequence[int] | Indices,
-    attitude: bool,
-    number: NumberType,
-) -> Right | None:
-    """Rows of the motion in an order, from times that go on from 0 in each of several parts."""
     from polhode.runs.solve import solve
 
     turning = attitude and bool(scene.columns[3:])
     asked = replace(scene, outputs=("attitude",) if turning else (), events=())
+    parts = by_sign(times)
     states, turned = [], []
     try:
         for part in parts:
@@ -68,6 +45,8 @@ def _motion(
                 turned.append(np.asarray(run.attitude, dtype=float))
     except (BadInput, ImportError, ValueError, OverflowError):
         return None
+    places = {t: k for k, t in enumerate(chain(*parts))}
+    order = [places[t] for t in times]
     rows = np.concatenate(states)[order]
     if not turning:
         return Right(rows)

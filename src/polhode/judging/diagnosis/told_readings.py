@@ -11,10 +11,10 @@ from difflib import get_close_matches
 
 from polhode.common.errors import BadInput, listed
 from polhode.judging.diagnosis.conventions import View, shown_rows, view
-from polhode.judging.diagnosis.other_times import other_times, told_times
+from polhode.judging.diagnosis.other_times import other_times
 from polhode.judging.diagnosis.ways import Way, ways
 from polhode.judging.references.reference import AnyReference
-from polhode.judging.tables.reading import LENGTH, TURNS, Reading, TimeChange
+from polhode.judging.tables.reading import LENGTH, Reading, TimeChange
 from polhode.judging.tables.table import Table, as_judged
 
 _APPLIED = "a reading that can be applied; this one is reported, and not applied"
@@ -29,7 +29,7 @@ def read_as_told(subject: Table, reference: AnyReference, told: str) -> Table:
     of_parts: list[str] = []
     for phrase in phrases:
         words = phrase.removeprefix("t ")
-        change = None if words == phrase else told_times(words, subject.times)
+        change = None if words == phrase else other_times(subject.times).get(words)
         if change is not None:
             subject, _ = at_times_told(subject, view(subject, reference), reference, words, change)
         elif phrase != f"attitude {LENGTH}":  # applied before
@@ -43,17 +43,16 @@ def at_times_told(
     reference: AnyReference,
     words: str,
     change: TimeChange,
-    off: float | None = None,
 ) -> tuple[Table, View]:
     """A table at changed times, with the reading that says so, and how it is seen there.
 
-    ``seen``: the table before.  ``off``: by how much the origin of the times may be off.
+    ``seen``: the table before.
     """
-    moved = subject.at_other_times(change, off)
+    moved = subject.at_other_times(change)
     there = view(moved, reference)
-    before = min((one.plain.digits for one in seen.parts.values()), default=0.0)
+    before = min((one.plain.digits for one in seen.parts.values()), default=None)
     way = min((one.way for one in there.parts.values()), key=lambda way: way.digits, default=None)
-    digits, rows = (way.digits, shown_rows(way, there.times)) if way else (0.0, ())
+    digits, rows = (way.digits, shown_rows(way, there.times)) if way else (None, ())
     reading = Reading("t", before, words, digits, rows=rows)
     return replace(moved, readings=(*moved.readings, reading)), there
 
@@ -79,8 +78,6 @@ def _readings(subject: Table, reference: AnyReference, phrases: Sequence[str]) -
                 digits[part] = way.digits
     found: dict[str, Reading] = {}
     for phrase in phrases:
-        if phrase == TURNS and "angles" in sample.parts:
-            continue
         if phrase not in known:
             raise BadInput(subject.name, "read", phrase, _possible(phrase, known, subject))
         part, way = known[phrase]
@@ -90,9 +87,6 @@ def _readings(subject: Table, reference: AnyReference, phrases: Sequence[str]) -
         words = phrase.removeprefix(f"{part} ")
         rows = shown_rows(way, sample.times)
         found[part] = Reading(part, digits[part], words, way.digits, way.change, rows=rows)
-    if TURNS in phrases:
-        turned = Reading("angles", digits["angles"], TURNS, digits["angles"])
-        found.setdefault("angles", turned)
     return [*found.values()]
 
 

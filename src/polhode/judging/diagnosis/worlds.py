@@ -26,7 +26,7 @@ from polhode.numbers.vectors import Matrix
 from polhode.scenes.body import Body, exact_vector
 from polhode.scenes.scene import Scene
 
-_FARTHEST = 1e5  # radians or so, to which motions at other times are followed
+_FARTHEST = (1e4, 1e5)  # radians or so, to which motions at other times are followed
 _FEWEST = 2  # rows that tell other times
 _POLE = 1e-9  # the sine of theta where psi and phi are one angle
 
@@ -36,15 +36,12 @@ class World(NamedTuple):
     another scene's.
 
     ``right``: the motion at the first of the rows, as far as it is followed.  ``change``: of the
-    times; None of another scene, which no table is read as.  ``off``: by how much the origin of the
-    times may be off, where a clock tells it.  ``is_sure``: whether the clock alone tells it.
+    times; None of another scene, which no table is read as.
     """
 
     words: str
     right: Right
     change: TimeChange | None = None
-    off: float | None = None
-    is_sure: bool = False
 
 
 def other_worlds(
@@ -61,16 +58,19 @@ def other_worlds(
 def at_times(
     changes: Mapping[str, TimeChange], times: Sequence[Fraction], scene: Scene
 ) -> Iterator[World]:
-    """The motion at changed times, as far as it is followed."""
+    """The motion at changed times, as far as it is followed, near times before far ones."""
     rate = 10.0**scene.log10_rate
-    farthest = _FARTHEST / rate if rate else math.inf
-    for words, change in changes.items():
-        moved = [change.of(t) for t in times]
-        far = [k for k, t in enumerate(moved) if abs(t) > farthest]
-        moved = moved[: far[0]] if far else moved
-        right = integrated(scene, moved) if len(moved) >= _FEWEST else None
+    moved = {words: [change.of(t) for t in times] for words, change in changes.items()}
+    for words in sorted(moved, key=lambda words: max(map(abs, moved[words]))):
+        some = moved[words]
+        for farthest in _FARTHEST:
+            far = [k for k, t in enumerate(some) if abs(t) * rate > farthest]
+            there = some[: far[0]] if far else some
+            if len(there) >= _FEWEST:
+                break
+        right = integrated(scene, there) if len(there) >= _FEWEST else None
         if right is not None:
-            yield World(words, right, change)
+            yield World(words, right, changes[words])
 
 
 def _other_scenes(scene: Scene) -> Iterator[tuple[str, Scene]]:

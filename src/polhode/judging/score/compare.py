@@ -11,19 +11,17 @@ from typing import TYPE_CHECKING, Never
 from polhode.common.arguments import each, of_kind, refuse_unknown
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
-from polhode.common.text_tables import few
 from polhode.judging.conditioning.conditioning import Conditioning
-from polhode.judging.diagnosis.clock import unknown_clock
-from polhode.judging.diagnosis.conventions import likely_unit, view
+from polhode.judging.diagnosis.conventions import view
+from polhode.judging.diagnosis.other_times import clock_remark
 from polhode.judging.diagnosis.told_readings import read_as_told
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import AnyReference, Reference, reference
 from polhode.judging.score.judgement import Judgement
-from polhode.judging.score.report_text import SHOWN
 from polhode.judging.score.score import does_not_answer
 from polhode.judging.score.table_reading import as_meant, with_unit_quaternions
+from polhode.judging.tables.column_aliases import PLAIN, Naming, naming
 from polhode.judging.tables.given_columns import table_of_columns, table_of_rows
-from polhode.judging.tables.naming import PLAIN, Naming, naming
 from polhode.judging.tables.reading import LENGTH, Reading
 from polhode.judging.tables.table import Table, as_judged, of_run
 from polhode.judging.tables.table_file import ENDINGS, read_table
@@ -36,9 +34,6 @@ from polhode.scenes.scene import Scene
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
-
-
-MANY = 1000  # rows of a table that has a first answer
 
 
 def compare(
@@ -57,12 +52,11 @@ def compare(
     at: Iterable[AnyNumber] | None = None,
     columns: Sequence[str] | None = None,
     known: Conditioning | Judgement | None = None,
-    first: Callable[[Judgement, int], None] | None = None,
     progress: Progress | None = None,
     as_it_stands: bool = False,
     read: str | None = None,
     max_seconds: float | None = None,
-    forecast: Callable[[float, str], None] | None = None,
+    forecast: Callable[[float], None] | None = None,
     **unknown: Never,
 ) -> Judgement:
     """Judge a run, a trajectory file, columns or an array of states against a reference.
@@ -91,9 +85,6 @@ def compare(
     known : Conditioning or Judgement, optional
         The scene's conditioning, or a judgement by the same reference at the same times, to spare
         what they hold.
-    first : callable, optional
-        Called with a judgement of a few rows of a table of more than a thousand, and how many rows
-        there are, before the others are judged by a closed form.
     progress : callable, optional
         Called with the fraction of the reference's rows that are computed, and how many (of a
         proof, with the fraction of the time, and the steps), if that takes long.
@@ -106,8 +97,7 @@ def compare(
     max_seconds : float, optional
         A limit on proofs, if there is no closed form.
     forecast : callable, optional
-        Called before each proof with a rough estimate of its seconds, and with the unit that
-        the times seem to have, if any.
+        Called before each proof with a rough estimate of its seconds.
     **unknown
         No other argument is accepted; one is refused with the nearest known names.
 
@@ -142,12 +132,7 @@ def compare(
         against = what.scene
     kinds = (Reference, Certified, Scene, str, Path)
     of_kind("compare", "against", against, kinds, "a reference, or a scene")
-
-    def foretold(seconds: float) -> None:
-        if forecast is not None:
-            forecast(seconds, likely_unit(subject, scene))
-
-    proof = partial(Certified, progress=progress, max_seconds=max_seconds, forecast=foretold)
+    proof = partial(Certified, progress=progress, max_seconds=max_seconds, forecast=forecast)
     if isinstance(against, (str, Path)) and Path(against).suffix.lower() in ENDINGS:
         expected = (
             "a scene, a case's name or a .toml file: a table is judged by a motion, and not by "
@@ -186,16 +171,13 @@ def compare(
     if read is not None and subject.run is None:
         if LENGTH in read:
             subject = with_unit_quaternions(subject, view(subject, against))
-        subject, as_it_stands = read_as_told(subject, against, read), True
+        subject = read_as_told(subject, against, read)
     elif reads:
         subject, offered = as_meant(given, against)
-    if first is not None and subject.run is None:
-        _tell_first(first, subject, against, offered)
     found = Judgement(
         subject,
         against,
         progress,
-        as_it_stands,
         answers=known.known_answers if isinstance(known, Judgement) else None,
         known=known.known if isinstance(known, Judgement) else known,
         offered=offered,
@@ -205,10 +187,7 @@ def compare(
     except BadInput as refused:
         if not does_not_answer(against, refused):
             if refused.key == "at":  # a proof of too many steps
-                unit = likely_unit(subject, scene)
-                clocks = unknown_clock(subject, scene, not as_it_stands)
-                hints = [f"t seems to be in {unit}"] if unit else clocks
-                expected = "; ".join([refused.expected, *hints])
+                expected = "; ".join([refused.expected, *clock_remark(subject, scene)])
                 raise BadInput(refused.source, "t", refused.value, expected) from None
             raise
         proven = proof(scene)
@@ -234,23 +213,3 @@ def _naming(columns: Sequence[str] | None, of_file: bool = True) -> Naming:
         expected = "NAME=COLUMN of each, for these columns have names"
         raise BadInput("compare", "columns", ",".join(names.header), expected)
     return names
-
-
-def _tell_first(
-    first: Callable[[Judgement, int], None],
-    subject: Table,
-    against: AnyReference,
-    offered: tuple[Reading, ...],
-) -> None:
-    """Call ``first`` with some of many rows, if a closed form judges them."""
-    count = len(subject.times)
-    if count <= MANY or isinstance(against, Certified):
-        return
-    brief = Judgement(subject.some(few(count, SHOWN)), against, offered=offered)
-    try:
-        _ = brief.digits
-    except BadInput as refused:
-        if does_not_answer(against, refused):
-            return
-        raise
-    first(brief, count)

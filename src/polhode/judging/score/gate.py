@@ -6,8 +6,10 @@ from collections.abc import Iterator
 
 from polhode.common.errors import BadInput
 from polhode.judging.score.judgement import Judgement
+from polhode.judging.score.part_digits import principal_angles
 from polhode.judging.tables.table import Table
 from polhode.numbers.decimals import brief
+from polhode.numbers.number_types import DOUBLE
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE
 
 _DIGITS = 15  # of the angles that are asked for where a table has none
@@ -53,10 +55,10 @@ def _gaps(judged: Judgement, table: Table, name: str) -> Iterator[tuple[int, str
     if missing and name in ANGLES:
         times, column = [judged.times[k] for k in missing], ANGLES.index(name)
         try:
-            true = judged.reference.angles(times, _DIGITS)
+            attitude = judged.reference.attitude(times, _DIGITS)
         except ValueError:  # what the motion has there is not known
             pass
         else:
-            pairs = zip(missing, true, strict=True)
+            pairs = zip(missing, principal_angles(attitude, DOUBLE.bits), strict=True)
             missing = [k for k, row in pairs if row[column] is not None]
     yield from ((k, name) for k in missing[:1])

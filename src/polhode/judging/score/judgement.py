@@ -14,7 +14,6 @@ from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.diagnosis.causes import Cause, causes
 from polhode.judging.diagnosis.departure import Departure, departure
 from polhode.judging.diagnosis.error_budget import (
-    BEYOND_ROUNDING,
     LAST,
     chance,
     is_lost,
@@ -24,7 +23,16 @@ from polhode.judging.diagnosis.error_budget import (
     time_rounding,
 )
 from polhode.judging.score.expectation import FOLLOWED, Expectation
-from polhode.judging.score.report_text import table, together
+from polhode.judging.score.report_text import (
+    BY_CHANCE,
+    ELSEWHERE,
+    EXPLAINED,
+    NOTHING,
+    WRONG_AT_ONCE,
+    meaning,
+    table,
+    together,
+)
 from polhode.judging.score.score import STATE_PART, Scores
 from polhode.judging.tables.reading import WRONG, Reading
 from polhode.numbers.conversion import doubles
@@ -48,12 +56,11 @@ class Judgement(Result, Scores):
     ``subject``: what was judged.  ``reference``: what it was judged against.  ``known``: the
     conditioning at the scene's times, if it is known already.  ``progress``: called with the
     reference's rows where they are many.
-    ``as_it_stands``: whether no other convention was tried.  ``offered``: those in which parts are
-    right that are told and not applied.
+    ``offered``: conventions in which parts are right that are told and not applied.
     ``digits[k]`` belongs to ``times[k]``: -log10 of the larger of the error of omega over the
     largest |omega| of the reference at these times, and the error of gamma, in the scene's body
     axes.  ``worst``: the fewest of these and of those of every other part that was judged.
-    Printed, it is the answer of ``polhode compare``.
+    Printed, it is the answer of ``polhode compare``; :meth:`details` has all that is known.
 
     >>> import polhode
     >>> found = polhode.compare(polhode.integrate("euler/separatrix", at=[1, 20]))
@@ -72,16 +79,6 @@ class Judgement(Result, Scores):
             for name, digits in self.part_digits.items()
         }
         return {name: where for name, where in found.items() if where is not None}
-
-    @property
-    def asked(self) -> int | None:
-        """The digits that the run was asked for, None where none were."""
-        return None if self.subject.run is None else self.subject.run.digits
-
-    @property
-    def reached(self) -> bool | None:
-        """Whether the digits asked for were reached; None where none were asked for."""
-        return None if self.asked is None else self.state_worst >= self.asked
 
     @cached_property
     def _expectation(self) -> Expectation:
@@ -230,7 +227,7 @@ class Judgement(Result, Scores):
     def readings(self) -> tuple[Reading, ...]:
         """Conventions in which parts of a table that is wrong as it stands are right: those that
         were applied, and those in which parts still wrong would be."""
-        known = (*self.subject.readings, *self._turns)
+        known = self.subject.readings
         read = {one.part for one in known}
         return (*known, *(one for one in self.offers if one.part not in read))
 
@@ -338,7 +335,20 @@ class Judgement(Result, Scores):
         )
 
     def __str__(self) -> str:
-        against, others = self.reference, self._others
+        """The verdict: the digits at a few times, the fewest of all, what makes them more."""
+        if not self.digits and not self._others:
+            return "\n".join([NOTHING, *self._unread])
+        return "\n".join([*self._digits(self._worst.row), self.verdict, *self._why, *self._unread])
+
+    def details(self) -> str:
+        """All that is known, in words.
+
+        >>> import polhode
+        >>> found = polhode.compare(polhode.integrate("euler/largest-axis"))
+        >>> "drift h" in found.details(), "drift h" in str(found)
+        (True, False)
+        """
+        against = self.reference
         how = f", proven to {self.agreement:.1f} digits"
         if against.is_closed_form:
             proven = "proven" if against.proven is True else against.proven
@@ -347,25 +357,34 @@ class Judgement(Result, Scores):
             how = ""
         scene = f"{against.scene.name} ({against.regime})"
         lines = [f"{self.subject.name} against {against.kind} of {scene}{how}"]
-        if self.digits or others:
-            number = self.subject.number
-            lines += table(self.times, self.digits, self.expected, number, others)
-            lines.append(self._headline)
+        lines += [*self._digits(None), self.verdict] if self.digits or self._others else [NOTHING]
+        if self.limit and not self._is_foreign:
+            lines.append(f"limit {self.limit}")
         if self.motion is not None:
             lines.append(f"motion {self.motion}")
-        told = {name: [f"{digits:.2f} correct digits"] for name, digits in self.parts.items()}
-        for name, where in self.departures.items():
-            told.setdefault(name, []).append(str(where))
-        lines += [f"{name}: {'; '.join(texts)}" for name, texts in told.items()]
-        lines += [str(reading) for reading in self.readings]
-        lines += [str(cause) for cause in self.causes]
+        lines += [f"{name}: {digits:.2f} correct digits" for name, digits in self.parts.items()]
+        lines += self._why
         if self.drift is not None:
             lines.append(f"drift {self.drift}")
         if self.subject.projected and self.subject.run is not None:
             lines.append(f"projected {self.subject.run.projection}")
-        lines += self.subject.remarks
-        lines += [f"not judged: {note}" for note in together(self.notes)]
-        return "\n".join(lines)
+        return "\n".join([*lines, *self._unread])
+
+    def _digits(self, worst: int | None) -> list[str]:
+        """The table of the digits, see :func:`polhode.judging.score.report_text.table`."""
+        number = self.subject.number
+        return table(self.times, self.digits, self.expected, number, self._others, worst)
+
+    @property
+    def _why(self) -> list[str]:
+        """Where parts leave the motion, and what would make them right."""
+        told = [f"{name}: {where}" for name, where in self.departures.items()]
+        return [*told, *map(str, self.readings), *map(str, self.causes)]
+
+    @property
+    def _unread(self) -> list[str]:
+        """How the table was read, and what was not judged."""
+        return [*self.subject.remarks, *(f"not judged: {note}" for note in together(self.notes))]
 
     @property
     def _is_foreign(self) -> bool:
@@ -373,45 +392,40 @@ class Judgement(Result, Scores):
         return self.subject.run is None and self.limit.startswith("method")
 
     @property
-    def _limit_in_words(self) -> str:
-        """The limit as it is printed: of a table it may be anything but rounding."""
-        return BEYOND_ROUNDING if self._is_foreign else self.limit
-
-    @property
-    def _unlimited(self) -> str:
-        """Why no limit is named."""
-        if self.offers:
-            return "no limit is named, since another convention gives more digits"
-        return "wrong in the first digit, so no limit is named"
-
-    @property
-    def _headline(self) -> str:
-        """The fewest digits of all, and what limits those of the state."""
-        read = f"; read as {self.reading}" if self.reading else ""
-        limited = f"limited by {self._limit_in_words}" if self.limit else self._unlimited
+    def _meaning(self) -> str:
+        """What the digits of the state mean."""
         if self.causes:
-            limited = "no limit is named, since another number explains the error"
-        elif self.chance is not None and self.chance > RARE:
-            limited += f", or by chance: one run in {1 / self.chance:.0f} has so few digits"
-        limited += read
+            return EXPLAINED
+        if not self.limit:
+            return ELSEWHERE if self.offers else WRONG_AT_ONCE
+        told = meaning(self.limit, self.subject.number, self._is_foreign)
+        if self.chance is not None and self.chance > RARE:
+            told += BY_CHANCE.format(runs=1 / self.chance)
+        return told
+
+    @property
+    def verdict(self) -> str:
+        """The fewest digits of all, and what those of the state mean; BadInput where none was
+        judged."""
+        read = f"; read as {self.reading}" if self.reading else ""
         if self.digits and self.lost:
-            return f"{self.lost}; {limited}"
-        worst = f"worst {self.worst:.2f} correct digits at t = {brief(self.worst_time)}"
+            return f"{self.lost}: {self._meaning}{read}"
+        told = f"{self.worst:.2f} correct digits at worst (t = {brief(self.worst_time)})"
         if self.rows_judged < len(self.times):
-            worst += f" (of {self.rows_judged} rows judged of {len(self.times)})"
-        if self.worst_part == STATE_PART:
-            return f"{worst}; {limited}"
-        worst += f", of {self.worst_part}"
-        if not self.digits:
-            return worst + read
-        time = brief(self.times[self._lowest])
-        return f"{worst}; of the state {self.state_worst:.2f} at t = {time}, {limited}"
+            told += f" of {self.rows_judged} rows judged of {len(self.times)}"
+        if self.worst_part != STATE_PART:
+            told += f", of {self.worst_part}"
+            if not self.digits:
+                return told + read
+            time = brief(self.times[self._lowest])
+            told += f"; of the state {self.state_worst:.2f} (t = {time})"
+        return f"{told}, {self._meaning}{read}"
 
     def __repr__(self) -> str:
         try:
             told = f"worst {self.worst:.2f} correct digits at t = {brief(self.worst_time)}"
-            told += f", limited by {self._limit_in_words}" if self.limit else ""
+            told += f", limited by {self.limit}" if self.limit else ""
             told += f", read as {self.reading}" if self.reading else ""
         except BadInput:
-            told = "nothing was judged"
+            told = NOTHING
         return f"<Judgement of {self.subject.name} against {self.reference.kind}: {told}>"

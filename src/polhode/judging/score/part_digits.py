@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
 from polhode.equations import kinematics
 from polhode.judging.correct_digits import digits_of, largest, log10_differences, log10_sizes
-from polhode.judging.tables.reading import GAIN
 from polhode.numbers.rows import Doubles, Given
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.vocabulary import ANGLES, COLUMNS
@@ -19,29 +18,7 @@ from polhode.scenes.vocabulary import ANGLES, COLUMNS
 RowDigits: TypeAlias = tuple[float | None, ...]
 
 ALIKE = {"attitude": (1, -1)}  # factors of one sign at all times that change nothing
-ROUGH, MANY = 1.0, 5  # digits of angles that a rough method has, and rows that need whole turns
 TURNING = (ANGLES.index("psi"), ANGLES.index("phi"))  # angles whose whole turns mean nothing
-
-
-class PartDigits(NamedTuple):
-    """Digits of a part at each time; ``turned``: of angles, psi and phi up to whole turns.
-
-    ``uncounted``: the reference does not know those turns, and ``digits`` are ``turned``.
-    """
-
-    digits: RowDigits
-    turned: RowDigits | None = None
-    uncounted: bool = False
-
-    @property
-    def is_turned(self) -> bool:
-        """Whether whole turns make angles right: to three digits once, or to one at all times."""
-        both = zip(self.digits, self.turned or (), strict=False)
-        gains = [(t - d, t) for d, t in both if d is not None and t is not None]
-        if any(gain >= GAIN for gain, _ in gains):
-            return True
-        always = min((t for _, t in gains), default=0.0) >= ROUGH
-        return always and sum(gain >= ROUGH for gain, _ in gains) >= MANY
 
 
 def fewest(digits: RowDigits, held: float) -> float:
@@ -67,23 +44,24 @@ def part_digits(
     held: float,
     bits: int,
     signless: bool = False,
-) -> PartDigits:
+) -> RowDigits:
     """A part's rows against the reference's; ``held``: the most digits that can be told.
 
-    ``bits``: the precision of pi.  ``signless``: whether a quaternion's sign may differ from row to
-    row.
+    Angles against attitudes: psi and phi up to whole turns, with ``bits`` of pi.  ``signless``:
+    whether a quaternion's sign may differ from row to row.
     """
+    if name == "angles":
+        angles = principal_angles(true, bits)
+        return row_digits(log10_differences(own, angles, turning=TURNING, bits=bits), held)
     scale = 0.0 if COLUMNS[name].how == "integrated" else _log10_largest(true)
     signs = ALIKE.get(name, (1,))
     sides = [row_digits(log10_differences(own, true, side) - scale, held) for side in signs]
-    found = most_right([tuple(map(_more, *sides))] if signless and len(sides) > 1 else sides)
-    if name != "angles":
-        return PartDigits(found)
-    turned = log10_differences(own, true, turning=TURNING, bits=bits)
-    return PartDigits(found, row_digits(turned, held))
+    return most_right([tuple(map(_more, *sides))] if signless and len(sides) > 1 else sides)
 
 
-def principal_angles(attitudes: Sequence[Sequence[Scalar]], bits: int) -> list[list[Scalar | None]]:
+def principal_angles(
+    attitudes: Sequence[Sequence[Scalar | None]], bits: int
+) -> list[list[Scalar | None]]:
     """psi, theta and phi of quaternions, psi and phi up to whole turns and None at a pole."""
     from polhode.numbers.mpmath_context import mpmath, own
 

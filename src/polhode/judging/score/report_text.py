@@ -2,22 +2,46 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
 from polhode.common.text_tables import aligned, few
 from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.diagnosis.error_budget import shown_digits
-from polhode.numbers.decimals import decimal_string, in_full, shortest
+from polhode.numbers.decimals import brief, in_full, shortest
 from polhode.numbers.number_types import NumberType
 
 SHOWN = 11  # times that are printed
-#: What a note says of one column, and of several.
-_OF_COLUMNS = {
-    " is not in the file": " are not in the file",
-    " is not known and was not judged": " are not known and were not judged",
-}
+#: A note of one column: its name, and what is said of it.
+_OF_COLUMN = re.compile(r"column (.*?)( is not .*| was not judged.*)", re.DOTALL)
 _SHORT = 24  # characters of a time that is printed with all its digits
+
+#: What a limit says of the digits, by its name; ``how``: its words in brackets.
+LIMITS = {
+    "rounding": "as many as {number} precision allows for this motion",
+    "conditioning": "as many as {number} precision allows for this motion",
+    "inputs": "as many as the scene's numbers, rounded to {number}, allow",
+    "reference": "as many as the reference can tell",
+    "method": "fewer than {number} precision allows: {how}",
+    "unknown": "{how}",
+}
+ROUNDED = "as many as rounding {how} leaves"
+FOREIGN = "the program's steps, noise, or another motion"
+BY_CHANCE = "; or by chance: one run in {runs:.0f} has so few"
+EXPLAINED = "another number explains the error"
+ELSEWHERE = "another convention gives more digits"
+WRONG_AT_ONCE = "wrong in the first digit"
+NOTHING = "nothing was judged"
+
+
+def meaning(limit: str, number: NumberType, foreign: bool) -> str:
+    """What a limit says of digits; ``foreign``: of those of a table of another program."""
+    name, _, how = limit.removesuffix(")").partition(" (")
+    if name == "method" and foreign:
+        how = FOREIGN
+    words = ROUNDED if name == "rounding" and how else LIMITS[name]
+    return words.format(number=number.name, how=how)
 
 
 def table(
@@ -26,39 +50,51 @@ def table(
     expected: Sequence[Band | None],
     number: NumberType,
     parts: Mapping[str, Sequence[float | None]],
+    worst: int | None,
 ) -> list[str]:
-    """The lines of the digits at a few of the times, beside those that are expected.
+    """The lines of the digits at a few of the times.
 
     ``digits``: of the state, empty where it was not judged, None where it has no number;
-    ``parts``: of others.
+    ``parts``: of others.  ``worst``: the row that is shown beside the first and the last; None for
+    more rows, and those beside the digits that are expected.
     """
-    shown = few(len(times), SHOWN)
+    count = len(times)
+    shown = few(count, SHOWN) if worst is None else sorted({0, worst, count - 1})
     columns = {"t": [_time(times[k], number) for k in shown]}
     if digits:
         columns["correct digits"] = [shown_digits(digits[k], expected[k]) for k in shown]
+    if digits and worst is None:
         bands = ["unknown" if (b := expected[k]) is None else b.shown(number) for k in shown]
         columns[f"expected in {number.name}"] = bands
     for name, of_part in parts.items():
         columns[name] = ["-" if (d := of_part[k]) is None else f"{d:.2f}" for k in shown]
     lines = aligned([*columns], [*zip(*columns.values(), strict=True)])
-    if len(shown) < len(times):
-        lines.append(f"({len(shown)} of {len(times)} times; all of them with --json)")
+    if worst is None and len(shown) < count:
+        lines.append(f"({len(shown)} of {count} times; all of them with --json)")
     return lines
 
 
 def together(notes: Sequence[str]) -> list[str]:
     """Notes that say the same of several columns as one, in the first one's place."""
     told = list(notes)
-    for one, many in _OF_COLUMNS.items():
-        same = [k for k, note in enumerate(told) if note.endswith(one)]
-        if len(same) > 1:
-            names = " ".join(told[k].removeprefix("column ").removesuffix(one) for k in same)
-            told[same[0]] = f"columns {names}{many}"
-            told = [note for k, note in enumerate(told) if k not in same[1:]]
+    found: dict[str, list[str]] = {}
+    for note in notes:
+        if match := _OF_COLUMN.fullmatch(note):
+            found.setdefault(match[2], []).append(match[1])
+    for one, names in found.items():
+        if len(names) > 1:
+            many = one.replace(" is not", " are not", 1).replace("was not", "were not", 1)
+            same = [f"column {name}{one}" for name in names]
+            told[told.index(same[0])] = f"columns {' '.join(names)}{many}"
+            told = [note for note in told if note not in same]
     return told
 
 
 def _time(t: Fraction, number: NumberType) -> str:
-    """Every digit of a time, where they are few; of a number of the type as few as tell it."""
+    """Every digit of a time, where they are few; of a number of the type as few as tell it.
+
+    Sixty times a double of minutes may be 0.99999999999999994, which is 1 here.
+    """
     text = shortest(t, number) if number.rounded(t) == t else in_full(t)
-    return text if len(text) <= _SHORT else decimal_string(t, 17)
+    near = brief(t, 14)
+    return near if len(text) > _SHORT or len(near) + 2 < len(text) else text

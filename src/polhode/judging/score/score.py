@@ -19,15 +19,12 @@ from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import AnyReference, Reference
 from polhode.judging.score.answers import Answer, Answers
 from polhode.judging.score.part_digits import (
-    PartDigits,
     RowDigits,
     fewest,
     part_digits,
-    principal_angles,
     row_digits,
 )
 from polhode.judging.score.row_selection import RowSelection, selection
-from polhode.judging.tables.reading import TURNS, Reading
 from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.rows import Doubles, Given
@@ -35,6 +32,7 @@ from polhode.scenes.vocabulary import COLUMNS, STATE
 
 FIRST_ASKED = 100  # digits of a reference, before it is known that more of them are needed
 SPARE_DIGITS = 6  # of a reference beyond those that can be told
+NEAR_POLE = 20  # of its attitude, which psi and phi lose near a pole
 
 T = TypeVar("T")
 
@@ -54,15 +52,13 @@ class _Worst(NamedTuple):
 class Scores(ByValue):
     """The right digits of a subject, the reference asked for no more digits than tell them.
 
-    ``progress``: called with the reference's rows where they are many.  ``as_it_stands``: whether
-    angles are right with their whole turns alone.  ``answers``: rows of the reference that were
-    asked for already, if they are.
+    ``progress``: called with the reference's rows where they are many.  ``answers``: rows of the
+    reference that were asked for already, if they are.
     """
 
     subject: Table
     reference: AnyReference
     progress: Progress | None = field(default=None, compare=False)
-    as_it_stands: bool = False
     answers: Answers | None = field(default=None, compare=False)
 
     def __getstate__(self) -> dict[str, object]:
@@ -110,9 +106,9 @@ class Scores(ByValue):
         return found
 
     @cached_property
-    def _judged_parts(self) -> dict[str, PartDigits | str]:
+    def _judged_parts(self) -> dict[str, RowDigits | str]:
         """Digits of angles, attitude and derived columns, or why there are none."""
-        found: dict[str, PartDigits | str] = {}
+        found: dict[str, RowDigits | str] = {}
         for name in COLUMNS:
             own = self._judged.rows(COLUMNS[name].names)
             if own is None:
@@ -125,37 +121,21 @@ class Scores(ByValue):
             except ValueError as fault:  # BadInput is one
                 found[name] = str(fault)
                 if does_not_answer(self.reference, fault):
-                    if name == "angles":
-                        with suppress(ValueError):
-                            found[name] = self._up_to_turns(own)
-                            continue
                     proven = replace(self, reference=Certified(self.reference.scene))
                     with suppress(ValueError):
                         found[name] = proven._part(name, own)
         return found
 
-    def _part(self, name: str, own: Given) -> PartDigits:
+    def _part(self, name: str, own: Given) -> RowDigits:
         """Digits of such a part; raises ValueError."""
         held, signless = self.subject.held, self.subject.signless
-
-        def judged(true: Answer) -> PartDigits:
-            return part_digits(name, own, true, held, self._bits, signless)
-
-        found = self._told(name, judged, lambda part: fewest(part.digits, held))
-        turned = None if found.turned is None else self._everywhere(found.turned)
-        return PartDigits(self._everywhere(found.digits), turned)
-
-    def _up_to_turns(self, own: Given) -> PartDigits:
-        """Digits of angles of which the reference has the attitude alone; raises ValueError."""
-        held = self.subject.held
+        word, more = ("attitude", NEAR_POLE) if name == "angles" else (name, 0)
 
         def judged(true: Answer) -> RowDigits:
-            angles = principal_angles(true, self._bits)
-            return part_digits("angles", own, angles, held, self._bits).turned or ()
+            return part_digits(name, own, true, held, self._bits, signless)
 
-        found = self._told("attitude", judged, lambda digits: fewest(digits, held))
-        digits = self._everywhere(found)
-        return PartDigits(digits, digits, uncounted=True)
+        found = self._told(word, judged, lambda digits: fewest(digits, held), more)
+        return self._everywhere(found)
 
     @cached_property
     def _errors(self) -> Doubles:
@@ -174,15 +154,18 @@ class Scores(ByValue):
 
         return self._told("at", errors, most_right)
 
-    def _told(self, word: str, judged: Callable[[Answer], T], right: Callable[[T], float]) -> T:
+    def _told(
+        self, word: str, judged: Callable[[Answer], T], right: Callable[[T], float], more: int = 0
+    ) -> T:
         """What is judged by the reference, asked for more digits until none hide behind its own.
 
         So a table of a thousand digits, few of them right, costs no reference of a thousand.
-        ``right``: how many are right by it.  Raises ValueError.
+        ``right``: how many are right by it.  ``more``: digits that are asked for in any case.
+        Raises ValueError.
         """
         wanted = min(self._wanted, FIRST_ASKED)
         while True:
-            found = judged(self.known_answers.rows(word, wanted))
+            found = judged(self.known_answers.rows(word, wanted + more))
             if wanted == self._wanted or right(found) < wanted - SPARE_DIGITS:
                 return found
             wanted = min(self._wanted, 4 * wanted)
@@ -194,7 +177,7 @@ class Scores(ByValue):
         if known is not None and known.reference is self.reference and known.times == times:
             return known
         there = [word for word, x in COLUMNS.items() if {*x.names} & self.subject.columns.keys()]
-        attitude = any("attitude" in (word, *COLUMNS[word].needs) for word in there)
+        attitude = any({"attitude", "angles"} & {word, *COLUMNS[word].needs} for word in there)
         return Answers(self.reference, times, attitude, self.progress)
 
     @property
@@ -250,36 +233,14 @@ class Scores(ByValue):
 
     @cached_property
     def _others(self) -> dict[str, RowDigits]:
-        """Digits of what is no column of the state, as it is read."""
-        found = {k: part for k, part in self._judged_parts.items() if isinstance(part, PartDigits)}
-        strict = not self._may_turn
-        return {
-            name: part.digits if strict or not part.is_turned else part.turned or ()
-            for name, part in found.items()
-        }
-
-    @property
-    def _may_turn(self) -> bool:
-        """Whether angles may be right up to whole turns: unless told to judge them as they are."""
-        return not self.as_it_stands or any(x.part == "angles" for x in self.subject.readings)
-
-    @property
-    def _turns(self) -> tuple[Reading, ...]:
-        """That psi and phi are read up to whole turns, where they are."""
-        angles = self._judged_parts.get("angles")
-        if not self._may_turn or not isinstance(angles, PartDigits) or not angles.is_turned:
-            return ()
-        if any(one.convention == TURNS for one in self.subject.readings):
-            return ()
-        both = angles.digits, angles.turned
-        before, now = (fewest(d or (), self.subject.held) for d in both)
-        return (Reading("angles", before, TURNS, now),)
+        """Digits of what is no column of the state; of angles psi and phi up to whole turns."""
+        return {k: part for k, part in self._judged_parts.items() if not isinstance(part, str)}
 
     @property
     def reading(self) -> str | None:
         """The convention that was applied, None where the numbers are judged as they stand."""
-        told = [*dict.fromkeys(f"{r.part} {r.convention}" for r in self.subject.readings)]
-        return "; ".join([*told, *(one.convention for one in self._turns)]) or None
+        told = dict.fromkeys(f"{r.part} {r.convention}" for r in self.subject.readings)
+        return "; ".join(told) or None
 
     @property
     def part_digits(self) -> dict[str, RowDigits]:
@@ -303,17 +264,13 @@ class Scores(ByValue):
     @property
     def _unjudged(self) -> list[str]:
         """Rows, and parts beside the state, that were not judged, and why."""
-        parts, selected = self._judged_parts, self._selected
+        selected = self._selected
         unjudged = [] if selected is None else [selected.note(len(self.times))]
-        unjudged += [
+        return unjudged + [
             f"{name} {'were' if name == 'angles' else 'was'} not judged: {found}"
-            for name, found in parts.items()
+            for name, found in self._judged_parts.items()
             if isinstance(found, str)
         ]
-        angles = parts.get("angles")
-        if isinstance(angles, PartDigits) and angles.uncounted:
-            unjudged.append("whole turns of psi and phi: the closed form did not count them so far")
-        return unjudged
 
     @property
     def drift(self) -> Drift | None:

@@ -1,6 +1,6 @@
 """How a table is read that is wrong as it stands: told by some of its rows, before it is judged.
 
-Its times may have another unit, another beginning or another clock; each part another convention.
+Its times may have another unit or another beginning; each part another convention.
 All of that is found from a few rows (:func:`polhode.judging.diagnosis.evidence.probed_rows`); the
 rows of very many that a file has are then judged once, as they are read.
 """
@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from polhode.judging.diagnosis.clock import unknown_clock
 from polhode.judging.diagnosis.conventions import View, is_explained, other_world, view
+from polhode.judging.diagnosis.other_times import clock_remark
 from polhode.judging.diagnosis.told_readings import at_times_told
 from polhode.judging.references.reference import AnyReference
 from polhode.judging.tables.attitude_forms import lengths, of_length_one
@@ -30,10 +30,10 @@ def as_meant(subject: Table, against: AnyReference) -> tuple[Table, tuple[Readin
     if world is not None and world.change is None:
         return with_unit_quaternions(subject, seen), tuple(seen.readings_in(world))
     if world is not None and world.change is not None:
-        subject, seen = at_times_told(subject, seen, against, world.words, world.change, world.off)
+        subject, seen = at_times_told(subject, seen, against, world.words, world.change)
     elif not is_explained(seen.parts):
-        remarks = unknown_clock(subject, against.scene)
-        subject = replace(subject, remarks=(*subject.remarks, *remarks))
+        remarks = (*subject.remarks, *clock_remark(subject, against.scene))
+        subject = replace(subject, remarks=remarks)
     subject = with_unit_quaternions(subject, seen)
     applied = [one for one in seen.readings if one.change is not None]
     return subject.read_as(applied), tuple(one for one in seen.readings if one.change is None)

@@ -18,11 +18,12 @@ from fractions import Fraction
 from functools import partial
 from typing import TypeAlias
 
-from polhode.judging.tables.column_aliases import MATRIX, RODRIGUES, ROTATION_VECTOR
+from polhode.judging.tables.column_aliases import ROTATION_VECTOR
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.rows import Given, GivenRow
-from polhode.scenes.vocabulary import ATTITUDE
+from polhode.numbers.vectors import quaternion_products
+from polhode.scenes.vocabulary import ATTITUDE, MATRIX, RODRIGUES
 
 GUARD = 64  # bits beyond those of the cells
 _OFF = 1e-3  # of 1: a length that is another, and no error of a method
@@ -88,16 +89,12 @@ def _steady(
 
 def _of_matrix(r: Sequence[Fraction], bits: int) -> Quaternion | None:
     """From the component that is the largest, by 4 q0^2 = 1 + R11 + R22 + R33 and its like."""
-    a, b, c = r[0], r[4], r[8]
-    squares = [1 + a + b + c, 1 + a - b - c, 1 - a + b - c, 1 - a - b + c]
-    x, y, z = r[7] - r[5], r[2] - r[6], r[3] - r[1]
-    xy, xz, yz = r[1] + r[3], r[2] + r[6], r[5] + r[7]
-    k = max(range(4), key=squares.__getitem__)
-    if squares[k] <= 0:
+    products = quaternion_products(r)
+    k = max(range(4), key=lambda k: products[k][k])
+    if products[k][k] <= 0:
         return None
-    others = [(squares[0], x, y, z), (x, squares[1], xy, xz), (y, xy, squares[2], yz)]
-    twice = root(squares[k], bits)
-    return [value / (2 * twice) for value in [*others, (z, xz, yz, squares[3])][k]]
+    twice = root(products[k][k], bits)
+    return [value / (2 * twice) for value in products[k]]
 
 
 def _of_parameters(sigma: Sequence[Fraction]) -> Quaternion:

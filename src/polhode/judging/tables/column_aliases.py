@@ -1,4 +1,4 @@
-"""Names that other programs give to the columns of a trajectory.
+"""Names that other programs give to the columns of a trajectory, and those that somebody tells.
 
 A name is a stem and an axis, ``gyro`` and ``x``, after a path and before a unit: ``imu/gyro_x
 [deg/s]``.  What it means may depend on the others: whether axes are counted from 0 or from 1, and
@@ -8,20 +8,29 @@ whether ``gx`` is a component of gamma or a rate.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import NamedTuple
 
+from polhode.common.errors import BadInput, nearest
 from polhode.equations.column import column as derived_column
 from polhode.equations.column import derived_words
-from polhode.scenes.vocabulary import ANGLES, ATTITUDE, COLUMNS, STATE, column_names
+from polhode.numbers import expression
+from polhode.numbers.expression import ExpressionError
+from polhode.scenes.vocabulary import (
+    ANGLES,
+    ATTITUDE,
+    COLUMNS,
+    MATRIX,
+    RODRIGUES,
+    STATE,
+    column_names,
+)
 
-#: Other forms of the attitude, which become a quaternion: see
+#: Another form of the attitude, which becomes a quaternion: see
 #: :mod:`polhode.judging.tables.attitude_forms`.
-MATRIX = tuple(f"R{i}{j}" for i in "123" for j in "123")
-RODRIGUES = ("sigma1", "sigma2", "sigma3")
 ROTATION_VECTOR = ("rotvec1", "rotvec2", "rotvec3")
-FORMS = (MATRIX, RODRIGUES, ROTATION_VECTOR)
 
 _WORDS = {
     **dict.fromkeys(("time", "seconds", "timestamp", "elapsed", "seconds_elapsed"), "t"),
@@ -93,8 +102,8 @@ def known() -> list[str]:
 
 
 def readable() -> list[str]:
-    """The names of all columns that a table may have: those, and other forms of the attitude."""
-    return [*known(), *(name for form in FORMS for name in form)]
+    """The names of all columns that a table may have: those, and another form of the attitude."""
+    return [*known(), *ROTATION_VECTOR]
 
 
 def not_judged() -> dict[str, str]:
@@ -105,6 +114,12 @@ def not_judged() -> dict[str, str]:
         if (why := derived_column(word).not_judged)
         for name in COLUMNS[word].names
     }
+
+
+def are_attitude(headers: Sequence[str]) -> list[bool]:
+    """Which of headers that were left aside are a whole form of the attitude, beside another."""
+    forms = {*MATRIX, *RODRIGUES, *ROTATION_VECTOR}
+    return [one.name in forms for one in columns(headers)]
 
 
 class Column(NamedTuple):
@@ -211,7 +226,7 @@ def twice(named: Iterable[Column]) -> str | None:
 
 def _alone(header: str) -> Column | _Part:
     """What a header means by itself, or the component that it is."""
-    if header in known():
+    if header in known() and header not in (*MATRIX, *RODRIGUES):  # of which all are needed
         return Column(header)
     if header == "%time":
         return Column("t", False, _TIMES["ns"])
@@ -276,3 +291,45 @@ def _component(part: _Part, first: str) -> Column:
 def _place(axis: str, first: str) -> int:
     """The place of an axis among three; 3 or more of another."""
     return "xyz".index(axis) if axis in "xyz" else (int(axis) - int(first)) % 10
+
+
+@dataclass(frozen=True)
+class Naming:
+    """Columns that were named beside a table.
+
+    ``header``: all of them in order, empty where the table has its own.  ``meant``: what single
+    names of its header mean.
+    """
+
+    header: tuple[str, ...] = ()
+    meant: Mapping[str, Column] = field(default_factory=dict)
+
+    def columns(self, header: Sequence[str]) -> list[Column]:
+        """What the names of a header mean; a column that was told is no other one of the header."""
+        told = {one.name for one in self.meant.values()}
+        others = [UNKNOWN if one.name in told else one for one in columns(header)]
+        return [self.meant.get(name, one) for name, one in zip(header, others, strict=True)]
+
+
+PLAIN = Naming()  # nothing was named
+
+
+def naming(text: str) -> Naming:
+    """The columns of ``--columns``: ``t,qw,qx``, or ``time_ms=t*1e-3, Q.W=q0``; raises BadInput."""
+    items = [item.strip() for item in text.split(",")]
+    if not any("=" in item for item in items):
+        return Naming(tuple(items))
+    meant = {}
+    for item in items:
+        name, _, told = (part.strip() for part in item.partition("="))
+        ours, _, by = (part.strip() for part in told.partition("*"))
+        sign, ours = (-1, ours[1:].strip()) if ours.startswith("-") else (1, ours)
+        if not name or ours not in readable():
+            expected = f"NAME=COLUMN, of {nearest(ours, readable())}"
+            raise BadInput("compare", "--columns", item, expected)
+        try:
+            factor = sign * (expression.decimal(by) if by else Fraction(1))
+        except ExpressionError as fault:
+            raise BadInput("compare", "--columns", item, f"NAME=COLUMN*NUMBER ({fault})") from None
+        meant[name] = Column(ours, False, factor)
+    return Naming((), meant)

@@ -23,9 +23,8 @@ from typing import NamedTuple
 from polhode.common.errors import BadInput
 from polhode.common.files import STDIN, called, read_stdin, read_whole
 from polhode.judging.tables.attitude_forms import Cells
-from polhode.judging.tables.column_aliases import Column
+from polhode.judging.tables.column_aliases import Column, Naming
 from polhode.judging.tables.given_columns import refuse_names, table_of_cells
-from polhode.judging.tables.naming import Naming
 from polhode.judging.tables.table import Table
 from polhode.judging.tables.type_inference import of_decimals, of_type, printed_type
 from polhode.numbers import expression

@@ -10,8 +10,7 @@ from typing import Any
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput, nearest
 from polhode.judging.tables.attitude_forms import Cells, with_quaternions
-from polhode.judging.tables.column_aliases import Column, known, not_judged, twice
-from polhode.judging.tables.naming import PLAIN, Naming
+from polhode.judging.tables.column_aliases import PLAIN, Column, Naming, known, not_judged, twice
 from polhode.judging.tables.reading import degree
 from polhode.judging.tables.table import Table
 from polhode.judging.tables.type_inference import of_decimals, of_type, type_of

@@ -16,8 +16,6 @@ from polhode.numbers.vectors import quaternion_product
 #: Digits: below the first a part is wrong as it stands, the second is what a reading must add.
 WRONG, GAIN = 3.0, 3.0
 
-TURNS = "psi and phi up to whole turns"  # the convention of angles that need it
-
 TURN = "a constant rotation of "  # how a rotation of an attitude begins
 _EXACT = 12.0  # digits of a row that is right but for rounding
 LENGTH = "of length 1"  # that of quaternions which have another
@@ -71,22 +69,25 @@ class TimeChange(NamedTuple):
 class Reading(NamedTuple):
     """A part of a table read another way: its digits as it stands, and as it is read here.
 
-    ``rows``: times with the digits there as it is read, the first row's first; empty where only
-    the fewest digits are known.  ``how``: the words before those of the convention.
+    Of times these are the fewest of any whole vector; None where there is none.  ``rows``: times
+    with the digits there as it is read, the first row's first; empty where only the fewest digits
+    are known.  ``how``: the words before those of the convention.
     """
 
     part: str
-    as_it_stands: float
+    as_it_stands: float | None
     convention: str
-    digits: float
+    digits: float | None
     change: Change | None = None  # None where it is told, and not applied
     rows: tuple[tuple[Fraction, float], ...] = ()
     how: str = "read as"
 
     def __str__(self) -> str:
+        how = "right after" if self.convention.startswith(TURN) else self.how
+        if self.digits is None or self.as_it_stands is None:
+            return f"{self.part} {how} {self.convention}"
         drifts = self.digits < WRONG and self.rows
         digits = self._drift if drifts else f"{self.digits:.1f} digits"
-        how = "right after" if self.convention.startswith(TURN) else self.how
         told = f"{self.part} as it stands: {self.as_it_stands:.2f} digits"
         return f"{told}; {how} {self.convention}: {digits}"
 

@@ -16,7 +16,7 @@ from polhode.common.text_tables import counted, one_line
 from polhode.common.value_semantics import ByValue
 from polhode.equations.integrals import Drift, drift, drift_of_columns
 from polhode.judging.tables.attitude_forms import lengths
-from polhode.judging.tables.column_aliases import not_judged
+from polhode.judging.tables.column_aliases import are_attitude, not_judged
 from polhode.judging.tables.reading import Reading, TimeChange
 from polhode.numbers.conversion import mpf_row, to_double
 from polhode.numbers.number_types import NumberType
@@ -25,6 +25,8 @@ from polhode.numbers.scalars import Real
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ATTITUDE, COLUMNS, STATE, column_names
+
+_AGAIN = "was not judged: the quaternion is"  # of the same attitude, in another form
 
 #: The parts that may have a convention, and their columns.
 PARTS = {
@@ -97,6 +99,13 @@ class Table(ByValue):
         none = (None,) * len(self.times)
         return [list(row) for row in zip(*(self.columns.get(n, none) for n in names), strict=True)]
 
+    def whole_rows(self, names: Sequence[str]) -> list[int]:
+        """The rows that have a number in each of these columns."""
+        if not {*names} <= self.columns.keys():
+            return []
+        gaps = {k for name in names for k, x in enumerate(self.columns[name]) if x is None}
+        return [k for k in range(len(self.times)) if k not in gaps]
+
     def some(self, which: Sequence[int]) -> Table:
         """Some of the rows."""
         return replace(
@@ -112,14 +121,12 @@ class Table(ByValue):
             self, columns={**self.columns, **dict(zip(names, zip(*rows, strict=True), strict=True))}
         )
 
-    def at_other_times(self, change: TimeChange, off: float | None = None) -> Table:
-        """The same rows at changed times; ``off``: by how much their origin may be off, as much as
-        the first time unless given."""
+    def at_other_times(self, change: TimeChange) -> Table:
+        """The same rows at changed times; their origin is off by as much as the first time."""
         times, unit = tuple(change.of(t) for t in self.times), abs(to_double(change.unit))
-        errors = [unit * x for x in self.time_errors or [0.0] * len(times)]
-        off = (errors[0] if change.shift else 0.0) if off is None else off
-        told = tuple(x + off for x in errors) if any(errors) or off else ()
-        return replace(self, times=times, time_errors=told)
+        errors = [unit * x for x in self.time_errors]
+        off = errors[0] if errors and change.shift else 0.0
+        return replace(self, times=times, time_errors=tuple(x + off for x in errors))
 
     def read_as(self, readings: Sequence[Reading]) -> Table:
         """The table in other conventions, as far as readings can be applied."""
@@ -137,9 +144,12 @@ class Table(ByValue):
             return "they were projected"
         if self.run is not None:
             return self.run.drift
-        columns = [self.columns.get(name, (None,)) for name in scene.columns]
+        missing = [name for name in scene.columns if name not in self.columns]
+        if missing:
+            return f"it takes all of {', '.join(scene.columns)}, and the table has no {missing[0]}"
+        columns = [self.columns[name] for name in scene.columns]
         if any(x is None for x in chain(*columns)):  # asked so, for a Fraction's == is slow
-            return "a column of the state is missing"
+            return "it takes all cells of the state, and some are empty"
         if self.held <= MOST_AT_ONCE:
             from polhode.numbers.double_double import of_fractions
 
@@ -177,7 +187,10 @@ def of_run(run: Trajectory) -> Table:
 def as_judged(table: Table, scene: Scene) -> Table:
     """A table with those columns alone that the scene has, and notes of the others."""
     there, unjudged = table.columns, not_judged()
-    notes = [f"column {_quoted(name)} is not known and was not judged" for name in table.ignored]
+    notes = [
+        f"column {_quoted(name)} " + (_AGAIN if is_again else "is not known and was not judged")
+        for name, is_again in zip(table.ignored, are_attitude(table.ignored), strict=True)
+    ]
     notes += [f"column {n} was not judged: {why}" for n, why in unjudged.items() if n in there]
     others = [name for name in column_names() if name not in unjudged]
     if not scene.columns[3:]:

@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from polhode.common.errors import UNREADABLE, BadInput
 from polhode.common.files import called, read_npz, read_whole
-from polhode.judging.tables.column_aliases import columns
+from polhode.judging.tables.column_aliases import PLAIN, Naming, columns
 from polhode.judging.tables.csv_file import MAX_BYTES, read_csv
 from polhode.judging.tables.given_columns import refuse_names, table_of_columns
-from polhode.judging.tables.naming import PLAIN, Naming
 from polhode.judging.tables.table import Table, of_run
 from polhode.numbers.number_types import NumberType
 from polhode.results import reader, writer
@@ -81,15 +80,9 @@ def _of_result(path: Path, number: NumberType | None, names: Naming) -> Table:
 
 
 def _unread(path: Path, why: str) -> tuple[str, ...]:
-    """That what stands beside a CSV file says nothing of it, where something does."""
-    if path.suffix.lower() != ".csv":
-        return ()
-    if why == reader.CHANGED:
+    """That the facts beside a CSV file were not read, where it was changed."""
+    if path.suffix.lower() == ".csv" and why == reader.CHANGED:
         return (f"{called(writer.beside(path))} was not read: the table was changed since then",)
-    earlier = path.with_suffix(".json")
-    if earlier.exists() and not reader.is_result(earlier):
-        beside = called(writer.beside(path))
-        return (f"{called(earlier)} was not read: the facts of a table are in {beside}",)
     return ()
 
 

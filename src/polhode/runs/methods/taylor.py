@@ -22,7 +22,6 @@ from polhode.numbers.conversion import exactly, number_value
 from polhode.numbers.exact import ZERO
 from polhode.numbers.rows import Row, Rows
 from polhode.runs.methods.dense_output import Leg, Path, spacing
-from polhode.runs.methods.output_loop import march
 from polhode.runs.problem.options import USUAL, Options, cadence
 from polhode.runs.problem.problem import Problem
 from polhode.scenes.scene import Scene
@@ -197,10 +196,9 @@ class TaylorMotion:
             integrator = self._built(whole, origin, watch, corrector)
             if watch is not None:
                 self._refuse_what_never_moves(watch)
-            choices = defaults.of(self.number)
             most = self.options.max_steps
-            limit = choices.max_steps if most is None else most
-            rows, outcome = march(integrator, times, rows, limit, choices.chunk, progress)
+            limit = defaults.of(self.number).max_steps if most is None else most
+            rows, outcome = integrator.advance(times, rows, limit, progress)
             if corrector is not None:
                 self.projection = corrector.found()
                 self.build_seconds += corrector.seconds

@@ -30,10 +30,10 @@ def read(path: Path, scene: Scene, extended: bool = False) -> npt.NDArray[Any]:
     polhode saved its columns of those names are taken: the states of a run, the crossings of a
     section, a family of orbits.
     """
-    if is_result(path):
-        return _of_result(path, scene, extended)
     ending = path.suffix.lower()
-    if ending not in (".csv", ".npy"):
+    if is_result(path) or (ending == ".json" and path.is_file()):  # of 0.2, too
+        return _of_result(path, scene, extended)
+    if ending not in (".csv", ".npy") and path.exists():
         expected = "a file .csv or .npy, or a result that polhode saved"
         raise BadInput(str(path), "--starts", path.suffix or None, expected)
     data = read_whole(path, _MOST, "a readable file of starts")

@@ -6,9 +6,9 @@ from polhode.common.json_text import JsonObject
 from polhode.studies.page import strips
 
 
-def svg(found: JsonObject) -> str:
+def svgs(found: JsonObject) -> dict[str, str]:
     """Correct digits of every case in every number type, from the study's JSON object."""
-    groups: dict[str, list[strips.Dot]] = {}
+    groups: dict[str, list[JsonObject]] = {}
     for case in found["cases"]:
-        groups.setdefault(case["case"].partition("/")[0], []).extend(strips.dots(case["runs"]))
-    return strips.svg(groups)
+        groups.setdefault(case["case"].partition("/")[0], []).extend(case["runs"])
+    return {"accuracy": strips.svg(groups)}

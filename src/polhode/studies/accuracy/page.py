@@ -7,18 +7,19 @@ from math import ceil
 from polhode.common.json_text import JsonObject
 from polhode.studies.page.case_runs import (
     ABOUT,
-    DOUBLE_STEPS,
-    DRIFTS,
-    OUTCOMES,
     by_number,
     digits,
     in_numbers,
     runs_of,
 )
 from polhode.studies.page.tables import CASE, END, Column, PageTable, T, table, yes
-from polhode.studies.page.words import between, median, share
+from polhode.studies.page.words import between, listed, median, share
 
 _AGAIN = "polhode study accuracy"
+_DRIFT = (
+    "the largest departure from the exact value of an integral (energy h, area integral f) during "
+    "the run in double"
+)
 _CASES = (
     *ABOUT,
     Column(
@@ -45,8 +46,8 @@ _CASES = (
     ),
     Column("expected", "runs.double.band", ">", "where nine in ten such runs in double would end"),
     Column("limit", "runs.double.limit", "", "what limits the digits in double"),
-    DRIFTS["h"],
-    DRIFTS["f"],
+    Column("drift h", "runs.double.drift.h", ".0e", _DRIFT),
+    Column("drift f", "runs.double.drift.f", ".0e", _DRIFT),
     Column(
         "corrections",
         "runs.double.projection.sum",
@@ -54,8 +55,12 @@ _CASES = (
         "the sum of all corrections that put the run in double back on its integrals, w in units "
         "in which it is of order 1 (a dash: it was not put back)",
     ),
-    DOUBLE_STEPS,
-    OUTCOMES,
+    Column("steps", "runs.double.steps", "d", "steps of the run in double"),
+    Column(
+        "outcome",
+        lambda case: listed(run["outcome"] for run in case["runs"].values()),
+        meaning="how the runs ended",
+    ),
 )
 
 _PROVEN = (

@@ -11,6 +11,8 @@ from typing import Any
 
 from polhode.checks.textbook_digits import textbook_digits
 from polhode.common.executors import cores, in_order
+from polhode.common.json_text import JsonObject
+from polhode.common.progress import Message
 from polhode.common.provenance import digest
 from polhode.judging.adaptive_precision import integrate
 from polhode.judging.conditioning.conditioning import Conditioning, conditioning
@@ -19,6 +21,7 @@ from polhode.judging.correct_digits import worst_digits
 from polhode.judging.references.reference import AnyReference
 from polhode.judging.references.reference import reference as reference_of
 from polhode.judging.score.compare import compare
+from polhode.judging.score.judgement import Judgement
 from polhode.numbers import conversion, decimals, number_types
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
@@ -27,7 +30,6 @@ from polhode.studies.accuracy.printed import printed_figures
 from polhode.studies.accuracy.proven import provable, proven_case
 from polhode.studies.row_filter import Only
 
-NAME = "accuracy"
 QUESTION = (
     "How many digits of each case's trajectory are correct in each number type, how far do the "
     "integrals drift, and what does rounding the inputs alone cost? Does every closed form lie in "
@@ -43,19 +45,13 @@ LONGEST = {"double": 1e7, "extended": 1e6, "quad": 1e4, "mp": 3e3}
 _made: dict[str, dict[str, Any]] = {}
 
 
-def rows(
-    quick: bool = False,
-    tick: Callable[[str], None] | None = None,
-    only: Only | None = None,
-) -> dict[str, Any]:
-    """The study's results as a JSON object; no figure in it depends on the clock."""
-    wanted = only or Only()
+def rows(quick: bool, say: Message, wanted: Only) -> JsonObject:
+    """The study's rows; no figure in them depends on the clock."""
     every = [library.load(name) for name in (QUICK_CASES if quick else library.names())]
     workers = 1 if quick else cores()
 
     def begun(scene: Scene) -> None:
-        if tick is not None:
-            tick(f"{NAME}: {scene.name}")
+        say(scene.name)
 
     cases = case_rows([scene for scene in every if wanted(scene.name)], workers, begun)
     asked = [scene for scene in every if wanted(scene.name, "proven")]
@@ -68,9 +64,6 @@ def rows(
             printed += figures
             labels += moved
     return {
-        "study": NAME,
-        "question": QUESTION,
-        "quick": quick,
         "cases": cases,
         "proven": [*in_order(proven_case, alone, workers, begun)],
         "printed": printed,
@@ -141,13 +134,13 @@ def _run(
                 for key, value in run.drift._asdict().items()
             },
             "projection": projection(run),
-            "refined": _refined(run, reference) if name == "quad" else None,
+            "refined": _refined(run, judged) if name == "quad" else None,
             "reference_digits": None if reference.is_closed_form else round(reference.agreement, 1),
         }
     return found
 
 
-def _refined(steps: Trajectory, reference: AnyReference) -> dict[str, Any] | None:
+def _refined(steps: Trajectory, judged: Judgement) -> dict[str, Any] | None:
     """The run made again by refinement, where that can be done: a method of its own.
 
     ``agreement``: the digits to which both runs' states are the same.
@@ -158,7 +151,7 @@ def _refined(steps: Trajectory, reference: AnyReference) -> dict[str, Any] | Non
         return None
     held = steps.number.most_digits
     return {
-        "correct_digits": round(compare(run, reference).state_worst, 2),
+        "correct_digits": round(compare(run, judged.reference, known=judged).state_worst, 2),
         "agreement": round(worst_digits(run.states, steps.states, scene, held), 2),
     }
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 FLOOR = 0.01  # ulps: smaller errors are drawn there, on the axis
 
 
-def svg(found: JsonObject) -> str:
+def svgs(found: JsonObject) -> dict[str, str]:
     """Above: how large errors of event times are, in ulps; below: cost of a run with events."""
     with paper() as plt:
         size = drawing.WIDTH, 5.6
@@ -23,7 +23,7 @@ def svg(found: JsonObject) -> str:
         _errors(above, found["motions"])
         _cost(below, found["cost"])
         drawing.legend(figure, len(COLOURS))
-        return as_svg(figure)
+        return {"events": as_svg(figure)}
 
 
 def _errors(axes: Axes, motions: Sequence[JsonObject]) -> None:

@@ -23,7 +23,6 @@ from polhode.scenes.scene import Scene
 from polhode.studies.events.zeros import Zeros, ulp
 from polhode.studies.row_filter import Only
 
-NAME = "events"
 QUESTION = (
     "How close are event times to those of closed forms, in units in the last place of the time? "
     "Is every event counted once to t = 10 000? What becomes of contacts that rounding decides, "
@@ -65,12 +64,8 @@ COST_ENDS = {"double": 2000, "extended": 200, "quad": 5, "mp": 2}
 COST_EVENTS = ("p*gamma2 - q*gamma1", "q", "gamma3 - 1/2")
 
 
-def rows(
-    quick: bool = False, tick: Message | None = None, only: Only | None = None
-) -> dict[str, Any]:
-    """The study's results as a JSON object; only the seconds in it depend on the clock."""
-    say = tick or (lambda _: None)
-    wanted = only or Only()
+def rows(quick: bool, say: Message, wanted: Only) -> dict[str, Any]:
+    """The study's rows; only the seconds in them depend on the clock."""
     far = QUICK_FAR if quick else FAR
     names = number_types.NAMES[: 2 if quick else 4]
     jobs: list[tuple[Any, ...]] = [
@@ -84,22 +79,16 @@ def rows(
         *(("cusps", n) for n in names if wanted("cusps", n)),
     ]
     workers = 1 if quick or len(jobs) == 1 else cores()
-    made = in_order(_made, jobs, workers, lambda job: say(f"{NAME}: {job[0]}, {_told(job[1])}"))
+    made = in_order(_made, jobs, workers, lambda job: say(f"{job[0]}, {_told(job[1])}"))
     parts: dict[str, list[dict[str, Any]]] = {part: [] for part in _MAKERS}
     for job, row in zip(jobs, made, strict=True):
         parts[job[0]].append(row)
     cost = []
     for name in number_types.NAMES:  # alone: a clock runs
         if wanted("cost", name):
-            say(f"{NAME}: cost in {name}")
+            say(f"cost in {name}")
             cost.append(_cost(name, 3 if quick else 9))
-    return {
-        "study": NAME,
-        "question": QUESTION,
-        "quick": quick,
-        **parts,
-        "cost": cost,
-    }
+    return {**parts, "cost": cost}
 
 
 def _made(job: tuple[Any, ...]) -> dict[str, Any]:

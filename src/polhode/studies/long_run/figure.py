@@ -19,7 +19,7 @@ _SLOPES = {"error": (1.5, "slope 3/2"), "drift": (0.5, "slope 1/2")}
 _DOTTED: dict[str, Any] = {"color": GUIDE, "ls": ":", "lw": 0.8}
 
 
-def svg(found: JsonObject) -> str:
+def svgs(found: JsonObject) -> dict[str, str]:
     """Medians over the ensembles against time, and above each what the worst start has."""
     tops = found["tops"]
     growth = f"median of {tops[0]['starts']} starts, bar to the worst"
@@ -39,7 +39,7 @@ def svg(found: JsonObject) -> str:
             axes.set(xscale="log", yscale="log")
             drawing.plain(axes)
         drawing.legend(figure, 2)
-        return as_svg(figure)
+        return {"long-run": as_svg(figure)}
 
 
 def _growth(axes: Axes, tops: Sequence[JsonObject], name: str) -> None:

@@ -45,15 +45,8 @@ class Asked(NamedTuple):
     starts: int
 
 
-def rows(
-    end: int,
-    starts: int,
-    quick: bool = False,
-    tick: Message | None = None,
-    only: Only | None = None,
-) -> dict[str, Any]:
+def rows(end: int, starts: int, quick: bool, say: Message, wanted: Only) -> dict[str, Any]:
     """For each kind of top the errors of every other program at ``end``, over the starts."""
-    wanted = only or Only()
     asked = [
         Asked(top, name, starts if name in CHEAP else starts // 2)
         for name in (CHEAP if quick else TOLERANCES)
@@ -62,8 +55,7 @@ def rows(
     ]
 
     def row(one: Asked) -> dict[str, Any]:
-        if tick is not None:
-            tick(f"long-run: {one.top}, {one.program}")
+        say(f"{one.top}, {one.program}")
         return _row(one, end)
 
     with ThreadPoolExecutor(2) as two:  # no clock is read here

@@ -82,24 +82,16 @@ def facts(found: JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
     tops, far = found["tops"], found["at"]
     pulls = [abs(_pull(row)) for row in _integrals(_methods(tops))]
-    errors = [top["reference_error"] for top in tops if top["reference_error"] is not None]
     return {
         "starts": far["starts"],
         "end": tops[0]["times"][-1] if tops else DASH,
         "since": f"{tops[0]['fitted_since']:g}" if tops else DASH,
-        "medians": "; ".join(map(_last, tops)),
         "means": len(pulls),
         "pull": max(pulls, default=0),
-        "reference_error": max(errors, default=0),
+        "reference_error": max((top["reference_error"] for top in tops), default=0),
         "walls": sum(top["wall"] for top in tops),
         "far_end": far["t"],
     }
-
-
-def _last(top: JsonObject) -> str:
-    """Median errors at the last time, put back on the integrals and not."""
-    plain, projected = (method["error"]["median"][-1] for method in top["methods"])
-    return f"{top['top']} {projected:.1e} ({plain:.1e} without projection)"
 
 
 def _methods(tops: list[JsonObject]) -> list[JsonObject]:

@@ -18,6 +18,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from polhode.common.executors import in_order
 from polhode.common.progress import Message
 from polhode.equations.integrals import departures
@@ -28,12 +30,12 @@ from polhode.judging.references.reference import Reference
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers.decimals import significant
 from polhode.numbers.number_types import DOUBLE
+from polhode.numbers.rows import Doubles
 from polhode.scenes.scene import Scene
 from polhode.studies.ensembles import TOPS, random_scene
 from polhode.studies.long_run import growth, late_time
 from polhode.studies.row_filter import Only
 
-NAME = "long-run"
 QUESTION = (
     "How do error and drift of a double run grow with time, with and without projection, and how "
     "far off are other programs in double at t = 100 000?"
@@ -87,42 +89,29 @@ class RunStart:
         return random_scene(self.top, self.index, self.times)
 
 
-def rows(
-    quick: bool = False, tick: Message | None = None, only: Only | None = None
-) -> dict[str, Any]:
-    """The study's results as a JSON object; no figure in it depends on the clock."""
-    decades = (2, 4) if quick else (2, 6)
-    wanted = only or Only()
-    tops = list(ensembles(decades, STARTS, tick, only=wanted))
+def rows(quick: bool, say: Message, wanted: Only) -> dict[str, Any]:
+    """The study's rows; no figure in them depends on the clock."""
+    tops = [*ensembles((2, 4) if quick else (2, 6), STARTS, say, wanted)]
     end = 10_000 if quick else 100_000
-    found = {
-        "study": NAME,
-        "question": QUESTION,
-        "quick": quick,
+    return {
         "brouwer": BROUWER,
         "tops": tops,
-        "at": late_time.rows(end, STARTS, quick, tick, wanted),
+        "at": late_time.rows(end, STARTS, quick, say, wanted),
     }
-    return found
 
 
 def ensembles(
-    decades: tuple[int, int],
-    starts: int,
-    tick: Message | None = None,
-    workers: int = 2,
-    only: Only | None = None,
+    decades: tuple[int, int], starts: int, say: Message, wanted: Only, workers: int = 2
 ) -> Iterator[dict[str, Any]]:
     """A row a top: medians over its starts at every half decade, and exponents."""
     times = half_decades(*decades)
     methods = (PLAIN, PROJECTED)
-    tops = [top for top in TOPS if only is None or only(f"{top} growth", *FAR)]
+    tops = [top for top in TOPS if wanted(f"{top} growth", *FAR)]
     asked = [RunStart(top, k, times, methods) for top in tops for k in range(starts)]
     members: list[Member] = []
 
     def begun(start: RunStart) -> None:
-        if tick is not None:
-            tick(f"{NAME}: {start.scene.name} of {starts}")
+        say(f"{start.scene.name} of {starts}")
 
     for start, member in zip(asked, in_order(follow, asked, workers, begun), strict=True):
         members.append(member)
@@ -176,25 +165,27 @@ def _top_row(top: str, times: Sequence[Fraction], members: Sequence[Member]) -> 
         ):
             if series:
                 found[name] = {
-                    "median": [significant(x, 3) for x in growth.medians(series)],
-                    "largest": [
-                        significant(max(column), 3) for column in zip(*series, strict=True)
-                    ],
+                    "median": _short(np.median(series, axis=0)),
+                    "largest": _short(np.max(series, axis=0)),
                     **_exponents(growth.exponent(shown, series, since)),
                     "law": LINEAR if method == PROJECTED else BROUWER[name],
                 }
         if method == PLAIN:
             found["integrals"] = _integrals(shown, members, since)
-        taken = [m.projection for m in members if m.projection is not None]
-        if method == PROJECTED and taken:
+        if method == PROJECTED:
+            onto, largest, total = zip(
+                *(m.projection for m in members if m.projection), strict=True
+            )
             found["projection"] = {
-                "onto": sorted({name for onto, _, _ in taken for name in onto}),
-                "largest": significant(max(largest for _, largest, _ in taken), 3),
-                "sum": significant(max(total for _, _, total in taken), 3),
+                "onto": sorted({name for names in onto for name in names}),
+                "largest": significant(max(largest), 3),
+                "sum": significant(max(total), 3),
             }
             found["inputs"] = _beside_inputs(members)
         made.append(found)
-    limit = _reference_error(first)
+    reference = reference_of(first)
+    assert isinstance(reference, Reference)
+    limit = significant(float(reference.error(first.times[-1:], DIGITS)), 3)
     least = min(x for found in made for x in found["error"]["median"])
     return {
         "top": top,
@@ -202,16 +193,21 @@ def _top_row(top: str, times: Sequence[Fraction], members: Sequence[Member]) -> 
         "times": [int(t) for t in times],
         "fitted_since": since,
         "reference_error": limit,
-        "wall": limit is not None and limit > least / 10,
+        "wall": limit > least / 10,
         "methods": made,
     }
 
 
+def _short(values: Doubles) -> list[float]:
+    """Numbers as they are kept in files."""
+    return [significant(float(x), 3) for x in values]
+
+
 def _exponents(fitted: growth.Exponent | None) -> dict[str, float | None]:
     """An exponent and that of the last decade, each with its standard error; None of nothing."""
-    names = ("exponent", "uncertainty", "last_decade", "last_uncertainty")
-    values = (None,) * 4 if fitted is None else fitted
-    return {k: None if x is None else round(x, 3) for k, x in zip(names, values, strict=True)}
+    if fitted is None:
+        return dict.fromkeys(growth.Exponent._fields)
+    return {name: round(x, 3) for name, x in fitted._asdict().items()}
 
 
 def _integrals(
@@ -221,12 +217,12 @@ def _integrals(
     found = []
     for name in members[0].departures:
         series = [m.departures[name] for m in members]
-        fitted = growth.exponent_of_deviation(times, series, since)
+        fitted = growth.exponent(times, series, since, np.std)
         found.append(
             {
                 "integral": name,
-                "mean": [significant(x, 3) for x in growth.means(series)],
-                "deviation": [significant(x, 3) for x in growth.deviations(series)],
+                "mean": _short(np.mean(series, axis=0)),
+                "deviation": _short(np.std(series, axis=0, ddof=1)),
                 **_exponents(fitted),
                 "law": BROUWER["drift"],
             }
@@ -244,14 +240,6 @@ def _beside_inputs(members: Sequence[Member]) -> dict[str, Any]:
         for m in members
     ]
     return {
-        "median": [significant(x, 3) for x in growth.medians([m.inputs for m in members])],
-        "error_over_it": [significant(x, 3) for x in growth.medians(over)],
+        "median": _short(np.median([m.inputs for m in members], axis=0)),
+        "error_over_it": _short(np.median(over, axis=0)),
     }
-
-
-def _reference_error(scene: Scene) -> float | None:
-    """An estimate of the closed form's own error at the last time; None where there is none."""
-    reference = reference_of(scene)
-    if not isinstance(reference, Reference):
-        return None
-    return significant(float(reference.error(scene.times[-1:], DIGITS)), 3)

@@ -7,7 +7,7 @@ from functools import partial
 
 from polhode.common.json_text import JsonObject
 from polhode.studies.page.tables import CASE, REGIME, Column
-from polhode.studies.page.words import DASH, listed
+from polhode.studies.page.words import DASH
 
 NUMBERS = ("double", "extended", "quad", "mp")
 
@@ -53,20 +53,4 @@ ABOUT = (
     CASE,
     REGIME,
     Column("t", lambda case: float(case["end"]), "g", "the last time of the runs"),
-)
-DRIFTS = {
-    key: Column(
-        f"drift {key}",
-        f"runs.double.drift.{key}",
-        ".0e",
-        "the largest departure from the exact value of an integral (energy h, area integral f, "
-        "length of gamma) during the run in double",
-    )
-    for key in ("h", "f", "gamma")
-}
-DOUBLE_STEPS = Column("steps", "runs.double.steps", "d", "steps of the run in double")
-OUTCOMES = Column(
-    "outcome",
-    lambda case: listed(run["outcome"] for run in case["runs"].values()),
-    meaning="how the runs ended",
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from polhode.figures.canvas import canvas
 from polhode.figures.canvas.canvas import COLOURS, MARKS, power_of_ten
 
 if TYPE_CHECKING:
@@ -14,12 +15,6 @@ if TYPE_CHECKING:
 
 WIDTH = 4.4  # inches: text of 8 points is 9 pixels on a page 400 pixels wide
 GUIDE, SHADE = "#777777", "#f4f4f4"
-LEGEND: dict[str, Any] = {
-    "frameon": False,
-    "fontsize": 8,
-    "handletextpad": 0.3,
-    "columnspacing": 1,
-}
 _SHORT = 60.0  # from end to end: an axis without two powers of ten far from each other
 _OURS, _LIGHT = COLOURS["double"], "#56b4e9"
 
@@ -66,7 +61,7 @@ def _label(x: float) -> str:
 
 def plain(axes: Axes) -> None:
     """Pale lines at the labels of both axes, which are logarithmic where their scales are."""
-    axes.grid(lw=0.3, color="#dddddd")
+    axes.grid()
     for axis in (axes.xaxis, axes.yaxis):
         if axis.get_scale() == "log":
             logarithmic(axis)
@@ -74,9 +69,4 @@ def plain(axes: Axes) -> None:
 
 def legend(figure: Figure, columns: int) -> None:
     """Every name of the panels once, above them."""
-    handles: dict[str, Any] = {}
-    for axes in figure.axes:
-        for handle, name in zip(*axes.get_legend_handles_labels(), strict=True):
-            handles.setdefault(name, handle)
-    place = LEGEND | {"loc": "outside upper center", "ncols": columns}
-    figure.legend(handles.values(), handles.keys(), **place)
+    canvas.legend(figure.legend, figure.axes, loc="outside upper center", ncols=columns)

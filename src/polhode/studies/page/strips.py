@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
+from polhode.common.json_text import JsonObject
 from polhode.figures.canvas.canvas import COLOURS, MARKS, as_svg, paper
 from polhode.studies.page.drawing import SHADE, WIDTH, legend
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 #: Digits that a number type holds, and that the runs in mp are asked for.
 HELD = {"double": 53 * 0.30103, "extended": 64 * 0.30103, "quad": 113 * 0.30103}
@@ -22,30 +20,8 @@ _GOLDEN = 0.618034  # of a strip's height from one dot to the next: any few in a
 _HEIGHT = 0.3  # inches of a strip
 
 
-class Dot(NamedTuple):
-    """One run: its digits, and whether it has fewer than the least expected."""
-
-    digits: float
-    number: str
-    behind: bool
-
-
-def dots(runs: Sequence[Mapping[str, Any]]) -> list[Dot]:
-    """The dots of the runs in a study's JSON that have digits."""
-    return [
-        Dot(run["correct_digits"], run["number"], _is_behind(run))
-        for run in runs
-        if "correct_digits" in run
-    ]
-
-
-def _is_behind(run: Mapping[str, Any]) -> bool:
-    expected = run.get("expected")
-    return expected is not None and run["correct_digits"] < expected[0]
-
-
-def svg(groups: Mapping[str, Sequence[Dot]]) -> str:
-    """A figure of dots, a strip a group from the top down, a colour a number type."""
+def svg(groups: Mapping[str, Sequence[JsonObject]]) -> str:
+    """A figure of a study's runs, those that have digits; a strip a group from the top down."""
     count = max(len(groups), 1)
     with paper() as plt:
         size = WIDTH, 1.1 + _HEIGHT * count
@@ -54,34 +30,32 @@ def svg(groups: Mapping[str, Sequence[Dot]]) -> str:
             axes.axhspan(level - 0.5, level + 0.5, color=SHADE, lw=0)
         for number, digits in HELD.items():
             axes.axvline(digits, color=COLOURS[number], lw=0.8, ls=":")
-        for number in COLOURS:
-            _draw_dots(axes, number, [*groups.values()])
+        for number, mark in MARKS.items():
+            rows = [*_placed(number, [*groups.values()])]
+            x, y, behind = zip(*rows, strict=True) if rows else ((), (), ())
+            look: dict[str, Any] = {"color": COLOURS[number], "ms": 3.4, "mew": 0.9, "alpha": 0.85}
+            name = f"{number}, {ASKED} asked" if number == "mp" else number
+            axes.plot(x, y, mark, mec="none", label=name, **look)
+            axes.plot(x, y, mark, mec="#000000", markevery=[*behind], **look)
         axes.set(xlabel=_STRIP, xlim=(-1, None), ylim=(count - 0.5, -0.5))
         axes.set_yticks(range(len(groups)), [*groups])
         axes.tick_params(axis="y", length=0)
-        axes.grid(axis="x", lw=0.3, color="#dddddd")
+        axes.grid(axis="x")
         legend(figure, len(COLOURS))
         return as_svg(figure)
 
 
-def _draw_dots(axes: Axes, number: str, groups: Sequence[Sequence[Dot]]) -> None:
-    """The dots of a number type, and rings about those that are behind."""
-    placed = [
-        (dot, level + 0.8 * (k * _GOLDEN % 1 - 0.5))
-        for level, group in enumerate(groups)
-        for k, dot in enumerate(sorted(dot for dot in group if dot.number == number))
-    ]
-    name = f"{number}, {ASKED} asked" if number == "mp" else number
-    for ring, label in ((False, name), (True, None)):
-        shown = [(dot.digits, y) for dot, y in placed if dot.behind or not ring]
-        axes.plot(
-            [x for x, _ in shown],
-            [y for _, y in shown],
-            MARKS[number],
-            color=COLOURS[number],
-            ms=3.4,
-            mec="#000000" if ring else "none",
-            mew=0.9,
-            alpha=0.85,
-            label=label,
-        )
+def _placed(
+    number: str, groups: Sequence[Sequence[JsonObject]]
+) -> Iterator[tuple[float, float, bool]]:
+    """The digits of a number type's runs, their heights, and which have fewer than expected."""
+    for level, runs in enumerate(groups):
+        own = [run for run in runs if run["number"] == number and "correct_digits" in run]
+        found = sorted((run["correct_digits"], _is_behind(run)) for run in own)
+        for k, (digits, behind) in enumerate(found):
+            yield digits, level + 0.8 * (k * _GOLDEN % 1 - 0.5), behind
+
+
+def _is_behind(run: JsonObject) -> bool:
+    expected = run.get("expected")
+    return expected is not None and run["correct_digits"] < expected[0]

@@ -42,7 +42,7 @@ def manifolds(drawn: JsonObject) -> str:
         shown = [copy(handle) for handle in handles]
         for handle in shown[:2]:
             handle.set_markersize(6)
-        axes.legend(shown, names, **place, **drawing.LEGEND)
+        axes.legend(shown, names, **place)
         return as_svg(figure)
 
 

@@ -35,26 +35,24 @@ _REFUSED = (
 )
 _CHAOS = (
     Column("top", lambda row: f"chaos: {row['what']}"),
-    Column("level", lambda row: _if_proved(row, "h = {h}, f = {f}")),
+    Column("h", "h"),
+    Column("f", "f"),
     Column(
         "orbit",
-        lambda row: _orbit(row) if row["proved"] else row["cause"],
-        meaning="the unstable periodic orbit whose manifolds meet",
+        lambda row: row["kind"] if row["proved"] else row["cause"],
+        meaning="the unstable periodic orbit whose manifolds meet, or why the proof was refused",
     ),
+    Column("period", lambda row: float(row["period"]) if row["proved"] else None, ".6g"),
     Column("coverings", "coverings", "d", "covering relations that the proof consists of"),
-    Column(
-        "stretch, height",
-        lambda row: _if_proved(row, "{stretch:.2f}, {height:.2f}"),
-        ">",
-        "margins of these relations: the least stretch must be above 1, the largest height below 1",
-    ),
+    Column("stretch", "stretch", ".2f", "their least stretch, which must be above 1"),
+    Column("height", "height", ".2f", "their largest height, which must be below 1"),
     Column(
         "entropy",
         "entropy",
         ".2g",
         "proven lower bound of the topological entropy, per unit of time",
     ),
-    Column("s", lambda row: _if_proved(row, "{seconds:.1f}"), ">", "processor seconds"),
+    Column("s", "seconds", ".1f", "processor seconds"),
     Column(
         "checked",
         yes("verified"),
@@ -63,21 +61,8 @@ _CHAOS = (
             "certificate"
         ),
     ),
-    Column(
-        "check, s",
-        lambda row: row["verify_seconds"] if row.get("verified") else None,
-        *(".1f", "processor seconds of that check"),
-    ),
+    Column("check, s", "verify_seconds", ".1f", "processor seconds of that check"),
 )
-
-
-def _orbit(row: JsonObject) -> str:
-    return f"{row['kind']}, period {float(row['period']):.6g}"
-
-
-def _if_proved(row: JsonObject, form: str) -> str | None:
-    """What is said of a proof of chaos; None where it is refused."""
-    return form.format(**row) if row["proved"] else None
 
 
 #: Of the proof that is drawn, where it is proved.

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import tempfile
 import time
-from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
 from typing import TypeAlias
@@ -17,6 +16,7 @@ from polhode.certificates.verdict import verify
 from polhode.common.errors import BadInput
 from polhode.common.executors import cores, in_order
 from polhode.common.json_text import JsonObject
+from polhode.common.progress import Message
 from polhode.dynamics.periodic_orbits.search import orbit_search
 from polhode.figures.chaos_proof import crossings
 from polhode.numbers.decimals import brief
@@ -30,7 +30,6 @@ from polhode.scenes.from_numbers import top
 from polhode.scenes.scene import Scene
 from polhode.studies.row_filter import Only
 
-NAME = "proofs"
 QUESTION = (
     "Which periodic orbits of a level can be proved to exist, of which tops is chaos proved, at "
     "what cost, and do the certificates hold when they are read again?"
@@ -61,13 +60,8 @@ Row: TypeAlias = JsonObject
 Job: TypeAlias = tuple[str, str, tuple[int, int]]
 
 
-def rows(
-    quick: bool = False,
-    tick: Callable[[str], None] | None = None,
-    only: Only | None = None,
-) -> JsonObject:
-    """The study's results as a JSON object."""
-    wanted = only or Only()
+def rows(quick: bool, say: Message, wanted: Only) -> JsonObject:
+    """The study's rows."""
     grid = _QUICK_GRID if quick else GRID
     jobs = [("chaos", what, grid) for what in ([] if quick else CHAOS) if wanted(f"chaos: {what}")]
     jobs += [
@@ -77,15 +71,11 @@ def rows(
     ]
 
     def begun(job: Job) -> None:
-        if tick is not None:
-            tick(f"{NAME}: {job[0]} of {job[1]}")
+        say(f"{job[0]} of {job[1]}")
 
     workers = 1 if quick or len(jobs) < 2 else cores()
     found = [*in_order(_answer, jobs, workers, begun)]
     return {
-        "study": NAME,
-        "question": QUESTION,
-        "quick": quick,
         "grid": list(grid),
         "crossings": CROSSINGS,
         "digits": DIGITS,

@@ -24,7 +24,7 @@ from polhode.numbers.decimals import significant
 from polhode.studies.processes import ask
 from polhode.studies.row_filter import Only
 from polhode.studies.speed import draws
-from polhode.studies.speed.contest import LEVELS
+from polhode.studies.speed.contest import LEVELS, Points, timed_again
 from polhode.studies.speed.draws import DRAWS, Cell, Truth
 from polhode.studies.speed.programs import OURS, OWN, Program
 from polhode.studies.speed.work_precision import WorkPoint, seconds_at
@@ -38,9 +38,6 @@ _FAR = 10.0  # times the fastest: no other build makes that up
 _LIMIT = 900.0  # seconds of a process
 _RESAMPLED, _SURE = 2000, 0.95
 _MODULE = "polhode.studies.speed.contest"
-
-#: Of a cell and program: (draw, tolerance) -> digits and the least seconds of all processes.
-Points = dict[tuple[int, float], tuple[float, float]]
 
 
 def wanted_cells(quick: bool, wanted: Only) -> dict[str, list[Cell]]:
@@ -62,13 +59,13 @@ def rows(
     programs: Sequence[Program],
     cache: Path,
     quick: bool,
-    tick: Message | None = None,
+    say: Message,
 ) -> list[dict[str, Any]]:
     """A row a cell, in the order asked."""
-    truths = _truths(asked, tick)
+    truths = _truths(asked, say)
     with ThreadPoolExecutor(1 if quick else cores()) as pool:
         held = {  # the kind that takes longest, of fast spins, begins first
-            kind: pool.submit(_kind, kind, asked[kind], programs, truths, cache, quick, tick)
+            kind: pool.submit(_kind, kind, asked[kind], programs, truths, cache, quick, say)
             for kind in reversed([*asked])
         }
         return [row for kind in asked for row in held[kind].result()]
@@ -81,7 +78,7 @@ def _kind(
     truths: Mapping[tuple[str, int, bool, int], Truth],
     cache: Path,
     quick: bool,
-    tick: Message | None,
+    say: Message,
 ) -> list[dict[str, Any]]:
     """The rows of one kind, from as many processes as are made."""
     points: dict[str, dict[str, Points]] = {cell.label: {} for cell in cells}
@@ -102,16 +99,17 @@ def _kind(
         "patience": QUICK_PATIENCE if quick else PATIENCE,
     }
     for turn in range(1 if quick else PROCESSES):
-        if tick is not None:
-            tick(f"contest: {kind}, process {turn + 1}")
+        say(f"contest: {kind}, process {turn + 1}")
         answers, fault = ask(_MODULE, job, _LIMIT, cache)
+        ended = {f"process {turn + 1}": fault} if fault else {}
         for answer in answers:
-            if "cell" in answer:
+            if "failed" in answer:
+                ended[answer["failed"]] = answer["fault"]
+            else:
                 _enter(points[answer["cell"]], answer["points"])
                 faults[answer["cell"]] |= answer["faults"]
-        if fault:
-            for cell in cells:
-                faults[cell.label][f"process {turn + 1}"] = fault
+        for cell in cells:
+            faults[cell.label] |= ended
         job["tolerances"] = {
             cell.label: held_again(points[cell.label], cell.every_tolerance) for cell in cells
         }
@@ -202,15 +200,15 @@ def verdict(programs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 def _truths(
-    asked: Mapping[str, Sequence[Cell]], tick: Message | None
+    asked: Mapping[str, Sequence[Cell]], say: Message
 ) -> dict[tuple[str, int, bool, int], Truth]:
     """The references by kind, end and draw, the longest first: no clock runs beside them."""
     ends = {(c.kind, c.end, c.starts > 0) for cells in asked.values() for c in cells}
     jobs = [(*x, k) for x in sorted(ends, key=lambda x: (-x[1], x)) for k in range(DRAWS)]
 
     def begun(job: tuple[str, int, bool, int]) -> None:
-        if tick is not None and job[-1] == 0:
-            tick(f"references of {job[0]} to t = {job[1]}{', many starts' if job[2] else ''}")
+        if job[-1] == 0:
+            say(f"references of {job[0]} to t = {job[1]}{', many starts' if job[2] else ''}")
 
     return dict(zip(jobs, in_order(_truth, jobs, cores(), begun), strict=True))
 
@@ -233,33 +231,16 @@ def _enter(points: dict[str, Points], told: Mapping[str, Sequence[Sequence[float
             here[key] = known[0], min(known[1], seconds)
 
 
-def _next_to_levels(points: Points) -> list[float]:
-    """The tolerances that decide about a level of some draw: the last below it, the first above."""
-    chosen: set[float] = set()
-    for k in range(DRAWS):
-        line = sorted((found[0], tol) for (draw, tol), found in points.items() if draw == k)
-        for level in LEVELS:
-            chosen.update(tol for _, tol in [x for x in line if x[0] < level][-1:])
-            chosen.update(tol for _, tol in [x for x in line if x[0] >= level][:1])
-    return sorted(chosen, reverse=True)
-
-
-def held_again(points: Mapping[str, Points], every_tolerance: bool) -> dict[str, list[float]]:
+def held_again(points: Mapping[str, Points], every: bool) -> dict[str, list[float]]:
     """The tolerances of each program that are timed once more: none of one that is far behind.
 
-    ``every_tolerance``: all of the others.
+    ``every``: all of the others.
     """
-    again = {}
-    middles = [
-        {
-            n: statistics.median(t.values())
-            for n, there in points.items()
-            if (t := seconds_of(there, x))
-        }
-        for x in LEVELS
-    ]
+    seconds = [{n: seconds_of(there, x) for n, there in points.items()} for x in LEVELS]
+    middles = [{n: statistics.median(t.values()) for n, t in x.items() if t} for x in seconds]
+    found = {}
     for name, there in points.items():
         met = [times[name] <= _FAR * min(times.values()) for times in middles if name in times]
-        near = sorted({tol for _, tol in there}) if every_tolerance else _next_to_levels(there)
-        again[name] = near if any(met) or not met else []
-    return again
+        again = timed_again(there, every) if any(met) or not met else ()
+        found[name] = sorted({tol for _, tol in again}, reverse=True)
+    return found

@@ -9,8 +9,9 @@ next to a level are timed further, in cells of the work-precision diagram all.  
 timed in a block of them, as a loop makes them; each has another start than the one before: the
 draw's, its first component off by some units in the last place.  What is judged has the draw's own.
 
-The answer is lines of JSON, flushed as they are made: {"ready": program, "seconds"}, {"missing"},
-and for each cell {"cell", "points": {program: [[draw, tol, digits, seconds]]}, "faults"}.
+The answer is lines of JSON, flushed as they are made: {"failed": program, "fault"} of one that
+could not be prepared, and for each cell {"cell", "points": {program: [[draw, tol, digits,
+seconds]]}, "faults"}.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ import sys
 import time
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 from polhode.peers.prepared import Run
@@ -58,22 +60,15 @@ def main() -> None:
     for name in job["programs"]:
         for many in sorted(asked_for):
             if not many or name in MANY:
-                began = time.process_time()
-                ready[many][name] = BY_NAME[name].prepared(present(job["kind"]), many)
-                write({"ready": name, "seconds": time.process_time() - began})
+                try:
+                    ready[many][name] = BY_NAME[name].prepared(present(job["kind"]), many)
+                except Exception as fault:  # of a package that does not fit the others
+                    write({"failed": name, "fault": _told(fault)})
     for asked in job["cells"]:
         cell = Cell(job["kind"], asked["end"], asked["outputs"], asked["starts"])
-        began, prepared = time.process_time(), ready[bool(cell.starts)]
-        contest = _Contest(cell, [*map(_truth, asked["truths"])], prepared)
+        contest = _Contest(cell, [*map(_truth, asked["truths"])], ready[bool(cell.starts)])
         contest.hold((job["tolerances"] or {}).get(cell.label), job["patience"])
-        write(
-            {
-                "cell": cell.label,
-                "points": contest.told(),
-                "faults": contest.faults,
-                "seconds": time.process_time() - began,
-            }
-        )
+        write({"cell": cell.label, "points": contest.told(), "faults": contest.faults})
 
 
 class _Contest:
@@ -96,15 +91,14 @@ class _Contest:
             for tol in BY_NAME[name].tolerances if tolerances is None else tolerances.get(name, ()):
                 for k in range(DRAWS):
                     self._once(name, k, tol)
-        near = {
-            name: [*(points if self.cell.every_tolerance else _next_to_levels(points))]
-            for name, points in ((name, self.points[name]) for name in self.ready)
-        }
+        every = self.cell.every_tolerance
+        near = {name: [*timed_again(self.points[name], every)] for name in self.ready}
         if self.cell.starts:
             for name, asked in near.items():
                 for k, tol in asked[:1]:  # what is compiled for so many starts is not timed
                     run, one = self.ready[name], self.draws[k]
-                    run(one.top, one.start.copy(), self.times / self.cell.end, tol)
+                    with suppress(Exception):  # a fault of the timed call is told
+                        run(one.top, one.start.copy(), self.times / self.cell.end, tol)
         began = time.perf_counter()
         for _ in range(ROUNDS):
             for k in range(DRAWS):
@@ -137,7 +131,7 @@ class _Contest:
 
     def _fail(self, name: str, tol: float, fault: Exception) -> None:
         """What a program raised, whatever it is: a result."""
-        self.faults[f"{name} at {tol:.1g}"] = f"{type(fault).__name__}: {fault}"
+        self.faults[f"{name} at {tol:.1g}"] = _told(fault)
 
     def _once(self, name: str, k: int, tol: float) -> None:
         """The call that is judged, timed alone; of many starts those that are judged, untimed."""
@@ -175,8 +169,11 @@ class _Contest:
         }
 
 
-def _next_to_levels(points: Points) -> Iterator[tuple[int, float]]:
-    """The tolerances of each draw whose digits lie next to a level, on either side."""
+def timed_again(points: Points, every: bool) -> Iterator[tuple[int, float]]:
+    """The tolerances of each draw whose digits lie next to a level, on either side; or all."""
+    if every:
+        yield from points
+        return
     for k in {k for k, _ in points}:
         line = sorted((found, tol) for (draw_of, tol), (found, _) in points.items() if draw_of == k)
         chosen = set()
@@ -185,6 +182,10 @@ def _next_to_levels(points: Points) -> Iterator[tuple[int, float]]:
             above = [tol for found, tol in line if found >= level][:2]
             chosen |= {*below, *above}
         yield from ((k, tol) for tol in sorted(chosen))
+
+
+def _told(fault: Exception) -> str:
+    return f"{type(fault).__name__}: {fault}"
 
 
 def _truth(given: Sequence[Any]) -> Truth:

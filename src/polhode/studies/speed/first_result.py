@@ -20,14 +20,11 @@ REPEATS, ENOUGH = 3, 8.0  # times; none more once a program's processes took so 
 _LIMIT = 120.0
 
 
-def rows(
-    programs: Sequence[Program], quick: bool, tick: Message | None = None
-) -> Iterator[dict[str, Any]]:
+def rows(programs: Sequence[Program], quick: bool, say: Message) -> Iterator[dict[str, Any]]:
     """A row a program: wall and processor seconds, with empty caches of compiled code and after."""
     run, present = draws.draw(KIND, 0, END, OUTPUTS).run(TOLERANCE), draws.present(KIND)
     for program in programs:
-        if tick is not None:
-            tick(f"first result: {program.name}")
+        say(f"first result: {program.name}")
         job = program.job(present, [run])
         clocks: dict[str, tuple[float, float]] = {}
         fault = ""

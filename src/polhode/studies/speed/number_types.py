@@ -75,17 +75,13 @@ WAYS = tuple(
 )
 
 
-def ways(motion: SpeedMotion, quick: bool) -> list[Way]:
-    """polhode's ways of a motion.
+def _runs(way: Way, motion: SpeedMotion, quick: bool) -> bool:
+    """Whether a way of a motion is run.
 
     Steps in quad and mp that are projected take 3 to 15 seconds to t = 1000, and nothing is
     projected in these types unless it is asked to be: one motion shows them.
     """
-    return [way for way in WAYS if _runs(way, motion, quick)]
-
-
-def _runs(way: Way, motion: SpeedMotion, quick: bool) -> bool:
-    if quick and way.number not in QUICK_TYPES:
+    if quick and (motion.name not in QUICK_MOTIONS or way.number not in QUICK_TYPES):
         return False
     wide = way.project and way.number in ("quad", "mp")
     return not wide or motion.name == TYPES_SHOWN
@@ -93,11 +89,12 @@ def _runs(way: Way, motion: SpeedMotion, quick: bool) -> bool:
 
 def motions(quick: bool, wanted: Only) -> dict[SpeedMotion, list[Way]]:
     """The motions asked for, each with the ways that are."""
-    found = {}
-    for motion in (m for m in MOTIONS if not quick or m.name in QUICK_MOTIONS):
+    found: dict[SpeedMotion, list[Way]] = {}
+    for motion in MOTIONS:
         labels = motion.name, motion.case, "every motion"
-        if chosen := [way for way in ways(motion, quick) if wanted(*labels, way.name)]:
-            found[motion] = chosen
+        for way in WAYS:
+            if _runs(way, motion, quick) and wanted(*labels, way.name):
+                found.setdefault(motion, []).append(way)
     return found
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TypeAlias
 
 from polhode.common.json_text import JsonObject
 from polhode.studies.page.tables import DIGITS, Column, PageTable, table
-from polhode.studies.page.words import DASH, between, counted, median, spread
+from polhode.studies.page.words import DASH, between, counted, listed, median, spread
 from polhode.studies.speed.programs import ENGINE, OURS, RUN
 
 #: Levels of digits, each with its cell.
@@ -76,6 +76,23 @@ _CELLS = (
 )
 
 
+_STANDING = (
+    Column("run", "run"),
+    Column("ahead", "ahead", "d", "cells in which a polhode propagator is faster"),
+    Column("even", "even", "d", "the 95 % interval of the median ratio contains 1"),
+    Column("behind", "behind", "d", "it is slower"),
+    Column("alone", "alone", "d", "no other program run there reaches the digits"),
+    Column("not reached", "not reached", "d", "it does not reach them from 7 of 8 draws itself"),
+    Column(
+        *("where behind", "lost", ">"),
+        "the time of the best other program over the propagator's: median (least, most)",
+    ),
+    Column("which is", "best"),
+    Column(
+        *("over heyoka", "engine", ">"),
+        "the propagator's time over that of heyoka written by hand: median (least, most)",
+    ),
+)
 _MANY = (
     Column("cells", "cells", "", "the last time, and the number of starts of each body"),
     Column("digits", "digits", "g", "correct digits that are asked for, the median over starts"),
@@ -97,6 +114,7 @@ def tables(found: JsonObject) -> dict[str, PageTable]:
     refined = "polhode study speed --only 'refined: {0} t={1}'"
     return {
         "summary": summary(found["cells"]),
+        "standing": standing(found["cells"]),
         "first": table(first, _FIRST, "polhode study speed --only 'first result'"),
         "short": table(_by_length(short), _CELLS, cells),
         "long": table(_by_length(long), _CELLS, cells),
@@ -116,8 +134,8 @@ def summary(cells: Sequence[JsonObject]) -> PageTable:
     digits = dict.fromkeys(level["digits"] for cell in cells for level in cell["levels"])
     columns = [Column("run", "run"), *(Column(f"{x:g} digits", f"{x:g}") for x in digits)]
     many, single = _parted(cells)
-    places = {f"t = {end}": [c for c in single if c["end"] == end] for end in SUMMARY_ENDS}
-    shown = {run: [c for c in x if c["outputs"] == SUMMARY_OUTPUTS] for run, x in places.items()}
+    usual = [cell for cell in single if cell["outputs"] == SUMMARY_OUTPUTS]
+    shown = {f"t = {end}": [c for c in usual if c["end"] == end] for end in SUMMARY_ENDS}
     most = max((cell["starts"] for cell in many), default=0)
     largest = [cell for cell in many if cell["starts"] == most]
     ends = " and ".join(str(end) for end in sorted({cell["end"] for cell in largest}))
@@ -146,28 +164,38 @@ def _best_other(cells: Sequence[JsonObject], digits: float) -> str:
     return f"{f'**{ratio}**' if float(ratio) > 1 else ratio} {often}{part}"
 
 
+def standing(cells: Sequence[JsonObject]) -> PageTable:
+    """How often polhode is ahead of the others, and how far it is from heyoka: a row a length."""
+    return table(_standings(cells), _STANDING)
+
+
+def _standings(cells: Sequence[JsonObject]) -> Iterator[JsonObject]:
+    for (starts, end), here in _groups(cells, "starts", "end").items():
+        found = levels(here)
+        lost = [x["verdict"] for _, x in found if x["verdict"]["stands"] == "behind"]
+        ratios = [verdict["ratio"][0] for verdict in lost]
+        own = [1 / ratio for ratio in ratios_of(found, ENGINE)]
+        yield {
+            "run": f"t = {end}" + f", {starts} starts" * (starts > 0),
+            **stands(found),
+            "lost": spread(ratios, ".2f"),
+            "best": listed(verdict["best"] for verdict in lost),
+            "engine": spread(own, ".2f"),
+        }
+
+
 def facts(found: JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
     refined = found.get("refined", ())
-    many, cells = _parted(found["cells"])
+    _, cells = _parted(found["cells"])
     better = [row["refined"]["digits"] - row["taylor"]["digits"] for row in refined]
     return {
         "draws": cells[0]["draws"] if cells else DASH,
         "kinds": ", ".join(dict.fromkeys(cell["kind"] for cell in cells)) or DASH,
-        "far": _stands(cells, lambda end: end >= 100),
-        "near": _stands(cells, lambda end: end <= 10),
-        "of_many": _stands(many, lambda _: True),
-        "many_losses": _losses(many) or DASH,
-        "many_engine": _engine(many) or DASH,
-        "losses": _losses(cells) or DASH,
-        "engine": _engine(cells) or DASH,
         "without": ", ".join(found["without"]) or "none",
         "once_above": f"{found['once_above']:g}",
         "refined_time": between([1 / row["gain"] for row in refined], ".3f"),
         "refined_digits": between(better, "+.1f"),
-        "refined_runs": _runs(refined, "refined"),
-        "steps_runs": _runs(refined, "taylor"),
-        "quad": _in_quad(refined) or DASH,
     }
 
 
@@ -175,6 +203,14 @@ def _parted(cells: Sequence[JsonObject]) -> tuple[list[JsonObject], list[JsonObj
     """The cells of many starts at once, and the others."""
     many = [cell for cell in cells if cell.get("starts")]
     return many, [cell for cell in cells if not cell.get("starts")]
+
+
+def _groups(cells: Sequence[JsonObject], *names: str) -> dict[tuple[int, ...], list[JsonObject]]:
+    """The cells by their numbers of these names, in order."""
+    found: dict[tuple[int, ...], list[JsonObject]] = {}
+    for cell in cells:
+        found.setdefault(tuple(cell.get(name, 0) for name in names), []).append(cell)
+    return dict(sorted(found.items()))
 
 
 def levels(cells: Iterable[JsonObject]) -> Levels:
@@ -188,54 +224,6 @@ def stands(found: Levels) -> dict[str, int]:
     return {word: words.count(word) for word in WORDS}
 
 
-def _stands(cells: Sequence[JsonObject], wanted: Callable[[float], bool]) -> dict[str, int]:
-    """The same for runs of some lengths, and how often it and another program reach the digits."""
-    count = stands(levels(cell for cell in cells if wanted(cell["end"])))
-    return count | {"compared": count["ahead"] + count["even"] + count["behind"]}
-
-
-def _by_end(cells: Sequence[JsonObject]) -> dict[float, Levels]:
-    """All cells and their levels by the length of the runs, from the shortest on."""
-    ends = sorted({cell["end"] for cell in cells})
-    return {end: levels([cell for cell in cells if cell["end"] == end]) for end in ends}
-
-
-def _losses(cells: Sequence[JsonObject]) -> str:
-    """Where it is behind: by whom, and by how much, in the median and at the least."""
-    told = []
-    for end, here in _by_end(cells).items():
-        verdicts = [level["verdict"] for _, level in here]
-        lost = [verdict for verdict in verdicts if verdict["stands"] == "behind"]
-        if lost:
-            worst = min(lost, key=lambda verdict: float(verdict["ratio"][0]))
-            middle = median([verdict["ratio"][0] for verdict in lost], ".2f")
-            told.append(f"{middle} at t = {end} ({worst['best']} {worst['ratio'][0]:.2f})")
-    return ", ".join(told)
-
-
-def _engine(cells: Sequence[JsonObject]) -> str:
-    """Time of a propagator over that of heyoka written by hand, in the median and at most."""
-    told = []
-    for end, here in _by_end(cells).items():
-        ratios = [1 / ratio for ratio in ratios_of(here, ENGINE)]
-        if ratios:
-            told.append(f"{median(ratios, '.2f')} (at most {max(ratios):.2f}) at t = {end}")
-    return ", ".join(told)
-
-
-def _runs(rows: Sequence[JsonObject], method: str) -> str:
-    """Of how many runs of a method the least was taken."""
-    return " or ".join(map(str, sorted({row[method]["runs"] for row in rows}))) or DASH
-
-
-def _in_quad(rows: Sequence[JsonObject]) -> str:
-    """Time of refined runs in quad over that of steps, at their furthest on each motion."""
-    last = {row["motion"]: row for row in rows if row["bits"] == 113}
-    return ", ".join(
-        f"1/{row['gain']:.0f} ({row['motion']}, t = {row['end']})" for row in last.values()
-    )
-
-
 def ratios_of(found: Levels, name: str) -> list[float]:
     """The ratios of a program, where it has one."""
     programs = [program for _, level in found for program in level["programs"]]
@@ -245,15 +233,12 @@ def ratios_of(found: Levels, name: str) -> list[float]:
 
 def _by_length(cells: Sequence[JsonObject]) -> Iterator[JsonObject]:
     """A row a length, number of outputs or of starts, and level, over the kinds."""
-    places = {(cell["end"], cell["outputs"], cell.get("starts", 0)) for cell in cells}
-    for end, outputs, starts in sorted(places):
-        place = end, outputs, starts
-        here = [c for c in cells if (c["end"], c["outputs"], c.get("starts", 0)) == place]
+    for (end, outputs, starts), here in _groups(cells, "end", "outputs", "starts").items():
         name = f"t={end} " + (f"starts={starts}" if starts else f"outputs={outputs}")
         unit = 1e6 / starts if starts else 1e3
         for digits in [level["digits"] for level in here[0]["levels"]]:
-            there = [(c, x) for c in here for x in c["levels"] if x["digits"] == digits]
-            yield {"cells": name, "digits": digits, **_over_kinds(there, unit)}
+            found = [(cell, level) for cell, level in levels(here) if level["digits"] == digits]
+            yield {"cells": name, "digits": digits, **_over_kinds(found, unit)}
 
 
 def _over_kinds(found: Levels, unit: float) -> JsonObject:

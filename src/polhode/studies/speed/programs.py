@@ -42,6 +42,11 @@ class Program(NamedTuple):
         """Whether it is run in cells of this length and number of outputs, or of starts."""
         return end <= self.last and outputs <= self.outputs and (not starts or self.name in MANY)
 
+    @property
+    def is_there(self) -> bool:
+        """Whether all that it needs is installed."""
+        return all(find_spec(need) is not None for need in self.needs)
+
     def job(self, present: Sequence[bool], runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         """The job of :mod:`polhode.peers.process`."""
         shared = {"module": self.module, "method": self.method}
@@ -71,8 +76,8 @@ PROGRAMS = (
     _peer("CyRK VERN8", "cyrk", "VERN8", (*_NUMBA, "CyRK")),
     _peer("numbalsoda dop853", "numbalsoda_cfunc", "dop853", (*_NUMBA, "numbalsoda")),
     _peer("numbalsoda lsoda", "numbalsoda_cfunc", "lsoda", (*_NUMBA, "numbalsoda"), last=1000),
-    _peer("SciPy DOP853", "scipy_numba", "DOP853", ("scipy", *_NUMBA), last=100, outputs=101),
-    _peer("SciPy LSODA", "scipy_numba", "LSODA", ("scipy", *_NUMBA), last=100, outputs=101),
+    _peer("SciPy DOP853", "scipy_ivp", "DOP853", ("scipy", *_NUMBA), last=100, outputs=101),
+    _peer("SciPy LSODA", "scipy_ivp", "LSODA", ("scipy", *_NUMBA), last=100, outputs=101),
     _peer("diffrax Dopri8", "diffrax_dopri8", "Dopri8", ("diffrax",), last=100, outputs=101),
     _peer("splitting 8", "splitting", "8", _NUMBA, tolerances=_FIXED, last=1000, outputs=101),
     _peer(
@@ -85,7 +90,7 @@ PROGRAMS = (
         outputs=101,
     ),
     #: Of the table of first results alone: nothing to compile, and slow ever after.
-    _peer("SciPy DOP853, Python", "scipy_python", "DOP853", ("scipy",), last=0),
+    _peer("SciPy DOP853, Python", "scipy_ivp", "DOP853, Python", ("scipy",), last=0),
     _peer("CyRK DOP853, Python", "cyrk", "DOP853, Python", ("CyRK",), last=0),
 )
 #: Those that are called with many starts: all that have a way of their own for them.
@@ -94,21 +99,3 @@ MANY = (
     *("CyRK DOP853", "CyRK VERN8", "numbalsoda dop853", "numbalsoda lsoda", "diffrax Dopri8"),
 )
 BY_NAME: Mapping[str, Program] = {program.name: program for program in PROGRAMS}
-
-
-def left_out(program: Program, without: Sequence[str]) -> bool:
-    """Whether a program is of a package that is asked to be left out."""
-    words = {word.lower() for word in without}
-    return bool(words & {program.name.lower(), *(need.lower() for need in program.needs)})
-
-
-def missing(programs: Sequence[Program]) -> dict[str, str]:
-    """The packages that cannot be imported, each with the programs that need it."""
-    found: dict[str, str] = {}
-    for program in programs:
-        for need in program.needs:
-            if find_spec(need) is None:
-                found[need] = ", ".join([*found.get(need, "").split(", "), program.name]).strip(
-                    ", "
-                )
-    return found

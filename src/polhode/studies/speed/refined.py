@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
 from typing import Any
 
+from polhode.common.progress import Message
 from polhode.judging.adaptive_precision import integrate
 from polhode.judging.correct_digits import worst_digits
 from polhode.judging.references.reference import reference
@@ -48,20 +48,16 @@ CONTESTS = (
 )
 
 
-def contests(
-    quick: bool, tick: Callable[[str], None] | None = None, only: Only | None = None
-) -> list[dict[str, Any]]:
+def contests(quick: bool, say: Message, wanted: Only) -> list[dict[str, Any]]:
     """A row a contest: CPU seconds and correct digits both ways, digits to which both agree, and
     what refinement estimated."""
     found = []
     for contest in CONTESTS:
         if quick and not contest.quick:
             continue
-        if only is not None and not only(f"refined: {contest.name} t={contest.end}"):
-            continue
-        if tick is not None:
-            tick(f"refined runs: {contest.name} to t = {contest.end}")
-        found.append(_row(contest))
+        if wanted(f"refined: {contest.name} t={contest.end}"):
+            say(f"refined runs: {contest.name} to t = {contest.end}")
+            found.append(_row(contest))
     return found
 
 

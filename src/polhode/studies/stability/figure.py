@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from textwrap import fill
-from typing import Any
 
+from polhode.common.json_text import JsonObject
 from polhode.studies.page import strips
 
 _WIDTH = 24  # letters of a line of a strip's name
 
 
-def svg(found: dict[str, Any]) -> str:
+def svgs(found: JsonObject) -> dict[str, str]:
     """A strip a kind of difficulty; rings have fewer digits than expected."""
     runs = {case["case"]: case["runs"] for case in found["cases"]}
     groups = {
         fill(kind["kind"], _WIDTH): [
-            dot for name in kind["cases"] for dot in strips.dots(runs.get(name, ()))
+            run for name in kind["cases"] for run in runs.get(name, ()) if "correct_digits" in run
         ]
         for kind in found["kinds"]
     }
-    return strips.svg({kind: dots for kind, dots in groups.items() if dots})
+    return {"stability": strips.svg({kind: dots for kind, dots in groups.items() if dots})}

@@ -5,10 +5,7 @@ from __future__ import annotations
 from polhode.common.json_text import JsonObject
 from polhode.studies.page.case_runs import (
     ABOUT,
-    DOUBLE_STEPS,
-    DRIFTS,
     NUMBERS,
-    OUTCOMES,
     by_number,
     digits,
     expected,
@@ -47,17 +44,6 @@ _CASES = (
         "round the state once a step (see [accuracy](accuracy.md)), in that number type (a dash: "
         "not run, it would take too long)",
     ),
-    *DRIFTS.values(),
-    Column(
-        "largest correction",
-        "runs.double.projection.largest",
-        ".0e",
-        "the largest of the corrections that put the run in double back on its integrals, w in "
-        "units in which it is of order 1",
-    ),
-    Column("their sum", "runs.double.projection.sum", ".0e", "the sum of all of them"),
-    DOUBLE_STEPS,
-    OUTCOMES,
 )
 _BEHIND = (
     CASE,

@@ -18,7 +18,6 @@ from polhode.studies.accuracy.rows import case_rows
 from polhode.studies.row_filter import Only
 from polhode.studies.stability import hard_cases, limits, symmetries
 
-NAME = "stability"
 QUESTION = (
     "How many of the digits that a hard motion allows are left in each number type, and why not "
     "more? What is kept exactly: under powers of two, at rest, on the way back? Where does a run "
@@ -37,16 +36,12 @@ class Kept(NamedTuple):
     units: list[dict[str, Any]]
 
 
-def rows(
-    quick: bool = False, tick: Message | None = None, only: Only | None = None
-) -> dict[str, Any]:
-    """The study's results as a JSON object; no figure in it depends on the clock."""
-    say = tick or (lambda _: None)
-    wanted = only or Only()
+def rows(quick: bool, say: Message, wanted: Only) -> dict[str, Any]:
+    """The study's rows; no figure in them depends on the clock."""
     chosen = [name for name in hard_cases.names(quick) if wanted(name)]
 
     def begun(scene: Scene) -> None:
-        say(f"{NAME}: {scene.name}, {chosen.index(scene.name) + 1} of {len(chosen)}")
+        say(f"{scene.name}, {chosen.index(scene.name) + 1} of {len(chosen)}")
 
     workers = 1 if quick else cores()
     scenes = [library.load(name) for name in chosen]
@@ -54,13 +49,10 @@ def rows(
     cases = [_hard(scene, row) for scene, row in made]
     asked = sorted(scenes, key=lambda scene: -scene.log10_angle)
     found = dict(zip((s.name for s in asked), in_order(_kept, asked, workers, begun), strict=True))
-    say(f"{NAME}: rest")
+    say("rest")
     rest = _rest(chosen if quick else [name for name in library.names() if wanted(name)])
-    say(f"{NAME}: limits")
+    say("limits")
     return {
-        "study": NAME,
-        "question": QUESTION,
-        "quick": quick,
         "kinds": [
             {"kind": kind, "cases": [name for name in names if name in chosen]}
             for kind, names in hard_cases.KINDS.items()

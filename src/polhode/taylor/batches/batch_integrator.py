@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from polhode.common.cached_property import cached_property
 from polhode.common.progress import Stop
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.conversion import exactly
@@ -31,6 +32,7 @@ from polhode.taylor.integrator.engine import Engine
 from polhode.taylor.integrator.specification import Equations, principal_engine
 
 _UNITS_PER_STEP = 0.25  # of time, a radian or two of the fastest rate; at least, in any motion
+_THERE = code(Outcome.REACHED_END)
 _HOPELESS = 10.0  # times the limit of steps: what would need so many is given up at once
 
 
@@ -82,15 +84,19 @@ class _Way:
         self.block = defaults.of(job.number).chunk  # steps between two looks for a signal
         self.longest = longest(job.number)
         self.stretches: dict[int, _Stretch] = {}
-        self.end = exactly(job.times[-1]) * Fraction(2) ** job.time_unit
+
+    @cached_property
+    def end(self) -> Fraction:
+        """The last time, in the scene's unit."""
+        return exactly(self.job.times[-1]) * Fraction(2) ** self.job.time_unit
 
     def solved(self) -> Solved:
         """All of them, or as many as come before a stop."""
         job = self.job
         left = [*range(job.motions.many)]
-        if isinstance(self.ready, CompiledBatch) and self.end:
+        if isinstance(self.ready, CompiledBatch) and self.sizes[-1]:
             found = self._in_lanes(self.ready)
-            left = np.flatnonzero(found.outcomes != code(Outcome.REACHED_END)).tolist()
+            left = np.flatnonzero(found.outcomes != _THERE).tolist()
         else:
             found = Solved.none_of(job)
         for k in left:
@@ -126,10 +132,9 @@ class _Way:
     def _in_lanes(self, ready: CompiledBatch) -> Solved:
         """Batch after batch: all motions but those of batches that did not arrive as a whole."""
         job, many = self.job, self.job.motions.many
-        starts, own = (
-            in_lanes(double_array(x)) for x in (job.motions.starts, job.motions.coefficients)
-        )
-        alike = bool((own == own[0, :, :1]).all())
+        given, starts = job.motions.coefficients, in_lanes(double_array(job.motions.starts))
+        alike = len(given) == 1 or bool((given == given[0]).all())
+        own = [given[:1].T] if alike else in_lanes(double_array(given))
         states = np.full((len(starts), len(job.times), job.columns, LANES), np.nan)
         steps = np.zeros((len(starts), LANES), dtype=np.int64)
         done = np.zeros(len(starts), dtype=bool)
@@ -143,11 +148,13 @@ class _Way:
             elif (taken := self._together(ready, states[k])) is not None:
                 steps[k], done[k] = taken, True
         done &= np.isfinite(states[:, -1]).all(axis=(1, 2))  # else a lane has stopped the others
-        there = np.repeat(done, LANES)[:many]
         found = Solved.undone(out_of_lanes(states)[:many])
-        found.states[~there] = np.nan
-        found.steps[there] = steps.ravel()[:many][there]
-        found.outcomes[there], found.reached[there] = code(Outcome.REACHED_END), self.end
+        there = slice(None) if done.all() else np.repeat(done, LANES)[:many]
+        if not isinstance(there, slice):
+            found.states[~there] = np.nan
+        found.outcomes[there] = _THERE
+        if not job.sure:
+            found.steps[there], found.reached[there] = steps.ravel()[:many][there], self.end
         return found
 
     def _surely(self, ready: CompiledBatch, states: Doubles) -> None:
@@ -212,7 +219,7 @@ class _Way:
         else:
             ready.stand(one.starts[0], one.coefficients[0])
         steps, outcome, reached = 0, Outcome.REACHED_END, 0.0
-        for n in count() if self.end else ():
+        for n in count() if self.sizes[-1] else ():
             stretch = self._stretch(n)
             if n:
                 ready.begin()

@@ -13,6 +13,8 @@ from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Flat, Stack, kind_of
 
+_START = Fraction(0)
+
 
 class Columns(NamedTuple):
     """Motions: coefficients and starts, a row each, doubles or longdoubles.
@@ -39,7 +41,7 @@ class BatchJob(NamedTuple):
 
     ``names``: of the coefficients.  ``times``: away from 0, numbers of the type.  ``time_unit``:
     the exponent n of that unit 2**n.  ``sure``: whether all of them arrive in so few steps that
-    nobody need look; steps are not counted then.
+    nobody need look; neither steps nor times reached are told then.
     """
 
     names: tuple[str, ...]
@@ -87,8 +89,13 @@ class Solved:
             states,
             np.full(count, code(Outcome.NOT_RUN), dtype=np.uint8),
             np.zeros(count, dtype=np.int64),
-            np.full(count, Fraction(0), dtype=object),
+            np.full(count, _START, dtype=object),
         )
+
+    def those(self, which: npt.NDArray[np.int64]) -> Solved:
+        """Some of them, in an order."""
+        ended, steps = self.outcomes[which], self.steps[which]
+        return Solved(self.states[which], ended, steps, self.reached[which])
 
     def put(self, which: npt.NDArray[np.int64], some: Solved) -> None:
         """Put in what became of some systems."""

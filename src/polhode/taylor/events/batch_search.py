@@ -8,9 +8,10 @@ integrals there.  When all motions are over, Newton's method puts their crossing
 The ends of steps witness the sides of the expression.  Where plain zeros and sides alternate as
 they must, that is all; elsewhere the rule of runs decides about a section's lane
 (:mod:`polhode.taylor.events.decision`), and a motion is *unsure* if that finds less than there is,
-or if its first zero is asked for.  Between two steps that lead towards zero and away from it again
-the extremum is looked at: of two multiple zeros in one step heyoka tells neither.  What a lane
-gives does not depend on its neighbours.
+or if its first zero is asked for.  Of two multiple zeros in one step heyoka may tell neither:
+whoever asks hands over the odd part of an expression
+(:func:`polhode.numbers.expression.odd_part`), which has such zeros only where a factor is squared
+or a product is multiplied out.  What a lane gives does not depend on its neighbours.
 """
 
 from __future__ import annotations
@@ -65,8 +66,8 @@ _BEGIN = 1e-9  # of a stretch: a crossing before it is the start itself, where t
 _AT_START = 2.0**-46  # of the unit of time: the same for a start at zero, exactly
 _BLOCK = 2048  # crossings whose arrays fit into a processor's own memory
 _CERTAIN = 2.0**-20  # of a section's function: extrema further from zero are no contacts
-_SMALL = 1e-9  # of an expression's size: above it nothing is within rounding of zero
 _LOOKS = np.linspace(0.0, 1.0, 513)  # of a span: an extremum is met to a thousandth of a step
+_SMALL = 1e-9  # of an expression's size: above it nothing is within rounding of zero
 
 
 class Singular(ArithmeticError):
@@ -242,6 +243,13 @@ class _Search:
         """The expression's jet on some motions."""
         return self.met.jet._replace(numbers=self.numbers[:, which])
 
+    def _values(self, marks: Marks) -> Doubles:
+        """The expression where all lanes stood, one time after the other."""
+        count = len(marks.time) // len(self.lanes.motion)
+        with np.errstate(all="ignore"):
+            found: Doubles = self._jet(np.tile(self.lanes.motion, count)).at(marks)[0]
+        return found
+
     def _near(self, which: Indices, values: Doubles, marks: Marks) -> Booleans:
         """Where the expression is within its rounding error of zero, or nothing is known of it."""
         near: Booleans = ~(np.abs(values) >= _SMALL * self.job.watched.size)
@@ -259,7 +267,8 @@ class _Search:
         What is noted after that witness is decided about with the next stretch.
         """
         busy, way = self.lanes.busy, np.sign(self.length)
-        notes = joined_notes([*self.left, self.met.notes(busy, begin, self.origin, spared)])
+        fresh = self.met.notes(busy, begin, self.origin, spared, self._values)
+        notes = joined_notes([*self.left, fresh])
         ahead = np.abs(notes.marks.since_start)
         order = np.lexsort((notes.root, ahead, notes.lanes))
         notes, ahead, places = notes.those(order), ahead[order], np.arange(len(order))
@@ -279,13 +288,10 @@ class _Search:
         fits = (before == np.where(root, -side, side)) | (first & (before == 0))
         steep = slope * slope > _CERTAIN * self.job.watched.size * np.abs(bend[known])
         strange = ~fits | (root & ~steep)
-        dips = _dips(value[known] * side, slope * side, ahead[known])
-        dips &= ~root & ~np.roll(root, -1) & (np.diff(lane, append=-1) == 0)
         wrong = np.zeros(len(busy), dtype=bool)
         wrong[lane[strange]] = True
         ends, looks = np.flatnonzero(~root), list[Notes]()
-        before_it = np.searchsorted(ends, np.flatnonzero(strange), side="left") - 1
-        span = np.union1d(before_it, np.searchsorted(ends, np.flatnonzero(dips)))
+        span = np.unique(np.searchsorted(ends, np.flatnonzero(strange), side="left") - 1)
         for low, high in zip(ends[span[span >= 0]], ends[span[span >= 0] + 1], strict=True):
             if lane[low] == lane[high]:
                 look, doubtful = self._looked(*(notes.those([known[k]]) for k in (low, high)))
@@ -413,18 +419,6 @@ class _Search:
             whole = Put(self.put.level, self.job.starts.T).of(met.lanes)
             marks = marks._replace(columns=whole.within(self.job.watched.zero, marks.columns))
         return marks, slopes, sure
-
-
-def _dips(heights: Doubles, slopes: Doubles, times: Doubles) -> Booleans:
-    """Between which of some places and the next an expression may come to zero and go back.
-
-    By its tangents, above which it stays where it is bent away from zero.
-    """
-    after, apart = np.roll(slopes, -1), np.diff(times, append=np.nan)
-    with np.errstate(all="ignore"):
-        meet = (heights - np.roll(heights, -1) + after * apart) / (after - slopes)
-        dips: Booleans = (slopes < 0) & (after > 0) & ~(heights + slopes * meet > 0)
-    return dips
 
 
 def through_the_first_step(

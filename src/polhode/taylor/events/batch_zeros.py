@@ -109,14 +109,14 @@ def joined_notes(parts: Sequence[Notes]) -> Notes:
 
 
 class Met:
-    """heyoka's callbacks: the zeros of a stretch, and where its steps ended, as they come by.
+    """heyoka's callbacks: the zeros of a stretch as they come by, and where its steps ended.
 
     ``jet``: of the expression.
     """
 
     def __init__(self, jet: Jet) -> None:
         self.jet = jet
-        self._zeros: list[tuple[int, float, Doubles]] = []
+        self._zeros: list[tuple[int, float, Doubles, int]] = []  # the last: in which step
         self._ends: list[tuple[Doubles, Doubles]] = []
         # views of the integrator's memory
         self._time: Doubles
@@ -130,7 +130,7 @@ class Met:
         self._time, self._state, self._dense = ta.time, ta.state, ta.d_output
         self.after_step(ta)
 
-    def after_step(self, ta: HeyokaIntegrator) -> bool:
+    def after_step(self, _: HeyokaIntegrator) -> bool:
         """Note where a step ended."""
         self._ends.append((self._time.copy(), self._state.copy()))
         return True
@@ -138,23 +138,43 @@ class Met:
     def __call__(self, ta: HeyokaIntegrator, time: float, _: int, lane: int) -> None:
         """Note a zero."""
         ta.update_d_output(time)
-        self._zeros.append((lane, time, self._dense[:, lane].copy()))
+        self._zeros.append((lane, time, self._dense[:, lane].copy(), len(self._ends) - 1))
 
-    def notes(self, lanes: Booleans, begun: Booleans, origin: Doubles, spared: Doubles) -> Notes:
-        """All zeros and steps' ends of some lanes, and the beginnings of those that have ``begun``.
+    def notes(
+        self,
+        lanes: Booleans,
+        begun: Booleans,
+        origin: Doubles,
+        spared: Doubles,
+        value: Callable[[Marks], Doubles],
+    ) -> Notes:
+        """All zeros of some lanes, where the stretch ended, and where those that ``begun`` began.
 
-        ``origin``: when the stretch began, in each lane; nothing up to ``spared`` after it.
+        Where the expression's ``value`` at a step's ends does not fit the zeros in it, the ends of
+        all steps of that lane.  ``origin``: when the stretch began, in each lane; nothing up to
+        ``spared`` after it.
         """
         times, states = (np.array(parts) for parts in zip(*self._ends, strict=True))
-        ended = np.diff(times, axis=0, prepend=0.0) != 0
+        moved = np.diff(times, axis=0, prepend=0.0) != 0
+        ended = moved.copy()
         ended[0] = begun
         ended &= lanes & np.isfinite(times) & ~(np.abs(times) <= spared)
+        every, count = np.zeros(times.size), times.size // len(times)
+        columns = states.transpose(1, 0, 2).reshape(states.shape[1], -1)
+        marks = Marks(np.tile(origin, len(times)), every, times.ravel(), every, columns)
+        sides = np.sign(value(marks)).reshape(times.shape)
+        places = [step * count + lane for lane, _, _, step in self._zeros]
+        crossed = np.bincount(places, minlength=every.size).reshape(times.shape)[:-1] % 2 == 1
+        lost = (moved[1:] & ((sides[1:] != sides[:-1]) != crossed)).any(axis=0)
+        last = np.cumsum(ended[::-1], axis=0)[::-1] == 1
+        last[0] |= begun
+        ended &= lost | last
         step, lane = np.nonzero(ended)
         zeros = [z for z in self._zeros if lanes[z[0]] and not abs(z[1]) <= spared[z[0]]]
         root = np.repeat([True, False], [len(zeros), len(lane)])
-        which = np.concatenate([np.array([k for k, _, _ in zeros], dtype=int), lane])
-        time = np.concatenate([[t for _, t, _ in zeros], times[step, lane]])
-        rows = np.array([row for _, _, row in zeros]).reshape(len(zeros), states.shape[1])
+        which = np.concatenate([np.array([z[0] for z in zeros], dtype=int), lane])
+        time = np.concatenate([[z[1] for z in zeros], times[step, lane]])
+        rows = np.array([z[2] for z in zeros]).reshape(len(zeros), states.shape[1])
         columns = np.concatenate([rows, states[step, :, lane]])
         none = np.zeros(len(time))
         marks = Marks(origin[which], none, time, none, columns.T)

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable
 
-from polhode.numbers.expression import Algebra, evaluate
 from polhode.numbers.number_types import NumberType
-from polhode.scenes.event import Event
-from polhode.scenes.scene import Scene
 from polhode.taylor.backend import heyoka_numbers
 from polhode.taylor.backend.types import HeyokaIntegrator, HeyokaNumber
 from polhode.taylor.integrator.protocols import Desk
@@ -50,51 +46,3 @@ class Callback:
 
     def __deepcopy__(self, _: object) -> Callback:
         return self
-
-
-def is_entire(scene: Scene, event: Event) -> bool:
-    """Whether an event's expression has a value wherever the motion goes, and so no pole.
-
-    True without division by what varies, negative powers of it, and roots.
-    """
-    return _sort(event, (*scene.columns, "t"), ()).entire
-
-
-def _sort(event: Event, varying: Sequence[str], constant: Sequence[str]) -> _Sort:
-    """What is known of an event's expression where some of its names vary."""
-    names = dict.fromkeys(constant, _Sort(False, True)) | dict.fromkeys(varying, _Sort(True, True))
-    functions = {"sin": _same, "cos": _same, "sqrt": _root}
-    algebra = Algebra(lambda _: _Sort(False, True), functions)
-    found = evaluate(event.expression, names, algebra) if event.expression is not None else None
-    return found if isinstance(found, _Sort) else _Sort(False, True)
-
-
-@dataclass(frozen=True)
-class _Sort:
-    """What is known of an expression: whether it varies, and whether it always has a value."""
-
-    varies: bool
-    entire: bool
-
-    def both(self, other: _Sort) -> _Sort:
-        """What is known of a sum or a product."""
-        return _Sort(self.varies or other.varies, self.entire and other.entire)
-
-    __add__ = __sub__ = __mul__ = both
-
-    def __neg__(self) -> _Sort:
-        return self
-
-    def __truediv__(self, other: _Sort) -> _Sort:
-        return replace(self.both(other), entire=self.entire and not other.varies)
-
-    def __pow__(self, n: int) -> _Sort:
-        return self if n >= 0 else _root(self)
-
-
-def _same(x: _Sort) -> _Sort:
-    return x
-
-
-def _root(x: _Sort) -> _Sort:
-    return _Sort(x.varies, x.entire and not x.varies)

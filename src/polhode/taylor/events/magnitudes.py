@@ -18,13 +18,18 @@ from polhode.scenes.vocabulary import FLIP
 
 
 class Size:
-    """How large a quantity and its rate can be: bounds that add up, nothing cancelling."""
+    """How large a quantity and its rate can be: bounds that add up, nothing cancelling.
 
-    def __init__(self, value: Scalar, rate: Scalar) -> None:
-        self.value, self.rate = value, rate
+    ``entire``: whether it has a value wherever the motion goes, and so no pole: where what varies
+    neither divides nor stands under a root.
+    """
+
+    def __init__(self, value: Scalar, rate: Scalar, entire: bool = True) -> None:
+        self.value, self.rate, self.entire = value, rate, entire
 
     def __add__(self, other: Size) -> Size:
-        return Size(self.value + other.value, self.rate + other.rate)
+        entire = self.entire and other.entire
+        return Size(self.value + other.value, self.rate + other.rate, entire)
 
     __sub__ = __add__
 
@@ -32,13 +37,15 @@ class Size:
         return self
 
     def __mul__(self, other: Size) -> Size:
-        return Size(self.value * other.value, self.rate * other.value + self.value * other.rate)
+        rate = self.rate * other.value + self.value * other.rate
+        return Size(self.value * other.value, rate, self.entire and other.entire)
 
     def __truediv__(self, other: Size) -> Size:
         return self * other**-1
 
     def __pow__(self, n: int) -> Size:
-        return Size(self.value**n, abs(n) * self.value ** (n - 1) * self.rate)
+        rate = abs(n) * self.value ** (n - 1) * self.rate
+        return Size(self.value**n, rate, self.entire and (n >= 0 or not self.rate))
 
 
 def size(text: str, columns: Mapping[str, Size]) -> Size:
@@ -47,9 +54,9 @@ def size(text: str, columns: Mapping[str, Size]) -> Size:
 
     def root(x: Size) -> Size:
         value = mpmath.sqrt(x.value)
-        return Size(value, x.rate / (2 * value))
+        return Size(value, x.rate and x.rate / (2 * value), x.entire and not x.rate)
 
-    functions = {name: lambda x: Size(mpmath.mpf(1), x.rate) for name in ("sin", "cos")}
+    functions = {name: lambda x: Size(mpmath.mpf(1), x.rate, x.entire) for name in ("sin", "cos")}
     with mpmath.workprec(53):
         lift = Algebra(
             lambda x: Size(abs(to_mpf(x, 53)), mpmath.mpf(0)), {**functions, "sqrt": root}

@@ -9,7 +9,6 @@ from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import ZERO
 from polhode.numbers.number_types import NumberType
 from polhode.scenes.scene import Scene
-from polhode.taylor.events.callbacks import is_entire
 from polhode.taylor.events.magnitudes import sign_at_start, size_of
 from polhode.taylor.events.roundoff import BAND
 
@@ -28,15 +27,15 @@ class Rules:
     ) -> None:
         self.still = still
         self.start = [sign_at_start(scene, k) for k in range(len(scene.events))]
-        self.asked = any(e.stop or not is_entire(scene, e) for e in scene.events)
         eps = max(number.eps, tolerance or ZERO)
         self.band = BAND * eps / 2
         small = Fraction(1)
         if not still:
             small = Fraction(2) ** -(((1 / eps).numerator.bit_length() - 1) // 2)
         self.damping: list[Fraction] = []
-        for event in scene.events:
-            size = size_of(scene, event)
+        sizes = [size_of(scene, event) for event in scene.events]
+        self.asked = any(e.stop for e in scene.events) or not all(x.entire for x in sizes)
+        for size in sizes:
             value, rate = exactly(size.value) or Fraction(1), exactly(size.rate) or Fraction(1)
             self.damping.append(small * Fraction(2) ** -_exponent(max(value, rate)))
 

@@ -10,10 +10,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from polhode.common.progress import Progress
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import joined
 from polhode.numbers.exact import ZERO
 from polhode.numbers.rows import Array, Numbers, Row, Rows
+from polhode.taylor.backend import defaults
 from polhode.taylor.backend.defaults import first_step_offset
 from polhode.taylor.backend.heyoka_numbers import array, as_fraction, as_mpf, scalar
 from polhode.taylor.backend.step_outcomes import ending
@@ -97,6 +99,44 @@ class Integrator:
             return self.offset
         inside = self._exactly(high) + self._exactly(low) if low else self._exactly(high)
         return self.offset + inside if self.offset else inside
+
+    def advance(
+        self, times: Times, rows: Rows, limit: int, progress: Progress | None = None
+    ) -> tuple[Rows, Outcome]:
+        """Chunk by chunk: ``rows``, of the first times, and one for each time reached; the outcome.
+
+        ``limit``: of all steps.  Ctrl-C ends it with INTERRUPTED.
+        """
+        end, parts, done = times.end, [rows], len(rows)
+        most = defaults.of(self.number).chunk
+        try:
+            while done < len(times):
+                steps = min(most, limit - self.steps)
+                if steps <= 0:
+                    outcome = Outcome.STEP_LIMIT
+                    break
+                found, outcome = self.chunk(times[done:] if done else times, steps)
+                if outcome is Outcome.NON_FINITE:
+                    finite = [k for k, row in enumerate(found) if all(x - x == 0 for x in row)]
+                    found = [found[k] for k in finite] if isinstance(found, list) else found[finite]
+                parts.append(found)
+                done += len(found)
+                if outcome is not Outcome.STEP_LIMIT:
+                    break
+                passed = abs(self.time - self.offset)
+                if passed <= steps * abs(self.time) * self.number.eps:
+                    outcome = Outcome.STEP_UNDERFLOW
+                    break
+                ahead = abs(end - self.time) / passed * steps
+                if self.steps + ahead > 10 * limit:  # hopeless: no need to try the limit out
+                    break
+                if progress is not None:
+                    progress(float(self.time / end), self.steps)
+            else:
+                outcome = Outcome.REACHED_END
+        except KeyboardInterrupt:
+            outcome = Outcome.INTERRUPTED
+        return joined([part for part in parts if len(part)] or [rows], self.number), outcome
 
     def chunk(self, times: Sequence[Fraction], steps: int) -> tuple[Rows, Outcome]:
         """Take up to ``steps`` steps towards the last time; states at the times that were passed.

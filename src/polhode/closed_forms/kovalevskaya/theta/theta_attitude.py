@@ -83,7 +83,6 @@ class ThetaAttitude:
         if len(motion.choices) > 1:
             raise TooFewBits
         self.motion, self._first = motion, first
-        self._z0 = motion.choices[0].z0
         self.e, self.rate = self._third_kind()
         tau = motion.jacobian.lattice.tau
         doubled = 2 * tau[0], 2 * tau[1], 2 * tau[2]
@@ -139,7 +138,7 @@ class ThetaAttitude:
 
     def _moment(self, t: arb, state: Sequence[arb]) -> Moment:
         """The functions at z0 + t V, which is z + 2(l + tau k)."""
-        z, k = self.motion.place(self._z0, t)
+        z, k = self.motion.place(t)
         h, e, V = self.h, self.e, self.motion.velocity
         low = z[0] + h[0], z[1] + h[1]
         below = self.functions.at(low)

@@ -11,8 +11,7 @@ P_j = sqrt((s1 - e_j)(s2 - e_j)) = c_j th_j/th_0 (Kowalevski 1889, sections 4-7;
 
 th_0 has the characteristic del, th_j del + eta_j, th_jl del + eta_j + eta_l.  c_j^2 is known from
 z at two branch points, K_jl = (th_j' th_l - th_j th_l')/(th_0 th_jl) likewise.  Of the signs of the
-c_j, and of the places that the start may stand for, each choice is dropped that is proven to miss
-the start; the truth is in the union of the others.
+c_j each choice is dropped that is proven to miss the start; the truth is in the union of the rest.
 """
 
 from __future__ import annotations
@@ -28,11 +27,11 @@ from polhode.closed_forms.balls.core import TooFewBits, ball, either_root
 from polhode.closed_forms.balls.quadrature import Pair
 from polhode.closed_forms.balls.theta2 import Theta2, added
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
-from polhode.closed_forms.kovalevskaya.branch_points import branch_points
+from polhode.closed_forms.kovalevskaya.branch_points import branch_points, square_roots
+from polhode.closed_forms.kovalevskaya.divisor import State
 from polhode.closed_forms.kovalevskaya.theta.jacobian import Jacobian
-from polhode.closed_forms.kovalevskaya.theta.separation import places
 from polhode.common.cached_property import cached_property
-from polhode.numbers.exact import Exact
+from polhode.numbers.exact import Exact, sign
 
 PAIRS = ((0, 1), (0, 2), (1, 2))
 _MOST_CHOICES = 4  # of which the union is taken
@@ -45,9 +44,8 @@ Values: TypeAlias = Sequence[Pair]
 
 @dataclass(frozen=True)
 class Quotients:
-    """The numbers before the theta functions, for one choice of signs, and the place z0."""
+    """The numbers before the theta functions, for one choice of signs."""
 
-    z0: Pair
     over: Sequence[acb]  # g_j C_j
     p: Sequence[acb]  # f_j C_j
     r: Sequence[acb]
@@ -101,6 +99,8 @@ class ThetaState:
         wanted = [delta, *(added(delta, etas[j]) for j in range(3))]
         wanted += [added(delta, etas[j], etas[l]) for j, l in PAIRS]
         self._thetas = Theta2(self.jacobian.lattice.tau, wanted)
+        #: z at t = 0.
+        self.z0 = self.jacobian.reduced(self._first_place())
         self.choices = self._fitting()
 
     @cached_property
@@ -115,17 +115,15 @@ class ThetaState:
 
     def at(self, t: arb) -> list[arb]:
         """p, q, r, G1, G2, G3."""
-        union: list[arb] | None = None
-        for choice in self.choices:
-            z, _ = self.place(choice.z0, t)
-            now = [x.real for x in choice.state(self.H, self.values_at(z))]
-            union = now if union is None else [x.union(y) for x, y in zip(union, now, strict=True)]
-        assert union is not None
-        return union
+        values = self.values_at(self.place(t)[0])
+        first, *others = ([x.real for x in c.state(self.H, values)] for c in self.choices)
+        for other in others:
+            first = [x.union(y) for x, y in zip(first, other, strict=True)]
+        return first
 
-    def place(self, z0: Pair, t: arb) -> tuple[Pair, tuple[int, int]]:
+    def place(self, t: arb) -> tuple[Pair, tuple[int, int]]:
         """z of z0 + t V = z + 2(l + tau k), and k: all quotients have these periods."""
-        V = self.velocity
+        z0, V = self.z0, self.velocity
         z, _, k = self.jacobian.lattice.reduced((z0[0] + t * V[0], z0[1] + t * V[1]), 2)
         return z, k
 
@@ -133,54 +131,53 @@ class ThetaState:
         """The theta functions, over one factor that no quotient has."""
         return self._thetas.at(z).along(self.velocity)
 
+    def _first_place(self) -> Pair:
+        """A(s1, w1) + A(s2, w2) at t = 0, which moves as u(0) + t (0, 1).
+
+        Where q = 0, s1 is infinite and A of it 0.  Next to q = 0 the form loses some five digits
+        for a decade of q; more bits pay for them.
+        """
+        image, state = self.jacobian.image, State(*(ball(x) for x in self.start.state))
+        if sign(self.start.state.q) == 0:
+            s, w = state.finite_point()
+            return image(acb(s), acb(w))
+        (R, R1), (T1, N1), q2 = state.polars(), state.rates(), state.q * state.q
+        root = (R * R / 4 - q2 * R1).sqrt()
+        larger = -(R / 2 + (root if R.mid() >= 0 else -root)) / 2  # q^2 s1, no difference
+        one, two = (image(acb(s), acb(T1 * s - N1)) for s in (larger / q2, R1 / (4 * larger)))
+        return one[0] + two[0], one[1] + two[1]
+
     def _fitting(self) -> list[Quotients]:
         """The choices that are not proven wrong."""
-        e, (f, g) = self.jacobian.points[:3], self._roots()
+        e = self.jacobian.points[:3]
+        f, g = zip(*(square_roots(x, self.H, self.m, self.b) for x in e), strict=True)
         c, K = self._constants()
         first = [ball(x) for x in (*self.start.omega, *self.start.G)]
         slopes = [(e[j] - e[j - 1]) * (e[j] - e[j - 2]) for j in range(3)]
         choices = []
-        for u in places(self.start, self.jacobian):
-            z0 = self.jacobian.reduced(u)
-            values = self.values_at(z0)
-            for signs in product((1, -1), repeat=3):
-                C = [s * x / d for s, x, d in zip(signs, c, slopes, strict=True)]
-                mixed = [C[j] * C[l] * k for (j, l), k in zip(PAIRS, K, strict=True)]
-                choice = Quotients(
-                    z0=z0,
-                    over=[x * y for x, y in zip(g, C, strict=True)],
-                    p=[x * y for x, y in zip(f, C, strict=True)],
-                    r=[
-                        -2 * _I * (f[j] * g[l] - f[l] * g[j]) * k
-                        for (j, l), k in zip(PAIRS, mixed, strict=True)
-                    ],
-                    G3=[
-                        _I * (e[j] - e[l]) * g[j] * g[l] * k
-                        for (j, l), k in zip(PAIRS, mixed, strict=True)
-                    ],
-                )
-                if not choice.misses(first, values):
-                    choices.append(choice)
+        values = self.values_at(self.z0)
+        for signs in product((1, -1), repeat=3):
+            C = [s * x / d for s, x, d in zip(signs, c, slopes, strict=True)]
+            mixed = [C[j] * C[l] * k for (j, l), k in zip(PAIRS, K, strict=True)]
+            choice = Quotients(
+                over=[x * y for x, y in zip(g, C, strict=True)],
+                p=[x * y for x, y in zip(f, C, strict=True)],
+                r=[
+                    -2 * _I * (f[j] * g[l] - f[l] * g[j]) * k
+                    for (j, l), k in zip(PAIRS, mixed, strict=True)
+                ],
+                G3=[
+                    _I * (e[j] - e[l]) * g[j] * g[l] * k
+                    for (j, l), k in zip(PAIRS, mixed, strict=True)
+                ],
+            )
+            if not choice.misses(first, values):
+                choices.append(choice)
         if not choices:
             raise ArithmeticError("no choice of signs has the start: a fault")
         if len(choices) > _MOST_CHOICES:
             raise TooFewBits
         return choices
-
-    def _roots(self) -> tuple[list[acb], list[acb]]:
-        """f_j and g_j: the larger one by its root, the other by f g = 2m."""
-        f, g = [], []
-        for e in self.jacobian.points[:3]:
-            one, other = e * e + self.b, 2 * (e + self.H)
-            if abs(one).mid() > abs(other).mid():
-                one = either_root(one)
-                other = 2 * self.m / one
-            else:
-                other = either_root(other)
-                one = 2 * self.m / other
-            f.append(one)
-            g.append(other)
-        return f, g
 
     def _constants(self) -> tuple[list[acb], list[acb]]:
         """c_j up to signs, and K_jl from the place with the largest denominator."""

@@ -1,0 +1,105 @@
+"""What is installed here, as a result: what ``polhode about`` shows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from polhode.common import citation
+from polhode.common.provenance import __version__, cpu, versions
+from polhode.common.value_semantics import ByValue
+from polhode.numbers import number_types
+from polhode.results.result import Result
+from polhode.results.table import Column, Fact, Table
+from polhode.scenes import library
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class About(Result, ByValue):
+    """What is known of this installation, by name; ``is_citation``: how to cite it, alone."""
+
+    known: Mapping[str, Any]
+    is_citation: bool = False
+
+    def __repr__(self) -> str:
+        return f"<About polhode {__version__}>"
+
+    def __str__(self) -> str:
+        if self.is_citation:
+            return str(self.known["bibtex"]).rstrip()
+        told = {**self.known["versions"], "cpu": self.known["cpu"]}
+        for name, bits, digits in _NUMBERS:
+            told[name] = "any number of bits" if name == "mp" else f"{bits} bits, {digits} digits"
+        told |= {"cases": self.known["cases"], "cache": _in_words(self.known["cache"])}
+        told["refined"] = self.known["refined"]
+        return "\n".join(f"{name:<12} {value}" for name, value in told.items())
+
+    def table(self) -> Table:
+        """A row a number type: its bits, and the digits that these hold."""
+        names, bits, digits = zip(*_NUMBERS, strict=True)
+        return Table([Column("number", names), Column("bits", bits), Column("digits", digits)])
+
+    def facts(self) -> list[Fact]:
+        """Versions, processor, cases, the cache of compiled code; or how to cite."""
+        return [Fact(name, value) for name, value in self.known.items()]
+
+
+_NUMBERS = [
+    (x.name, x.bits, round(x.most_digits, 1)) for x in map(number_types.named, number_types.NAMES)
+]
+
+
+def about(cite: bool = False) -> About:
+    """Tell versions, number types, processor, caches; or how to cite.
+
+    Parameters
+    ----------
+    cite : bool
+        BibTeX entries, nothing else.
+    """
+    if cite:
+        return About({"bibtex": citation.bibtex()}, is_citation=True)
+    return About(
+        {
+            "versions": versions(),
+            "cpu": cpu(),
+            "cases": len(library.names()),
+            "cache": _cache(),
+            "refined": _self_test(),
+        }
+    )
+
+
+def _in_words(cache: Mapping[str, Any]) -> str:
+    if "fault" in cache:
+        return f"none, every run compiles again ({' '.join(cache['fault'].split())})"
+    if not cache["enabled"]:
+        return "off"
+    held, most = (f"{cache[key] / 1e6:.0f} MB" for key in ("bytes", "limit"))
+    return f"{held} in {cache['path']}, at most {most} (POLHODE_CACHE_MB bounds it)"
+
+
+def _cache() -> Mapping[str, object]:
+    from polhode.taylor.backend import engine, heyoka_numbers
+
+    if not engine.installed:
+        return {"enabled": False, "path": None, "bytes": None, "limit": None, "fault": "no heyoka"}
+    return heyoka_numbers.cache()
+
+
+def _self_test() -> str:
+    """Whether runs of quad and more digits can be refined here."""
+    from polhode.refined.errors import CannotRefine
+    from polhode.refined.refinement import QUAD
+    from polhode.refined.self_test import trusted_kernels, trusted_tables
+    from polhode.taylor.backend import engine
+
+    if not engine.installed:
+        return "not here: no heyoka"
+    try:
+        trusted_kernels(QUAD.limbs)
+        trusted_tables(QUAD.limbs, QUAD.nodes(6))
+    except CannotRefine as fault:
+        return f"not here: {fault}"
+    return "self-test passed"

@@ -1,0 +1,65 @@
+"""The cases that ship, as a result: what ``polhode list`` shows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from polhode.common.errors import BadInput, listed
+from polhode.common.text_tables import counted
+from polhode.common.value_semantics import ByValue
+from polhode.results.cells import TEXT
+from polhode.results.result import Result
+from polhode.results.table import Column, Fact, Table
+from polhode.scenes import catalogue, library
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Cases(Result, ByValue):
+    """Cases by name, each with its title, tags, regime and reference."""
+
+    entries: Mapping[str, catalogue.Entry]
+
+    def __repr__(self) -> str:
+        return f"<Cases: {counted(len(self.entries), 'case')}>"
+
+    def table(self) -> Table:
+        """A row a case; tags with blanks between."""
+        each = self.entries.values()
+        columns = {
+            "scene": [*self.entries],
+            "reference": [x.reference for x in each],
+            "regime": [x.regime for x in each],
+            "title": [x.title for x in each],
+        }
+        tags = Column("tags", [" ".join(x.tags) for x in each], type=TEXT, digits=0)
+        return Table([*(Column(name, x, type=TEXT) for name, x in columns.items()), tags])
+
+    def facts(self) -> list[Fact]:
+        """None: the table tells all."""
+        return []
+
+
+def cases(tag: str | None = None) -> Cases:
+    """List the cases that ship, with regime and reference.
+
+    Parameters
+    ----------
+    tag : str, optional
+        Only the cases with this tag.
+    """
+    known = catalogue.known()
+    found = {name: known.get(name) or entry_of(name) for name in library.names()}
+    tags = sorted({word for entry in found.values() for word in entry.tags})
+    if tag is not None and tag not in tags:
+        raise BadInput("list", "--tag", tag, f"one of the tags {listed(tag, tags)}")
+    return Cases({name: x for name, x in found.items() if tag is None or tag in x.tags})
+
+
+def entry_of(name: str) -> catalogue.Entry:
+    """What is listed of a case, from its file."""
+    from polhode.judging.references.reference import reference as reference_of
+
+    scene = library.load(name)
+    reference = reference_of(scene)
+    return catalogue.Entry(scene.title, scene.tags, reference.regime, reference.kind)

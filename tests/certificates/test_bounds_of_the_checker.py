@@ -1,0 +1,344 @@
+"""The checker's bounds beside what they bound: of a step, the set, a turn, a box of motions.
+
+Each holds as it stands, and not without one of its terms; those of rounding show at few bits.
+``tests/measure/checker.json`` has the terms, one by one.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from flint import arb, arb_mat, arb_poly, ctx
+
+from polhode.certificates import verify
+from polhode.numbers.polynomials import middle as exactly
+
+FEW = 10  # bits
+
+
+@pytest.fixture(autouse=True)
+def precision():
+    with ctx.workprec(64):
+        yield
+
+
+# -- one step -------------------------------------------------------------------------------------
+
+
+def step_of(a: float, b: float, d: float) -> verify.Step:
+    """The bounds of z' = a z + b z^2 + d, of one component, with V = 1."""
+    step = verify.Step.__new__(verify.Step)
+    step.growth, step.delta, step.beta = arb(a).exp(), arb(d), arb(b)
+    step.rho = step.growth * a  # e^a int |A V - V'|
+    return step
+
+
+def end_of(a: float, b: float, d: float, z: float, steps: int = 1000) -> float:
+    """z(1), by the classical method of order 4."""
+    h = 1 / steps
+
+    def rate(z: float) -> float:
+        return a * z + b * z * z + d
+
+    for _ in range(steps):
+        k1 = rate(z)
+        k2 = rate(z + h / 2 * k1)
+        k3 = rate(z + h / 2 * k2)
+        z += h / 6 * (k1 + 2 * k2 + 2 * k3 + rate(z + h * k3))
+    return z
+
+
+@pytest.mark.parametrize(
+    ("a", "b", "d", "eps"), [(1, 0, 1e-3, 0), (0, 1, 0, 0.2), (1, 0, 0, 1e-3), (0.5, 0.1, 0.1, 0.2)]
+)
+def test_a_motion_is_within_reach_and_off_its_linear_part_by_the_noise_at_most(a, b, d, eps):
+    step, z = step_of(a, b, d), end_of(a, b, d, eps)
+    r = step.reach(arb(eps))
+    assert z < r
+    assert z - eps <= step.noise(arb(eps), r) < 4 * (z - eps)
+
+
+def test_a_step_whose_motions_have_no_bound_is_refused():
+    """z' = z^2 leaves 2 z(0) before 1 from 1/2 on; of a linear part alone all is well."""
+    step_of(0, 1, 0).reach(arb("0.24"))
+    with pytest.raises(verify.NotProved, match="the condition of the step"):
+        step_of(0, 1, 0).reach(arb("0.26"))
+    step_of(3, 0, 1).reach(arb(5))
+
+
+@pytest.mark.parametrize(("a", "r"), [(0, 0.3), (1, 0.5)])
+def test_the_derivative_along_a_motion_is_off_v_by_its_noise_at_most(a, r):
+    """Of a motion that stays at r: D' = (a + 2 b r) D."""
+    off = math.exp(a + 2 * r) - 1
+    assert off * (1 - 1e-12) <= step_of(a, 1, 0).noise_of_derivative(arb(r)) < 2 * off
+
+
+def body_of(moments: Sequence[float], torque: Sequence[float] = (0, 0, 0)) -> verify.Body:
+    rows = [[arb(x if i == j else 0) for j in range(3)] for i, x in enumerate(moments)]
+    return verify.Body(rows, [arb(x) for x in torque])
+
+
+def test_what_may_be_0_is_no_0():
+    """Moments that may be equal, products of inertia that may be 0: the rates hold their ends."""
+    x = [arb(3), arb(2), arb(1), arb("0.5"), arb(1), arb(2)]
+    moments = [[2, 0, 0], [0, 2, 0], [0, 0, 1]]
+    for i, j, off in ((0, 0, 0.25), (0, 1, 0.25)):
+        rows = {}
+        for name, by in (("all", arb(0, off)), ("one", arb(off)), ("other", arb(-off))):
+            inertia = [[arb(y) for y in row] for row in moments]
+            for k, n in {(i, j), (j, i)}:
+                inertia[k][n] += by
+            rows[name] = verify.rates(verify.Body(inertia, [arb(0)] * 3), x)
+        for k in range(3):
+            assert rows["all"][k].overlaps(rows["one"][k])
+            assert rows["all"][k].overlaps(rows["other"][k])
+
+
+#: Of a thin body about its middle axis: A is constant, and hardly less than its norm stretches.
+UNSTABLE, TURNING = (1, 0.99, 0.01), [arb(x) for x in (0, 1, 0, 0, 0, 0)]
+
+
+def test_what_a_step_stretches_and_what_no_v_at_all_misses(monkeypatch):
+    monkeypatch.setattr(verify, "MOST_TERMS", 1)
+    body = body_of(UNSTABLE)
+    step = verify.Step(body, TURNING, arb(2), 64, verify.STATES)
+    ctx.prec = 64
+    flow = (arb_mat(verify.slope(body, TURNING)) * arb(2)).exp()
+    assert step.v == [arb_mat(verify._unit())]
+    for truth, bound in ((flow, step.growth), (flow - step.v[0], step.rho)):
+        size = verify.row_sum(truth.table())
+        assert size < bound * (1 + arb("1e-15"))
+        assert bound < 3 * size
+
+
+def test_norms_of_matrices():
+    """The largest row sum; within a factor of it what is found by one product."""
+    chance = random.Random(1)
+    entries = {
+        (i, j): [arb(chance.uniform(-1, 1)) for _ in range(3)]
+        for i in range(6)
+        for j in range(6)
+        if (i + j) % 3
+    }
+    a = [arb_mat(6, 6) for _ in range(3)]
+    for (i, j), row in entries.items():
+        for k, x in enumerate(row):
+            a[k][i, j] = x
+    for bound, one in zip(verify.norms_of(entries), a, strict=True):
+        truth = max(sum(abs(float(x.mid())) for x in row) for row in one.table())
+        assert float(bound) == pytest.approx(truth, rel=1e-12)
+        assert truth <= verify.rough(one) * (1 + arb("1e-15"))
+    ones = arb_mat([[arb(int(i == 2))] * 6 for i in range(6)])
+    assert float(verify.rough(ones)) == pytest.approx(6, rel=1e-12)  # no smaller factor will do
+    rows = ones.table()
+    for some in (rows, [[row[i] for row in rows] for i in range(6)]):
+        assert float(verify.steepness(some)) == pytest.approx(math.sqrt(6), rel=1e-12)
+
+
+def test_the_steepness_of_a_step_is_that_of_all_that_motions_reach():
+    body, step = body_of((3, 2, 1), (0.2, 0.1, 0.3)), verify.Step.__new__(verify.Step)
+    for far, r in ((3, 0), (0, 3)):  # along p, beside it
+        step.p = [arb_poly([0, far]) for _ in range(6)]
+        there = [arb(3)] * 6
+        size = np.linalg.norm([[float(x) for x in row] for row in verify.slope(body, there)], 2)
+        assert size <= step.steepness(body, arb(r)) < 3 * size
+
+
+# -- the set --------------------------------------------------------------------------------------
+
+
+def numbers(chance: random.Random, rows: int, columns: int, size: float = 1.0) -> verify.Table:
+    """Exact numbers of more than a few bits."""
+    return [
+        [arb((round(chance.uniform(-size, size) * 2**25), -25)) for _ in range(columns)]
+        for _ in range(rows)
+    ]
+
+
+SCALE = 100  # bits of a unit of whole numbers
+
+
+def wholes(rows: verify.Table) -> Any:
+    """Exact numbers as whole ones, times 2^SCALE."""
+    return np.array([[int(exactly(x) * 2**SCALE) for x in row] for row in rows], dtype=object)
+
+
+def reach(held: verify.Set) -> Callable[[int, Any], int]:
+    """The largest u.z of a set, by column and u, times 2^(2 SCALE)."""
+    m, s, w = wholes(held.m), wholes(held.s), wholes(held.w)
+    return lambda column, u: (u @ m[:, column] << SCALE) + np.abs(u @ s) @ w[:, column]
+
+
+def numbers_of(rows: verify.Table) -> Any:
+    return np.array([[exactly(x) for x in row] for row in rows], dtype=object)
+
+
+def sizes_of(rows: verify.Table) -> verify.Table:
+    return [[x.abs_upper() for x in row] for row in rows]
+
+
+@pytest.mark.parametrize("quiet", [False, True])
+def test_a_set_of_few_bits_loses_no_point_from_step_to_step(monkeypatch, quiet):
+    """By its reach in many directions, in fractions; two columns of z and one of D.
+
+    Where all is quiet there is no noise: nothing but rounding is left out.
+    """
+    monkeypatch.setattr(verify, "COARSE", FEW)
+    monkeypatch.setattr(verify, "GROUP", 1)
+    chance = random.Random(2)
+    held = verify.Set(numbers(chance, 6, 3), sizes_of(numbers(chance, 6, 3)), 2)
+    axes = [np.array([int(i == j) for j in range(6)], dtype=object) for i in range(6)]
+    some = [[chance.randrange(-9, 10) for _ in range(6)] for _ in range(4)]
+    for _ in range(3):
+        middle, centre = ([row[k] for row in numbers(chance, 6, 2)] for k in range(2))
+        v = numbers(chance, 6, 6, 0.5)
+        noise = [arb(0)] * 3 if quiet else [arb((k + 1, -4)) for k in range(3)]
+
+        def at(_tau: arb, middle=middle, v=v) -> tuple[list[arb], arb_mat]:
+            ctx.prec = FEW
+            return middle, arb_mat(v)
+
+        step: Any = SimpleNamespace(bits=FEW, at=at)
+        here = wholes([held.sizes()])[0]
+        inside = held.within(step, noise, Fraction(1))
+        after = held.next(step, noise, centre)
+        ctx.prec = 300
+        ends = [[wholes([[x.lower(), x.upper()]])[0] for x in row] for row in inside]
+        before, later = reach(held), reach(after)
+        turn, off = wholes(v), wholes([noise])[0]
+        there, from_there = wholes([middle])[0], wholes([centre])[0]
+        for k in range(3):
+            moved = int(k < held.states)  # a column of D has no centre
+            for u in (*axes, *(-x for x in axes), *(np.array(x, dtype=object) for x in some)):
+                by = u @ turn  # times 2^SCALE
+                truth = before(k, by) + (sum(abs(u)) * off[k] << 2 * SCALE)
+                jump = moved * (u @ (there - from_there))
+                assert truth + (jump << 2 * SCALE) <= later(k, u) << SCALE
+            for i, u in enumerate(axes):
+                for sign in (1, -1):
+                    truth = before(k, sign * u @ turn) + (off[k] << 2 * SCALE)
+                    edge = max(sign * ends[i][k]) - moved * sign * there[i]
+                    assert truth <= edge << 2 * SCALE
+                    assert before(k, sign * u) <= here[k] << SCALE
+        ctx.prec, held = FEW, after
+
+
+@pytest.mark.parametrize("seed", [3, 4, 5])
+@pytest.mark.parametrize(("wide", "noise"), [(0, 0), (1, 0), (0, 1)])
+def test_rates_of_few_bits_are_off_by_their_bound_at_most(monkeypatch, wide, noise, seed):
+    """What the polynomials near w miss: by rounding alone, by the directions, by the noise."""
+    monkeypatch.setattr(verify, "COARSE", FEW)
+    chance = random.Random(seed)
+    held = verify.Set(numbers(chance, 6, 1), sizes_of(numbers(chance, 6, 1, wide)), 1)
+    held.s = numbers(chance, 6, 6)
+    p, v = numbers(chance, 6, 4), [numbers(chance, 6, 6) for _ in range(3)]
+    if wide:
+        held.s = [[x * (5 - i) for x in row] for i, row in enumerate(held.s)]
+    step: Any = SimpleNamespace(bits=FEW, p=[arb_poly(row) for row in p], v=[arb_mat(x) for x in v])
+    ctx.prec = FEW
+    y, off = verify.Stage(0, 1, step, arb(0), [arb(noise)], held).rates()
+    ctx.prec = 300
+    most, m, s, w = Fraction(0), *(numbers_of(x) for x in (held.m, held.s, held.w))
+    for tau in (Fraction(0), Fraction(1, 3), Fraction(1)):
+        turn: Any = sum(numbers_of(x) * tau**k for k, x in enumerate(v))
+        for i in range(3):
+            told = sum(exactly(x) * tau**k for k, x in enumerate(y[i].coeffs()))
+            there = sum(exactly(x) * tau**k for k, x in enumerate(p[i])) + turn[i] @ m[:, 0]
+            most = max(most, abs(there - told) + np.abs(turn[i] @ s) @ w[:, 0] + noise)
+    assert 0 < most <= exactly(off) < 8 * most + Fraction(1, 8)
+
+
+# -- a turn ---------------------------------------------------------------------------------------
+
+
+def still(r: float) -> Any:
+    """A step in which w is 0 to within r."""
+    return SimpleNamespace(
+        step=SimpleNamespace(bits=64), rates=lambda: ([arb_poly([0])] * 3, arb(r))
+    )
+
+
+def test_a_turn_is_off_by_what_it_was_and_what_the_step_misses():
+    """|Q u - q v| may be |Q - q| + |q| |u - v|, the turn u being of length 1."""
+    turn = verify.Attitude([arb(x) for x in (1, 2, -1, 3)])
+    alone = [turn.step(arb("0.125"), still(r))[1] for r in (0, 1)]
+    assert alone[0] == 0
+    turn.off = arb("0.25")
+    ctx.prec = 64
+    for r, miss in ((0, 0), (1, alone[1])):
+        off = turn.step(arb("0.125"), still(r))[1]
+        assert miss + turn.off <= off * (1 + arb("1e-15"))
+        assert off < miss + arb("0.25") + arb("0.51") * alone[1]
+    assert float(verify._length([arb(1), arb(0, 1), arb(-1), arb(1)])) == pytest.approx(2)
+
+
+def test_a_turn_of_few_bits_is_off_by_its_rounding_too():
+    chance = random.Random(4)
+    start = [arb(row[0], 2.0**-12) for row in numbers(chance, 4, 1)]
+    turn = verify.Attitude(start)
+    assert float(turn.off) == pytest.approx(2.0**-11, rel=1e-6)
+    assert [x.rad() for x in turn.q] == [0] * 4
+    v = [row[0] for row in numbers(chance, 4, 1)]
+    after = turn.next([arb_poly([x]) for x in v], arb((1, -10)), FEW)
+    ctx.prec = 300
+    q, by, found = ([exactly(x) for x in row] for row in (turn.q, v, after.q))
+    a, b, c, d = q
+    e, f, g, h = by
+    exact = [a * e - b * f - c * g - d * h, a * f + b * e + c * h - d * g]
+    exact += [a * g + c * e + d * f - b * h, a * h + d * e + b * g - c * f]
+    lost = math.sqrt(sum((x - y) ** 2 for x, y in zip(exact, found, strict=True)))
+    assert lost > 1e-5
+    assert lost + 2.0**-10 <= float(after.off) < 2.0**-9 + 16 * 2.0**-FEW
+    told = turn.at([arb_poly([x]) for x in v], arb((1, -3)), Fraction(0), 64)
+    assert all(float(x.rad()) >= 0.125 for x in told)
+
+
+# -- motions through a box ------------------------------------------------------------------------
+
+
+def test_all_that_motions_through_a_box_reach_is_around_it():
+    """Beside an unstable rotation the speed grows on the way; for long it has no bound."""
+    body, span, off = body_of(UNSTABLE), 0.5, 1e-6
+    box = [x + arb(0, off) for x in TURNING]
+    with pytest.raises(verify.NotProved, match="has no bound"):
+        verify.around(body, box, arb(3))
+    reached = verify.around(body, box, arb(span))
+    flow = (arb_mat(verify.slope(body, TURNING)) * arb(span)).exp()
+    far = verify.row_sum(flow.table()[:3]) * off
+    for i in (0, 2):
+        assert far * arb("0.99") < reached[i].abs_upper() < 3 * far
+    drift = verify.drift(body, reached, arb(span))
+    assert verify.row_sum((flow - arb_mat(verify._unit())).table()) < drift
+
+
+def test_a_derivative_near_a_time_drifts_by_its_columns_sizes():
+    """D(t) = Phi D: an entry that is 0 is moved by the others of its column."""
+    d = [[arb(0), arb(1)], [arb(3), arb(0)]]
+    found = verify.around_in_time(d, arb("0.5"))
+    assert [[float(x.rad()) for x in row] for row in found] == [
+        [pytest.approx(1.5), pytest.approx(0.5)]
+    ] * 2
+
+
+# -- numbers that are told ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("x", "up", "down"),
+    [
+        ("1/3", "3.4e-01", "3.3e-01"),
+        ("9.91", "1.0e+01", "9.9e+00"),
+        ("1", "1.0e+00", "1.0e+00"),
+        ("1.01e-300", "1.1e-300", "1.0e-300"),
+    ],
+)
+def test_a_bound_is_told_on_its_right_side(x, up, down):
+    assert verify.rounded_up(Fraction(x)) == up
+    assert verify.decimal(Fraction(x), up=False, minus=False) == down
