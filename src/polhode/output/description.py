@@ -91,7 +91,8 @@ def _in_words(key: str, value: object) -> str:
     if isinstance(value, dict):
         return ", ".join(f"{_IN_FULL.get(k, k)} = {v}" for k, v in value.items() if v is not None)
     if isinstance(value, list):
-        return ", ".join(map(str, value))
+        rows = (f"[{', '.join(x)}]" if isinstance(x, list) else str(x) for x in value)
+        return ", ".join(rows)
     return f"{_BOOK}, {value}" if key == "source" else str(value)
 
 
