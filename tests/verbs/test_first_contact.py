@@ -57,6 +57,13 @@ def test_every_extra_that_is_named_is_there_and_quoted():
     assert {"figures", "frames", "shell"} <= named <= extras
 
 
+def test_axes_are_shown_as_rows_of_numbers(capsys):
+    """They were Python's lists of texts."""
+    told = said(capsys, "show", "lagrange/turned-axes")
+    (line,) = (line for line in told.splitlines() if line.startswith("axes"))
+    assert (line.count("["), line.count("'")) == (3, 0)
+
+
 def test_the_citation_is_one_record(capsys):
     assert (TOP / "CITATION.cff").read_text(encoding="utf-8") == citation.cff()
     assert f"version: {polhode.__version__}\ndate-released: " in citation.cff()
