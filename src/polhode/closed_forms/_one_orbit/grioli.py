@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from flint import arb
 
 from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
-from polhode.closed_forms.balls.core import ball, root
+from polhode.closed_forms.balls.core import ball
 from polhode.closed_forms.balls.frames import Turn
 from polhode.closed_forms.membership.normal_form import (
     Condition,
@@ -115,10 +115,6 @@ class Grioli(PlacedMotion):
 
     regime = "Grioli's regular precession"
     conditions = staticmethod(conditions)
-
-    def _speed(self) -> arb:
-        """|w|, which is constant."""
-        return root(dot(self.normal.omega, self.normal.omega))
 
     def _motion(self) -> NormalMotion:
         return _Precession(spin_frame(self.normal), self.normal.omega)
