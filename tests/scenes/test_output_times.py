@@ -125,6 +125,8 @@ def test_spaced_numbers_are_equal_where_their_numbers_are() -> None:
     assert spaced(Fraction(1), Fraction(2), 3) == (1, Fraction(3, 2), 2)
     for other in (spaced(Fraction(1), Fraction(3), 3), spaced(Fraction(1), Fraction(2), 2)):
         assert spaced(Fraction(1), Fraction(2), 3) != other
+    uneven = ExactNumbers((Fraction(1), Fraction(5, 4), Fraction(2)))
+    assert spaced(Fraction(1), Fraction(2), 3) != uneven != spaced(Fraction(1), Fraction(2), 3)
 
 
 @pytest.fixture
