@@ -10,6 +10,7 @@ from polhode.closed_forms.balls.jacobi import Jacobi
 from polhode.closed_forms.euler.top import EulerTop
 from polhode.closed_forms.lagrange import motion as lagrange_motion
 from polhode.closed_forms.lagrange.top import LagrangeTop
+from polhode.closed_forms.pendulum.top import Pendulum
 from polhode.numbers import exact
 from polhode.numbers.mpmath_context import mpf, mpmath, own
 from shared.ball_checks import (
@@ -101,6 +102,37 @@ def test_psi_and_phi_of_a_lagrange_top_at_any_time():
     assert max(abs(x - y) for x, y in zip(far, finer, strict=True)) < mpf("1e-19")
     with pytest.raises(ValueError, match=r"nutation: .*ask for the attitude"):
         counted.angles([F(10**15)], 20)
+
+
+@pytest.mark.parametrize("off", ["1e-9", "-1e-9", "1e-40", "-1e-40"])
+@pytest.mark.parametrize(("up", "sense"), [(1, 1), (1, -1), (-1, 1)])
+@pytest.mark.parametrize("family", [EulerTop, LagrangeTop])
+def test_phi_leaves_a_pole_on_the_side_of_the_start(family, off, up, sense):
+    """Next to pi or -pi: an argument that was known to 2^-25 was taken for pi, a whole turn off."""
+    torque = F(0), F(0), F(family is LagrangeTop)
+    omega, gamma = (F(-sense * up), F(off), F(3)), (F(0), F(0), F(up))
+    top = family((F(1), F(1), F(1, 2)), torque, omega, gamma, PSI)
+    ((psi, _, phi),) = top.angles([sense * F(1, 1000)], 20)
+    side = -1 if sense * up * F(off) > 0 else 1
+    assert abs(phi - side * mpmath.pi) < 0.01
+    assert abs(psi + up * phi - 3 / 7) < 0.01
+
+
+@pytest.mark.parametrize("off", ["1e-9", "-1e-9"])
+def test_phi_leaves_a_pole_from_rest_on_the_side_of_the_slope(off):
+    """A pendulum in axes that are turned by a little about the vertical third one."""
+    c, s, nil, one = (
+        (1 - F(off) ** 2) / (1 + F(off) ** 2),
+        2 * F(off) / (1 + F(off) ** 2),
+        F(0),
+        F(1),
+    )
+    rows = (c, s, nil), (-s, c, nil), (nil, nil, one)
+    start = (F(3), F(2), F(4)), (nil, one, nil), (nil,) * 3, (nil, nil, one)
+    top = Pendulum(*start, PSI, rows)
+    for t in (F(1, 100), F(-1, 100)):
+        ((_, _, phi),) = top.angles([t], 20)
+        assert abs(phi - (1 if s > 0 else -1) * mpmath.pi) < 0.01
 
 
 @pytest.mark.parametrize("psi", [F(1, 2), F(4), F(-4)], ids=str)

@@ -13,9 +13,11 @@ from polhode.closed_forms.balls.core import Refused, TooFewBits
 from polhode.closed_forms.balls.sigma import RealLattice
 from polhode.closed_forms.balls.weierstrass import Quartic, Weierstrass, complex_functions
 from polhode.closed_forms.closed_form import ENCLOSED_ATTITUDE
+from polhode.closed_forms.families import closed_form
 from polhode.closed_forms.kovalevskaya import degenerate
 from polhode.closed_forms.kovalevskaya.theta import theta_attitude, theta_state
 from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop
+from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import ONE
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf, mpmath
@@ -239,3 +241,17 @@ def test_of_a_separatrix_it_is_known_at_once_that_its_attitude_is_enclosed():
     swinging = top_of((0, F(6, 5), 0), (F(-24, 25), 0, F(7, 25)))
     assert swinging.period(20) is not None
     assert swinging.proven is True
+
+
+@pytest.mark.parametrize(
+    "case", ["appelrot", "pendulum-equatorial", "delaunay", "bobylev-steklov", "pendulum-axial"]
+)
+def test_of_a_third_axis_that_is_exactly_vertical_it_is_known_at_once(case):
+    """Turns past it were counted in ever more bits, for minutes, and then refused."""
+    _, motion = closed_form(polhode.load(f"kovalevskaya/{case}"))
+    period = exactly(motion.period(20))
+    rows = motion.at([period * k / 400 for k in range(400)], 15)
+    least = min(row[3] * row[3] + row[4] * row[4] for row in rows)
+    assert motion.passes_poles == (least < 3e-4)
+    slow = top_of((0, F(1, 5), 0), (F(-24, 25), 0, F(7, 25)))
+    assert (slow.regime, slow.passes_poles) == ("pendulum about an equatorial axis", False)

@@ -27,6 +27,11 @@ def scene(omega, up, end, moments=TOP, centre=(0, 0, 1)):
         pytest.param(([-1, 0, -2], 1, 1), id="upper, phi rises"),
         pytest.param(([1, 0, 2], 1, -1), id="upper, back"),
         pytest.param(([-1, 0, -2], -1, -1), id="lower, back"),
+        *(
+            pytest.param(([-1, off, 2], up, end), id=f"q = {off}, gamma3 = {up}, t = {end}")
+            for off, up, end in (("1e-9", 1, 1), ("-1e-9", 1, 1), ("1e-40", -1, 1), ("1e-9", 1, -1))
+        ),
+        pytest.param(([-1, "-1e-9", 2], -1, 1, BRICK), id="counted, next to the cut"),
         pytest.param(([-1, 0, 0], 1, 1, BRICK), id="a swing"),
         pytest.param(([-1, 0, 2], -1, -1, BRICK, ASKEW), id="proven", marks=pytest.mark.slow),
         pytest.param(([0, 0, 0], 1, 1, [4, 4, 1], (0, -1, 0)), id="let go", marks=pytest.mark.slow),

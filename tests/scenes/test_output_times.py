@@ -13,10 +13,10 @@ from hypothesis import strategies as some
 import polhode
 from polhode.common.errors import BadInput
 from polhode.numbers.exact import sqrt
-from polhode.numbers.exact_sequences import Floats, Spaced
+from polhode.numbers.exact_sequences import ExactNumbers, spaced
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.numbers.rows import Flat
-from polhode.scenes.output_times import OutputTimes, even_times
+from polhode.scenes.output_times import even_times
 from polhode.scenes.scene import Scene
 
 ENDS = [Fraction(1), Fraction(-7, 3), Fraction(1000), Fraction(10**30 + 1, 3), Fraction(1, 10**200)]
@@ -55,20 +55,20 @@ def test_rounded_times_are_those_of_the_number_type(end: Fraction, number: objec
     assert rounded.rounded(number) == rounded  # type: ignore[arg-type]
 
 
-def binary(values: Flat) -> OutputTimes[Fraction]:
-    return OutputTimes(Floats(values))
+def binary(values: Flat) -> ExactNumbers[Fraction]:
+    return ExactNumbers(floats=values)
 
 
-KINDS: list[OutputTimes] = [
+KINDS: list[ExactNumbers] = [
     even_times(Fraction(1), 4),
     binary(np.array([0.25, 0.5])),
     binary(np.array([0.1, 0.5], dtype=np.longdouble) / 3),
-    OutputTimes((Fraction(1, 3), Fraction(2))),
+    ExactNumbers((Fraction(1, 3), Fraction(2))),
 ]
 
 
 @pytest.mark.parametrize("times", KINDS, ids=["even", "doubles", "longdoubles", "listed"])
-def test_they_are_as_their_tuple(times: OutputTimes) -> None:
+def test_they_are_as_their_tuple(times: ExactNumbers) -> None:
     held = tuple(times)
     assert times + (1,) == (*held, 1)  # noqa: RUF005
     assert (1,) + times == (1, *held)  # noqa: RUF005
@@ -80,7 +80,8 @@ def test_they_are_as_their_tuple(times: OutputTimes) -> None:
     )
     back = pickle.loads(pickle.dumps(times))
     assert back == times
-    assert type(back.numbers) is type(times.numbers)
+    assert (back.listed, back.ends) == (times.listed, times.ends)
+    assert (back.floats is None) == (times.floats is None)
     with pytest.raises(IndexError):
         times[len(times)]
 
@@ -113,17 +114,19 @@ def test_wrong_times_are_refused(scene: Scene, times: list[float], place: int, k
 
 
 def test_spaced_times_from_another_one_than_zero_are_told() -> None:
-    assert OutputTimes(Spaced(Fraction(-1), Fraction(1), 3)).misplaced() == 0
-    assert OutputTimes(Spaced(Fraction(1), Fraction(2), 3)).misplaced() is None
+    assert spaced(Fraction(-1), Fraction(1), 3).misplaced() == 0
+    assert spaced(Fraction(1), Fraction(2), 3).misplaced() is None
     assert even_times(Fraction(-2), 3).misplaced() is None
 
 
 def test_spaced_numbers_are_equal_where_their_numbers_are() -> None:
     """Of one number the last is not in it."""
-    assert Spaced(Fraction(1), Fraction(2), 1) == Spaced(Fraction(1), Fraction(3), 1) == (1,)
-    assert Spaced(Fraction(1), Fraction(2), 3) == (1, Fraction(3, 2), 2)
-    for other in (Spaced(Fraction(1), Fraction(3), 3), Spaced(Fraction(1), Fraction(2), 2)):
-        assert Spaced(Fraction(1), Fraction(2), 3) != other
+    assert spaced(Fraction(1), Fraction(2), 1) == spaced(Fraction(1), Fraction(3), 1) == (1,)
+    assert spaced(Fraction(1), Fraction(2), 3) == (1, Fraction(3, 2), 2)
+    for other in (spaced(Fraction(1), Fraction(3), 3), spaced(Fraction(1), Fraction(2), 2)):
+        assert spaced(Fraction(1), Fraction(2), 3) != other
+    uneven = ExactNumbers((Fraction(1), Fraction(5, 4), Fraction(2)))
+    assert spaced(Fraction(1), Fraction(2), 3) != uneven != spaced(Fraction(1), Fraction(2), 3)
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ import numpy as np
 
 import polhode
 from polhode.numbers.exact import Irrational, rounded
-from polhode.scenes.output_times import OutputTimes
+from polhode.numbers.exact_sequences import ExactNumbers
 
 GENERAL = "general/asymmetric-regular"
 
@@ -40,7 +40,7 @@ def bits(value: Any) -> Any:
         return value.shape, flat.tobytes() if plain else [bits(x) for x in flat]
     if isinstance(value, dict):
         return [(key, bits(x)) for key, x in value.items()]
-    if isinstance(value, (list, tuple, OutputTimes)):
+    if isinstance(value, (list, tuple, ExactNumbers)):
         return [bits(x) for x in value]
     if dataclasses.is_dataclass(value):
         names = [f.name for f in dataclasses.fields(value) if f.compare]

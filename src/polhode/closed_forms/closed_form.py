@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Generic, Never, Protocol, TypeVar
 
 from flint import arb
 
-from polhode.closed_forms.balls.angles import Arguments, angle_rows
+from polhode.closed_forms.balls.angles import Turning, angle_rows
 from polhode.closed_forms.balls.core import (
     Kept,
     Refused,
@@ -24,10 +24,10 @@ from polhode.closed_forms.balls.frames import Frame, Rows, Start, Turn, start_at
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.closed_forms.rounding import SPARE
 from polhode.common.cached_property import cached_property
-from polhode.numbers.exact import ZERO, Exact, Irrational, noted
+from polhode.numbers.exact import ZERO, Exact, Irrational, noted, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf
-from polhode.numbers.vectors import Vector
+from polhode.numbers.vectors import Vector, cross, minus, momentum
 
 #: What :attr:`ClosedForm.proven` says where the attitude has no formula.
 ENCLOSED_ATTITUDE = "states are proven by the closed form, the attitude by an enclosure"
@@ -61,7 +61,7 @@ def no_attitude() -> Never:
     raise Refused(_ALONE)
 
 
-class ClosedForm(ABC, Generic[S]):
+class ClosedForm(Turning, Generic[S]):
     """The motion of one body from one start, in the scene's axes and units, to any digits.
 
     ``moments`` are the principal moments and ``torque`` is Mg r0 in principal axes; ``axes[i]`` is
@@ -75,10 +75,10 @@ class ClosedForm(ABC, Generic[S]):
     answer (a time beyond what its turns can be counted to, digits lost to an asymptotic motion, an
     attitude without gamma) raises ValueError, numbers that contradict each other ArithmeticError.
 
-    ``S`` is the family's own :class:`Solution`.  It gives ``_set_up`` (exact, with ``regime``) and
-    :meth:`_solved`, and what it knows of :meth:`_period_ball`, :meth:`_rate_balls` and
-    :meth:`_arguments`.  ``_solution()`` is what ``_solved`` made at the precision in force,
-    ``_start()`` gamma and the quaternion at t = 0.
+    ``S`` is the family's own :class:`Solution`.  It gives ``_set_up`` (exact, with ``regime``,
+    ``knows_turns`` and ``passes_poles``) and :meth:`_solved`, and what it knows of
+    :meth:`_period_ball`, :meth:`_rate_balls` and :meth:`arguments_at`.  ``_solution()`` is what
+    ``_solved`` made at the precision in force, ``_start()`` gamma and the quaternion at t = 0.
 
     ``assumed`` holds what was called 0 by the rule for irrational numbers alone, while the motion
     was made and asked: the digits are proven if those numbers are 0.
@@ -95,10 +95,6 @@ class ClosedForm(ABC, Generic[S]):
     has_attitude = True
     #: The conditions that body and start meet, where the family names them.
     held: tuple[str, ...] = ()
-    #: Whether :meth:`_arguments` tells the turns of psi and phi at any time; set in ``_set_up``.
-    knows_turns = False
-    #: Whether the third axis is exactly vertical again and again; set in ``_set_up``.
-    passes_poles = False
     _body = "body"  # the name of the frequency of a motion that has a period
 
     def __init__(
@@ -115,10 +111,12 @@ class ClosedForm(ABC, Generic[S]):
         self._solution: Kept[S] = Kept(self._solved)
         self._start: Kept[Start] = Kept(self._first)
         self._last: tuple[list[Exact], int, list[Sequence[arb]]] = [], 0, []
+        self._scene_axes = Frame(within=axes)
         with self._noting():
-            into = Frame(within=axes).into
+            into = self._scene_axes.into
             up = None if gamma is None else into(gamma)
-            self._set_up(PrincipalScene(moments, torque, into(omega), up), axes)
+            self._principal = PrincipalScene(moments, torque, into(omega), up)
+            self._set_up(self._principal, axes)
 
     @abstractmethod
     def _set_up(self, scene: PrincipalScene, axes: Rows | None) -> None:
@@ -141,13 +139,6 @@ class ClosedForm(ABC, Generic[S]):
         """The frequencies by name, at the precision in force."""
         period = self._period_ball()
         return {} if period is None else {self._body: 2 * arb.pi() / period}
-
-    def _arguments(self, t: arb) -> Arguments:
-        """The growth of arg(q0 + i q3) and arg(q1 + i q2) from 0 to t; None of one always 0.
-
-        Asked only where the family knows them at any time.
-        """
-        raise NotImplementedError
 
     def curve(self, digits: int) -> dict[str, object] | None:
         """The algebraic curve on which the motion is linear, where the family tells it."""
@@ -256,13 +247,12 @@ class ClosedForm(ABC, Generic[S]):
         q0, q1, q2, q3 = self.row_at(t, attitude=True)[0][6:]
         return q0, q1, q2, q3
 
-    def arguments_at(self, t: arb) -> Arguments:
-        """The growth of the arguments of the attitude's two parameters, where it is known."""
-        return self._arguments(t)
-
-    def repeats(self) -> arb | None:
-        """The period of w and gamma, at the precision in force; None where none is known."""
-        return None
+    def leaving_side(self, sense: int) -> int:
+        """By gamma x w, or gamma x w' where that is 0."""
+        p, q, _ = self._omega
+        if sign(p) == 0 == sign(q):
+            sense, (_, q, _) = 1, self._slope()
+        return sense * sign(q)
 
     def speed_bound(self) -> arb:
         """A bound of |w|, at the precision in force."""
@@ -289,6 +279,13 @@ class ClosedForm(ABC, Generic[S]):
     def _width(self) -> int:
         """Of a row of :meth:`at`."""
         return 3 if self._known_gamma is None else 6
+
+    def _slope(self) -> Vector:
+        """w' at t = 0 in the scene's axes, exactly."""
+        moments, torque, omega, gamma = self._principal
+        assert gamma is not None
+        turning = minus(cross(gamma, torque), cross(omega, momentum(moments, omega)))
+        return self._scene_axes.out([x / a for x, a in zip(turning, moments, strict=True)])
 
     def _first(self) -> Start:
         """gamma and the attitude at t = 0, in the scene's axes."""

@@ -1,6 +1,7 @@
 """Sequences of exact numbers of which none is made before it is asked for: times, and sweeps.
 
-They are equal to any sequence of the same numbers.
+They are equal to any sequence of the same numbers.  A run of 10**6 outputs wants its times as an
+array of doubles, correctly rounded; the exact numbers are for those who print or judge.
 """
 
 from __future__ import annotations
@@ -9,18 +10,22 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from operator import index
-from typing import TYPE_CHECKING, TypeVar, overload
+from typing import TYPE_CHECKING, TypeVar, cast, overload
 
+from polhode.common.cached_property import cached_property
 from polhode.numbers.conversion import exactly, to_double, to_extended
-from polhode.numbers.exact import Exact
-from polhode.numbers.number_types import extended_here
+from polhode.numbers.exact import ZERO, Exact, sign
+from polhode.numbers.number_types import NumberType, extended_here
 
 if TYPE_CHECKING:
     from polhode.numbers.rows import Doubles, Flat
 
-T = TypeVar("T")
+T = TypeVar("T", covariant=True)
 
 _FEW = 16  # numbers, which take no longer one by one
+
+#: The kind of number that they are.
+N = TypeVar("N", bound=Exact, covariant=True)
 
 
 class LazySequence(Sequence[T], ABC):
@@ -50,49 +55,144 @@ class LazySequence(Sequence[T], ABC):
     __hash__ = None  # type: ignore[assignment]
 
 
-class Spaced(LazySequence[Exact]):
-    """So many numbers from ``first`` to ``last``, evenly spaced, ends included.
+class ExactNumbers(LazySequence[N]):
+    """Immutable exact numbers: listed ones, evenly spaced ones, or the floats of an array.
 
-    >>> times = Spaced(Fraction(0), Fraction(1), 4)
+    ``listed``: a tuple of them.  ``ends`` and ``size``: so many from the first to the last, both
+    included.  ``floats``: an array (n,) that nobody writes to from now on.
+
+    >>> times = spaced(Fraction(0), Fraction(1), 4)
     >>> times[1], times[-1], len(times)
     (Fraction(1, 3), Fraction(1, 1), 4)
     """
 
-    def __init__(self, first: Exact, last: Exact, size: int) -> None:
-        self.first, self.last, self.size = first, last, size
+    def __init__(
+        self,
+        listed: tuple[N, ...] | None = None,
+        ends: tuple[Exact, Exact] | None = None,
+        size: int = 0,
+        floats: Flat | None = None,
+    ) -> None:
+        self.listed, self.ends, self.floats = listed, ends, floats
+        self.size = size
+        if listed is not None:
+            self.size = len(listed)
+        elif floats is not None:
+            self.size = len(floats)
+            floats.flags.writeable = False
 
     def __len__(self) -> int:
         return self.size
 
-    def at(self, k: int) -> Exact:
+    def at(self, k: int) -> N:
         """The number of a place."""
+        if self.listed is not None:
+            return self.listed[k]
+        if self.floats is not None:
+            return cast(N, exactly(self.floats[k]))
+        first, last = cast("tuple[Exact, Exact]", self.ends)
         if k == self.size - 1 > 0:
-            return self.last
-        return self.first + (self.last - self.first) * Fraction(k, max(1, self.size - 1))
+            return cast(N, last)
+        return cast(N, first + (last - first) * Fraction(k, max(1, self.size - 1)))
+
+    @cached_property
+    def exact(self) -> tuple[N, ...]:
+        """All of them."""
+        return tuple(map(self.at, range(self.size))) if self.listed is None else self.listed
+
+    @overload
+    def __getitem__(self, k: int) -> N: ...
+    @overload
+    def __getitem__(self, k: slice) -> ExactNumbers[N]: ...
+    def __getitem__(self, k: int | slice) -> N | ExactNumbers[N]:
+        if not isinstance(k, slice):
+            return super().__getitem__(k)
+        if self.floats is not None:
+            return ExactNumbers(floats=self.floats[k])
+        return ExactNumbers(tuple(super().__getitem__(k)))
+
+    def __iter__(self) -> Iterator[N]:
+        return iter(self.exact)
 
     def __eq__(self, other: object) -> bool:
-        if isinstance(other, Spaced) and self.size == other.size > 0:
-            return (self[0], self[-1]) == (other[0], other[-1])  # of one, the last is not in it
-        return super().__eq__(other)
+        if isinstance(other, ExactNumbers) and self.size == other.size > 0:
+            if self.ends and other.ends:
+                return (self[0], self[-1]) == (other[0], other[-1])  # of one, the last is not in it
+            one, two = self.floats, other.floats
+            if one is not None and two is not None and one.dtype == two.dtype:
+                return bool((one == two).all())
+        if not isinstance(other, Sequence):
+            return NotImplemented
+        return self.size == len(other) and self.exact == tuple(other)
 
-    __hash__ = None
+    def __hash__(self) -> int:  # type: ignore[override]
+        return hash(self.exact)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return ExactNumbers, (self.listed, self.ends, self.size, self.floats)
 
     def __repr__(self) -> str:
-        return f"Spaced({self.first!r}, {self.last!r}, {self.size})"
+        return repr(self.exact)
+
+    def __add__(self, other: Sequence[Exact]) -> tuple[Exact, ...]:
+        return (*self.exact, *other)
+
+    def __radd__(self, other: Sequence[Exact]) -> tuple[Exact, ...]:
+        return (*other, *self.exact)
+
+    @property
+    def summary(self) -> str:
+        """A short text that tells them from others: of an array a digest of its numbers."""
+        if self.floats is not None:
+            from hashlib import sha256
+
+            digest = sha256(self.floats.astype(str).tobytes()).hexdigest()[:16]
+            return f"{self.size} floats, {digest}"
+        return repr(self.listed) if self.ends is None else f"{self.size} of {self.ends}"
+
+    def misplaced(self) -> int | None:
+        """The place of the first that does not lead further away from 0; None where all do.
+
+        They are of one sign, and 0 may be the first.
+        """
+        if not self.size or self._lead_away():
+            return None
+        before: Exact = ZERO
+        direction = sign(self.exact[-1])
+        for k, t in enumerate(self.exact):
+            ahead = sign(t - before) * direction
+            if ahead < 0 or (ahead == 0 and not (k == 0 and sign(t) == 0)):
+                return k
+            before = t
+        return None
+
+    def _lead_away(self) -> bool:
+        """Whether all lead away from 0, as far as that is told all at once."""
+        if self.ends is not None:
+            return self.ends[0] == 0 and sign(self.ends[1]) != 0
+        if self.floats is None:
+            return False
+        import numpy as np
+
+        ahead = self.floats if self.floats[-1] > 0 else -self.floats
+        return bool(ahead[0] >= 0 and np.all(ahead[1:] > ahead[:-1]))
 
     def doubles(self) -> Doubles:
         """The nearest doubles, correctly rounded.
 
-        From 0 on they are k·step: as a longdouble, with the step rounded to one, that is wrong by
-        2**-10 of the gap between doubles at most.  Off a tie by more it is rounded right, unless
-        the gap below is narrower; what is left is made one by one.
+        Evenly spaced ones from 0 on are k·step: as a longdouble, with the step rounded to one, that
+        is wrong by 2**-10 of the gap between doubles at most.  Off a tie by more it is rounded
+        right, unless the gap below is narrower; what is left is made one by one.
         """
         import numpy as np
 
-        step = (self.last - self.first) / max(1, self.size - 1)
-        plain = self.first == 0 and isinstance(step, Fraction) and 2.0**-800 < abs(step) < 2.0**800
+        if self.floats is not None:
+            return self.floats.astype(np.float64)
+        step = ZERO if self.ends is None else self.ends[1] / max(1, self.size - 1)
+        plain = isinstance(step, Fraction) and 2.0**-800 < abs(step) < 2.0**800
+        plain = plain and self.ends is not None and self.ends[0] == 0
         if self.size < _FEW or not plain or not extended_here():
-            return np.array([to_double(x) for x in self])
+            return np.array([to_double(x) for x in self.exact])
         wide = np.arange(self.size) * to_extended(step)
         near: Doubles = wide.astype(np.float64)
         gap = np.spacing(np.abs(near))
@@ -102,55 +202,29 @@ class Spaced(LazySequence[Exact]):
             near[k] = to_double(step * k)
         return near
 
+    def rounded(self, number: NumberType) -> ExactNumbers[Fraction]:
+        """The nearest numbers of a type."""
+        found = self._flat(number) if number.flat and self.size >= _FEW else None
+        if found is None:
+            return ExactNumbers(tuple(number.rounded(t) for t in self.exact))
+        return ExactNumbers(floats=found)
 
-class Floats(LazySequence[Fraction]):
-    """The floats of an array (n,) that nobody writes to from now on."""
-
-    def __init__(self, values: Flat) -> None:
-        self.values = values
-        values.flags.writeable = False
-
-    def __len__(self) -> int:
-        return len(self.values)
-
-    @overload
-    def __getitem__(self, k: int) -> Fraction: ...
-    @overload
-    def __getitem__(self, k: slice) -> Floats: ...
-    def __getitem__(self, k: int | slice) -> Fraction | Floats:
-        return Floats(self.values[k]) if isinstance(k, slice) else super().__getitem__(k)
-
-    def at(self, k: int) -> Fraction:
-        """The number of a place."""
-        return exactly(self.values[k])
-
-    def __eq__(self, other: object) -> bool:
-        if isinstance(other, Floats) and self.values.dtype == other.values.dtype:
-            return len(self) == len(other) and bool((self.values == other.values).all())
-        return super().__eq__(other)
-
-    __hash__ = None
-
-    def __iter__(self) -> Iterator[Fraction]:
-        return map(exactly, self.values.tolist())
-
-    def __repr__(self) -> str:
-        """With a digest of the numbers: it tells one array from another."""
-        from hashlib import sha256
-
-        digest = sha256(self.values.astype(str).tobytes()).hexdigest()[:16]
-        return f"Floats({len(self)} numbers, {digest})"
-
-    def doubles(self) -> Doubles:
-        """The nearest doubles."""
+    def _flat(self, number: NumberType) -> Flat | None:
+        """The nearest doubles or longdoubles; None where they are to be rounded one by one."""
         import numpy as np
 
-        return self.values.astype(np.float64)
+        if number.bits == 53:
+            found: Flat = self.doubles()
+            least, most = 2.0**-900, 2.0**900
+        elif self.floats is not None:
+            return self.floats.astype(np.longdouble)
+        else:
+            found = np.array([to_extended(t) for t in self.exact])
+            least, most = np.ldexp(np.longdouble(1), -16000), np.ldexp(np.longdouble(1), 16000)
+        sizes = np.abs(found[1:] if sign(self[0]) == 0 else found)
+        return found if np.all((sizes > least) & (sizes < most)) else None
 
-    def texts(self) -> list[str]:
-        """The shortest decimals that round to the numbers."""
-        import numpy as np
 
-        if self.values.dtype == np.float64:
-            return [repr(x) for x in self.values.tolist()]
-        return [np.format_float_scientific(x, trim="0") for x in self.values]
+def spaced(first: Exact, last: Exact, size: int) -> ExactNumbers[Exact]:
+    """So many numbers from ``first`` to ``last``, evenly spaced, ends included."""
+    return ExactNumbers(ends=(first, last), size=size)

@@ -14,7 +14,6 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode.numbers.conversion import exactly
-from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Flat, Places
 from polhode.numbers.scalars import Scalar
 
@@ -79,11 +78,6 @@ class Rationals:
         """
         return np.asarray(self.top / self.bottom, dtype=np.float64)
 
-    def rounded(self, number: NumberType, count: int) -> list[Fraction]:
-        """The nearest numbers of a type, one by one."""
-        tops, bottoms = (listed(x, count) for x in (self.top, self.bottom))
-        return [number.rounded(Fraction(a, b)) for a, b in zip(tops, bottoms, strict=True)]
-
 
 def _sign(x: Scalar) -> Scalar:
     return np.sign(x) if isinstance(x, np.ndarray) else (x > 0) - (x < 0)
@@ -107,8 +101,3 @@ def of_fractions(values: Sequence[Fraction]) -> Rationals:
 def of_floats(values: Flat) -> Rationals:
     """An array's floats, which are rationals."""
     return of_fractions([exactly(x) for x in values])
-
-
-def listed(x: Any, count: int) -> list[int]:
-    """The whole numbers of an array, or a single one so many times."""
-    return list(x) if isinstance(x, np.ndarray) else [x] * count

@@ -50,6 +50,11 @@ def minus(a: GivenRow, b: GivenRow) -> Triple:
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
+def momentum(moments: Vector, omega: Vector) -> Vector:
+    """I w in principal axes."""
+    return moments[0] * omega[0], moments[1] * omega[1], moments[2] * omega[2]
+
+
 def apply(matrix: Sequence[GivenRow], vector: GivenRow) -> Triple:
     """matrix·vector."""
     x, y, z = matrix

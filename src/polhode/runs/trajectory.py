@@ -19,6 +19,7 @@ from polhode.equations.integrals import Drift, drift
 from polhode.motion.outcomes import NO_EVENTS, Events, Outcome, Projection
 from polhode.motion.protocols import Interpolant
 from polhode.numbers.decimals import in_full, shown, strings
+from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import (
     Columns,
@@ -36,7 +37,6 @@ from polhode.results.cells import DOUBLE
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.runs.error_estimate import Expected, by_errors, expected
-from polhode.scenes.output_times import OutputTimes
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, time_column
 from polhode.scenes.vocabulary import COLUMNS, Several, Single
@@ -216,7 +216,7 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         """The times as doubles, the nearest ones."""
         import numpy as np
 
-        if isinstance(self.times, OutputTimes):
+        if isinstance(self.times, ExactNumbers):
             return self.times.doubles()
         return np.array([float(t) for t in self.times])
 

@@ -21,11 +21,12 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import derived_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import ZERO, Exact, sign
+from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.scalars import AnyNumber
 from polhode.numbers.vectors import Vector, dot, scaled
 from polhode.scenes.body import Body, exact_vector
 from polhode.scenes.event import Event, check_event
-from polhode.scenes.output_times import OutputTimes, listed_times
+from polhode.scenes.output_times import listed_times
 from polhode.scenes.vocabulary import COLUMNS, FORMS, STATE, UNITS
 
 
@@ -202,14 +203,14 @@ class Scene:
     def _bad(self, key: str, value: object, expected: str) -> BadInput:
         return BadInput(self.name, key, value, expected)
 
-    def _checked_times(self, key: str, given: Iterable[AnyNumber]) -> OutputTimes[Exact]:
+    def _checked_times(self, key: str, given: Iterable[AnyNumber]) -> ExactNumbers[Exact]:
         """The times exactly; raises BadInput for what is no number, and where the order is wrong.
 
         ``key``: of the argument or the scene file that gives them.
         """
         times = (
             given
-            if isinstance(given, OutputTimes)
+            if isinstance(given, ExactNumbers)
             else listed_times(self.name, key, given, self.units)
         )
         wrong = times.misplaced()
@@ -277,9 +278,9 @@ class Scene:
             say_doubt(self.name, self.doubt)
 
     @property
-    def output_times(self) -> OutputTimes[Exact]:
+    def output_times(self) -> ExactNumbers[Exact]:
         """The times, which know their doubles all at once."""
-        found: OutputTimes[Exact] = self.times  # type: ignore[assignment]  # made so at its birth
+        found: ExactNumbers[Exact] = self.times  # type: ignore[assignment]  # made so at its birth
         return found
 
     @property

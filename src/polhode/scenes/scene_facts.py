@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 
 from polhode.numbers import exact
 from polhode.numbers.exact import Irrational
-from polhode.numbers.exact_sequences import Floats, Spaced
+from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Doubles, Given, Indices
 from polhode.results.cells import EXACT, TEXT, bits_word
 from polhode.results.table import Column, Fact, Value, Values
-from polhode.scenes.output_times import OutputTimes
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_text import as_toml
 from polhode.scenes.variation.vary import Grid
@@ -59,10 +58,9 @@ def scene_facts(
     ``times``: of the column t; the text leaves out an array of the same times.  Irrational times,
     which no text holds, stand in it as those of the column, or rounded to 160 bits.
     """
-    asked = scene.output_times.numbers
-    in_column = times is not None and isinstance(asked, Floats) and OutputTimes(asked) == times
-    ends = (asked.first, asked.last) if isinstance(asked, Spaced) else asked
-    if not isinstance(asked, Floats) and any(isinstance(t, Irrational) for t in ends):
+    asked = scene.output_times
+    in_column = times is not None and asked.floats is not None and asked == times
+    if asked.floats is None and any(isinstance(t, Irrational) for t in asked.ends or asked):
         scene = scene.at(times or tuple(exact.binary(*exact.rounded(t, 160)) for t in asked))
     text = as_toml(scene.at(()) if in_column else scene)
     return [
@@ -100,7 +98,7 @@ def time_column(
     """
     values: Values = times
     if number.bits == 53 and not hasattr(times, "dtype"):
-        held = times if isinstance(times, OutputTimes) else OutputTimes(tuple(times))
+        held = times if isinstance(times, ExactNumbers) else ExactNumbers(tuple(times))
         values = held.doubles()
     kind = bits_word(number) if number.bits == 53 else EXACT
     shown = number.printed_digits - 2 if digits is None else digits
@@ -139,14 +137,10 @@ def varied_columns(varied: Grid, member: Indices) -> list[Column]:
         varied.keys, varied.rows.columns, varied.rows.repeats, strict=True
     ):
         place = member // repeat % max(1, len(values))
-        held: Values
-        if isinstance(values, Floats):
-            held = values.values[place]
-        else:
-            known = [*values]
-            held = [known[k] for k in place.tolist()]
-        told = len(member) > 0 or isinstance(values, Floats)
-        columns.append(Column(key, held, "varied", type="" if told else EXACT))
+        floats = values.floats
+        cells: Values = floats[place] if floats is not None else [values[k] for k in place.tolist()]
+        typed = len(member) > 0 or floats is not None
+        columns.append(Column(key, cells, "varied", type="" if typed else EXACT))
     return columns
 
 

@@ -111,16 +111,11 @@ def _at_rest(scene: Placed, x: Coefficients) -> Iterator[Condition]:
     yield equal("gamma2 as w = 0 requires", scene.gamma[1] ** 6, factor * x.cube**3, ONE)
 
 
-REGIME = "Chaplygin 1904"
-
-
 class Chaplygin(PlacedMotion):
     """One motion of Chaplygin."""
 
+    regime = "Chaplygin 1904"
     conditions = staticmethod(conditions)
-
-    def _regime(self) -> str:
-        return REGIME
 
     def _begin(self, x: Coefficients) -> tuple[Exact, Exact, Exact]:
         """z, Y, Z at t = 0."""

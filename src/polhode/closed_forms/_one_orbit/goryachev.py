@@ -68,17 +68,12 @@ def conditions(scene: Placed) -> Iterator[Condition]:
     yield from matching(scene, found.gamma(*scene.omega), found.squares(scene.omega[0]))
 
 
-REGIME = "Goryachev"
-
-
 class Goryachev(PlacedMotion):
     """One motion of Goryachev."""
 
+    regime = "Goryachev"
     conditions = staticmethod(conditions)
     axis_1_passes_the_vertical = True  # where p = 0
-
-    def _regime(self) -> str:
-        return REGIME
 
     def _motion(self) -> NormalMotion:
         (A, B, C), (p, q, r) = self.normal.moments, self.normal.omega

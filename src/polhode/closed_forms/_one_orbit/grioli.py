@@ -79,9 +79,6 @@ def conditions(scene: Placed) -> Iterator[Condition]:
     yield from matching(scene, x.gamma())
 
 
-REGIME = "Grioli's regular precession"
-
-
 class _Precession:
     """The motion in the normal axes, at the precision in force."""
 
@@ -116,10 +113,8 @@ class _Precession:
 class Grioli(PlacedMotion):
     """One precession of Grioli."""
 
+    regime = "Grioli's regular precession"
     conditions = staticmethod(conditions)
-
-    def _regime(self) -> str:
-        return REGIME
 
     def _motion(self) -> NormalMotion:
         return _Precession(spin_frame(self.normal), self.normal.omega)

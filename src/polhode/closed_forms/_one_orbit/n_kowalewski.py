@@ -77,16 +77,11 @@ def conditions(scene: Placed) -> Iterator[Condition]:
     yield from matching(scene, found.gamma(*scene.omega), found.squares(scene.omega[0]))
 
 
-REGIME = "N. Kowalewski"
-
-
 class NKowalewski(PlacedMotion):
     """One motion of N. Kowalewski."""
 
+    regime = "N. Kowalewski"
     conditions = staticmethod(conditions)
-
-    def _regime(self) -> str:
-        return REGIME
 
     def _motion(self) -> NormalMotion:
         (A, B, C), known = self.normal.moments, coefficients(self.normal)

@@ -17,7 +17,7 @@ from mpmath import libmp
 from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
 from polhode.closed_forms.balls.core import Refused, around, ball
 from polhode.closed_forms.balls.frames import Turn
-from polhode.closed_forms.balls.periodic_attitude import InTime
+from polhode.closed_forms.balls.periodic_attitude import PeriodicOrbit
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.scalars import Scalar
@@ -61,7 +61,8 @@ class OrbitMotion(PlacedMotion):
                 raise ArithmeticError("the closed form does not reproduce the start")
         if found.period is None:
             return found
-        return self._on(InTime(lambda t: [acb(x) for x in found.at(t.real)], found.period))
+        orbit = PeriodicOrbit(lambda t: [acb(x) for x in found.at(t.real)], found.period)
+        return self._on(orbit)
 
     def _equations(self) -> None:
         """None: an orbit is known at real times only."""

@@ -11,7 +11,7 @@ from flint import acb, acb_poly, arb
 from polhode.closed_forms.balls.clocks import Factors, Oscillating
 from polhode.closed_forms.balls.core import TooFewBits, ball, root, square
 from polhode.closed_forms.balls.jacobi import Jacobi
-from polhode.closed_forms.balls.periodic_attitude import InTime
+from polhode.closed_forms.balls.periodic_attitude import PeriodicOrbit
 from polhode.closed_forms.balls.weierstrass import complex_functions
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.flint_context import ctx
@@ -35,7 +35,7 @@ class EllipticTime:
     squares: tuple[Exact, Exact, Exact]
     rate2: Exact
 
-    def orbit(self, formula: Formula, quarters: int = 4) -> InTime:
+    def orbit(self, formula: Formula, quarters: int = 4) -> PeriodicOrbit:
         """The orbit, which repeats after so many quarter periods, at the precision in force."""
         functions, rate = Jacobi(ball(self.m), ball(self.m1)), root(self.rate2)
         v0 = self.phase(functions)
@@ -43,7 +43,7 @@ class EllipticTime:
         def state(t: acb) -> Sequence[acb]:
             return formula(*complex_functions(functions, v0 + rate * t))
 
-        return InTime(state, quarters * functions.K / rate)
+        return PeriodicOrbit(state, quarters * functions.K / rate)
 
     def phase(self, functions: Jacobi) -> arb:
         """v at t = 0, in (-2K, 2K]."""
@@ -82,7 +82,7 @@ class _Factor:
         return value
 
 
-class FlowOrbit:
+class FlowOrbit(PeriodicOrbit):
     """The state in z, y, w of z' = k y w, y^2 = Q(z), w^2 = R(z), at the precision in force.
 
     Between two neighbouring zeros of QR, z = z1 + (z2 - z1) sin^2(x/2), and the angle x is the
@@ -118,9 +118,10 @@ class FlowOrbit:
         first = y0 * y_side or sense * w0 * w_side
         self._sides = first, sense * first
         sine, cosine = (abs(z0 - low.place).sqrt(), abs(high.place - z0).sqrt())
-        self.begin = self._clock.at(2 * arb.atan2(side * sine, cosine)).S
         turns = 1 if any(mine == last for mine, last in self._ends) else 2
-        self.period, self.cycle = 2 * turns * self._clock.S[-1], 2 * turns * arb.pi()
+        super().__init__(self._state, 2 * turns * self._clock.S[-1])
+        self.cycle = 2 * turns * arb.pi()
+        self.begin = self._clock.at(2 * arb.atan2(side * sine, cosine)).S
 
     def phase(self, t: arb) -> arb:
         """x at a time since x = 0."""
@@ -132,7 +133,7 @@ class FlowOrbit:
         one, other = (factor.root(sine * sine) for factor in self._factors)
         return self._pace / (one * other)
 
-    def state(self, s: acb) -> Sequence[acb]:
+    def _state(self, s: acb) -> Sequence[acb]:
         """p, q, r, gamma1, gamma2, gamma3."""
         sine, cosine = (s / 2).sin(), (s / 2).cos()
         size, y = self._wide.sqrt(), sine * sine

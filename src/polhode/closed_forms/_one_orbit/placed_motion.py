@@ -27,7 +27,7 @@ from polhode.closed_forms.family import Family, by_conditions
 from polhode.closed_forms.membership.normal_form import Condition, Placed, placed_in
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.common.cached_property import cached_property
-from polhode.numbers.exact import ONE, ZERO, noted, sign, sqrt
+from polhode.numbers.exact import noted, sign, sqrt
 from polhode.numbers.vectors import dot
 
 
@@ -87,8 +87,7 @@ class PlacedMotion(ClosedForm[SeenMotion[NormalMotion]]):
         side = place.determinant
         self._mirrored = side < 0
         self._frame = Frame.signed(place.order, [side * s for s in place.signs], within=axes)
-        x, y, _ = self._frame.out((ONE, ZERO, ZERO))
-        self.passes_poles = self.axis_1_passes_the_vertical and sign(x) == 0 == sign(y)
+        self.passes_poles = self.axis_1_passes_the_vertical and self._frame.along_third(0) != 0
         self.held = tuple(condition.text for condition in self.conditions(self.normal))
         self.regime = self._regime()
         # |w|^2 <= 2 (H + P)/I_min with P = |Mg r0|
@@ -101,9 +100,9 @@ class PlacedMotion(ClosedForm[SeenMotion[NormalMotion]]):
     def conditions(scene: Placed) -> Iterator[Condition]:
         """What the family asks of a scene in the axes of its normal form, in order."""
 
-    @abstractmethod
     def _regime(self) -> str:
-        """The name of the motion."""
+        """The name of the motion, unless all have one."""
+        return self.regime
 
     @abstractmethod
     def _motion(self) -> NormalMotion:

@@ -67,7 +67,8 @@ class Staude(PlacedMotion):
             return {}
         return {"precession": ball(dot(self._omega, self._gamma))}
 
-    def _arguments(self, t: arb) -> Arguments:
+    def arguments_at(self, t: arb) -> Arguments:
+        """Both by half of psi, where the third axis is not vertical."""
         if all(sign(x) == 0 for x in self._gamma[:2]):
             return None, None
         half = ball(dot(self._omega, self._gamma)) * t / 2

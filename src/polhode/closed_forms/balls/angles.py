@@ -9,10 +9,11 @@ by the same as in any other period: what is counted through one is known of all.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from contextlib import suppress
 from itertools import groupby
-from typing import NamedTuple, Protocol, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from flint import acb, arb
 
@@ -44,34 +45,39 @@ class _AlwaysAPole(Exception):
     """gamma stays along the third axis."""
 
 
-class Turning(Protocol):
+class Turning(ABC):
     """What the angles need of a motion."""
 
+    #: Whether :meth:`arguments_at` tells how psi and phi turn at any time; else it is counted.
+    knows_turns = False
+    #: Whether the third axis is exactly vertical again and again: no bits count past that.
+    passes_poles = False
+
+    @abstractmethod
     def quaternion_at(self, t: arb) -> Turn:
         """The attitude at a time, at the precision in force."""
-        ...
 
-    @property
-    def knows_turns(self) -> bool:
-        """Whether the growth of the two arguments is known at any time; else it is counted."""
-        ...
+    @abstractmethod
+    def leaving_side(self, sense: int) -> int:
+        """The sign of arg bt - arg al as a start at a pole leaves it, going on in time or back.
 
-    @property
-    def passes_poles(self) -> bool:
-        """Whether the third axis is exactly vertical again and again: no bits count past that."""
-        ...
+        From the lower pole that of arg al - arg bt; both are in [-pi, pi].  Decided exactly.
+        """
+
+    @abstractmethod
+    def speed_bound(self) -> arb:
+        """A bound of |w|, at the precision in force."""
 
     def arguments_at(self, t: arb) -> Arguments:
-        """That growth from 0 to a time, at the precision in force."""
-        ...
+        """The growth of arg(q0 + i q3) and arg(q1 + i q2) from 0 to t, at the precision in force.
+
+        None of one that is always 0.  Asked only where the family knows them at any time.
+        """
+        raise NotImplementedError
 
     def repeats(self) -> arb | None:
         """The period of w and gamma, at the precision in force; None where none is known."""
-        ...
-
-    def speed_bound(self) -> arb:
-        """A bound of |w|, at the precision in force."""
-        ...
+        return None
 
 
 def angle_rows(
@@ -150,9 +156,11 @@ class _Start:
             z = bt * al.conjugate() if self.pole > 0 else al * bt.conjugate()
             if z.contains(0):
                 return arb(0)  # it never leaves the pole
-            z = z / abs(z)
-            turned = -z.real > 1 - arb(2) ** -50
-            return arb.pi() if turned else z.arg().mid()
+            if not z.real < 0:
+                return z.arg().mid()
+            # Next to the cut exact numbers tell the side: any rounding might lie on the other one.
+            side = self.motion.leaving_side(sense)
+            return side * (arb.pi() - abs((-z).arg())).mid() if side else arb.pi()
 
 
 def _counts(motion: Turning, start: _Start, times: Sequence[Exact]) -> list[_Count | None]:

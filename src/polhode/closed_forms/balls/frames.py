@@ -88,6 +88,11 @@ class Frame:
         a, b, c = vector
         return a, b, c
 
+    def along_third(self, axis: int) -> int:
+        """1 where that axis of these is the scene's third, -1 where it is its opposite, else 0."""
+        x, y, z = self.out(IDENTITY[axis])
+        return sign(z) if sign(x) == 0 == sign(y) else 0
+
     def back(self, vector: Sequence[arb]) -> list[arb]:
         """A vector of these axes in the scene's."""
         if self._places is not None:

@@ -27,7 +27,7 @@ import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 from flint import acb, arb
 
@@ -36,6 +36,7 @@ from polhode.closed_forms.balls.frames import Turn, conjugate, of_matrix
 from polhode.closed_forms.balls.power_sum import PowerSum
 from polhode.common.cached_property import cached_property
 from polhode.numbers.flint_context import ctx
+from polhode.numbers.scalars import Scalar
 from polhode.numbers.vectors import cross, dot, quaternion_product
 
 _AXES = tuple(v for v in itertools.product((1, 0, -1), repeat=3) if v > (0, 0, 0))
@@ -52,60 +53,24 @@ _TRIALS = 4  # of radii within which a state is to stay
 _FEWEST, _MOST_SAMPLES = 16, 1 << 13
 
 
-class PeriodicOrbit(Protocol):
-    """w and the vertical as functions of a phase s, at the precision in force."""
+class PeriodicOrbit:
+    """w and the vertical as functions of a phase s, at the precision in force.
 
-    @property
-    def period(self) -> arb:
-        """T, of time."""
-        ...
+    ``state``: p, q, r, and the vertical, of any length, of a complex phase.  ``period``: T, of
+    time; ``cycle``: S, by which the phase grows in T; ``begin``: the time from s = 0 to the start.
+    The phase is the time since the start, unless an orbit has another one.
+    """
 
-    @property
-    def cycle(self) -> arb:
-        """S, by which the phase grows in T."""
-        ...
-
-    @property
-    def begin(self) -> arb:
-        """The time from s = 0 to the start."""
-        ...
+    def __init__(self, state: Callable[[acb], Sequence[acb]], period: arb) -> None:
+        self.state, self.period = state, period
+        self.cycle, self.begin = period, arb(0)
 
     def phase(self, t: arb) -> arb:
         """s at a time since s = 0."""
-        ...
-
-    def pace(self, s: acb) -> acb:
-        """dt/ds."""
-        ...
-
-    def state(self, s: acb) -> Sequence[acb]:
-        """p, q, r, and the vertical, of any length."""
-        ...
-
-
-@dataclass(frozen=True)
-class InTime:
-    """An orbit whose phase is the time since the start."""
-
-    state: Callable[[acb], Sequence[acb]]
-    period: arb
-
-    @property
-    def cycle(self) -> arb:
-        """The period."""
-        return self.period
-
-    @property
-    def begin(self) -> arb:
-        """0."""
-        return arb(0)
-
-    def phase(self, t: arb) -> arb:
-        """The time."""
         return t
 
     def pace(self, s: acb) -> acb:
-        """1."""
+        """dt/ds."""
         del s
         return acb(1)
 
@@ -114,10 +79,10 @@ class InTime:
 class Equations:
     """Euler's and Poisson's equations of a body, I w' + w x I w = g x T, g' = g x w."""
 
-    moments: Sequence[arb]
-    torque: Sequence[arb]
+    moments: Sequence[Scalar]
+    torque: Sequence[Scalar]
 
-    def rates(self, state: Sequence[acb]) -> list[acb]:
+    def rates(self, state: Sequence[Scalar]) -> list[Scalar]:
         """w' and g'."""
         w, g = state[:3], state[3:]
         spin = [a * x for a, x in zip(self.moments, w, strict=True)]

@@ -58,7 +58,8 @@ class EulerTop(ClosedForm[EulerMotion]):
             return PermanentRotation([ball(x) for x in self._omega], half, self._start())
         return Polhode(self._numbers, self._frame, self._start())
 
-    def _arguments(self, t: arb) -> Arguments:
+    def arguments_at(self, t: arb) -> Arguments:
+        """Of a permanent rotation."""
         motion, start = self._solution(), self._start().attitude
         assert isinstance(motion, PermanentRotation)
         assert start is not None

@@ -104,6 +104,21 @@ def centre(start: KovalevskayaStart) -> Exact | None:
     return None
 
 
+def passes_the_vertical(start: KovalevskayaStart, name: str) -> bool:
+    """Whether the third axis of a motion of one frequency is exactly vertical, G1 + iG2 = 0.
+
+    A pendulum about y has G1 = H - q^2; Appelrot's motion passes ro + xh cos ps = 0, as its r^2/4
+    is E + ro^2 - (ro + xh cos ps)^2, wherever |ro| <= |xh|.
+    """
+    if name == PENDULUM_Y:
+        return sign(start.H) >= 0
+    xh = centre(start) if name == APPELROT else None
+    if xh is None:
+        return False
+    p, q, _ = start.omega
+    return sign(p * p - 2 * p * xh + q * q) <= 0  # ro^2 - xh^2
+
+
 def has_formula(start: KovalevskayaStart) -> bool:
     """Whether the motion has one here: on other degenerate curves it is left to the enclosure."""
     return _one_frequency(start) is not None or _degenerate(start) != OTHER

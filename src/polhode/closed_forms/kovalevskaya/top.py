@@ -28,7 +28,7 @@ from polhode.closed_forms.balls.frames import (
     quaternion,
 )
 from polhode.closed_forms.balls.one_axis import OneAxis, Permanent
-from polhode.closed_forms.balls.periodic_attitude import InTime, PeriodicAttitude, Strip
+from polhode.closed_forms.balls.periodic_attitude import PeriodicAttitude, PeriodicOrbit, Strip
 from polhode.closed_forms.closed_form import ENCLOSED_ATTITUDE, ClosedForm, no_attitude
 from polhode.closed_forms.kovalevskaya import regimes
 from polhode.closed_forms.kovalevskaya.axes import EQUATIONS, top_start
@@ -64,6 +64,8 @@ class KovalevskayaTop(ClosedForm[SeenMotion[Any]]):
         self._strip: Strip | None = None
         if regime in regimes.ONE_FREQUENCY:
             self.has_attitude = quartic(self.begin, regime).has_period
+            passes = regimes.passes_the_vertical(self.begin, regime)
+            self.passes_poles = passes and self._frame.along_third(2) != 0
         elif regime not in regimes.STEADY:
             self.has_attitude, self.proven = regime not in regimes.DEGENERATE, _CHECKED
         if not self.has_attitude:
@@ -103,7 +105,7 @@ class KovalevskayaTop(ClosedForm[SeenMotion[Any]]):
         if motion.period is None:
             return no_attitude()
         size = ball(self.begin.a2).sqrt()
-        orbit = InTime(motion.complex_state, motion.period)
+        orbit = PeriodicOrbit(motion.complex_state, motion.period)
         attitude = PeriodicAttitude(orbit, size, motion.speed, EQUATIONS, self._strip)
         self._strip = attitude.strip
         return attitude
@@ -113,7 +115,8 @@ class KovalevskayaTop(ClosedForm[SeenMotion[Any]]):
         a, b, c = (x / self.begin.weight for x in self.begin.G)
         return quaternion(*halves((a, b, c), ZERO))
 
-    def _arguments(self, t: arb) -> Arguments:
+    def arguments_at(self, t: arb) -> Arguments:
+        """Of a state that stays."""
         motion, start = self._solution(), self._start().attitude
         assert start is not None
         w = motion.row(t, attitude=False)[:3]

@@ -45,12 +45,6 @@ class LagrangeAxes:
     torque: Exact  # Mg z0 > 0
     side: int  # of the axis along its principal axis
 
-    @property
-    def own_side(self) -> int:
-        """1 where the third axis of the top is the scene's third, -1 where it is its opposite."""
-        x, y, z = self.frame.into(body.IDENTITY[2])
-        return sign(z) if sign(x) == 0 == sign(y) else 0
-
 
 def top_axes(moments: Vector, torque: Vector, rows: Rows | None) -> LagrangeAxes:
     """The axes of the top; raises ValueError for a body that is none (:func:`fits`)."""

@@ -39,7 +39,7 @@ class LagrangeTop(ClosedForm[LagrangeMotion]):
         self._top = into(self._omega), into(self._gamma)
         self._constants = constants(*self._axes.moments, self._axes.torque, *self._top)
         self.regime = regime(self._constants)
-        self._own_side = self._axes.own_side
+        self._own_side = self._axes.frame.along_third(2)
         self.knows_turns = self._own_side != 0
 
     def _solved(self) -> LagrangeMotion:
@@ -47,7 +47,8 @@ class LagrangeTop(ClosedForm[LagrangeMotion]):
         seen = Seen(self._axes.frame, self._start(), ball(c.r), own_start(*self._top))
         return Steady(c, seen) if c.steady else Nutating(c, seen)
 
-    def _arguments(self, t: arb) -> Arguments:
+    def arguments_at(self, t: arb) -> Arguments:
+        """Where the axis of symmetry is the scene's third."""
         motion = self._solution()
         one, other = motion.argument(0, t), motion.argument(1, t)
         return (one, other) if self._own_side > 0 else (other, one)

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 
 from polhode.closed_forms.membership.misfit import Misfit
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
-from polhode.numbers.exact import ONE, ZERO, Exact, exact, log10, sign, sqrt, total
+from polhode.numbers.exact import ONE, ZERO, Exact, exact, log10, sign, sqrt
 from polhode.numbers.scalars import Scalar
-from polhode.numbers.vectors import Vector, cross, dot, is_zero, minus
+from polhode.numbers.vectors import Vector, cross, dot, is_zero, minus, momentum
 
 _ORDERS = 3  # of magnitude by which conditions that fail together may differ
 _EVEN = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
@@ -82,8 +82,7 @@ class Placed:
     @property
     def momentum(self) -> Vector:
         """Iw."""
-        a, b, c = (m * w for m, w in zip(self.moments, self.omega, strict=True))
-        return a, b, c
+        return momentum(self.moments, self.omega)
 
     @property
     def impulse(self) -> Exact:
@@ -93,14 +92,12 @@ class Placed:
     @property
     def energy(self) -> Exact:
         """H = w.Iw/2 + T.gamma."""
-        kinetic = total(m * w * w for m, w in zip(self.moments, self.omega, strict=True))
-        return kinetic / 2 + dot(self.torque, self.gamma)
+        return dot(self.momentum, self.omega) / 2 + dot(self.torque, self.gamma)
 
     @property
     def area(self) -> Exact:
         """F = Iw.gamma."""
-        parts = zip(self.moments, self.omega, self.gamma, strict=True)
-        return total(m * w * g for m, w, g in parts)
+        return dot(self.momentum, self.gamma)
 
 
 @dataclass(frozen=True)

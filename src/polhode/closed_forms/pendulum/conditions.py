@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from polhode.closed_forms.membership.normal_form import Condition, Placed, equal
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.numbers.exact import ZERO, sign, sqrt
-from polhode.numbers.vectors import Vector, cross, dot, is_zero
+from polhode.numbers.vectors import Vector, cross, dot, is_zero, momentum
 
 
 def fits(scene: PrincipalScene) -> bool:
@@ -37,9 +37,3 @@ def conditions(scene: Placed) -> Iterator[Condition]:
 def axis_of(torque: Vector, omega: Vector, gamma: Vector) -> Vector:
     """A vector along n; zero in equilibrium at rest."""
     return cross(torque, gamma) if is_zero(omega) else omega
-
-
-def momentum(moments: Vector, omega: Vector) -> Vector:
-    """I w in principal axes."""
-    a, b, c = (moment * x for moment, x in zip(moments, omega, strict=True))
-    return a, b, c

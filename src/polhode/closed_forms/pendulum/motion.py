@@ -13,10 +13,10 @@ from flint import arb
 from polhode.closed_forms.balls.core import ball, root
 from polhode.closed_forms.balls.frames import Start
 from polhode.closed_forms.balls.jacobi import Jacobi
-from polhode.closed_forms.pendulum.conditions import axis_of, momentum
+from polhode.closed_forms.pendulum.conditions import axis_of
 from polhode.numbers import exact
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
-from polhode.numbers.vectors import Vector, cross, dot, is_zero
+from polhode.numbers.vectors import Vector, cross, dot, is_zero, momentum
 
 HANGING, UPRIGHT = "rest, hanging", "rest, upright"
 LIBRATING, ROTATING = "pendulum, librating", "pendulum, rotating"

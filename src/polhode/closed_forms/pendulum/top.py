@@ -65,7 +65,8 @@ class Pendulum(ClosedForm[Swing | PermanentRotation]):
             return PermanentRotation([ball(x) for x in self._omega], arb(0), self._start())
         return Swing(self._numbers, self._n, self._start())
 
-    def _arguments(self, t: arb) -> Arguments:
+    def arguments_at(self, t: arb) -> Arguments:
+        """Of the swing's angle."""
         motion, start = self._solution(), self._start().attitude
         assert start is not None
         return self._turning.arguments(start, motion.axis, motion.swung(t))

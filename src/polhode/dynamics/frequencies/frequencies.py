@@ -22,7 +22,6 @@ from polhode.judging.tables.table import Table
 from polhode.judging.tables.table_file import is_table, read_table
 from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.exact import Exact, sign
-from polhode.numbers.exact_sequences import Floats
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Complexes, Doubles
 from polhode.numbers.scalars import AnyNumber
@@ -264,7 +263,7 @@ def _of_run(run: Trajectory, names: tuple[str, ...], count: int) -> Frequencies:
             known |= {f"{name}/2": float(x) / 2} if name in half else {name: float(x)}
     signals = {name: _signal(scene.name, name, columns, scene) for name in names}
     found = _found(scene.name, signals, step, count, known, scene.provenance())
-    listed = isinstance(scene.output_times.numbers, Floats)  # which a text would hold one by one
+    listed = scene.output_times.floats is not None  # which a text would hold one by one
     return found if listed else replace(found, scene=scene)
 
 

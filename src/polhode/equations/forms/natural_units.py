@@ -15,7 +15,7 @@ from polhode.equations.forms.matrices import omega_and_gamma
 from polhode.equations.forms.matrices import torque as torque_along
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact, sign
-from polhode.numbers.vectors import Vector, cross, dot, scaled
+from polhode.numbers.vectors import Vector, cross, dot, momentum, scaled
 from polhode.scenes.scene import Scene
 
 PRINCIPAL = "principal"
@@ -33,8 +33,7 @@ class OwnUnits(NamedTuple):
     @property
     def momentum(self) -> Vector:
         """G = I w."""
-        a, b, c = (m * w for m, w in zip(self.moments, self.omega, strict=True))
-        return a, b, c
+        return momentum(self.moments, self.omega)
 
     @property
     def energy(self) -> Exact:

@@ -9,9 +9,9 @@ from polhode.common.arguments import of_kind, steps, whole
 from polhode.common.errors import BadInput, nearest, plain
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exact_number
+from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber
-from polhode.scenes.output_times import OutputTimes
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
 
@@ -96,7 +96,7 @@ def choose_number(
     return number_types.named(number)
 
 
-def rounded_times(scene: Scene, number: NumberType) -> OutputTimes[Fraction]:
+def rounded_times(scene: Scene, number: NumberType) -> ExactNumbers[Fraction]:
     """The output times as numbers of the run's type."""
     if not scene.times:
         raise BadInput(scene.name, "run.end", None, "a time, or times given with --at")

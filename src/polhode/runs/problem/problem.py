@@ -14,11 +14,11 @@ from polhode.equations.readout import Readout
 from polhode.equations.system import System, system
 from polhode.numbers.conversion import to_extended
 from polhode.numbers.exact import Exact
+from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Extendeds
 from polhode.numbers.scalars import EXACT
 from polhode.runs.problem.options import rounded_times
-from polhode.scenes.output_times import OutputTimes
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend.time_grid import Times
 
@@ -134,7 +134,7 @@ class Problem:
         return _rules.get(self, self.schedule(scene).exact[-1] if timed else None, made)
 
     @cached_property
-    def _schedules(self) -> list[tuple[OutputTimes[Exact], Schedule]]:
+    def _schedules(self) -> list[tuple[ExactNumbers[Exact], Schedule]]:
         return []
 
 
@@ -142,7 +142,7 @@ class Problem:
 class Schedule:
     """Output times rounded to a run's type: ``exact``, and ``inside`` its own unit."""
 
-    exact: OutputTimes[Fraction]
+    exact: ExactNumbers[Fraction]
     inside: Times
 
 

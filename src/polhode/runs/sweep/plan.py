@@ -13,7 +13,6 @@ from polhode.common.errors import BadInput
 from polhode.common.memory import refuse_too_much
 from polhode.numbers.conversion import number_value
 from polhode.numbers.exact import Exact
-from polhode.numbers.exact_sequences import Floats
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Flat, kind_of
 from polhode.numbers.scalars import AnyNumber
@@ -135,7 +134,7 @@ def _check_arrays(name: str, varied: vary.Grid, number: NumberType) -> None:
     import numpy as np
 
     each = zip(varied.keys, varied.rows.columns, strict=True)
-    arrays = {key: column.values for key, column in each if isinstance(column, Floats)}
+    arrays = {key: column.floats for key, column in each if column.floats is not None}
     if not arrays:
         return
     if not number.flat:

@@ -7,11 +7,12 @@ array that they are; exact numbers are made where a member is asked for.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from polhode.common.arguments import rows_of
 from polhode.common.errors import BadInput, plain
-from polhode.numbers.exact_sequences import Floats
+from polhode.numbers.exact_sequences import ExactNumbers
 
 if TYPE_CHECKING:
     from polhode.numbers.rows import Flat
@@ -24,7 +25,9 @@ _WIDTHS = {
 }
 
 
-def row_by_row(vary: Mapping[str, Any], name: str) -> tuple[tuple[str, ...], list[Floats]]:
+def row_by_row(
+    vary: Mapping[str, Any], name: str
+) -> tuple[tuple[str, ...], list[ExactNumbers[Fraction]]]:
     """Keys and columns, where an array of rows is among what is varied; else none of them.
 
     Raises BadInput, also for two arrays of one length without rows: they may mean either.
@@ -35,7 +38,7 @@ def row_by_row(vary: Mapping[str, Any], name: str) -> tuple[tuple[str, ...], lis
         _ask(arrays, name)
         return (), []
     first, keys = rows[0], []
-    columns: list[Floats] = []
+    columns: list[ExactNumbers[Fraction]] = []
     for key, given in vary.items():
         if key not in arrays:
             expected = f"an array with a row for each of {first}: never every combination"
@@ -47,7 +50,7 @@ def row_by_row(vary: Mapping[str, Any], name: str) -> tuple[tuple[str, ...], lis
         if twice:
             raise BadInput(name, key, f"{twice[0]}, given twice", "each number in one array")
         keys += own
-        columns += [Floats(column.copy()) for column in table.T]
+        columns += [ExactNumbers(floats=column.copy()) for column in table.T]
         if len(columns[-1]) != len(columns[0]):
             expected = f"{len(columns[0])} rows, as many as {next(iter(vary))} has"
             raise BadInput(name, key, f"{len(columns[-1])} rows", expected)

@@ -19,7 +19,7 @@ import numpy.typing as npt
 from polhode.common.cached_property import cached_property
 from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import Exact, sign
-from polhode.numbers.exact_sequences import Floats, Spaced
+from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.rationals import Rationals, of_floats, of_fractions
 from polhode.numbers.rows import Flat
 from polhode.numbers.scalars import Scalar
@@ -124,7 +124,7 @@ class Blocks:
     def _array(self, vector: str) -> bool:
         """Whether all of a vector is given as an array."""
         each = zip(self.keys, self.varied.columns, strict=True)
-        return sum(k.startswith(vector) and isinstance(x, Floats) for k, x in each) == 3
+        return sum(k.startswith(vector) and x.floats is not None for k, x in each) == 3
 
     def _has(self, start: str) -> bool:
         return any(key.startswith(start) for key in self.keys)
@@ -200,15 +200,15 @@ def _near(x: Column) -> Flat | float:
     return x.doubles() if isinstance(x, Rationals) else x if isinstance(x, np.ndarray) else float(x)
 
 
-def _parts(column: Sequence[Exact], array: bool) -> tuple[Rationals | Flat, Booleans | None]:
+def _parts(column: ExactNumbers[Exact], array: bool) -> tuple[Rationals | Flat, Booleans | None]:
     """A column's rationals, and where there is another number in it (1 in its place).
 
     ``array``: whether an array stays one.
     """
-    if isinstance(column, Floats):
-        return column.values if array else of_floats(column.values), None
-    if isinstance(column, Spaced):
-        first, last = column.first, column.last
+    if column.floats is not None:
+        return column.floats if array else of_floats(column.floats), None
+    if column.ends is not None:
+        first, last = column.ends
         if isinstance(first, Fraction) and isinstance(last, Fraction):
             step = (last - first) / max(1, len(column) - 1)
             top = step.numerator * first.denominator * np.arange(len(column)).astype(object)

@@ -13,7 +13,7 @@ from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, FileName, nearest, say_change
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
-from polhode.numbers.exact_sequences import Floats, LazySequence
+from polhode.numbers.exact_sequences import LazySequence
 from polhode.scenes import keys, scene_file
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
@@ -84,7 +84,7 @@ class Members(LazySequence[Scene]):
         """The notes of the scene, and what was changed of the first members, as of one of them."""
         varied = {key.partition("[")[0] for key in self.varied.keys}
         each = zip(self.varied.keys, self.varied.rows.columns, strict=True)
-        as_is = any(k.startswith("start.") for k, x in each if isinstance(x, Floats))
+        as_is = any(k.startswith("start.") for k, x in each if x.floats is not None)
         if as_is:  # members begin at the numbers of the arrays
             varied = {key for key in varied if key.startswith("body.")}
         if not varied & _MAY_BE_ROUNDED:

@@ -11,7 +11,7 @@ from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput, plain, say_doubt
 from polhode.numbers import exact
 from polhode.numbers.exact import ZERO, Exact
-from polhode.numbers.exact_sequences import LazySequence, Spaced
+from polhode.numbers.exact_sequences import ExactNumbers, LazySequence, spaced
 from polhode.numbers.expression import ExpressionError
 from polhode.numbers.scalars import numbers_given
 from polhode.scenes.body_and_start import THETA, doubtful_theta
@@ -35,7 +35,8 @@ class Rows(LazySequence[tuple[Exact, ...]]):
     """
 
     def __init__(self, columns: Sequence[Sequence[Exact]], product: bool) -> None:
-        self.columns, self.product = tuple(columns), product
+        each = (x if isinstance(x, ExactNumbers) else ExactNumbers(tuple(x)) for x in columns)
+        self.columns, self.product = tuple[ExactNumbers[Exact], ...](each), product
         sizes = [len(column) for column in self.columns]
         self._count = math.prod(sizes) if product else sizes[0]
         #: For each column how many rows have the same value in a row of rows.
@@ -57,7 +58,7 @@ class Rows(LazySequence[tuple[Exact, ...]]):
     __hash__ = None
 
     def __repr__(self) -> str:
-        return f"Rows({self.columns!r}, {self.product})"
+        return f"Rows({[column.summary for column in self.columns]}, {self.product})"
 
 
 class Grid(NamedTuple):
@@ -105,7 +106,7 @@ def numbers(text: str, key: str, name: str, units: str, dimension: str) -> Seque
         count = int(rest[1]) if rest[1:] and re.fullmatch(r"\s*\d{1,9}\s*", rest[1]) else 0
         if rest and not (len(rest) == 2 and 1 <= count <= MAX_MEMBERS):
             raise BadInput(name, key, item, f"FROM:TO:N with N from 1 to {MAX_MEMBERS}")
-        parts.append(Spaced(ends[0], ends[1], count) if rest else ends)
+        parts.append(spaced(ends[0], ends[1], count) if rest else ends)
     return parts[0] if len(parts) == 1 else [x for part in parts for x in part]
 
 
@@ -130,12 +131,12 @@ def grid(vary: Vary, name: str, units: str = "") -> Grid:
                 listed = ", ".join(map(plain, member))
                 raise BadInput(name, f"member {k + 1}", listed, f"the keys {', '.join(keys)}")
         columns = [[_exact(m[key], key, name, units) for m in vary] for key in keys]
-    for key, column in zip(keys, columns, strict=True):
-        if key == THETA:
-            _doubt(column, name)
     if not keys:
         raise BadInput(name, "vary", None, "at least one number of the scene file to vary")
-    return _limited(Grid(keys, Rows(columns, product)), name)
+    found = _limited(Grid(keys, Rows(columns, product)), name)
+    if THETA in keys:
+        _doubt(found.rows.columns[keys.index(THETA)], name)
+    return found
 
 
 def _limited(found: Grid, name: str) -> Grid:
@@ -146,10 +147,9 @@ def _limited(found: Grid, name: str) -> Grid:
     return found
 
 
-def _doubt(column: Sequence[Exact], name: str) -> None:
+def _doubt(column: ExactNumbers[Exact], name: str) -> None:
     """Say where a theta is of more than a turn."""
-    ends = (column.first, column.last) if isinstance(column, Spaced) else column
-    largest = max(ends, key=abs, default=ZERO)
+    largest = max(column.ends or column, key=abs, default=ZERO)
     if abs(largest) > 2 * exact.pi():
         say_doubt(name, doubtful_theta(largest))
 
@@ -157,7 +157,7 @@ def _doubt(column: Sequence[Exact], name: str) -> None:
 def _column(key: str, given: object, name: str, units: str) -> Sequence[Exact]:
     if isinstance(given, str):
         return numbers(given, key, name, units, unit(key))
-    if isinstance(given, Spaced):
+    if isinstance(given, ExactNumbers):
         return given
     listed, several = numbers_given(given)
     if not several:

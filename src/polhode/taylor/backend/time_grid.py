@@ -8,11 +8,10 @@ from typing import overload
 
 from polhode.common.cached_property import cached_property
 from polhode.numbers.conversion import exactly, to_double, to_extended
-from polhode.numbers.exact_sequences import Floats
+from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Flat, Numbers, flat
 from polhode.numbers.scalars import Scalar
-from polhode.scenes.output_times import OutputTimes
 
 _FEW = 64  # times: the exact ones of so few are all made at the first question, and kept
 
@@ -41,14 +40,13 @@ class Times(Sequence[Fraction]):
         return found
 
     @classmethod
-    def scaled(cls, times: OutputTimes[Fraction], exponent: int, number: NumberType) -> Times:
+    def scaled(cls, times: ExactNumbers[Fraction], exponent: int, number: NumberType) -> Times:
         """Times of this type, in another unit: multiplied by 2**exponent."""
         import numpy as np
 
-        if isinstance(times.numbers, Floats) and number.flat:
+        if times.floats is not None and number.flat:
             kind, most = (np.float64, 1000) if number.bits == 53 else (np.longdouble, 16000)
-            grid = times.numbers.values
-            grid = np.ldexp(grid, exponent) if exponent else grid
+            grid = np.ldexp(times.floats, exponent) if exponent else times.floats
             sizes = np.frexp(grid[1:] if grid[0] == 0 else grid)[1]
             if grid.dtype == kind and np.all(np.abs(sizes) < most):
                 return cls.of_grid(grid, number)
