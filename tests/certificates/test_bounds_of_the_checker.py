@@ -73,6 +73,13 @@ def test_a_step_whose_motions_have_no_bound_is_refused():
     step_of(3, 0, 1).reach(arb(5))
 
 
+def test_a_defect_is_bounded_to_its_last_coefficient(monkeypatch):
+    """Of p = 100 tau in each component, and h = 1: d = 100 + 100^2 tau^2 is the largest one."""
+    monkeypatch.setattr(verify, "taylor", lambda *_: [[arb(100)]] * 6)
+    step = verify.Step(body_of((3, 2, 1)), [arb(0)] * 6, arb(1), 64, verify.STATES)
+    assert float(step.delta) == pytest.approx(100 + 10_000 / 3, rel=1e-12)
+
+
 @pytest.mark.parametrize(("a", "r"), [(0, 0.3), (1, 0.5)])
 def test_the_derivative_along_a_motion_is_off_v_by_its_noise_at_most(a, r):
     """Of a motion that stays at r: D' = (a + 2 b r) D."""
@@ -239,8 +246,8 @@ def test_rates_of_few_bits_are_off_by_their_bound_at_most(monkeypatch, wide, noi
     held = verify.Set(numbers(chance, 6, 1), sizes_of(numbers(chance, 6, 1, wide)), 1)
     held.s = numbers(chance, 6, 6)
     p, v = numbers(chance, 6, 4), [numbers(chance, 6, 6) for _ in range(3)]
-    if wide:
-        held.s = [[x * (5 - i) for x in row] for i, row in enumerate(held.s)]
+    if wide:  # by far the most of the first component
+        v = [[[x * arb((1, -3 * i)) for x in row] for i, row in enumerate(one)] for one in v]
     step: Any = SimpleNamespace(bits=FEW, p=[arb_poly(row) for row in p], v=[arb_mat(x) for x in v])
     ctx.prec = FEW
     y, off = verify.Stage(0, 1, step, arb(0), [arb(noise)], held).rates()

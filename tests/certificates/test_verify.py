@@ -380,6 +380,16 @@ def test_what_v_misses_is_bounded_where_a_begins_late():
         assert missed < arb("0.34")
 
 
+def test_what_v_misses_is_bounded_by_all_of_v_where_a_grows(monkeypatch):
+    """A = 10 + 10^6 tau^2 in one entry, V = 1 + 10 tau + 50 tau^2: A V - V' is 10^6 tau^2 V."""
+    monkeypatch.setattr(verify, "MOST_TERMS", 3)
+    with ctx.workprec(64):
+        entries = {(0, 0): [arb(10), arb(0), arb(10**6)]}
+        _, missed = verify.transition(entries, verify.norms_of(entries), verify.SETS)
+    truth = 10**6 * (1 / 3 + 10 / 4 + 50 / 5)
+    assert truth <= float(missed) < 6 * truth
+
+
 def test_a_body_at_rest_without_weight_and_vertical_stays_where_it_is():
     # f' is 0 along it: A has no coefficients
     scene = {"moments": [1, 2, 3], "centre": [0] * 3, "weight": 0, "omega": [0] * 3}
