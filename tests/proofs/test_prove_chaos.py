@@ -87,6 +87,13 @@ def test_points_of_a_set_are_where_a_step_of_a_poor_transition_says(monkeypatch)
     assert chains.misses(*chains.stepped(0.125)) == 0
 
 
+def test_slopes_of_an_image_are_those_of_every_time_of_its_crossing(monkeypatch):
+    """Where D may change by its own size in that time, they are known no better."""
+    assert float(chains.stepped(0.125)[0].slope[0, 0].rad()) < 1e-3
+    monkeypatch.setattr(verify, "drift", lambda *_: arb(1))
+    assert float(chains.stepped(0.125)[0].slope[0, 0].rad()) > 0.1
+
+
 def disk(source):
     """All n of a set, and n', in doubles: middles and radii."""
     what = chains.example()
