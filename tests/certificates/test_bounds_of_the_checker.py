@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from flint import arb, arb_mat, arb_poly, ctx
+from flint import arb, arb_mat, arb_poly, ctx, fmpq, fmpq_mat
 
 from polhode.certificates import verify
 from polhode.numbers.polynomials import middle as exactly
@@ -71,6 +71,13 @@ def test_a_step_whose_motions_have_no_bound_is_refused():
     with pytest.raises(verify.NotProved, match="the condition of the step"):
         step_of(0, 1, 0).reach(arb("0.26"))
     step_of(3, 0, 1).reach(arb(5))
+
+
+def test_a_defect_is_bounded_to_its_last_coefficient(monkeypatch):
+    """Of p = 100 tau in each component, and h = 1: d = 100 + 100^2 tau^2 is the largest one."""
+    monkeypatch.setattr(verify, "taylor", lambda *_: [[arb(100)]] * 6)
+    step = verify.Step(body_of((3, 2, 1)), [arb(0)] * 6, arb(1), 64, verify.STATES)
+    assert float(step.delta) == pytest.approx(100 + 10_000 / 3, rel=1e-12)
 
 
 @pytest.mark.parametrize(("a", "r"), [(0, 0.3), (1, 0.5)])
@@ -239,8 +246,8 @@ def test_rates_of_few_bits_are_off_by_their_bound_at_most(monkeypatch, wide, noi
     held = verify.Set(numbers(chance, 6, 1), sizes_of(numbers(chance, 6, 1, wide)), 1)
     held.s = numbers(chance, 6, 6)
     p, v = numbers(chance, 6, 4), [numbers(chance, 6, 6) for _ in range(3)]
-    if wide:
-        held.s = [[x * (5 - i) for x in row] for i, row in enumerate(held.s)]
+    if wide:  # by far the most of the first component
+        v = [[[x * arb((1, -3 * i)) for x in row] for i, row in enumerate(one)] for one in v]
     step: Any = SimpleNamespace(bits=FEW, p=[arb_poly(row) for row in p], v=[arb_mat(x) for x in v])
     ctx.prec = FEW
     y, off = verify.Stage(0, 1, step, arb(0), [arb(noise)], held).rates()
@@ -253,6 +260,68 @@ def test_rates_of_few_bits_are_off_by_their_bound_at_most(monkeypatch, wide, noi
             there = sum(exactly(x) * tau**k for k, x in enumerate(p[i])) + turn[i] @ m[:, 0]
             most = max(most, abs(there - told) + np.abs(turn[i] @ s) @ w[:, 0] + noise)
     assert 0 < most <= exactly(off) < 8 * most + Fraction(1, 8)
+
+
+def test_noise_is_that_of_the_widest_set_and_of_each_column():
+    """Two sets of starts, the second one wider; columns of D of the sizes 1 and 4."""
+    inertia = [[arb(x if i == j else 0) for j in range(3)] for i, x in enumerate((3, 2, 1))]
+    guesses = verify.Guesses(10, [0, 128], 20, [[1 << 20] * 6], 64)
+    run, wide = verify.Run(guesses, inertia, [arb("0.25")] * 3), arb((1, -10))
+    columns, box = [arb(0), arb(0), arb(1), arb(4)], [arb(0), wide, arb(0), arb(0)]
+    (stage,) = run.stages(verify.Set([columns] * 6, [box] * 6, 2), verify.DERIVATIVES, None)
+    alone, reach = (stage.step.reach(size) for size in (arb(0), wide))
+    assert alone < reach <= stage.reach
+    of_d = stage.step.noise_of_derivative(reach)
+    for size, noise in zip((1, 4), stage.noise[2:], strict=True):
+        assert size * of_d <= noise * (1 + arb("1e-15"))
+
+
+# -- sets of chaos --------------------------------------------------------------------------------
+
+
+def test_the_inverse_of_a_frame_of_few_bits_holds_the_exact_one():
+    rows = numbers(random.Random(6), 6, 6, 0.1)
+    rows = [[x + int(i == j) for j, x in enumerate(row)] for i, row in enumerate(rows)]
+    wide, deep = arb_mat([row[:2] for row in rows]), arb_mat([row[2:] for row in rows])
+    exact = fmpq_mat([[rational(x) for x in row] for row in rows]).inv()
+    ctx.prec = FEW
+    found = verify._frame(verify.Chart([], wide, deep, [], arb(1)))
+    assert all(found[i, j].contains(exact[i, j]) for i in range(6) for j in range(6))
+    assert float(found[0, 0].rad()) < 0.1
+
+
+def rational(x: arb) -> fmpq:
+    value = exactly(x)
+    return fmpq(value.numerator, value.denominator)
+
+
+@pytest.mark.parametrize("long", ["middle", "directions"])
+def test_starts_of_few_bits_hold_every_point_of_a_set(monkeypatch, long):
+    """Only numbers of one part are longer than the bits: what rounding makes of it shows alone."""
+    monkeypatch.setattr(verify, "COARSE", FEW)
+    chance, middle = random.Random(6), long == "middle"
+
+    def some(columns: int, is_long: bool) -> verify.Table:
+        if is_long:
+            return numbers(chance, 6, columns)
+        return [[arb((chance.randrange(-4, 5), -2)) for _ in range(columns)] for _ in range(6)]
+
+    centre, here = ([row[0] for row in some(1, middle)] for _ in range(2))
+    wide, deep = (arb_mat(some(n, not middle)) for n in (2, 4))
+    what = verify.Rectangle(0, arb((3 * middle, -2)), arb((1, -1)), arb((1, -3)))
+    depth = [arb((k * middle, -3)) + arb(0, arb((k, -5))) for k in range(1, 5)]
+    run: Any = SimpleNamespace(bits=FEW, centres=[here])
+    found = verify._starts(run, what, verify.Chart(centre, wide, deep, [], arb(1)), depth)
+    ctx.prec = 300
+    e, k = numbers_of(wide.table()), numbers_of(deep.table())
+    (c, x), (m, *sizes) = numbers_of([centre, here]), [exactly(y) for y in what[1:]]
+    off = c - x + e[:, 0] * m + k @ np.array([exactly(y.mid()) for y in depth])
+    sizes += [exactly(y.rad()) for y in depth]
+    reached, frame = reach(found), np.hstack([e, k])
+    axes = np.array([[int(i == j) for j in range(6)] for i in range(6)], dtype=object)
+    for u in (*axes, *-axes):
+        truth = u @ off + np.abs(u @ frame) @ np.array(sizes)
+        assert truth * 4**SCALE <= reached(0, u) < (truth + Fraction(1, 8)) * 4**SCALE
 
 
 # -- a turn ---------------------------------------------------------------------------------------
@@ -328,6 +397,27 @@ def test_a_derivative_near_a_time_drifts_by_its_columns_sizes():
 
 
 # -- numbers that are told ------------------------------------------------------------------------
+
+
+def test_an_interval_is_a_ball_around_all_of_it():
+    found = verify.ball((Fraction(1, 3), Fraction(1, 7)))
+    assert found.contains(fmpq(1, 3) + fmpq(1, 7))
+    assert found.contains(fmpq(1, 3) - fmpq(1, 7))
+
+
+@pytest.mark.parametrize(
+    ("residue", "kinds"),
+    [
+        ("-1", ["hyperbolic"]),
+        ("0.5", ["elliptic"]),
+        ("2", ["inverse hyperbolic"]),
+        ("0 +/- 0.1", []),
+        ("1 +/- 0.1", []),
+    ],
+)
+def test_a_kind_is_one_of_every_residue_in_the_ball(residue, kinds):
+    tests = verify.STABILITY.items()
+    assert [kind for kind, test in tests if test(arb(residue)) is True] == kinds
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ SCALE = 2**120
 
 
 HELD: Held = json.loads(FILE.read_text())
-WIDTH = HELD["sets"][0]["width"]
+WIDTH, NEXT = (HELD["sets"][k]["width"] for k in range(2))
 
 
 @pytest.fixture
@@ -38,6 +38,9 @@ GRAPH, LIES = "no graph over its rectangle", "over set|graph|plane"
 #: Places of the certificate, what stands there then or is made of it, and what is said.
 FALSE: list[tuple[dict[str, Any], str]] = [
     ({"sets 1 middle": HELD["sets"][0]["middle"]}, "the first two sets may meet"),
+    # they meet, though the one's middle is outside of the other
+    ({"sets 1 middle": WIDTH // 2 + NEXT}, "the first two sets may meet"),
+    ({"sets 1 middle": WIDTH + NEXT // 2}, "the first two sets may meet"),
     (
         {"charts": lambda x: [*x, HOME], "sets 1 chart": len(HELD["charts"])},
         "not of one section map",

@@ -133,19 +133,22 @@ def test_a_false_statement_is_noticed(name):
         assert not claimed(**changes)
 
 
+MIDDLE = "begin = _moved(begin, chart.deep * arb_mat([[x.mid()] for x in depth]))"
 #: A function's part that is left out, so that points of a set or differences are outside; how late
-#: the image is, and how far the set leaves the level: each hides the terms of second order.
+#: the image is, how far the set leaves the level, and how far above that its centre lies: the first
+#: two hide the terms of second order, and the second one the last.
 TERMS = {
-    "the depth": ("_starts", "*(upper(x - x.mid()) for x in depth)", "*[arb(0)] * 4", 0, 0.1),
-    "the plane": ("_image", "frame - frame * shadow", "frame", 2e-3, 0.1),
-    "the slope of n": ("_image", "chart.wide + chart.deep * slope_of_n", "chart.wide", 0, 0.1),
+    "the depth": ("_starts", "*(upper(x - x.mid()) for x in depth)", "*[arb(0)] * 4", 0, 0.1, 0),
+    "the middle of the depth": ("_starts", MIDDLE, "pass", 0, 0, 1e-8),
+    "the plane": ("_image", "frame - frame * shadow", "frame", 2e-3, 0.1, 0),
+    "the slope of n": ("_image", "chart.wide + chart.deep * slope_of_n", "chart.wide", 0, 0.1, 0),
 }
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", TERMS)
 def test_points_or_slopes_are_outside_without_a_term(name):
-    *changed, late, by = TERMS[name]
-    assert chains.misses(*chains.tilted(late, by)) == 0
+    *changed, late, by, above = TERMS[name]
+    assert chains.misses(*chains.tilted(late, by, above)) == 0
     with without(verify, *changed):
-        assert chains.misses(*chains.tilted(late, by)) > 0
+        assert chains.misses(*chains.tilted(late, by, above)) > 0

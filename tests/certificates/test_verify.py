@@ -172,6 +172,13 @@ def test_a_ball_at_the_start_holds_the_start_or_is_refused(small):
     for radius, inside in (("5e-31", True), ("2e-30", False)):  # of the start itself
         wide = altered(given, "scene omega 0", lambda x, r=radius: [x, r])
         assert holds(wide) == inside
+    assert not holds(altered(small, "scene omega 0", lambda x: [x, "1e-9"]))
+
+
+def test_the_largest_radius_is_told(small):
+    wider = altered(small, "statement 0 balls 2 1", "1e-9")
+    with ctx.workprec(53):
+        assert "of radius 1.0e-09 at most" in verify.state(wider)[0]
 
 
 def minus(x):
@@ -373,6 +380,16 @@ def test_what_v_misses_is_bounded_where_a_begins_late():
         assert missed < arb("0.34")
 
 
+def test_what_v_misses_is_bounded_by_all_of_v_where_a_grows(monkeypatch):
+    """A = 10 + 10^6 tau^2 in one entry, V = 1 + 10 tau + 50 tau^2: A V - V' is 10^6 tau^2 V."""
+    monkeypatch.setattr(verify, "MOST_TERMS", 3)
+    with ctx.workprec(64):
+        entries = {(0, 0): [arb(10), arb(0), arb(10**6)]}
+        _, missed = verify.transition(entries, verify.norms_of(entries), verify.SETS)
+    truth = 10**6 * (1 / 3 + 10 / 4 + 50 / 5)
+    assert truth <= float(missed) < 6 * truth
+
+
 def test_a_body_at_rest_without_weight_and_vertical_stays_where_it_is():
     # f' is 0 along it: A has no coefficients
     scene = {"moments": [1, 2, 3], "centre": [0] * 3, "weight": 0, "omega": [0] * 3}
@@ -423,6 +440,12 @@ def test_what_is_no_certificate_is_one_line(small, key, value, tmp_path, capsys)
     assert "proved: at" not in told.out
 
 
+def lopsided(scene):
+    """A scene whose matrix of inertia has one product of inertia, not two."""
+    rows = {"inertia": [["2", "1/10", "0"], ["0", "3/2", "0"], ["0", "0", "1"]]}
+    return rows | {key: x for key, x in scene.items() if key != "moments"}
+
+
 @pytest.mark.parametrize(
     ("change", "said"),
     [
@@ -431,6 +454,9 @@ def test_what_is_no_certificate_is_one_line(small, key, value, tmp_path, capsys)
         (lambda x: x["scene"].update(damping="0"), "nothing else"),
         (lambda x: x["statement"][0]["attitude"].pop(), "a list of 4"),
         (lambda x: x["statement"][0].update(turn=[]), "nothing else"),
+        (lambda x: x["scene"].update(omega=[["1", "-1e-30"], 0, 0]), "not negative"),
+        (lambda x: x.update(grid=[t + 5 for t in x["grid"]]), "expected 0 and up to"),
+        (lambda x: x.update(scene=lopsided(x["scene"])), "a symmetric matrix"),
         # work that would take hours
         (
             lambda x: x.update(bits=4000, grid=[*range(10_000)], centres=[x["centres"][0]] * 9_999),
@@ -456,6 +482,14 @@ def test_a_damaged_file_is_one_line(text, tmp_path):
     path = tmp_path / "x.json"
     path.write_text(text)
     with pytest.raises(BadInput, match="certificate"):
+        polhode.verify(path)
+
+
+def test_a_key_that_stands_twice_is_told(small, tmp_path):
+    """Though both say the same, and though all is proved by the second one."""
+    path = tmp_path / "x.json"
+    path.write_text(json.dumps(small)[:-1] + ', "kind": "state"}')
+    with pytest.raises(BadInput, match="a key stands twice"):
         polhode.verify(path)
 
 

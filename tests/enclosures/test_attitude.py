@@ -126,8 +126,8 @@ def _wrong_slope(a: Any, defects: Any, start: Any) -> Any:
 
 def _by_a_fault(solution: Any) -> float:
     problem = fixed_point_problem.problem(fixed_point_problem.motion(SPHERE), 90)
-    centre, claimed = _turn(SPHERE, problem, 4, solution)
-    return _off(centre, _of_the_sphere(Fraction(1, 2), 4)) / claimed
+    centre, claimed = _turn(SPHERE, problem, 24, solution)
+    return _off(centre, _of_the_sphere(Fraction(1, 2), 24)) / claimed
 
 
 def _by_the_state() -> float:

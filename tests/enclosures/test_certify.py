@@ -125,6 +125,11 @@ def test_units_of_any_size_cost_no_digit(power: int) -> None:
     assert found.noise == pytest.approx(plain.noise, abs=2)
 
 
+def test_steps_are_as_long_as_the_norm_in_which_a_motion_hardly_stretches_allows() -> None:
+    """By the norm of w and gamma as they are this takes 31."""
+    assert 15 <= polhode.certify("lagrange/nutation", at=[10], digits=30).steps <= 22
+
+
 @pytest.mark.slow
 def test_the_integrals_make_the_radii_smaller_and_keep_the_truth() -> None:
     scene = top()

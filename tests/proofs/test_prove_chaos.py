@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import itertools
 import json
 
 import numpy as np
@@ -11,6 +12,7 @@ from flint import arb, ctx
 
 import polhode
 from polhode.certificates import chaos_certificate, verify
+from polhode.certificates.chaos_certificate import Rectangle
 from polhode.cli import main
 from polhode.proofs.chaos import homoclinic
 from polhode.proofs.proved_orbit import as_arb
@@ -41,6 +43,10 @@ def test_the_example_is_proved_with_the_entropy_of_its_times():
     assert min(x.cone for x in found.margins) > 0.1
     assert 4.26575 < found.short < 4.26577
     assert 77.69 < found.long < 77.71
+    with ctx.workprec(100):
+        times = [float(x.most * found.home[0].rates[0]) for x in found.images]
+    assert times[0] <= float(found.short)
+    assert sum(times) <= float(found.long) * (1 + 1e-14)
     for entropy, proved in (("0.02807", True), ("0.02809", False)):
         claim = {"entropy": entropy, "short": "4.26577", "long": "77.71"}
         if proved:
@@ -70,22 +76,88 @@ def test_points_of_a_set_that_leaves_the_level_and_is_late_are_where_its_image_s
     assert chains.misses(*chains.tilted(late)) == 0
 
 
-@pytest.mark.parametrize("k", [0, 1, 9])
-def test_a_set_lies_in_its_disk(k):
+def test_points_of_a_set_are_where_a_step_of_a_poor_transition_says(monkeypatch):
+    """V is off by a hundredth: what the step leaves out holds that."""
+    honest = verify.next_of_v
+
+    def bent(total, k):
+        return (honest(total, k) * arb("1.01" if k == 0 else 1)).mid()
+
+    monkeypatch.setattr(verify, "next_of_v", bent)
+    assert chains.misses(*chains.stepped(0.125)) == 0
+
+
+def test_slopes_of_an_image_are_those_of_every_time_of_its_crossing(monkeypatch):
+    """Where D may change by its own size in that time, they are known no better."""
+    assert float(chains.stepped(0.125)[0].slope[0, 0].rad()) < 1e-3
+    monkeypatch.setattr(verify, "drift", lambda *_: arb(1))
+    assert float(chains.stepped(0.125)[0].slope[0, 0].rad()) > 0.1
+
+
+def disk(source):
+    """All n of a set, and n', in doubles: middles and radii."""
     what = chains.example()
-    source = what.chain.sets[k]
-    chart = what.chain.charts[source.chart]
     with ctx.workprec(100):
         run, *_ = what.proof.home
-        scale = what.made["scale"]
         numbers = verify._chart_numbers(what.made["charts"][source.chart], "")
-        rectangle = verify._rectangle(what.made["sets"][k], scale, 99, "")
+        rectangle = verify.Rectangle(source.chart, *(arb(x) for x in source[1:]))
         level = verify.read_body(what.made["scene"], ("level",))[2]
-        depth, _ = verify._disk(run, level, rectangle, verify._chart(numbers, scale, run))
-        for xi, eta in chains.CORNERS:
-            _, n = chains.point_of(source, chart, xi, eta)
-            for a, b in zip(n, depth, strict=True):
-                assert abs(a - float(b.mid())) <= 1.001 * float(b.rad()) + 1e-15
+        chart = verify._chart(numbers, what.made["scale"], run)
+        depth, slope = verify._disk(run, level, rectangle, chart)
+        rows = [depth, *zip(*slope.table(), strict=True)]
+        return np.array([[(float(x.mid()), float(x.rad())) for x in row] for row in rows])
+
+
+@pytest.mark.parametrize("k", [0, 1, 9, "far"])
+def test_a_set_lies_in_its_disk(k):
+    """One far from its chart's centre as well: the way there counts by half of its slope."""
+    what = chains.example()
+    source = Rectangle(0, 1e-3, 1e-5, 1e-5) if k == "far" else what.chain.sets[k]
+    chart = what.chain.charts[source.chart]
+    (middle, radius), *_ = (rows.T for rows in disk(source))
+    for corner in chains.CORNERS:
+        _, n = chains.point_of(source, chart, *corner)
+        assert np.all(np.abs(n - middle) <= 1.001 * radius + 1e-15)
+
+
+def test_slopes_of_a_large_set_lie_in_those_of_its_disk():
+    """They differ from corner to corner by as much as its size."""
+    size, near = 1e-3, 0.05
+    source, chart = Rectangle(0, 0.0, size, size), chains.example().chain.charts[0]
+    _, *slopes = (rows.T for rows in disk(source))
+    for corner in itertools.product((-1.0, 1.0), repeat=2):
+        _, n = chains.point_of(source, chart, *corner)
+        for j, (middle, radius) in enumerate(slopes):
+            beside = [x * (1 - near * (i == j)) for i, x in enumerate(corner)]
+            _, other = chains.point_of(source, chart, *beside)
+            found = (n - other) / (near * size * corner[j])
+            assert np.all(np.abs(found - middle) <= radius + 1e-9)
+            assert np.max(radius) < 100 * size
+
+
+def test_each_set_covers_the_next_within_the_depth_of_its_chart(monkeypatch):
+    what, pairs = chains.example(), []
+    made = copy.deepcopy(what.made)
+    scale = made["scale"]
+    depths = [2**scale // 10**4 + k for k in range(len(made["charts"]))]
+    for chart, depth in zip(made["charts"], depths, strict=True):
+        chart["eta"] = [[depth]]
+    images = iter(what.proof.images)
+    monkeypatch.setattr(verify, "_image", lambda *_: next(images))
+
+    def covers(image, source, target, eta, where):
+        pairs.append((source, target, eta))
+        return what.proof.margins[0]
+
+    monkeypatch.setattr(verify, "covers", covers)
+    chaos_certificate.proved(made)
+    with ctx.workprec(200):
+        sets = [verify._rectangle(x, scale, len(depths), "") for x in made["sets"]]
+        count = len(sets)
+        expected = [(sets[0], sets[0]), *((sets[k], sets[(k + 1) % count]) for k in range(count))]
+        assert [pair[:2] for pair in pairs] == expected
+        for _, target, eta in pairs:
+            assert eta == verify.dyadic(depths[target.chart], -scale)
 
 
 def known(orbit):
@@ -105,6 +177,11 @@ def test_the_periodic_orbit_of_the_first_set_is_the_one_that_was_proved():
     for column, far in ((wide, 1.01 * width), (tall, -1.01 * height), (lower, 1.1e-4)):
         beside = [x + far * y for x, y in zip(start, column, strict=True)]
         false.append((beside, period, "through the first set|no bound"))
+    # inside, but beside the plane, and outside where the motion meets that
+    along = what.chain.charts[0].deep[:, 3]
+    beside = 0.9999 * width * np.array(wide) + 9e-5 * along
+    moved = [x + y for x, y in zip(start, beside.tolist(), strict=True)]
+    false.append((moved, period, "through the first set|no bound"))
     for later in ("0.001", "-0.001"):
         false.append((start, period + arb(later), "a time of the short loop"))
     false.append((start, 2 * period, "a time of the short loop"))
@@ -144,6 +221,7 @@ FALSE = {
     "the first centre": ({"charts": moved(0, 3 * SIZE)}, "set 0"),
     "the second centre": ({"charts": moved(1, 3 * SIZE)}, "over set"),
     "a time": ({"times": lambda t: [t[0] + 0.1, *t[1:]]}, "set 0"),
+    "no time": ({"times": lambda t: [1e-5, *t[1:]]}, "set 0: a transit may take no time"),
     "too small a depth": ({"charts": each(eta=lambda c: 1e-13)}, "set 0"),
     "too large a depth": ({"charts": each(eta=lambda c: 0.3)}, "no graph"),
     "exchanged directions": ({"charts": each(wide=lambda c: c.wide[:, ::-1])}, "set 0 over set 0"),

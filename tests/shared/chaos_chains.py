@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from flint import ctx
 
 from polhode import ProvedOrbit
 from polhode.certificates import chaos_certificate, verify
@@ -102,15 +103,42 @@ def crossed(chart: Chart, x: Doubles, time: float) -> tuple[Doubles, float]:
     return np.linalg.solve(frame, end[:, 0] - chart.centre), time
 
 
-def tilted(late: float, by: float = 0.1) -> tuple[verify.Image, Rectangle, Chart, Chart, float]:
-    """A set whose directions leave the level, its image at a time that is late; as of misses."""
+def tilted(
+    late: float, by: float = 0.1, above: float = 0.0
+) -> tuple[verify.Image, Rectangle, Chart, Chart, float]:
+    """A set whose directions leave the level, its image at a time that is late; as of misses.
+
+    ``above``: the level, along the gradient of the energy, lies the chart's centre.
+    """
     what = example()
     chart = what.chain.charts[0]
-    chart = chart._replace(wide=chart.wide + by * chart.deep[:, :2])
+    centre = chart.centre + above * chart.deep[:, 0]
+    chart = chart._replace(centre=centre, wide=chart.wide + by * chart.deep[:, :2])
     times = [what.chain.times[0] + late, *what.chain.times[1:]]
     chain = what.chain._replace(charts=[chart, *what.chain.charts[1:]], times=times)
     image = first_image(chaos_certificate.guesses(chain))
     return image, what.chain.sets[0], chart, chart, times[0]
+
+
+def stepped(time: float) -> tuple[verify.Image, Rectangle, Chart, Chart, float]:
+    """N0 one step further, its directions carried on: as of misses."""
+    what, lanes = example().chain, guess()[1].lanes
+    chart, source = what.charts[0], what.sets[0]
+    start, times = chart.centre[:, None], np.array([time])
+    place, slope = lanes.after(start, times)[:, 0], lanes.derivative(start, times)[0]
+    target = chain._chart(lanes, place, *(slope @ chart.wide).T)
+    after = Chain(what.body, what.h, what.f, [chart, target], [source], [time])
+    made: Any = chaos_certificate.guesses(after)
+    with ctx.workprec(made["bits"] + 2 * verify.COARSE):
+        transit = verify._transit(made["transits"][0], made["bits"], "")
+        scene = verify.read_body(made["scene"], ("level",))
+        run = verify.Run(transit, *verify.balls_of(scene)[:2])
+        assert len(run.grid) == 2
+        charts = [verify._chart_numbers(x, "") for x in made["charts"]]
+        places = [verify._chart(x, made["scale"], run) for x in charts]
+        rectangle = verify._rectangle(made["sets"][0], made["scale"], 2, "")
+        image = verify._image(run, scene[2], rectangle, places[0], places[1], None)
+    return image, source, chart, target, time
 
 
 class Enough(Exception):

@@ -397,9 +397,7 @@ class Step:
             (row.derivative() - rate * h).coeffs() for row, rate in zip(self.p, rates, strict=True)
         ]
         ctx.prec = COARSE
-        self.delta = integral(
-            [largest(_entry(row, k) for row in defect) for k in range(max(map(len, defect)))]
-        )
+        self.delta = integral([largest(some) for some in zip_longest(*defect, fillvalue=arb(0))])
         entries = {place: (x * h).coeffs() for place, x in body.derivative(self.p).items()}
         norms = norms_of(entries)
         self.growth = upper(integral(norms).exp())
@@ -748,8 +746,7 @@ def defect_of_turn(v: Sequence[arb_poly], y: Sequence[arb_poly], h: arb) -> arb:
         (row.derivative() - slope * (h / 2)).coeffs() for row, slope in zip(v, slopes, strict=True)
     ]
     ctx.prec = COARSE
-    last = max(map(len, rows))
-    return integral([_length([_entry(row, k) for row in rows]) for k in range(last)])
+    return integral([_length(some) for some in zip_longest(*rows, fillvalue=arb(0))])
 
 
 def _length(numbers: Iterable[arb]) -> arb:

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import time
 from collections.abc import Callable, Iterable, Sequence
-from contextlib import suppress
 from dataclasses import replace
-from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -30,24 +27,22 @@ from polhode.enclosures.fixed_point_problem import (
 )
 from polhode.enclosures.result import Enclosure, Part, digits_of
 from polhode.enclosures.statement import assumed
-from polhode.enclosures.task import MAX_STEPS, Side, Task, digits_of_box, task
+from polhode.enclosures.task import MAX_STEPS, Side, Task, task
 from polhode.equations.column import derived_words
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact
 from polhode.numbers.decimals import shown
-from polhode.numbers.exact import Exact, sign
+from polhode.numbers.exact import sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.polynomials import middle
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes import start_box
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
-from polhode.scenes.start_box import StartBox
 from polhode.scenes.vocabulary import COLUMNS
 
 _MOST_TRIES = 6
 _SPARE = 6
-_TENTHS = 12  # of a box that is too wide
 
 
 def certify(
@@ -55,7 +50,6 @@ def certify(
     at: Iterable[AnyNumber] | None = None,
     *,
     digits: int = 15,
-    integrals: bool = True,
     progress: Progress | None = None,
     max_steps: int = MAX_STEPS,
     max_seconds: float | None = None,
@@ -74,8 +68,6 @@ def certify(
     digits : int
         Correct digits wanted at every time, 1 to MOST_DIGITS.  The precision is chosen from a cheap
         run and raised until they are proven.
-    integrals : bool
-        Whether the first integrals are used to make the set smaller.
     progress : callable, optional
         Called with the fraction of the time done and the steps taken.
     max_steps : int
@@ -124,7 +116,7 @@ def certify(
         times = each(scene.name, "at", at, reader(scene.units, TIME), "a list of times")
     if not times:
         raise BadInput(scene.name, "at", None, "at least one time")
-    asked = task(box, "at", times, digits, max_steps, max_seconds, progress, integrals)
+    asked = task(box, "at", times, digits, max_steps, max_seconds, progress)
     began = time.process_time()
     if box.radii is not None and scene.starts_at_pole and "angles" in scene.modelled:
         expected = "no angles: where the third axis leaves the vertical depends on omega"
@@ -156,34 +148,12 @@ def certify(
         missing = precision_choice.BITS_A_DIGIT * (asked.digits - best.fewest)
         noise = min(MOST_NOISE, noise + math.ceil(missing) + _SPARE)
     if box.radii is not None:
-        raise _too_wide(asked)
+        nearest = shown(min(asked.times, key=abs))
+        expected = f"narrower intervals, to be followed to t = {nearest}"
+        raise BadInput(scene.name, start_box.KEY, box.told, expected)
     had = f"{best.fewest:.1f} proven" if best else refusal
     expected = f"digits that can be proven to t = {shown(max(times, key=abs))} ({had})"
     raise BadInput(scene.name, "digits", asked.digits, expected)
-
-
-def _too_wide(asked: Task) -> BadInput:
-    """The complaint about a box that was followed to none of the times."""
-    box = asked.box
-    zero = Fraction(0)
-    (a, b, c), at = box.radii or (zero, zero, zero), [min(asked.times, key=abs)]
-    size = max([Fraction(1), *map(abs, map(_fraction_near, box.scene.omega))])
-    first = next(k for k in itertools.count(1) if max(a, b, c) <= size * 10 ** (k - 1))
-    expected = f"narrower intervals, to be followed to t = {shown(at[0])}"
-    for k in range(first, first + _TENTHS):
-        narrower = StartBox(box.scene, (a / 10**k, b / 10**k, c / 10**k))
-        tried = Task(narrower, at, digits_of_box(narrower), asked.deadline)
-        with suppress(Refused):
-            if _enclosure(tried, tried.noise).times:
-                expected += f"; a part in {10**k if k < 7 else f'1e{k}'} of these works"
-                break
-        if asked.deadline.passed:
-            break
-    return BadInput(box.scene.name, start_box.KEY, box.told, expected)
-
-
-def _fraction_near(x: Exact) -> Fraction:
-    return exact.binary(*exact.rounded(x, 53))
 
 
 def _enclosure(asked: Task, noise: int) -> Enclosure:

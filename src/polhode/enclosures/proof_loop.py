@@ -49,7 +49,7 @@ class Untrusted:
 
 HONEST = Untrusted()
 #: For boxes: exp(int |A|) of a step multiplies the errors of V.
-SHORT_STEPS = Untrusted(window=partial(window_approximation.window, turn=1.0))
+SHORT_STEPS = Untrusted(window=partial(window_approximation.window, turn=0.5))
 
 
 class Watcher(Protocol):

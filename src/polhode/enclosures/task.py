@@ -65,7 +65,6 @@ class Task:
     digits: int
     deadline: Deadline = NONE
     progress: Progress | None = None
-    integrals: bool = True
 
     @cached_property
     def sides(self) -> list[Side]:
@@ -127,7 +126,7 @@ class Task:
             proof = proof_loop.run(
                 problem,
                 asked,
-                integral_contraction.prepared(side.motion, bits) if self.integrals else [],
+                integral_contraction.prepared(side.motion, bits),
                 untrusted=HONEST if self.box.radii is None else SHORT_STEPS,
                 progress=self.progress,
                 watchers=watchers,
@@ -146,7 +145,6 @@ def task(
     max_steps: int,
     max_seconds: float | None,
     progress: Progress | None,
-    integrals: bool = True,
 ) -> Task:
     """What is asked for, checked; ``key``: of the times.  Raises BadInput."""
     name = box.scene.name
@@ -154,7 +152,7 @@ def task(
     max_steps = steps(name, max_steps)
     deadline = time_limit(box.scene, max_seconds)
     digits = min(digits, digits_of_box(box))
-    found = Task(box, times, digits, deadline, progress, integrals)
+    found = Task(box, times, digits, deadline, progress)
     for side in found.sides:
         if (needed := precision_choice.steps(side.motion, side.last)) > max_steps:
             expected = f"a time that {max_steps} steps reach; this one takes about {needed:.2g}"

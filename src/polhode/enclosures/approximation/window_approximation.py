@@ -23,7 +23,7 @@ from polhode.taylor.variations import double_trajectory
 from polhode.taylor.variations.equations import Variations
 
 MOST_TURN = 5.0  # h |f'(x)| of a step: the majorant alpha is then about twice that
-_COARSE, _LESS = 64, 0.7  # less below this noise level, where exp(2 alpha) soon is too much
+_COARSE, _LESS = 64, 0.35  # less below this noise level, where exp(2 alpha) soon is too much
 _LEAST_DEGREE = 40
 _DOUBLE = 84  # up to this noise level one correction mends a run in double
 _LOOKS = 256
@@ -100,9 +100,13 @@ def _grid(
 
 
 def _speeds(problem: Problem, states: Any) -> Any:
-    """The largest row sums of |f'(x)| at states, (n,)."""
+    """The largest row sums of |f'(x)| at states, (n,), in the norm in which motions hardly stretch.
+
+    Powers of f' are what series are made of: scales of w and gamma are no part of them.
+    """
     slopes = jacobian(problem, states[:, None], np.ones(len(states)))[:, 0]
-    return np.max(np.sum(np.abs(slopes), axis=2), axis=1)
+    weights = np.array(problem.weights)
+    return np.max(np.sum(np.abs(slopes) * (weights[:, None] / weights), axis=2), axis=1)
 
 
 def _series(problem: Problem, states: Any, lengths: Any, count: int) -> Any:
