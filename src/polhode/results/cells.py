@@ -34,9 +34,8 @@ from polhode.numbers.number_types import EXTENDED, NumberType
 from polhode.numbers.rows import Doubles
 from polhode.results.table import Value, Values
 
-DOUBLE, INTEGER, TRUTH, TEXT, EXACT, OBJECT = (
-    *("double", "integer", "truth", "text", "exact", "object"),
-)
+DOUBLE, INTEGER, TRUTH = "double", "integer", "truth"
+TEXT, EXACT, OBJECT = "text", "exact", "object"
 MOST_BITS = 1 << 16
 #: Of a decimal: a number of that many bits in full.
 MOST_CHARACTERS, MOST_EXPONENT = 70_000, 20_000
