@@ -45,7 +45,7 @@ def log10_differences(
     return np.array(found).reshape(len(found), len(turns))
 
 
-def log10_sizes(rows: Sequence[Sequence[Scalar | None]]) -> Doubles:
+def log10_sizes(rows: Given) -> Doubles:
     """log10 of the size of each number, shape (rows, columns); not a number where there is none."""
     return np.array(
         [[math.nan if x is None else _log10(_quotient(x)) for x in row] for row in rows]

@@ -172,7 +172,7 @@ def _table(path: Path, sheet: _Sheet, named: list[Column], number: NumberType | 
     cells = [
         None
         if meant.name is None
-        else _numbers(path, sheet, k, texts[k], meant, of_times if k == clock else kind)
+        else _numbers(path, sheet, k, texts[k], meant.name, of_times if k == clock else kind)
         for k, meant in enumerate(named)
     ]
     found = table_of_cells(str(path), sheet.header, named, cells, printed, kind)
@@ -189,19 +189,18 @@ def _numbers(
     sheet: _Sheet,
     place: int,
     texts: Sequence[str],
-    meant: Column,
+    name: str,
     number: NumberType | None,
 ) -> Cells:
     """A column's exact numbers; ``number``: whose values its cells stand for."""
-    is_time = meant.name == "t"
     found: list[Fraction | None] = []
     try:
         for text in texts:
-            found.append(value(text, number) if text or is_time else None)
+            found.append(value(text, number) if text or name == "t" else None)
     except ExpressionError:
         line, row = sheet.rows[len(found)]
         expected = "a finite decimal number"
-        raise BadInput(f"{path}:{line}", meant.name, row[place], expected) from None
+        raise BadInput(f"{path}:{line}", name, row[place], expected) from None
     return tuple(found)
 
 
