@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from polhode.common.arguments import whole
 from polhode.common.value_semantics import ByValue
@@ -28,13 +28,26 @@ from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, unit_of
 from polhode.scenes.vocabulary import COLUMNS
 
-if TYPE_CHECKING:
-    from polhode.judging.references.reference import Reference
-    from polhode.judging.references.textbook import Textbook
-
 USUAL_DIGITS = 30  # of a reference that is saved as it is
 _RADIUS_DIGITS = 3
 _SPARE = 4  # digits beyond the last printed one: the last is then right to 0.5001 of its unit
+
+
+class _Answers(Protocol):
+    """A closed form of a scene, by whatever arithmetic."""
+
+    scene: Scene
+    kind: str
+    regime: str
+
+    @property
+    def proven(self) -> bool | str: ...
+
+    def at(self, times: Sequence[Exact], digits: int) -> list[list[Real]]: ...
+
+    def radii(self, times: Sequence[Exact], digits: int) -> list[list[Real]] | None: ...
+
+    def column(self, word: str, times: Sequence[Exact], digits: int) -> list[list[Any]]: ...
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -108,7 +121,7 @@ class ReferenceTable(Result, ByValue):
         return f"<ReferenceTable of {self.scene.name}: {what}, {self.digits} digits>"
 
 
-def tabulated(found: Reference | Textbook, digits: int = USUAL_DIGITS) -> ReferenceTable:
+def tabulated(found: _Answers, digits: int = USUAL_DIGITS) -> ReferenceTable:
     """A reference at the times of its scene."""
     scene = found.scene
     digits = whole(scene.name, "digits", digits, 1, number_types.MAX_DIGITS)
