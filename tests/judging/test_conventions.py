@@ -168,7 +168,6 @@ READ = {
 }
 #: The same of conventions that are told and not applied.
 REPORTED = {
-    "either sign": (ATTITUDE, either_sign, "attitude of either sign at each time"),
     "along space": (OMEGA, by(files.along_space), "omega along the axes of space"),
     "along space, in degrees": (
         OMEGA,
@@ -230,6 +229,17 @@ def test_a_convention_that_is_not_applied_is_named(name):
     assert f"read as {one.convention}" in str(found)
     with pytest.raises(BadInput, match="reported, and not applied"):
         polhode.compare(table, CASE, read=words)
+
+
+def test_a_quaternion_and_its_opposite_are_one_attitude():
+    table = some(either_sign(whole()), ATTITUDE)
+    found = polhode.compare(table, CASE)
+    assert (found.reading, found.readings) == (None, ())
+    assert found.worst > 14.5
+    table["q2"][7] += 1e-6
+    assert polhode.compare(table, CASE).worst == pytest.approx(6, abs=0.01)
+    last = polhode.compare(some(LAST(either_sign(whole())), ATTITUDE), CASE)
+    assert (last.reading, last.worst > 14.5) == ("attitude scalar-last", True)
 
 
 def test_omega_along_space_is_named_where_the_attitude_is_enclosed():
@@ -333,7 +343,6 @@ def test_what_is_told_is_applied_whatever_it_gives_and_nothing_else_is():
         ("omega degrees", "omega degrees: expected readings"),
         ("attitude q1 the scalar", "expected readings"),
         ("t of another clock: rows belong to t - 12.5", "t - 12.5: expected readings"),
-        ("attitude of either sign at each time", "reported, and not applied"),
         ("attitude scalar-last; attitude scalar-last", "no second reading of attitude"),
     ],
 )

@@ -159,18 +159,6 @@ def test_no_more_digits_are_told_than_the_type_has(compared):
         assert float(digits) <= 15.95
 
 
-@pytest.mark.slow
-def test_amplification_stands_beside_the_digits(compared):
-    run = polhode.integrate("euler/separatrix", at=[1, 20, 200])
-    answer, _ = compared(of_run(run), "euler/separatrix")
-    one, other, none = answer["amplification"]
-    assert 1 < one < 5
-    assert 100 < other < 1000
-    assert none is answer["correct_digits"][2] is None
-    known = polhode.conditioning("euler/separatrix", [1, 20, 200]).log10_amplification
-    assert other == pytest.approx(10 ** known[1], rel=1e-3)
-
-
 def test_a_closed_form_that_has_no_answer_gives_way_to_an_enclosure(monkeypatch):
     """A closed form that refuses stands in for motions whose phases are not found."""
 

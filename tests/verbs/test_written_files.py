@@ -179,7 +179,7 @@ def test_what_is_not_in_a_table_is_told_and_not_judged(capsys):
     assert verdict["judged"] == ["p", "gamma3"]
     assert "drift_h" not in verdict
     told = "\n".join(verdict["not_judged"])
-    for part in ("attitude was not judged: none", "note", "column q is not in the file"):
+    for part in ("attitude was not judged: none", "note", "columns q r gamma1 gamma2 are not in"):
         assert part in told
     verdict = judged(capsys, HEAD + "0,0.3,,1.1,0.6,0,0.8\n")
     assert verdict["worst"] >= 3

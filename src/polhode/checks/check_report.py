@@ -16,7 +16,7 @@ from polhode.common.value_semantics import ByValue
 from polhode.numbers.decimals import decimal_string, shown
 from polhode.results.cells import DOUBLE, TEXT
 from polhode.results.result import Result
-from polhode.results.table import Column, Fact, Table, Value
+from polhode.results.table import Fact, Table, table_of_rows
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 
@@ -99,9 +99,10 @@ class CheckReport(Result, ByValue):
             for report in self.cases
             for line in report.lines
         ]
-        names = ("scene", "regime", "reference", "number", "correct_digits", "expected_least")
-        more = ("expected_most", "outcome", "passed", "verdict", "limit")
-        return _table((*names, *more), rows, labels=4)
+        types = _texts("scene", "regime", "reference", "number")
+        types |= dict.fromkeys(("correct_digits", "expected_least", "expected_most"), DOUBLE)
+        types |= _texts("outcome", "passed", "verdict", "limit")
+        return table_of_rows(types, rows, labels=4)
 
     def facts(self) -> list[Fact]:
         """Whether all passed; published figures, textbook's formulas, forms, and bands proposed."""
@@ -115,6 +116,7 @@ class CheckReport(Result, ByValue):
             for x in report.figures
         ]
         names = ("scene", "t", "quantity", "printed", "ours", "difference", "cite", "verdict")
+        digits = {"digits": DOUBLE}
         textbook = [(x.scene.name, x.textbook) for x in self.cases if x.textbook is not None]
         forms = [(x.scene, x.form, x.digits, x.note, _WORDS[x.passed]) for x in self.forms]
         proposed = [
@@ -122,31 +124,20 @@ class CheckReport(Result, ByValue):
             for report in self.cases
             for number, band in report.proposal.items()
         ]
+        of_forms = _texts("scene", "form") | digits | _texts("note", "passed")
+        bands = _texts("scene", "number") | dict.fromkeys(("least", "most"), DOUBLE)
         return [
             Fact("passed", self.passed, "whether all stands that was judged"),
-            Fact("published", _table((*names, "passed"), published)),
-            Fact("textbook", _table(("scene", "digits"), textbook)),
-            Fact("forms", _table(("scene", "form", "digits", "note", "passed"), forms, labels=2)),
-            *(
-                [Fact("proposed", _table(("scene", "number", "least", "most"), proposed, labels=2))]
-                if self.proposing
-                else []
-            ),
+            Fact("published", table_of_rows(_texts(*names, "passed"), published)),
+            Fact("textbook", table_of_rows(_texts("scene") | digits, textbook)),
+            Fact("forms", table_of_rows(of_forms, forms, labels=2)),
+            *([Fact("proposed", table_of_rows(bands, proposed, labels=2))] * self.proposing),
         ]
 
 
-_NUMBERS = ("correct_digits", "expected_least", "expected_most", "digits", "least", "most")
-
-
-def _table(names: Sequence[str], rows: Sequence[Sequence[Value]], labels: int = 1) -> Table:
-    columns = zip(*rows, strict=True) if rows else [()] * len(names)
-    return Table(
-        [
-            Column(name, values, type=DOUBLE if name in _NUMBERS else TEXT)
-            for name, values in zip(names, columns, strict=True)
-        ],
-        labels,
-    )
+def _texts(*names: str) -> dict[str, str]:
+    """Columns of texts."""
+    return dict.fromkeys(names, TEXT)
 
 
 def check_cases(

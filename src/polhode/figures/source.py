@@ -13,7 +13,7 @@ from polhode.figures import catalogue
 from polhode.figures.canvas import curve_sampling, departures
 from polhode.figures.canvas.curve_sampling import Samples
 from polhode.figures.sampled_motion import ANOTHER, of_samples
-from polhode.judging.diagnosis.told_readings import table_as_told
+from polhode.judging.diagnosis.readings import table_as_told
 from polhode.judging.references.reference import reference as reference_of
 from polhode.judging.tables.column_aliases import PLAIN, naming
 from polhode.judging.tables.table import of_run

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from fractions import Fraction
+from itertools import repeat
 
 import numpy as np
 
@@ -38,27 +39,17 @@ def log10_differences(
     there.  ``side``: a factor of the own numbers.  ``turning``: columns of angles whose whole turns
     mean nothing; 2 pi is taken to so many ``bits``.
     """
-    turn = _turn(bits) if turning else (0, 1)
-    found = np.full((len(own), len(own[0]) if len(own) else 0), math.nan)
-    for n, (row, right) in enumerate(zip(_lists(own), true, strict=True)):
-        for k, (x, y) in enumerate(zip(row, right, strict=True)):
-            if x is None or y is None:
-                continue
-            try:
-                mine = _quotient(x)
-            except (OverflowError, ValueError):
-                found[n, k] = math.inf if x == x else math.nan
-                continue
-            gap = _difference((side * mine[0], mine[1]), _quotient(y))
-            if k in turning:
-                gap = _difference(gap, (turn[0] * _whole(gap, turn), turn[1]))
-            found[n, k] = _log10(gap)
-    return found
+    turns = [_turn(bits) if k in turning else None for k in range(len(own[0]) if len(own) else 0)]
+    pairs = zip(_lists(own), true, strict=True)
+    found = [[*map(_log10_gap, row, right, turns, repeat(side))] for row, right in pairs]
+    return np.array(found).reshape(len(found), len(turns))
 
 
 def log10_sizes(rows: Given) -> Doubles:
-    """log10 of the size of each number, shape (rows, columns)."""
-    return log10_differences(rows, [[0] * len(row) for row in rows])
+    """log10 of the size of each number, shape (rows, columns); not a number where there is none."""
+    return np.array(
+        [[math.nan if x is None else _log10(_quotient(x)) for x in row] for row in rows]
+    )
 
 
 def log10_rate(rows: Given, scene: Scene) -> float:
@@ -113,16 +104,30 @@ def _lists(rows: Given) -> Given:
 
 def _quotient(x: Scalar) -> _Quotient:
     """A number as a quotient of integers; raises OverflowError or ValueError if not finite."""
-    raw = getattr(x, "_mpf_", None)
-    if raw is not None and (raw[1] or not raw[2]):
-        negative, mantissa, exponent, size = raw
-        if exponent + size < _TINIEST:
-            return 0, 1
-        top = -int(mantissa) if negative else int(mantissa)
-        return (top << exponent, 1) if exponent >= 0 else (top, 1 << -exponent)
     if isinstance(x, (float, int, Fraction)):
         return x.as_integer_ratio()
-    return exactly(x).as_integer_ratio()
+    raw = getattr(x, "_mpf_", None)
+    if raw is None or (not raw[1] and raw[2]):
+        return exactly(x).as_integer_ratio()
+    negative, mantissa, exponent, size = raw
+    if exponent + size < _TINIEST:
+        return 0, 1
+    top = -int(mantissa) if negative else int(mantissa)
+    return (top << exponent, 1) if exponent >= 0 else (top, 1 << -exponent)
+
+
+def _log10_gap(x: Scalar | None, y: Scalar | None, turn: _Quotient | None, side: int) -> float:
+    """log10 of the difference of ``side`` x from y, up to whole turns where one is given."""
+    if x is None or y is None:
+        return math.nan
+    try:
+        top, bottom = _quotient(x)
+    except (OverflowError, ValueError):
+        return math.inf if x == x else math.nan
+    gap = _difference((side * top, bottom), _quotient(y))
+    if turn is not None:
+        gap = _difference(gap, (turn[0] * _whole(gap, turn), turn[1]))
+    return _log10(gap)
 
 
 def _difference(x: _Quotient, y: _Quotient) -> _Quotient:

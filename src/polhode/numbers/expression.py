@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from decimal import Decimal
 from fractions import Fraction
 from itertools import accumulate
 from typing import NamedTuple
@@ -47,7 +48,7 @@ _RECIPROCAL = re.compile("⁻([¹²³])")
 _DECIMAL = re.compile(
     r"([+-]?)(?:([0-9]+)(?:\.([0-9]*))?|\.([0-9]+))(?:[eE]([+-]?[0-9]{1,9}))?", re.ASCII
 )
-_SHORT = re.compile(r"-?[0-9]{1,18}(?:\.[0-9]{0,18})?", re.ASCII)
+_SHORT = re.compile(r"-?[0-9]{1,18}(?:\.[0-9]{0,18})?(?:[eE][+-]?[0-9]{1,2})?", re.ASCII)
 _UNDERSCORE = re.compile(r"(?<=[0-9])_(?=[0-9])")
 
 
@@ -70,7 +71,7 @@ class Algebra(NamedTuple):
 
 def number(text: str) -> Exact:
     """The exact value of an expression without names."""
-    if _SHORT.fullmatch(text):  # most numbers of a scene: read at a third of the time
+    if _SHORT.fullmatch(text):
         return decimal(text)
     value = evaluate(text, {})
     assert isinstance(value, (Fraction, Irrational))
@@ -79,6 +80,8 @@ def number(text: str) -> Exact:
 
 def decimal(text: str) -> Fraction:
     """The exact value of a decimal such as ``-1.25e-3``; underscores between digits may stand."""
+    if _SHORT.fullmatch(text):  # most numbers of scenes and tables: in half the time
+        return Fraction(Decimal(text))
     plain = text.strip()
     match = _DECIMAL.fullmatch(_UNDERSCORE.sub("", plain) if "_" in plain else plain)
     if match is None:

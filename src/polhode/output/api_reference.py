@@ -9,7 +9,6 @@ from importlib import import_module
 
 from polhode.common.errors import BadInput, nearest
 
-_HEADING = re.compile(r"^([A-Z][A-Za-z ]+)\n-{3,}\n", re.M)
 _ROLE = re.compile(r":\w+:`~?([^`]+)`")
 
 
@@ -33,14 +32,14 @@ def table() -> list[str]:
 
 
 def page(name: str) -> str:
-    """One name as Markdown: how it is called, what it does; of a class its members too.
+    """One name as Markdown: how it is called, its documentation; of a class its members too.
 
     Raises BadInput for a name that there is not.
     """
     if name not in names():
         raise BadInput("guide", "api", name, nearest(name, names()))
     thing = getattr(import_module("polhode"), name)
-    parts = [f"# polhode.{name}", _called(f"polhode.{name}", thing), *_sections(_text(thing))]
+    parts = [f"# polhode.{name}", _called(f"polhode.{name}", thing), _documentation(thing)]
     if inspect.isclass(thing):
         members = [*_members(thing)]
         parts += ["## Members"] * bool(members) + members
@@ -83,30 +82,9 @@ def _arguments(signature: inspect.Signature) -> Iterator[str]:
         yield text
 
 
-def _sections(text: str) -> Iterator[str]:
-    """The documentation as Markdown: its sections as headings, entries as a list."""
-    before, *parts = _HEADING.split(text)
-    blocks = before.strip().split("\n\n")
-    examples = [block for block in blocks if block.startswith(">>> ")]
-    yield _plain("\n\n".join(block for block in blocks if block not in examples))
-    for title, inside in zip(parts[::2], parts[1::2], strict=True):
-        yield f"## {title}"
-        entries = title in ("Parameters", "Attributes", "Returns", "Raises")
-        if title == "Examples":
-            yield f"```python\n{inside.strip()}\n```"
-        else:
-            yield _plain("\n".join(_entries(inside)) if entries else inside.strip())
-    if examples:
-        yield "## Examples\n\n```python\n" + "\n\n".join(examples) + "\n```"
-
-
-def _entries(text: str) -> Iterator[str]:
-    for line in text.strip().splitlines():
-        if line and not line.startswith(" "):
-            name, _, kind = line.partition(" : ")
-            yield f"- `{name}`" + (f": {kind}" if kind else "")
-        else:
-            yield f"  {line.strip()}" if line else ""
+def _documentation(thing: object) -> str:
+    """What ``help`` says of it."""
+    return f"```text\n{_plain(_text(thing))}\n```"
 
 
 def _members(thing: type) -> Iterator[str]:
@@ -115,10 +93,9 @@ def _members(thing: type) -> Iterator[str]:
         if name.startswith("_"):
             continue
         inner = getattr(member, "__func__", member)
-        text = _text(inner)
-        if not text or not hasattr(inner, "__get__"):
+        if not _text(inner) or not hasattr(inner, "__get__"):
             continue
         yield f"### {name}"
         if callable(inner):
             yield _called(name, inner)
-        yield from ("##" + part if part.startswith("## ") else part for part in _sections(text))
+        yield _documentation(inner)

@@ -36,9 +36,8 @@ from polhode.results.table import Column, Fact, Value, Values
 if TYPE_CHECKING:  # what shows texts alone, as the list of cases, starts without numpy
     import numpy as np
 
-DOUBLE, INTEGER, TRUTH, TEXT, EXACT, OBJECT = (
-    *("double", "integer", "truth", "text", "exact", "object"),
-)
+DOUBLE, INTEGER, TRUTH = "double", "integer", "truth"
+TEXT, EXACT, OBJECT = "text", "exact", "object"
 MOST_BITS = 1 << 16
 #: Of a decimal: a number of that many bits in full.
 MOST_CHARACTERS, MOST_EXPONENT = 70_000, 20_000

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 if TYPE_CHECKING:
@@ -45,6 +45,18 @@ class Table(NamedTuple):
     def rows(self) -> int:
         """How many rows there are."""
         return len(self.columns[0].values) if self.columns else 0
+
+
+def table_of_rows(
+    types: Mapping[str, str], rows: Sequence[Sequence[Value]], labels: int = 1
+) -> Table:
+    """A table of rows, of which there may be none.
+
+    ``types``: the columns' names, and the words for their types.
+    """
+    columns = zip(*rows, strict=True) if rows else [()] * len(types)
+    typed = zip(types.items(), columns, strict=True)
+    return Table([Column(name, x, type=word) for (name, word), x in typed], labels)
 
 
 class Fact(NamedTuple):

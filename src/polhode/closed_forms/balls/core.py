@@ -37,7 +37,8 @@ Row: TypeAlias = tuple[Sequence[arb], Sequence[arb]]
 GUARD = 40  # bits beyond the digits at first
 _SLACK = 16  # bits beyond what the last precision is known to have lacked
 _MOST_BITS = 20_000
-_HALF, _I = arb(0.5), acb(0, 1)
+_ZERO, _HALF, _I = arb(0), arb(0.5), acb(0, 1)
+_BITS_A_DIGIT = math.log2(10)
 
 
 class TooFewBits(ArithmeticError):
@@ -156,11 +157,12 @@ def _lost_bits(numbers: Sequence[arb], sizes: Sequence[arb], goal: arb) -> float
     """
     worst = 0.0
     for x, size in zip(numbers, sizes, strict=True):
+        if x.rad() < goal * size and x.is_finite():
+            continue
         if not (x.is_finite() and size > 0):
             return math.inf
-        if not x.rad() < goal * size:
-            excess = float((x.rad() / (goal * size)).log().mid())
-            worst = max(worst, 1.0, excess / math.log(2))
+        excess = float((x.rad() / (goal * size)).log().mid())
+        worst = max(worst, 1.0, excess / math.log(2))
     return worst
 
 
@@ -185,4 +187,4 @@ def error_of(x: arb, digits: int) -> mpf:
 
 
 def _bits_of(x: arb, digits: int) -> int:
-    return SPARE if x.contains(0) else math.ceil(digits * math.log2(10)) + SPARE
+    return SPARE if x.contains(_ZERO) else math.ceil(digits * _BITS_A_DIGIT) + SPARE

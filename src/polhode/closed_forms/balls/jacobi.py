@@ -48,7 +48,7 @@ class Jacobi:
         self.K = arb.pi() / (2 * mean)
         if not self.circle:
             self.tau = acb(0, mean / k2.sqrt().agm(1))
-            _, th2, th3, th4 = acb.modular_theta(acb(0), self.tau)
+            _, th2, th3, th4 = (th.real for th in acb.modular_theta(acb(0), self.tau))
             self.factors = th3 / th2, th4 / th2, th4 / th3  # of sn, cn, dn
 
     def phase(self, sn0: arb, cn2: arb, dn2: arb) -> arb:
@@ -96,11 +96,13 @@ class Place:
             self.dn = self.cn
         else:
             self._z = acb(v / (2 * jacobi.K))
-            th1, th2, th3, self._th4 = acb.modular_theta(self._z, jacobi.tau)
+            th1, th2, th3, self._th4 = (th.real for th in acb.modular_theta(self._z, jacobi.tau))
             a, b, c = jacobi.factors
-            self.sn = (a * th1 / self._th4).real
-            self.cn = (b * th2 / self._th4).real
-            self.dn = (c * th3 / self._th4).real
+            self.sn, self.cn, self.dn = (
+                a * th1 / self._th4,
+                b * th2 / self._th4,
+                c * th3 / self._th4,
+            )
 
     def quotient(self, a: arb, half: bool) -> acb:
         """Th(v + i a)/Th(v), or Th(v + K + i a)/Th(v) if ``half``, ``a`` of either sign."""

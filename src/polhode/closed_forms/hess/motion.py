@@ -108,7 +108,8 @@ class HessMotion:
 
     def row(self, t: arb, attitude: bool) -> Sequence[arb]:
         """The row at a time."""
-        p, q, _, g1, g2, g3, *turn = self.sphere.row(t, attitude)
+        del attitude
+        p, q, _, g1, g2, g3, *turn = self.sphere.row(t, attitude=True)
         y = self.spin.at(t)
         size = abs(y)
         if not size > 0:

@@ -53,19 +53,19 @@ class Seen:
     r: arb
     own: Parameters
 
-    def row(self, now: Parameters) -> Sequence[arb]:
-        """p q r gamma1 gamma2 gamma3 q0 q1 q2 q3 in the scene's axes."""
+    def row(self, now: Parameters, attitude: bool) -> Sequence[arb]:
+        """p q r gamma1 gamma2 gamma3 [q0 q1 q2 q3] in the scene's axes."""
         al, bt, xi = now
         across = 2 * _I * al.conjugate() * bt
         q = q0, q1, q2, q3 = quaternion(al, bt)
         up = q0 * q0 + q3 * q3 - q1 * q1 - q2 * q2
-        assert self.start.attitude is not None
-        turn = self.frame.turn(quaternion_product(self._begin, q))
-        return (
-            *self.frame.back((xi.real, xi.imag, self.r)),
-            *self.frame.back((across.real, across.imag, up)),
-            *quaternion_product(self.start.attitude, turn),
-        )
+        row = self.frame.back((xi.real, xi.imag, self.r))
+        row += self.frame.back((across.real, across.imag, up))
+        if attitude:
+            assert self.start.attitude is not None
+            turn = self.frame.turn(quaternion_product(self._begin, q))
+            row += quaternion_product(self.start.attitude, turn)
+        return row
 
     @cached_property
     def _begin(self) -> Turn:
@@ -104,11 +104,10 @@ class Steady:
 
     def row(self, t: arb, attitude: bool) -> Sequence[arb]:
         """The row at a time."""
-        del attitude
         al, bt, xi = (
             z * (_I * rate * t).exp() for rate, z in zip(self._rates, self._seen.own, strict=True)
         )
-        return self._seen.row((al, bt, xi))
+        return self._seen.row((al, bt, xi), attitude)
 
     def argument(self, which: int, t: arb) -> arb | None:
         """The growth of arg al or arg bt from 0; None of one that is 0."""
@@ -190,10 +189,9 @@ class Nutating:
 
     def row(self, t: arb, attitude: bool) -> Sequence[arb]:
         """The row at a time."""
-        del attitude
         place = self.elliptic.at(self._v0 + self.rate * t)
         al, bt, xi = (z.at(place, t) for z in self._parts)
-        return self._seen.row((al, bt, xi))
+        return self._seen.row((al, bt, xi), attitude)
 
     @property
     def means(self) -> tuple[arb, arb]:

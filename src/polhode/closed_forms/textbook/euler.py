@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from polhode.closed_forms.textbook.third_integral import third_integral
+from polhode.closed_forms.textbook.third_integral import Along
 from polhode.numbers.mpmath_context import mpf, mpmath
 
 _ONE = 2**20  # rounding errors by which the parameter m of a separatrix may differ from 1
@@ -49,14 +49,13 @@ def motion(
     # G^2 - C^2 r^2 = A^2 p^2 + B^2 q^2 = (A a)^2 (1 - number sn^2)
     number = 1 - (B * b / (A * a)) ** 2
     factor = size * below / (C * (A * a) ** 2 * rate)
-    start = third_integral(number, begin, parameter)
+    start = Along(begin, parameter).third_integral(number)
     fixed = _frame(A * p, B * q, C * r) * gamma
 
     def state(t: mpf) -> list[mpf]:
-        v = begin + rate * t
-        sn, cn, dn = (mpmath.ellipfun(kind, v, m=parameter) for kind in ("sn", "cn", "dn"))
-        p, q, r = a * cn, b * sn, c * dn
-        psi = size / C * t + factor * (third_integral(number, v, parameter) - start)
+        at = Along(begin + rate * t, parameter)
+        p, q, r = a * at.cn, b * at.sn, c * at.dn
+        psi = size / C * t + factor * (at.third_integral(number) - start)
         cos, sin = mpmath.cos(psi), mpmath.sin(psi)
         # fixed in space, so turned back by psi about G against the body's node
         turn = mpmath.matrix([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]])

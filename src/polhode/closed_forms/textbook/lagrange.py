@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from polhode.closed_forms.textbook.third_integral import third_integral
+from polhode.closed_forms.textbook.third_integral import Along
 from polhode.numbers.mpmath_context import mpf, mpmath
 
 _EQUAL = 2**20  # rounding errors by which two equal roots may differ
@@ -47,22 +47,21 @@ def motion(
     way = -1 if g1 * q - g2 * p < 0 else 1
     begin = way * mpmath.ellipf(mpmath.asin(sine), parameter)
 
-    def turned(v: mpf) -> mpf:
+    def turned(at: Along) -> mpf:
         """phi without its growth at the rate r - n."""
-        above = third_integral((u2 - u1) / (1 - u1), v, parameter) * (F - n) / (1 - u1)
-        below = third_integral((u1 - u2) / (1 + u1), v, parameter) * (F + n) / (1 + u1)
+        above = at.third_integral((u2 - u1) / (1 - u1)) * (F - n) / (1 - u1)
+        below = at.third_integral((u1 - u2) / (1 + u1)) * (F + n) / (1 + u1)
         return (below - above) / (2 * rate)
 
-    phi0 = mpmath.atan2(g1, g2) - turned(begin)
+    phi0 = mpmath.atan2(g1, g2) - turned(Along(begin, parameter))
 
     def state(t: mpf) -> list[mpf]:
-        v = begin + rate * t
-        sn, cn, dn = (mpmath.ellipfun(kind, v, m=parameter) for kind in ("sn", "cn", "dn"))
-        u = u1 + (u2 - u1) * sn * sn
-        phi = phi0 + (r - n) * t + turned(v)
+        at = Along(begin + rate * t, parameter)
+        u = u1 + (u2 - u1) * at.sn * at.sn
+        phi = phi0 + (r - n) * t + turned(at)
         # Euler's kinematic equations
         sine, c, s = mpmath.sqrt(1 - u * u), mpmath.cos(phi), mpmath.sin(phi)
-        tilting = -2 * rate * (u2 - u1) * sn * cn * dn / sine  # theta'
+        tilting = -2 * rate * (u2 - u1) * at.sn * at.cn * at.dn / sine  # theta'
         turning = (F - n * u) / sine  # psi' sin theta
         w = [tilting * c + turning * s, turning * c - tilting * s, r]
         return [*w, sine * s, sine * c, u]

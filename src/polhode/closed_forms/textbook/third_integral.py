@@ -1,22 +1,33 @@
-"""Legendre's elliptic integral of the third kind along Jacobi's functions, by Carlson's R_J."""
+"""Jacobi's elliptic functions, and Legendre's integral of the third kind by Carlson's R_J."""
 
 from __future__ import annotations
 
 from polhode.numbers.mpmath_context import mpf, mpmath
 
 
-def third_integral(number: mpf, v: mpf, parameter: mpf) -> mpf:
-    """The integral from 0 to v of dv/(1 - number sn^2 v), sn of the parameter m (DLMF 19.25.14).
+class Along:
+    """``sn``, ``cn`` and ``dn`` at v to the parameter m, and integrals from 0 to there.
 
     Half periods of sn are counted; at m = 1 there are none.
     """
-    turns = mpmath.mpf(0)
-    rest, whole = v, mpmath.mpf(0)
-    if parameter < 1:
-        half = 2 * mpmath.ellipk(parameter)
-        turns = mpmath.nint(v / half)
-        rest = v - turns * half
-        whole = 2 * turns * mpmath.elliprj(0, 1 - parameter, 1, 1 - number) if turns else whole
-    sn, cn, dn = (mpmath.ellipfun(kind, rest, m=parameter) for kind in ("sn", "cn", "dn"))
-    part = sn**3 * mpmath.elliprj(cn**2, dn**2, 1, 1 - number * sn**2)
-    return v + number / 3 * (part + whole)
+
+    def __init__(self, v: mpf, parameter: mpf) -> None:
+        self._v, self._parameter = v, parameter
+        self._turns, rest = mpmath.mpf(0), v
+        if parameter < 1:
+            half = 2 * mpmath.ellipk(parameter)
+            self._turns = mpmath.nint(v / half)
+            rest = v - self._turns * half
+        self._sn, self._cn, self.dn = (
+            mpmath.ellipfun(kind, rest, m=parameter) for kind in ("sn", "cn", "dn")
+        )
+        side = -1 if self._turns % 2 else 1
+        self.sn, self.cn = side * self._sn, side * self._cn
+
+    def third_integral(self, number: mpf) -> mpf:
+        """The integral of dv/(1 - number sn^2 v) (DLMF 19.25.14)."""
+        sn2, whole = self._sn**2, mpmath.mpf(0)
+        if self._turns:
+            whole = 2 * self._turns * mpmath.elliprj(0, 1 - self._parameter, 1, 1 - number)
+        part = self._sn**3 * mpmath.elliprj(self._cn**2, self.dn**2, 1, 1 - number * sn2)
+        return self._v + number / 3 * (part + whole)

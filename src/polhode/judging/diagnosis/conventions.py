@@ -258,6 +258,6 @@ def whole_parts(subject: Table) -> tuple[dict[str, Doubles], list[Fraction]]:
         if rows := common.intersection(subject.whole_rows(names)):
             parts.append(part)
             common = rows
-    whole = subject.some(sorted(common))
-    some = whole.some(probed_rows(whole.times))
+    whole = sorted(common)
+    some = subject.some([whole[k] for k in probed_rows([subject.times[k] for k in whole])])
     return {part: doubles(some.rows(PARTS[part]) or []) for part in parts}, [*some.times]

@@ -1,17 +1,24 @@
-"""What limits the digits of a trajectory: rounding, inputs, conditioning, method or reference."""
+"""What limits the digits of a trajectory: rounding, inputs, conditioning, method or reference.
+
+And where a part leaves the motion: right until one time, and wrong from the next one on.  A motion
+that multiplies errors takes digits too, and takes them from any part: what is expected of rounding
+explains such a fall, and then none is told.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
+from itertools import accumulate, pairwise
 from statistics import NormalDist
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from polhode.equations.plain_field import field
 from polhode.numbers.conversion import to_double
+from polhode.numbers.decimals import brief
 from polhode.numbers.rows import Doubles
 from polhode.scenes.scene import Scene
 
@@ -29,6 +36,8 @@ OF_THIN = "unknown (steps of so thin a body lose more than the expected digits a
 ALONE = 0.03  # digits: what steps add to an error three times theirs
 _MORE = 1.1  # times what rounded times explain: of rates that are not the same between two times
 _MOST = 2.0  # times what the worst row's time explains: most of its error
+FALL = 3.0  # digits between the fewest before and the most after
+_BEFORE = 2  # times before, beside t = 0, where every program is right
 
 
 def limit(
@@ -113,22 +122,22 @@ def shown_digits(digits: float | None, expected: Band | None) -> str:
     return "none left" if is_lost(digits, expected) else f"{digits:.2f}"
 
 
-def between(known: Mapping[Any, Any], times: Sequence[Fraction]) -> tuple[Any, ...]:
-    """Digits (numbers or bands) at times, linear between those where they are known.
+def between(known: Mapping[int, Any], times: Sequence[Fraction]) -> tuple[Any, ...]:
+    """Digits (numbers or bands) at times, linear between the rows where they are known.
 
     None where they are not known at a neighbour.
     """
     kind = next((x for x in known.values() if x is not None), None)
     if kind is None:
         return (None,) * len(times)
-    nodes, unknown = sorted(known), np.full(np.size(kind), math.nan)
-    rows = np.array([unknown if known[t] is None else np.ravel(known[t]) for t in nodes])
-    places, at = (np.array([to_double(t) for t in some]) for some in (nodes, times))
-    found = np.stack([np.interp(at, places, column) for column in rows.T], axis=1).tolist()
+    nodes, unknown = sorted(known, key=times.__getitem__), np.full(np.size(kind), math.nan)
+    rows = np.array([unknown if known[k] is None else np.ravel(known[k]) for k in nodes])
+    at = np.array([to_double(t) for t in times])
+    found = np.stack([np.interp(at, at[nodes], column) for column in rows.T], axis=1).tolist()
     make = type(kind) if np.size(kind) > 1 else float
     return tuple(
-        known[t] if t in known else None if math.isnan(row[0]) else make(*row)
-        for t, row in zip(times, found, strict=True)
+        known[k] if k in known else None if math.isnan(row[0]) else make(*row)
+        for k, row in enumerate(found)
     )
 
 
@@ -155,3 +164,46 @@ def time_rounding(
     right = bool(np.all(errors <= _MORE * (moved + 10.0 ** -np.array(rounding))))
     worst = int(np.argmax(errors))
     return max(time_errors) if right and errors[worst] <= _MOST * moved[worst] else None
+
+
+class Departure(NamedTuple):
+    """``least`` digits or more until a time, ``most`` or fewer from the next one on."""
+
+    until: Fraction
+    least: float
+    since: Fraction
+    most: float
+
+    def __str__(self) -> str:
+        return (
+            f"right until t = {brief(self.until)} ({self.least:.2f} digits or more), "
+            f"then from t = {brief(self.since)} on {self.most:.2f} or fewer"
+        )
+
+
+def departure(
+    times: Sequence[Fraction],
+    digits: Sequence[float | None],
+    expected: Callable[[], Sequence[Band | None]],
+) -> Departure | None:
+    """Where digits fall for good, by far more than is expected; None where they do not.
+
+    ``expected``: the digits of runs that round once a step; asked only where there is a fall.
+    """
+    kept = [k for k, d in enumerate(digits) if d is not None]
+    told = [d for d in digits if d is not None]
+    least = list(accumulate(told, min))
+    most = list(accumulate(reversed(told), max))[::-1]
+    first = _BEFORE + (times[0] == 0 and kept[:1] == [0])
+    falls = [(least[n - 1] - most[n], n) for n in range(first, len(told))]
+    fall, n = max(falls, default=(0.0, 0))
+    if fall < FALL or least[n - 1] < FALL:
+        return None
+    if not all(abs(s) < abs(t) and s * t >= 0 for s, t in pairwise(times)):
+        return None  # not in order
+    bands = expected()
+    for k in kept[n:]:
+        band = bands[k] if bands else None
+        if band is None or band.least < most[n] + FALL:
+            return None
+    return Departure(times[kept[n - 1]], least[n - 1], times[kept[n]], most[n])

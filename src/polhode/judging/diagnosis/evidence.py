@@ -19,6 +19,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from polhode.numbers.conversion import to_double
 from polhode.numbers.rows import Doubles
 
 Rows = TypeVar("Rows", Doubles, list[int])
@@ -41,7 +42,7 @@ _FIRST_ROWS, _LATER_ROWS = 5, 6  # that are looked at: the first, and later ones
 
 def probed_rows(times: Sequence[Fraction]) -> list[int]:
     """The rows that tell a convention: from the start on, the last one too."""
-    order = sorted(range(len(times)), key=lambda k: abs(times[k]))
+    order = sorted(range(len(times)), key=lambda k: abs(to_double(times[k])))
     count = len(order)
     if count <= _FIRST_ROWS + _LATER_ROWS:
         return order

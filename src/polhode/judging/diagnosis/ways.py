@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -25,12 +25,10 @@ from polhode.judging.diagnosis.rotation_matrices import (
 )
 from polhode.judging.tables.reading import TURN, Change
 from polhode.numbers.rows import Doubles
-from polhode.numbers.vectors import quaternion_product
 from polhode.scenes.vocabulary import STATE
 
 LEAST_ROWS = 3  # fewer do not tell other axes from a wrong number
 _TELLABLE = 15.0  # digits
-_NEAR_ENOUGH = 0.5  # digits of an attitude whose sign has a meaning
 _DEGREE = math.pi / 180
 #: Units of angles by the degrees in them; 0 for radians.
 _UNITS = ((0, ""), (1, "degrees"), (6, "rpm"), (360, "revolutions"))
@@ -148,69 +146,36 @@ def _of_vector(
 
 def _of_attitude(values: Doubles, right: Right) -> Iterator[Way]:
     true = right.matrices
-    assert right.attitude is not None
-    plain = _against(matrices(values), true)
-    signs, sense = _signs(values, plain, right)
-    yield Way("", np.where(signs == -sense, 0.0, plain), Change())
-    yield Way("of either sign at each time", plain)
-
-    def applied(change: Change, frames: _Frames) -> Change | None:
-        space, body = quaternion(frames.space.T), quaternion(frames.body)
-        turned = change._replace(space=space, body=body)
-        return _of_same_sign(turned, values, frames.rows, right)
-
+    yield Way("", _against(matrices(values), true), Change())
     forms: list[_Form] = []
     for order, place in _ORDERS:
         turned = matrices(values[:, order])
         back = ", ".join(filter(None, (place, "body from space")))
         forms.append((place, turned, Change(order, (1, 1, 1, 1))))
         forms.append((back, turned.transpose(0, 2, 1), Change(order, (1, -1, -1, -1))))
-    yield from _in_frames(forms, true, applied)
+    yield from _in_frames(forms, true)
 
 
-#: A way to read a part as rotations: in words, the matrices, and the change that it is.
-_Form: TypeAlias = tuple[str, Doubles, Change]
+#: A way to read a part as rotations: in words, the matrices, and the change that it is; None of one
+#: that is told and not applied.
+_Form: TypeAlias = tuple[str, Doubles, Change | None]
 
 
-def _in_frames(
-    forms: Sequence[_Form],
-    true: Any,
-    applied: Callable[[Change, _Frames], Change | None] | None = None,
-) -> list[Way]:
+def _in_frames(forms: Sequence[_Form], true: Any) -> list[Way]:
     """Rotations in all frames, by those that they rename: a change of scalar or sense may be one of
-    frames.  ``applied``: the change that a form's one and frames make."""
+    frames."""
     found = []
     for form, held, change in forms:
         for frames in _frames(held, true):
             words = ", ".join(filter(None, (form, frames.words)))
             tries = len(forms) * frames.tries
             whole = None
-            if applied is not None and not frames.is_fitted:
-                whole = applied(change, frames)
+            if change is not None and not frames.is_fitted:
+                space, body = quaternion(frames.space.T), quaternion(frames.body)
+                whole = change._replace(space=space, body=body)
             way = Way(words, frames.rows, whole, tries, frames.is_fitted, frames.renamed)
             found += [way] if words else []
     return sorted(found, key=lambda way: way.renamed)
-
-
-def _signs(quaternions: Doubles, digits: Doubles, right: Right) -> tuple[Doubles, float]:
-    """The sign of each quaternion that is nearly the reference's, or its opposite, 0 of others;
-    and the sign of most."""
-    assert right.attitude is not None
-    signs = np.sign(np.einsum("ni,ni->n", quaternions, right.attitude))
-    signs[digits < _NEAR_ENOUGH] = 0.0
-    return signs, 1.0 if float(np.sum(signs)) >= 0 else -1.0
-
-
-def _of_same_sign(change: Change, values: Doubles, digits: Doubles, right: Right) -> Change | None:
-    """A change after which quaternions have the reference's sign; None where theirs changes."""
-    held = (values[:, change.order] * change.signs).T
-    turned = quaternion_product(quaternion_product(change.space, held), change.body)
-    signs, sense = _signs(np.stack(turned, axis=1), digits, right)
-    if np.any(signs == -sense):
-        return None
-    if sense > 0 or change.space == change.body == (1, 0, 0, 0):
-        return change
-    return change._replace(signs=tuple(-s for s in change.signs))
 
 
 class _Frames(NamedTuple):
@@ -283,8 +248,8 @@ def _of_angles(values: Doubles, right: Right) -> Iterator[Way]:
         for factor, unit in ((1.0, ""), (_DEGREE, " in degrees")):
             turned = turns("".join(sequence), factor * values)
             name = f"turns about {'-'.join(sequence)}{unit}"
-            forms.append((name, turned, Change()))
-            forms.append((f"{name} body from space", turned.transpose(0, 2, 1), Change()))
+            forms.append((name, turned, None))
+            forms.append((f"{name} body from space", turned.transpose(0, 2, 1), None))
     yield from _in_frames(forms, true)
 
 

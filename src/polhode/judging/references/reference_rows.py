@@ -1,22 +1,26 @@
-"""Rows of a reference at given times: what a file or a terminal has of it."""
+"""Rows of a reference at given times: what a file or a terminal has of it, every digit right.
+
+A closed form answers to so many digits of the largest |w|, or of 1: a small component then has
+fewer digits of its own, and one that is zero may come out as a rounding error.  So it is asked for
+more, by what the smallest components lack; what has no digit in common at two precisions is zero.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Protocol
 
 from polhode.common.arguments import whole
 from polhode.common.value_semantics import ByValue
-from polhode.judging.references.right_rows import right_rows
 from polhode.numbers import number_types
 from polhode.numbers.decimals import is_decimal
 from polhode.numbers.exact import Exact
 from polhode.numbers.mpmath_context import mpmath, ordinary, own
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Given
-from polhode.numbers.scalars import Real
+from polhode.numbers.scalars import Real, Scalar
 from polhode.results.cells import EXACT, TEXT, digits_word
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
@@ -26,6 +30,7 @@ from polhode.scenes.vocabulary import COLUMNS
 
 USUAL_DIGITS = 30  # of a reference that is saved as it is
 _RADIUS_DIGITS = 3
+_SPARE = 4  # digits beyond the last printed one: the last is then right to 0.5001 of its unit
 
 
 class _Answers(Protocol):
@@ -165,3 +170,42 @@ def _bound(printed: int, x: Real, radius: Real) -> Real:
         bound = (own(radius) + rounding) * (1 + mpmath.mpf(2) ** -7)
         found: Real = ordinary(bound)
         return found
+
+
+def right_rows(
+    ask: Callable[[Sequence[Exact], int], list[list[Scalar]]], times: Sequence[Exact], printed: int
+) -> list[list[Scalar]]:
+    """The rows of a closed form at the times, each component to so many digits of its own.
+
+    ``ask``: its question, of times and digits.  None in a row stays None.
+    """
+    digits = printed + _SPARE
+    rows = ask(times, digits)
+    lacking = _lacking(rows, digits)
+    if not lacking:
+        return rows
+    finer = ask(times, digits + lacking)
+    return [
+        [_zero_or(x, y, digits) for x, y in zip(row, fine, strict=True)]
+        for row, fine in zip(rows, finer, strict=True)
+    ]
+
+
+def _lacking(rows: list[list[Scalar]], digits: int) -> int:
+    """The digits that the smallest component lacks, as far as twice the digits asked for."""
+    sizes = [mpmath.mag(x) for row in rows for x in row if x]
+    if not sizes:
+        return 0
+    bits = max(0, *sizes) - min(sizes)
+    return min(2 * digits, int(bits * number_types.LOG10_2) + 1) if bits > 3 else 0
+
+
+def _zero_or(coarse: Scalar, fine: Scalar, digits: int) -> Scalar:
+    """The finer value; 0 where it is below what was asked for first and shares no digit with it."""
+    if not fine or not coarse:
+        return fine
+    if mpmath.mag(coarse) >= -digits / number_types.LOG10_2 + 8:
+        return fine
+    with mpmath.workprec(53):
+        alike = abs(own(coarse) - own(fine)) <= abs(own(fine)) / 2
+    return fine if alike else ordinary(mpmath.mpf(0))

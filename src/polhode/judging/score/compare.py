@@ -14,12 +14,11 @@ from polhode.common.progress import Progress
 from polhode.judging.conditioning.conditioning import Conditioning
 from polhode.judging.diagnosis.conventions import view
 from polhode.judging.diagnosis.other_times import clock_remark
-from polhode.judging.diagnosis.told_readings import read_as_told
+from polhode.judging.diagnosis.readings import as_meant, read_as_told, with_unit_quaternions
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import AnyReference, Reference, reference
 from polhode.judging.score.judgement import Judgement
 from polhode.judging.score.score import does_not_answer
-from polhode.judging.score.table_reading import as_meant, with_unit_quaternions
 from polhode.judging.tables.column_aliases import PLAIN, Naming, naming
 from polhode.judging.tables.given_columns import table_of_columns, table_of_rows
 from polhode.judging.tables.reading import LENGTH, Reading

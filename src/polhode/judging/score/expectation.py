@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -24,7 +23,7 @@ FOLLOWED = 400  # times at which what rounding does to the motion is followed
 
 @dataclass(frozen=True, eq=False)
 class Expectation:
-    """The digits to expect of a subject at its times, and what an error grows by.
+    """The digits to expect of a subject at its times.
 
     Followed at ``FOLLOWED`` times or so; of more times, linear between those.  ``also``: a row that
     is followed in any case.  ``known``: the conditioning at the scene's times, if it is known.
@@ -42,12 +41,15 @@ class Expectation:
             return (self.known,)
         if not engine.installed:
             return ()
-        times = self.subject.times
-        count = len(times)
-        kept = {*few(count, FOLLOWED), *few(count, SHOWN)}
-        kept |= set() if self.also is None else {self.also}
-        parts = by_sign([times[k] for k in sorted(kept)])
+        parts = by_sign([self.subject.times[k] for k in self._rows])
         return tuple(conditioning(self.scene, part, self.subject.number) for part in parts)
+
+    @cached_property
+    def _rows(self) -> list[int]:
+        """Those that are followed."""
+        count = len(self.subject.times)
+        also = set() if self.also is None else {self.also}
+        return sorted({*few(count, FOLLOWED), *few(count, SHOWN)} | also)
 
     @cached_property
     def bands(self) -> tuple[Band | None, ...]:
@@ -58,12 +60,6 @@ class Expectation:
     def inputs(self) -> tuple[float | None, ...]:
         """The digits that rounding the scene's numbers to the subject's type leaves."""
         return self._told(lambda known: known.inputs(self.subject.number, self.every))
-
-    @cached_property
-    def amplification(self) -> tuple[float | None, ...]:
-        """What a change of the state on the way is multiplied by at most; inf beyond doubles."""
-        found = self._told(lambda known: known.log10_amplification)
-        return tuple(None if x is None else 10.0**x if x < 308 else math.inf for x in found)
 
     @property
     def every(self) -> int:
@@ -81,4 +77,4 @@ class Expectation:
         found: dict[Exact, Any] = {}
         for part in self.conditionings:
             found |= dict(zip(part.times, what(part), strict=True))
-        return between(found, times)
+        return between({k: found[times[k]] for k in self._rows}, times)

@@ -12,10 +12,11 @@ from polhode.judging.conditioning.conditioning import Conditioning
 from polhode.judging.conditioning.lyapunov import Lyapunov, lyapunov
 from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.diagnosis.causes import Cause, causes
-from polhode.judging.diagnosis.departure import Departure, departure
 from polhode.judging.diagnosis.error_budget import (
     LAST,
+    Departure,
     chance,
+    departure,
     is_lost,
     is_thin,
     limit,
@@ -32,7 +33,6 @@ from polhode.judging.score.report_text import (
     WRONG_AT_ONCE,
     meaning,
     table,
-    together,
 )
 from polhode.judging.score.score import STATE_PART, Scores
 from polhode.judging.tables.reading import WRONG, Reading
@@ -41,9 +41,9 @@ from polhode.numbers.decimals import brief
 from polhode.numbers.number_types import DIGITS_HELD
 from polhode.results.cells import DOUBLE, EXACT, TEXT
 from polhode.results.result import Result
-from polhode.results.table import Column, Fact
+from polhode.results.table import Column, Fact, table_of_rows
 from polhode.results.table import Table as ResultTable
-from polhode.scenes.scene_facts import provenance_fact, scene_facts, text_column, unit_of
+from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of
 from polhode.taylor.backend import engine
 
 RARE = 1e-4  # a share of runs of which nobody judges so many
@@ -103,14 +103,6 @@ class Judgement(Result, Scores):
         Of a projected run those that are left where projection has taken its part away.
         """
         return self._expectation.inputs if self.digits else ()
-
-    @property
-    def amplification(self) -> tuple[float | None, ...]:
-        """What a change of the state on the way is multiplied by at most; None where unknown.
-
-        Of more times than are followed the logarithm is linear between those; inf beyond doubles.
-        """
-        return self._expectation.amplification if self.digits else ()
 
     @property
     def lost_after(self) -> float | None:
@@ -260,7 +252,6 @@ class Judgement(Result, Scores):
                 "digits_expected_median": [None if x is None else x.middle for x in bands],
                 "digits_expected_most": [None if x is None else x.most for x in bands],
                 "digits_inputs": self.inputs,
-                "amplification": self.amplification,
             }
             columns += (Column(k, x, type=DOUBLE, digits=4) for k, x in told.items())
         for name, digits in self.part_digits.items():
@@ -278,6 +269,16 @@ class Judgement(Result, Scores):
         subject, against = self.subject, self.reference
         told = any(d is not None for digits in self.part_digits.values() for d in digits)
         agreement = None if against.is_closed_form else self.agreement
+        readings = table_of_rows(
+            {"part": TEXT, "convention": TEXT, "digits": DOUBLE},
+            [(x.part, x.convention, x.digits) for x in self.readings],
+            labels=0,
+        )
+        causes = table_of_rows({"cause": TEXT, "digits": DOUBLE}, [*self.causes], labels=0)
+        departures = table_of_rows(
+            {"part": TEXT, "until": EXACT, "since": EXACT},
+            [(part, x.until, x.since) for part, x in self.departures.items()],
+        )
         facts = [
             *scene_facts(against.scene),
             Fact("file", str(subject.name), "what was judged"),
@@ -296,9 +297,9 @@ class Judgement(Result, Scores):
             Fact("chance", self.chance, "the share of runs that have so few by chance alone"),
             Fact("lost_after", self.lost_after if self.lost else None, "no digits are left then"),
             Fact("reading", self.reading, "the convention that was applied"),
-            Fact("readings", self._readings(), "conventions in which parts would be right"),
-            Fact("causes", self._causes(), "numbers that would make it right"),
-            Fact("departures", self._departures(), "parts that leave the motion"),
+            Fact("readings", readings, "conventions in which parts would be right"),
+            Fact("causes", causes, "numbers that would make it right"),
+            Fact("departures", departures, "parts that leave the motion: right until, wrong since"),
             Fact("not_judged", list(self.notes), type=TEXT),
             Fact("remarks", list(subject.remarks), type=TEXT),
         ]
@@ -308,32 +309,6 @@ class Judgement(Result, Scores):
             for name, value in self.drift._asdict().items():
                 facts.append(Fact(f"drift_{name}", value, "of a first integral, relative"))
         return [*facts, provenance_fact(against.scene.provenance())]
-
-    def _readings(self) -> ResultTable:
-        readings = self.readings
-        return ResultTable(
-            [
-                text_column("part", [x.part for x in readings]),
-                text_column("convention", [x.convention for x in readings]),
-                Column("digits", [x.digits for x in readings]),
-            ],
-            0,
-        )
-
-    def _causes(self) -> ResultTable:
-        causes = self.causes
-        digits = Column("digits", [x.digits for x in causes])
-        return ResultTable([text_column("cause", [x.words for x in causes]), digits], 0)
-
-    def _departures(self) -> ResultTable:
-        found = self.departures
-        return ResultTable(
-            [
-                text_column("part", [*found]),
-                Column("until", [x.until for x in found.values()], "right to then", type=EXACT),
-                Column("since", [x.since for x in found.values()], "wrong from then", type=EXACT),
-            ]
-        )
 
     def __str__(self) -> str:
         """The verdict: the digits at a few times, the fewest of all, what makes them more."""
@@ -395,7 +370,7 @@ class Judgement(Result, Scores):
     @property
     def _unread(self) -> list[str]:
         """How the table was read, and what was not judged."""
-        return [*self.subject.remarks, *(f"not judged: {note}" for note in together(self.notes))]
+        return [*self.subject.remarks, *(f"not judged: {note}" for note in self.notes)]
 
     @property
     def _is_foreign(self) -> bool:

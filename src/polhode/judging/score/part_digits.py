@@ -17,18 +17,12 @@ from polhode.scenes.vocabulary import ANGLES, COLUMNS
 #: Digits at each time, None where no cell of the part is there or could be judged.
 RowDigits: TypeAlias = tuple[float | None, ...]
 
-ALIKE = {"attitude": (1, -1)}  # factors of one sign at all times that change nothing
 TURNING = (ANGLES.index("psi"), ANGLES.index("phi"))  # angles whose whole turns mean nothing
 
 
 def fewest(digits: RowDigits, held: float) -> float:
     """The fewest of the digits; ``held`` where none was judged."""
     return min((d for d in digits if d is not None), default=held)
-
-
-def most_right(candidates: Sequence[RowDigits]) -> RowDigits:
-    """Those digits that are more over all rows: one wrong row does not decide."""
-    return max(candidates, key=lambda digits: sum(d for d in digits if d is not None))
 
 
 def row_digits(differences: Doubles, held: float) -> RowDigits:
@@ -43,20 +37,21 @@ def part_digits(
     true: Sequence[Sequence[Scalar | None]],
     held: float,
     bits: int,
-    signless: bool = False,
 ) -> RowDigits:
     """A part's rows against the reference's; ``held``: the most digits that can be told.
 
-    Angles against attitudes: psi and phi up to whole turns, with ``bits`` of pi.  ``signless``:
-    whether a quaternion's sign may differ from row to row.
+    Angles against attitudes: psi and phi up to whole turns, with ``bits`` of pi.  A quaternion and
+    its opposite are one attitude.
     """
     if name == "angles":
         angles = principal_angles(true, bits)
         return row_digits(log10_differences(own, angles, turning=TURNING, bits=bits), held)
     scale = 0.0 if COLUMNS[name].how == "integrated" else _log10_largest(true)
-    signs = ALIKE.get(name, (1,))
-    sides = [row_digits(log10_differences(own, true, side) - scale, held) for side in signs]
-    return most_right([tuple(map(_more, *sides))] if signless and len(sides) > 1 else sides)
+    differences = log10_differences(own, true)
+    if name == "attitude":
+        sides = differences, log10_differences(own, true, side=-1)
+        differences = np.fmin(*map(largest, sides))[:, None]
+    return row_digits(differences - scale, held)
 
 
 def principal_angles(
@@ -73,10 +68,6 @@ def principal_angles(
             is_pole = mpmath.sin(theta) < mpmath.ldexp(2, -bits // 2)
             found.append([None, theta, None] if is_pole else [psi, theta, phi])
     return found
-
-
-def _more(one: float | None, other: float | None) -> float | None:
-    return one if one is None or other is None else max(one, other)
 
 
 def _log10_largest(rows: Sequence[Sequence[Scalar | None]]) -> float:

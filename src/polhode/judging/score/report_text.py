@@ -1,8 +1,7 @@
-"""A judgement in words: its table of digits, its notes."""
+"""A judgement in words: its table of digits, what its limit means."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
@@ -13,8 +12,6 @@ from polhode.numbers.decimals import brief, in_full, shortest
 from polhode.numbers.number_types import NumberType
 
 SHOWN = 11  # times that are printed
-#: A note of one column: its name, and what is said of it.
-_OF_COLUMN = re.compile(r"column (.*?)( is not .*| was not judged.*)", re.DOTALL)
 _SHORT = 24  # characters of a time that is printed with all its digits
 
 #: What a limit says of the digits, by its name; ``how``: its words in brackets.
@@ -72,22 +69,6 @@ def table(
     if worst is None and len(shown) < count:
         lines.append(f"({len(shown)} of {count} times; all of them with --json)")
     return lines
-
-
-def together(notes: Sequence[str]) -> list[str]:
-    """Notes that say the same of several columns as one, in the first one's place."""
-    told = list(notes)
-    found: dict[str, list[str]] = {}
-    for note in notes:
-        if match := _OF_COLUMN.fullmatch(note):
-            found.setdefault(match[2], []).append(match[1])
-    for one, names in found.items():
-        if len(names) > 1:
-            many = one.replace(" is not", " are not", 1).replace("was not", "were not", 1)
-            same = [f"column {name}{one}" for name in names]
-            told[told.index(same[0])] = f"columns {' '.join(names)}{many}"
-            told = [note for note in told if note not in same]
-    return told
 
 
 def _time(t: Fraction, number: NumberType) -> str:

@@ -54,7 +54,7 @@ def selection(subject: Table, reference: AnyReference) -> RowSelection | None:
 def _farthest(subject: Table, scene: Scene) -> tuple[int, ...]:
     """The row whose numbers are farthest from a run; none where there is no run.
 
-    Of a quaternion by the sign that most rows have, of psi and phi up to whole turns.
+    Of a quaternion up to its sign, of psi and phi up to whole turns.
     """
     states, attitude, angles = map(subject.rows, (scene.columns, ATTITUDE, ANGLES))
     run = integrated(scene, subject.times, bool(attitude or angles), EXTENDED)
@@ -67,8 +67,7 @@ def _farthest(subject: Table, scene: Scene) -> tuple[int, ...]:
         away.append(_largest((doubles(states) - run.states) / scale))
     if run.attitude is not None and attitude is not None:
         own = doubles(attitude)
-        sides = [_largest(side * own - run.attitude) for side in (1, -1)]
-        away.append(np.fmin(*sides) if subject.signless else min(sides, key=np.sum))
+        away.append(np.fmin(*(_largest(side * own - run.attitude) for side in (1, -1))))
     if run.attitude is not None and angles is not None:
         true = np.stack(principal_angles(run.attitude.T, np.arctan2, np.hypot), axis=1)
         away.append(_largest(np.angle(np.exp(1j * (doubles(angles) - true)))))

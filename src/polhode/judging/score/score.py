@@ -128,11 +128,11 @@ class Scores(ByValue):
 
     def _part(self, name: str, own: Given) -> RowDigits:
         """Digits of such a part; raises ValueError."""
-        held, signless = self.subject.held, self.subject.signless
+        held = self.subject.held
         word, more = ("attitude", NEAR_POLE) if name == "angles" else (name, 0)
 
         def judged(true: Answer) -> RowDigits:
-            return part_digits(name, own, true, held, self._bits, signless)
+            return part_digits(name, own, true, held, self._bits)
 
         found = self._told(word, judged, lambda digits: fewest(digits, held), more)
         return self._everywhere(found)

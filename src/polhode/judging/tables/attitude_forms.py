@@ -7,7 +7,8 @@ the angle in radians; and the modified Rodrigues parameters n tan(theta/4).  The
 judgement's readings say so.
 
 None of these forms tells the sign of the quaternion, and parameters may leap to those of the same
-rotation by 2 pi - theta: each row has the sign that is nearer to the row before.
+rotation by 2 pi - theta: each row has the sign that is nearer to the row before, so that curves of
+them have no leaps.
 """
 
 from __future__ import annotations
@@ -32,8 +33,8 @@ Cells: TypeAlias = "tuple[Fraction | None, ...]"
 Quaternion: TypeAlias = "list[Fraction]"
 
 
-def with_quaternions(columns: Mapping[str, Cells], bits: int) -> tuple[dict[str, Cells], bool]:
-    """Columns with a quaternion instead of another form of the attitude, and whether they had one.
+def with_quaternions(columns: Mapping[str, Cells], bits: int) -> dict[str, Cells]:
+    """Columns with a quaternion instead of another form of the attitude, if they have one.
 
     ``bits``: of the cells.  A row with an empty cell, or with numbers of no rotation, has none.
     """
@@ -48,8 +49,8 @@ def with_quaternions(columns: Mapping[str, Cells], bits: int) -> tuple[dict[str,
         rows = [*zip(*(columns[name] for name in names), strict=True)]
         cells = [*zip(*_steady(rows, read), strict=True)]
         others = {name: x for name, x in columns.items() if name not in names}
-        return others | dict(zip(ATTITUDE, cells, strict=True)), True
-    return dict(columns), False
+        return others | dict(zip(ATTITUDE, cells, strict=True))
+    return dict(columns)
 
 
 def lengths(rows: Given) -> tuple[float, float] | None:

@@ -93,8 +93,6 @@ _UNIT = re.compile(
 _TIMES = {"ms": Fraction(1, 1000), "us": Fraction(1, 10**6), "ns": Fraction(1, 10**9)}
 _TIMES |= {"min": Fraction(60), "minute": Fraction(60), "minutes": Fraction(60)}
 _TURNS = {"rpm": Fraction(6), "dps": Fraction(1), "mdps": Fraction(1, 1000)}  # in degrees
-#: The whole seconds and the nanoseconds of one time, as ROS writes it.
-_STAMP = re.compile(r"(?:.*[./])?stamp[._](?:(secs?)|nano?secs?|nsecs?)$")
 
 
 def known() -> list[str]:
@@ -126,14 +124,12 @@ def are_attitude(headers: Sequence[str]) -> list[bool]:
 class Column(NamedTuple):
     """The column that a header names, None where it is unknown; whether it is in degrees.
 
-    ``factor``: what its numbers are multiplied by, of another unit.  ``part``: whether columns of
-    that name are added up.
+    ``factor``: what its numbers are multiplied by, of another unit.
     """
 
     name: str | None
     degrees: bool = False
     factor: Fraction = Fraction(1)
-    part: bool = False
 
 
 UNKNOWN = Column(None)
@@ -168,8 +164,8 @@ def columns(headers: Sequence[str]) -> list[Column]:
     >>> [found.name for found in columns(["t", "x", "y", "z", "w"])]
     ['t', 'q1', 'q2', 'q3', 'q0']
     >>> columns(["time_ms", "psi_deg"])
-    [Column(name='t', degrees=False, factor=Fraction(1, 1000), part=False), \
-Column(name='psi', degrees=True, factor=Fraction(1, 1), part=False)]
+    [Column(name='t', degrees=False, factor=Fraction(1, 1000)), \
+Column(name='psi', degrees=True, factor=Fraction(1, 1))]
     """
     bare = {header for header in headers if header.lower() in _BARE_QUATERNION}
     if len(bare) == len(_BARE_QUATERNION):
@@ -221,13 +217,9 @@ def column(header: str) -> Column:
 
 
 def twice(named: Iterable[Column]) -> str | None:
-    """A name that two columns have which are no parts of one; None where there is none."""
-    held = [*named]
-    for name in readable():
-        same = [found for found in held if found.name == name]
-        if len(same) > 1 and not (all(x.part for x in same) and len({*same}) == len(same)):
-            return name
-    return None
+    """A name that two columns have; None where there is none."""
+    names = [column.name for column in named]
+    return next((name for name in readable() if names.count(name) > 1), None)
 
 
 def _alone(header: str) -> Column | _Part:
@@ -236,8 +228,6 @@ def _alone(header: str) -> Column | _Part:
         return Column(header)
     if header == "%time":
         return Column("t", False, _TIMES["ns"])
-    if stamp := _STAMP.match(header.lower()):
-        return Column("t", False, Fraction(1) if stamp[1] else _TIMES["ns"], True)
     plain = header.translate(_GREEK).strip()
     split = _UNIT.search(plain)
     for name, unit in ((plain, None), (plain[: split.start()] if split else "", split)):

@@ -156,31 +156,31 @@ def _commented(lines: Sequence[str], count: int, names: Naming) -> Sequence[str]
 
 
 def _table(path: Path, sheet: _Sheet, named: list[Column], number: NumberType | None) -> Table:
-    texts = [[*column] for column in zip(*(row for _, row in sheet.rows), strict=True)]
-    clocks = [(meant, x) for meant, x in zip(named, texts, strict=True) if meant.name == "t"]
-    judged = [
-        ["" if is_empty(cell) else cell for cell in column]
-        for meant, column in zip(named, texts, strict=True)
-        if meant.name not in (None, "t")
-    ]
-    printed = most_printed(judged)
+    columns = zip(*(row for _, row in sheet.rows), strict=True)
+    texts = [["" if is_empty(cell) else cell for cell in column] for column in columns]
+    clock = next(k for k, meant in enumerate(named) if meant.name == "t")
+    judged = [x for meant, x in zip(named, texts, strict=True) if meant.name not in (None, "t")]
+    printed, shown = most_printed(judged), most_printed([texts[clock]])
     remarks: tuple[str, ...] = ()
-    kind = clock = number
+    kind = of_times = number
     if number is None:
-        kind, clock = (
-            printed_type(columns, most_printed(columns))
-            for columns in (judged, [column for _, column in clocks])
-        )
+        kind = printed_type(judged, printed)
+        of_times = printed_type([texts[clock]], shown)
         if kind is not None:
             remarks = (f"read as: numbers of {kind.name}, printed to {printed} digits",)
             printed = kind.printed_digits
-    cells = [_numbers(path, sheet, k, meant, clock, kind) for k, meant in enumerate(named)]
+    cells = [
+        None
+        if meant.name is None
+        else _numbers(path, sheet, k, texts[k], meant.name, of_times if k == clock else kind)
+        for k, meant in enumerate(named)
+    ]
     found = table_of_cells(str(path), sheet.header, named, cells, printed, kind)
     return replace(
         found,
         name=called(path),
         remarks=remarks,
-        time_errors=_time_errors(found.times, clocks, clock),
+        time_errors=_time_errors(found.times, named[clock], texts[clock], of_times, shown),
     )
 
 
@@ -188,37 +188,37 @@ def _numbers(
     path: Path,
     sheet: _Sheet,
     place: int,
-    meant: Column,
-    clock: NumberType | None,
-    kind: NumberType | None,
-) -> Cells | None:
-    """A column's exact numbers; None where it is not known."""
-    if meant.name is None:
-        return None
-    is_time = meant.name == "t"
-    number = clock if is_time else kind
+    texts: Sequence[str],
+    name: str,
+    number: NumberType | None,
+) -> Cells:
+    """A column's exact numbers; ``number``: whose values its cells stand for."""
     found: list[Fraction | None] = []
-    for line, row in sheet.rows:
-        cell = row[place]
-        try:
-            found.append(None if not is_time and is_empty(cell) else value(cell, number))
-        except ExpressionError:
-            expected = "a finite decimal number"
-            raise BadInput(f"{path}:{line}", meant.name, cell, expected) from None
+    try:
+        for text in texts:
+            found.append(value(text, number) if text or name == "t" else None)
+    except ExpressionError:
+        line, row = sheet.rows[len(found)]
+        expected = "a finite decimal number"
+        raise BadInput(f"{path}:{line}", name, row[place], expected) from None
     return tuple(found)
 
 
 def _time_errors(
     times: Sequence[Fraction],
-    clocks: Sequence[tuple[Column, Sequence[str]]],
+    clock: Column,
+    texts: Sequence[str],
     number: NumberType | None,
+    digits: int,
 ) -> tuple[float, ...]:
-    """By how much times may be off, as they are printed; ``number``: whose values they are."""
+    """By how much times may be off, as they are printed with so many digits.
+
+    ``number``: whose values they are.
+    """
     if number is not None:
         return of_type(times, number)
-    rounded = of_decimals(times, min(abs(meant.factor) * last_place(x) for meant, x in clocks))
-    digits = most_printed([texts for _, texts in clocks])
-    if len(clocks) > 1 or not DIGITS_HELD["double"] <= digits <= DOUBLE.printed_digits:
+    rounded = of_decimals(times, abs(clock.factor) * last_place(texts))
+    if not DIGITS_HELD["double"] <= digits <= DOUBLE.printed_digits:
         return rounded
     doubles = of_type(times, DOUBLE)
     return tuple(map(max, doubles, rounded)) if rounded else doubles

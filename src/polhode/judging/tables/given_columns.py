@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence, Set
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -80,8 +80,8 @@ def table_of_columns(
         held = {str(name): getattr(given[name], "values", given[name]) for name in present}
     header = [*held]
     named = names.columns(header)
-    clocks = [(name, one) for name, one in zip(header, named, strict=True) if one.name == "t"]
-    if not clocks:
+    clock = next((k for k, one in enumerate(named) if one.name == "t"), None)
+    if clock is None:
         expected = f"a column t among them, or {NAMING} that names it"
         raise BadInput(source, "columns", ",".join(header), expected)
     refuse_names(source, "columns", header, named)
@@ -94,8 +94,7 @@ def table_of_columns(
     ]
     printed = number.printed_digits if number else MOST_PRINTED
     found = table_of_cells(source, header, named, cells, printed, number)
-    factors = {one.factor for _, one in clocks}
-    errors = _errors(found.times, [held[name] for name, _ in clocks], factors)
+    errors = _errors(found.times, held[header[clock]], named[clock].factor)
     return replace(found, name="columns" if source == "compare" else source, time_errors=errors)
 
 
@@ -113,31 +112,23 @@ def table_of_cells(
     time.
     """
     found: dict[str, Cells] = {}
-    for (name, degrees, factor, is_part), column in zip(named, cells, strict=True):
+    for (name, degrees, factor), column in zip(named, cells, strict=True):
         if name is None or column is None:
             continue
         if degrees or factor != 1:
             scale = factor * degree() if degrees else factor
             column = tuple(x and x * scale for x in column)
-        found[name] = _sums(found[name], column) if is_part and name in found else column
+        found[name] = column
     times = [t for t in found.pop("t") if t is not None]
     if not times or any(len(column) != len(times) for column in found.values()):
         expected = "columns as long as t, with a time in each row"
         raise BadInput(source, "columns", ",".join(header), expected)
     ignored = tuple(name for name, one in zip(header, named, strict=True) if one.name is None)
-    found, signless = with_quaternions(found, bits_for(printed))
+    found = with_quaternions(found, bits_for(printed))
     yardstick = number or (DOUBLE if printed <= DOUBLE.printed_digits else mp(printed))
     told = number.most_digits if number else min(printed + 2.0, MOST_DIGITS)
     held = min(told, yardstick.most_digits)
-    return Table(
-        source, tuple(times), found, yardstick, held, printed, ignored=ignored, signless=signless
-    )
-
-
-def _sums(one: Cells, other: Cells) -> Cells:
-    """Columns that are parts of one, cell by cell."""
-    pairs = zip(one, other, strict=True)
-    return tuple(None if x is None or y is None else x + y for x, y in pairs)
+    return Table(source, tuple(times), found, yardstick, held, printed, ignored=ignored)
 
 
 def refuse_names(source: str, key: str, header: Sequence[str], named: Sequence[Column]) -> None:
@@ -151,13 +142,11 @@ def refuse_names(source: str, key: str, header: Sequence[str], named: Sequence[C
         raise BadInput(source, key, ",".join(header), f"{expected} to {', '.join(known()[1:])}")
 
 
-def _errors(
-    times: Sequence[Fraction], given: Sequence[Any], factors: Set[Fraction]
-) -> tuple[float, ...]:
+def _errors(times: Sequence[Fraction], given: Any, factor: Fraction) -> tuple[float, ...]:
     """By how much times may be off that were given so: in floats, or in units of a clock."""
-    number = type_of(given)
-    if len(factors) > 1 or number is None:  # of whole seconds and nanoseconds: exact
-        return of_decimals(times, min(map(abs, factors))) if min(factors) < 1 else ()
+    number = type_of([given])
+    if number is None:
+        return of_decimals(times, abs(factor)) if factor < 1 else ()
     return of_type(times, number)
 
 

@@ -51,8 +51,7 @@ class Table(ByValue):
     are not known.  ``projected``: whether the integrals were.  ``notes``: what is not judged.
     ``remarks``: how it was read.  ``readings``: conventions that were applied to it.
     ``time_errors``: by which the times may be off, rounded; empty where they are exact.
-    ``signless``: whether the quaternion's sign means nothing at any time.  ``run``: where it is
-    one.
+    ``run``: where it is one.
     """
 
     name: str
@@ -67,7 +66,6 @@ class Table(ByValue):
     remarks: tuple[str, ...] = ()
     readings: tuple[Reading, ...] = ()
     time_errors: tuple[float, ...] = ()
-    signless: bool = False
     run: Trajectory | None = None
 
     def __post_init__(self) -> None:
@@ -187,25 +185,36 @@ def of_run(run: Trajectory) -> Table:
 def as_judged(table: Table, scene: Scene) -> Table:
     """A table with those columns alone that the scene has, and notes of the others."""
     there, unjudged = table.columns, not_judged()
-    notes = [
-        f"column {_quoted(name)} " + (_AGAIN if is_again else "is not known and was not judged")
+    told = [
+        (_quoted(name), _AGAIN if is_again else "is not known and was not judged")
         for name, is_again in zip(table.ignored, are_attitude(table.ignored), strict=True)
     ]
-    notes += [f"column {n} was not judged: {why}" for n, why in unjudged.items() if n in there]
+    told += [(name, f"was not judged: {why}") for name, why in unjudged.items() if name in there]
     others = [name for name in column_names() if name not in unjudged]
     if not scene.columns[3:]:
-        notes += [
-            f"column {name} was not judged: the scene has no gamma"
-            for name in (*STATE[3:], *others)
-            if name in there
-        ]
+        without = "was not judged: the scene has no gamma"
+        told += [(name, without) for name in (*STATE[3:], *others) if name in there]
         others = []
-    notes += [f"column {name} is not in the file" for name in scene.columns if name not in there]
+    told += [(name, "is not in the file") for name in scene.columns if name not in there]
+    notes = _together(told)
     columns = {name: there[name] for name in (*scene.columns, *others) if name in there}
     if any(x is None for name in scene.columns for x in columns.get(name, ())):
         notes.append("empty cells were not judged")
     found = replace(table, columns=columns, notes=tuple(notes))
     return replace(found, remarks=(*table.remarks, *_length(found)))
+
+
+def _together(told: Iterable[tuple[str, str]]) -> list[str]:
+    """What is said of columns, those of which the same is said in one note."""
+    alike: dict[str, list[str]] = {}
+    for name, what in told:
+        alike.setdefault(what, []).append(name)
+    notes = []
+    for what, names in alike.items():
+        many = what.replace("is not", "are not", 1).replace("was not", "were not", 1)
+        one = f"column {names[0]} {what}"
+        notes.append(f"columns {' '.join(names)} {many}" if names[1:] else one)
+    return notes
 
 
 def _length(table: Table) -> list[str]:
