@@ -90,6 +90,7 @@ def test_past_a_pole_psi_turns_to_the_side_of_f_minus_c_r(off):
 SLOW = [pytest.mark.slow]
 
 
+@pytest.mark.sample(4, slow=4)
 @pytest.mark.parametrize(
     "name",
     [
@@ -121,6 +122,7 @@ POLES = {
 }
 
 
+@pytest.mark.sample(3, slow=3)
 @pytest.mark.parametrize("name", POLES)
 def test_each_passage_through_a_pole_turns_psi_up_away_from_the_start(name):
     motion = POLES[name]

@@ -129,7 +129,6 @@ PAST_A_POLE = ("v constant, et = 0", "kovalevskaya/pendulum-equatorial")
 
 @rows(
     "attitude",
-    slow=2,
     dear=DEAR,
     keep=lambda motion: has_attitude(motion) and motion.name not in PAST_A_POLE,
 )
@@ -206,11 +205,22 @@ def test_fewer_digits_are_those_of_more(motion):
         assert error > mpf(10) ** (-2 * few - 40) or is_still(motion)
 
 
-@rows("200 digits", fast=0, keep=lambda m: m.family == "kovalevskaya" and has_attitude(m))
+@rows(
+    "200 digits",
+    fast=0,
+    slow=0,
+    keep=lambda m: (
+        m.family == "kovalevskaya" and has_attitude(m) and m.name != "hard/near-axial-pendulum"
+    ),
+)
 def test_200_digits_of_kovalevskayas_tops_are_those_of_240(motion):
-    """State and attitude, as far as the motion tells them; and power series to 60 digits."""
+    """State and attitude, as far as the motion tells them; and power series to 60 digits.
+
+    Next to the pendulum about the axis, whose constants take many seconds, 200 digits of the state
+    are asked above.
+    """
     top = motion.reference
-    for time in (F(7), F(1, 3), F(-13, 10), 10**6, 10**12 + F(1, 7)):
+    for time in (F(7), F(-13, 10), 10**12 + F(1, 7)):
         times = [far(motion, time)]
         for question in (top.at, top.attitude):
             (few,), (many,) = question(times, 200), question(times, 240)
@@ -232,7 +242,7 @@ def test_200_digits_of_kovalevskayas_tops_are_those_of_240(motion):
 @rows("far attitude", dear=DEAR, keep=has_attitude)
 def test_attitude_at_any_time(motion):
     """Digits as asked, of length 1, and it carries the vertical."""
-    end = 100 if motion.family in ENCLOSED else 10**9
+    end = 20 if motion.family in ENCLOSED else 10**9
     top, times = motion.reference, [-far(motion, 40), far(motion, end)]
     few, many = top.attitude(times, 20), top.attitude(times, 35)
     with mpmath.workdps(60):
@@ -329,7 +339,7 @@ def test_other_axes_and_units_give_the_same_motion(motion):
     """Axes renamed, reflected and turned, also by irrational matrices."""
     top, times = motion.reference, motion.times(F(7, 3), -4)
     states, turns = top.at(times, 35), top.attitude([F(0), *times], 25)
-    for order, signs, axes, unit, mass in PLACES:
+    for order, signs, axes, unit, mass in PLACES[-1:] if motion.family in DEAR else PLACES:
         start = relabel(motion.principal, order, signs)
         other = polhode.reference(scene_of(start, motion.family, axes, unit, mass))
         assert other.regime == top.regime

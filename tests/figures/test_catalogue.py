@@ -105,7 +105,7 @@ def test_every_verb_with_a_figure_takes_a_title(tmp_path, words):
 
 
 def test_a_runs_file_is_drawn_as_the_run(tmp_path):
-    run = polhode.integrate(TOP, "quad", at=[1, 2])
+    run = polhode.integrate(TOP, "extended", at=[1, 2])
     run.save(tmp_path / "x.json")
     curves = [
         axes.lines[0].get_xydata()
@@ -160,6 +160,7 @@ def test_a_map_takes_the_colours_of_the_style_and_a_map_of_colours_of_ones_own(c
     assert mesh.get_cmap().name == "magma"
 
 
+@pytest.mark.slow
 def test_levels_show_the_range_that_is_asked_for():
     found = polhode.levels("general/asymmetric-chaotic")
     axes = found.plot(f_range=(0, "1/2"), h_range="1:2")

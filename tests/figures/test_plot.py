@@ -111,6 +111,7 @@ def test_a_free_body_gets_polhode_and_herpolhode():
     assert (own.min(), own.max()) == pytest.approx((radius.min(), radius.max()), rel=0.02)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["lagrange/cusped", TOP])
 def test_cusps_and_loops_of_the_apex_stand_on_the_sphere(name):
     panels, drawn = curves(name, "sphere")
@@ -235,7 +236,7 @@ def test_a_file_of_arrays_is_drawn_as_its_csv_is(tmp_path, ending):
     assert max(map(len, one)) > 300
 
 
-@pytest.mark.sample(1, first=1)
+@pytest.mark.sample(1, first=1, slow=2)
 @pytest.mark.parametrize("what", ["angles", "hodographs", "sphere", "integrals", "error"])
 def test_a_trajectory_file_is_drawn_like_its_scene(tmp_path, what):
     path, times = tmp_path / "run.csv", ",".join(f"{k}/10" for k in range(101))
@@ -256,7 +257,7 @@ def test_a_file_with_the_space_hodograph_needs_no_attitude(tmp_path):
     assert "in space" in texts(plotted(tmp_path, str(path), "--what", "hodographs"))
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, slow=1)
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
 def test_the_same_motion_gives_the_same_bytes(tmp_path, suffix):
     arguments = (TOP, "--what", "angles", "--end", "3")

@@ -202,6 +202,7 @@ def test_a_right_table_is_read_as_it_stands():
     assert polhode.compare(some(last, ATTITUDE), CASE).reading is None
 
 
+@pytest.mark.sample(15)
 @pytest.mark.parametrize("name", READ)
 def test_a_convention_is_named_and_applied_and_can_be_told(name):
     names, change, words = READ[name]
@@ -362,6 +363,7 @@ def test_what_is_told_of_times_beside_no_whole_vector_has_no_digits_of_its_own()
     assert [*map(str, found.readings)] == ["t read as milliseconds"]
 
 
+@pytest.mark.sample(1, slow=1)
 @pytest.mark.parametrize("gap", [0, 5, 32])
 def test_a_table_with_an_empty_cell_is_read_by_its_whole_rows(gap):
     """Where one of the rows that tell had it, no convention was found, and no number."""

@@ -117,6 +117,7 @@ DEAR, SPREAD = 180, 60  # rows, and how many of them are evenly spread
 ODD = 86  # a row that is none of these
 
 
+@pytest.mark.sample(1, first=1, slow=1)
 @pytest.mark.parametrize(
     ("case", "column", "amount"),
     [
@@ -145,6 +146,7 @@ def test_of_very_many_dear_rows_some_are_judged_and_the_worst(monkeypatch, case,
     assert found.column("correct_digits")[1] is None
 
 
+@pytest.mark.slow
 def test_the_farthest_row_may_be_one_of_angles_and_whole_turns_put_none_far(monkeypatch):
     monkeypatch.setattr(row_selection, "MOST_DEAR", SPREAD)
     times = [Fraction(k, 50) for k in range(DEAR)]

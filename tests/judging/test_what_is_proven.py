@@ -43,6 +43,7 @@ SAID: list[tuple[str | polhode.Scene, bool | tuple[str, ...]]] = [
 ]
 
 
+@pytest.mark.sample(5, first=1)
 @pytest.mark.parametrize(
     ("scene", "said"), SAID, ids=[polhode.load(scene).name for scene, _ in SAID]
 )

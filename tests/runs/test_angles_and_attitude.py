@@ -201,6 +201,7 @@ def test_a_body_that_stays_at_the_pole_has_no_psi_and_phi():
     assert run.attitude.shape == (3, 4)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("asked", [{"number": "quad"}, {"digits": 50}])
 def test_what_is_zero_at_the_start_of_a_turned_body_is_zero(asked):
     """Through the principal axes and back it would be 1e-35, or 1e-56."""

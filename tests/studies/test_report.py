@@ -124,6 +124,7 @@ def studies(monkeypatch):
     return Studies(monkeypatch)
 
 
+@pytest.mark.slow
 def test_a_report_that_was_killed_goes_on_where_it_stopped(studies, tmp_path):
     said: list[str] = []
     foretold: list[str] = []
@@ -156,7 +157,7 @@ def test_a_report_that_was_killed_goes_on_where_it_stopped(studies, tmp_path):
     ]
 
 
-@pytest.mark.sample(1, first=2)
+@pytest.mark.sample(1, first=2, slow=1)
 @pytest.mark.parametrize("change", ["fresh", "quick", "text", "cut short", "code"])
 def test_results_that_are_not_todays_are_made_again(studies, change, tmp_path, monkeypatch):
     report.write_report(tmp_path)

@@ -345,6 +345,7 @@ def test_a_first_piece_that_cannot_be_kept_leaves_no_folder(monkeypatch):
 # -- names and titles ------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_results_hold_no_folder_that_the_scene_was_read_from(capsys, tmp_path):
     scene = str(tmp_path / "watched.toml")
     ran(capsys, "run", scene, "-o", "x.csv")
