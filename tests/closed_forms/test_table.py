@@ -67,6 +67,11 @@ def is_still(motion):
 REPORTED = "hard/near-axial-pendulum", "hard/near-quasi-periodic", "kovalevskaya: at rest, level"
 
 
+def has_gamma(motion):
+    """Whether it has a vertical; without its scene, where that is known."""
+    return motion.start is not None or motion.scene.gamma is not None
+
+
 def rows(question, *, fast=1, slow=1, keep=lambda motion: True, dear=()):
     """Rows for a question, evenly spread over each family and other ones for each question.
 
@@ -74,7 +79,7 @@ def rows(question, *, fast=1, slow=1, keep=lambda motion: True, dear=()):
     """
     params, shift = [], crc32(question.encode())
     for family, motions in MOTIONS.items():
-        asked = [motion for motion in motions if motion.scene.gamma is not None and keep(motion)]
+        asked = [motion for motion in motions if has_gamma(motion) and keep(motion)]
         quick = [] if family in dear else spread(asked, CHEAP.get(family, 1) * fast, shift)
         later = spread([m for m in asked if m not in quick], slow, shift)
         for motion in asked:
