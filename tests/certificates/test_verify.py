@@ -79,7 +79,7 @@ SCENES = {
 }
 
 
-@pytest.mark.sample(2, first=1, slow=4)
+@pytest.mark.sample(1, first=1, slow=3)
 @pytest.mark.parametrize("name", SCENES)
 def test_what_is_certified_is_proved_by_the_file_alone(name, tmp_path):
     at, digits, has_attitude = SCENES[name]
@@ -307,6 +307,7 @@ def drop(term, patch):
         patch.setattr(verify.Step, "__init__", without)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("fault", FAULTS)
 def test_faulty_guesses_are_contained_and_not_without_their_term(fault, request, monkeypatch):
     key, term = FAULTS[fault]

@@ -30,9 +30,9 @@ ROUGH = {
     "euler": (4, 8, 100, FEW_BITS, TIMES, 900, "1e-60", 21),
     "lagrange": (4, 8, 100, FEW_BITS, TIMES, 900, "1e-60", 21),
     "pendulum": (4, 8, 100, FEW_BITS, TIMES, 900, "1e-60", 21),
-    "hess": (1, 6, 240, FEW_BITS[::2], TIMES, 280, "1e-60", 21),
-    "kovalevskaya": (0, 4, 60, FEW_BITS[1:-1], TIMES[:2], 420, "1e-12", 20),
-    "goryachev-chaplygin": (1, 8, 240, FEW_BITS, (F(7), F(-(10**6))), 420, "1e-12", 36),
+    "hess": (1, 3, 240, FEW_BITS[::2], TIMES, 280, "1e-60", 21),
+    "kovalevskaya": (0, 2, 60, FEW_BITS[1:-1], TIMES[:2], 420, "1e-12", 20),
+    "goryachev-chaplygin": (1, 4, 240, FEW_BITS, (F(7), F(-(10**6))), 420, "1e-12", 36),
     **dict.fromkeys(
         ("staude", *orbit_members.MEMBERS), (1, 1, 20, FEW_BITS[1:-1], TIMES[:2], 330, "1e-60", 21)
     ),
@@ -84,7 +84,7 @@ SURE = {
     "hess": ((30, 107), (320, 900), 16),
     **dict.fromkeys(("n-kowalewski", "chaplygin"), (FEW_BITS, (900, 900), 81)),
 }
-#: Next to which the proof of Hess's case takes seconds, ten of them at 1e-40.
+#: Next to which the proof of Hess's case takes seconds, and up to ten of them at 1e-40.
 LATER = "plane", "separatrix", "rest", "upright"
 
 
@@ -116,16 +116,17 @@ def params():
         seen[family] += 1
         marks = []
         if family == "hess":
-            marks = [pytest.mark.slow] * (name in LATER or off == "1e-40")
-            near = off in ("", "1e-8") or (off == "1e-40" and name not in LATER)
+            marks = [pytest.mark.slow] * (name in LATER)
+            near = off in ("", "1e-8")
             marks = marks if near else [pytest.mark.campaign]
         elif family == "goryachev-chaplygin":
-            marks = [pytest.mark.slow] * (off != "" and seen[family] % 4 != 3)
+            marks = [pytest.mark.slow] * (seen[family] % 4 != 3)
             marks = [pytest.mark.campaign] if off == "1e-20" else marks
         elif family == "kovalevskaya":
             marks = [pytest.mark.slow] * (seen[family] > 4)
+            marks = [pytest.mark.campaign] if seen[family] > 4 and seen[family] % 3 else marks
         elif family in DEAR:
-            marks = [pytest.mark.slow] if seen[family] == 1 else [pytest.mark.campaign]
+            marks = [pytest.mark.campaign]
         few, bits, finite = SURE.get(family, (FEW_BITS, (900, 900), 51))
         many = bits["1e-" in name or off not in ("", "1e-8", "-1e-8")]
         given = family, plain, [*few, many // 2], many, finite

@@ -34,7 +34,7 @@ def test_no_motion_of_an_integrable_top_is_chaotic(case):
     assert 0.5 < found.growth.max() < 4.5  # a tangent grows like a power of time
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_growing_motions_that_are_known_are_unstable_and_others_chaotic():
     """So lyapunov calls them, too: on a separatrix, and a sleeping top that spins too slowly."""
     sleeping = polhode.load("lagrange/sleeping-unstable")

@@ -83,6 +83,7 @@ KINDS = {
 }
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_truth_is_inside_in_the_scenes_own_axes(kind: str) -> None:
     scene, t = KINDS[kind]

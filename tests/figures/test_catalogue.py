@@ -45,7 +45,7 @@ FROM_COLUMNS = [
 ]
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(3, slow=7)
 @pytest.mark.parametrize("name", FROM_COLUMNS)
 def test_a_file_is_drawn_as_the_result_was(tmp_path, name):
     found = result_of_kind(name)

@@ -77,6 +77,7 @@ def test_a_page_needs_nothing_else_and_is_small():
 PREVIEW = "preview(own, ...new Start(own).at(new Start(own).first{}, new Start(own).second{}))"
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     ("name", "end"),
     [

@@ -236,7 +236,8 @@ def test_a_file_of_arrays_is_drawn_as_its_csv_is(tmp_path, ending):
     assert max(map(len, one)) > 300
 
 
-@pytest.mark.sample(1, first=1, slow=2)
+@pytest.mark.slow
+@pytest.mark.sample(2, first=1, rest="campaign")
 @pytest.mark.parametrize("what", ["angles", "hodographs", "sphere", "integrals", "error"])
 def test_a_trajectory_file_is_drawn_like_its_scene(tmp_path, what):
     path, times = tmp_path / "run.csv", ",".join(f"{k}/10" for k in range(101))

@@ -107,7 +107,7 @@ def test_kappa_of_a_body_without_some_coefficients_has_the_others():
     assert np.allclose(conditioning(scene).kappa, differences(scene), rtol=1e-6)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_kappa_beyond_what_a_double_can_follow_is_the_scenes_own():
     """kappa 1.2e15 at t = 300: the motion in double is another one by then."""
     scene = asymmetric("1.1", [200, 300])

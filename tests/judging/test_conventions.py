@@ -202,7 +202,7 @@ def test_a_right_table_is_read_as_it_stands():
     assert polhode.compare(some(last, ATTITUDE), CASE).reading is None
 
 
-@pytest.mark.sample(15)
+@pytest.mark.sample(9, slow=12)
 @pytest.mark.parametrize("name", READ)
 def test_a_convention_is_named_and_applied_and_can_be_told(name):
     names, change, words = READ[name]

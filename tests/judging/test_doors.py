@@ -105,6 +105,7 @@ LAYOUTS = {
 }
 
 
+@pytest.mark.sample(10)
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_every_layout_of_a_text_is_read(tmp_path, capsys, layout):
     content, options, remarks = LAYOUTS[layout]

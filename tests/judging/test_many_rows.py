@@ -117,7 +117,8 @@ DEAR, SPREAD = 180, 60  # rows, and how many of them are evenly spread
 ODD = 86  # a row that is none of these
 
 
-@pytest.mark.sample(1, first=1, slow=1)
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize(
     ("case", "column", "amount"),
     [

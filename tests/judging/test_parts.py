@@ -213,6 +213,7 @@ def test_a_long_proof_is_foretold(tmp_path, capsys):
     assert f"{name}: t = " in err
 
 
+@pytest.mark.slow
 def test_a_limit_that_is_not_reached_changes_nothing(compared):
     name = "general/asymmetric-regular"
     table = of_run(polhode.integrate(name, at=[1]))

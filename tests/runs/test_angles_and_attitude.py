@@ -85,7 +85,7 @@ CIRCLING = polhode.top(
         pytest.param(number, what, id=f"{number}-{name}", marks=[pytest.mark.slow] * slow)
         for number, name, what, slow in (
             ("double", "few", scene("euler/largest-axis", [1, 600]), 0),
-            ("double", "uneven", scene("lagrange/turned-axes", [*UNEVEN, 700]), 0),
+            ("double", "uneven", scene("lagrange/turned-axes", [*UNEVEN, 700]), 1),
             ("double", "backward", scene("kovalevskaya/generic", [-1, -33, -90]), 0),
             ("double", "grid", scene("lagrange/nutation", GRID), 0),
             ("double", "short", scene("euler/turned-axes", [1, 9]), 0),

@@ -49,6 +49,7 @@ def of(name: str, count: int = 45):
     return go, rows, unit
 
 
+@pytest.mark.sample(6, slow=4)
 @pytest.mark.parametrize("way", [1, -1])
 @pytest.mark.parametrize("name", BODIES)
 def test_a_row_depends_neither_on_its_neighbours_nor_on_threads_nor_on_other_times(
@@ -305,6 +306,7 @@ def columns_of(*keys: str, count: int = COUNT):
     return {key: every[key] for key in keys}
 
 
+@pytest.mark.sample(6, slow=3)
 @pytest.mark.parametrize(
     ("body", "keys"),
     [

@@ -289,7 +289,7 @@ DAMAGES = {
 }
 
 
-@pytest.mark.sample(3, slow=10)
+@pytest.mark.sample(3, slow=4)
 @pytest.mark.parametrize("damage", DAMAGES)
 def test_a_part_that_somebody_damaged_is_made_again(damage, tmp_path):
     """It gave tracebacks, or its numbers went into the result."""

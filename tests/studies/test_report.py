@@ -76,6 +76,7 @@ def numbers(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[tuple[Any,
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1, first=1, rest="campaign")
 @pytest.mark.parametrize(
     ("name", "part", "least"),
     [("accuracy", ["euler/smallest-axis"], 10), ("events", ["euler/largest-axis"], 10)],
@@ -157,7 +158,8 @@ def test_a_report_that_was_killed_goes_on_where_it_stopped(studies, tmp_path):
     ]
 
 
-@pytest.mark.sample(1, first=2, slow=1)
+@pytest.mark.slow
+@pytest.mark.sample(2, first=2, rest="campaign")
 @pytest.mark.parametrize("change", ["fresh", "quick", "text", "cut short", "code"])
 def test_results_that_are_not_todays_are_made_again(studies, change, tmp_path, monkeypatch):
     report.write_report(tmp_path)

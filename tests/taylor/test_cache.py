@@ -126,7 +126,7 @@ def test_about_says_what_is_wrong_with_the_cache(home):
     assert line("/proc/polhode").startswith("cache        none, every run compiles again (")
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_cache_does_not_grow_once_it_holds_what_a_run_needs(home, tmp_path):
     """heyoka never finds its mp code again: each process would add some 0.8 MB."""
     folder, _ = home

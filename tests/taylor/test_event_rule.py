@@ -180,7 +180,7 @@ AT_ZERO = {
 }
 
 
-@pytest.mark.sample(8, slow=8)
+@pytest.mark.sample(4, slow=6)
 @pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
 @pytest.mark.parametrize("zero", AT_ZERO)
 def test_a_start_at_zero_hides_no_other_zero(zero, number):

@@ -56,7 +56,7 @@ def ulp(t: Fraction, bits: int) -> Fraction:
 # -- where and how often ----------------------------------------------------------------------
 
 
-@pytest.mark.sample(4, slow=4)
+@pytest.mark.sample(2, slow=4)
 @pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
 @pytest.mark.parametrize(
     ("name", "end", "texts"),
