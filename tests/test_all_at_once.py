@@ -68,6 +68,7 @@ def together(names: Sequence[str], jobs: int) -> set[str]:
     return wrong
 
 
+@pytest.mark.slow
 @pytest.mark.sample(1, slow=1)
 @pytest.mark.parametrize("pair", SOME, ids="-".join)
 def test_pairs_of_verbs_in_threads_answer_as_alone(pair, quick_changes):

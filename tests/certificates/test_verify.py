@@ -133,6 +133,7 @@ def test_without_flint_it_says_so_and_proves_nothing(tmp_path):
     assert ran.stderr == "python-flint is needed: pip install python-flint\n"
 
 
+@pytest.mark.slow
 def test_a_certificate_from_the_standard_input(small):
     for command in ([verify.__file__, "-"], ["-m", "polhode", "verify", "-"]):
         ran = alone(*command, input=json.dumps(small))

@@ -185,6 +185,7 @@ def test_a_column_is_a_sum_of_waves_of_the_two_expected_frequencies(name, column
     assert min(left_over(rates * (1.001, 1)), left_over(rates * (1, 1.001))) > growth * right
 
 
+@pytest.mark.slow
 def test_a_motion_of_hess_tends_to_a_periodic_one_at_the_rate_told():
     """What a period of gamma1 along r0 changes in the state decays at that rate."""
     motion = MOTIONS["hess/general"]

@@ -49,6 +49,7 @@ def test_a_generic_motion_of_kovalevskaya() -> None:
     assert distance("kovalevskaya/type-ee-e", "2", 15) < 1e-15
 
 
+@pytest.mark.slow
 def test_a_start_at_which_both_variables_turn() -> None:
     """r = 0 and gamma3 = 0: no sign can be read there."""
     body = polhode.Body.of_moments((2, 2, 1), (1, 0, 0), 1)

@@ -126,6 +126,7 @@ def test_exponents_of_chaotic_members_scatter_as_their_uncertainties_say():
     assert (found["lyapunov growth"] > 6).all()
 
 
+@pytest.mark.slow
 def test_the_uncertainty_of_a_chaotic_member_is_its_neighbours_scatter(monkeypatch):
     """Where they are the member itself, it is 0."""
     from polhode.judging.conditioning import lyapunov

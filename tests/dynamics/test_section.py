@@ -275,6 +275,7 @@ def test_a_lane_does_not_depend_on_its_neighbours(case):
     assert (backward.states[::-1] == whole.states).all()
 
 
+@pytest.mark.slow
 def test_an_executor_and_parts_give_the_same(tmp_path, monkeypatch):
     asked = {"grid": (10, 8), "crossings": 3, **LEVEL}
     plain = polhode.section(GENERIC, **asked)

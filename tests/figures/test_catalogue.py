@@ -143,6 +143,7 @@ def test_colours_of_maps_and_of_a_style_are_taken(chaos):
     assert [line.get_color() for line in plain.lines[:3]] == ["#0072b2", "#d55e00", "#009e73"]
 
 
+@pytest.mark.slow
 def test_a_dark_style_hides_nothing_and_sections_and_axes_take_its_colours():
     with plt.style.context("dark_background"):
         cycle = plt.rcParams["axes.prop_cycle"].by_key()["color"]

@@ -251,6 +251,7 @@ def test_a_trajectory_file_is_drawn_like_its_scene(tmp_path, what):
     assert [text.replace("third axis", "centre of mass") for text in drawn] == theirs
 
 
+@pytest.mark.slow
 def test_a_file_with_the_space_hodograph_needs_no_attitude(tmp_path):
     path = tmp_path / "run.csv"
     asked = ["run", TOP, "--at", "1,2,3,4,5", "--outputs", "hodographs", "-o", str(path)]

@@ -363,7 +363,8 @@ def test_what_is_told_of_times_beside_no_whole_vector_has_no_digits_of_its_own()
     assert [*map(str, found.readings)] == ["t read as milliseconds"]
 
 
-@pytest.mark.sample(1, slow=1)
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize("gap", [0, 5, 32])
 def test_a_table_with_an_empty_cell_is_read_by_its_whole_rows(gap):
     """Where one of the rows that tell had it, no convention was found, and no number."""
@@ -453,6 +454,7 @@ def test_an_attitude_that_alone_is_wrong_is_read_without_a_closed_form():
     assert found.worst > 13
 
 
+@pytest.mark.slow
 def test_a_closed_form_that_refuses_leaves_the_reading_to_the_enclosure(monkeypatch):
     def refused(self, times, digits):
         raise ValueError("not here")

@@ -103,6 +103,7 @@ def test_angles_that_the_motion_does_not_have_are_not_asked_for():
     assert 6.9 < polhode.compare(table, "lagrange/sleeping-stable").parts["angles"] < 7.1
 
 
+@pytest.mark.slow
 def test_numbers_beyond_doubles_are_judged_too():
     times = [Fraction(k, 4) for k in range(120)]
     table = right("euler/attitude", times)

@@ -331,6 +331,7 @@ def test_bodies_in_turned_axes_are_those_of_principal_ones(tmp_path):
             assert ball.radius > 0.999 * reach
 
 
+@pytest.mark.slow
 def test_bodies_in_irrational_axes_hold_the_scenes_own():
     """Whose proof is in the scene's axes; those of the others are turned by 2e-5 or so."""
     p, q, r, *gamma, period = map(Fraction, proofs.ELLIPTIC)

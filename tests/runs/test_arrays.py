@@ -240,6 +240,7 @@ def again_and_again(call):
         call()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("end", "count"), [(400.0, 20), (60.0, 3000), (1e7, 40)])
 def test_ctrl_c_ends_many_rows_and_leaves_the_propagator_usable(end, count):
     go, rows, _ = of("plain", count)

@@ -183,6 +183,7 @@ def test_another_thread_has_to_take_a_copy():
     assert found["copied"] == right == pickle.loads(pickle.dumps(go))(t=5.0).tolist()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("project", [False, True])
 def test_an_interrupted_call_leaves_it_usable(project):
     go = polhode.propagator(scene(), project=project)

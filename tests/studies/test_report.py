@@ -176,6 +176,7 @@ def test_results_that_are_not_todays_are_made_again(studies, change, tmp_path, m
     assert studies.runs == ["events", "accuracy", "events"] + ["accuracy"] * every
 
 
+@pytest.mark.slow
 def test_one_study_leaves_the_others_as_they_are(studies, tmp_path):
     folder = tmp_path / "new" / "deep"
     report.write_study("accuracy", folder)

@@ -249,6 +249,7 @@ def test_a_lost_zero_is_found_again(number, monkeypatch):
         assert abs(s - t) <= 40 * number.eps
 
 
+@pytest.mark.slow
 def test_lanes_are_sure_behind_a_start_at_zero_and_leave_contacts_to_runs(monkeypatch):
     from polhode.dynamics.observables import jobs
 
