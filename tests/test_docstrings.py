@@ -28,7 +28,9 @@ MODULES = ["", *sorted({getattr(polhode, name).__module__[len("polhode.") :] for
 #: Modules whose examples take long.
 LONG = (
     *("dynamics.periodic_orbits.families", "dynamics.periodic_orbits.search"),
-    "proofs.chaos.prove_chaos",
+    *("dynamics.periodic_orbits.orbit", "dynamics.chaos.chaos_map", "dynamics.sections.section"),
+    *("dynamics.frequencies.frequencies", "judging.conditioning.lyapunov", "judging.rolling_cones"),
+    *("proofs.chaos.prove_chaos", "proofs.prove_orbit", "proofs.prove_orbits", "proofs.refusals"),
 )
 
 

@@ -60,8 +60,8 @@ def test_a_group_is_a_function_of_its_module(name):
 
 
 def test_a_group_that_there_is_not_is_refused(capsys):
-    assert main(["runs", "speed"]) == 2
-    assert "benchmark: speed: expected one of runs, " in capsys.readouterr().err
+    assert main(["scenes", "speed"]) == 2
+    assert "benchmark: speed: expected one of scenes, " in capsys.readouterr().err
 
 
 @pytest.mark.slow

@@ -64,7 +64,7 @@ FALSE: list[tuple[dict[str, Any], str]] = [
 ]
 
 
-@pytest.mark.sample(9)
+@pytest.mark.sample(7)
 @pytest.mark.parametrize(("changes", "said"), FALSE, ids=range(len(FALSE)))
 def test_a_false_certificate_is_not_proved(held, changes, said):
     for place, value in changes.items():
@@ -217,7 +217,7 @@ def test_a_plane_that_is_too_far_for_the_span_is_missed():
 # -- doors ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_command_writes_a_certificate_that_another_program_proves(tmp_path, capsys):
     path = tmp_path / "chaos.json"
     scene = "general/asymmetric-chaotic"

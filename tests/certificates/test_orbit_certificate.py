@@ -179,6 +179,7 @@ def test_guesses_prove_nothing_false(small):
     assert count > 0
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("kind", "times"), [("hyperbolic", 2), ("elliptic", 3)])
 def test_several_periods_are_not_the_least_one(orbits, kind, times):
     found = orbits[kind]

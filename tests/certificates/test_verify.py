@@ -79,7 +79,7 @@ SCENES = {
 }
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(1, first=1, slow=3)
 @pytest.mark.parametrize("name", SCENES)
 def test_what_is_certified_is_proved_by_the_file_alone(name, tmp_path):
     at, digits, has_attitude = SCENES[name]
@@ -133,6 +133,7 @@ def test_without_flint_it_says_so_and_proves_nothing(tmp_path):
     assert ran.stderr == "python-flint is needed: pip install python-flint\n"
 
 
+@pytest.mark.slow
 def test_a_certificate_from_the_standard_input(small):
     for command in ([verify.__file__, "-"], ["-m", "polhode", "verify", "-"]):
         ran = alone(*command, input=json.dumps(small))
@@ -153,7 +154,7 @@ def moved_off(given, row, key, column, by=2):
     return altered(given, f"statement {row} {key} {column}", moved)
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1, slow=1)
 @pytest.mark.parametrize("row", [0, 1])
 @pytest.mark.parametrize(("key", "count"), [("balls", 6), ("attitude", 4)])
 def test_a_ball_that_is_moved_off_is_not_proved(turned, row, key, count):
@@ -216,7 +217,7 @@ def test_guesses_prove_nothing_false(turned):
     """Whatever they are: the same true statement, or nothing."""
     chance = random.Random(5)
     proved = 0
-    for _ in range(5):
+    for _ in range(3):
         given = copy.deepcopy(turned)
         what = chance.choice(["centre", "centres", "grid", "bits"])
         if what == "centre":
@@ -314,6 +315,7 @@ def drop(term, patch):
         patch.setattr(verify.Step, "__init__", without)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("fault", FAULTS)
 def test_faulty_guesses_are_contained_and_not_without_their_term(fault, request, monkeypatch):
     key, term = FAULTS[fault]

@@ -51,7 +51,7 @@ def test_every_kind_of_motion_of_every_family_has_a_case():
         assert {kind for kind in kinds if f"{family}: {kind}" not in cases} <= BARE
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(3, slow=2)
 @pytest.mark.parametrize(
     ("case", "which"),
     [

@@ -128,6 +128,7 @@ CASES = {
 }
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("unit", [F(1), F(1, 10**30), F(10**30)])
 @pytest.mark.parametrize("name", CASES)
 def test_released(name, unit):

@@ -141,6 +141,7 @@ NODES = {
 }
 
 
+@pytest.mark.sample(5, slow=3)
 @pytest.mark.parametrize("name", NODES)
 def test_a_curve_with_a_node(name):
     """Every ball holds its value, and the motion is that of power series to 28 digits."""
@@ -174,6 +175,7 @@ def test_whole_periods_past_a_node_are_counted(name):
         assert max(abs(x - y) for x, y in pairs) < mpf("1e-58")
 
 
+@pytest.mark.slow
 def test_a_motion_that_tends_to_another_is_refused_where_bits_do_not_tell_it():
     top = top_of(*NODES["reached"])
     begin = time.process_time()

@@ -58,6 +58,7 @@ def test_by_force_a_strip_too_wide_misses(family, factor, monkeypatch):
     assert not all(x.overlaps(y) for x, y in zip(wrong, fine, strict=True))
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("place", [1, 9])
 def test_by_force_a_term_of_the_azimuth_left_out(place, monkeypatch):
     fine = row_at(of("steklov"), F(-7), 330)
@@ -71,6 +72,7 @@ def test_by_force_a_term_of_the_azimuth_left_out(place, monkeypatch):
     assert not all(x.overlaps(y) for x, y in zip(wrong, fine, strict=True))
 
 
+@pytest.mark.sample(1, first=1)
 @pytest.mark.parametrize("family", ["steklov", "bobylev-steklov"])
 def test_by_force_the_phase_at_the_start_off_by_1e_50(family, monkeypatch):
     fine = row_at(of(family), F(-7), 330)
@@ -150,6 +152,7 @@ def test_sums_of_powers(count):
         assert found.real.rad() < arb(10) ** -26
 
 
+@pytest.mark.sample(1, slow=1)
 @pytest.mark.parametrize(
     "name", ["steklov/upper", "grioli/precession", "kovalevskaya/bobylev-steklov"]
 )

@@ -64,6 +64,7 @@ def test_against_mpmath(name, real):
             assert size < arb(10) ** -33
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("gap", [0, 1e-3, 1e-8, 1e-26])
 @pytest.mark.parametrize("real", [True, False])
 @pytest.mark.parametrize("name", RULES)

@@ -90,6 +90,7 @@ def test_past_a_pole_psi_turns_to_the_side_of_f_minus_c_r(off):
 SLOW = [pytest.mark.slow]
 
 
+@pytest.mark.sample(4, slow=4)
 @pytest.mark.parametrize(
     "name",
     [
@@ -121,6 +122,7 @@ POLES = {
 }
 
 
+@pytest.mark.sample(3, slow=3)
 @pytest.mark.parametrize("name", POLES)
 def test_each_passage_through_a_pole_turns_psi_up_away_from_the_start(name):
     motion = POLES[name]
@@ -183,6 +185,7 @@ def test_a_column_is_a_sum_of_waves_of_the_two_expected_frequencies(name, column
     assert min(left_over(rates * (1.001, 1)), left_over(rates * (1, 1.001))) > growth * right
 
 
+@pytest.mark.slow
 def test_a_motion_of_hess_tends_to_a_periodic_one_at_the_rate_told():
     """What a period of gamma1 along r0 changes in the state decays at that rate."""
     motion = MOTIONS["hess/general"]

@@ -67,6 +67,11 @@ def is_still(motion):
 REPORTED = "hard/near-axial-pendulum", "hard/near-quasi-periodic", "kovalevskaya: at rest, level"
 
 
+def has_gamma(motion):
+    """Whether it has a vertical; without its scene, where that is known."""
+    return motion.start is not None or motion.scene.gamma is not None
+
+
 def rows(question, *, fast=1, slow=1, keep=lambda motion: True, dear=()):
     """Rows for a question, evenly spread over each family and other ones for each question.
 
@@ -74,7 +79,7 @@ def rows(question, *, fast=1, slow=1, keep=lambda motion: True, dear=()):
     """
     params, shift = [], crc32(question.encode())
     for family, motions in MOTIONS.items():
-        asked = [motion for motion in motions if motion.scene.gamma is not None and keep(motion)]
+        asked = [motion for motion in motions if has_gamma(motion) and keep(motion)]
         quick = [] if family in dear else spread(asked, CHEAP.get(family, 1) * fast, shift)
         later = spread([m for m in asked if m not in quick], slow, shift)
         for motion in asked:
@@ -98,7 +103,7 @@ def test_kinds_of_motion(family):
         assert (top.kind, motion.regime or top.regime) == (family, top.regime), str(motion)
 
 
-@rows("state", fast=2, slow=2)
+@rows("state", slow=2)
 def test_the_state_by_power_series(motion):
     """On both sides of t = 0, 30 digits."""
     for times in (motion.times(F(5, 2), 6), motion.times(-4)):
@@ -129,7 +134,6 @@ PAST_A_POLE = ("v constant, et = 0", "kovalevskaya/pendulum-equatorial")
 
 @rows(
     "attitude",
-    slow=2,
     dear=DEAR,
     keep=lambda motion: has_attitude(motion) and motion.name not in PAST_A_POLE,
 )
@@ -206,11 +210,22 @@ def test_fewer_digits_are_those_of_more(motion):
         assert error > mpf(10) ** (-2 * few - 40) or is_still(motion)
 
 
-@rows("200 digits", fast=0, keep=lambda m: m.family == "kovalevskaya" and has_attitude(m))
+@rows(
+    "200 digits",
+    fast=0,
+    slow=0,
+    keep=lambda m: (
+        m.family == "kovalevskaya" and has_attitude(m) and m.name != "hard/near-axial-pendulum"
+    ),
+)
 def test_200_digits_of_kovalevskayas_tops_are_those_of_240(motion):
-    """State and attitude, as far as the motion tells them; and power series to 60 digits."""
+    """State and attitude, as far as the motion tells them; and power series to 60 digits.
+
+    Next to the pendulum about the axis, whose constants take many seconds, 200 digits of the state
+    are asked above.
+    """
     top = motion.reference
-    for time in (F(7), F(1, 3), F(-13, 10), 10**6, 10**12 + F(1, 7)):
+    for time in (F(7), F(-13, 10), 10**12 + F(1, 7)):
         times = [far(motion, time)]
         for question in (top.at, top.attitude):
             (few,), (many,) = question(times, 200), question(times, 240)
@@ -229,11 +244,14 @@ def test_200_digits_of_kovalevskayas_tops_are_those_of_240(motion):
     assert gap(row[6:10], turn) < mpf("1e-60")
 
 
-@rows("far attitude", dear=DEAR, keep=has_attitude)
+@rows(
+    "far attitude",
+    dear=DEAR,
+    keep=lambda motion: has_attitude(motion) and motion.family not in ENCLOSED,
+)
 def test_attitude_at_any_time(motion):
     """Digits as asked, of length 1, and it carries the vertical."""
-    end = 100 if motion.family in ENCLOSED else 10**9
-    top, times = motion.reference, [-far(motion, 40), far(motion, end)]
+    top, times = motion.reference, [-far(motion, 40), far(motion, 10**9)]
     few, many = top.attitude(times, 20), top.attitude(times, 35)
     with mpmath.workdps(60):
         for one, other, state in zip(few, many, top.at(times, 35), strict=True):
@@ -329,7 +347,7 @@ def test_other_axes_and_units_give_the_same_motion(motion):
     """Axes renamed, reflected and turned, also by irrational matrices."""
     top, times = motion.reference, motion.times(F(7, 3), -4)
     states, turns = top.at(times, 35), top.attitude([F(0), *times], 25)
-    for order, signs, axes, unit, mass in PLACES:
+    for order, signs, axes, unit, mass in PLACES[-1:] if motion.family in DEAR else PLACES:
         start = relabel(motion.principal, order, signs)
         other = polhode.reference(scene_of(start, motion.family, axes, unit, mass))
         assert other.regime == top.regime

@@ -192,6 +192,7 @@ def test_a_setting_is_put_back_by_a_garbage_collection_under_any_lock(place):
     assert setting.value == 5
 
 
+@pytest.mark.slow
 def test_a_setting_is_put_back_by_who_collects_while_it_is_written():
     """The lock of the setting itself is held then: whoever holds it looks again."""
     setting = Setting()

@@ -34,6 +34,7 @@ def test_no_motion_of_an_integrable_top_is_chaotic(case):
     assert 0.5 < found.growth.max() < 4.5  # a tangent grows like a power of time
 
 
+@pytest.mark.campaign
 def test_growing_motions_that_are_known_are_unstable_and_others_chaotic():
     """So lyapunov calls them, too: on a separatrix, and a sleeping top that spins too slowly."""
     sleeping = polhode.load("lagrange/sleeping-unstable")
@@ -149,6 +150,7 @@ def test_nothing_is_called_regular_early_and_a_chaotic_motion_is_left_early():
     assert set(found.until) <= {250.0, 500.0, 1000.0, 2000.0}
 
 
+@pytest.mark.slow
 def test_the_same_in_any_company_and_after_a_stop(tmp_path, monkeypatch):
     """Bit for bit, whatever the neighbours: bodies of two weights in turn, one of them another."""
     asked = {"end": 200, "vary": {"start.omega[3]": "0.5:3:21", "body.weight": [1, "5/4"]}}
@@ -201,7 +203,7 @@ def test_map_verb(tmp_path, capsys):
 
 #: Starts, grid, until when their verdicts are known; motions, undecided or calm ones at most.
 KNOWN = [
-    ("height", "max", (8, 6), 4000, 40, 6),
+    pytest.param("height", "max", (8, 6), 4000, 40, 6, marks=pytest.mark.slow),
     # at T = 1000 some chaotic ones still stick to islands
     pytest.param("momentum", "max", (24, 20), 20_000, 460, 60, marks=pytest.mark.campaign),
     pytest.param("momentum", "min", (24, 20), 20_000, 460, 65, marks=pytest.mark.campaign),

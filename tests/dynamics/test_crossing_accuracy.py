@@ -62,6 +62,7 @@ def generic(*omega):
     return replace(GENERIC, omega=tuple(Fraction(x) for x in omega))
 
 
+@pytest.mark.sample(2, first=1)
 @pytest.mark.parametrize(
     ("scene", "crossings"),
     [

@@ -91,7 +91,7 @@ def on_the_level(scene, name, starts, seed=18):
     return np.array(found)
 
 
-@pytest.mark.sample(3, slow=2)
+@pytest.mark.sample(1, slow=2)
 @pytest.mark.parametrize(
     ("case", "starts"),
     [

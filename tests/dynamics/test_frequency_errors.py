@@ -64,7 +64,7 @@ TOPS = (
 )
 
 
-@pytest.mark.sample(2, slow=3)
+@pytest.mark.sample(2, slow=2)
 @pytest.mark.parametrize("end", ["-200", "200", "333.3", "-157", "1000", "-1000"])
 @pytest.mark.parametrize("case", TOPS)
 def test_an_error_of_a_top_is_covered_and_not_by_much(case, end):
@@ -79,6 +79,7 @@ def test_an_error_of_a_top_is_covered_and_not_by_much(case, end):
         assert np.median(factors) < 100
 
 
+@pytest.mark.slow
 def test_a_file_with_falling_times(tmp_path):
     run = polhode.integrate("lagrange/nutation", at=[-k / 10 for k in range(1, 2001)])
     path = tmp_path / "run.csv"

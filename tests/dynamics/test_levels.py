@@ -185,7 +185,7 @@ FS = {
 }
 
 
-@pytest.mark.sample(1, slow=6)
+@pytest.mark.sample(1, slow=3)
 @pytest.mark.parametrize(("name", "f"), [(name, f) for name, fs in FS.items() for f in fs])
 def test_regions_by_counting_on_a_grid(name, f):
     known, f = body(name), Fraction(f)
@@ -224,6 +224,7 @@ def test_on_a_bifurcation_there_is_no_region():
 # -- the verb --------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_levels_as_json(capsys):
     assert main(["levels", "general/asymmetric-chaotic", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
@@ -255,6 +256,7 @@ def test_levels_as_figure_and_arrays(tmp_path, capsys):
     assert "fourth integral  L = 2.05" in capsys.readouterr().out
 
 
+@pytest.mark.sample(2, slow=1)
 @pytest.mark.parametrize("f", ["1e3", "1e16", "1e18", "1e19", "1e30", "1e40"])
 def test_a_symmetric_body_has_three_critical_energies_at_any_f(f):
     """f^2 - 1 and f^2 + 1 at the poles, and W(u) = f^2/(2 - u^2) + u where its slope is zero."""

@@ -107,7 +107,7 @@ def gamma_of(scene, digits):
     return [exact.binary(*exact.rounded(x, 4 * digits)) if x else 0 for x in scene.gamma]
 
 
-@pytest.mark.parametrize("digits", [30, pytest.param(60, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("digits", [30, pytest.param(60, marks=pytest.mark.campaign)])
 def test_what_the_monodromy_matrix_keeps_exactly(digits):
     """grad F M = grad F, M x' = x', det M = 1; of the period as many digits are right."""
     found = polhode.orbit(GRIOLI, digits=digits)
@@ -271,6 +271,7 @@ def test_psi_of_a_motion_about_the_vertical_is_the_attitude_s(turn):
     assert float(found.psi) == pytest.approx(float(turn), abs=1e-13)
 
 
+@pytest.mark.slow
 def test_the_advance_of_psi_is_told_as_far_as_it_is_known():
     """Of few digits it was printed to as many places, and was nearly always called closed."""
     found = polhode.orbit_search("general/asymmetric-chaotic", (12, 12), 2)

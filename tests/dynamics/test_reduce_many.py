@@ -61,7 +61,7 @@ def test_states_and_extremes_are_those_of_kept_states_to_the_bit(number, turned)
 
 
 @pytest.mark.slow
-@pytest.mark.sample(2, first=3, rest="campaign")
+@pytest.mark.sample(1, first=3, rest="campaign")
 @pytest.mark.parametrize("end", ["11", "-11"])
 @pytest.mark.parametrize("turned", [False, True])
 def test_first_events_are_the_first_of_each_run(end, turned, monkeypatch):
@@ -113,7 +113,7 @@ def test_exponents_are_those_of_lyapunov():
         assert found["lyapunov growth"][k] == pytest.approx(one.growth, abs=1e-8)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_exponents_of_chaotic_members_scatter_as_their_uncertainties_say():
     """By blocks of one motion's time alone they were two thirds of it, and most of them less."""
     scene = polhode.load("general/asymmetric-chaotic").at([2000])
@@ -126,6 +126,7 @@ def test_exponents_of_chaotic_members_scatter_as_their_uncertainties_say():
     assert (found["lyapunov growth"] > 6).all()
 
 
+@pytest.mark.slow
 def test_the_uncertainty_of_a_chaotic_member_is_its_neighbours_scatter(monkeypatch):
     """Where they are the member itself, it is 0."""
     from polhode.judging.conditioning import lyapunov
@@ -166,12 +167,9 @@ def test_no_more_states_are_held_than_a_job_has(monkeypatch):
     assert held < 96 * 2001 * 48 / 3  # bytes of all states: 9 MB
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("keep", "end", "many"),
-    [
-        (["final", "first nutation"], "9", 800),
-        pytest.param(["lyapunov"], "1", 160, marks=pytest.mark.slow),
-    ],
+    ("keep", "end", "many"), [(["final", "first nutation"], "9", 800), (["lyapunov"], "1", 160)]
 )
 def test_what_was_interrupted_goes_on_to_the_same_bits(keep, end, many, tmp_path):
     """Also where no step is counted: with an exponent alone, all finished jobs were lost."""

@@ -110,7 +110,7 @@ def spread(values):
     return float(np.max(np.max(values, axis=1) - np.min(values, axis=1)))
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(1, first=1, slow=2)
 @pytest.mark.parametrize(
     ("case", "level", "low", "high"),  # in eps
     [
@@ -154,6 +154,7 @@ def test_crossings_are_extrema_of_the_kind_asked_for_on_the_level(by, extremum):
     assert all(x < most for x, most in zip(errors, (4, 2, 1, 4), strict=True))
 
 
+@pytest.mark.slow
 def test_a_crossing_at_the_seam_of_two_chunks_counts_once():
     """Chunks that end on the first crossing, to the last bit, and 1e-14 to either side of it."""
     asked = section_starts.asked_of(GENERIC, "momentum", "max", 3, Fraction(1, 2))
@@ -274,6 +275,7 @@ def test_a_lane_does_not_depend_on_its_neighbours(case):
     assert (backward.states[::-1] == whole.states).all()
 
 
+@pytest.mark.slow
 def test_an_executor_and_parts_give_the_same(tmp_path, monkeypatch):
     asked = {"grid": (10, 8), "crossings": 3, **LEVEL}
     plain = polhode.section(GENERIC, **asked)

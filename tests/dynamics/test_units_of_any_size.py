@@ -28,7 +28,7 @@ def scene(inertia=1, rate=1):
     )
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(2, slow=1)
 @pytest.mark.parametrize(("inertia", "rate"), UNITS)
 def test_a_section_is_to_the_bit_that_in_other_units(inertia, rate):
     plain = polhode.section(scene(), grid=(2, 2), crossings=2)
@@ -39,7 +39,7 @@ def test_a_section_is_to_the_bit_that_in_other_units(inertia, rate):
     assert np.array_equal(found.times * float(rate), plain.times)
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1, slow=2)
 @pytest.mark.parametrize(("inertia", "rate"), UNITS)
 def test_a_map_and_frequencies_are_those_in_other_units(inertia, rate):
     plain, found = (
@@ -55,6 +55,7 @@ def test_a_map_and_frequencies_are_those_in_other_units(inertia, rate):
         assert again.frequency == one.frequency * float(rate)
 
 
+@pytest.mark.sample(2, first=1, slow=1)
 @pytest.mark.parametrize(("inertia", "rate"), UNITS)
 def test_levels_are_those_in_other_units(inertia, rate):
     plain, found = polhode.levels(scene()), polhode.levels(scene(inertia, rate))
@@ -92,6 +93,7 @@ def test_a_branch_is_a_branch_whatever_the_denominators(by):
     assert [float(mark.parameter / by) for mark in found.marks[:2]] == [1.0, 2.0]
 
 
+@pytest.mark.slow
 def test_results_are_values():
     """Equal to themselves when read again, every digit of mpmath numbers included."""
     top = scene()

@@ -102,6 +102,7 @@ def test_a_zero_at_the_start_that_is_known_exactly_is_decided(
     assert [round(float(event.time), 6) for event in found.times] == later
 
 
+@pytest.mark.slow
 def test_a_zero_at_the_start_is_undecided_where_it_may_be_after_it() -> None:
     # one that is 0 by the rule for "equal" alone, and of order 6 and 26
     for zero, last, most in (

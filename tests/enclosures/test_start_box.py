@@ -72,7 +72,7 @@ def farthest(scene, times, outputs=(), radii=RADII):
     return [max(column) for column in zip(*ratios, strict=True)]
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, first=3, slow=2)
 @pytest.mark.parametrize("name", SCENES)
 def test_every_start_of_the_box_is_in_the_balls_and_corners_come_near_their_edges(name):
     for found in farthest(SCENES[name], [Fraction(1, 2), 3], ("attitude", "angles")):
@@ -105,7 +105,7 @@ def watched(scene, zero):
     return replace(scene, outputs=(), events=(polhode.Event("it", zero),))
 
 
-@pytest.mark.sample(1, slow=3)
+@pytest.mark.sample(1, slow=2)
 @pytest.mark.parametrize("radii", [RADII, None])
 @pytest.mark.parametrize("name", SCENES)
 def test_an_event_is_one_of_every_start_and_the_state_then_is_in_its_balls(name, radii):

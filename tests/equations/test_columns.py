@@ -100,6 +100,7 @@ def told(capsys, *arguments):
     return json.loads(out) if "--json" in arguments else [x.split() for x in out.splitlines()]
 
 
+@pytest.mark.sample(1, slow=1)
 @pytest.mark.parametrize("number", NUMBERS)
 def test_a_run_has_the_speed_wherever_it_goes(number, scene, tmp_path, capsys):
     """JSON, CSV and the JSON beside it: the same strings; trajectory, file, frames, notebook."""
@@ -187,6 +188,7 @@ def test_a_proof_gives_balls_of_the_speed(scene, capsys):
     assert 14 < judged.parts["speed"] <= DOUBLE.most_digits
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("count", [3, 201])
 def test_compare_judges_a_column_of_speed(count, tmp_path, capsys):
     """Few rows one by one, many at once; an error is relative to the largest speed."""
@@ -213,6 +215,7 @@ def test_compare_judges_a_column_of_speed(count, tmp_path, capsys):
     assert "speed was not judged: none of it has a value" in answer["not_judged"]
 
 
+@pytest.mark.sample(1, slow=1)
 @pytest.mark.parametrize("number", ["double", "extended", "quad"])
 def test_a_sweep_gives_the_speed_of_each_member(number, scene, tmp_path, capsys):
     kind, vary = NUMBERS[number], {"body.weight": [1, 2]}
@@ -262,6 +265,7 @@ def divided(x, k, fn):
     return [k["c"] * x[0] / x[1], fn.sqrt(x[1])]
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("number", NUMBERS)
 def test_a_row_without_a_finite_real_value_is_a_gap(number):
     """A division by zero, the root of a negative number, a cell that is not there."""

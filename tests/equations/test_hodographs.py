@@ -113,6 +113,7 @@ def test_the_hodographs_roll_on_each_other(name, number):
     assert 0 <= found.arc < 30 * eps + floor
 
 
+@pytest.mark.slow
 def test_a_curve_that_slips_is_seen():
     """Ahead about the vertical by a millionth; arcs go by the time between samples, not its date.
 

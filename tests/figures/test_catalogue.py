@@ -45,7 +45,7 @@ FROM_COLUMNS = [
 ]
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(3, slow=7)
 @pytest.mark.parametrize("name", FROM_COLUMNS)
 def test_a_file_is_drawn_as_the_result_was(tmp_path, name):
     found = result_of_kind(name)
@@ -105,7 +105,7 @@ def test_every_verb_with_a_figure_takes_a_title(tmp_path, words):
 
 
 def test_a_runs_file_is_drawn_as_the_run(tmp_path):
-    run = polhode.integrate(TOP, "quad", at=[1, 2])
+    run = polhode.integrate(TOP, "extended", at=[1, 2])
     run.save(tmp_path / "x.json")
     curves = [
         axes.lines[0].get_xydata()
@@ -143,6 +143,7 @@ def test_colours_of_maps_and_of_a_style_are_taken(chaos):
     assert [line.get_color() for line in plain.lines[:3]] == ["#0072b2", "#d55e00", "#009e73"]
 
 
+@pytest.mark.slow
 def test_a_dark_style_hides_nothing_and_sections_and_axes_take_its_colours():
     with plt.style.context("dark_background"):
         cycle = plt.rcParams["axes.prop_cycle"].by_key()["color"]
@@ -160,6 +161,7 @@ def test_a_map_takes_the_colours_of_the_style_and_a_map_of_colours_of_ones_own(c
     assert mesh.get_cmap().name == "magma"
 
 
+@pytest.mark.slow
 def test_levels_show_the_range_that_is_asked_for():
     found = polhode.levels("general/asymmetric-chaotic")
     axes = found.plot(f_range=(0, "1/2"), h_range="1:2")

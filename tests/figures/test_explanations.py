@@ -19,6 +19,7 @@ def said(name, kind=None):
     return explained(kind or known.kind, known.regime, scene)
 
 
+@pytest.mark.slow
 def test_every_case_of_the_library_has_words_of_its_own_kind_and_all_words_are_used():
     used = set()
     for name in library.names():

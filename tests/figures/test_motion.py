@@ -77,6 +77,7 @@ def test_a_page_needs_nothing_else_and_is_small():
 PREVIEW = "preview(own, ...new Start(own).at(new Start(own).first{}, new Start(own).second{}))"
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     ("name", "end"),
     [
@@ -105,6 +106,7 @@ def test_a_preview_that_is_not_accurate_is_not_shown():
     assert "between them the picture is not the motion" in text
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(
     ("name", "words"),
     [
@@ -337,7 +339,7 @@ def test_a_film_shows_the_motion_to_its_end_in_the_size_asked_for(tmp_path, suff
     assert counts[-1] > 5 * counts[0]
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(1, slow=2)
 @pytest.mark.parametrize(
     ("name", "end", "turns"),
     [

@@ -111,6 +111,7 @@ def test_a_free_body_gets_polhode_and_herpolhode():
     assert (own.min(), own.max()) == pytest.approx((radius.min(), radius.max()), rel=0.02)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["lagrange/cusped", TOP])
 def test_cusps_and_loops_of_the_apex_stand_on_the_sphere(name):
     panels, drawn = curves(name, "sphere")
@@ -235,7 +236,8 @@ def test_a_file_of_arrays_is_drawn_as_its_csv_is(tmp_path, ending):
     assert max(map(len, one)) > 300
 
 
-@pytest.mark.sample(1, first=1)
+@pytest.mark.slow
+@pytest.mark.sample(2, first=1, rest="campaign")
 @pytest.mark.parametrize("what", ["angles", "hodographs", "sphere", "integrals", "error"])
 def test_a_trajectory_file_is_drawn_like_its_scene(tmp_path, what):
     path, times = tmp_path / "run.csv", ",".join(f"{k}/10" for k in range(101))
@@ -249,6 +251,7 @@ def test_a_trajectory_file_is_drawn_like_its_scene(tmp_path, what):
     assert [text.replace("third axis", "centre of mass") for text in drawn] == theirs
 
 
+@pytest.mark.slow
 def test_a_file_with_the_space_hodograph_needs_no_attitude(tmp_path):
     path = tmp_path / "run.csv"
     asked = ["run", TOP, "--at", "1,2,3,4,5", "--outputs", "hodographs", "-o", str(path)]
@@ -256,7 +259,7 @@ def test_a_file_with_the_space_hodograph_needs_no_attitude(tmp_path):
     assert "in space" in texts(plotted(tmp_path, str(path), "--what", "hodographs"))
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, slow=1)
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
 def test_the_same_motion_gives_the_same_bytes(tmp_path, suffix):
     arguments = (TOP, "--what", "angles", "--end", "3")

@@ -34,15 +34,6 @@ def test_a_signal_is_obeyed(work):
 
 
 @linux
-@pytest.mark.slow
-def test_a_sweep_that_is_killed_leaves_a_whole_file_or_none_and_is_done_again():
-    """What else ends by itself is killed by hand: see the campaign."""
-    codes, faults = signals.sampled("ending-sweep", 1, 3, (signal.SIGKILL,))
-    assert not faults
-    assert codes == [-signal.SIGKILL]  # it was under way
-
-
-@linux
 @pytest.mark.campaign
 @pytest.mark.parametrize("work", signals.WORKS)
 def test_signals_at_many_moments_are_obeyed(work):

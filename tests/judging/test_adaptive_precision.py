@@ -135,6 +135,7 @@ def test_a_state_that_stands_still_loses_nothing():
     assert min(run.expected.digits) == run.number.most_digits
 
 
+@pytest.mark.slow
 def test_digits_are_told_where_no_double_holds_the_time():
     """A pendulum so light that 1e340 is the beginning of its first swing."""
     light = polhode.top(

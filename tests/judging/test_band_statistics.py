@@ -90,10 +90,10 @@ def share(count: Counter) -> float:
 @pytest.mark.slow
 def test_of_a_few_tops_nine_in_ten_runs_end_in_the_band():
     """Starts of one body a kind, which is compiled once; what one start does leans together."""
-    scenes = [(kind, top(kind, k, 0)) for kind in KINDS for k in range(3)]
+    scenes = [(kind, top(kind, k, 0)) for kind in KINDS for k in range(2)]
     found = [place for kind, scene in scenes for place in places(kind, scene, (20, 60))]
     (all_in_all,) = counted(found).values()
-    assert all_in_all.total() == len(KINDS) * 3 * 12
+    assert all_in_all.total() == len(KINDS) * 2 * 12
     assert 0.84 <= share(all_in_all) <= 0.97
     for of, count in counted(found, 1, 2).items():
         assert max(count[-1], count[1]) <= 0.2 * count.total(), of

@@ -94,7 +94,7 @@ def changes():
 CHANGED = {which: rest for which, *rest in changes()}
 
 
-@pytest.mark.sample(1, first=8, slow=4)
+@pytest.mark.sample(1, first=28, slow=3)
 @pytest.mark.parametrize("which", CHANGED)
 def test_what_is_another_is_found_to_its_digits(which):
     name, changed, words = CHANGED[which]
@@ -179,7 +179,7 @@ UNEXPLAINED = {
 }
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("what", UNEXPLAINED)
 def test_it_is_explained_by_no_number(what):
     own = scene("lagrange/nutation")

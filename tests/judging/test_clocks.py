@@ -87,6 +87,7 @@ def test_a_motion_without_a_formula_begins_at_its_first_row_too():
     assert max(forecasts) < 60
 
 
+@pytest.mark.slow
 def test_rows_a_thousand_turns_apart_are_told_their_origin():
     """Of a body that spins fast the second row lies ten thousand radians away."""
     times = np.arange(6.0)

@@ -107,7 +107,7 @@ def test_kappa_of_a_body_without_some_coefficients_has_the_others():
     assert np.allclose(conditioning(scene).kappa, differences(scene), rtol=1e-6)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_kappa_beyond_what_a_double_can_follow_is_the_scenes_own():
     """kappa 1.2e15 at t = 300: the motion in double is another one by then."""
     scene = asymmetric("1.1", [200, 300])
@@ -413,6 +413,7 @@ def test_unstable_periodic_and_asymptotic_motions_are_called_so(name):
 # -- all exponents ---------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_all_exponents_of_a_chaotic_motion_are_one_zeros_and_its_negative():
     """Four zeros: along the motion, and across h, f and |gamma|^2; the flow keeps volume."""
     found = polhode.lyapunov("general/asymmetric-chaotic", 4000, spectrum=True)
@@ -438,6 +439,7 @@ def test_all_exponents_of_a_permanent_rotation_are_real_parts_of_eigenvalues():
     assert polhode.lyapunov("euler/no-gamma", 400).spectrum is None
 
 
+@pytest.mark.slow
 def test_all_exponents_do_not_depend_on_the_unit_of_time():
     slow = polhode.lyapunov(asymmetric("1.1", [1]), 500, spectrum=True)
     quick = polhode.lyapunov(asymmetric("1.1", rate=2**40), Fraction(500, 2**40), spectrum=True)

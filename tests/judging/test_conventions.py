@@ -201,6 +201,7 @@ def test_a_right_table_is_read_as_it_stands():
     assert polhode.compare(some(last, ATTITUDE), CASE).reading is None
 
 
+@pytest.mark.sample(9, slow=12)
 @pytest.mark.parametrize("name", READ)
 def test_a_convention_is_named_and_applied_and_can_be_told(name):
     names, change, words = READ[name]
@@ -371,6 +372,8 @@ def test_what_is_told_of_times_beside_no_whole_vector_has_no_digits_of_its_own()
     assert [*map(str, found.readings)] == ["t read as milliseconds"]
 
 
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize("gap", [0, 5, 32])
 def test_a_table_with_an_empty_cell_is_read_by_its_whole_rows(gap):
     """Where one of the rows that tell had it, no convention was found, and no number."""
@@ -460,6 +463,7 @@ def test_an_attitude_that_alone_is_wrong_is_read_without_a_closed_form():
     assert found.worst > 13
 
 
+@pytest.mark.slow
 def test_a_closed_form_that_refuses_leaves_the_reading_to_the_enclosure(monkeypatch):
     def refused(self, times, digits):
         raise ValueError("not here")

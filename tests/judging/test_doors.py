@@ -105,6 +105,7 @@ LAYOUTS = {
 }
 
 
+@pytest.mark.sample(10)
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_every_layout_of_a_text_is_read(tmp_path, capsys, layout):
     content, options, remarks = LAYOUTS[layout]
@@ -136,6 +137,7 @@ def test_a_second_form_of_the_attitude_is_said_to_be_one(tmp_path, capsys):
     assert sum("p q r and gamma are" in line for line in told) == 1
 
 
+@pytest.mark.slow
 def test_a_table_from_the_standard_input():
     command = [sys.executable, "-m", "polhode", "compare", "-", CASE, "--json"]
     told = subprocess.run(command, input=lines(), capture_output=True, text=True)
@@ -404,6 +406,7 @@ def test_columns_about_the_vertical_are_named_where_the_scene_has_none():
     assert found.subject.state == ("p",)
 
 
+@pytest.mark.slow
 def test_rows_that_begin_later_are_as_they_are():
     later = {name: x[3:] for name, x in table().items()}
     assert polhode.compare(later, CASE).reading is None

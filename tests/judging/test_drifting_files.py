@@ -98,7 +98,7 @@ def test_a_fast_top_is_told_the_unit_of_omega(moments, spin):
 @pytest.mark.parametrize(
     "count",
     [
-        pytest.param(8, marks=pytest.mark.slow),
+        pytest.param(4, marks=pytest.mark.slow),
         pytest.param(300, marks=pytest.mark.campaign),
     ],
 )

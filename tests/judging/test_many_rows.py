@@ -103,6 +103,7 @@ def test_angles_that_the_motion_does_not_have_are_not_asked_for():
     assert 6.9 < polhode.compare(table, "lagrange/sleeping-stable").parts["angles"] < 7.1
 
 
+@pytest.mark.slow
 def test_numbers_beyond_doubles_are_judged_too():
     times = [Fraction(k, 4) for k in range(120)]
     table = right("euler/attitude", times)
@@ -117,6 +118,8 @@ DEAR, SPREAD = 180, 60  # rows, and how many of them are evenly spread
 ODD = 86  # a row that is none of these
 
 
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize(
     ("case", "column", "amount"),
     [
@@ -145,6 +148,7 @@ def test_of_very_many_dear_rows_some_are_judged_and_the_worst(monkeypatch, case,
     assert found.column("correct_digits")[1] is None
 
 
+@pytest.mark.slow
 def test_the_farthest_row_may_be_one_of_angles_and_whole_turns_put_none_far(monkeypatch):
     monkeypatch.setattr(row_selection, "MOST_DEAR", SPREAD)
     times = [Fraction(k, 50) for k in range(DEAR)]

@@ -25,6 +25,7 @@ def judged(run):
     return polhode.compare(run)
 
 
+@pytest.mark.sample(1, slow=3)
 @pytest.mark.parametrize("ending", ENDINGS)
 @pytest.mark.parametrize("number", ["double", "extended", "quad"])
 def test_a_run_is_judged_as_itself(tmp_path, ending, number):
@@ -57,6 +58,7 @@ def test_what_a_file_says_of_its_digits_is_not_believed(tmp_path, run, judged):
     assert judged.drift.h < 1e-14 < 1e-6 < found.drift.h < 1e-2
 
 
+@pytest.mark.slow
 def test_a_run_of_another_scene_is_another_table(tmp_path, run):
     """Its integrals are those of the scene that it is judged against."""
     run.save(tmp_path / "x.npz")

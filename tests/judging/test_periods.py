@@ -63,7 +63,7 @@ def test_omega_returns_after_the_period(name):
 
 
 @pytest.mark.slow
-@pytest.mark.sample(6, rest="campaign")
+@pytest.mark.sample(3, rest="campaign")
 @pytest.mark.parametrize("name", sorted({*catalogue.known()} - {*FEW}))
 def test_omega_returns_after_the_period_in_every_case(name):
     check(polhode.load(name))

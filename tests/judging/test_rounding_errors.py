@@ -106,6 +106,7 @@ def test_amplification_is_the_most_that_a_change_on_the_way_grows_to():
     assert 10**found > pushed / np.linalg.norm([0.6, -0.5, 0.4]) / 3
 
 
+@pytest.mark.slow
 def test_an_unstable_motion_multiplies_what_its_start_has_not():
     """q and r start at zero and 1e-9: kappa, of relative changes, sees no reason; Phi does."""
     scene = replace(polhode.load("hard/dzhanibekov-1e-9"), outputs=(), events=())

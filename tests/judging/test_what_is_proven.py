@@ -43,8 +43,9 @@ SAID: list[tuple[str | polhode.Scene, bool | tuple[str, ...]]] = [
 ]
 
 
+@pytest.mark.sample(3, first=1, slow=5)
 @pytest.mark.parametrize(
-    ("scene", "said"), SAID, ids=[polhode.load(scene).name for scene, _ in SAID]
+    ("scene", "said"), SAID, ids=[x if isinstance(x, str) else x.name for x, _ in SAID]
 )
 def test_a_verdict_says_what_is_proven_and_only_proofs_have_radii(
     scene: str | polhode.Scene, said: bool | tuple[str, ...]

@@ -1,8 +1,8 @@
-"""Timings of polhode beside what others need for the same work, by one protocol.
+"""What scenes, bodies, closed forms, commands and pages cost; runs and sweeps: the study speed.
 
     python tests/measure/benchmark.py                     every group
-    python tests/measure/benchmark.py runs sweeps         some of them
-    python tests/measure/benchmark.py runs --seconds 5    longer: narrower intervals
+    python tests/measure/benchmark.py scenes bodies       some of them
+    python tests/measure/benchmark.py scenes --seconds 5  longer: narrower intervals
 
 Jobs that are compared run side by side in one process, in turn, for about so many seconds each:
 :func:`side_by_side`.  What counts is processor time, so that other work on the machine disturbs
@@ -106,10 +106,6 @@ class Group(NamedTuple):
 
 
 GROUPS = {
-    "runs": Group("runs", "runs over heyoka by hand, in every number type"),
-    "propagator": Group("runs", "a prepared propagator over heyoka by hand"),
-    "outputs": Group("runs", "events, attitude, angles, many output times over plain runs"),
-    "sweeps": Group("sweeps", "sweeps over a loop of heyoka's scalar integrator"),
     "scenes": Group("bodies", "scenes made and run again, bodies of a known pattern"),
     "bodies": Group("bodies", "the first body of a process, the disk cache"),
     "closed_forms": Group("references", "set-up and states of closed forms; over runs"),

@@ -28,7 +28,7 @@ def a_run(number="double", **how):
     return polhode.integrate(scene, number, **how)
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(2, slow=1)
 @pytest.mark.parametrize("number", ["double", "extended", "quad", "mp"])
 def test_a_saved_run_loads_again_with_every_digit_and_callable(tmp_path, number):
     run = a_run(number, method="taylor")

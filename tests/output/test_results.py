@@ -21,7 +21,7 @@ UNDRAWN = (
 )
 
 
-@pytest.mark.sample(4, slow=4)
+@pytest.mark.sample(3, slow=2)
 @pytest.mark.parametrize("name", [name for name in MAKERS if name not in UNDRAWN])
 def test_results_draw_themselves_and_into_axes_of_ones_own(name):
     found = result_of_kind(name)
@@ -40,25 +40,13 @@ def test_results_draw_themselves_and_into_axes_of_ones_own(name):
     plt.close("all")
 
 
-@pytest.mark.sample(6)
-@pytest.mark.parametrize("name", MAKERS)
-def test_results_become_tables(name):
-    found = result_of_kind(name)
-    frame = found.to_pandas()
-    assert len(frame)
-    assert len(found.to_xarray().variables) >= len(frame.columns)
-    html = found._repr_html_()
-    assert html.startswith(("<table", "<p", "<pre"))
-    assert repr(found).startswith(f"<{type(found).__name__}")
-
-
 @pytest.mark.parametrize(
     ("key", "value", "printed"),
     [
         ("number", "double", 17),
         ("number", "extended", 21),
         ("number", "quad", 36),
-        pytest.param("digits", 50, 58, marks=pytest.mark.slow),
+        pytest.param("digits", 50, 58, marks=pytest.mark.campaign),
     ],
 )
 def test_times_of_events_have_the_digits_of_their_type_wherever_they_are_printed(

@@ -48,7 +48,7 @@ def test_short_numbers_stand_as_they_are():
     assert len(shortest(Fraction(0.1), QUAD)) > 30  # another number in quad
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(2, slow=1)
 @pytest.mark.parametrize("number", ["double", "extended", "quad", "mp"])
 def test_a_file_is_read_as_the_times_of_its_run(tmp_path, number):
     path = tmp_path / "x.csv"
@@ -64,6 +64,7 @@ def test_a_file_is_read_as_the_times_of_its_run(tmp_path, number):
     assert read_table(path, mp(90)).times == run.times
 
 
+@pytest.mark.sample(1, first=1, slow=1)
 @pytest.mark.parametrize("number", ["double", "extended", "quad"])
 def test_without_its_json_a_right_file_is_not_blamed(tmp_path, number):
     """Its digits tell the type that its numbers are of."""

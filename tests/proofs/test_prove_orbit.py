@@ -44,7 +44,7 @@ EXAMPLES = {
 
 
 @pytest.mark.slow
-@pytest.mark.sample(2, first=1, rest="campaign")
+@pytest.mark.sample(1, first=1, rest="campaign")
 @pytest.mark.parametrize("kind", EXAMPLES)
 def test_the_orbit_lies_in_its_balls(kind):
     point, period, residue = EXAMPLES[kind]
@@ -60,7 +60,7 @@ def test_the_orbit_lies_in_its_balls(kind):
     assert 1e-8 < worst <= 1  # and the balls are not slack
 
 
-@pytest.mark.parametrize("digits", [50, pytest.param(110, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("digits", [50, pytest.param(110, marks=pytest.mark.campaign)])
 def test_griolis_period_is_two_pi(digits):
     found = polhode.prove_orbit("grioli/precession", digits=digits)
     mp = MPContext()
@@ -152,6 +152,7 @@ TORI = {
 }
 
 
+@pytest.mark.sample(1, first=1)
 @pytest.mark.parametrize("case", TORI)
 def test_an_orbit_of_a_resonant_torus_is_refused(case):
     scene = polhode.load(case)
@@ -199,6 +200,7 @@ def test_a_refused_proof_leaves_nothing(tmp_path, capsys):
     assert "not isolated" in told.err
 
 
+@pytest.mark.slow
 def test_a_search_is_proved_orbit_by_orbit(capsys):
     asked = ["general/asymmetric-regular", "--grid", "8x8", "--crossings", "1"]
     assert main(["prove", "orbits", *asked, "--json"]) == 0
@@ -236,7 +238,8 @@ def near():
     return polhode.orbit_search(CHAOTIC, grid=(8, 8), crossings=2)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
+@pytest.mark.sample(1, rest="campaign")
 @pytest.mark.parametrize("k", [0, 1])
 def test_periods_and_residues_of_bodies_at_corners_lie_in_the_balls(near, k):
     tolerance = Fraction(1, 10**9)
@@ -270,6 +273,7 @@ def test_a_tolerance_that_is_too_wide_names_one_that_works(near):
         prove_orbit.prove_found(near, 1, 15, tolerance=Fraction(1, 10**6))
 
 
+@pytest.mark.slow
 def test_a_certificate_of_many_bodies_holds_them_all(near, tmp_path):
     """And no more of them than are told."""
     tolerance = Fraction(1, 10**8)
@@ -292,6 +296,7 @@ def turned(vector):
     return [sum(x * y for x, y in zip(row, vector, strict=True)) for row in TURN]
 
 
+@pytest.mark.slow
 def test_bodies_in_turned_axes_are_those_of_principal_ones(tmp_path):
     """As wide a tolerance, balls no wider; intervals of the inertia's entries lose both."""
     tolerance, level = Fraction(1, 10**8), {"h": proofs.H, "f": proofs.F}
@@ -326,6 +331,7 @@ def test_bodies_in_turned_axes_are_those_of_principal_ones(tmp_path):
             assert ball.radius > 0.999 * reach
 
 
+@pytest.mark.slow
 def test_bodies_in_irrational_axes_hold_the_scenes_own():
     """Whose proof is in the scene's axes; those of the others are turned by 2e-5 or so."""
     p, q, r, *gamma, period = map(Fraction, proofs.ELLIPTIC)

@@ -73,7 +73,7 @@ SAME: dict[str, Callable[[], Any]] = {
 WITHOUT_FIGURE = ("list", "show", "about", "check", "order", "orbits", "verify", "prove orbits")
 DRAWN = [
     *(f"{command} -o x.svg" for command in SAME if not command.startswith(WITHOUT_FIGURE)),
-    "prove chaos general/asymmetric-chaotic -o x.svg",
+    pytest.param("prove chaos general/asymmetric-chaotic -o x.svg", marks=pytest.mark.campaign),
 ]
 CERTIFICATES = ("certify", "prove orbit grioli")
 
@@ -90,7 +90,7 @@ def files_read(command: str) -> None:
         polhode.certify("euler/largest-axis", at=[1], digits=20).save("cert.json")
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(6, slow=9)
 @pytest.mark.parametrize("command", SAME)
 def test_a_command_writes_what_save_writes_and_prints_what_to_json_gives(
     command, tmp_path, monkeypatch, capsys
@@ -118,7 +118,7 @@ def test_a_command_writes_what_save_writes_and_prints_what_to_json_gives(
         assert again.to_json() == printed
 
 
-@pytest.mark.sample(8)
+@pytest.mark.sample(3, slow=3)
 @pytest.mark.parametrize("command", DRAWN)
 def test_a_command_draws_its_result(command, tmp_path, monkeypatch, capsys):
     pytest.importorskip("matplotlib")

@@ -49,6 +49,7 @@ def of(name: str, count: int = 45):
     return go, rows, unit
 
 
+@pytest.mark.sample(6, slow=4)
 @pytest.mark.parametrize("way", [1, -1])
 @pytest.mark.parametrize("name", BODIES)
 def test_a_row_depends_neither_on_its_neighbours_nor_on_threads_nor_on_other_times(
@@ -239,6 +240,7 @@ def again_and_again(call):
         call()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("end", "count"), [(400.0, 20), (60.0, 3000), (1e7, 40)])
 def test_ctrl_c_ends_many_rows_and_leaves_the_propagator_usable(end, count):
     go, rows, _ = of("plain", count)
@@ -305,6 +307,7 @@ def columns_of(*keys: str, count: int = COUNT):
     return {key: every[key] for key in keys}
 
 
+@pytest.mark.sample(6, slow=3)
 @pytest.mark.parametrize(
     ("body", "keys"),
     [

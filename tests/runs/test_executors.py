@@ -80,6 +80,7 @@ def noisy(k):
     return sys.stdin.read(), k
 
 
+@pytest.mark.slow
 def test_faults_and_results_that_cannot_travel_are_told():
     with pytest.raises(RuntimeError, match="odd 0"):
         list(in_order(odd, range(2), 2))
@@ -137,6 +138,7 @@ def told_by(way, tmp_path, text):
     return done.returncode, done.stdout, done.stderr
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("way", ["file", "stdin", "command", "module"])
 def test_no_process_runs_the_caller_s_script_again(way, tmp_path):
     """It has no guard: once it ran thrice, and what came on stdin was looked for as a file."""

@@ -300,6 +300,7 @@ def test_a_tolerance_below_eps_is_refused_and_a_loose_one_costs_digits():
 # -- what is kept for the next run ----------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_nothing_that_is_kept_is_part_of_a_scene_or_outlives_it():
     given = {"moments": [3, 2, 1], "omega": [1, 2, 3], "gamma": [0, 0, 1], "end": 50}
     event = polhode.Event("q", "q - 1/9")
@@ -327,6 +328,7 @@ def test_threads_that_run_at_once_get_what_each_would_get_alone():
     assert all(one.result() == wanted[k % 4] for k, one in enumerate(runs))
 
 
+@pytest.mark.sample(1, slow=1)
 @pytest.mark.parametrize("number", ["double", "quad"])
 def test_runs_of_one_scene_forwards_and_back_are_those_of_scenes_of_their_own(number):
     """They share what does not depend on the way; events count what crosses on it."""

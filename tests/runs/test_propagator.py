@@ -183,6 +183,7 @@ def test_another_thread_has_to_take_a_copy():
     assert found["copied"] == right == pickle.loads(pickle.dumps(go))(t=5.0).tolist()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("project", [False, True])
 def test_an_interrupted_call_leaves_it_usable(project):
     go = polhode.propagator(scene(), project=project)
@@ -218,6 +219,7 @@ def test_what_was_not_reached_is_nan_and_said():
     assert go.outcome is polhode.Outcome.STEP_LIMIT
 
 
+@pytest.mark.sample(4, slow=1)
 @pytest.mark.parametrize("number", ["double", "extended"])
 @pytest.mark.parametrize("end", [0.5, -40.0, 2.5e4])
 def test_a_call_without_a_limit_makes_the_steps_of_a_run(end, number):
@@ -289,6 +291,7 @@ def test_a_long_way_is_gone_as_a_run_goes_it():
     assert (go.outcome, go.steps < 10**6) == (polhode.Outcome.STEP_LIMIT, True)
 
 
+@pytest.mark.sample(1, first=2, slow=1)
 @pytest.mark.parametrize("number", ["double", "extended"])
 @pytest.mark.parametrize("name", ["general/asymmetric-regular", "euler/largest-axis"])
 def test_an_array_of_times_gives_the_states_of_a_list_to_the_bit(name, number):

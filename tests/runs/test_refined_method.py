@@ -210,6 +210,7 @@ def test_an_estimate_is_told_only_where_there_is_one(told, said):
     assert notes._accuracy(replace(found, errors=told)) == said
 
 
+@pytest.mark.slow
 def test_no_errors_from_where_two_runs_have_parted(tmp_path):
     run = polhode.integrate("hard/chaotic-long", "quad", at=[330, 900])
     assert run.method == "refined"

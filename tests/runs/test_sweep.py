@@ -139,6 +139,7 @@ def test_members_that_no_type_of_theirs_refines_are_refused_as_runs_are(number):
     assert str(many.value) == str(one.value)
 
 
+@pytest.mark.sample(4, slow=3)
 @pytest.mark.parametrize("at", [[3], [0, "1/3", 20]])
 @pytest.mark.parametrize(
     ("number", "tol", "method"),

@@ -65,6 +65,7 @@ def test_progress_counts_members():
     assert [done for _, done in seen] == sorted(done for _, done in seen)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("number", "end", "pool"), [("double", "1000", 0), ("quad", "20", 0), ("double", "200", 1)]
 )
@@ -207,6 +208,7 @@ def alike(one: polhode.Ensemble, other: polhode.Ensemble) -> bool:
     return one == other and same(one.states, other.states)
 
 
+@pytest.mark.sample(1, slow=2)
 @pytest.mark.parametrize("number", ["double", "extended", "quad", "mp"])
 def test_an_interrupted_sweep_goes_on_and_ends_as_an_undisturbed_one(number, tmp_path):
     """However often it was interrupted, what was done is not done again; it is kept when whole."""
@@ -287,6 +289,7 @@ DAMAGES = {
 }
 
 
+@pytest.mark.sample(3, slow=4)
 @pytest.mark.parametrize("damage", DAMAGES)
 def test_a_part_that_somebody_damaged_is_made_again(damage, tmp_path):
     """It gave tracebacks, or its numbers went into the result."""

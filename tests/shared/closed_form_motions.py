@@ -55,6 +55,8 @@ class Motion:
     @functools.cached_property
     def principal(self) -> tuple[Any, ...] | None:
         """The start in principal axes, where these are the scene's."""
+        if self.start is not None:
+            return self.start
         scene = self.scene
         if not scene.body.axes.trivial:
             return None
@@ -73,8 +75,14 @@ class Motion:
         return [F(t) / self.rate for t in turns]
 
 
-def all_motions() -> Iterator[Motion]:
-    """Of every family in turn: the library's, those of the file, those by formulas."""
+@functools.cache
+def all_motions() -> tuple[Motion, ...]:
+    """Of every family in turn, and the same ones for whoever asks."""
+    return tuple(_motions())
+
+
+def _motions() -> Iterator[Motion]:
+    """The library's, those of the file, those by formulas."""
     known = members.motion_table()
     library: dict[str, list[Motion]] = {}
     for case, words in known.pop("library").items():

@@ -29,6 +29,7 @@ def test_a_closed_form_beside_the_motion_is_seen(monkeypatch):
     assert proven.provable(polhode.load("general/asymmetric-regular")) is None
 
 
+@pytest.mark.slow
 def test_a_part_of_the_study_is_its_rows_alone_each_with_the_digits_that_are_right():
     found, tables = report.part("accuracy", ["printed", "nasa-brick"])
     assert found["cases"] == found["proven"] == []

@@ -35,6 +35,7 @@ def test_an_exact_power_law_gives_its_exponent(slope):
     assert growth.exponent(TIMES, bent, 100.0).last_decade == pytest.approx(slope + 1, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_the_uncertainty_covers_what_noise_does():
     """Random walks have 1/2: over 40 ensembles the pulls have a spread of about one."""
     dice = np.random.default_rng(5)

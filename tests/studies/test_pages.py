@@ -171,7 +171,7 @@ def one_run_less(case: str) -> Any:
     return change
 
 
-@pytest.mark.sample(1, first=1)
+@pytest.mark.sample(1, first=1, slow=1)
 @pytest.mark.parametrize(
     ("study", "change"),
     [
@@ -197,6 +197,7 @@ def test_a_run_with_fewer_digits_than_expected_has_a_ring():
     assert before - marks(found, "stability") == behind > 10
 
 
+@pytest.mark.slow
 def test_a_study_of_which_a_part_has_no_rows_has_its_figures():
     empty: list[JsonObject] = [
         {"study": "events", "motions": [], "cost": []},

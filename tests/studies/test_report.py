@@ -77,6 +77,7 @@ def numbers(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[tuple[Any,
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1, first=1, rest="campaign")
 @pytest.mark.parametrize(
     ("name", "part", "least"),
     [("accuracy", ["euler/smallest-axis"], 10), ("events", ["euler/largest-axis"], 10)],
@@ -125,6 +126,7 @@ def studies(monkeypatch):
     return Studies(monkeypatch)
 
 
+@pytest.mark.slow
 def test_a_report_that_was_killed_goes_on_where_it_stopped(studies, tmp_path):
     said: list[str] = []
     foretold: list[str] = []
@@ -157,7 +159,8 @@ def test_a_report_that_was_killed_goes_on_where_it_stopped(studies, tmp_path):
     ]
 
 
-@pytest.mark.sample(1, first=2)
+@pytest.mark.slow
+@pytest.mark.sample(2, first=2, rest="campaign")
 @pytest.mark.parametrize("change", ["fresh", "quick", "text", "cut short", "code"])
 def test_results_that_are_not_todays_are_made_again(studies, change, tmp_path, monkeypatch):
     report.write_report(tmp_path)
@@ -174,6 +177,7 @@ def test_results_that_are_not_todays_are_made_again(studies, change, tmp_path, m
     assert studies.runs == ["events", "accuracy", "events"] + ["accuracy"] * every
 
 
+@pytest.mark.slow
 def test_one_study_leaves_the_others_as_they_are(studies, tmp_path):
     folder = tmp_path / "new" / "deep"
     report.write_study("accuracy", folder)

@@ -29,6 +29,7 @@ FLOATS = Functions(0.0, math.sin, math.cos, math.sqrt)
 # the equations that the peers take
 
 
+@pytest.mark.slow
 @settings(deadline=None)
 @given(st.lists(st.floats(-3, 3), min_size=6, max_size=6))
 def test_the_peers_take_the_equations_that_polhode_integrates(state):

@@ -77,7 +77,7 @@ def fill(path: Path, good: Path, how: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.sample(5, rest="campaign")
+@pytest.mark.sample(3, rest="campaign")
 @pytest.mark.parametrize(
     "how",
     [
@@ -126,7 +126,7 @@ def test_about_says_what_is_wrong_with_the_cache(home):
     assert line("/proc/polhode").startswith("cache        none, every run compiles again (")
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_cache_does_not_grow_once_it_holds_what_a_run_needs(home, tmp_path):
     """heyoka never finds its mp code again: each process would add some 0.8 MB."""
     folder, _ = home
@@ -162,6 +162,7 @@ def test_the_environment_bounds_the_cache(home, tmp_path):
     assert usual["limit"] > 0
 
 
+@pytest.mark.sample(1, slow=1)
 @pytest.mark.parametrize("wrong", ["much", "", "9" * 12])
 def test_a_bound_that_is_none_is_refused(tmp_path, wrong):
     done = polhode(["about"], tmp_path, None, POLHODE_CACHE_MB=wrong)

@@ -180,6 +180,7 @@ AT_ZERO = {
 }
 
 
+@pytest.mark.sample(4, slow=6)
 @pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
 @pytest.mark.parametrize("zero", AT_ZERO)
 def test_a_start_at_zero_hides_no_other_zero(zero, number):
@@ -248,6 +249,7 @@ def test_a_lost_zero_is_found_again(number, monkeypatch):
         assert abs(s - t) <= 40 * number.eps
 
 
+@pytest.mark.slow
 def test_lanes_are_sure_behind_a_start_at_zero_and_leave_contacts_to_runs(monkeypatch):
     from polhode.dynamics.observables import jobs
 
@@ -264,9 +266,10 @@ def test_lanes_are_sure_behind_a_start_at_zero_and_leave_contacts_to_runs(monkey
         assert bool(alone) == ((zero, first) in multiplied_out)
 
 
+@pytest.mark.slow
 def test_contacts_are_no_crossings_of_a_section():
     """A factor that touches zero adds none; a level below a contact adds two."""
-    asked = {"grid": (3, 3), "crossings": 8, "h": 3, "f": "1/2"}
+    asked = {"grid": (2, 2), "crossings": 8, "h": 3, "f": "1/2"}
     plain, touched, pairs = (
         polhode.section("general/asymmetric-chaotic", by=by, **asked)
         for by in ("q - 1/10", "(r - 1/2)**2*(q - 1/10)", "(q - 1/10)**2 - 1e-12")
@@ -278,6 +281,7 @@ def test_contacts_are_no_crossings_of_a_section():
         polhode.section("general/asymmetric-chaotic", by="(q - 1/10)**2", **asked)
 
 
+@pytest.mark.sample(2, slow=2)
 @pytest.mark.parametrize(
     ("name", "plain", "flat"),
     [
@@ -316,6 +320,7 @@ def test_two_multiple_zeros_of_a_step_are_those_of_the_factors(powers):
     assert np.array_equal(one.states, other.states)
 
 
+@pytest.mark.sample(1, first=1, slow=1)
 @pytest.mark.parametrize("direction", ["any", "rising", "falling"])
 def test_no_first_zero_and_no_event_of_a_run_is_lost_where_it_is_flat(direction):
     starts = {"start.omega[1]": [str(Fraction(k, 9)) for k in range(1, 17)]}
@@ -333,6 +338,7 @@ def test_no_first_zero_and_no_event_of_a_run_is_lost_where_it_is_flat(direction)
     assert runs[1].t == pytest.approx(runs[0].t, abs=1e-4)
 
 
+@pytest.mark.sample(1, first=2, slow=1)
 @pytest.mark.parametrize(
     "by", ["momentum", "gamma3 - 1/10", "(q - 1/10)*(q - 3/25)*(q - 7/50)", "sin(40*gamma3)*q"]
 )

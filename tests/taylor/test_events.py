@@ -56,7 +56,7 @@ def ulp(t: Fraction, bits: int) -> Fraction:
 # -- where and how often ----------------------------------------------------------------------
 
 
-@pytest.mark.sample(4, slow=4)
+@pytest.mark.sample(2, slow=4)
 @pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
 @pytest.mark.parametrize(
     ("name", "end", "texts"),
@@ -154,7 +154,7 @@ def test_chunk_boundaries_neither_lose_nor_repeat_an_event(number, steps, monkey
         assert all(abs(s - t) <= near for s, t in zip(one.times, two.times, strict=True))
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, slow=1)
 @pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
 def test_events_do_not_steer_the_steps_nor_output_times_the_events(number):
     """The same steps as without; the last bits may differ, where terms are shared."""
@@ -266,7 +266,7 @@ def test_a_zero_at_the_start_is_no_event_and_does_not_stop_the_run():
 # -- refusals ---------------------------------------------------------------------------------
 
 
-@pytest.mark.sample(2, first=1, slow=3)
+@pytest.mark.sample(2, first=1, slow=2)
 @pytest.mark.parametrize(
     ("name", "zero", "words"),
     [

@@ -103,7 +103,7 @@ def test_a_correction_that_is_no_rounding_is_not_made(monkeypatch):
     assert np.allclose(run.states, polhode.integrate(scene, project=False).states, 0, 1e-12)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_spin_of_a_symmetric_body_is_exact_on_average():
     """r' is 0: without memory of what was rounded off, r = 1.1 would be wrong all along."""
     scene = replace(

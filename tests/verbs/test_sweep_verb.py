@@ -118,6 +118,7 @@ def test_outputs_are_left_out_and_that_is_said(scene, capsys, tmp_path):
 TOLD = r"\d+\.\d %, \d+ members(, \d+ s left)?"
 
 
+@pytest.mark.slow
 def test_what_is_finished_at_ctrl_c_is_kept_and_the_same_command_goes_on(
     scene, tmp_path, capsys, monkeypatch
 ):

@@ -113,6 +113,7 @@ def test_a_csv_round_trips_and_compare_judges_it(capsys, number, bits):
             assert all(digits - 2 < x < digits + 2 for x in part)
 
 
+@pytest.mark.slow
 def test_drift_of_a_projected_file_is_no_evidence(capsys):
     for options, notes in (((), 1), (("--no-project",), 0)):
         ran(capsys, "run", "kovalevskaya/generic", "--at", "500", "-o", "x.csv", *options)
@@ -345,6 +346,7 @@ def test_a_first_piece_that_cannot_be_kept_leaves_no_folder(monkeypatch):
 # -- names and titles ------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_results_hold_no_folder_that_the_scene_was_read_from(capsys, tmp_path):
     scene = str(tmp_path / "watched.toml")
     ran(capsys, "run", scene, "-o", "x.csv")
