@@ -36,7 +36,14 @@ from polhode.taylor.backend import heyoka_numbers
 from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.types import Expression, HeyokaEvent, HeyokaIntegrator, HeyokaNumber
 from polhode.taylor.events.callbacks import AfterStep, Callback
-from polhode.taylor.events.decision import Decision, End, Happening, at_the_end, depths
+from polhode.taylor.events.decision import (
+    Decision,
+    End,
+    Happening,
+    at_the_end,
+    depths,
+    located,
+)
 from polhode.taylor.events.functions import TIME, rate, typed_constant, value_of
 from polhode.taylor.events.jets import Formulas, Jet, Marks, jet_of, joined_marks
 from polhode.taylor.events.magnitudes import middle_axis
@@ -228,7 +235,7 @@ class Watch:
         record.side = end.side
         for n, happening in enumerate(decision.found):
             if happening.sign and self.scene.events[k].counts(happening.sign * self.way):
-                at = _place(happening, known)
+                at = located([happening], known)
                 if self._stop is None or at.ahead[0] < self._stop.marks.since_start[0] * self.way:
                     found = decision.found[: n + 1]
                     self._stop = Stop(k, found, decision.complete, at.marks)
@@ -287,10 +294,7 @@ class Watch:
         counted = [i for i, one in enumerate(found) if event.counts(one.sign * self.way)]
         deep = depths(found, known, start, end)[counted]
         found = [found[i] for i in counted]
-        if any(one.own is not None for one in found):
-            where = joined_places([_place(one, known) for one in found])
-        else:
-            where = known.those([one.at for one in found])
+        where = located(found, known)
         times = where.marks.since_start
         sizes = np.array([abs(float(t)) for t in times.tolist()])
         spreads = np.array([one.spread for one in found])
@@ -353,7 +357,3 @@ class Watch:
         stay = staying(jets, self._stepping, self._clock, self.width)
         self.muted = False
         return stay
-
-
-def _place(happening: Happening, known: Places) -> Places:
-    return known.those([happening.at]) if happening.own is None else happening.own
