@@ -30,8 +30,6 @@ _ROUNDS = 6  # of a method; one or two are the rule
 _WIDTHS = [2.0**-k for k in range(48, 3, -1)]
 _FLAT = 2.0**-7
 
-_SMALL, _SHIFT = 2.0**-300, 300
-
 _NOWHERE = np.empty((4, 0)), np.empty(0)
 
 
@@ -170,9 +168,5 @@ def joined_places(parts: Sequence[Places]) -> Places:
 
 def exact_times(times: Scalar, time_unit: int, number: NumberType) -> tuple[Fraction, ...]:
     """Times in a run's unit 2**time_unit as exact numbers in the scene's."""
-    if number.name == "double" and abs(time_unit) < _SHIFT:
-        sizes = np.abs(times)
-        if bool(np.all((sizes > _SMALL) & (sizes < 1 / _SMALL))):  # the products are doubles
-            return tuple(map(Fraction, np.ldexp(times, time_unit).tolist()))
     unit = Fraction(2) ** time_unit
     return tuple(as_fraction(t, number) * unit for t in times.tolist())
