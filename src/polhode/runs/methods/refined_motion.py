@@ -24,7 +24,6 @@ from polhode.refined.errors import CannotRefine, Stalled
 from polhode.refined.refinement import (
     MOST_DIGITS,
     STEPS_AN_INTERVAL,
-    Accuracy,
     Motion,
     accuracy,
     refine,
@@ -153,11 +152,6 @@ class RefinedMotion:
             if not np.isfinite(errors[i]).all():
                 errors[i] = 2 * max(apart[:3]), 2 * max(apart[3:])
         return errors
-
-
-def accuracy_for(number: NumberType) -> Accuracy:
-    """What a run in a number type is refined to, at first."""
-    return accuracy(max(34, int(number.most_digits)))
 
 
 def _turned(scene: Scene, number: NumberType, attitudes: list[Attitude]) -> list[list[Real]]:

@@ -87,15 +87,14 @@ class Crossed(NamedTuple):
     """Of each motion the crossings found, in order: nan where there are none.
 
     ``states`` (n, most, columns), ``times`` and ``rests`` (n, most): a time is their sum.
-    ``slopes`` (n, most): derivative of the expression there.  ``found``: how many a motion has,
-    ``steps`` taken.  ``outcomes``: how each ended; those UNSURE are to be done otherwise.
+    ``found``: how many a motion has, ``steps`` taken.  ``outcomes``: how each ended; those UNSURE
+    are to be done otherwise.
     ``drift``: the largest residual of an integral met, relative.
     """
 
     states: Doubles
     times: Doubles
     rests: Doubles
-    slopes: Doubles
     found: npt.NDArray[np.int64]
     steps: npt.NDArray[np.int64]
     outcomes: tuple[str, ...]
@@ -113,7 +112,7 @@ def solve(job: SearchJob, stop: Stop | None = None) -> Crossed:
 
 def joined(parts: Sequence[Crossed]) -> Crossed:
     """The results of several jobs as one."""
-    arrays = [np.concatenate(array) for array in zip(*(part[:6] for part in parts), strict=True)]
+    arrays = [np.concatenate(array) for array in zip(*(part[:5] for part in parts), strict=True)]
     outcomes = tuple(outcome for part in parts for outcome in part.outcomes)
     return Crossed._make([*arrays, outcomes, max((part.drift for part in parts), default=0.0)])
 
@@ -315,7 +314,7 @@ class _Search:
         """All crossings in order, those of a section put on it."""
         job, (n, columns) = self.job, self.job.starts.shape
         states = np.full((n, job.most, columns), np.nan)
-        times, rests, slopes = (np.full((n, job.most), np.nan) for _ in range(3))
+        times, rests = (np.full((n, job.most), np.nan) for _ in range(2))
         counts = np.zeros(n, dtype=int)
         if self.crossings:
             motions = np.concatenate([which for which, _ in self.crossings])
@@ -323,30 +322,26 @@ class _Search:
             order = np.lexsort((np.abs(marks.since_start), motions))
             motions, marks = motions[order], marks.those(order)
             blocks = [slice(k, k + _BLOCK) for k in range(0, len(motions), _BLOCK)]
-            parts = [self._put_on(motions[some], marks.those(some)) for some in blocks]
-            slope, rows = (np.concatenate(array, axis=-1) for array in zip(*parts, strict=True))
+            parts = [self._put_on(motions[some], marks.columns[:, some]) for some in blocks]
+            rows = np.concatenate(parts, axis=1)
             taus = marks.time + marks.rest
             time = marks.high + taus
             kept = np.abs(time) <= abs(job.end)
             nth = np.arange(len(motions)) - np.searchsorted(motions, motions)
             where = motions[kept], nth[kept]
             times[where], rests[where] = time[kept], (taus - (time - marks.high))[kept]
-            slopes[where], states[where] = slope[kept], rows[:, kept].T
+            states[where] = rows[:, kept].T
             counts = np.bincount(motions[kept], minlength=n)
         drift = 0.0 if self.put is None else self.put.drift
-        return Crossed(
-            *(states, times, rests, slopes, counts, self.steps), tuple(self.outcomes), drift
-        )
+        return Crossed(*(states, times, rests, counts, self.steps), tuple(self.outcomes), drift)
 
-    def _put_on(self, which: Indices, marks: Marks) -> tuple[Doubles, Doubles]:
-        """The slopes at crossings of motions, and the states, of a section on it and its level."""
-        with np.errstate(all="ignore"):
-            slopes = self._jet(which).at(marks)[1]
+    def _put_on(self, which: Indices, states: Doubles) -> Doubles:
+        """States of crossings of motions, those of a section put on it and its level."""
         if self.put is None:
-            return slopes, marks.columns
+            return states
         assert isinstance(self.job.watched.zero, SectionZero)
         whole = Put(self.put.level, self.job.starts.T).of(which)
-        return slopes, whole.within(self.job.watched.zero, marks.columns)
+        return whole.within(self.job.watched.zero, states)
 
 
 def through_the_first_step(

@@ -48,7 +48,7 @@ from polhode.taylor.events.functions import TIME, rate, typed_constant, value_of
 from polhode.taylor.events.jets import Formulas, Jet, Marks, jet_of, joined_marks
 from polhode.taylor.events.magnitudes import middle_axis
 from polhode.taylor.events.polishing import Places, exact_times, joined_places, polished
-from polhode.taylor.events.probe import Probe, mark, staying
+from polhode.taylor.events.probe import Probe, mark, stays
 from polhode.taylor.events.rules import Rules
 from polhode.taylor.integrator.protocols import Desk
 from polhode.taylor.integrator.specification import CLOCK, TINY
@@ -349,11 +349,8 @@ class Watch:
 
     def still(self) -> list[int]:
         """The events that start at zero and stay within rounding of it for some steps."""
+        self.muted, motion = True, (self._stepping, self._clock, self.width)
         suspects = [k for k, before in enumerate(self.rules.start) if before == 0]
-        if not suspects:
-            return []
-        self.muted = True
-        jets = {k: self.jets[k] for k in suspects}
-        stay = staying(jets, self._stepping, self._clock, self.width)
+        still = [k for k in suspects if stays(self.jets[k], *motion)]
         self.muted = False
-        return stay
+        return still
