@@ -23,7 +23,7 @@ from polhode.common.progress import Stop
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Array, Doubles, double_array
+from polhode.numbers.rows import Array, Doubles, double_array, kind_of
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend import defaults
 from polhode.taylor.batches.compiled_batch import LANES, CompiledBatch, in_lanes, out_of_lanes
@@ -93,12 +93,13 @@ class _Way:
     def solved(self) -> Solved:
         """All of them, or as many as come before a stop."""
         job = self.job
-        left = [*range(job.motions.many)]
+        shape = job.motions.many, len(job.times), job.columns
         if isinstance(self.ready, CompiledBatch) and self.sizes[-1]:
             found = self._in_lanes(self.ready)
             left = np.flatnonzero(found.outcomes != _THERE).tolist()
         else:
-            found = Solved.none_of(job)
+            found = Solved.undone(np.full(shape, np.nan, kind_of(job.number)))
+            left = [*range(job.motions.many)]
         for k in left:
             if self._stopped():
                 break
