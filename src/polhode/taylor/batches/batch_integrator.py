@@ -93,11 +93,11 @@ class _Way:
     def solved(self) -> Solved:
         """All of them, or as many as come before a stop."""
         job = self.job
-        shape = job.motions.many, len(job.times), job.columns
         if isinstance(self.ready, CompiledBatch) and self.sizes[-1]:
             found = self._in_lanes(self.ready)
             left = np.flatnonzero(found.outcomes != _THERE).tolist()
         else:
+            shape = job.motions.many, len(job.times), job.columns
             found = Solved.undone(np.full(shape, np.nan, kind_of(job.number)))
             left = [*range(job.motions.many)]
         for k in left:
