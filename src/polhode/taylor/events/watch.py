@@ -47,7 +47,7 @@ from polhode.taylor.events.decision import (
 from polhode.taylor.events.functions import TIME, rate, typed_constant, value_of
 from polhode.taylor.events.jets import Formulas, Jet, Marks, jet_of, joined_marks
 from polhode.taylor.events.magnitudes import middle_axis
-from polhode.taylor.events.polishing import Places, exact_times, joined_places, polished
+from polhode.taylor.events.polishing import Places, exact_times, polished
 from polhode.taylor.events.probe import Probe, mark, stays
 from polhode.taylor.events.rules import Rules
 from polhode.taylor.integrator.protocols import Desk
@@ -66,14 +66,11 @@ class Note(NamedTuple):
 class Record:
     """What is known of one event while a run is under way.
 
-    ``notes``: of zeros and of extrema; so many of each are polished, ``taken``: ``places``.  So
-    many were there when it was last ``seen`` whether the run stops; ``open``: a zero is in sight;
-    ``side``: of the expression then.
+    ``notes``: of zeros and of extrema.  So many were there when it was last ``seen`` whether the
+    run stops; ``open``: a zero is in sight; ``side``: of the expression then.
     """
 
     notes: tuple[list[Note], list[Note]] = field(default_factory=lambda: ([], []))
-    taken: tuple[int, int] = (0, 0)
-    places: Places | None = None
     seen: tuple[int, int] = (0, 0)
     open: bool = False
     side: int = 0
@@ -315,15 +312,11 @@ class Watch:
     def _polished(self, k: int, last: Marks) -> tuple[Places, End, End]:
         """All that was noted of an event, polished; the start and an end."""
         assert self._first is not None
-        record = self._of[k]
-        new = zip(record.notes, record.taken, strict=True)
-        met = [self._gathered(notes[taken:]) for notes, taken in new]
+        met = [self._gathered(notes) for notes in self._of[k].notes]
         places, ends = polished(self.jets[k], met, joined_marks([self._first, last]), self.way)
-        if record.places is not None:
-            places = joined_places([record.places, places])
-        record.places, record.taken = places.those(places.order), record.noted
         start, end = ends.those(slice(1)), ends.those(slice(1, 2))
-        return record.places, End(self.rules.start[k], start), at_the_end(end)
+        known = places.those(places.order)
+        return known, End(self.rules.start[k], start), at_the_end(end)
 
     def _decided(self, k: int, known: Places, start: End, end: End) -> Decision:
         """What happened of an event up to an end."""
