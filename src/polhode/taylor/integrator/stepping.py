@@ -227,21 +227,17 @@ class Integrator:
         reach = abs(float(begun[0])) + self._reach
         beyond = bisect_right(ahead, reach, lo=done + 1, key=abs)  # its place
         short = beyond < count
-        if not short:
-            rows, ended = self._onwards(ahead[done:], steps)
-        elif beyond == done + 1:
-            rows, ended = self._onwards(ahead[-2:], steps)
-        else:
-            lent, ahead[beyond] = ahead[beyond], ahead[-1]
-            rows, ended = self._onwards(ahead[done : beyond + 1], steps)
-            ahead[beyond] = lent
-        passed = abs(ta.time)
-        if short and passed > abs(ahead[beyond]):
-            self.state[:], ta.dtime, self.steps = kept, begun, before
+        if short:
+            near, last = ahead[done:beyond], ahead[-1:]
+            parts = [*near, *last] if isinstance(ahead, list) else np.concatenate([near, last])
+            rows, ended = self._onwards(parts, steps)
+        if short and abs(ta.time) > abs(ahead[beyond]):
+            self.state[:], ta.dtime, self.steps, short = kept, begun, before, False
             if self.watcher is not None and marks is not None:
                 self.watcher.take_back(marks)
+        if not short:
             rows, ended = self._onwards(ahead[done:], steps)
-        advance = _REACH * float(passed - abs(begun[0]))
+        advance = _REACH * float(abs(ta.time) - abs(begun[0]))
         if advance > self._reach or self._reach == math.inf:
             self._reach = advance
         return rows, ended
