@@ -239,7 +239,7 @@ class _Search:
             start, parts = self.since[lane]
             parts.append(places.those(slice(*np.searchsorted(lanes, [lane, lane + 1]))))
             end = at_the_end(seen.those(slice(k, k + 1)))
-            if not end.near or self.parts[lane] >= self.last:
+            if not end.near or self.parts[lane] >= self.last or not np.isfinite(end.value):
                 complete = self._happened(lane, start, parts, end)
                 unsure[lane] = not complete or (self.put is None and start.side == 0)
                 self.since[lane] = end, []
