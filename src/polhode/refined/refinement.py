@@ -88,8 +88,8 @@ class Motion:
 
     ``states``: a row (w1 w2 w3 g1 g2 g3) a time, integers times 2**-``bits``; fewer than the times
     asked for where the run was ``stopped`` at the time ``reached``.  ``estimate``: their errors
-    and the condition kappa.  ``steps``: of the run in double.  ``sweeps``: on average.
-    ``attitudes``: at the times, where they were asked for.
+    and the condition kappa.  ``steps``: of the run in double.  ``attitudes``: at the
+    times, where they were asked for.
     """
 
     times: tuple[Fraction, ...]
@@ -98,7 +98,6 @@ class Motion:
     estimate: Estimate
     steps: int
     intervals: int
-    sweeps: float
     reached: Fraction
     stopped: str | None
     attitudes: list[Attitude] | None
@@ -138,7 +137,6 @@ def refine(
         estimate=estimate(run.stretches, run.sides[:whole], 2.0**-wanted.limbs.bits),
         steps=run.steps,
         intervals=sum(len(stretch.made) for stretch in run.stretches) + whole,
-        sweeps=run.sweeps / max(1, run.blocks),
         reached=-reached if backward else reached,
         stopped=stopped,
         attitudes=None if following is None else run.attitudes[:whole],
@@ -167,7 +165,7 @@ class _Run:
         self.found: list[list[int]] = []
         self.stretches: list[Stretch] = []
         self.sides: list[Side] = []
-        self.steps = self.sweeps = self.blocks = 0
+        self.steps = 0
         self.origin = Fraction(0)
         self._state = exact.state
         self._width = WIDTH
@@ -281,8 +279,6 @@ class _Run:
             edge = self._edges_passed + int(parent)
             self.sides.append(Side(edge, transitions[i], float(errors[i]), scale))
         self._edges_passed += chain
-        self.sweeps += solved.sweeps
-        self.blocks += 1
 
 
 class _TooFewNodes(Exception):
