@@ -71,11 +71,7 @@ class CompiledBatch(Engine):
         return rows[~np.isnan(rows[:, 0]).any(axis=1)], taken, outcome
 
     def in_blocks(
-        self,
-        ends: Sequence[float],
-        most: int | None = None,
-        stop: Stop | None = None,
-        give_up: bool = False,
+        self, ends: Sequence[float], most: int | None = None, stop: Stop | None = None
     ) -> step_blocks.Ended:
         """Every lane to an end of its own, see :mod:`polhode.taylor.batches.step_blocks`."""
-        return step_blocks.until(self.heyoka, ends, most, stop, give_up)
+        return step_blocks.until(self.heyoka, ends, most, stop)
