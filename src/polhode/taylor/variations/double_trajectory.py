@@ -14,7 +14,7 @@ import numpy as np
 
 from polhode.equations.forms import principal
 from polhode.motion.outcomes import Outcome
-from polhode.numbers.number_types import DOUBLE, EXTENDED, NumberType, extended_here
+from polhode.numbers.number_types import DOUBLE, EXTENDED, extended_here
 from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.vocabulary import STATE
