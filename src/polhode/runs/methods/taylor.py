@@ -262,7 +262,7 @@ class TaylorMotion:
         for k in [] if watch.muted else watch.still():
             event = self.scene.events[k]
             key, text = f"events[{k + 1}].zero", event.expression or event.name
-            expected = "an expression that the motion takes away from zero, further than rounding"
+            expected = "an expression that is not zero at all times of the motion, to rounding"
             raise BadInput(self.scene.name, key, text, expected)
 
     def _built(

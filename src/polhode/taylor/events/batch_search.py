@@ -127,7 +127,8 @@ class _Search:
     def __init__(self, job: SearchJob, batch: CompiledBatch) -> None:
         self.job, self.batch, n = job, batch, len(job.starts)
         assert batch.desk is not None
-        batch.desk.watch, (self.jet,) = self, batch.desk.jets
+        batch.desk.watch = self
+        self.jet: Jet = batch.desk.jets[0]
         self.numbers = job.watched.numbers(job.time_unit, job.coefficients, job.turns)
         stretches = max(1.0, np.ceil(abs(job.end) / job.stretch))
         self.length = job.stretch if stretches == math.inf else job.end / stretches
