@@ -12,17 +12,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polhode.equations.forms import principal
 from polhode.motion.outcomes import Outcome
-from polhode.numbers.number_types import DOUBLE, EXTENDED, extended_here
+from polhode.numbers.number_types import DOUBLE, EXTENDED, NumberType, extended_here
 from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.vocabulary import STATE
+from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.types import HeyokaOutput
-from polhode.taylor.integrator.engine import Engine
-from polhode.taylor.integrator.specification import Equations, principal_engine
+from polhode.taylor.integrator.engine import Engine, lent
+from polhode.taylor.integrator.specification import integrator
 
-_ORDER = [0, 1, 2, 3, 6, 4, 7, 5, 8]  # of the constants among the coefficients by name
+_CYCLE = ((1, 2), (2, 0), (0, 1))
 _MOST_STEPS = 100_000
 
 
@@ -50,8 +50,8 @@ def path(
     """
     number = EXTENDED if wide and extended_here() else DOUBLE
     kind = np.longdouble if number == EXTENDED else np.float64
-    with principal_engine(Equations(STATE, principal.NAMES, number), Engine) as ta:
-        ta.stand(np.array(start, dtype=kind), np.array(constants, dtype=kind)[_ORDER])
+    with lent(("any body", number), lambda: _built(number)) as ta:
+        ta.stand(np.array(start, dtype=kind), np.array(constants, dtype=kind))
         ended, output = ta.polynomials(kind(duration), _MOST_STEPS)
         order = ta.heyoka.order
     if ended is not Outcome.REACHED_END or output is None:
@@ -63,3 +63,14 @@ def path(
     if len(taken) > 1:
         taken[-1] = max(taken[-1], taken[-2])  # the last step is cut at the end
     return Path(ends, taken / part, output, kind)
+
+
+def _built(number: NumberType) -> Engine:
+    """The engine of the equations for any body."""
+    w, g = hy.make_vars(*STATE[:3]), hy.make_vars(*STATE[3:])
+    system = [
+        (w[i], hy.sum([hy.par[i] * w[a] * w[b], hy.par[3 + i] * g[a], hy.par[6 + i] * g[b]]))
+        for i, (a, b) in enumerate(_CYCLE)
+    ]
+    system += [(g[i], g[a] * w[b] - g[b] * w[a]) for i, (a, b) in enumerate(_CYCLE)]
+    return Engine(integrator(system, number), number, coefficients=9)
