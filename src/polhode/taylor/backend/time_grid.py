@@ -105,11 +105,12 @@ class Times(Sequence[Fraction]):
             return self.grid
         if not self.number.flat:
             return Times([t - offset for t in self._exact], self.number).grid
-        grid = flat(self.grid)
         nearest = to_double if self.number.name == "double" else to_extended
         high = nearest(offset)
-        near, rest = exact_sum(grid, -high)
-        found: Flat = near + (rest - nearest(offset - exactly(high)))
+        low = nearest(offset - exactly(high))
+        near, rest = exact_sum(flat(self.grid), -high)
+        small = rest - low
+        found: Flat = near + small
         return found
 
 
