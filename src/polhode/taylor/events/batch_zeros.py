@@ -30,7 +30,7 @@ from polhode.taylor.integrator.specification import DESK, LONG, integrator
 #: the expression (a jet's other part of the time), and the numbers of :meth:`Watched.numbers`.
 ORIGIN, TINY = range(DESK)
 
-_DAMPING = 2.0**-26  # of the rate: it takes no part in choosing the steps
+_DAMPING = 2.0**-64  # of the rate: it takes no part in choosing the steps, however fast it is
 _TURN = tuple(f"turn{i}{j}" for i in range(3) for j in range(3))
 _UNITS = "1/unit", "unit"
 _BAND = BAND * DOUBLE.eps / 2
