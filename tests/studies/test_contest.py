@@ -114,8 +114,9 @@ def test_the_least_of_several_calls_next_to_a_level_is_told(monkeypatch):
     monkeypatch.setattr(contest, "time", SimpleNamespace(process_time=lambda: next(seconds)))
     cell = Cell("lagrange", 10, draws.JUDGED)
     held = contest._Contest(cell, [true], {OURS: lambda top, start, times, tol: true.high})
-    for _ in range(3):
-        held._once(OURS, 0, 1e-9)
+    held._once(OURS, 0, 1e-9)
+    for _ in range(2):
+        held._block(OURS, 0, 1e-9)
     ((_, tol, digits, least),) = held.told()[OURS]
     assert (tol, least) == (1e-9, 1.0)
     assert digits > 15
@@ -189,7 +190,10 @@ def test_what_is_far_behind_at_every_level_is_not_held_again():
     assert again["far"] == []
     assert again["lost"] == [1e-5]
     assert again[OURS] == again[PEER] == [1e-14, 1e-11, 1e-8, 1e-5][::-1]
-    assert cells.held_again(every, every=True)["far"] == sorted(REACH, reverse=True)
+    ours[0, 1e-3] = 3.0, 1.0
+    again = cells.held_again(every, every=True)
+    assert again["far"] == []
+    assert again[OURS] == [1e-3, *sorted(REACH, reverse=True)]
 
 
 def test_a_panel_of_the_diagram_has_the_medians_of_each_tolerance_and_what_no_other_beats():
@@ -224,11 +228,13 @@ def test_what_is_judged_has_the_start_of_the_draw_itself_and_what_is_timed_anoth
 
     true, cell = draws.truth("lagrange", 0, 10), Cell("lagrange", 10, draws.JUDGED)
     held = contest._Contest(cell, [true], {OURS: run})
-    for _ in range(17):
-        held._once(OURS, 0, 1e-9)
+    held._once(OURS, 0, 1e-9)
+    for _ in range(3):
+        held._block(OURS, 0, 1e-9)
     own = held.draws[0].start.tolist()
     assert starts[0] == starts[1] == own  # the first call is not timed
     assert own not in starts[2:]
+    assert 20 < len(starts) <= 2 + 3 * 30  # short calls are timed in blocks
     assert all(a != b for a, b in pairwise(starts[2:]))
     assert np.allclose(starts[2:], own, rtol=0, atol=16 * 2.0**-50)
 

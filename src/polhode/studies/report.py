@@ -38,8 +38,8 @@ STUDIES = {
     "accuracy": (170, 30),
     "proofs": (170, 20),
     "speed": (2600, 90),
-    "stability": (130, 30),
-    "long-run": (130, 30),
+    "stability": (190, 30),
+    "long-run": (300, 30),
     "events": (35, 10),
 }
 #: Studies that there were, and what has their rows, or makes them, now.

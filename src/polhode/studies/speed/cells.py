@@ -2,8 +2,7 @@
 
 Each kind of motion is held in several processes, so that everything compiled is made as often, and
 the fastest of all counts, for all alike; but what in the first process takes more than ten times as
-long as the fastest, at every level, is not held again: equal builds differ by less than two.  (Of
-cells of the work-precision diagram all is.)  At
+long as the fastest, at every level, is not held again: equal builds differ by less than two.  At
 each level the seconds of each draw are read between its two tolerances next to it; a program
 reaches a level where at least seven of eight draws do.  Ratios are medians over the draws that both
 reach, with a bootstrap interval: a tie holds 1.
@@ -235,13 +234,13 @@ def _enter(points: dict[str, Points], told: Mapping[str, Sequence[Sequence[float
 def held_again(points: Mapping[str, Points], every: bool) -> dict[str, list[float]]:
     """The tolerances of each program that are timed once more: none of one that is far behind.
 
-    ``every``: all, of every program.
+    ``every``: all of the others.
     """
     seconds = [{n: seconds_of(there, x) for n, there in points.items()} for x in LEVELS]
     middles = [{n: statistics.median(t.values()) for n, t in x.items() if t} for x in seconds]
     found = {}
     for name, there in points.items():
         met = [times[name] <= _FAR * min(times.values()) for times in middles if name in times]
-        again = timed_again(there, every) if every or any(met) or not met else ()
+        again = timed_again(there, every) if any(met) or not met else ()
         found[name] = sorted({tol for _, tol in again}, reverse=True)
     return found

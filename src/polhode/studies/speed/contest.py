@@ -5,9 +5,9 @@ Of many starts those that are judged are run alone, and all of them where it is 
 A job: {"kind", "cells": [{"end", "outputs", "starts", "truths": [[high, low, scale] a draw]}],
 "programs": names, "tolerances": {cell's label: {program: [tolerances]}} or null, "patience":
 seconds}.  Without tolerances each program is run once at all of its own, judged, and only those
-next to a level are timed further, in cells of the work-precision diagram all.  A timed call has
-another start than the one before: the draw's, its first component off by some units in the last
-place; what is judged has the draw's own.
+next to a level are timed further, in cells of the work-precision diagram all.  A short call is
+timed in a block of them, as a loop makes them; each has another start than the one before: the
+draw's, its first component off by some units in the last place.  What is judged has the draw's own.
 
 The answer is lines of JSON, flushed as they are made: {"failed": program, "fault"} of one that
 could not be prepared, and for each cell {"cell", "points": {program: [[draw, tol, digits,
@@ -42,7 +42,9 @@ from polhode.studies.speed.draws import (
 from polhode.studies.speed.programs import BY_NAME, MANY
 
 LEVELS = (6.0, 9.0, 12.0)
-ROUNDS = 5  # of timed calls, fewer where they take longer than the job's patience
+ROUNDS = 5  # of timed blocks of calls, fewer where they take longer than the job's patience
+_BLOCK = 2e-4  # seconds of a block: what a loop pays, with the program's code in the caches
+_MOST = 30  # calls of a block
 _NUDGE = 2.0**-50
 
 #: Of one program in a cell: (draw, tolerance) -> correct digits and the least seconds.
@@ -103,34 +105,50 @@ class _Contest:
                 for name, asked in near.items():
                     for draw_asked, tol in asked:
                         if draw_asked == k:
-                            self._once(name, k, tol)
+                            self._block(name, k, tol)
             if time.perf_counter() - began > patience:
                 return
 
-    def _once(self, name: str, k: int, tol: float) -> None:
-        """One timed call, judged where it is the first of its kind."""
-        known = self.points[name].get((k, tol))
-        start = self.draws[k].start.copy()
-        if known is not None:
+    def _block(self, name: str, k: int, tol: float) -> None:
+        """Calls one after the other, timed together, each with a start of its own."""
+        known, least = self.points[name][k, tol]
+        run, top = self.ready[name], self.draws[k].top
+        starts = []
+        for _ in range(min(_MOST, math.ceil(_BLOCK / least)) if least < math.inf else 1):
             self._calls += 1
+            start = self.draws[k].start.copy()
             start[..., 0] += (1 + self._calls % 15) * _NUDGE
+            starts.append(start)
+        try:
+            began = time.process_time()
+            for start in starts:
+                run(top, start, self.times, tol)
+            seconds = (time.process_time() - began) / len(starts)
+        except Exception as fault:
+            self._fail(name, tol, fault)
+            return
+        self.points[name][k, tol] = known, min(least, seconds)
+
+    def _fail(self, name: str, tol: float, fault: Exception) -> None:
+        """What a program raised, whatever it is: a result."""
+        self.faults[f"{name} at {tol:.1g}"] = _told(fault)
+
+    def _once(self, name: str, k: int, tol: float) -> None:
+        """The call that is judged, timed alone; of many starts those that are judged, untimed."""
+        start = self.draws[k].start.copy()
         run, top, truth = self.ready[name], self.draws[k].top, self.truths[k]
         try:
-            if known is None:
-                if self.cell.starts:
-                    found = median_digits(run(top, start[:MANY_JUDGED], self.times, tol), truth)
-                    self.points[name][k, tol] = found, math.inf
-                    return
-                # what is made on the first call, a short one, is not timed
-                run(top, start, self.times / self.cell.end, tol)
+            if self.cell.starts:
+                found = median_digits(run(top, start[:MANY_JUDGED], self.times, tol), truth)
+                self.points[name][k, tol] = found, math.inf
+                return
+            # what is made on the first call, a short one, is not timed
+            run(top, start, self.times / self.cell.end, tol)
             began = time.process_time()
             states = run(top, start, self.times, tol)
             seconds = time.process_time() - began
-        except Exception as fault:  # whatever a program raises is a result
-            self.faults[f"{name} at {tol:.1g}"] = _told(fault)
-            return
-        if known is not None:
-            self.points[name][k, tol] = known[0], min(known[1], seconds)
+        except Exception as fault:
+            self._fail(name, tol, fault)
             return
         expected = (1, len(self.times))
         if len(states) not in expected:
