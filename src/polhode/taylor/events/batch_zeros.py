@@ -24,12 +24,13 @@ from polhode.taylor.events.functions import TIME, in_columns, rate, typed_consta
 from polhode.taylor.events.jets import Formulas, jet_of
 from polhode.taylor.events.roundoff import BAND
 from polhode.taylor.integrator.protocols import Desk
-from polhode.taylor.integrator.specification import DESK, LONG, integrator
+from polhode.taylor.integrator.specification import DESK, integrator
 
 #: The parameters of a batch, and of its jet: when the stretch began, what the first step adds to
 #: the expression (a jet's other part of the time), and the numbers of :meth:`Watched.numbers`.
 ORIGIN, TINY = range(DESK)
 
+_LONG = 80  # operations of an expression and its rate whose code is compiled as loops
 _DAMPING = 2.0**-64  # of the rate: it takes no part in choosing the steps, however fast it is
 _TURN = tuple(f"turn{i}{j}" for i in range(3) for j in range(3))
 _UNITS = "1/unit", "unit"
@@ -99,7 +100,7 @@ def built(watched: Watched) -> CompiledBatch:
     scaled = value if section else value / hy.expression(watched.size)
     both = [scaled, rate(scaled, variables, field) * hy.expression(_DAMPING)]
     clock = {TIME: hy.time + hy.par[ORIGIN]}
-    options: dict[str, Any] = compact_beyond(LONG, both)
+    options: dict[str, Any] = compact_beyond(_LONG, both)
     options["nt_events"] = [
         hy.nt_event_batch(hy.subs(f, clock) + hy.par[TINY], Callback(desk, 0, order))
         for order, f in enumerate(both)
