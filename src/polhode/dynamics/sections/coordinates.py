@@ -32,7 +32,7 @@ from polhode.scenes.scene import Scene
 
 _BLOCK = 5000  # points whose roots numpy is asked for at once: a tenth of a second
 _LARGEST = 1e50  # of |G|, and 1 over its least: sixth powers stay in the range of doubles
-_FASTEST = 1e13  # |w|, and 1 over its least: so do its powers in a Taylor step of extrema
+_FASTEST = 1e15  # |w|, and 1 over its least: so do those of 20th order in a Taylor step
 
 
 class Ground(NamedTuple):

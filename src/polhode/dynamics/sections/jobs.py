@@ -101,7 +101,9 @@ def unpacked(held: Arrays) -> Crossed:
     """What a job found, from those arrays."""
     from polhode.taylor.events.batch_search import Crossed
 
-    states, times, rests = (double_array(held[name]) for name in ("states", "times", "rests"))
+    states, times, rests, slopes = (
+        double_array(held[name]) for name in ("states", "times", "rests", "slopes")
+    )
     found, steps = (np.asarray(held[name], dtype=np.int64) for name in ("found", "steps"))
     outcomes, drift = tuple(held["outcomes"].tolist()), float(held["drift"].item())
-    return Crossed(states, times, rests, found, steps, outcomes, drift)
+    return Crossed(states, times, rests, slopes, found, steps, outcomes, drift)
