@@ -182,6 +182,13 @@ def test_flat_crossings_count_and_contacts_do_not():
         assert np.abs(flat.times - found.times).max() < off
 
 
+def test_an_expression_as_small_as_doubles_have_is_none_that_stays():
+    """It was refused as a constant: a complex step of 1e-30 along it was 0."""
+    asked = {"starts": "scene", "crossings": 4}
+    small, found = (polhode.section(GENERIC, by=by, **asked) for by in ("1e-300*q**3", "q"))
+    assert np.abs(small.times - found.times).max() < 1e-11
+
+
 _TILTED = """schema = 1
 title = "Tilted"
 [body]

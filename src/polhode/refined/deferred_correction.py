@@ -85,7 +85,6 @@ class Solved:
     unfinished: Doubles
     tails: Doubles
     transitions: Doubles
-    sweeps: int
     stages: Doubles | None = None
 
 
@@ -122,7 +121,7 @@ def solve(constants: Constants, work: Intervals, with_stages: bool = False) -> S
             if with_stages:
                 sweep.move_stages(defect, e, _STAGES)
             stages = sweep.stages if with_stages else None
-            return Solved(sweep.states, drift, unfinished, tails, sweep.transitions, count, stages)
+            return Solved(sweep.states, drift, unfinished, tails, sweep.transitions, stages)
         enough = _enough(largest, relative, constants.target)
         sweep.move_stages(defect, e, enough)
         before = largest

@@ -9,9 +9,8 @@ error estimate.
 from __future__ import annotations
 
 import math
-from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
@@ -89,8 +88,8 @@ class Motion:
 
     ``states``: a row (w1 w2 w3 g1 g2 g3) a time, integers times 2**-``bits``; fewer than the times
     asked for where the run was ``stopped`` at the time ``reached``.  ``estimate``: their errors
-    and the condition kappa.  ``steps``: of the run in double.  ``sweeps``: on average.
-    ``attitudes``: at the times, where they were asked for.
+    and the condition kappa.  ``steps``: of the run in double.  ``attitudes``: at the
+    times, where they were asked for.
     """
 
     times: tuple[Fraction, ...]
@@ -99,38 +98,13 @@ class Motion:
     estimate: Estimate
     steps: int
     intervals: int
-    sweeps: float
     reached: Fraction
     stopped: str | None
     attitudes: list[Attitude] | None
-    _marks: tuple[tuple[Fraction, Problem], ...]
-    _wanted: Accuracy
 
     def exactly(self, i: int) -> list[Fraction]:
         """The i-th state as rationals."""
         return [Fraction(x, 1 << self.bits) for x in self.states[i]]
-
-    def at(self, times: Sequence[Fraction]) -> list[list[int]]:
-        """States at times up to ``reached``, in any order: from the last block before each.
-
-        At the output times they are the run's own.  Raises CannotRefine.
-        """
-        known = dict(zip(self.times, self.states, strict=True))
-        begun = [mark for mark, _ in self._marks]
-        found: dict[Fraction, list[int]] = {}
-        ahead = sorted({abs(t) for t in times if t not in known})
-        while ahead:
-            index = bisect_right(begun, ahead[0]) - 1
-            after = begun[index + 1] if index + 1 < len(begun) else None
-            near = ahead if after is None else ahead[: bisect_left(ahead, after)]
-            origin, exact = self._marks[index]
-            run = _Run(exact, [t - origin for t in near], self._wanted, STEPS_AN_INTERVAL)
-            with one_thread(), one_blas_thread():
-                run.to_the_end(None, None)
-            found |= zip(near, run.found, strict=True)
-            ahead = ahead[len(near) :]
-        backward = self.times[-1] < 0 if self.times else self.reached < 0
-        return [known[t] if t in known else _turned(found[abs(t)], backward) for t in times]
 
 
 def refine(
@@ -163,12 +137,9 @@ def refine(
         estimate=estimate(run.stretches, run.sides[:whole], 2.0**-wanted.limbs.bits),
         steps=run.steps,
         intervals=sum(len(stretch.made) for stretch in run.stretches) + whole,
-        sweeps=run.sweeps / max(1, run.blocks),
         reached=-reached if backward else reached,
         stopped=stopped,
         attitudes=None if following is None else run.attitudes[:whole],
-        _marks=tuple(run.marks),
-        _wanted=wanted,
     )
 
 
@@ -194,8 +165,7 @@ class _Run:
         self.found: list[list[int]] = []
         self.stretches: list[Stretch] = []
         self.sides: list[Side] = []
-        self.steps = self.sweeps = self.blocks = 0
-        self.marks = [(Fraction(0), exact)]  # where the blocks began
+        self.steps = 0
         self.origin = Fraction(0)
         self._state = exact.state
         self._width = WIDTH
@@ -275,8 +245,6 @@ class _Run:
         limbs = self.wanted.limbs
         self._state = out_of_unit([limbs.value(x) for x in state], now.unit)
         self.origin = now.time(clock)
-        if self.origin > self.marks[-1][0]:
-            self.marks.append((self.origin, replace(self.problem, state=self._state)))
 
     def _turn(self, work: Intervals, solved: Solved) -> None:
         """The attitude over a block, where it is asked for."""
@@ -311,8 +279,6 @@ class _Run:
             edge = self._edges_passed + int(parent)
             self.sides.append(Side(edge, transitions[i], float(errors[i]), scale))
         self._edges_passed += chain
-        self.sweeps += solved.sweeps
-        self.blocks += 1
 
 
 class _TooFewNodes(Exception):

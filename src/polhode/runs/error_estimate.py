@@ -7,16 +7,15 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Doubles, Rows
+from polhode.numbers.rows import Rows
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
 
 _SHARE = 0.05  # of the run's time, for the tangent
 _TANGENT = 4e-6  # seconds that a step of it takes
 _FEWEST_STEPS = 2000
-_NEAR = 2.0  # strides: output times nearer than that lead the motion
 
 
 class Expected(NamedTuple):
@@ -37,7 +36,6 @@ def expected(
     tolerance: float,
     steps: int,
     times: Sequence[Fraction],
-    states: Rows,
     every: int = 0,
 ) -> Expected:
     """What a run of so many steps at this tolerance is expected to have; see Expected.
@@ -49,8 +47,7 @@ def expected(
     become of errors made at the start: those made near an unstable rotation that a motion comes
     back to may have grown more (euler/dzhanibekov to t = 60: 13 digits told, 8 had).
     polhode.compare and polhode.conditioning follow all of them.  Where the run's type is wider, and
-    the motion multiplies errors more than a double can follow, the states of the run lead it, or
-    where they are too few another integration.
+    the motion multiplies errors more than a double can follow, another integration leads it.
     """
     from polhode.taylor.variations.error_growth import LED_FROM, growth
 
@@ -62,7 +59,7 @@ def expected(
     most = max(_FEWEST_STEPS, int(_SHARE * defaults.seconds(number, steps) / _TANGENT))
     found = growth(asked, held, most, every=every)
     if not number.flat and max(found.lost) > LED_FROM:
-        found = growth(asked, held, most, _leading(scene, times, states) or True, every=every)
+        found = growth(asked, held, most, True, every=every)
     digits = tuple(max(0.0, held - found.at(t)) for t in times)
     return Expected(digits, found.reaches(held / 2), found.reaches(held))
 
@@ -85,27 +82,3 @@ def by_errors(
         for least in (held / 2, 0.0)
     ]
     return Expected(digits, below[0], below[1])
-
-
-def _leading(scene: Scene, times: Sequence[Fraction], states: Rows) -> dict[float, Doubles]:
-    """The states of a run as what leads a tangent; empty where they are too far apart."""
-    import numpy as np
-
-    from polhode.taylor.variations.error_growth import STRIDE
-    from polhode.taylor.variations.reference_trajectory import six
-
-    unit = Fraction(2) ** scene.time_unit
-    turn = np.array([[to_double(x) for x in row] for row in scene.body.axes.rows])
-    found: dict[float, Doubles] = {}
-    before = 0.0
-    for t, row in zip(times, states, strict=True):
-        here = to_double(t / unit)
-        if abs(here - before) > _NEAR * STRIDE:
-            return {}
-        state = six([exactly(x) for x in row])
-        state[:3] = turn @ state[:3] * float(unit)
-        state[3:] = turn @ state[3:]
-        if here:
-            found[here] = state
-        before = here
-    return found

@@ -298,16 +298,13 @@ class Trajectory(Result, ByValue, Generic[S_co]):
 
     def _expected_at(self, kept: Sequence[int]) -> Expected:
         """The same at some of the times."""
-        times, states = self.times, self.states
-        if len(kept) < len(times):
-            times, states = [times[k] for k in kept], cast("S_co", states[list(kept)])
+        times = [self.times[k] for k in kept]
         if self.errors is not None:
-            return by_errors([self.errors[k] for k in kept], self.number, times, states)
+            errors, states = [self.errors[k] for k in kept], self.states[list(kept)]
+            return by_errors(errors, self.number, times, states)
         held = self.projection
-        return expected(
-            *(self.scene, self.number, self.tolerance, self.steps, times, states),
-            every=held.every if held is not None and len(held.onto) == _TORUS else 0,
-        )
+        every = held.every if held is not None and len(held.onto) == _TORUS else 0
+        return expected(self.scene, self.number, self.tolerance, self.steps, times, every)
 
     @cached_property
     def _least_expected(self) -> tuple[float | None, float | None]:

@@ -51,6 +51,7 @@ if TYPE_CHECKING:
 MOST_CROSSINGS = 1_000_000
 _RATIO = "cosine of the angle between r0 and the angular momentum"
 _BYTES = 400  # of a crossing, while it is found and put in order
+_STEP = 1e-8  # along the motion, a complex one: of numbers of 1e-300, too, some digits are left
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -330,7 +331,7 @@ def section(
 
 def _refuse_constant(asked: Asked, on: Ground, zero: SectionZero, states: Doubles) -> None:
     """Raise BadInput for an expression that has no value at a start, or no rate at any of them."""
-    from polhode.taylor.corrections.level_projection import ARRAYS, TINY
+    from polhode.taylor.corrections.level_projection import ARRAYS
 
     if asked.by in (MOMENTUM, HEIGHT):
         return
@@ -342,8 +343,8 @@ def _refuse_constant(asked: Asked, on: Ground, zero: SectionZero, states: Double
     try:
         with np.errstate(all="ignore"):
             rates = principal.field([*moved], k, ARRAYS)
-            ahead = np.array([x + TINY * 1j * rate for x, rate in zip(moved, rates, strict=True)])
-            speed = np.imag(zero.value([*ahead], ARRAYS)) / TINY
+            ahead = np.array([x + _STEP * 1j * rate for x, rate in zip(moved, rates, strict=True)])
+            speed = np.imag(zero.value([*ahead], ARRAYS)) / _STEP
             value = np.real(zero.value(list(moved), ARRAYS))
             here = zero.value(list(states.T), ARRAYS) + 0 * states[:, 0]
         if not np.isfinite(here).all():

@@ -61,7 +61,7 @@ class RefinedMotion:
         self.remarks: Mapping[str, str] = {}
         if plain is not scene:
             self.remarks = {"refined in": "principal axes, the same states"}
-        self._found: Motion
+        self._accuracy: Accuracy
 
     def advance(
         self, times: Sequence[Fraction], progress: Progress | None = None
@@ -86,7 +86,7 @@ class RefinedMotion:
                 break
             wanted += lacking
         outcome = Outcome(found.stopped) if found.stopped else Outcome.REACHED_END
-        self._found, self.steps = found, found.steps
+        self._accuracy, self.steps = accuracy(wanted), found.steps
         self.reached = found.reached * Fraction(2) ** scene.time_unit
         rows = [found.exactly(i) for i in range(len(found.states))]
         self.errors = _errors(scene, number, told, rows)
@@ -100,13 +100,15 @@ class RefinedMotion:
         return whole, outcome
 
     def at(self, times: Sequence[Fraction]) -> tuple[Sequence[Row], Outcome, Fraction]:
-        """States at exact times in the scene's unit, refined again from the block before each.
+        """States at exact times in the scene's unit, refined once more.
 
         None of the attitude and the angles.  Raises CannotRefine.
         """
         unit, count = Fraction(2) ** self.scene.time_unit, len(equations(self.scene).variables)
-        bits, found = self._found.bits, self._found.at([t / unit for t in times])
-        rows: list[list[Scalar]] = [[Fraction(x, 1 << bits) for x in row[:count]] for row in found]
+        again = refine(self.scene, [t / unit for t in times], self._accuracy)
+        if again.stopped:
+            raise KeyboardInterrupt
+        rows: list[list[Scalar]] = [[*again.exactly(i)[:count]] for i in range(len(times))]
         return rows, Outcome.REACHED_END, self.reached
 
     def _run(self, times: Sequence[Fraction], wanted: int, progress: Progress | None) -> Motion:
@@ -153,11 +155,6 @@ class RefinedMotion:
             if not np.isfinite(errors[i]).all():
                 errors[i] = 2 * max(apart[:3]), 2 * max(apart[3:])
         return errors
-
-
-def accuracy_for(number: NumberType) -> Accuracy:
-    """What a run in a number type is refined to, at first."""
-    return accuracy(max(34, int(number.most_digits)))
 
 
 def _turned(scene: Scene, number: NumberType, attitudes: list[Attitude]) -> list[list[Real]]:

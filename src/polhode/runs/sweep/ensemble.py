@@ -16,7 +16,6 @@ from polhode.motion.outcomes import OUTCOMES, Outcome
 from polhode.numbers.decimals import shown
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Flat, Rows, Stack, read_only
-from polhode.numbers.scalars import Real
 from polhode.results.cells import DOUBLE, EXACT
 from polhode.results.shown import lines
 from polhode.results.table import Column, Fact, Table
@@ -253,8 +252,3 @@ class Ensemble(SweepResult):
         states = self.states[index]
         found: Flat = states[: int((states[:, 0] == states[:, 0]).sum())]
         return found if self.number.flat else found.tolist()
-
-    def output(self, word: str, index: int) -> list[list[Real | None]]:
-        """The rows of an output of one member at the times that it reached, None for nan."""
-        rows = self.outputs[word][index][: len(self.rows(index))]
-        return [[x if x == x else None for x in row] for row in rows]

@@ -74,12 +74,6 @@ class FlatJob(NamedTuple):
     steps: BatchJob
     read: Reader
 
-    def prepare(self) -> None:
-        """Compile what the members share: once, before threads ask for it."""
-        from polhode.taylor.batches import batch_integrator
-
-        batch_integrator.prepared(self.steps).release()
-
     def solved(self, stop: Stop | None = None) -> Solved:
         """What became of the members, in the scene's axes and units; ``stop`` ends it sooner."""
         from polhode.taylor.batches import batch_integrator

@@ -176,10 +176,6 @@ def integrate_many(
         else wide_members.job_of(plan, group, method)
         for group in groups
     ]
-    began = time.perf_counter()
-    if executor is None and jobs:
-        jobs[0].prepare()
-    build = time.perf_counter() - began
     finished = run_jobs(
         _solved,
         jobs,
@@ -196,8 +192,7 @@ def integrate_many(
         delay.forget()
     seconds = {
         "scenes": prepared - asked,
-        "build": build,
-        "run": time.perf_counter() - prepared - build,
+        "run": time.perf_counter() - prepared,
     }
     tolerance = plan.tolerance or plan.number.eps
     return Ensemble(

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 from polhode.common.checkpoint import Arrays
 from polhode.motion.outcomes import OUTCOMES, Outcome, code
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from polhode.taylor.batches.jobs import Solved
-
-K = TypeVar("K", bound="np.generic")
 
 
 def no_states(number: NumberType, shape: tuple[int, ...]) -> Stack:
@@ -86,9 +84,9 @@ def unpacked(held: Arrays, number: NumberType) -> Solved:
     told = json.loads(str(held["errors"]))
     return Solved(
         flat(held["states"]) if number.flat else _numbers(held["states"], number),
-        _looked_up(held["outcomes"], lambda text: code(Outcome(text)), np.uint8),
+        np.array([code(Outcome(text)) for text in held["outcomes"].tolist()], dtype=np.uint8),
         np.asarray(held["steps"], dtype=np.int64),
-        _looked_up(held["reached"], Fraction, np.object_),
+        np.array([Fraction(text) for text in held["reached"].tolist()], dtype=object),
         None if told is None else [None if x is None else tuple(x) for x in told],
     )
 
@@ -100,16 +98,3 @@ def _numbers(texts: npt.NDArray[np.generic], number: NumberType) -> Stack:
     for index in np.argwhere(texts != "nan"):
         found[tuple(index)] = number_value(Fraction(str(texts[tuple(index)])), number)
     return found
-
-
-def _looked_up(
-    texts: npt.NDArray[np.generic], read: Callable[[str], object], kind: type[K]
-) -> npt.NDArray[K]:
-    """An array of texts, of which there are few different ones, read."""
-    import numpy as np
-
-    different, which = np.unique(texts, return_inverse=True)
-    known = np.empty(len(different), dtype=kind)
-    for k, text in enumerate(different.tolist()):
-        known[k] = read(text)
-    return known[which]

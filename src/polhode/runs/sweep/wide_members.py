@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -11,7 +10,6 @@ from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.number_types import NumberType
 from polhode.runs.methods import refined
 from polhode.runs.problem.options import Options
-from polhode.runs.problem.problem import problem
 from polhode.runs.solve import solve
 from polhode.runs.sweep.columns import exact_numbers, refuse_out_of_range
 from polhode.runs.sweep.plan import Plan
@@ -31,20 +29,6 @@ class WideJob(NamedTuple):
     members: tuple[Scene, ...]
     number: NumberType
     options: Options
-
-    def prepare(self) -> None:
-        """Compile, or load, what the members share: once, before threads ask for it."""
-        first, number, options = self.members[0], self.number, self.options
-        wanted = options.method == "refined" or refined.worth_it(first, number)
-        if options.method == "taylor" or refined.hindrance(first, number, options) or not wanted:
-            problem(first, number, options.tolerance).prepared().engine().release()
-            return
-        from polhode.refined.errors import CannotRefine
-        from polhode.refined.self_test import trusted_kernels
-        from polhode.runs.methods.refined_motion import accuracy_for
-
-        with suppress(CannotRefine):  # which the runs find, too
-            trusted_kernels(accuracy_for(number).limbs)
 
     def solved(self, stop: Stop | None = None) -> Solved:
         """What became of the members, in the scene's axes and units; ``stop`` ends it sooner."""

@@ -95,42 +95,28 @@ class Times(Sequence[Fraction]):
         return array(found, self.number) if self.number.flat else found
 
     def since(self, offset: Fraction) -> Numbers:
-        """What has passed at each time since ``offset``, as heyoka's numbers, each rounded once."""
+        """What has passed at each time since ``offset``, as heyoka's numbers.
+
+        Each rounded once; of flat types that is of the offset's first two numbers.
+        """
         if not offset:
             return self.grid
         if not self.number.flat:
             return Times([t - offset for t in self._exact], self.number).grid
-        found, doubtful = differences(flat(self.grid), offset)
-        for k in doubtful:
-            found[k] = Times([self[k] - offset], self.number).grid[0]
+        nearest = to_double if self.number.name == "double" else to_extended
+        high = nearest(offset)
+        low = nearest(offset - exactly(high))
+        near, rest = exact_sum(flat(self.grid), -high)
+        small = rest - low
+        found: Flat = near + small
         return found
 
 
-def differences(times: Flat, offset: Fraction) -> tuple[Flat, list[int]]:
-    """times - offset, rounded once; and which of them are too near to a tie to be sure of.
-
-    The offset is taken as the sum of two doubles (longdoubles, where the times are such), and sums
-    of doubles without an error: that of two is a double and a rest (Knuth, The Art of Computer
-    Programming, vol. 2, 4.2.2).
-    """
-    import numpy as np
-
-    nearest = to_extended if times.dtype == np.longdouble else to_double
-    high = nearest(offset)
-    low = nearest(offset - exactly(high))
-    near, rest = exact_sum(times, -high)
-    small = rest - low
-    found, lost = exact_sum(near, small)
-    # not np.spacing, which for longdoubles of all ones, next below a power of two, is nan
-    gap = np.ldexp(times.dtype.type(1), np.frexp(found)[1] - np.finfo(times.dtype).nmant - 1)
-    unsure = np.abs(np.abs(lost) - gap / 2) <= gap * 2.0**-20 + abs(high) * 2.0**-100
-    unsure |= np.frexp(found)[0] == 0.5  # the gap below is half as wide
-    unsure |= np.abs(found) < 2.0**-900
-    return found, np.flatnonzero(unsure | (np.frexp(found)[0] == -0.5)).tolist()
-
-
 def exact_sum(a: Scalar, b: Scalar) -> tuple[Scalar, Scalar]:
-    """a + b as a double and what its rounding leaves over."""
+    """a + b as a double and what its rounding leaves over.
+
+    Knuth, The Art of Computer Programming, vol. 2, 4.2.2.
+    """
     found = a + b
     of_b = found - a
     return found, (a - (found - of_b)) + (b - of_b)

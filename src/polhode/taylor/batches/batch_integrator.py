@@ -23,7 +23,7 @@ from polhode.common.progress import Stop
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Array, Doubles, double_array
+from polhode.numbers.rows import Array, Doubles, double_array, kind_of
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend import defaults
 from polhode.taylor.batches.compiled_batch import LANES, CompiledBatch, in_lanes, out_of_lanes
@@ -93,12 +93,13 @@ class _Way:
     def solved(self) -> Solved:
         """All of them, or as many as come before a stop."""
         job = self.job
-        left = [*range(job.motions.many)]
         if isinstance(self.ready, CompiledBatch) and self.sizes[-1]:
             found = self._in_lanes(self.ready)
             left = np.flatnonzero(found.outcomes != _THERE).tolist()
         else:
-            found = Solved.none_of(job)
+            shape = job.motions.many, len(job.times), job.columns
+            found = Solved.undone(np.full(shape, np.nan, kind_of(job.number)))
+            left = [*range(job.motions.many)]
         for k in left:
             if self._stopped():
                 break
@@ -145,8 +146,9 @@ class _Way:
             if job.sure:
                 self._surely(ready, states[k])
                 done[k] = True
-            elif (taken := self._together(ready, states[k])) is not None:
-                steps[k], done[k] = taken, True
+            else:
+                steps[k], outcome, _ = self._followed(states[k], False)
+                done[k] = outcome.done
         done &= np.isfinite(states[:, -1]).all(axis=(1, 2))  # else a lane has stopped the others
         found = Solved.undone(out_of_lanes(states)[:many])
         there = slice(None) if done.all() else np.repeat(done, LANES)[:many]
@@ -166,86 +168,58 @@ class _Way:
         else:
             states[stretch.first :] = ready.heyoka.propagate_grid(stretch.grid)[1][1:]
 
-    def _together(self, ready: CompiledBatch, states: Doubles) -> list[int] | None:
-        """The steps of a batch of motions, each in its lane; None where their limit ends them."""
-        steps = [0] * LANES
+    def _followed(self, into: Array, alike: bool) -> tuple[Any, Outcome, float]:
+        """The way of what stands at its start: steps, how it ended, and how far it came.
+
+        ``into``: the states, (times, columns), or of a batch (times, columns, lanes), in which
+        motions are ``alike`` or end together with the first that does not arrive.
+        """
+        steps: Any = 0
+        if not self.sizes[-1]:
+            return steps, Outcome.REACHED_END, 0.0
         for n in count():
             stretch = self._stretch(n)
             if n:
-                if self._stopped() or self._hopeless(max(steps), n * self.longest):
-                    return None
-                ready.begin()
-            rows = self._in_one_go(ready, stretch, steps)
-            if rows is None:
-                return None
-            states[stretch.first : stretch.last] = rows[: stretch.last - stretch.first]
-            if stretch.last == len(states):
+                self.ready.begin()
+            left = self.job.max_steps - _most(steps)
+            rows, taken, outcome = self._in_blocks(stretch, left, alike)
+            steps = steps + taken
+            kept = min(len(rows), stretch.last - stretch.first)
+            if kept and outcome is not Outcome.NON_FINITE:
+                into[stretch.first : stretch.first + kept] = rows[:kept]
+            reached = min((n + outcome.done) * self.longest, float(self.sizes[-1]))
+            if outcome.done and stretch.last < len(self.sizes):
+                if self._hopeless(_most(steps), reached) or _most(steps) >= self.job.max_steps:
+                    outcome = Outcome.STEP_LIMIT
+                elif self._stopped():
+                    outcome = Outcome.NOT_RUN
+            if not outcome.done or stretch.last == len(self.sizes):
                 break
-        return steps
-
-    def _in_one_go(
-        self, ready: CompiledBatch, stretch: _Stretch, steps: list[int]
-    ) -> Doubles | None:
-        """States (times, columns, lanes); the steps are added.  None where not all arrive.
-
-        A state at the end alone needs no dense output.
-        """
-        ta, left, targets = ready.heyoka, self.job.max_steps - max(steps), stretch.targets
-        if left <= 0:
-            return None
-        if len(targets) == 1:
-            ta.propagate_until(targets[0], max_steps=min(left, self.block))
-            rows: Doubles = ready.state[None]
-        else:
-            rows = ta.propagate_grid(stretch.grid, max_steps=min(left, self.block))[1][1:]
-        taken = ready.taken
-        if max(taken) >= self.block < left and len(targets) == 1:  # in blocks, then
-            ended = ready.in_blocks(targets * LANES, left - self.block, self.stop, True)
-            if any(outcome is not Outcome.REACHED_END for outcome in ended.outcomes):
-                return None
-            taken = [a + b for a, b in zip(taken, ended.steps.tolist(), strict=True)]
-        elif max(taken) >= min(left, self.block):
-            return None
-        for lane, more in enumerate(taken):
-            steps[lane] += more
-        return rows
+        return steps, outcome, reached
 
     def _alone(self, k: int, found: Solved) -> None:
         """One motion; left as if it had not begun where it is stopped."""
-        ready = self.ready
-        one = self.job.motions.some(slice(k, k + 1))
+        ready, one, into = self.ready, self.job.motions.some(slice(k, k + 1)), found.states[k]
         if isinstance(ready, CompiledBatch):  # in all lanes alike
             ready.stand(one.starts.T, one.coefficients.T)
+            lanes = np.full((*into.shape, LANES), np.nan)
+            steps, outcome, reached = self._followed(lanes, True)
+            into[:] = lanes[:, :, 0]
         else:
             ready.stand(one.starts[0], one.coefficients[0])
-        steps, outcome, reached = 0, Outcome.REACHED_END, 0.0
-        for n in count() if self.sizes[-1] else ():
-            stretch = self._stretch(n)
-            if n:
-                ready.begin()
-            rows, taken, outcome = self._in_blocks(stretch, self.job.max_steps - steps)
-            if outcome is Outcome.NOT_RUN:
-                found.states[k] = np.nan
-                return
-            steps += taken
-            kept = min(len(rows), stretch.last - stretch.first)
-            if kept and outcome is not Outcome.NON_FINITE:
-                found.states[k, stretch.first : stretch.first + kept] = rows[:kept]
-            if outcome is not Outcome.REACHED_END:
-                break
-            reached = min((n + 1) * self.longest, float(self.sizes[-1]))
-            if stretch.last == len(self.sizes):
-                break
-            if self._hopeless(steps, reached) or steps >= self.job.max_steps:
-                outcome = Outcome.STEP_LIMIT
-                break
-        found.outcomes[k], found.steps[k] = code(outcome), steps
+            steps, outcome, reached = self._followed(into, True)
+        if outcome is Outcome.NOT_RUN:
+            into[:] = np.nan
+            return
+        found.outcomes[k], found.steps[k] = code(outcome), _most(steps)
         unit = Fraction(2) ** self.job.time_unit
         part = Fraction(math.copysign(reached, self.end)) * unit
         found.reached[k] = self.end if outcome is Outcome.REACHED_END else part
 
-    def _in_blocks(self, stretch: _Stretch, limit: int) -> tuple[list[Array], int, Outcome]:
-        """Rows of one motion at times, its steps, its ending; NOT_RUN where it is stopped.
+    def _in_blocks(
+        self, stretch: _Stretch, limit: int, alike: bool
+    ) -> tuple[list[Array], Any, Outcome]:
+        """Rows at times, the steps, the ending; NOT_RUN where it is stopped.
 
         A stretch that goes as foreseen is one block of steps.  One whose motion turns out faster by
         orders of magnitude has many, between which a signal is heard.
@@ -254,7 +228,7 @@ class _Way:
         rows: list[Array] = []
         single = len(rest) == 1
         while True:
-            most = min(self.block, limit - steps)
+            most = min(self.block, limit - _most(steps))
             if single:  # no dense output, as with others
                 outcome, took = ready.until(rest[0], most, most)
                 rows += [ready.row.copy()] * outcome.done
@@ -262,15 +236,21 @@ class _Way:
                 met, took, outcome = ready.grid([ready.now, *rest], most)
                 rows += [*met]
             rest, steps = stretch.targets[len(rows) :], steps + took
-            if rest and not single and rest[0] == ready.now:  # a step ended there: no such row
-                rows.append(ready.row.copy())
+            if rest and not single and alike and rest[0] == ready.now:
+                rows.append(ready.row.copy())  # a step ended there: heyoka gives no such row
                 rest = rest[1:]
             if not rest:
                 return rows, steps, Outcome.REACHED_END
             if outcome is Outcome.NON_FINITE:
                 return rows, steps, outcome
-            far = steps * abs(rest[-1]) > _HOPELESS * limit * abs(ready.now)
-            if steps >= limit or far or outcome is not Outcome.STEP_LIMIT:
+            taken = _most(steps)
+            far = taken * abs(rest[-1]) > _HOPELESS * limit * abs(ready.now)
+            if taken >= limit or far or outcome is not Outcome.STEP_LIMIT or not (single or alike):
                 return rows, steps, Outcome.STEP_LIMIT
             if self._stopped():
                 return rows, steps, Outcome.NOT_RUN
+
+
+def _most(steps: Any) -> int:
+    """Of the steps of all lanes."""
+    return int(np.max(steps))

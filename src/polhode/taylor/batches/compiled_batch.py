@@ -51,41 +51,31 @@ class CompiledBatch(Engine):
         self.heyoka.set_time(0.0)
         self.tell_kept()
 
-    def ended(self, _: Any) -> tuple[Outcome, int]:
-        """The same of the first lane."""
-        result = self.heyoka.propagate_res[0]
-        return ending(result[0]), int(result[3])
+    def ended(self, _: Any) -> tuple[Outcome, Any]:
+        """How the lane ended that came least far, and the steps of each."""
+        results = self.heyoka.propagate_res
+        outcomes = {ending(result[0]) for result in results}
+        least = (x for x in (Outcome.NON_FINITE, Outcome.STEP_LIMIT) if x in outcomes)
+        return next(least, Outcome.REACHED_END), np.array([result[3] for result in results])
 
     @property
     def now(self) -> HeyokaNumber:
         """The time that the first lane has reached."""
         return self.heyoka.time[0]
 
-    def grid(self, times: list[HeyokaNumber], most: int) -> tuple[Array, int, Outcome]:
-        """The same where all lanes are alike; rows of one of them."""
+    def grid(self, times: list[HeyokaNumber], most: int) -> tuple[Array, Any, Outcome]:
+        """The same of all lanes, which stand at one time: states at times that all of them met."""
         grid = np.repeat(np.array([times]).T, self.places, axis=1)
-        rows = self.heyoka.propagate_grid(grid, max_steps=most)[1][1:, :, 0]
+        rows = self.heyoka.propagate_grid(grid, max_steps=most)[1][1:]
         outcome, taken = self.ended(None)
-        return rows[~np.isnan(rows[:, 0])], taken, outcome
-
-    @property
-    def row(self) -> Array:
-        """The state of the first lane."""
-        found: Array = self.state[:, 0]
-        return found
+        return rows[~np.isnan(rows[:, 0]).any(axis=1)], taken, outcome
 
     def in_blocks(
         self,
         ends: Sequence[float],
         most: int | None = None,
         stop: Stop | None = None,
-        give_up: bool = False,
         after_step: Callable[[HeyokaIntegrator], bool] | None = None,
     ) -> step_blocks.Ended:
         """Every lane to an end of its own, see :mod:`polhode.taylor.batches.step_blocks`."""
-        return step_blocks.until(self.heyoka, ends, most, stop, give_up, after_step)
-
-    @property
-    def taken(self) -> list[int]:
-        """The steps of each lane in the last go."""
-        return [taken for _, _, _, taken in self.heyoka.propagate_res]
+        return step_blocks.until(self.heyoka, ends, most, stop, after_step)

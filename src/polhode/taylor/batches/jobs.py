@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Flat, Stack, kind_of
+from polhode.numbers.rows import Flat, Stack
 
 _START = Fraction(0)
 
@@ -74,12 +74,6 @@ class Solved:
     steps: npt.NDArray[np.int64]
     reached: Stack
     errors: list[tuple[float | None, ...] | None] | None = None
-
-    @classmethod
-    def none_of(cls, job: BatchJob) -> Solved:
-        """Nothing done yet."""
-        states = np.full((job.motions.many, len(job.times), job.columns), np.nan)
-        return cls.undone(states.astype(kind_of(job.number), copy=False))
 
     @classmethod
     def undone(cls, states: Stack) -> Solved:

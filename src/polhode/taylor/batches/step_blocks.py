@@ -36,15 +36,13 @@ def until(
     ends: Sequence[float],
     most: int | None = None,
     stop: Stop | None = None,
-    give_up: bool = False,
     after_step: Callable[[HeyokaIntegrator], bool] | None = None,
 ) -> Ended:
     """Advance the lanes of a batch, which stand at time 0, to their ends in at most so many steps.
 
     A lane ends with REACHED_END; STEP_LIMIT; STEP_UNDERFLOW, its steps are zero or no longer change
     its time, which ends the others, too, with STEP_LIMIT; or NON_FINITE, its state is nan, and the
-    others go on.  ``give_up``: not to try the limit out where a lane's steps so far say that it
-    would need ten times as many.  ``after_step``: heyoka's callback.
+    others go on.  ``after_step``: heyoka's callback.
     """
     ahead, steps = np.array(ends), np.zeros(len(ends), dtype=np.int64)
     lost = np.zeros(len(ends), dtype=bool)
@@ -73,8 +71,6 @@ def until(
         zero = late & (still | (taken < block))  # heyoka counts the steps that have a length
         stopped = stop is not None and bool(late.any()) and stop()
         over = most is not None and steps.max() >= most
-        if give_up and most is not None:
-            over |= bool((late & (steps * np.abs(ahead) > 10.0 * most * np.abs(ta.time))).any())
         if not late.any() or zero.any() or stopped or over:
             outcomes = [
                 Outcome.NON_FINITE

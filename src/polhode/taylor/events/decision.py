@@ -13,7 +13,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from polhode.numbers.rows import Flat
-from polhode.taylor.events.polishing import Places
+from polhode.taylor.events.polishing import Places, joined_places
 
 _ULPS = 64  # so near together two zeros of one slope are one, found twice
 
@@ -218,6 +218,13 @@ class Decision:
 
     def _ulps(self, i: int) -> float:
         return _ULPS * self.alike * max(1.0, abs(float(self.places.ahead[i])))
+
+
+def located(found: list[Happening], places: Places) -> Places:
+    """Where each event is, as a polished place."""
+    if all(one.own is None for one in found):
+        return places.those([one.at for one in found])
+    return joined_places([one.own or places.those([one.at]) for one in found])
 
 
 def depths(found: list[Happening], places: Places, start: End, end: End) -> Flat:

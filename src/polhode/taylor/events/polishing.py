@@ -30,8 +30,6 @@ _ROUNDS = 6  # of a method; one or two are the rule
 _WIDTHS = [2.0**-k for k in range(48, 3, -1)]
 _FLAT = 2.0**-7
 
-_SMALL, _SHIFT = 2.0**-300, 300
-
 _NOWHERE = np.empty((4, 0)), np.empty(0)
 
 
@@ -72,26 +70,26 @@ class Places(NamedTuple):
 
 
 def polished(jet: Jet, met: Sequence[Marks], ends: Marks, way: int) -> tuple[Places, Places]:
-    """The places that heyoka has met: zeros of the expression, and zeros of its rate.
+    """The places that heyoka has met: zeros of the expression, and then zeros of its rate.
 
-    ``way``: -1 for a run backward in time.  And the same of the motion's ``ends``, as they are.
+    And the same of the motion's ``ends``, as they are.  ``way``: -1 for a run backward in time.
     """
     kinds = np.repeat([ZEROS, EXTREMA, ENDS], [*(len(marks.time) for marks in (*met, ends))])
+    count = len(kinds) - len(ends.time)
     with np.errstate(all="ignore"):
-        marks = joined_marks([refined(jet, joined_marks(met), kinds[kinds != ENDS]), ends])
-        root = kinds != EXTREMA
-        every = places(jet, marks, way, root)
-        count = len(kinds) - len(ends.time)
-        found, last = every.those(slice(count)), every.those(slice(count, None))
-        multiple = (kinds[kinds != ENDS] == ZEROS) & ~found.steep
-        if multiple.any():
-            flat = found.marks.those(multiple)
-            flat = refined(jet, flat, np.full(len(flat.time), MULTIPLE))
-            flatter = places(jet, flat, way, found.root[multiple])
+        marks = refined(jet.those(np.arange(count)), joined_marks(met), kinds[:count])
+        every = places(jet, joined_marks([marks, ends]), way, kinds != EXTREMA)
+        multiple = np.flatnonzero((kinds == ZEROS) & ~every.steep)
+        if len(multiple):
+            some = jet.those(multiple)
+            flat = refined(some, every.marks.those(multiple), np.full(len(multiple), MULTIPLE))
+            flatter = places(some, flat, way, every.root[multiple])
             flatter.steep[:] = False
-            plain = found.those(found.root & ~multiple)
-            found = joined_places([plain, flatter, found.those(~found.root)])
-    return found, last
+            for array, part in zip(
+                (*every.marks, *every[1:]), (*flatter.marks, *flatter[1:]), strict=True
+            ):
+                array[..., multiple] = part
+    return every.those(slice(count)), every.those(slice(count, None))
 
 
 def refined(jet: Jet, marks: Marks, kinds: Integers) -> Marks:
@@ -170,9 +168,5 @@ def joined_places(parts: Sequence[Places]) -> Places:
 
 def exact_times(times: Scalar, time_unit: int, number: NumberType) -> tuple[Fraction, ...]:
     """Times in a run's unit 2**time_unit as exact numbers in the scene's."""
-    if number.name == "double" and abs(time_unit) < _SHIFT:
-        sizes = np.abs(times)
-        if bool(np.all((sizes > _SMALL) & (sizes < 1 / _SMALL))):  # the products are doubles
-            return tuple(map(Fraction, np.ldexp(times, time_unit).tolist()))
     unit = Fraction(2) ** time_unit
     return tuple(as_fraction(t, number) * unit for t in times.tolist())

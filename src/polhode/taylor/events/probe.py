@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping
 from fractions import Fraction
 
 import numpy as np
@@ -112,17 +111,12 @@ class Probe:
         return bool(self.jet.at(marks)[0, 0] * side >= 0)
 
 
-def staying(
-    jets: Mapping[int, Jet], heyoka: HeyokaIntegrator, clock: Array, width: int
-) -> list[int]:
-    """The keys of the expressions that stay within rounding of zero for some steps."""
-    probe, left = copy.deepcopy(heyoka), dict(jets)
+def stays(jet: Jet, heyoka: HeyokaIntegrator, clock: Array, width: int) -> bool:
+    """Whether an expression stays within rounding of zero for some steps."""
+    probe, longest = copy.deepcopy(heyoka), scalar(Fraction(1), jet.number)
     for _ in range(_PROBES):
-        for number in {jet.number for jet in jets.values()}:
-            probe.step(scalar(Fraction(1), number))
-            here = mark(probe, clock, width, number)
-        for k, jet in list(left.items()):
-            place = places(jet, here, 1, np.array([True]))
-            if not place.near[0]:
-                del left[k]
-    return sorted(left)
+        probe.step(longest)
+        here = mark(probe, clock, width, jet.number)
+        if not places(jet, here, 1, np.array([True])).near[0]:
+            return False
+    return True

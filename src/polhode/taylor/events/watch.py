@@ -36,12 +36,19 @@ from polhode.taylor.backend import heyoka_numbers
 from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.types import Expression, HeyokaEvent, HeyokaIntegrator, HeyokaNumber
 from polhode.taylor.events.callbacks import AfterStep, Callback
-from polhode.taylor.events.decision import Decision, End, Happening, at_the_end, depths
+from polhode.taylor.events.decision import (
+    Decision,
+    End,
+    Happening,
+    at_the_end,
+    depths,
+    located,
+)
 from polhode.taylor.events.functions import TIME, rate, typed_constant, value_of
 from polhode.taylor.events.jets import Formulas, Jet, Marks, jet_of, joined_marks
 from polhode.taylor.events.magnitudes import middle_axis
-from polhode.taylor.events.polishing import Places, exact_times, joined_places, polished
-from polhode.taylor.events.probe import Probe, mark, staying
+from polhode.taylor.events.polishing import Places, exact_times, polished
+from polhode.taylor.events.probe import Probe, mark, stays
 from polhode.taylor.events.rules import Rules
 from polhode.taylor.integrator.protocols import Desk
 from polhode.taylor.integrator.specification import CLOCK, TINY
@@ -59,14 +66,11 @@ class Note(NamedTuple):
 class Record:
     """What is known of one event while a run is under way.
 
-    ``notes``: of zeros and of extrema; so many of each are polished, ``taken``: ``places``.  So
-    many were there when it was last ``seen`` whether the run stops; ``open``: a zero is in sight;
-    ``side``: of the expression then.
+    ``notes``: of zeros and of extrema.  So many were there when it was last ``seen`` whether the
+    run stops; ``open``: a zero is in sight; ``side``: of the expression then.
     """
 
     notes: tuple[list[Note], list[Note]] = field(default_factory=lambda: ([], []))
-    taken: tuple[int, int] = (0, 0)
-    places: Places | None = None
     seen: tuple[int, int] = (0, 0)
     open: bool = False
     side: int = 0
@@ -228,7 +232,7 @@ class Watch:
         record.side = end.side
         for n, happening in enumerate(decision.found):
             if happening.sign and self.scene.events[k].counts(happening.sign * self.way):
-                at = _place(happening, known)
+                at = located([happening], known)
                 if self._stop is None or at.ahead[0] < self._stop.marks.since_start[0] * self.way:
                     found = decision.found[: n + 1]
                     self._stop = Stop(k, found, decision.complete, at.marks)
@@ -287,10 +291,7 @@ class Watch:
         counted = [i for i, one in enumerate(found) if event.counts(one.sign * self.way)]
         deep = depths(found, known, start, end)[counted]
         found = [found[i] for i in counted]
-        if any(one.own is not None for one in found):
-            where = joined_places([_place(one, known) for one in found])
-        else:
-            where = known.those([one.at for one in found])
+        where = located(found, known)
         times = where.marks.since_start
         sizes = np.array([abs(float(t)) for t in times.tolist()])
         spreads = np.array([one.spread for one in found])
@@ -311,15 +312,11 @@ class Watch:
     def _polished(self, k: int, last: Marks) -> tuple[Places, End, End]:
         """All that was noted of an event, polished; the start and an end."""
         assert self._first is not None
-        record = self._of[k]
-        new = zip(record.notes, record.taken, strict=True)
-        met = [self._gathered(notes[taken:]) for notes, taken in new]
+        met = [self._gathered(notes) for notes in self._of[k].notes]
         places, ends = polished(self.jets[k], met, joined_marks([self._first, last]), self.way)
-        if record.places is not None:
-            places = joined_places([record.places, places])
-        record.places, record.taken = places.those(places.order), record.noted
         start, end = ends.those(slice(1)), ends.those(slice(1, 2))
-        return record.places, End(self.rules.start[k], start), at_the_end(end)
+        known = places.those(places.order)
+        return known, End(self.rules.start[k], start), at_the_end(end)
 
     def _decided(self, k: int, known: Places, start: End, end: End) -> Decision:
         """What happened of an event up to an end."""
@@ -345,15 +342,8 @@ class Watch:
 
     def still(self) -> list[int]:
         """The events that start at zero and stay within rounding of it for some steps."""
+        self.muted, motion = True, (self._stepping, self._clock, self.width)
         suspects = [k for k, before in enumerate(self.rules.start) if before == 0]
-        if not suspects:
-            return []
-        self.muted = True
-        jets = {k: self.jets[k] for k in suspects}
-        stay = staying(jets, self._stepping, self._clock, self.width)
+        still = [k for k in suspects if stays(self.jets[k], *motion)]
         self.muted = False
-        return stay
-
-
-def _place(happening: Happening, known: Places) -> Places:
-    return known.those([happening.at]) if happening.own is None else happening.own
+        return still

@@ -33,9 +33,6 @@ _LONGEST = Fraction(1)
 #: Output times ahead are looked at to so many times the longest advance.
 _REACH = 1.25
 
-#: With more output times than these, so many steps are tried to tell the reach of the first.
-_MANY, _TRIED = 200, 8
-
 
 class Anchor(NamedTuple):
     """Where steps began: the exact time, and as heyoka has them the times since ``offset``
@@ -218,38 +215,29 @@ class Integrator:
         """Up to ``steps`` steps; output times that are out of reach are not looked at.
 
         ``ahead``: the chunk's times, after one place to spare; ``done`` of them are passed.  Reach
-        is some times the longest advance so far, and at first what a few steps tell: heyoka takes
-        longer for a grid, the more times it has.  Should an output time be passed all the same, the
-        advance is taken back and made again with an eye on all of them.
+        is some times the longest advance so far: heyoka takes longer for a grid, the more times it
+        has.  Should an output time be passed all the same, the advance is taken back and made again
+        with an eye on all of them.
         """
         ta, count = self.heyoka, len(ahead) - 1
         if done == count - 1:
             return self._onwards(ahead[-2:], steps)
         begun, kept, before = ta.dtime, self.state.copy(), self.steps
         marks = None if self.watcher is None else self.watcher.marks()
-        simple = self.watcher is None and not self.engine.singular
-        if self._reach == math.inf and simple and count - done > _MANY:
-            tried = max(1, ta.propagate_until(ahead[-1], max_steps=_TRIED)[3])
-            self._reach = _REACH * steps / tried * float(abs(ta.time - begun[0]))
-            self.state[:], ta.dtime = kept, begun
         reach = abs(float(begun[0])) + self._reach
         beyond = bisect_right(ahead, reach, lo=done + 1, key=abs)  # its place
         short = beyond < count
-        if not short:
-            rows, ended = self._onwards(ahead[done:], steps)
-        elif beyond == done + 1:
-            rows, ended = self._onwards(ahead[-2:], steps)
-        else:
-            lent, ahead[beyond] = ahead[beyond], ahead[-1]
-            rows, ended = self._onwards(ahead[done : beyond + 1], steps)
-            ahead[beyond] = lent
-        passed = abs(ta.time)
-        if short and passed > abs(ahead[beyond]):
-            self.state[:], ta.dtime, self.steps = kept, begun, before
+        if short:
+            near, last = ahead[done:beyond], ahead[-1:]
+            parts = [*near, *last] if isinstance(ahead, list) else np.concatenate([near, last])
+            rows, ended = self._onwards(parts, steps)
+        if short and abs(ta.time) > abs(ahead[beyond]):
+            self.state[:], ta.dtime, self.steps, short = kept, begun, before, False
             if self.watcher is not None and marks is not None:
                 self.watcher.take_back(marks)
+        if not short:
             rows, ended = self._onwards(ahead[done:], steps)
-        advance = _REACH * float(passed - abs(begun[0]))
+        advance = _REACH * float(abs(ta.time) - abs(begun[0]))
         if advance > self._reach or self._reach == math.inf:
             self._reach = advance
         return rows, ended

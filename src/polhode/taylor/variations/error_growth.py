@@ -18,10 +18,10 @@ the first for the rounded inputs, which no projection puts right.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,14 +29,10 @@ from polhode.equations.equilibrium import at_rest
 from polhode.equations.system import system
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
-from polhode.numbers.rows import Doubles
 from polhode.scenes.scene import Scene
 from polhode.taylor.corrections.integral_projection import kept_at_zero
 from polhode.taylor.variations.equations import Variations
 from polhode.taylor.variations.reference_trajectory import Leader, pendulum, six
-
-#: States in principal axes as six doubles, by time, in the scene's own unit, |t| increasing.
-Led: TypeAlias = Mapping[float, Doubles]
 
 MOST_STEPS = 50_000  # of 4 µs
 STRIDE = 8.0  # of the scene's own unit of time between two looks where the motion is led
@@ -86,17 +82,16 @@ def growth(
     scene: Scene,
     limit: float = math.inf,
     max_steps: int = MOST_STEPS,
-    led: Led | bool = False,
+    led: bool = False,
     trusted: float = TRUSTED,
     every: int = 0,
 ) -> Growth:
     """The digits lost from 0 to the scene's end, followed until ``limit`` of them are.
 
     ``max_steps``: of the tangent; beyond them its law is continued: exponential where it was so in
-    the second half of the time, else in proportion to time.  ``led``: what keeps the motion the
-    scene's own once G has passed 1e10: its states, where somebody has them, by time in the scene's
-    own unit; or True for an integration of wider type made here, which may cost as much as the run
-    itself.  Unled, the law is continued from where G passes 10**trusted; up to there, or
+    the second half of the time, else in proportion to time.  ``led``: whether an integration of
+    wider type, which may cost as much as the run itself, keeps the motion the scene's own once G
+    has passed 1e10.  Unled, the law is continued from where G passes 10**trusted; up to there, or
     everywhere with inf, the tangent may be that of a neighbour's motion.  ``every``: the steps
     between two projections of an integrable top onto all its integrals, 0 without.
     """
@@ -113,9 +108,9 @@ def growth(
         tangent[list(kept_at_zero(scene))] = 0
     tangent[len(plain.start) :] = 0
     flow = Variations(plain.coefficients, start, tangent[:, None])
-    leader = Leader(plain) if led is True else led or None
+    leader = Leader(plain) if led else None
     looks = [_look(flow)]
-    for t in leader if isinstance(leader, Mapping) else _moments(end, leader is not None):
+    for t in _moments(end, led):
         arrived = flow.to(t, max_steps - flow.steps)
         if not flow.finite:
             break
@@ -124,13 +119,10 @@ def growth(
         passed = _grown(looks, scene)[-1]
         if not arrived or passed > limit * math.log(10):
             break
-        if isinstance(leader, Leader):
-            if passed > LED_FROM * math.log(10):
-                flow.state = leader.at(t, passed / math.log(10))
-        elif leader is not None:
-            flow.state = leader[t]
-        elif passed > trusted * math.log(10):
+        if leader is None and passed > trusted * math.log(10):
             break
+        if leader is not None and passed > LED_FROM * math.log(10):
+            flow.state = leader.at(t, passed / math.log(10))
     flow.release()
     return _continued(looks, _grown(looks, scene), end, scene.time_unit, every)
 
