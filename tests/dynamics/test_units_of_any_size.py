@@ -34,7 +34,7 @@ def test_a_section_is_to_the_bit_that_in_other_units(inertia, rate):
     plain = polhode.section(scene(), grid=(2, 2), crossings=2)
     found = polhode.section(scene(inertia, rate), grid=(2, 2), crossings=2)
     assert len(plain.counts) > 1
-    for name in ("l", "ratio", "counts", "starts"):
+    for name in ("l", "L_over_G", "counts", "starts"):
         assert np.array_equal(getattr(found, name), getattr(plain, name))
     assert np.array_equal(found.times * float(rate), plain.times)
 

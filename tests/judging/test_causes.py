@@ -32,9 +32,9 @@ def scene(name):
     return replace(polhode.load(name), events=(), outputs=())
 
 
-def table(scene, times=TIMES):
+def table(scene, times=TIMES, said=TIMES):
     """The motion at these times, said to be at the plain ones."""
-    return of_run(polhode.integrate(scene, at=times)) | {"t": np.array(TIMES, dtype=float)}
+    return of_run(polhode.integrate(scene, at=times)) | {"t": np.array(said, dtype=float)}
 
 
 def with_body(elements=(), factor=1, axis=None, weight=1):
@@ -64,8 +64,8 @@ def with_start(place):
     return changed
 
 
-def at(value, time_of):
-    return lambda own: (table(own, [time_of(t) for t in TIMES]), value)
+def at(value, time_of, said=TIMES):
+    return lambda own: (table(own, [time_of(t) for t in said], said), value)
 
 
 def changes():
@@ -87,14 +87,14 @@ def changes():
         late = at(1 / 70, lambda t: t + Fraction(1, 70))
         yield f"late {name}", name, late, r"rows that belong to t \+ "
         yield f"pace of {name}", name, at(1.001, lambda t: t * Fraction(1001, 1000)), ".*the pace"
-    early = at(-1 / 64, lambda t: t - Fraction(1, 64))
+    early = at(-1 / 64, lambda t: t - Fraction(1, 64), TIMES[1:])  # a run does not change sides
     yield f"early {NAMES[1]}", NAMES[1], early, "rows that belong to t - "
 
 
 CHANGED = {which: rest for which, *rest in changes()}
 
 
-@pytest.mark.sample(1, first=28, slow=3)
+@pytest.mark.sample(1, first=8, slow=3)
 @pytest.mark.parametrize("which", CHANGED)
 def test_what_is_another_is_found_to_its_digits(which):
     name, changed, words = CHANGED[which]
