@@ -171,7 +171,7 @@ def test_a_crossing_at_the_seam_of_two_chunks_counts_once():
                     stretch=chunk, coefficients=job.coefficients[:1], starts=states[k : k + 1]
                 )
             )
-            assert np.abs(other.times[0] + other.times_low[0] - plain.times[k]).max() < 1e-11
+            assert np.abs(other.times[0] + other.rests[0] - plain.times[k]).max() < 1e-11
 
 
 def test_flat_crossings_count_and_contacts_do_not():
@@ -245,7 +245,7 @@ def test_a_crossing_that_heyoka_loses_is_found_again(lost, monkeypatch):
     monkeypatch.setattr(batch_zeros.Met, "__call__", losing)
     found = batch_search.solve(job)
     assert found.outcomes == plain.outcomes == (batch_search.DONE,)
-    assert np.abs(found.times + found.times_low - plain.times - plain.times_low).max() < 1e-11
+    assert np.abs(found.times + found.rests - plain.times - plain.rests).max() < 1e-11
     told.clear()
     assert batch_search.solve(first).outcomes == (batch_search.UNSURE,)
 
