@@ -44,7 +44,7 @@ def _start_of(subject: Table) -> Mapping[str, float]:
         for name in (*subject.state, *ATTITUDE)
         if name in subject.columns
     }
-    row = {name: float(x) for name, x in cells.items() if x is not None}
+    row = {name: to_double(x) for name, x in cells.items() if x is not None}
     if {*ATTITUDE} <= row.keys():
         (turned,) = matrices(np.array([[row[name] for name in ATTITUDE]]))
         row = dict(zip(STATE[3:], turned[2].tolist(), strict=True)) | row
