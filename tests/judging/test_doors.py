@@ -397,6 +397,12 @@ def test_a_table_without_numbers_has_no_digits(names, tmp_path, capsys):
     assert "correct digits" not in str(polhode.compare(path, CASE))
 
 
+def test_a_start_beyond_doubles_is_another_start(tmp_path, capsys):
+    (tmp_path / "x.csv").write_text("t,p,q,r\n0,1e400,1,1\n1,5,5,5\n2,7,8,9\n")
+    assert cli.main(["compare", str(tmp_path / "x.csv"), CASE]) == 0
+    assert "x.csv: at t = 0 it has p = inf, q = 1, r = 1, where" in capsys.readouterr().out
+
+
 def test_columns_about_the_vertical_are_named_where_the_scene_has_none():
     some = {"t": [0], "p": [1], "gamma1": [1], "psi": [1]}
     found = polhode.compare(some, "euler/no-gamma")

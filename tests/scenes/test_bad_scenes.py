@@ -103,6 +103,9 @@ BARE = [
     ("end = 10 s", 'end = 10 s: ; "10 s"'),
     ("omega = [0 0 1]", "file: expected TOML (Unclosed array"),
     ("omega = [1, 0, 0", "file: expected TOML (Unclosed array"),
+    ('title = "a top, 3 cm" tall', "file: expected TOML (Expected newline"),
+    ("end = 1,5 # [5 cm]", "file: expected TOML (Expected newline"),
+    ("end = 3 samples = 1/3", 'end = 3 samples: ; "3 samples"'),
     ("end = 1 # [1/3]\nend = = 1", "file: expected TOML (Invalid value (at line 3"),
 ]
 

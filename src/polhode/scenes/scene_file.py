@@ -38,7 +38,7 @@ MAX_LINE = 10_000  # characters: a TOML key of thousands of parts costs quadrati
 #: What stands where TOML wants a value and is an expression, or a number with a unit.
 _NUMBER = r"\d[\d.]*(?:e[+-]?\d+)?"
 _BARE = re.compile(
-    rf"(?:^|[=\[,])\s*([+-]?(?:{_NUMBER}\s*(?:[*/]|[^\W\d_])|(?:pi|sqrt|sin|cos)\b)[^,\]}}#\"']*)"
+    rf"(?:^|[=\[,])\s*([+-]?(?:{_NUMBER}\s*(?:[*/]|[^\W\d_])|(?:pi|sqrt|sin|cos)\b)[^=,\]}}#\"']*)"
 )
 
 
@@ -111,11 +111,13 @@ def tables(text: str, name: str = "scene") -> dict[str, Any]:
 
 def _refuse_bare_expression(text: str, name: str, reason: str) -> None:
     """Raise BadInput where TOML stopped at an expression without quotes, such as 1/3 or 5 cm."""
-    line = re.search(r"\(at line (\d+), column \d+\)", reason)
-    if line and (bare := _BARE.search(text.splitlines()[int(line[1]) - 1])):
-        key, value = re.match(r"\s*([\w.]+)\s*=", bare.string), bare[1].strip()
-        expected = f'it in quotes, as every expression and number with a unit: "{value}"'
-        raise BadInput(name, key[1] if key else f"line {line[1]}", value, expected)
+    place = re.search(r"\(at line (\d+), column (\d+)\)", reason)
+    line = text.split("\n")[int(place[1]) - 1] if place else ""
+    for bare in _BARE.finditer(line):
+        if place and bare.start(1) < int(place[2]) <= bare.end(1) + 1:  # not in a string, a comment
+            key, value = re.match(r"\s*([\w.]+)\s*=", line), bare[1].strip()
+            expected = f'it in quotes, as every expression and number with a unit: "{value}"'
+            raise BadInput(name, key[1] if key else f"line {place[1]}", value, expected)
 
 
 class _File(Reading):

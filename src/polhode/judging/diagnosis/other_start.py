@@ -10,7 +10,7 @@ import numpy as np
 from polhode.judging.diagnosis.rotation_matrices import matrices
 from polhode.judging.tables.reading import WRONG
 from polhode.judging.tables.table import Table
-from polhode.numbers.conversion import to_double
+from polhode.numbers.conversion import exactly, to_double
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ATTITUDE, STATE
@@ -44,7 +44,7 @@ def _start_of(subject: Table) -> Mapping[str, float]:
         for name in (*subject.state, *ATTITUDE)
         if name in subject.columns
     }
-    row = {name: float(x) for name, x in cells.items() if x is not None}
+    row = {name: to_double(exactly(x)) for name, x in cells.items() if x is not None}
     if {*ATTITUDE} <= row.keys():
         (turned,) = matrices(np.array([[row[name] for name in ATTITUDE]]))
         row = dict(zip(STATE[3:], turned[2].tolist(), strict=True)) | row
