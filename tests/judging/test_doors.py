@@ -397,6 +397,13 @@ def test_a_table_without_numbers_has_no_digits(names, tmp_path, capsys):
     assert "correct digits" not in str(polhode.compare(path, CASE))
 
 
+def test_a_table_of_another_case_is_told_with_the_plain_cases_that_begin_so():
+    run = polhode.integrate("lagrange/nutation", at=[0, 1])
+    columns = {"t": run.t} | dict(zip(STATE, run.states.T, strict=True))
+    judged = str(polhode.compare(columns, "euler/largest-axis"))
+    assert "; lagrange/backward and lagrange/long (and 3 more) begin so" in judged
+
+
 def test_a_start_beyond_doubles_is_another_start(tmp_path, capsys):
     (tmp_path / "x.csv").write_text("t,p,q,r\n0,1e400,1,1\n1,5,5,5\n2,7,8,9\n")
     assert cli.main(["compare", str(tmp_path / "x.csv"), CASE]) == 0

@@ -95,7 +95,7 @@ def test_a_run_is_shown_and_of_others_a_figure_is_refused(tmp_path, capsys, monk
     capsys.readouterr()
     for name, kind in (("map", "ChaosMap"), ("levels", "Levels"), ("section", "Section")):
         assert main(["plot", f"{name}.json", "-o", "x.svg"]) == 2
-        assert f"expected a {kind} of polhode 0.3" in capsys.readouterr().err
+        assert f"expected a file of polhode 0.3: this {kind} lacks" in capsys.readouterr().err
     assert not Path("x.svg").exists()
 
 

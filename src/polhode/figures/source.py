@@ -117,9 +117,7 @@ def drawing_of(
         kind = catalogue.kind_of(source)
         request.refuse(name, [*vars(request)], "no --{}: it is for a motion")
         if isinstance(source, Saved) and source.content().version == earlier.VERSION:
-            expected = (
-                f"a {kind} of polhode 0.3, as this one lacks what figures need; make it again"
-            )
+            expected = f"a file of polhode 0.3: this {kind} lacks what figures need; make it again"
             raise BadInput(name, "file", None, expected)
         notes = []
         if isinstance(source, Saved) and kind == "Frequencies":

@@ -30,8 +30,16 @@ def other_start(subject: Table, scene: Scene) -> str:
     right = ", ".join(f"{name} = {own[name]:.6g}" for name in off)
     cases = (library.load(name) for name in library.names())
     alike = [case.name for case in cases if min(_digits(row, case).values()) >= _ALIKE]
-    whose = f"; {' and '.join(alike[:_SHOWN])} begin{'s' * (len(alike) == 1)} so" * bool(alike)
-    return f"at t = 0 it has {theirs}, where {scene.name} has {right}{whose}"
+    return f"at t = 0 it has {theirs}, where {scene.name} has {right}{_begin_so(alike)}"
+
+
+def _begin_so(cases: list[str]) -> str:
+    """Which cases begin as the table does, the hard ones last; nothing where none does."""
+    if not cases:
+        return ""
+    shown = sorted(cases, key=lambda name: name.startswith("hard/"))[:_SHOWN]
+    more = f" (and {len(cases) - _SHOWN} more)" * (len(cases) > _SHOWN)
+    return f"; {' and '.join(shown)}{more} begin{'s' * (len(cases) == 1)} so"
 
 
 def _start_of(subject: Table) -> Mapping[str, float]:
