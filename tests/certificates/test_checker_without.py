@@ -139,7 +139,7 @@ MIDDLE = "begin = _moved(begin, chart.deep * arb_mat([[x.mid()] for x in depth])
 #: two hide the terms of second order, and the second one the last.
 TERMS = {
     "the depth": ("_starts", "*(upper(x - x.mid()) for x in depth)", "*[arb(0)] * 4", 0, 0.1, 0),
-    "the middle of the depth": ("_starts", MIDDLE, "pass", 0, 0, 1e-8),
+    "the middle of the depth": ("_starts", MIDDLE, "pass", 0, 0, 1e-6),
     "the plane": ("_image", "frame - frame * shadow", "frame", 2e-3, 0.1, 0),
     "the slope of n": ("_image", "chart.wide + chart.deep * slope_of_n", "chart.wide", 0, 0.1, 0),
 }

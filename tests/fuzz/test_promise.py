@@ -27,8 +27,8 @@ FEW = ("Trajectory in quad", "Ensemble", "Judgement", "Enclosure", "Reductions",
 
 #: Strategies, and how many cases of each a slow test and the campaign try.
 CLASSES = {
-    "scene": (cases.scene(), 20, 6000),
-    "call": (cases.call(), 40, 6000),
+    "scene": (cases.scene(), 40, 6000),
+    "call": (cases.call(), 75, 6000),
     "toml": (cases.toml(), 20, 2000),
     "table": (cases.table(), 10, 1000),
     "command": (cases.command(), 20, 2000),
