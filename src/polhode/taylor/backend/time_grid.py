@@ -97,7 +97,7 @@ class Times(Sequence[Fraction]):
     def since(self, offset: Fraction) -> Numbers:
         """What has passed at each time since ``offset``, as heyoka's numbers.
 
-        Each rounded once; of flat types that is of the offset's first two numbers.
+        Each is rounded once; in double and extended the offset is the sum of two such numbers.
         """
         if not offset:
             return self.grid
