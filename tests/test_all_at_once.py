@@ -69,7 +69,7 @@ def together(names: Sequence[str], jobs: int) -> set[str]:
 
 
 @pytest.mark.slow
-@pytest.mark.sample(1, slow=1)
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize("pair", SOME, ids="-".join)
 def test_pairs_of_verbs_in_threads_answer_as_alone(pair, quick_changes):
     """Levels and an orbit waited for each other for ever, in one try of four."""
@@ -97,12 +97,13 @@ def in_pool(start: str, names: Sequence[str]) -> list[Any]:
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1, rest="campaign")
 @pytest.mark.parametrize(
     ("start", "names"),
     [
         ("fork", [*VERBS] * 2),
         ("spawn", ["integrate", "events", "reference", "integrate_many"]),  # all is compiled anew
-        pytest.param("forkserver", [*VERBS] * 2, marks=pytest.mark.campaign),
+        ("forkserver", [*VERBS] * 2),
     ],
 )
 def test_a_pool_answers_as_one_process(start, names):
@@ -144,6 +145,7 @@ def interrupted(name: str, after: float) -> KeyboardInterrupt | None:
 LOST = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 
 
+@pytest.mark.slow
 @LOST
 def test_the_next_answer_after_an_interrupt_is_the_same():
     after_interrupts(["levels", "quad", "integrate_many", "reference"], 4)

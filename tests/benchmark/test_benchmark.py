@@ -42,14 +42,14 @@ def test_the_folder_is_the_one_that_is_made():
         assert (HELD / name).read_bytes() == shipped.read_bytes()
 
 
-@pytest.mark.sample(1, first=15, slow=1)
+@pytest.mark.slow
+@pytest.mark.sample(1, first=15, rest="campaign")
 @pytest.mark.parametrize("name", NAMED)
 def test_values_are_made_again_to_the_bit(name):
     assert (HELD / f"{name}.csv").read_text() == certified_values(NAMED[name]).csv
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, first=15, rest="campaign")
+@pytest.mark.campaign
 @pytest.mark.parametrize("name", [*NAMED][:16])
 def test_certificates_are_made_again_to_the_bit_and_proved(name, tmp_path):
     """By the name of the top or of its case."""

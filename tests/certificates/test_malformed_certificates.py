@@ -88,6 +88,7 @@ def named(at):
     return "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in at)[1:]
 
 
+@pytest.mark.sample(1, slow=3)
 @pytest.mark.parametrize(
     "word", ["turned-axes", "elliptic", "attitude", pytest.param("chaos", marks=pytest.mark.slow)]
 )

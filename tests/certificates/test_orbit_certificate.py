@@ -179,7 +179,7 @@ def test_guesses_prove_nothing_false(small):
     assert count > 0
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "times"), [("hyperbolic", 2), ("elliptic", 3)])
 def test_several_periods_are_not_the_least_one(orbits, kind, times):
     found = orbits[kind]
@@ -272,7 +272,7 @@ DROPPED = {
 }
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("term", DROPPED)
 def test_the_derivative_holds_those_of_the_corners(term, small, monkeypatch):
     """DF(Y) of a fat box beside DF at its corners; a term that is dropped is noticed."""

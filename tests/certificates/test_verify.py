@@ -79,7 +79,7 @@ SCENES = {
 }
 
 
-@pytest.mark.sample(1, first=1, slow=3)
+@pytest.mark.sample(1, first=1, slow=2)
 @pytest.mark.parametrize("name", SCENES)
 def test_what_is_certified_is_proved_by_the_file_alone(name, tmp_path):
     at, digits, has_attitude = SCENES[name]
@@ -154,7 +154,8 @@ def moved_off(given, row, key, column, by=2):
     return altered(given, f"statement {row} {key} {column}", moved)
 
 
-@pytest.mark.sample(1, slow=1)
+@pytest.mark.slow
+@pytest.mark.sample(1, rest="campaign")
 @pytest.mark.parametrize("row", [0, 1])
 @pytest.mark.parametrize(("key", "count"), [("balls", 6), ("attitude", 4)])
 def test_a_ball_that_is_moved_off_is_not_proved(turned, row, key, count):
@@ -514,6 +515,7 @@ def test_numbers_longer_than_python_reads_are_read(small, tmp_path):
 # -- doors ----------------------------------------------------------------------------------------
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("digits", "outputs"), [(16, []), (40, []), (20, ["--outputs", "attitude"])]
 )

@@ -51,7 +51,7 @@ def test_every_kind_of_motion_of_every_family_has_a_case():
         assert {kind for kind in kinds if f"{family}: {kind}" not in cases} <= BARE
 
 
-@pytest.mark.sample(3, slow=2)
+@pytest.mark.sample(2, slow=2)
 @pytest.mark.parametrize(
     ("case", "which"),
     [
@@ -101,6 +101,7 @@ def test_without_a_band_nothing_passes_or_fails_and_lost_digits_are_words(tmp_pa
     assert found["columns"]["passed"] == [""]
 
 
+@pytest.mark.slow
 def test_cases_are_run_for_their_states_in_mp_as_users_have_it():
     """Up to quad by heyoka's own steps, which are what the bands are of."""
     report = regression.check_scene(polhode.load("lagrange/nutation"), ["double", "quad", "mp"])

@@ -128,7 +128,7 @@ CASES = {
 }
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1, slow=1)
 @pytest.mark.parametrize("unit", [F(1), F(1, 10**30), F(10**30)])
 @pytest.mark.parametrize("name", CASES)
 def test_released(name, unit):

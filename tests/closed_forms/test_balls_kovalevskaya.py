@@ -49,6 +49,7 @@ def test_of_two_places_that_fit_the_start_the_attitude_takes_neither():
             theta_attitude.ThetaAttitude(motion, top._first_turn())
 
 
+@pytest.mark.slow
 def test_a_gap_of_1e_28_to_a_degenerate_curve():
     """The nearest branch point by balls: doubles tie, and no number of bits helped."""
     turn = F(1, 10**28)

@@ -41,8 +41,10 @@ def test_next_to_where_the_modulus_is_1():
             assert max(abs(x - y) for x, y in zip(few, many, strict=True)) < speed * mpf("1e-20")
 
 
-@pytest.mark.parametrize("factor", [6, pytest.param(4, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("family", ["steklov", pytest.param("goryachev", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.parametrize("factor", [6, 4])
+@pytest.mark.parametrize("family", ["steklov", "goryachev"])
 def test_by_force_a_strip_too_wide_misses(family, factor, monkeypatch):
     """At 200 bits: fewer samples, and the bound of the proper strip."""
     fine = row_at(of(family), F(-7), 330)
@@ -58,7 +60,8 @@ def test_by_force_a_strip_too_wide_misses(family, factor, monkeypatch):
     assert not all(x.overlaps(y) for x, y in zip(wrong, fine, strict=True))
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
+@pytest.mark.sample(1, rest="campaign")
 @pytest.mark.parametrize("place", [1, 9])
 def test_by_force_a_term_of_the_azimuth_left_out(place, monkeypatch):
     fine = row_at(of("steklov"), F(-7), 330)
@@ -152,7 +155,7 @@ def test_sums_of_powers(count):
         assert found.real.rad() < arb(10) ** -26
 
 
-@pytest.mark.sample(1, slow=1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["steklov/upper", "grioli/precession", "kovalevskaya/bobylev-steklov"]
 )
@@ -230,6 +233,7 @@ STEADY = (
 )
 
 
+@pytest.mark.slow
 def test_an_orbit_of_ones_own_is_reproduced_not_proven():
     top = steady_precession.SteadyPrecession(*STEADY)
     assert (top.proven, top.radii([F(1)], 20)) == (False, None)

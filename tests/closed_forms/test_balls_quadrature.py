@@ -53,6 +53,7 @@ def by_mpmath(name, ends):
     ]
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("real", [True, False])
 @pytest.mark.parametrize("name", RULES)
 def test_against_mpmath(name, real):

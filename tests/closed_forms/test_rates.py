@@ -87,19 +87,14 @@ def test_past_a_pole_psi_turns_to_the_side_of_f_minus_c_r(off):
         assert abs(other - phi - mean["proper rotation"] * span + side * 10 * mpmath.pi) < most
 
 
-SLOW = [pytest.mark.slow]
-
-
-@pytest.mark.sample(4, slow=4)
+@pytest.mark.sample(2, slow=3)
 @pytest.mark.parametrize(
     "name",
     [
         *("euler: around A", "euler: separatrix", "euler: oblate", "euler/turned-axes"),
         *("lagrange: nutation", "lagrange: cusped", "lagrange: second axis", "lagrange: sphere"),
         *("lagrange/turned-axes", "staude/stable", "hess/released"),
-        pytest.param("goryachev-chaplygin/inner-band", marks=SLOW),
-        pytest.param("grioli/precession", marks=SLOW),
-        pytest.param("kovalevskaya/delaunay", marks=SLOW),
+        *("goryachev-chaplygin/inner-band", "grioli/precession", "kovalevskaya/delaunay"),
     ],
 )
 def test_turns_are_those_along_samples(name):
@@ -137,6 +132,7 @@ def test_each_passage_through_a_pole_turns_psi_up_away_from_the_start(name):
         assert max(map(abs, off)) < 1e-11
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("pole", ["upper pole", "pole later"])
 def test_turns_past_a_pole_are_refused_where_no_formula_counts_them(pole):
     """The attitude tells psi and phi there, up to whole turns."""
@@ -156,14 +152,16 @@ ORDERS = np.array(
 )
 
 
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize(
     ("name", "column", "growth"),
     [
         ("goryachev-chaplygin/inner-band", 3, 100),
         ("hess: quasi-periodic", 3, 100),
         # a long series in half the frequencies
-        pytest.param("kovalevskaya/type-eee-inside", 5, 4, marks=SLOW),
-        pytest.param("goryachev-chaplygin/outer-band", 3, 100, marks=SLOW),
+        ("kovalevskaya/type-eee-inside", 5, 4),
+        ("goryachev-chaplygin/outer-band", 3, 100),
     ],
 )
 def test_a_column_is_a_sum_of_waves_of_the_two_expected_frequencies(name, column, growth):

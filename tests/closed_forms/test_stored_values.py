@@ -34,6 +34,7 @@ def rotation(q):
     )
 
 
+@pytest.mark.sample(16, slow=16)
 @pytest.mark.parametrize("case", CASES, ids=[case.get("name", case["group"]) for case in CASES])
 def test_stored_values(case):
     body = polhode.Body.of_moments(case["moments"], case["centre"], case["weight"])

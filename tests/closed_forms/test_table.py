@@ -42,7 +42,7 @@ FREQUENCIES = motion_table()["frequencies"]
 #: Any start of the body is one of the family.
 ANY_START = "euler", "lagrange", "kovalevskaya"
 #: Whose answers cost next to nothing: more rows of them are fast, and the others of the campaign.
-CHEAP = {"euler": 6, "lagrange": 5, "pendulum": 5, "staude": 2}
+CHEAP = {"euler": 3, "lagrange": 3, "pendulum": 2}
 #: Of 200 digits it costs seconds.
 SLOW = ("hess",)
 #: Those that have the state alone: a reference encloses the attitude, and that costs seconds.
@@ -63,7 +63,7 @@ def is_still(motion):
     return motion.regime.startswith(STILL)
 
 
-#: Of which a question was once not answered: asked by the slow tests at least.
+#: Of which a question was once not answered: asked by the slow tests what power series answer.
 REPORTED = "hard/near-axial-pendulum", "hard/near-quasi-periodic", "kovalevskaya: at rest, level"
 
 
@@ -83,7 +83,7 @@ def rows(question, *, fast=1, slow=1, keep=lambda motion: True, dear=()):
         quick = [] if family in dear else spread(asked, CHEAP.get(family, 1) * fast, shift)
         later = spread([m for m in asked if m not in quick], slow, shift)
         for motion in asked:
-            reported = (dear and motion.name in REPORTED) or str(motion) in REPORTED
+            reported = question in ("state", "attitude") and str(motion) in REPORTED
             marks = pytest.mark.slow if motion in later or reported else pytest.mark.campaign
             marks = [] if motion in quick else marks
             params.append(pytest.param(motion, id=str(motion), marks=marks))
@@ -103,7 +103,7 @@ def test_kinds_of_motion(family):
         assert (top.kind, motion.regime or top.regime) == (family, top.regime), str(motion)
 
 
-@rows("state", slow=2)
+@rows("state")
 def test_the_state_by_power_series(motion):
     """On both sides of t = 0, 30 digits."""
     for times in (motion.times(F(5, 2), 6), motion.times(-4)):
@@ -342,7 +342,11 @@ PLACES = (
 )
 
 
-@rows("places", keep=lambda motion: motion.principal and has_attitude(motion), dear=DEAR)
+@rows(
+    "places",
+    keep=lambda motion: motion.principal and has_attitude(motion),
+    dear=(*DEAR, *SLOW),
+)
 def test_other_axes_and_units_give_the_same_motion(motion):
     """Axes renamed, reflected and turned, also by irrational matrices."""
     top, times = motion.reference, motion.times(F(7, 3), -4)
@@ -366,7 +370,11 @@ def test_other_axes_and_units_give_the_same_motion(motion):
                 assert gap(turn_between(there_q, first)[1:], in_scene(turn, matrix)) < mpf("4e-25")
 
 
-@rows("onwards", keep=lambda motion: motion.family in ANY_START and motion.principal)
+@rows(
+    "onwards",
+    dear=("kovalevskaya",),
+    keep=lambda motion: motion.family in ANY_START and motion.principal,
+)
 def test_a_state_on_the_way_is_a_start_of_the_same_motion(motion):
     """From the state at t = 2, rounded to 70 digits and hence irrational, back by 2."""
     (row,) = motion.reference.at(motion.times(2), 80)
@@ -395,7 +403,7 @@ def test_the_curve_of_a_kovalevskaya_top_is_shown():
     assert all(t.imag > 0 for t in (curve["tau"][0], curve["tau"][2]))
 
 
-@rows("precision")
+@rows("precision", slow=0)
 def test_the_precision_of_the_caller_changes_nothing(motion):
     answers = []
     for bits in (20, 77, 3000):

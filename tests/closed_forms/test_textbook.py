@@ -38,7 +38,7 @@ def distance(case: str, t: str, digits: int) -> mpmath.mpf:
     )
 
 
-@pytest.mark.sample(13, slow=7)
+@pytest.mark.sample(8, slow=6)
 @pytest.mark.parametrize(("case", "digits"), [*((name, 30) for name in FAST), *SLOW])
 @pytest.mark.parametrize("t", ["7", "-1/3"])
 def test_two_references_that_share_nothing_agree(case: str, digits: int, t: str) -> None:

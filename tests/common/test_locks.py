@@ -177,6 +177,7 @@ def abandon(setting: Setting, changed: Meanwhile[int]) -> None:
     assert setting.value == 1
 
 
+@pytest.mark.sample(1)
 @pytest.mark.filterwarnings("error::pytest.PytestUnraisableExceptionWarning")
 @pytest.mark.parametrize("place", Place)
 def test_a_setting_is_put_back_by_a_garbage_collection_under_any_lock(place):

@@ -18,7 +18,7 @@ GENERIC = polhode.load("general/asymmetric-chaotic")
 LEVEL = {"h": 3, "f": Fraction(1, 2)}
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1, slow=2)
 @pytest.mark.parametrize(
     "case",
     [
@@ -92,6 +92,7 @@ def test_bodies_vary_beside_own_starts_and_a_wrong_row_is_named():
             polhode.chaos_map(GENERIC, end=10, **asked)
 
 
+@pytest.mark.slow
 def test_own_starts_are_drawn_as_dots(tmp_path, capsys):
     pytest.importorskip("matplotlib")
     starts, figure = tmp_path / "s.csv", tmp_path / "m.svg"
@@ -183,6 +184,7 @@ def test_bodies_can_vary():
     assert len(found.verdict) == 12
 
 
+@pytest.mark.slow
 def test_map_verb(tmp_path, capsys):
     held, figure = tmp_path / "m.npz", tmp_path / "m.svg"
     command = ["map", "lagrange/nutation", "--grid", "3x2", "--end", "500"]

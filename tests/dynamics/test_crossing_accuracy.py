@@ -62,16 +62,16 @@ def generic(*omega):
     return replace(GENERIC, omega=tuple(Fraction(x) for x in omega))
 
 
-@pytest.mark.sample(2, first=1)
+@pytest.mark.sample(1, first=1, slow=3)
 @pytest.mark.parametrize(
     ("scene", "crossings"),
     [
         ("lagrange/nutation", 300),
-        pytest.param("goryachev-chaplygin/two-frequencies", 300, marks=pytest.mark.slow),
-        pytest.param("kovalevskaya/generic", 300, marks=pytest.mark.slow),
+        ("goryachev-chaplygin/two-frequencies", 300),
+        ("kovalevskaya/generic", 300),
         (generic("0.3", "0.2", "3"), 100),  # regular
         (generic("0.3", "0.2", "0.9"), 80),  # chaotic: from 16 digits to none
-        pytest.param(generic("0.3", "0.2", "1.1"), 55, marks=pytest.mark.slow),
+        (generic("0.3", "0.2", "1.1"), 55),
     ],
     ids=str,
 )
@@ -113,6 +113,7 @@ def test_no_digit_is_left_where_the_true_ones_end():
     assert (found.digits[0, first + 20 :] == 0).all()
 
 
+@pytest.mark.slow
 def test_regular_orbits_keep_their_digits():
     found = polhode.section("lagrange/nutation", grid=(3, 3), crossings=200)
     assert (found.none_left_from == 0).all()

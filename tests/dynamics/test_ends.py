@@ -57,7 +57,8 @@ def _q(scene, start, t) -> float:
     return float(polhode.integrate(plain, at=[t]).states[-1][1])
 
 
-@pytest.mark.slow  # without the loops: minutes
+@pytest.mark.slow
+@pytest.mark.sample(1, rest="campaign")
 @pytest.mark.parametrize("what", ["section", "run"])
 def test_a_long_expression_is_compiled_in_time(what):
     by = "+".join(f"sin({k}*p)*q" for k in range(1, 76))
@@ -110,6 +111,7 @@ def test_jobs_look_between_blocks_whether_to_stop(monkeypatch, section_job):
     assert len(asked) == 3
 
 
+@pytest.mark.slow
 def test_a_first_crossing_beyond_a_pole_is_left_to_a_run(section_job):
     """The steps were zero for ever, a hundred million of them."""
     found = taylor.solve(first_job(section_job, "1/q", 64.0))

@@ -91,7 +91,8 @@ def on_the_level(scene, name, starts, seed=18):
     return np.array(found)
 
 
-@pytest.mark.sample(1, slow=2)
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize(
     ("case", "starts"),
     [

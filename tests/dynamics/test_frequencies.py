@@ -13,6 +13,7 @@ from polhode.cli import main
 from polhode.taylor.integrator.stepping import Integrator
 
 
+@pytest.mark.slow
 def test_which_lines_a_top_has():
     """p + iq: minus proper rotation plus multiples of the nutation; the axis: precession."""
     lines = polhode.frequencies("lagrange/nutation", of=["p+iq", "axis"], end=200).lines

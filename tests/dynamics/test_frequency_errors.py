@@ -64,7 +64,7 @@ TOPS = (
 )
 
 
-@pytest.mark.sample(2, slow=2)
+@pytest.mark.sample(1, slow=1)
 @pytest.mark.parametrize("end", ["-200", "200", "333.3", "-157", "1000", "-1000"])
 @pytest.mark.parametrize("case", TOPS)
 def test_an_error_of_a_top_is_covered_and_not_by_much(case, end):

@@ -22,6 +22,7 @@ def family():
     return polhode.orbit_family("grioli/precession", "h", "0.7", points=60)
 
 
+@pytest.mark.slow
 def test_a_family_passes_its_fold(family):
     assert family.ended == "came back to h = 63/74"
     assert [one.what for one in family.bifurcations] == ["branch point", "fold"]
@@ -153,7 +154,7 @@ def test_a_family_that_cannot_be_followed_ends_with_code_3(monkeypatch, capsys):
 
 
 @pytest.mark.slow
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, rest="campaign")
 @pytest.mark.parametrize(
     ("given", "meant"),
     [

@@ -204,6 +204,7 @@ def test_a_start_on_the_orbit_is_returned_as_it_is_and_the_period_is_the_shortes
     assert found.scene.gamma[1] == 0
 
 
+@pytest.mark.slow
 def test_the_scene_that_is_written_is_the_orbit(tmp_path, capsys):
     from polhode.cli import main
 

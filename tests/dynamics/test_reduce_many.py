@@ -168,6 +168,7 @@ def test_no_more_states_are_held_than_a_job_has(monkeypatch):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1, rest="campaign")
 @pytest.mark.parametrize(
     ("keep", "end", "many"), [(["final", "first nutation"], "9", 800), (["lyapunov"], "1", 160)]
 )
@@ -201,6 +202,7 @@ def test_what_was_interrupted_goes_on_to_the_same_bits(keep, end, many, tmp_path
     assert not (tmp_path / "p").exists()
 
 
+@pytest.mark.slow
 def test_an_executor_gives_the_same_bits():
     keep = ["final", "first nutation", "lyapunov", "largest theta"]
     with ThreadPoolExecutor(2) as pool:

@@ -429,7 +429,7 @@ RELEASED = {
 }
 
 
-@pytest.mark.sample(1, slow=3)
+@pytest.mark.sample(1, slow=1)
 @pytest.mark.parametrize("name", RELEASED)
 def test_a_release_at_a_pole_is_left_as_a_run_leaves_it(name: str) -> None:
     """With w along the third axis gamma' = 0, and gamma'' = gamma x w' is of the second order."""

@@ -235,6 +235,7 @@ def _searched(
     return search, grid
 
 
+@pytest.mark.slow
 def test_a_zero_on_a_steps_boundary_is_one_zero() -> None:
     plain, grid = _searched(Fraction(1, 3))
     assert plain.contacts == []

@@ -34,7 +34,8 @@ def _inside(found: Any, rows: Any) -> bool:
     )
 
 
-@pytest.mark.sample(1, first=2, slow=1)
+@pytest.mark.slow
+@pytest.mark.sample(1, first=2, rest="campaign")
 @pytest.mark.parametrize("digits", [8, 15, 30, 60])
 def test_the_digits_asked_for_are_proven_and_not_many_more(digits: int) -> None:
     scene = top()
@@ -83,7 +84,7 @@ KINDS = {
 }
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, slow=1)
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_truth_is_inside_in_the_scenes_own_axes(kind: str) -> None:
     scene, t = KINDS[kind]

@@ -126,6 +126,7 @@ def test_a_radius_is_rounded_up_and_never_down() -> None:
         assert float(rounded_up([value])[0]) >= value
 
 
+@pytest.mark.slow
 def test_a_proven_table_holds_what_is_printed_and_loads_again(tmp_path, capsys) -> None:
     scene = tmp_path / "scene.toml"
     events = '\n[[events]]\nname = "nutation"\n'

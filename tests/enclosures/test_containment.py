@@ -193,6 +193,7 @@ def test_a_correction_that_hides_the_defect_that_it_was_given_is_noticed() -> No
         assert max(trials.ratios(proof.rows, what.states)) <= 1.0
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("part", ["moment", "torque", "start", "constant"])
 def test_a_motion_beside_the_true_one_is_excluded(part: str) -> None:
     # At 34 proven digits a change in the 30th must put the truth outside.

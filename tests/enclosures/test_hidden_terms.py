@@ -214,7 +214,7 @@ NUMBERS: list[tuple[str, tuple[Any, ...], tuple[Any, ...]]] = [
 ]
 
 
-@pytest.mark.sample(5)
+@pytest.mark.sample(4, slow=4)
 @pytest.mark.parametrize(("name", "given", "change"), NUMBERS)
 def test_a_number_of_a_step_holds_alone_and_not_without_its_term(
     name: str, given: Any, change: Any

@@ -55,6 +55,7 @@ def test_what_was_proven_until_an_interruption_is_kept() -> None:
     assert "interrupted" in repr(found)
 
 
+@pytest.mark.slow
 def test_what_was_proven_until_a_limit_on_the_time_is_kept(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

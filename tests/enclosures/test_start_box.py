@@ -72,7 +72,7 @@ def farthest(scene, times, outputs=(), radii=RADII):
     return [max(column) for column in zip(*ratios, strict=True)]
 
 
-@pytest.mark.sample(1, first=3, slow=2)
+@pytest.mark.sample(1, first=3, slow=1)
 @pytest.mark.parametrize("name", SCENES)
 def test_every_start_of_the_box_is_in_the_balls_and_corners_come_near_their_edges(name):
     for found in farthest(SCENES[name], [Fraction(1, 2), 3], ("attitude", "angles")):
@@ -105,7 +105,8 @@ def watched(scene, zero):
     return replace(scene, outputs=(), events=(polhode.Event("it", zero),))
 
 
-@pytest.mark.sample(1, slow=2)
+@pytest.mark.slow
+@pytest.mark.sample(1, rest="campaign")
 @pytest.mark.parametrize("radii", [RADII, None])
 @pytest.mark.parametrize("name", SCENES)
 def test_an_event_is_one_of_every_start_and_the_state_then_is_in_its_balls(name, radii):
@@ -142,6 +143,7 @@ def test_an_event_at_the_start_s_middle_is_not_decided_for_a_box(monkeypatch):
 # -- as far as a box can be followed ----------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_wide_box_is_followed_as_far_as_it_goes(tmp_path, capsys):
     scene = SCENES["general/asymmetric-chaotic"]
     found = polhode.certify(scene, [1, 2, 500], omega_radius="1e-5")

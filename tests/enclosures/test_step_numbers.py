@@ -60,7 +60,7 @@ def test_no_number_of_a_step_is_below_its_exact_value(kinds: Any, levels: Any) -
     assert all(ratio <= 1.0 for ratio in worst.values()), worst
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(2, slow=2)
 @pytest.mark.parametrize(
     ("name", "change"),
     [

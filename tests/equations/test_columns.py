@@ -100,7 +100,8 @@ def told(capsys, *arguments):
     return json.loads(out) if "--json" in arguments else [x.split() for x in out.splitlines()]
 
 
-@pytest.mark.sample(1, slow=1)
+@pytest.mark.slow
+@pytest.mark.sample(1, rest="campaign")
 @pytest.mark.parametrize("number", NUMBERS)
 def test_a_run_has_the_speed_wherever_it_goes(number, scene, tmp_path, capsys):
     """JSON, CSV and the JSON beside it: the same strings; trajectory, file, frames, notebook."""
@@ -188,7 +189,7 @@ def test_a_proof_gives_balls_of_the_speed(scene, capsys):
     assert 14 < judged.parts["speed"] <= DOUBLE.most_digits
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, slow=0)
 @pytest.mark.parametrize("count", [3, 201])
 def test_compare_judges_a_column_of_speed(count, tmp_path, capsys):
     """Few rows one by one, many at once; an error is relative to the largest speed."""

@@ -52,7 +52,8 @@ def digits_of(one: polhode.Trajectory, other: polhode.Trajectory) -> float:
     return worst_digits(one.states, other.states, other.scene, other.number.most_digits)
 
 
-@pytest.mark.sample(1, first=1, slow=3)
+@pytest.mark.slow
+@pytest.mark.sample(2, first=1, rest="campaign")
 @pytest.mark.parametrize("motion", MOTIONS)
 @pytest.mark.parametrize("name", OTHERS)
 def test_every_form_gives_38_of_40_digits_both_ways(name, motion):
@@ -65,6 +66,7 @@ def test_every_form_gives_38_of_40_digits_both_ways(name, motion):
         assert 38 <= digits_of(other, one) < 46
 
 
+@pytest.mark.slow
 def test_the_general_form_of_a_body_turned_rationally_gives_the_turned_states():
     scenes = replace(REGULAR, form="general"), turned_scene(TURN, REGULAR, form="general")
     one, other = (
@@ -83,7 +85,8 @@ def test_scaling_by_powers_of_two_changes_no_bit(name, exponent):
     assert same_bits(polhode.integrate(scene), polhode.integrate(other), exponent)
 
 
-@pytest.mark.sample(1, slow=1)
+@pytest.mark.slow
+@pytest.mark.sample(1, rest="campaign")
 @pytest.mark.parametrize("name", OTHERS)
 def test_a_run_in_any_form_has_what_a_run_in_the_principal_form_has(name):
     """Angles, attitude, events, states in between; a start that is the scene's own."""

@@ -37,6 +37,8 @@ def test_every_kind_has_figures_or_is_known_to_have_none():
     assert not known & WITHOUT
 
 
+#: Drawn twice in every way that there is, they take seconds.
+DEAR = {"ChaosMap": pytest.mark.slow, "Levels": pytest.mark.campaign}
 FROM_COLUMNS = [
     name
     for name in MAKERS
@@ -45,8 +47,8 @@ FROM_COLUMNS = [
 ]
 
 
-@pytest.mark.sample(3, slow=7)
-@pytest.mark.parametrize("name", FROM_COLUMNS)
+@pytest.mark.sample(2, slow=6)
+@pytest.mark.parametrize("name", [pytest.param(x, marks=DEAR.get(x, ())) for x in FROM_COLUMNS])
 def test_a_file_is_drawn_as_the_result_was(tmp_path, name):
     found = result_of_kind(name)
     found.save(tmp_path / "x.csv")
@@ -70,6 +72,7 @@ def test_the_file_of_frequencies_has_the_lines_and_the_spectrum_of_its_scene(tmp
     assert own["gamma3"].tolist() == pytest.approx(np.array(true))
 
 
+@pytest.mark.slow
 def test_the_command_draws_what_python_draws(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     level = ["section", TOP, "--grid", "2x2", "--crossings", "5"]
@@ -132,6 +135,7 @@ def test_a_map_shows_the_number_that_is_asked_for(chaos, what):
     assert np.isnan(np.delete(cells, chaos.cell)).all()
 
 
+@pytest.mark.slow
 def test_colours_of_maps_and_of_a_style_are_taken(chaos):
     (mesh,) = chaos.plot(cmap="magma").collections
     assert mesh.get_cmap().name == "magma"

@@ -77,7 +77,7 @@ def test_a_page_needs_nothing_else_and_is_small():
 PREVIEW = "preview(own, ...new Start(own).at(new Start(own).first{}, new Start(own).second{}))"
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(2, slow=2)
 @pytest.mark.parametrize(
     ("name", "end"),
     [
@@ -106,7 +106,7 @@ def test_a_preview_that_is_not_accurate_is_not_shown():
     assert "between them the picture is not the motion" in text
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(2, slow=4)
 @pytest.mark.parametrize(
     ("name", "words"),
     [
@@ -130,6 +130,7 @@ def test_what_a_preview_looks_like_is_decided_by_its_start(name, words):
     assert bool(looks) == bool(words)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("first", "second"), [(0.5, 0.0), (0.0, 0.4), (-1.25, -0.3)])
 def test_a_preview_of_another_start_is_the_motion_that_polhode_computes_from_it(first, second):
     """The numbers that the page shows, put into a scene, give the preview's motion."""
@@ -339,7 +340,8 @@ def test_a_film_shows_the_motion_to_its_end_in_the_size_asked_for(tmp_path, suff
     assert counts[-1] > 5 * counts[0]
 
 
-@pytest.mark.sample(1, slow=2)
+@pytest.mark.slow
+@pytest.mark.sample(1, rest="campaign")
 @pytest.mark.parametrize(
     ("name", "end", "turns"),
     [
@@ -367,6 +369,7 @@ def test_a_film_ends_where_the_motion_is_back_at_its_start(tmp_path, capsys, nam
     assert np.any(first[20:] != last[20:])  # below the title: the one before the first
 
 
+@pytest.mark.slow
 def test_what_is_nearer_is_drawn_later(tmp_path, monkeypatch):
     """The faces of a sphere that are seen well, whose depths follow from where they are drawn."""
     from matplotlib import collections

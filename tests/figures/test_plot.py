@@ -129,6 +129,7 @@ def test_cusps_and_loops_of_the_apex_stand_on_the_sphere(name):
     assert sharpest > 2.5 if name.endswith("cusped") else sharpest < 0.6
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("name", "apex", "axis"),
     [
@@ -144,7 +145,7 @@ def test_what_is_followed_of_a_free_body_is_named(name, apex, axis):
     assert followed == np.eye(3)[axis].tolist()
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(1, slow=0)
 @pytest.mark.parametrize("number", ["double", "quad"])
 def test_the_error_shown_is_the_error_found(number):
     scene = replace(polhode.load(TOP), outputs=())  # of the errors no output is integrated
@@ -223,6 +224,7 @@ def paths(path):
     return re.findall(r' d="([^"]+)"', path.read_text(encoding="utf-8"))
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("ending", ["npz", "npy", "parquet"])
 def test_a_file_of_arrays_is_drawn_as_its_csv_is(tmp_path, ending):
     run = polhode.integrate(polhode.load(TOP).at([Fraction(k, 10) for k in range(31)]))
@@ -237,7 +239,7 @@ def test_a_file_of_arrays_is_drawn_as_its_csv_is(tmp_path, ending):
 
 
 @pytest.mark.slow
-@pytest.mark.sample(2, first=1, rest="campaign")
+@pytest.mark.sample(1, first=1, rest="campaign")
 @pytest.mark.parametrize("what", ["angles", "hodographs", "sphere", "integrals", "error"])
 def test_a_trajectory_file_is_drawn_like_its_scene(tmp_path, what):
     path, times = tmp_path / "run.csv", ",".join(f"{k}/10" for k in range(101))
@@ -259,7 +261,8 @@ def test_a_file_with_the_space_hodograph_needs_no_attitude(tmp_path):
     assert "in space" in texts(plotted(tmp_path, str(path), "--what", "hodographs"))
 
 
-@pytest.mark.sample(1, slow=1)
+@pytest.mark.slow
+@pytest.mark.sample(1, rest="campaign")
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
 def test_the_same_motion_gives_the_same_bytes(tmp_path, suffix):
     arguments = (TOP, "--what", "angles", "--end", "3")

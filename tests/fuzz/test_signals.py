@@ -25,8 +25,9 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="processor time is re
 ALL = (signal.SIGKILL, *signals.OBEYED)
 
 
-@linux
 @pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
+@linux
 @pytest.mark.parametrize("work", ["run", "map", "study"])
 def test_a_signal_is_obeyed(work):
     _, faults = signals.sampled(work, 1, 1, longest=3)

@@ -66,6 +66,7 @@ def test_where_the_digits_cannot_be_had_the_exit_code_is_3(capsys):
     assert f"15 digits were asked for, {answer['correct_digits']} are right" in err
 
 
+@pytest.mark.slow
 def test_a_motion_beyond_computation_is_refused_in_seconds():
     run = polhode.integrate("general/asymmetric-chaotic", digits=15, at=[30_000])
     assert run.outcome is Outcome.TOO_FEW_DIGITS

@@ -94,7 +94,7 @@ def changes():
 CHANGED = {which: rest for which, *rest in changes()}
 
 
-@pytest.mark.sample(1, first=8, slow=3)
+@pytest.mark.sample(1, first=8, slow=2)
 @pytest.mark.parametrize("which", CHANGED)
 def test_what_is_another_is_found_to_its_digits(which):
     name, changed, words = CHANGED[which]
@@ -111,6 +111,7 @@ def test_what_is_another_is_found_to_its_digits(which):
         assert re.search(r"\(the scene's (is|are) [\d.]+\)$", causes[0].words)
 
 
+@pytest.mark.slow
 def test_a_clock_ten_in_a_million_slow_is_told():
     """It was called noise; quartz is no better."""
     own = scene("lagrange/nutation")
@@ -151,7 +152,8 @@ def stepped(name, method):
     return {"t": np.array(TIMES, dtype=float), **dict(columns)}
 
 
-@pytest.mark.sample(1, slow=3)
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("method", METHODS)
 def test_a_rough_method_is_explained_by_nothing(name, method):
@@ -179,7 +181,7 @@ UNEXPLAINED = {
 }
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(1, slow=2)
 @pytest.mark.parametrize("what", UNEXPLAINED)
 def test_it_is_explained_by_no_number(what):
     own = scene("lagrange/nutation")

@@ -82,7 +82,7 @@ SCENES = {
 
 
 @pytest.mark.slow
-@pytest.mark.sample(2, rest="campaign")
+@pytest.mark.sample(1, rest="campaign")
 @pytest.mark.parametrize("name", SCENES)
 def test_kappa_is_that_of_perturbed_motions(name):
     scene = SCENES[name]()

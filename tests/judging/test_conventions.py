@@ -201,7 +201,7 @@ def test_a_right_table_is_read_as_it_stands():
     assert polhode.compare(some(last, ATTITUDE), CASE).reading is None
 
 
-@pytest.mark.sample(9, slow=12)
+@pytest.mark.sample(6, slow=6)
 @pytest.mark.parametrize("name", READ)
 def test_a_convention_is_named_and_applied_and_can_be_told(name):
     names, change, words = READ[name]
@@ -285,6 +285,7 @@ def test_two_conventions_at_once_are_read():
     assert named >= 0.9 * len(pairs)
 
 
+@pytest.mark.slow
 def test_what_limits_the_digits_of_a_table_that_was_read_is_told():
     """What is left is the error of the table as it is read."""
     found = polhode.compare(shifted("p", 1e-5)(DEGREES(some(whole(), STATE))), CASE)
@@ -440,6 +441,7 @@ def departing(table):
     return {n: x if n == "t" else x + steps[n] for n, x in table.items()}
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("wrong", [early_in_part, one_row, noise, departing])
 def test_a_wrong_table_has_no_convention_by_chance(wrong):
     found = polhode.compare(wrong(some(whole(), STATE)), CASE)

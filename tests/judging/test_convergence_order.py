@@ -80,7 +80,7 @@ def written(path, method, h, every=1, until=2.0, header="t,p,q,r,gamma1,gamma2,g
     return str(path)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("method", "order"), [(midpoint, 2), (rk4, 4)])
 def test_the_order_between_two_files_is_told(method, order, tmp_path, capsys):
     coarse, fine = (written(tmp_path / f"{h}.csv", method, h) for h in (0.02, 0.01))
@@ -124,7 +124,7 @@ def test_at_each_time_those_steps_count_that_neither_the_first_digit_nor_roundin
     assert wider.order == pytest.approx(sum(x for x in wider.orders) / 2)
 
 
-@pytest.mark.sample(2, first=1)
+@pytest.mark.sample(1, first=1, slow=1)
 @pytest.mark.parametrize(
     ("more", "said"),
     [

@@ -23,7 +23,7 @@ def scene(proved: bool | None) -> polhode.Scene:
     return top if proved is None else replace(top, reference="certified")
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(2, slow=2)
 @pytest.mark.parametrize("method", ["taylor", "refined"])
 @pytest.mark.parametrize(("proved", "by"), WAYS)
 def test_the_digits_are_those_against_the_closed_form(method, proved, by):

@@ -105,7 +105,7 @@ LAYOUTS = {
 }
 
 
-@pytest.mark.sample(10)
+@pytest.mark.sample(7, slow=6)
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_every_layout_of_a_text_is_read(tmp_path, capsys, layout):
     content, options, remarks = LAYOUTS[layout]
@@ -253,6 +253,7 @@ AS_TYPES = {
 }
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("kind", AS_TYPES)
 def test_rows_are_of_the_widest_type_of_their_cells(kind):
     made, number = AS_TYPES[kind]
@@ -404,6 +405,7 @@ def test_a_table_of_another_case_is_told_with_the_plain_cases_that_begin_so():
     assert "; lagrange/backward and lagrange/long (and 3 more) begin so" in judged
 
 
+@pytest.mark.slow
 def test_a_start_beyond_doubles_is_another_start(tmp_path, capsys):
     (tmp_path / "x.csv").write_text("t,p,q,r\n0,1e400,1,1\n1,5,5,5\n2,7,8,9\n")
     assert cli.main(["compare", str(tmp_path / "x.csv"), CASE]) == 0

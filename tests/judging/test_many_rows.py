@@ -56,7 +56,7 @@ def rows_of(case, first, last):
     return scene, times, np.array([[np.nan if x is None else float(x) for x in r] for r in rows])
 
 
-@pytest.mark.sample(2, first=5, slow=3)
+@pytest.mark.sample(1, first=5, slow=1)
 @pytest.mark.parametrize("case", CASES)
 def test_the_same_digits_as_one_by_one(case):
     scene, times, rows = rows_of(case, *CASES[case])
@@ -119,7 +119,7 @@ ODD = 86  # a row that is none of these
 
 
 @pytest.mark.slow
-@pytest.mark.sample(2, rest="campaign")
+@pytest.mark.sample(1, rest="campaign")
 @pytest.mark.parametrize(
     ("case", "column", "amount"),
     [

@@ -25,7 +25,8 @@ def judged(run):
     return polhode.compare(run)
 
 
-@pytest.mark.sample(1, slow=3)
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize("ending", ENDINGS)
 @pytest.mark.parametrize("number", ["double", "extended", "quad"])
 def test_a_run_is_judged_as_itself(tmp_path, ending, number):

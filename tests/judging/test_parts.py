@@ -81,7 +81,7 @@ def test_the_headline_of_the_state_alone_is_that_of_the_state():
     assert found.part_digits.keys() == {"omega", "gamma"}
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1, slow=3)
 @pytest.mark.parametrize("strict", [False, True])
 @pytest.mark.parametrize(
     ("off", "exchanged", "least"), [(0, False, 14), (0.01, False, 2), (0, True, 0)]
@@ -223,6 +223,7 @@ def test_steps_of_a_needle_are_not_blamed_for_what_they_lose_beyond_the_band():
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1, rest="campaign")
 @pytest.mark.parametrize(("short", "by_chance"), [(0.3, True), (1.0, False)])
 def test_chance_explains_some_of_many_runs(compared, short, by_chance):
     """A run just below what nineteen in twenty have, and one far below."""

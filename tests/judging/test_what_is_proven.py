@@ -43,7 +43,7 @@ SAID: list[tuple[str | polhode.Scene, bool | tuple[str, ...]]] = [
 ]
 
 
-@pytest.mark.sample(3, first=1, slow=5)
+@pytest.mark.sample(2, first=1, slow=2)
 @pytest.mark.parametrize(
     ("scene", "said"), SAID, ids=[x if isinstance(x, str) else x.name for x, _ in SAID]
 )

@@ -57,6 +57,7 @@ def answers() -> dict[str, Callable[[], Any]]:
 DEAR = ("curve", "orbit")
 
 
+@pytest.mark.sample(6, slow=2)
 @pytest.mark.parametrize(
     "name",
     [pytest.param(k, marks=[pytest.mark.slow] if k in DEAR else []) for k in answers()],

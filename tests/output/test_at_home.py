@@ -140,6 +140,7 @@ def test_times_as_doubles():
 # -- other packages -----------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_run_as_a_data_frame_and_a_dataset():
     pytest.importorskip("pandas")
     pytest.importorskip("xarray")

@@ -21,7 +21,7 @@ UNDRAWN = (
 )
 
 
-@pytest.mark.sample(3, slow=2)
+@pytest.mark.sample(2, slow=1)
 @pytest.mark.parametrize("name", [name for name in MAKERS if name not in UNDRAWN])
 def test_results_draw_themselves_and_into_axes_of_ones_own(name):
     found = result_of_kind(name)

@@ -34,6 +34,7 @@ def test_directions_keep_their_sign_whatever_linear_algebra_chooses(monkeypatch)
         assert np.max(one) == 1.0 == np.max(np.abs(one))
 
 
+@pytest.mark.slow
 def test_the_example_is_proved_with_the_entropy_of_its_times():
     what = chains.example()
     found = what.proof
@@ -56,7 +57,8 @@ def test_the_example_is_proved_with_the_entropy_of_its_times():
                 chaos_certificate.stated(what.made, claim, found)
 
 
-@pytest.mark.sample(1, first=1, slow=1)
+@pytest.mark.slow
+@pytest.mark.sample(1, first=1, rest="campaign")
 @pytest.mark.parametrize("k", [0, 1, 9, 17])
 def test_points_of_a_set_are_where_its_image_says(k):
     """At corners and between; the slope holds the differences of the section map."""
@@ -72,7 +74,8 @@ def test_points_of_a_set_are_where_its_image_says(k):
     assert min(rooms) < 1e-6  # and the image is sharp
 
 
-@pytest.mark.sample(1, first=1)
+@pytest.mark.slow
+@pytest.mark.sample(1, first=1, rest="campaign")
 @pytest.mark.parametrize("late", [0.0, 2e-3])
 def test_points_of_a_set_that_leaves_the_level_and_is_late_are_where_its_image_says(late):
     assert chains.misses(*chains.tilted(late)) == 0
@@ -238,7 +241,7 @@ FALSE = {
 }
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("what", FALSE)
 def test_a_false_chain_is_refused(what):
     changes, why = FALSE[what]

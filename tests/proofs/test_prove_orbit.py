@@ -120,6 +120,7 @@ def test_half_the_period_is_refused():
         proofs.proved(point)
 
 
+@pytest.mark.slow
 def test_twice_the_period_is_refused_with_a_shorter_one(tmp_path, capsys):
     orbit = polhode.orbit("grioli/precession")
     *head, end = polhode.as_toml(orbit.scene).splitlines()[:-1]
@@ -217,6 +218,7 @@ def test_a_search_is_proved_orbit_by_orbit(capsys):
     assert capsys.readouterr().out.count("proved: ") == 3
 
 
+@pytest.mark.slow
 def test_orbits_that_are_not_proved_say_why(capsys):
     """On an integrable top they lie on resonant tori."""
     asked = ["lagrange/looping", "--grid", "5x5", "--crossings", "1"]

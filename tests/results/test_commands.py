@@ -90,7 +90,7 @@ def files_read(command: str) -> None:
         polhode.certify("euler/largest-axis", at=[1], digits=20).save("cert.json")
 
 
-@pytest.mark.sample(6, slow=9)
+@pytest.mark.sample(5, slow=8)
 @pytest.mark.parametrize("command", SAME)
 def test_a_command_writes_what_save_writes_and_prints_what_to_json_gives(
     command, tmp_path, monkeypatch, capsys
@@ -118,7 +118,8 @@ def test_a_command_writes_what_save_writes_and_prints_what_to_json_gives(
         assert again.to_json() == printed
 
 
-@pytest.mark.sample(3, slow=3)
+@pytest.mark.slow
+@pytest.mark.sample(3, rest="campaign")
 @pytest.mark.parametrize("command", DRAWN)
 def test_a_command_draws_its_result(command, tmp_path, monkeypatch, capsys):
     pytest.importorskip("matplotlib")

@@ -49,7 +49,7 @@ def of(name: str, count: int = 45):
     return go, rows, unit
 
 
-@pytest.mark.sample(6, slow=4)
+@pytest.mark.sample(3, slow=3)
 @pytest.mark.parametrize("way", [1, -1])
 @pytest.mark.parametrize("name", BODIES)
 def test_a_row_depends_neither_on_its_neighbours_nor_on_threads_nor_on_other_times(
@@ -99,6 +99,7 @@ def test_a_long_way_in_stretches_is_that_in_one(way, monkeypatch):
     assert many.reached == (Fraction(times[-1]),) * 9
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("name", [name for name in BODIES if name != "free sphere"])
 def test_rows_are_as_right_as_starts_alone(name):
     """Errors against 113 bits, after 8 units of time, are those of a start alone."""
@@ -307,7 +308,7 @@ def columns_of(*keys: str, count: int = COUNT):
     return {key: every[key] for key in keys}
 
 
-@pytest.mark.sample(6, slow=3)
+@pytest.mark.sample(3, slow=3)
 @pytest.mark.parametrize(
     ("body", "keys"),
     [

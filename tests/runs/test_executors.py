@@ -88,10 +88,12 @@ def test_faults_and_results_that_cannot_travel_are_told():
         list(in_order(unspeakable, range(2), 2))
 
 
+@pytest.mark.slow
 def test_what_a_job_prints_is_no_answer_and_stdin_is_not_its():
     assert list(in_order(noisy, range(3), 2)) == [("", 0), ("", 1), ("", 2)]
 
 
+@pytest.mark.slow
 def test_where_the_caller_goes_the_processes_end(monkeypatch):
     made, make = [], worker_processes.Process
     monkeypatch.setattr(worker_processes, "Process", lambda: made.append(make()) or made[-1])
@@ -167,6 +169,7 @@ def test_nothing_in_the_caller_s_folder_is_taken_for_a_library(tmp_path):
     assert (done.stdout, done.stderr) == ("begun\n[1, 2, 3]\n", "")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="signals of POSIX")
 def test_ctrl_c_of_a_terminal_does_not_reach_them(monkeypatch):
     """From their first moment on, while Python starts, too: the caller ends them."""

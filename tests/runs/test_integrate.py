@@ -259,6 +259,7 @@ def test_ctrl_c_ends_a_run_within_a_second_and_reports_what_was_reached(number):
     assert ended - sent[0] < 5  # of processor time; the whole run would take minutes
 
 
+@pytest.mark.slow
 def test_ctrl_c_of_the_program_exits_130_and_writes_what_there_is(tmp_path):
     path = tmp_path / "x.csv"
     asked = ["run", LONG, "--at", "100,1e10", "--max-steps", "1000000000000"]

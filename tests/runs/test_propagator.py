@@ -183,7 +183,7 @@ def test_another_thread_has_to_take_a_copy():
     assert found["copied"] == right == pickle.loads(pickle.dumps(go))(t=5.0).tolist()
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("project", [False, True])
 def test_an_interrupted_call_leaves_it_usable(project):
     go = polhode.propagator(scene(), project=project)
@@ -207,6 +207,7 @@ def test_an_interrupted_call_leaves_it_usable(project):
         signal.signal(signal.SIGALRM, before)
 
 
+@pytest.mark.slow
 def test_what_was_not_reached_is_nan_and_said():
     go = polhode.propagator(scene())
     near = go(t=0.125).tolist()
@@ -291,7 +292,7 @@ def test_a_long_way_is_gone_as_a_run_goes_it():
     assert (go.outcome, go.steps < 10**6) == (polhode.Outcome.STEP_LIMIT, True)
 
 
-@pytest.mark.sample(1, first=2, slow=1)
+@pytest.mark.sample(1, first=2, slow=0)
 @pytest.mark.parametrize("number", ["double", "extended"])
 @pytest.mark.parametrize("name", ["general/asymmetric-regular", "euler/largest-axis"])
 def test_an_array_of_times_gives_the_states_of_a_list_to_the_bit(name, number):

@@ -65,7 +65,7 @@ def test_progress_counts_members():
     assert [done for _, done in seen] == sorted(done for _, done in seen)
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1, slow=1)
 @pytest.mark.parametrize(
     ("number", "end", "pool"), [("double", "1000", 0), ("quad", "20", 0), ("double", "200", 1)]
 )
@@ -289,7 +289,7 @@ DAMAGES = {
 }
 
 
-@pytest.mark.sample(3, slow=4)
+@pytest.mark.sample(1, slow=3)
 @pytest.mark.parametrize("damage", DAMAGES)
 def test_a_part_that_somebody_damaged_is_made_again(damage, tmp_path):
     """It gave tracebacks, or its numbers went into the result."""

@@ -147,6 +147,7 @@ def rows_in(found: JsonObject) -> Iterator[tuple[JsonObject, str]]:
             yield from rows_in(value)
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("name", report.STUDIES)
 @pytest.mark.parametrize("kept", [0, 1])
 def test_a_page_of_no_rows_and_of_one_row_of_each_kind_can_be_made(name, kept):
@@ -171,7 +172,7 @@ def one_run_less(case: str) -> Any:
     return change
 
 
-@pytest.mark.sample(1, first=1, slow=1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("study", "change"),
     [
@@ -187,6 +188,7 @@ def test_a_row_less_is_a_mark_less(study, change):
     assert before - marks(found, study) == 1
 
 
+@pytest.mark.slow
 def test_a_run_with_fewer_digits_than_expected_has_a_ring():
     found = committed("stability")
     runs = [run for case in found["cases"] for run in case["runs"] if run.get("expected")]

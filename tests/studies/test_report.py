@@ -48,6 +48,7 @@ def test_a_page_says_at_its_head_what_made_it_and_where_and_how_long_it_takes(na
 
 
 @pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize("name", ["events", "long-run", "proofs", "stability"])
 def test_the_figures_of_a_study_are_those_of_its_page(name):
     found = committed(name)
@@ -160,7 +161,7 @@ def test_a_report_that_was_killed_goes_on_where_it_stopped(studies, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.sample(2, first=2, rest="campaign")
+@pytest.mark.sample(1, first=2, rest="campaign")
 @pytest.mark.parametrize("change", ["fresh", "quick", "text", "cut short", "code"])
 def test_results_that_are_not_todays_are_made_again(studies, change, tmp_path, monkeypatch):
     report.write_report(tmp_path)
@@ -189,6 +190,7 @@ def test_one_study_leaves_the_others_as_they_are(studies, tmp_path):
     assert "--quick" in (folder / "events.md").read_text()
 
 
+@pytest.mark.slow
 def test_a_key_changes_with_every_module_and_nothing_beside_them(tmp_path, monkeypatch):
     """As in an installed copy, where Python leaves what it compiled beside its modules."""
     package = tmp_path / "polhode"

@@ -226,6 +226,7 @@ def test_propagators_in_turn_have_the_bits_of_runs(alone):
                 assert np.abs(there - states[-1]).max() < 1e-13
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("outputs", [(), ("angles",)])
 @pytest.mark.parametrize("number", ["double", "extended"])
 def test_another_start_in_an_idle_integrator_has_the_bits_of_a_new_one(number, outputs, built):

@@ -75,7 +75,7 @@ def test_cyclic_variables_are_divided_by_the_next_power_of_two():
         assert row.divisor == 2 ** (math.floor(math.log2(row.set_back)) + 1)
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(2, slow=1)
 @pytest.mark.parametrize("number", ["double", "extended", "quad", "mp"])
 def test_runs_go_by_the_table(number, monkeypatch):
     scene = polhode.load("kovalevskaya/generic")

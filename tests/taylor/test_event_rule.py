@@ -132,6 +132,7 @@ def test_every_exact_tangency_is_one_contact(name, zero, ends, number):
     assert polhode.integrate(stopping, number).outcome is Outcome.REACHED_END
 
 
+@pytest.mark.slow
 def test_a_flat_zero_is_a_crossing_with_its_direction_and_a_wide_time():
     for zero, sign, width in (
         ("(t-1.2)**3", 1, 1e-4),
@@ -180,7 +181,7 @@ AT_ZERO = {
 }
 
 
-@pytest.mark.sample(4, slow=6)
+@pytest.mark.sample(3, slow=3)
 @pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
 @pytest.mark.parametrize("zero", AT_ZERO)
 def test_a_start_at_zero_hides_no_other_zero(zero, number):
@@ -281,7 +282,7 @@ def test_contacts_are_no_crossings_of_a_section():
         polhode.section("general/asymmetric-chaotic", by="(q - 1/10)**2", **asked)
 
 
-@pytest.mark.sample(2, slow=2)
+@pytest.mark.sample(1, slow=2)
 @pytest.mark.parametrize(
     ("name", "plain", "flat"),
     [
@@ -320,7 +321,8 @@ def test_two_multiple_zeros_of_a_step_are_those_of_the_factors(powers):
     assert np.array_equal(one.states, other.states)
 
 
-@pytest.mark.sample(1, first=1, slow=1)
+@pytest.mark.slow
+@pytest.mark.sample(1, first=1, rest="campaign")
 @pytest.mark.parametrize("direction", ["any", "rising", "falling"])
 def test_no_first_zero_and_no_event_of_a_run_is_lost_where_it_is_flat(direction):
     starts = {"start.omega[1]": [str(Fraction(k, 9)) for k in range(1, 17)]}
@@ -338,7 +340,8 @@ def test_no_first_zero_and_no_event_of_a_run_is_lost_where_it_is_flat(direction)
     assert runs[1].t == pytest.approx(runs[0].t, abs=1e-4)
 
 
-@pytest.mark.sample(1, first=2, slow=1)
+@pytest.mark.slow
+@pytest.mark.sample(1, first=2, rest="campaign")
 @pytest.mark.parametrize(
     "by", ["momentum", "gamma3 - 1/10", "(q - 1/10)*(q - 3/25)*(q - 7/50)", "sin(40*gamma3)*q"]
 )

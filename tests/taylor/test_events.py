@@ -56,7 +56,7 @@ def ulp(t: Fraction, bits: int) -> Fraction:
 # -- where and how often ----------------------------------------------------------------------
 
 
-@pytest.mark.sample(2, slow=4)
+@pytest.mark.sample(2, slow=2)
 @pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
 @pytest.mark.parametrize(
     ("name", "end", "texts"),
@@ -181,6 +181,7 @@ def test_an_event_that_never_happens_has_no_times():
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1, rest="campaign")
 @pytest.mark.parametrize("number", NUMBERS[:2], ids=lambda n: n.name)
 def test_events_are_the_same_where_angles_begin_at_a_pole(number):
     """Those met on the bridge off the pole, among other variables, and those met after it."""

@@ -78,7 +78,8 @@ def test_a_fourth_integral_needs_its_condition_exactly():
 # -- what it gains ----------------------------------------------------------------------------
 
 
-@pytest.mark.sample(2, slow=1)
+@pytest.mark.slow
+@pytest.mark.sample(2, rest="campaign")
 @pytest.mark.parametrize("name", TOPS)
 @pytest.mark.parametrize(("number", "end"), [("double", 5000), ("extended", 1500)])
 def test_a_projected_run_has_more_digits(name, number, end):
@@ -227,6 +228,7 @@ def test_quad_and_mp_are_projected_where_asked():
 # -- what it leaves alone ---------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_corrections_depend_on_no_output_time_and_no_chunk(monkeypatch):
     scene = polhode.load("kovalevskaya/generic")
     one = polhode.integrate(scene, at=[300], project=7)

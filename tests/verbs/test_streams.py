@@ -36,6 +36,7 @@ def shell(line: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(["bash", "-c", line], capture_output=True, text=True, env=environment)
 
 
+@pytest.mark.slow
 def test_the_module_is_the_program():
     done = ended("about", "--json")
     assert (done.returncode, done.stderr) == (0, "")
@@ -117,6 +118,7 @@ def test_a_title_takes_any_character_and_commands_no_terminal(encoding):
     assert "Grüße ?[31m? τ" in done.stdout.decode() or b"Gr\\xfc\\xdfe ?[31m?" in done.stdout
 
 
+@pytest.mark.slow
 def test_a_backend_that_matplotlib_has_not_is_refused():
     """It reads the variable while it is imported."""
     words = ["plot", "lagrange/nutation", "--what", "angles", "-o", "x.svg"]
@@ -158,6 +160,7 @@ def test_without_heyoka_all_works_but_what_integrates_says_how_to_get_it():
     assert min(Path(name).stat().st_size for name in ("x.png", "x.html")) > 1000
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("words", ["run lagrange/nutation", "reference euler/separatrix --at 1"])
 def test_the_closed_forms_run_where_heyoka_is_missing(words):
     program = f"{HIDDEN}from polhode.cli import command; command()"

@@ -123,6 +123,7 @@ def test_drift_of_a_projected_file_is_no_evidence(capsys):
         assert ("drift h" in out) == (not notes)
 
 
+@pytest.mark.sample(1, first=1)
 @pytest.mark.parametrize("t", ["1e400", "1e-400"])
 def test_times_beyond_the_range_of_a_double(capsys, t):
     large = t == "1e400"
@@ -379,6 +380,7 @@ ODD = "a\x1b[31m\nz\u202e!"
 SHOWN = "a?[31m z?!"
 
 
+@pytest.mark.slow
 def test_names_of_any_kind_are_one_line_that_commands_no_terminal(capsys):
     word = json.dumps(ODD)
     words = f"title = {word}\ntags = [{word}]\ncite = [{word}]"
