@@ -60,8 +60,8 @@ class CompiledBatch(Engine):
 
     @property
     def now(self) -> HeyokaNumber:
-        """The time that the first lane has reached."""
-        return self.heyoka.time[0]
+        """The time that all lanes have reached."""
+        return min(self.heyoka.time, key=abs)
 
     def grid(self, times: list[HeyokaNumber], most: int) -> tuple[Array, Any, Outcome]:
         """The same of all lanes, which stand at one time: states at times that all of them met."""
