@@ -1,7 +1,7 @@
 """Every verb once, in an installed wheel: what users have, and what a checkout does not show.
 
-Makes a wheel of this checkout and an environment of its own, in a folder that is removed at the
-end; installs the wheel with what the first command of the README installs, and runs the commands
+Makes a wheel of this checkout, which has to have every file of the package, and an environment of
+its own, in a folder that is removed at the end; installs the wheel with what the first command of the README installs, and runs the commands
 below from an empty folder, as a user who never ran polhode; then installs what figures and the
 report need, and runs those that draw.  A command fails by another exit code than the one beside
 it, by a traceback or a warning.  Exit code 0 if all passed.
@@ -18,6 +18,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import zipfile
 from pathlib import Path
 
 TOP = Path(__file__).resolve().parents[2]
@@ -66,7 +67,6 @@ WITH_FIGURES = (
     (0, "plot cone.toml --what motion --size 200 --fps 5 --end '0.1 s' -o cone.gif"),
     (0, "levels grioli/precession -o levels.svg"),
     (0, "section general/section --grid 2x2 --crossings 2 -o section.svg"),
-    (0, "study events --quick"),
     (130, "report --quick"),
 )
 #: A process that ends by itself is not waited for where its parent is interrupted.
@@ -91,7 +91,7 @@ def main() -> int:
         run([*pip, "wheel", "--no-deps", "-w", str(place), str(TOP)])
         (wheel,) = place.glob("*.whl")
         run([*pip, "install", "--no-compile", str(wheel)])
-        faults = unnamed(python, user, environment)
+        faults = [*missing(wheel), *unnamed(python, user, environment)]
         faults += [f for row in BARE for f in told(python, *row, user, environment)]
         run([*pip, "install", "--no-compile", f"{wheel}[report]"])
         faults += [f for row in WITH_FIGURES for f in told(python, *row, user, environment)]
@@ -103,6 +103,15 @@ def main() -> int:
 def run(command: list[str]) -> None:
     """A step of the installation."""
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+
+
+def missing(wheel: Path) -> list[str]:
+    """Files of the package that the wheel has not."""
+    package = TOP / "src" / "polhode"
+    own = {x.relative_to(TOP / "src").as_posix() for x in package.rglob("*") if x.is_file()}
+    with zipfile.ZipFile(wheel) as archive:
+        lacking = own - {*archive.namelist()}
+    return [f"FAIL {x}: not in the wheel" for x in sorted(lacking) if "__pycache__" not in x]
 
 
 def unnamed(python: str, folder: Path, environment: dict[str, str]) -> list[str]:

@@ -31,7 +31,7 @@ def test_that_asks_for_nothing():
 def session(folder, *options, tests=_TESTS):
     """What pytest prints of the tests."""
     (folder / "test_mine.py").write_text(tests)
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *options]
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:hypothesispytest", *options]
     ran = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     assert ran.returncode == 1, ran.stdout
     return ran.stdout
@@ -39,7 +39,7 @@ def session(folder, *options, tests=_TESTS):
 
 @pytest.mark.slow
 def test_digits_stand_at_the_end_and_in_the_xml(tmp_path):
-    printed = session(tmp_path, "--junitxml=x.xml", "-W", "error", "-n", "2")
+    printed = session(tmp_path, "--junitxml=x.xml", "-W", "error", "-n", "1")
     assert "1 failed, 3 passed" in printed
     assert "6.00 correct digits at t = 1, where at least 9 are wanted" in printed
     end = printed.partition("= correct digits =")[2].splitlines()

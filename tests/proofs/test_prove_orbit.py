@@ -44,7 +44,7 @@ EXAMPLES = {
 
 
 @pytest.mark.slow
-@pytest.mark.sample(1, first=1, rest="campaign")
+@pytest.mark.sample(1, rest="campaign")
 @pytest.mark.parametrize("kind", EXAMPLES)
 def test_the_orbit_lies_in_its_balls(kind):
     point, period, residue = EXAMPLES[kind]
@@ -270,9 +270,9 @@ def test_periods_and_residues_of_bodies_at_corners_lie_in_the_balls(near, k):
 
 @pytest.mark.slow
 def test_a_tolerance_that_is_too_wide_names_one_that_works(near):
-    works = r"within 1e-06 \(.*\): the largest power of 10 .* is 1e-09"
+    works = r"within 1e-08 \(.*\): the largest power of 10 .* is 1e-09"
     with pytest.raises(NotProved, match=works):
-        prove_orbit.prove_found(near, 1, 15, tolerance=Fraction(1, 10**6))
+        prove_orbit.prove_found(near, 1, 15, tolerance=Fraction(1, 10**8))
 
 
 @pytest.mark.slow
