@@ -124,6 +124,7 @@ CLAIMS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CLAIMS)
 def test_a_false_statement_is_noticed(name):
     old, new, changes = CLAIMS[name]

@@ -60,6 +60,7 @@ def test_a_chaotic_motion_has_no_sharp_lines():
     assert all(line.error > 1e-5 for line in lines)
 
 
+@pytest.mark.slow
 def test_frequencies_verb(tmp_path, capsys):
     assert main(["frequencies", "euler/attitude", "--end", "200", "--of", "r", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)

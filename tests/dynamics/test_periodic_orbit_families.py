@@ -38,6 +38,7 @@ def test_a_family_passes_its_fold(family):
     assert abs(first.period - last.period) > 0.1  # another orbit of the same level
 
 
+@pytest.mark.slow
 def test_two_orbits_on_this_side_of_a_fold_and_none_on_the_other(family):
     fold = family.bifurcations[-1]
     above = family.points[fold.after - 1], family.points[fold.after]

@@ -90,7 +90,7 @@ def files_read(command: str) -> None:
         polhode.certify("euler/largest-axis", at=[1], digits=20).save("cert.json")
 
 
-@pytest.mark.sample(5, slow=8)
+@pytest.mark.sample(5, first=2, slow=8)
 @pytest.mark.parametrize("command", SAME)
 def test_a_command_writes_what_save_writes_and_prints_what_to_json_gives(
     command, tmp_path, monkeypatch, capsys
