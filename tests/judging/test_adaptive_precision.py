@@ -39,7 +39,7 @@ def test_a_run_that_is_short_is_made_again(monkeypatch):
     """Before: at t = 400 told to ask for 31 (extended), and then for more: one run suffices."""
 
     def run():
-        made = polhode.integrate("euler/separatrix", digits=15, at=[200])
+        made = polhode.integrate("euler/separatrix", digits=15, at=[400])
         return made.outcome, made.correct_digits, made.checked_by
 
     done, digits, by = run()
