@@ -37,15 +37,15 @@ FIXED = {
 }
 
 
-#: Of some data the first is fast; every fourth from the third is slow, the others by hand.
+#: Of some data the first is fast; every other one behind it is slow, the others by hand.
 PARTS = (
     slice(0, 1),
-    pytest.param(slice(2, None, 4), marks=pytest.mark.slow),
-    pytest.param(slice(1, None), marks=pytest.mark.campaign),
+    pytest.param(slice(2, None, 2), marks=pytest.mark.slow),
+    pytest.param(slice(1, None, 2), marks=pytest.mark.campaign),
 )
 
 
-@pytest.mark.parametrize("part", PARTS, ids=["first", "third", "others"])
+@pytest.mark.parametrize("part", PARTS, ids=["first", "third on", "others"])
 @pytest.mark.parametrize("name", FIXED)
 def test_any_datum_moved_by_1e_30_is_refused(name, part):
     motion = MOTIONS[name]
@@ -63,6 +63,7 @@ def test_any_datum_moved_by_1e_30_is_refused(name, part):
         assert f"{motion.family} needs " in message, (row, column)
         assert "\n" not in message
         assert 1e-34 < float(re.search(r"off by ([\d.e-]+\d)", message)[1]) < 1e-26, message
+    if part.start == 0:
         near = dict(families.near(scene))
         assert 1e-34 < float(near[motion.family].off) < 1e-26
 
@@ -82,7 +83,7 @@ BODIES = (
 )
 
 
-@pytest.mark.parametrize("part", PARTS, ids=["first", "third", "others"])
+@pytest.mark.parametrize("part", PARTS, ids=["first", "third on", "others"])
 @pytest.mark.parametrize("family", families.FAMILIES, ids=lambda family: family.name)
 def test_bodies_far_from_a_family_are_told_what_it_needs(family, part):
     for moments in BODIES[part]:

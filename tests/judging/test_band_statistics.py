@@ -8,7 +8,6 @@ from __future__ import annotations
 import random
 from collections import Counter, defaultdict
 from collections.abc import Iterator
-from dataclasses import replace
 from fractions import Fraction
 
 import pytest
@@ -43,11 +42,9 @@ def heavy(k: int) -> Scene:
     return Scene(Body.of_moments(moments, torque, 1), omega, tuple(map(F, gamma)))
 
 
-def top(kind: str, k: int, body: int | None = None) -> Scene:
-    """A random top; ``body``: whose body it has, its own by default."""
-    if kind != "any":
-        return random_scene(kind, k, body_of=body)
-    return heavy(k) if body is None else replace(heavy(k), body=heavy(body).body)
+def top(kind: str, k: int) -> Scene:
+    """A random top."""
+    return heavy(k) if kind == "any" else random_scene(kind, k)
 
 
 def places(kind: str, scene: Scene, ends: tuple[int, ...]) -> Iterator[tuple]:
@@ -85,18 +82,6 @@ def counted(found: list[tuple], *by: int) -> dict[tuple, Counter]:
 def share(count: Counter) -> float:
     """How many of a count lie inside."""
     return count[0] / count.total()
-
-
-@pytest.mark.slow
-def test_of_a_few_tops_nine_in_ten_runs_end_in_the_band():
-    """Starts of one body a kind, which is compiled once; what one start does leans together."""
-    scenes = [(kind, top(kind, k, 0)) for kind in KINDS for k in range(2)]
-    found = [place for kind, scene in scenes for place in places(kind, scene, (20, 60))]
-    (all_in_all,) = counted(found).values()
-    assert all_in_all.total() == len(KINDS) * 2 * 12
-    assert 0.84 <= share(all_in_all) <= 0.97
-    for of, count in counted(found, 1, 2).items():
-        assert max(count[-1], count[1]) <= 0.2 * count.total(), of
 
 
 @pytest.mark.campaign

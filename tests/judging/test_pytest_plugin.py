@@ -31,7 +31,17 @@ def test_that_asks_for_nothing():
 def session(folder, *options, tests=_TESTS):
     """What pytest prints of the tests."""
     (folder / "test_mine.py").write_text(tests)
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:hypothesispytest", *options]
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-q",
+        "-p",
+        "no:cacheprovider",
+        "-p",
+        "no:hypothesispytest",
+        *options,
+    ]
     ran = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     assert ran.returncode == 1, ran.stdout
     return ran.stdout
