@@ -1,10 +1,11 @@
 """Every verb once, in an installed wheel: what users have, and what a checkout does not show.
 
 Makes a wheel of this checkout, which has to have every file of the package, and an environment of
-its own, in a folder that is removed at the end; installs the wheel with what the first command of the README installs, and runs the commands
-below from an empty folder, as a user who never ran polhode; then installs what figures and the
-report need, and runs those that draw.  A command fails by another exit code than the one beside
-it, by a traceback or a warning.  Exit code 0 if all passed.
+its own, in a folder that is removed at the end; installs the wheel with what the first command of
+the README installs, and runs the commands below from an empty folder, as a user who never ran
+polhode; then installs what figures and the report need, and runs those that draw.  A command fails
+by another exit code than the one beside it, by a traceback or a warning.  Exit code 0 if all
+passed.
 
     python3 tests/installed/every_verb.py
 """

@@ -31,17 +31,8 @@ def test_that_asks_for_nothing():
 def session(folder, *options, tests=_TESTS):
     """What pytest prints of the tests."""
     (folder / "test_mine.py").write_text(tests)
-    command = [
-        sys.executable,
-        "-m",
-        "pytest",
-        "-q",
-        "-p",
-        "no:cacheprovider",
-        "-p",
-        "no:hypothesispytest",
-        *options,
-    ]
+    without = ("-p", "no:cacheprovider", "-p", "no:hypothesispytest")
+    command = [sys.executable, "-m", "pytest", "-q", *without, *options]
     ran = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     assert ran.returncode == 1, ran.stdout
     return ran.stdout

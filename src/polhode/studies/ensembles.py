@@ -60,19 +60,14 @@ STARTED = {**KINDS, "chaotic": asymmetric, "fast": asymmetric}
 CHAOTIC = (0, 1, 3, 4, 7, 8, 9, 13)
 
 
-def random_scene(
-    kind: str, index: int, times: Sequence[Exact] = (), body_of: int | None = None
-) -> Scene:
+def random_scene(kind: str, index: int, times: Sequence[Exact] = ()) -> Scene:
     """The exact scene: any body of the kind, |components| of w at most 1, any gamma.
 
-    ``body_of``: the start whose body it has; its own by default.  An asymmetric body spins with 2.5
-    to 3.5 about z, where its motion is regular as a rule, a fast one with 20 to 40.
+    An asymmetric body spins with 2.5 to 3.5 about z, where its motion is regular as a rule, a fast
+    one with 20 to 40.
     """
     dice = random.Random(f"{SEED} {kind} {index}")
-    body, name = STARTED[kind](dice), kind
-    if body_of is not None:
-        body = STARTED[kind](random.Random(f"{SEED} {kind} {body_of}"))
-        name = f"{kind} body {body_of + 1}"
+    body = STARTED[kind](dice)
     p, q, r = (Fraction(dice.randint(-100, 100), 100) for _ in range(3))
     if kind == "asymmetric":
         r = 3 + r / 2
@@ -81,7 +76,7 @@ def random_scene(
     u, v = (Fraction(dice.randint(-20, 20), 10) for _ in range(2))
     square = u * u + v * v
     gamma = (2 * u / (1 + square), 2 * v / (1 + square), (1 - square) / (1 + square))
-    return Scene(body, (p, q, r), gamma, times=tuple(times), name=f"{name} start {index + 1}")
+    return Scene(body, (p, q, r), gamma, times=tuple(times), name=f"{kind} start {index + 1}")
 
 
 def _moments(dice: random.Random) -> list[Fraction]:
