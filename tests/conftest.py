@@ -139,23 +139,24 @@ def pytest_collection(session: pytest.Session) -> None:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """``sample(n, first=k)``: n cases of the test, evenly spread from the k-th, are fast.
 
-    The others are slow, or with ``slow=m`` m of them, evenly spread too, and what is left runs by
-    hand.  Of a slow test with ``rest="campaign"`` n cases are slow, the others run by hand.
+    The others are slow, or with ``slow=m`` m of them, evenly spread too and from the k-th where
+    none is fast; what is left runs by hand.
     """
     cases: dict[str, list[pytest.Item]] = {}
     for item in items:
-        mark = item.get_closest_marker("sample")
-        if mark and ("rest" in mark.kwargs or not item.get_closest_marker("slow")):
+        if item.get_closest_marker("sample") and not item.get_closest_marker("slow"):
             cases.setdefault(item.nodeid.partition("[")[0], []).append(item)
     for those in cases.values():
         mark = those[0].get_closest_marker("sample")
         count, first = mark.args[0], mark.kwargs.get("first", 0)
-        kept = {(first + len(those) * k // count) % len(those) for k in range(count)}
-        others = [item for k, item in enumerate(those) if k not in kept]
-        rest = mark.kwargs.get("rest", "slow")
-        slow = len(others) if rest == "slow" else 0
-        slow = min(slow, mark.kwargs.get("slow", slow))
-        sampled = {len(others) * k // slow for k in range(slow)}
+        fast = spread(len(those), count, first)
+        others = [item for k, item in enumerate(those) if k not in fast]
+        most = min(mark.kwargs.get("slow", len(others)), len(others))
+        slow = spread(len(others), most, 0 if count else first)
         for k, item in enumerate(others):
-            item.own_markers = [one for one in item.own_markers if one.name != "slow"]
-            item.add_marker("slow" if k in sampled else "campaign")
+            item.add_marker("slow" if k in slow else "campaign")
+
+
+def spread(many: int, count: int, first: int) -> set[int]:
+    """So many places of ``many``, evenly spread."""
+    return {(first + many * k // count) % many for k in range(count)}

@@ -68,8 +68,7 @@ def together(names: Sequence[str], jobs: int) -> set[str]:
     return wrong
 
 
-@pytest.mark.slow
-@pytest.mark.sample(2, rest="campaign")
+@pytest.mark.sample(0, slow=2)
 @pytest.mark.parametrize("pair", SOME, ids="-".join)
 def test_pairs_of_verbs_in_threads_answer_as_alone(pair, quick_changes):
     """Levels and an orbit waited for each other for ever, in one try of four."""
@@ -96,8 +95,7 @@ def in_pool(start: str, names: Sequence[str]) -> list[Any]:
         return pool.map_async(answer, names, chunksize=1).get(PATIENCE)
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize(
     ("start", "names"),
     [

@@ -42,8 +42,7 @@ def test_the_folder_is_the_one_that_is_made():
         assert (HELD / name).read_bytes() == shipped.read_bytes()
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, first=15, rest="campaign")
+@pytest.mark.sample(0, first=15, slow=1)
 @pytest.mark.parametrize("name", NAMED)
 def test_values_are_made_again_to_the_bit(name):
     assert (HELD / f"{name}.csv").read_text() == certified_values(NAMED[name]).csv

@@ -56,8 +56,7 @@ def test_what_ships_is_proved_and_of_the_scene_that_ships(path):
             assert held["scene"][key] == value
 
 
-@pytest.mark.slow
-@pytest.mark.sample(2, rest="campaign")
+@pytest.mark.sample(0, slow=2)
 @pytest.mark.parametrize("name", motion_table()["library"])
 def test_every_closed_form_that_is_certified_has_a_certificate(name, tmp_path):
     scene = replace(library.load(name), outputs=())

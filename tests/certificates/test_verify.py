@@ -154,8 +154,7 @@ def moved_off(given, row, key, column, by=2):
     return altered(given, f"statement {row} {key} {column}", moved)
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize("row", [0, 1])
 @pytest.mark.parametrize(("key", "count"), [("balls", 6), ("attitude", 4)])
 def test_a_ball_that_is_moved_off_is_not_proved(turned, row, key, count):

@@ -80,8 +80,7 @@ def maps_at(starts, bits):
         return [made("hess", plain)._solution().spin.map for plain in starts]
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, first=1, rest="campaign")
+@pytest.mark.sample(0, first=1, slow=1)
 @pytest.mark.parametrize(("weaker", "least"), [(1, 0), (2, 1), (4, 2)])
 def test_by_force_a_tail_for_a_smaller_motion(weaker, least, monkeypatch):
     """At 200 bits: as if |z|, |g| and u were less; of some motion 1.5 is not yet too little."""

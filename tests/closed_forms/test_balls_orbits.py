@@ -41,8 +41,7 @@ def test_next_to_where_the_modulus_is_1():
             assert max(abs(x - y) for x, y in zip(few, many, strict=True)) < speed * mpf("1e-20")
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize("factor", [6, 4])
 @pytest.mark.parametrize("family", ["steklov", "goryachev"])
 def test_by_force_a_strip_too_wide_misses(family, factor, monkeypatch):
@@ -60,8 +59,7 @@ def test_by_force_a_strip_too_wide_misses(family, factor, monkeypatch):
     assert not all(x.overlaps(y) for x, y in zip(wrong, fine, strict=True))
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize("place", [1, 9])
 def test_by_force_a_term_of_the_azimuth_left_out(place, monkeypatch):
     fine = row_at(of("steklov"), F(-7), 330)

@@ -50,8 +50,7 @@ def scene(path, kind, **start):
     return polhode.load(str(file))
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize("start", [STEADY, MIRRORED], ids=["own axes", "a reflection"])
 def test_it_answers_as_the_family_that_knows_the_motion_too(given, tmp_path, start):
     mine = polhode.reference(scene(tmp_path, KIND, **start))

@@ -152,8 +152,7 @@ ORDERS = np.array(
 )
 
 
-@pytest.mark.slow
-@pytest.mark.sample(2, rest="campaign")
+@pytest.mark.sample(0, slow=2)
 @pytest.mark.parametrize(
     ("name", "column", "growth"),
     [

@@ -152,8 +152,7 @@ def test_a_rational_level_is_called_so(tmp_path, capsys):
 # -- which minima are joined -----------------------------------------------------------------------
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, first=1, rest="campaign")
+@pytest.mark.sample(0, first=1, slow=1)
 @pytest.mark.parametrize("heavy", [1, 0])
 def test_an_arc_lies_below_an_energy_above_all_of_its_own_and_below_no_lower_one(heavy):
     """W_f along 300 arcs between random points, from 2001 samples; h beside the largest of them."""

@@ -57,8 +57,7 @@ def _q(scene, start, t) -> float:
     return float(polhode.integrate(plain, at=[t]).states[-1][1])
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize("what", ["section", "run"])
 def test_a_long_expression_is_compiled_in_time(what):
     by = "+".join(f"sin({k}*p)*q" for k in range(1, 76))

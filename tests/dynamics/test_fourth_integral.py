@@ -91,8 +91,7 @@ def on_the_level(scene, name, starts, seed=18):
     return np.array(found)
 
 
-@pytest.mark.slow
-@pytest.mark.sample(2, rest="campaign")
+@pytest.mark.sample(0, slow=2)
 @pytest.mark.parametrize(
     ("case", "starts"),
     [

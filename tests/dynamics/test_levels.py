@@ -185,8 +185,7 @@ FS = {
 }
 
 
-@pytest.mark.slow
-@pytest.mark.sample(2, rest="campaign")
+@pytest.mark.sample(0, slow=2)
 @pytest.mark.parametrize(("name", "f"), [(name, f) for name, fs in FS.items() for f in fs])
 def test_regions_by_counting_on_a_grid(name, f):
     known, f = body(name), Fraction(f)

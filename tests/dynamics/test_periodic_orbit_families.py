@@ -154,8 +154,7 @@ def test_a_family_that_cannot_be_followed_ends_with_code_3(monkeypatch, capsys):
     assert "not followed beyond h = 0.851351" in capsys.readouterr().err
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize(
     ("given", "meant"),
     [

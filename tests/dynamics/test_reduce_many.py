@@ -60,8 +60,7 @@ def test_states_and_extremes_are_those_of_kept_states_to_the_bit(number, turned)
         assert found[name].dtype == states.dtype
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, first=3, rest="campaign")
+@pytest.mark.sample(0, first=3, slow=1)
 @pytest.mark.parametrize("end", ["11", "-11"])
 @pytest.mark.parametrize("turned", [False, True])
 def test_first_events_are_the_first_of_each_run(end, turned, monkeypatch):
@@ -167,8 +166,7 @@ def test_no_more_states_are_held_than_a_job_has(monkeypatch):
     assert held < 96 * 2001 * 48 / 2  # bytes of all states: 9 MB, of which a job has a third
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize(
     ("keep", "end", "many"), [(["final", "first nutation"], "9", 800), (["lyapunov"], "1", 160)]
 )

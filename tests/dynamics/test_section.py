@@ -110,8 +110,7 @@ def spread(values):
     return float(np.max(np.max(values, axis=1) - np.min(values, axis=1)))
 
 
-@pytest.mark.slow
-@pytest.mark.sample(2, first=1, rest="campaign")
+@pytest.mark.sample(0, first=1, slow=2)
 @pytest.mark.parametrize(
     ("case", "level", "low", "high"),  # in eps
     [

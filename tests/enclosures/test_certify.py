@@ -34,8 +34,7 @@ def _inside(found: Any, rows: Any) -> bool:
     )
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, first=2, rest="campaign")
+@pytest.mark.sample(0, first=2, slow=1)
 @pytest.mark.parametrize("digits", [8, 15, 30, 60])
 def test_the_digits_asked_for_are_proven_and_not_many_more(digits: int) -> None:
     scene = top()

@@ -105,8 +105,7 @@ def watched(scene, zero):
     return replace(scene, outputs=(), events=(polhode.Event("it", zero),))
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize("radii", [RADII, None])
 @pytest.mark.parametrize("name", SCENES)
 def test_an_event_is_one_of_every_start_and_the_state_then_is_in_its_balls(name, radii):

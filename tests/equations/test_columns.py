@@ -100,8 +100,7 @@ def told(capsys, *arguments):
     return json.loads(out) if "--json" in arguments else [x.split() for x in out.splitlines()]
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize("number", NUMBERS)
 def test_a_run_has_the_speed_wherever_it_goes(number, scene, tmp_path, capsys):
     """JSON, CSV and the JSON beside it: the same strings; trajectory, file, frames, notebook."""

@@ -52,8 +52,7 @@ def digits_of(one: polhode.Trajectory, other: polhode.Trajectory) -> float:
     return worst_digits(one.states, other.states, other.scene, other.number.most_digits)
 
 
-@pytest.mark.slow
-@pytest.mark.sample(2, first=1, rest="campaign")
+@pytest.mark.sample(0, first=1, slow=2)
 @pytest.mark.parametrize("motion", MOTIONS)
 @pytest.mark.parametrize("name", OTHERS)
 def test_every_form_gives_38_of_40_digits_both_ways(name, motion):
@@ -85,8 +84,7 @@ def test_scaling_by_powers_of_two_changes_no_bit(name, exponent):
     assert same_bits(polhode.integrate(scene), polhode.integrate(other), exponent)
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize("name", OTHERS)
 def test_a_run_in_any_form_has_what_a_run_in_the_principal_form_has(name):
     """Angles, attitude, events, states in between; a start that is the scene's own."""

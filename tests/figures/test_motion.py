@@ -340,8 +340,7 @@ def test_a_film_shows_the_motion_to_its_end_in_the_size_asked_for(tmp_path, suff
     assert counts[-1] > 5 * counts[0]
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize(
     ("name", "end", "turns"),
     [

@@ -238,8 +238,7 @@ def test_a_file_of_arrays_is_drawn_as_its_csv_is(tmp_path, ending):
     assert max(map(len, one)) > 300
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, first=1, rest="campaign")
+@pytest.mark.sample(0, first=1, slow=1)
 @pytest.mark.parametrize("what", ["angles", "hodographs", "sphere", "integrals", "error"])
 def test_a_trajectory_file_is_drawn_like_its_scene(tmp_path, what):
     path, times = tmp_path / "run.csv", ",".join(f"{k}/10" for k in range(101))
@@ -261,8 +260,7 @@ def test_a_file_with_the_space_hodograph_needs_no_attitude(tmp_path):
     assert "in space" in texts(plotted(tmp_path, str(path), "--what", "hodographs"))
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
 def test_the_same_motion_gives_the_same_bytes(tmp_path, suffix):
     arguments = (TOP, "--what", "angles", "--end", "3")

@@ -25,8 +25,7 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="processor time is re
 ALL = (signal.SIGKILL, *signals.OBEYED)
 
 
-@pytest.mark.slow
-@pytest.mark.sample(2, rest="campaign")
+@pytest.mark.sample(0, slow=2)
 @linux
 @pytest.mark.parametrize("work", ["run", "map", "study"])
 def test_a_signal_is_obeyed(work):

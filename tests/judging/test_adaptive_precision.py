@@ -16,8 +16,7 @@ from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import DOUBLE, mp
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize(("proved", "by"), [(True, "proof"), (False, "second run")])
 def test_digits_of_a_chaotic_motion_are_had(proved, by):
     """Before: 36 digits printed, none of them right."""

@@ -152,8 +152,7 @@ def stepped(name, method):
     return {"t": np.array(TIMES, dtype=float), **dict(columns)}
 
 
-@pytest.mark.slow
-@pytest.mark.sample(2, rest="campaign")
+@pytest.mark.sample(0, slow=2)
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("method", METHODS)
 def test_a_rough_method_is_explained_by_nothing(name, method):

@@ -31,8 +31,7 @@ def test_rounding_of_a_clocks_time_is_the_limit_whatever_the_door(tmp_path, door
     assert found.limit == "rounding (of the times, by up to 2e-10)"
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize("size", [1e-8, 1e-5])
 def test_more_than_the_clock_explains_is_not_blamed_on_it(size):
     columns = table(THIRDS, later=CLOCK)
@@ -45,8 +44,7 @@ def test_more_than_the_clock_explains_is_not_blamed_on_it(size):
     assert "fewer than double precision allows: the program's steps, noise, or" in str(found)
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize(("places", "limit"), [(6, "by up to 1e-06"), (9, "by up to 1e-09")])
 def test_decimals_that_are_not_evenly_spaced_are_rounded(tmp_path, places, limit):
     columns = table(THIRDS, shown=lambda t: round(float(t), places))

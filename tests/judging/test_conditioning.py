@@ -81,8 +81,7 @@ SCENES = {
 }
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize("name", SCENES)
 def test_kappa_is_that_of_perturbed_motions(name):
     scene = SCENES[name]()

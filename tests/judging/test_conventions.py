@@ -373,8 +373,7 @@ def test_what_is_told_of_times_beside_no_whole_vector_has_no_digits_of_its_own()
     assert [*map(str, found.readings)] == ["t read as milliseconds"]
 
 
-@pytest.mark.slow
-@pytest.mark.sample(2, rest="campaign")
+@pytest.mark.sample(0, slow=2)
 @pytest.mark.parametrize("gap", [0, 5, 32])
 def test_a_table_with_an_empty_cell_is_read_by_its_whole_rows(gap):
     """Where one of the rows that tell had it, no convention was found, and no number."""

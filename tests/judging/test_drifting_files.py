@@ -58,8 +58,7 @@ def is_wrong(file, reading):
     return min(exact.part_digits[reading.part]) < STARTS_RIGHT
 
 
-@pytest.mark.slow
-@pytest.mark.sample(2, rest="campaign")
+@pytest.mark.sample(0, slow=2)
 @pytest.mark.parametrize("name", files.NAMES)
 def test_a_drifting_file_is_told_its_convention(name):
     """The digits of its first row and of later ones, in the convention that is named."""
@@ -76,8 +75,7 @@ def test_a_drifting_file_is_told_its_convention(name):
         assert ("exact at t = 0, " in str(reading)) == exact
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize(("moments", "spin"), [([4, 4, "1.5"], 94), ([1, "1.1", "0.4"], -60)])
 def test_a_fast_top_is_told_the_unit_of_omega(moments, spin):
     """Its spin is hardly moved, so that what comes after the first row says little of the axes."""
@@ -112,8 +110,7 @@ def test_drifting_files_are_named_right():
     assert missed.total() <= 0.05 * count, +missed
 
 
-@pytest.mark.slow
-@pytest.mark.sample(3, rest="campaign")
+@pytest.mark.sample(0, slow=3)
 @pytest.mark.parametrize("seed", range(60))
 @pytest.mark.parametrize("name", files.WRONG)
 def test_wrong_files_are_told_no_convention(name, seed):

@@ -118,8 +118,7 @@ DEAR, SPREAD = 180, 60  # rows, and how many of them are evenly spread
 ODD = 86  # a row that is none of these
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize(
     ("case", "column", "amount"),
     [

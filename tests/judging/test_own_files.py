@@ -25,8 +25,7 @@ def judged(run):
     return polhode.compare(run)
 
 
-@pytest.mark.slow
-@pytest.mark.sample(2, rest="campaign")
+@pytest.mark.sample(0, slow=2)
 @pytest.mark.parametrize("ending", ENDINGS)
 @pytest.mark.parametrize("number", ["double", "extended", "quad"])
 def test_a_run_is_judged_as_itself(tmp_path, ending, number):

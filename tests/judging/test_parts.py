@@ -222,8 +222,7 @@ def test_steps_of_a_needle_are_not_blamed_for_what_they_lose_beyond_the_band():
     assert loose.limit.startswith("method")
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize(("short", "by_chance"), [(0.3, True), (1.0, False)])
 def test_chance_explains_some_of_many_runs(compared, short, by_chance):
     """A run just below what nineteen in twenty have, and one far below."""

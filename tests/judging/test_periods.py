@@ -62,8 +62,7 @@ def test_omega_returns_after_the_period(name):
     assert check(polhode.load(name))
 
 
-@pytest.mark.slow
-@pytest.mark.sample(3, rest="campaign")
+@pytest.mark.sample(0, slow=3)
 @pytest.mark.parametrize("name", sorted({*catalogue.known()} - {*FEW}))
 def test_omega_returns_after_the_period_in_every_case(name):
     check(polhode.load(name))

@@ -166,8 +166,7 @@ def test_a_fork_while_another_thread_computes_does_not_wait_for_it():
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize("context", [mpmath_context.mpmath, flint_context.ctx])
 def test_an_alarm_at_any_moment_leaves_the_lock_to_others(context):
     """The alarm of `show` came between taking the lock and noting it: other threads waited."""

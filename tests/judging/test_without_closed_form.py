@@ -44,8 +44,7 @@ def off(rows, true) -> Fraction:
     )
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize("name", CASES)
 def test_a_motion_without_a_closed_form_is_that_of_the_plain_series(name: str) -> None:
     """The enclosure holds the motion, and runs in quad are right as far as quad goes."""

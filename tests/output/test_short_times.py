@@ -64,8 +64,7 @@ def test_a_file_is_read_as_the_times_of_its_run(tmp_path, number):
     assert read_table(path, mp(90)).times == run.times
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, first=1, rest="campaign")
+@pytest.mark.sample(0, first=1, slow=1)
 @pytest.mark.parametrize("number", ["double", "extended", "quad"])
 def test_without_its_json_a_right_file_is_not_blamed(tmp_path, number):
     """Its digits tell the type that its numbers are of."""

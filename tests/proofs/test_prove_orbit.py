@@ -43,8 +43,7 @@ EXAMPLES = {
 }
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize("kind", EXAMPLES)
 def test_the_orbit_lies_in_its_balls(kind):
     point, period, residue = EXAMPLES[kind]
@@ -240,8 +239,7 @@ def near():
     return polhode.orbit_search(CHAOTIC, grid=(8, 8), crossings=2)
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize("k", [0, 1])
 def test_periods_and_residues_of_bodies_at_corners_lie_in_the_balls(near, k):
     tolerance = Fraction(1, 10**9)

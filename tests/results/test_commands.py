@@ -118,8 +118,7 @@ def test_a_command_writes_what_save_writes_and_prints_what_to_json_gives(
         assert again.to_json() == printed
 
 
-@pytest.mark.slow
-@pytest.mark.sample(3, rest="campaign")
+@pytest.mark.sample(0, slow=3)
 @pytest.mark.parametrize("command", DRAWN)
 def test_a_command_draws_its_result(command, tmp_path, monkeypatch, capsys):
     pytest.importorskip("matplotlib")

@@ -287,8 +287,7 @@ def synthetic(factor: float) -> dict:
     return json.loads(json.dumps({"first": first, "cells": found, **rest}))
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, first=1, rest="campaign")
+@pytest.mark.sample(0, first=1, slow=1)
 @pytest.mark.parametrize("factor", [2.0, 0.5, 1.0])
 def test_what_the_page_counts_follows_from_the_rows(factor):
     found = synthetic(factor)

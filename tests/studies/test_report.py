@@ -47,8 +47,7 @@ def test_a_page_says_at_its_head_what_made_it_and_where_and_how_long_it_takes(na
     assert 0.5 < report.STUDIES[name][0] / origin["seconds"] < 2
 
 
-@pytest.mark.slow
-@pytest.mark.sample(2, rest="campaign")
+@pytest.mark.sample(0, slow=2)
 @pytest.mark.parametrize("name", ["events", "long-run", "proofs", "stability"])
 def test_the_figures_of_a_study_are_those_of_its_page(name):
     found = committed(name)
@@ -77,8 +76,7 @@ def numbers(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[tuple[Any,
         yield path, value
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, first=1, rest="campaign")
+@pytest.mark.sample(0, first=1, slow=1)
 @pytest.mark.parametrize(
     ("name", "part", "least"),
     [("accuracy", ["euler/smallest-axis"], 10), ("events", ["euler/largest-axis"], 10)],
@@ -160,8 +158,7 @@ def test_a_report_that_was_killed_goes_on_where_it_stopped(studies, tmp_path):
     ]
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, first=2, rest="campaign")
+@pytest.mark.sample(0, first=2, slow=1)
 @pytest.mark.parametrize("change", ["fresh", "quick", "text", "cut short", "code"])
 def test_results_that_are_not_todays_are_made_again(studies, change, tmp_path, monkeypatch):
     report.write_report(tmp_path)

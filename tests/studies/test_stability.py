@@ -99,8 +99,7 @@ def test_the_way_back_starts_where_the_motion_ended():
 # -- limits, page -----------------------------------------------------------------------------
 
 
-@pytest.mark.slow
-@pytest.mark.sample(3, rest="campaign")
+@pytest.mark.sample(0, slow=3)
 @pytest.mark.parametrize("limit", limits.LIMITS, ids=lambda limit: limit.what)
 def test_beyond_each_limit_one_line_says_so(limit):
     row = limits._row(limit)

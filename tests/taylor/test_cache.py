@@ -76,8 +76,7 @@ def fill(path: Path, good: Path, how: str) -> None:
         path.chmod(0o555)
 
 
-@pytest.mark.slow
-@pytest.mark.sample(2, rest="campaign")
+@pytest.mark.sample(0, slow=2)
 @pytest.mark.parametrize(
     "how",
     [
@@ -162,8 +161,7 @@ def test_the_environment_bounds_the_cache(home, tmp_path):
     assert usual["limit"] > 0
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize("wrong", ["much", "", "9" * 12])
 def test_a_bound_that_is_none_is_refused(tmp_path, wrong):
     done = polhode(["about"], tmp_path, None, POLHODE_CACHE_MB=wrong)

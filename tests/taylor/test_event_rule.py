@@ -321,8 +321,7 @@ def test_two_multiple_zeros_of_a_step_are_those_of_the_factors(powers):
     assert np.array_equal(one.states, other.states)
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, first=1, rest="campaign")
+@pytest.mark.sample(0, first=1, slow=1)
 @pytest.mark.parametrize("direction", ["any", "rising", "falling"])
 def test_no_first_zero_and_no_event_of_a_run_is_lost_where_it_is_flat(direction):
     starts = {"start.omega[1]": [str(Fraction(k, 9)) for k in range(1, 17)]}
@@ -340,8 +339,7 @@ def test_no_first_zero_and_no_event_of_a_run_is_lost_where_it_is_flat(direction)
     assert runs[1].t == pytest.approx(runs[0].t, abs=1e-4)
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, first=2, rest="campaign")
+@pytest.mark.sample(0, first=2, slow=1)
 @pytest.mark.parametrize(
     "by", ["momentum", "gamma3 - 1/10", "(q - 1/10)*(q - 3/25)*(q - 7/50)", "sin(40*gamma3)*q"]
 )

@@ -171,8 +171,7 @@ def test_crossings_of_a_random_expression(seed):
     assert_right(total([Case(seed, "double", ("q - gamma2",))]), 1)
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize(("number", "count", "windows"), [("double", 8, 15), ("quad", 3, 3)])
 def test_crossings_of_random_expressions(number, count, windows):
     assert_right(total([Case(100 + k, number) for k in range(count)]), windows)

@@ -180,8 +180,7 @@ def test_an_event_that_never_happens_has_no_times():
     assert run.events[0].states.shape == (0, 6)
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, rest="campaign")
+@pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize("number", NUMBERS[:2], ids=lambda n: n.name)
 def test_events_are_the_same_where_angles_begin_at_a_pole(number):
     """Those met on the bridge off the pole, among other variables, and those met after it."""

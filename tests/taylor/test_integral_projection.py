@@ -78,8 +78,7 @@ def test_a_fourth_integral_needs_its_condition_exactly():
 # -- what it gains ----------------------------------------------------------------------------
 
 
-@pytest.mark.slow
-@pytest.mark.sample(2, rest="campaign")
+@pytest.mark.sample(0, slow=2)
 @pytest.mark.parametrize("name", TOPS)
 @pytest.mark.parametrize(("number", "end"), [("double", 5000), ("extended", 1500)])
 def test_a_projected_run_has_more_digits(name, number, end):
@@ -125,8 +124,7 @@ def test_the_spin_of_a_symmetric_body_is_exact_on_average():
 LOSES = {"steklov/upper": 0.55}
 
 
-@pytest.mark.slow
-@pytest.mark.sample(5, rest="campaign")
+@pytest.mark.sample(0, slow=5)
 @pytest.mark.parametrize("name", library.names())
 def test_no_case_loses_digits(name):
     scene = polhode.load(name)

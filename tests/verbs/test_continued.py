@@ -47,8 +47,7 @@ def changed(parts: Path) -> None:
         kept.write(place.name, moved)
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, first=1, rest="campaign")
+@pytest.mark.sample(0, first=1, slow=1)
 @pytest.mark.parametrize("command", COMMANDS)
 def test_a_command_that_was_interrupted_goes_on(command: str, tmp_path: Path) -> None:
     stopped, whole = tmp_path / "stopped", tmp_path / "whole"

@@ -13,7 +13,7 @@ from polhode.output import new_scene
 from polhode.scenes import keys, library, scene_file
 
 
-@pytest.mark.sample(8, rest="campaign")
+@pytest.mark.sample(8, slow=0)
 @pytest.mark.parametrize("case", library.names())
 def test_a_commented_case_is_the_case(case):
     scene = library.load(case)

@@ -52,8 +52,7 @@ def test_what_gets_lost_on_a_full_disk_is_no_success(words):
     assert (done.returncode, done.stderr) == (2, full)
 
 
-@pytest.mark.slow
-@pytest.mark.sample(1, first=1, rest="campaign")
+@pytest.mark.sample(0, first=1, slow=1)
 @pytest.mark.parametrize(
     "words",
     [
