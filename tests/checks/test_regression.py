@@ -73,14 +73,6 @@ def test_a_corrupted_equation_of_motion_fails(case, which, monkeypatch):
     assert {line.number for line in report.lines if not line.passed} == {"quad"}
 
 
-@pytest.mark.campaign
-def test_the_whole_library_passes():
-    """What ``polhode check`` says, which CI runs: once is enough, for minutes that it takes."""
-    found = regression.check(workers=2)
-    failed = [report.scene.name for report in found if report.passed is not True]
-    assert not failed
-
-
 @pytest.mark.slow
 def test_without_a_band_nothing_passes_or_fails_and_lost_digits_are_words(tmp_path, capsys):
     path = tmp_path / "own.toml"

@@ -6,7 +6,6 @@ import pytest
 
 from polhode.studies import report
 from polhode.studies.proofs import figure, page, rows
-from polhode.studies.row_filter import Only
 from shared.reports import committed
 
 
@@ -39,15 +38,3 @@ def test_page_and_figures_follow_from_the_rows():
         row.pop("drawn", None)
     assert "manifolds.svg" not in report.page(found)
     assert [*figure.svgs(found)] == ["proofs"]
-
-
-@pytest.mark.campaign
-def test_a_small_study_from_end_to_end():
-    found = rows.rows(True, print, Only())
-    (one,) = found["orbits"]
-    assert one["orbits"]
-    for row in one["orbits"]:
-        assert row["proved"] == (row["cause"] == "" if "cause" in row else True)
-        if row["proved"]:
-            assert row["verified"]
-            assert row["seconds"] < 60
