@@ -246,7 +246,7 @@ def test_200_digits_of_kovalevskayas_tops_are_those_of_240(motion):
 
 @rows(
     "far attitude",
-    dear=DEAR,
+    dear=(*DEAR, "kovalevskaya"),
     keep=lambda motion: has_attitude(motion) and motion.family not in ENCLOSED,
 )
 def test_attitude_at_any_time(motion):
