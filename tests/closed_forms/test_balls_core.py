@@ -1,6 +1,7 @@
 """The loop over precisions, frames, Jacobi's functions and the count of turns, in balls."""
 
 from fractions import Fraction
+from itertools import pairwise
 
 import pytest
 from flint import acb, arb
@@ -265,6 +266,14 @@ def test_turns_are_counted_from_a_pole_by_a_bound_of_the_slope_of_the_speed():
     assert other.overlaps(-30 * (2 - begin))
     with pytest.raises(TooFewBits):  # by the speed alone the steps vanish
         winding.counted(tilting, speed, begin, [arb(2)])
+
+
+@pytest.mark.parametrize("t", [2**-6, 2])
+def test_the_way_from_a_pole_is_not_longer_than_its_bound(t):
+    places = [tilting(arb(t) * k / 100) for k in range(101)]
+    chords = [abs(acb(y[1] - x[1], y[2] - x[2])) for x, y in pairwise(places)]
+    way = winding.Leaving(1, arb("0.1")).way(arb(t), arb(3))
+    assert sum(chords) < way
 
 
 def test_a_bound_of_the_slope_that_is_none_counts_wrongly():
