@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from polhode.closed_forms.rounding import log2
 from polhode.numbers.exact import sign
-from polhode.numbers.vectors import Vector
+from polhode.numbers.vectors import Vector, scaled
 from polhode.scenes.scene import Scene
 
 _USUAL = 256  # bits: numbers whose binary exponents are within are products of few doubles
@@ -41,10 +41,8 @@ def in_usual_units(scene: PrincipalScene) -> tuple[PrincipalScene, Fraction]:
     fastest = [log2(x) for x in scene.omega if sign(x)]
     fastest += [(log2(x) - mass) / 2 for x in scene.torque if sign(x)]
     inertia, rate = _unit(mass), _unit(max(fastest, default=0.0))
-    moments, torque, omega = (
-        tuple(x / unit for x in row)
-        for row, unit in zip(scene, (inertia, inertia * rate * rate, rate), strict=False)
-    )
+    moments, torque = scaled(1 / inertia, scene.moments), scaled(1 / inertia, scene.torque)
+    torque, omega = scaled(1 / (rate * rate), torque), scaled(1 / rate, scene.omega)
     return PrincipalScene(moments, torque, omega, scene.gamma), rate
 
 
