@@ -1,6 +1,7 @@
 """The loop over precisions, frames, Jacobi's functions and the count of turns, in balls."""
 
 from fractions import Fraction
+from itertools import pairwise
 
 import pytest
 from flint import acb, arb
@@ -248,6 +249,38 @@ def test_a_bound_that_is_none_counts_wrongly():
     """By force: the proof rests on the bound of |w|."""
     ((one, _),) = winding.counted(spinning, arb(1), arb(0), [arb(100)])
     assert not one.overlaps(arb(100 * SPINNING))
+
+
+def tilting(t):
+    """Away from the upper pole as slowly as t^2, the axis of the tilt turning at the rate 30."""
+    tilt = t * t / 1000
+    return quaternion((acb(0, 1) * t).exp() * tilt.cos(), (acb(0, -30) * t).exp() * tilt.sin())
+
+
+def test_turns_are_counted_from_a_pole_by_a_bound_of_the_slope_of_the_speed():
+    begin, speed = arb(2) ** -64, arb(3)
+    ((one, other),) = winding.counted(
+        tilting, speed, begin, [arb(2)], winding.Leaving(1, arb("0.1"))
+    )
+    assert one.overlaps(2 - begin)
+    assert other.overlaps(-30 * (2 - begin))
+    with pytest.raises(TooFewBits):  # by the speed alone the steps vanish
+        winding.counted(tilting, speed, begin, [arb(2)])
+
+
+@pytest.mark.parametrize("t", [2**-6, 2])
+def test_the_way_from_a_pole_is_not_longer_than_its_bound(t):
+    places = [tilting(arb(t) * k / 100) for k in range(101)]
+    chords = [abs(acb(y[1] - x[1], y[2] - x[2])) for x, y in pairwise(places)]
+    way = winding.Leaving(1, arb("0.1")).way(arb(t), arb(3))
+    assert sum(chords) < way
+
+
+def test_a_bound_of_the_slope_that_is_none_counts_wrongly():
+    """By force: the proof rests on it."""
+    wrong = winding.Leaving(1, arb("1e-9"))
+    ((_, other),) = winding.counted(tilting, arb(3), arb(2) ** -64, [arb(2)], wrong)
+    assert not other.overlaps(arb(-60))
 
 
 def test_turns_are_counted_farther_through_many_times(monkeypatch):

@@ -258,3 +258,15 @@ def test_of_a_third_axis_that_is_exactly_vertical_it_is_known_at_once(case):
     assert motion.passes_poles == (least < 3e-4)
     slow = top_of((0, F(1, 5), 0), (F(-24, 25), 0, F(7, 25)))
     assert (slow.regime, slow.passes_poles) == ("pendulum about an equatorial axis", False)
+
+
+@pytest.mark.parametrize(("spin", "up"), [(0, 1), (F(1, 2), -1)])
+def test_psi_and_phi_of_a_release_from_a_pole_are_those_that_are_enclosed(spin, up):
+    """They were counted from next to the pole by the bound of |w|: refused after 40 s."""
+    body = polhode.Body.of_moments((2, 2, 1), (1, 0, 0), 1)
+    scene = polhode.Scene(body, (0, 0, spin), (0, 0, up), psi=PSI)
+    reference = polhode.reference(scene)
+    assert reference.kind == "kovalevskaya"
+    for t in F(1, 10), F(-1, 3):
+        (row,), (known,) = (x.angles([t], 20) for x in (reference, polhode.Certified(scene)))
+        assert all(abs(x - y) < mpf("1e-19") for x, y in zip(row, known, strict=True))

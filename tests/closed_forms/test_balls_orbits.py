@@ -274,3 +274,24 @@ def test_irrational_bodies_tell_what_is_called_0(monkeypatch):
 
     monkeypatch.setattr(placed_motion, "placed_in", asks)
     assert made("bobylev-steklov", start("bobylev-steklov", 3)[0]).assumed == ()
+
+
+@pytest.mark.parametrize("unit", [F(10) ** 320, F(1, 10**320)])
+@pytest.mark.parametrize("family", ["bobylev-steklov", "chaplygin"])
+def test_units_beyond_doubles_are_no_exception(family, unit):
+    """They ended in the words of Python's OverflowError, at 20 000 bits or with a nan."""
+    moments, torque, omega, gamma = start(family, 1)[0]
+    plain, t = made(family, (moments, torque, omega, gamma)), F(3, 2)
+    heavy = [x * unit for x in moments], [x / unit for x in torque]
+    motion = made(family, (*heavy, [x / unit for x in omega], gamma))
+    (row,), (known,) = motion.at([t * unit], 20), plain.at([t], 25)
+    with mpmath.workdps(30):
+        row[:3] = [x * mpf(unit.numerator) / unit.denominator for x in row[:3]]
+        assert max(abs(x - y) for x, y in zip(row, known, strict=True)) < mpf("1e-18")
+        if family == "bobylev-steklov":
+            (turn,), (q,) = motion.attitude([t * unit], 20), plain.attitude([t], 25)
+            assert max(abs(x - y) for x, y in zip(turn, q, strict=True)) < mpf("1e-19")
+            assert (
+                abs(motion.period(20) / unit.numerator * unit.denominator / plain.period(25) - 1)
+                < 1e-19
+            )

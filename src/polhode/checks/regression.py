@@ -33,42 +33,39 @@ TICK = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Line:
-    """One check: a case in one number type against its band."""
+    """One check: a case in one number type against its band.
+
+    ``outcome``: how the run ended, ``ended`` whether as it should.  ``lost``: that no digits are
+    left, and after which time; else empty.  ``limit``: what limits the digits, of a line that does
+    not pass or where details were asked for; else empty.
+    """
 
     number: str
     digits: float
     band: tuple[float, float] | None
-    judgement: Judgement | None
     outcome: str
+    ended: bool
+    lost: str = ""
+    limit: str = ""
 
     @property
     def passed(self) -> bool | None:
         """Whether the run ended as it should, its digits inside the band; None without a band."""
-        if self.judgement is None:
+        if not self.ended:
             return False
         return None if self.band is None else self.band[0] <= self.digits <= self.band[1]
 
     @property
-    def lost(self) -> str:
-        """That no digits are left, and after which time; else empty."""
-        return "" if self.judgement is None else self.judgement.lost
-
-    @property
     def proposal(self) -> tuple[float, float] | None:
         """A band about the digits of this run, to be pasted; None where there are none."""
-        if self.judgement is None or self.lost:
+        if not self.ended or self.lost:
             return None
         return max(0.0, round(self.digits - SPREAD, 1)), round(self.digits + SPREAD, 1)
 
     @property
-    def limit(self) -> str:
-        """What limits the digits; empty where there are none.  Dear: the motion is followed."""
-        return "" if self.judgement is None else self.judgement.limit
-
-    @property
     def verdict(self) -> str:
         """In words."""
-        if self.judgement is None:
+        if not self.ended:
             return self.outcome
         if self.band is None:
             return "no band to hold it against"
@@ -114,8 +111,8 @@ def check(
     """Check cases (all that ship, or names, patterns, paths) in the number types that they expect.
 
     ``numbers``: these types instead; a case without a band for one is run and shown without.
-    ``workers``: processes that share the cases.  ``details``: whether the limits of the digits will
-    be asked for, which follow the motion; else they are found where they are.
+    ``workers``: processes that share the cases.  ``details``: whether what limits the digits is
+    told of all lines, for which the motion is followed; else of those that do not pass.
     """
     for number in numbers:
         if number not in number_types.NAMES:
@@ -138,35 +135,47 @@ def check_scene(scene: Scene, numbers: Sequence[str] = (), details: bool = True)
     reference = reference_of(scene)
     wanted = [*(numbers or scene.expect)]
     widest = sorted(wanted, key=number_types.NAMES.index, reverse=True)
-    known = None
+    known: Conditioning | Judgement | None = None
     if widest and details:
         known = conditioning(scene, number=number_types.named(widest[0]))
-    made: dict[str, Line] = {}
-    for number in widest:  # whose rows of the reference judge the others, too
-        earlier = next((one.judgement for one in made.values() if one.judgement), known)
-        made[number] = _line(scene, reference, number, earlier)
-    lines = [made[number] for number in wanted]
+    lines: dict[str, Line] = {}
+    for number in widest:
+        lines[number], judged = _line(scene, reference, number, known, details)
+        if not isinstance(known, Judgement):  # whose rows of the reference judge the others, too
+            known = judged or known
     return Report(
         scene,
         reference.regime,
         reference.kind,
-        tuple(lines),
+        tuple(lines[number] for number in wanted),
         tuple(figures(scene, reference)),
         textbook_digits(reference),
     )
 
 
 def _line(
-    scene: Scene, reference: AnyReference, number: str, known: Conditioning | Judgement | None
-) -> Line:
-    """``known``: the scene's conditioning, or a judgement in a wider type."""
+    scene: Scene,
+    reference: AnyReference,
+    number: str,
+    known: Conditioning | Judgement | None,
+    details: bool,
+) -> tuple[Line, Judgement | None]:
+    """``known``: the scene's conditioning, or a judgement in a wider type.
+
+    All that will be told is made here: the judgement does not go to another process, which would
+    have to compute the reference again.
+    """
     band = scene.expect.get(number)
     digits = number_types.DEFAULT_MP_DIGITS if number == "mp" else None
     # up to quad the bands are those of heyoka's own steps; mp as users get it, refined if faster
     options = Options("auto" if number == "mp" else "taylor", digits=digits)
     plain = replace(scene, outputs=(), events=())  # the digits are those of the state
     run = solve(plain, choose_number(scene, number, digits), options, interruptible=False)
+    outcome = run.outcome.value
     if not run.outcome.done:
-        return Line(number, 0.0, band, None, run.outcome.value)
+        return Line(number, 0.0, band, outcome, ended=False), None
     judged = compare(run, reference, known=known)
-    return Line(number, judged.state_worst, band, judged, run.outcome.value)
+    line = Line(number, judged.state_worst, band, outcome, ended=True, lost=judged.lost)
+    if details or not line.passed:
+        line = replace(line, limit=judged.limit)
+    return line, judged

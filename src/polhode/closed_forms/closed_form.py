@@ -17,6 +17,7 @@ from polhode.closed_forms.balls.core import (
     ball,
     error_of,
     number,
+    root,
     sure_rows,
     until_sure,
 )
@@ -27,7 +28,7 @@ from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import ZERO, Exact, Irrational, noted, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf
-from polhode.numbers.vectors import Vector, cross, minus, momentum
+from polhode.numbers.vectors import Vector, cross, dot, minus, momentum
 
 #: What :attr:`ClosedForm.proven` says where the attitude has no formula.
 ENCLOSED_ATTITUDE = "states are proven by the closed form, the attitude by an enclosure"
@@ -257,6 +258,16 @@ class ClosedForm(Turning, Generic[S]):
     def speed_bound(self) -> arb:
         """A bound of |w|, at the precision in force."""
         return self._solution().speed
+
+    def slope_bound(self) -> arb | None:
+        """By I w' = T - w x Iw, where w is along the third axis at t = 0."""
+        p, q, _ = self._omega
+        if sign(p) or sign(q):
+            return None
+        moments, torque, _, _ = self._principal
+        speed = self.speed_bound()
+        turning = root(dot(torque, torque)) + ball(max(moments)) * speed * speed
+        return turning / ball(min(moments))
 
     def _rows(self, times: Sequence[Exact], digits: int, *, attitude: bool) -> list[Sequence[arb]]:
         """The rows asked for; those of the last question are kept."""

@@ -2,6 +2,7 @@
 
 Each takes balls and computes with the precision in force; what it gives holds all values that the
 operation has on them.  Functions of a module, so that a number that holds one can be pickled.
+Sums, products, sine and cosine are FLINT's own.
 """
 
 from __future__ import annotations
@@ -10,21 +11,6 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # only irrational data pay for this import
     from flint import arb
-
-
-def negative(a: arb) -> arb:
-    """-a."""
-    return -a
-
-
-def added(a: arb, b: arb) -> arb:
-    """a + b."""
-    return a + b
-
-
-def product(a: arb, b: arb) -> arb:
-    """a·b."""
-    return a * b
 
 
 def quotient(a: arb, b: arb) -> arb:
@@ -36,16 +22,6 @@ def quotient(a: arb, b: arb) -> arb:
 def root(a: arb) -> arb:
     """The square root of what cannot be negative."""
     return a.sqrt() if a > 0 else _up_to(a.abs_upper().sqrt())
-
-
-def sine(a: arb) -> arb:
-    """sin a."""
-    return a.sin()
-
-
-def cosine(a: arb) -> arb:
-    """cos a."""
-    return a.cos()
 
 
 def angle(a: arb, b: arb) -> arb:

@@ -14,11 +14,13 @@ tells of it.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from fractions import Fraction
 from functools import partial
+from operator import add as added
+from operator import methodcaller, mul, neg
 from typing import TYPE_CHECKING, TypeAlias
 
 from polhode.numbers import ball_rules
@@ -107,7 +109,7 @@ class Irrational:
         return power(self, exact(exponent))
 
     def __neg__(self) -> Irrational:
-        return Irrational(ball_rules.negative, self, square=self.square)
+        return Irrational(neg, self, square=self.square)
 
     def __abs__(self) -> Exact:
         return -self if sign(self) < 0 else self
@@ -161,7 +163,7 @@ def add(a: Exact, b: Exact) -> Exact:
         return b
     if isinstance(b, Fraction) and b == 0:
         return a
-    return Irrational(ball_rules.added, a, b)
+    return Irrational(added, a, b)
 
 
 def multiply(a: Exact, b: Exact) -> Exact:
@@ -178,8 +180,8 @@ def multiply(a: Exact, b: Exact) -> Exact:
                 return other
             known = other.square if isinstance(other, Irrational) else None
             square = one * one * known if isinstance(known, Fraction) else None
-            return Irrational(ball_rules.product, a, b, square=square)
-    return Irrational(ball_rules.product, a, b)
+            return Irrational(mul, a, b, square=square)
+    return Irrational(mul, a, b)
 
 
 def divide(a: Exact, b: Exact) -> Exact:
@@ -195,14 +197,6 @@ def divide(a: Exact, b: Exact) -> Exact:
     known = b.square if isinstance(a, Fraction) else None
     square = a * a / known if isinstance(known, Fraction) else None
     return Irrational(ball_rules.quotient, a, b, square=square)
-
-
-def total(terms: Iterable[Exact]) -> Exact:
-    """The sum of exact numbers."""
-    found: Exact = ZERO
-    for term in terms:
-        found = found + term
-    return found
 
 
 def sqrt(x: Exact) -> Exact:
@@ -223,7 +217,7 @@ def sin(x: Exact) -> Exact:
     _check_angle(x)
     if isinstance(x, Fraction) and x == 0:
         return ZERO
-    return Irrational(ball_rules.sine, x)
+    return Irrational(methodcaller("sin"), x)
 
 
 def cos(x: Exact) -> Exact:
@@ -231,7 +225,7 @@ def cos(x: Exact) -> Exact:
     _check_angle(x)
     if isinstance(x, Fraction) and x == 0:
         return ONE
-    return Irrational(ball_rules.cosine, x)
+    return Irrational(methodcaller("cos"), x)
 
 
 def arctan2(y: Exact, x: Exact) -> Exact:

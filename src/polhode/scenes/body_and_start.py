@@ -11,7 +11,7 @@ from polhode.numbers import exact
 from polhode.numbers.decimals import brief
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.rounding import GRACE, is_unit_but_for_rounding
-from polhode.numbers.vectors import Vector, quaternion_products, rotation, scaled
+from polhode.numbers.vectors import Vector, dot, quaternion_products, rotation, scaled
 from polhode.scenes.body import MATRIX, Body, UnphysicalBody, diagonal
 from polhode.scenes.given_numbers import in_units
 from polhode.scenes.level_start import omega_on_level
@@ -184,7 +184,7 @@ def _turn(reading: Reading, table: Mapping[str, Any], body: Body) -> Turn | None
     if "mrp" in table:
         reading.alone("start", table, ("psi", "normalise"), "no value together with mrp")
         sigma = reading.read("start", table, "mrp")
-        return _turned(1 - exact.total(x * x for x in sigma), *(2 * x for x in sigma))
+        return _turned(1 - dot(sigma, sigma), *(2 * x for x in sigma))
     if "matrix" in table:
         reading.alone("start", table, ["psi"], "no value together with matrix")
         return _of_matrix(reading, table["matrix"], normalise)
@@ -204,7 +204,7 @@ def _square(
 ) -> Exact:
     """The squared length of a unit vector, 1 or anything above 0 that may be normalised."""
     shown = as_written(given)
-    square = exact.total(x * x for x in numbers)
+    square = sum((x * x for x in numbers), ZERO)
     if square != 1 and not normalise:
         amount = f"1 {_signed(square - 1)}"
         if not is_unit_but_for_rounding(given):
@@ -286,7 +286,7 @@ def _turned(a: Exact, b: Exact, c: Exact, d: Exact) -> Turn:
 
     R is quadratic in the quaternion: it is divided by the squared length, no root is drawn.
     """
-    square = exact.total(x * x for x in (a, b, c, d))
+    square = a * a + b * b + c * c + d * d
     third = (a * a - b * b - c * c + d * d) / square
     gamma = (2 * (b * d - a * c) / square, 2 * (c * d + a * b) / square, third)
     x, y = 2 * (b * d + a * c), 2 * (a * b - c * d)  # R13 and -R23: sin theta (sin psi, cos psi)

@@ -25,7 +25,7 @@ from polhode.closed_forms.balls.periodic_attitude import (
 from polhode.closed_forms.closed_form import ClosedForm
 from polhode.closed_forms.family import Family, by_conditions
 from polhode.closed_forms.membership.normal_form import Condition, Placed, placed_in
-from polhode.closed_forms.membership.principal_scene import PrincipalScene
+from polhode.closed_forms.membership.principal_scene import PrincipalScene, in_usual_units
 from polhode.common.cached_property import cached_property
 from polhode.numbers.exact import noted, sign, sqrt
 from polhode.numbers.vectors import dot
@@ -73,12 +73,13 @@ class PlacedMotion(ClosedForm[SeenMotion[NormalMotion]]):
     motion there, a periodic one by :meth:`_on`.
     """
 
-    #: The scene in the axes of the normal form.
+    #: The scene in the axes of the normal form, in units of its own where doubles do not hold it.
     normal: Placed
     #: Whether axis 1 of the normal form is exactly vertical again and again.
     axis_1_passes_the_vertical = False
 
     def _set_up(self, scene: PrincipalScene, axes: Rows | None) -> None:
+        scene, self._unit = in_usual_units(scene)
         with noted():  # what is decided of other axes does not matter
             found = placed_in(type(self).conditions, scene)
         if found is None:
@@ -110,11 +111,11 @@ class PlacedMotion(ClosedForm[SeenMotion[NormalMotion]]):
 
     def _solved(self) -> SeenMotion[NormalMotion]:
         motion, start = self._motion(), self._start().attitude
-        side = -1 if self._mirrored else 1
-        return SeenMotion(motion, lambda: motion, self._frame, start, self._speed(), vertical=side)
+        side, speed, unit = -1 if self._mirrored else 1, self._speed(), ball(self._unit)
+        return SeenMotion(motion, lambda: motion, self._frame, start, speed, unit, side)
 
     def _speed(self) -> arb:
-        """A bound of |w|; positive, 1 at rest."""
+        """A bound of |w| in the units of the normal form; positive, 1 at rest."""
         return root(self._speed2) if sign(self._speed2) else arb(1)
 
     def repeats(self) -> arb | None:
@@ -122,7 +123,8 @@ class PlacedMotion(ClosedForm[SeenMotion[NormalMotion]]):
         return self._period_ball()
 
     def _period_ball(self) -> arb | None:
-        return self._solution().motion.period
+        period = self._solution().motion.period
+        return None if period is None else period / ball(self._unit)
 
     def _on(self, orbit: PeriodicOrbit) -> NormalMotion:
         """The motion on an orbit that solves the equations."""

@@ -27,7 +27,7 @@ from polhode.closed_forms.balls.core import (
     until_sure,
 )
 from polhode.closed_forms.balls.frames import Turn
-from polhode.closed_forms.balls.winding import Grown, counted
+from polhode.closed_forms.balls.winding import Grown, Leaving, counted
 from polhode.numbers.exact import EQUAL_BITS, Exact, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf
@@ -67,6 +67,10 @@ class Turning(ABC):
     @abstractmethod
     def speed_bound(self) -> arb:
         """A bound of |w|, at the precision in force."""
+
+    def slope_bound(self) -> arb | None:
+        """A bound of |w'|, at the precision in force, where p = q = 0 at t = 0; else None."""
+        return None
 
     def arguments_at(self, t: arb) -> Arguments:
         """The growth of arg(q0 + i q3) and arg(q1 + i q2) from 0 to t, at the precision in force.
@@ -183,7 +187,7 @@ def _counted(motion: Turning, start: _Start, times: Sequence[Exact], sense: int)
     for bits in _COUNTING_BITS[: 1 if motion.passes_poles else None]:
         with ctx.workprec(bits):
             try:
-                return _growths(motion, start.soon(sense), [ball(t) for t in times], sense)
+                return _growths(motion, start, [ball(t) for t in times], sense)
             except TooFewBits:
                 continue
     raise Refused(
@@ -191,8 +195,9 @@ def _counted(motion: Turning, start: _Start, times: Sequence[Exact], sense: int)
     )
 
 
-def _growths(motion: Turning, begin: arb, times: Sequence[arb], sense: int) -> list[_Count]:
-    """The growth from ``begin`` to each of the times, counted through one period at most."""
+def _growths(motion: Turning, start: _Start, times: Sequence[arb], sense: int) -> list[_Count]:
+    """The growth from soon after the start to each time, counted through one period at most."""
+    begin = start.soon(sense)
     attitudes: dict[int, Turn] = {}
 
     def at(t: arb) -> Turn:
@@ -207,7 +212,9 @@ def _growths(motion: Turning, begin: arb, times: Sequence[arb], sense: int) -> l
     order = sorted(range(len(ends)), key=lambda k: float(abs(ends[k] - begin)))
     if not any(whole):  # nothing past the first period is asked for
         order = [k for k in order if k < len(times)]
-    grown = counted(at, motion.speed_bound(), begin, [ends[k] for k in order])
+    slope = motion.slope_bound() if start.pole else None
+    leaving = None if slope is None else Leaving(1 if start.pole > 0 else 0, slope)
+    grown = counted(at, motion.speed_bound(), begin, [ends[k] for k in order], leaving)
     known = dict(zip(order, grown, strict=True))
     one, two = known.get(len(times), (arb(0), arb(0)))
     return [

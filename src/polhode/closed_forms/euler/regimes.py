@@ -6,7 +6,7 @@ import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from polhode.numbers.exact import Exact, sign, total
+from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.vectors import Vector
 
 
@@ -17,7 +17,7 @@ def is_permanent(I: Sequence[Exact], w: Sequence[Exact]) -> bool:
 
 def excess(I: Sequence[Exact], w: Sequence[Exact], middle: Exact) -> int:
     """The sign of G^2 - 2hB, B the middle moment: which axis the polhode circles."""
-    return sign(total(I[i] * (I[i] - middle) * w[i] * w[i] for i in range(3)))
+    return sign(sum((I[i] * (I[i] - middle) * w[i] * w[i] for i in range(3)), ZERO))
 
 
 def regime(I: Sequence[Exact], w: Sequence[Exact], side: int) -> str:

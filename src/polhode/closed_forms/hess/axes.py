@@ -27,8 +27,8 @@ from polhode.closed_forms.membership.normal_form import (
     shortfall,
 )
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
-from polhode.numbers.exact import ONE, ZERO, Exact, sqrt, total
-from polhode.numbers.vectors import Vector, cross, dot, is_zero
+from polhode.numbers.exact import ONE, ZERO, Exact, sqrt
+from polhode.numbers.vectors import Vector, cross, dot, is_zero, momentum
 
 
 def conditions(scene: Placed) -> Iterator[Condition]:
@@ -82,6 +82,6 @@ def start(scene: PrincipalScene, within: Rows | None) -> HessStart:
         weight=sqrt(square),
         omega=(w2, w3, ZERO),
         gamma=into(scene.gamma),
-        a12=total(B * torque[n] * e2[n] / (moments[n] * square) for n in range(3)),
-        f=total(a * x * y for a, x, y in zip(moments, scene.omega, scene.gamma, strict=True)),
+        a12=sum((B * torque[n] * e2[n] / (moments[n] * square) for n in range(3)), ZERO),
+        f=dot(momentum(moments, scene.omega), scene.gamma),
     )

@@ -15,7 +15,7 @@ from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.scenes.body import IDENTITY
 from polhode.scenes.scene import Scene
 
-_GUARD = 15  # digits beyond those asked for
+_GUARD, _GUARD_OF_SERIES = 15, 10  # digits beyond those asked for
 _TRIES = 5
 _MOTIONS = {"euler": euler, "lagrange": lagrange, "kovalevskaya": kovalevskaya}
 
@@ -34,10 +34,12 @@ def states(
     """
     principal = in_principal_axes(scene)
     # equal roots, and turning points at t = 0, cost half of the digits; series are dear
-    working = digits + _GUARD if family == "kovalevskaya" else 2 * (digits + _GUARD)
+    guard, working = _GUARD, 2 * (digits + _GUARD)
+    if family == "kovalevskaya":
+        guard, working = _GUARD_OF_SERIES, digits + _GUARD_OF_SERIES
     before, why = None, "no two of which agree"
     for more in range(_TRIES):
-        with mpmath.workdps(working + _GUARD * (2**more - 1)):
+        with mpmath.workdps(working + guard * (2**more - 1)):
             try:
                 rows = _rows(scene, principal, family, regime, times)
             except ArithmeticError as fault:

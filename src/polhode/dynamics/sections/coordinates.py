@@ -28,6 +28,7 @@ from polhode.numbers.conversion import to_double, to_extended
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles, Indices
+from polhode.numbers.vectors import dot
 from polhode.scenes.scene import Scene
 
 _BLOCK = 5000  # points whose roots numpy is asked for at once: a tenth of a second
@@ -76,7 +77,7 @@ def ground(scene: Scene, h: Exact, f: Exact) -> Ground:
     weight = 0.0
     centre = np.array([0.0, 0.0, 1.0])
     if not body.torque_free:
-        size = exact.sqrt(exact.total(x * x for x in arm))
+        size = exact.sqrt(dot(arm, arm))
         weight = to_double(mass * unit * unit * body.weight * size)
         centre = np.array([to_double(x / size) for x in arm])
     wide = to_extended(mass * unit * unit * h), to_extended(mass * unit * f)

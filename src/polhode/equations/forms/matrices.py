@@ -47,7 +47,7 @@ def product(left: Matrix, right: Sequence[Sequence[Exact]]) -> list[list[Exact]]
     """left·right, right of any width."""
     return [
         [
-            exact.total(a * b for a, b in zip(row, column, strict=True))
+            sum((a * b for a, b in zip(row, column, strict=True)), ZERO)
             for column in zip(*right, strict=True)
         ]
         for row in left
