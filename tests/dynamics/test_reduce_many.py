@@ -220,6 +220,7 @@ def test_an_executor_gives_the_same_bits():
         ("first flip", None, "an event with an expression"),
         ("first root", None, "without roots and division"),
         ("first nothing", None, "not zero everywhere"),
+        ("first far", None, "a type of wider range (10**-320 is outside the range of double)"),
         ("first halves", None, "did you mean 'half'"),
         ("final", "quad", "double or extended"),
         ("lyapunov", "extended", "double, for lyapunov"),
@@ -229,7 +230,8 @@ def test_an_executor_gives_the_same_bits():
 def test_what_cannot_be_kept_is_refused_in_one_line(keep, number, said):
     root = polhode.Event("root", "sqrt(gamma3 + 2) - 1")
     nothing = polhode.Event("nothing", "0*gamma3")
-    scene = replace(heavy("9"), events=(*EVENTS, root, nothing))
+    far = polhode.Event("far", "1e-320*p - 1e-321")
+    scene = replace(heavy("9"), events=(*EVENTS, root, nothing, far))
     with pytest.raises(polhode.BadInput) as told:
         polhode.reduce_many(scene, VARIED, keep, number=number)
     assert said in str(told.value)

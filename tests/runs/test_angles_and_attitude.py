@@ -178,6 +178,20 @@ def test_psi_and_phi_past_near_poles(distance, number):
     assert both.angles == run.angles
 
 
+def test_a_pole_on_the_way_is_passed_and_turns_alone_are_in_doubt():
+    """Where a motion goes through it exactly.  In double the run ends there, as the guide says."""
+    body = {"moments": [1, 1, "1/2"], "centre": [0, 0, 1], "weight": 1, "outputs": ["angles"]}
+    top = polhode.top(**body, angles=["0.3", 0, "0.2"], rates=[0, "0.8", 3])
+    run = polhode.integrate(top, "extended", at=[20])
+    assert run.outcome.done
+    ((psi, theta, phi),) = run.angles
+    ((true_psi, true_theta, true_phi),) = polhode.reference(top).angles([20], 25)
+    assert abs(theta - true_theta) < 1e-14
+    for found, true in ((psi, true_psi), (phi, true_phi)):
+        turns = float(found - true) / (2 * math.pi)
+        assert abs(turns - round(turns)) < 1e-14
+
+
 # -- poles and zeros at the start -----------------------------------------------------------------
 
 

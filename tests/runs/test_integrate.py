@@ -294,6 +294,7 @@ def test_options_are_checked_whatever_becomes_of_them(given, key, value):
 def test_a_tolerance_below_eps_is_refused_and_a_loose_one_costs_digits():
     with pytest.raises(polhode.BadInput, match="eps"):
         polhode.integrate(LONG, tol=1e-17)
+    assert polhode.integrate(LONG, at=[1], tol=0.1).outcome.done  # the most, though no tenth
     loose = polhode.integrate(LONG, at=[10], tol="1e-8")
     assert 6 < polhode.compare(loose).worst < 11
     assert not loose.at_full_tolerance

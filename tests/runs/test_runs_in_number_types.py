@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import math
 import pickle
+import time
 from dataclasses import replace
 from fractions import Fraction
 
@@ -152,6 +153,18 @@ def test_nothing_is_written_into(run, tmp_path):
             again.states[0, 0] = 0
     assert (run.drift, run["psi"].tolist()) == (drift, psi)
     assert list(copies[0]("1/3")) == list(run("1/3"))
+
+
+@pytest.mark.parametrize(("number", "end"), [("double", 10**7), ("quad", 10**5)])
+def test_a_loaded_run_that_ended_early_is_not_made_to_its_end(number, end, tmp_path):
+    """That would take half a minute or more."""
+    run = polhode.integrate(NAME, number, at=[1, end], max_steps=30, method="taylor")
+    run.save(tmp_path / "x.npz")
+    again = polhode.load_result(tmp_path / "x.npz")
+    began = time.process_time()
+    for t in (2, run.reached):
+        assert list(again(t)) == list(run(t))
+    assert time.process_time() - began < 10
 
 
 def test_runs_with_no_rows_and_rows_with_no_numbers():

@@ -63,6 +63,7 @@ NUMBERS = [
     ({"moment": [2, 2, 1]}, "moment = [2, 2, 1]: ; did you mean 'moments'"),
     ({"events": [{"name": "x", "zero": "p", "stopp": True}]}, "events[1].stopp; mean 'stop'"),
     ({"events": [polhode.Event("section:gama1")]}, "events[1].name = gama1: ; mean 'gamma1'"),
+    ({"events": [polhode.Event("x", y) for y in "pq"]}, "events[2].name = x: ; a name of its own"),
     ({"omega": [None, 0, 1]}, "start.omega = None: expected a value"),
     ({"samples": Decimal("3.5"), "end": 1}, "run.samples = 3.5: expected a whole number from 2"),
     # more than rounding, with its amount

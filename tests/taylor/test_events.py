@@ -31,7 +31,8 @@ LARGEST_Q = "sqrt(7/25)"
 
 
 def watched(name: str, *events: str | Event, **changes: object) -> polhode.Scene:
-    every = tuple(e if isinstance(e, Event) else Event("event", e) for e in events)
+    each = enumerate(events, 1)
+    every = tuple(e if isinstance(e, Event) else Event(f"event {k}", e) for k, e in each)
     return replace(polhode.load(name), events=every, **changes)
 
 
@@ -295,6 +296,14 @@ def test_an_expression_that_leaves_zero_slowly_is_not_refused():
     omega = (Fraction(1, 10**30), Fraction(1), Fraction(0))
     run = polhode.integrate(watched(EULER, "r", omega=omega), at=[1])
     assert run.outcome is Outcome.REACHED_END
+
+
+@pytest.mark.parametrize("zero", ["1e-320*p - 1e-321", "1e400*p - 1e399", "1e300*p - 5e299"])
+def test_numbers_of_an_event_that_the_type_cannot_hold_are_refused_in_one_line(zero):
+    far = replace(polhode.load("euler/largest-axis"), events=(polhode.Event("far", zero),))
+    with pytest.raises(polhode.BadInput, match=r"number = double: expected a type of wider range"):
+        polhode.integrate(far, at=[1])
+    assert polhode.integrate(far, "quad", at=[1]).outcome.done
 
 
 def test_a_flip_needs_a_middle_axis():

@@ -9,6 +9,7 @@ from fractions import Fraction
 from typing import Any
 
 from polhode.common.errors import BadInput, plain
+from polhode.motion.outcomes import Outcome
 from polhode.motion.protocols import Interpolant, RowReader
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import sign
@@ -22,6 +23,7 @@ from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
+from polhode.taylor.backend import defaults
 from polhode.taylor.backend.heyoka_numbers import OutOfRange
 
 
@@ -54,10 +56,13 @@ def made_again(run: Trajectory, scene: Scene, *, interruptible: bool = True) -> 
 
 
 def _options(run: Trajectory) -> Options:
-    """How a run was made, but for its step limit."""
+    """How a run was made; one that steps did not bring to the end ends soon after it did."""
     every = None if run.projection is None else run.projection.every
     tolerance = None if run.at_full_tolerance else Fraction(run.tolerance)
-    return Options(run.method, None, every or False, tolerance, None, run.digits)
+    most = None
+    if run.method == "taylor" and run.outcome in (Outcome.STEP_LIMIT, Outcome.INTERRUPTED):
+        most = run.steps + defaults.of(run.number).chunk  # the last may have gone uncounted
+    return Options(run.method, most, every or False, tolerance, None, run.digits)
 
 
 def _rows(run: Trajectory, what: str, times: list[Fraction]) -> Sequence[GivenRow]:

@@ -340,6 +340,7 @@ class _Recomputed:
     @cached_property
     def dense(self) -> Interpolant:
         """The dense output of the run made once more."""
+        from polhode.runs.methods.taylor import TaylorMotion
         from polhode.runs.reevaluate import made_again  # heyoka: a file is read without
 
         run = self.run
@@ -352,4 +353,6 @@ class _Recomputed:
                 stacklevel=4,
             )
         assert again.dense is not None
+        if isinstance(again.dense, TaylorMotion):
+            again.dense.reached = run.reached  # one that was limited went on a little
         return again.dense

@@ -156,6 +156,9 @@ class Scene:
             raise self._bad("events", f"{len(self.events)} events", f"at most {MOST_EVENTS}")
         for k, event in enumerate(self.events):
             check_event(event, self.name, f"events[{k + 1}]")
+            if any(event.name == other.name for other in self.events[:k]):
+                expected = "a name of its own, which its rows are told by"
+                raise self._bad(f"events[{k + 1}].name", event.name, expected)
         of_kind(self.name, "section", self.section, SectionPlan, "a SectionPlan")
         of_kind(self.name, "expect", self.expect, Mapping, "bands of digits by number type")
         of_kind(self.name, "body", self.body, Body, "a Body")

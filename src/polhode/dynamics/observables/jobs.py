@@ -18,7 +18,7 @@ from polhode.dynamics.observables.reductions import FIRST, LYAPUNOV, Reduction, 
 from polhode.judging.conditioning import lyapunov
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.conversion import to_double
-from polhode.numbers.expression import odd_part
+from polhode.numbers.expression import ExpressionError, odd_part
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles, double_array
 from polhode.runs.problem.options import Options
@@ -29,10 +29,13 @@ from polhode.runs.sweep.plan import Plan
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation.sweep_scenes import Members
+from polhode.taylor.backend.engine import hy
+from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS
 from polhode.taylor.batches.jobs import Columns
 from polhode.taylor.events import batch_search
 from polhode.taylor.events.batch_search import SearchJob
 from polhode.taylor.events.batch_zeros import Watched
+from polhode.taylor.events.functions import TIME, in_columns, typed_constant
 from polhode.taylor.events.magnitudes import size_of
 from polhode.taylor.variations import tangent_batches
 from polhode.taylor.variations.tangent_batches import TangentJob
@@ -55,6 +58,14 @@ def check(scene: Scene, plan: Plan, which: tuple[Reduction, ...]) -> None:
                 raise BadInput(scene.name, "tol", None, f"none, for {what.text}")
             if plan.times[-1] == 0:
                 raise BadInput(scene.name, "at", 0, f"a time other than 0, for {what.text}")
+        if what.kind == FIRST:
+            zero = event_of(scene, what.of).expression or ""
+            names, constant = scene.columns, typed_constant(plan.number)
+            try:  # its numbers, before anything is integrated
+                in_columns(zero, names, hy.make_vars(*names), TIME, constant, EXPRESSIONS)
+            except ExpressionError as fault:
+                expected = f"a type of wider range ({fault}), for {what.text}"
+                raise BadInput(scene.name, "number", name, expected) from None
 
 
 def job_of(

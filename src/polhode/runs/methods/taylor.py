@@ -19,6 +19,7 @@ from polhode.equations.system import System, system
 from polhode.motion.outcomes import EventTimes, Outcome, Projection
 from polhode.numbers.conversion import exactly, number_value
 from polhode.numbers.exact import ZERO
+from polhode.numbers.expression import ExpressionError
 from polhode.numbers.rows import Row, Rows
 from polhode.runs.methods.dense_output import Leg, Path, spacing
 from polhode.runs.problem.options import USUAL, Options, cadence
@@ -130,7 +131,7 @@ class TaylorMotion:
         try:
             watch = self._watch = self._new_watch() if self.scene.events else None
             rows, outcome = self._to(Times.of(times, self.number), progress)
-        except OutOfRange as fault:
+        except (OutOfRange, ExpressionError) as fault:  # of the system, of an event's number
             expected = f"a type of wider range ({fault})"
             raise BadInput(self.scene.name, "number", self.number.name, expected) from None
         if watch is not None:

@@ -116,8 +116,8 @@ def rounded_tolerance(scene: Scene, number: NumberType, tol: AnyNumber | None) -
         wanted = exact_number(tol)
     except (TypeError, ValueError):
         raise BadInput(scene.name, "tol", plain(tol), "a number") from None
-    if not isinstance(wanted, Fraction) or not number.eps <= wanted <= Fraction(1, 10):
-        lowest = f"{float(number.eps):.3g}" if number.bits < 1000 else f"2**-{number.bits - 1}"
+    if not isinstance(wanted, Fraction) or not number.eps <= wanted <= 0.1:  # the double, too
+        lowest = f"2**-{number.bits - 1}"
         raise BadInput(scene.name, "tol", plain(tol), f"between eps = {lowest} and 0.1")
     return wanted
 
