@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
+import numpy as np
+
 from polhode.common.errors import BadInput, nearest
 from polhode.common.progress import Progress
 from polhode.figures import catalogue
@@ -18,6 +20,7 @@ from polhode.judging.references.reference import reference as reference_of
 from polhode.judging.tables.column_aliases import PLAIN, naming
 from polhode.judging.tables.table import of_run
 from polhode.judging.tables.table_file import is_table, read_table
+from polhode.numbers.conversion import doubles
 from polhode.numbers.decimals import brief
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
@@ -44,6 +47,7 @@ OUTPUTS = {
 }
 OVER_TIME = ("integrals", "error")  # of the whole run: not cut to a window
 FREE_OF_GAMMA = ("omega", "momentum", *OVER_TIME)
+LARGEST = 1e150  # of numbers whose squares are doubles
 CHAOS = "chaos-proof"
 MOTION = "motion"  # what pages and films show
 
@@ -183,6 +187,7 @@ def _of_scene(
         samples = departures.departures(of_run(run), scene, run.number)
     else:
         samples = curve_sampling.of_run(run)
+        _refuse_extreme_numbers(samples)
     return Drawing(samples, what, scene.name, tuple(notes))
 
 
@@ -218,9 +223,24 @@ def _of_table(path: Path, what: str, request: Request) -> Drawing:
     else:
         samples = curve_sampling.of_table(table, scene)
         _refuse_what_is_missing(samples, what)
+        _refuse_extreme_numbers(samples)
     if what == MOTION:
         notes += _on_motion(samples)
     return Drawing(samples, what, str(table.name), tuple(notes), measured=True)
+
+
+def _refuse_extreme_numbers(samples: Samples) -> None:
+    """Raise BadInput where the squares that figures take of rates or of the body leave doubles."""
+    sizes = [np.abs(samples.columns[name]) for name in STATE[:3] if samples.has([name])]
+    if samples.scene is not None:
+        body = samples.scene.body
+        moments = doubles([body.moments])[0]
+        with np.errstate(all="ignore"):
+            sizes += [moments, 1 / moments, np.abs(doubles([body.torque])[0])]
+    largest = max((float(np.nanmax(column)) for column in sizes), default=0.0)
+    if largest > LARGEST:
+        expected = f"rates, moments, their inverses and the weight up to {LARGEST:g}, for a figure"
+        raise BadInput(samples.name, "body, start", f"{largest:g}", expected)
 
 
 def _on_motion(samples: Samples) -> list[str]:
