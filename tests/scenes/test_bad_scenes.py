@@ -142,13 +142,13 @@ def test_what_cannot_be_is_refused_by_the_name_of_its_key(given, words):
 PARTS = [
     ({"shape": "cube", "mass": 1}, "shape = cube: expected box, cylinder"),
     ({"shape": "cone", "mass": 0, "radius": 1, "height": 1}, "mass = 0: expected a mass above"),
-    ({"shape": "cone", "mass": 1, "radius": 1}, "height: expected a value for a cone"),
+    ({"shape": "cone", "mass": 1, "radius": 1}, "height: expected a value for shape cone"),
     ({"shape": "cone", "mass": 1, "radius": 0, "height": 1}, "radius = 0: expected a length"),
     ({"shape": "rod", "mass": 1, "height": -1}, "height = -1: expected a length above 0"),
-    ({"shape": "disc", "mass": 1, "radius": 1, "height": 1}, "nothing: a disc has radius, inner"),
+    ({"shape": "disc", "mass": 1, "radius": 1, "height": 1}, "nothing: shape disc has radius, inner"),
     ({"shape": "disc", "mass": 1, "radius": 1, "inner": 2}, "inner = 2: expected a radius no"),
     ({"shape": "box", "mass": 1, "size": (1, 2)}, "three numbers"),
-    ({"shape": "box", "mass": 1, "size": (1, 2, 3), "axis": "x"}, "a box has no axis"),
+    ({"shape": "box", "mass": 1, "size": (1, 2, 3), "axis": "x"}, "shape box has no axis"),
     ({"shape": "rod", "mass": 1, "height": 1, "axis": "w"}, "axis = w: expected z, x, y"),
     ({"shape": "point", "mass": "50 cm"}, "in m, not in kg"),
 ]
