@@ -145,7 +145,7 @@ PARTS = [
     ({"shape": "cone", "mass": 1, "radius": 1}, "height: expected a value for shape cone"),
     ({"shape": "cone", "mass": 1, "radius": 0, "height": 1}, "radius = 0: expected a length"),
     ({"shape": "rod", "mass": 1, "height": -1}, "height = -1: expected a length above 0"),
-    ({"shape": "disc", "mass": 1, "radius": 1, "height": 1}, "nothing: shape disc has radius, inner"),
+    ({"shape": "disc", "mass": 1, "radius": 1, "height": 1}, "nothing: shape disc has radius"),
     ({"shape": "disc", "mass": 1, "radius": 1, "inner": 2}, "inner = 2: expected a radius no"),
     ({"shape": "box", "mass": 1, "size": (1, 2)}, "three numbers"),
     ({"shape": "box", "mass": 1, "size": (1, 2, 3), "axis": "x"}, "shape box has no axis"),
