@@ -154,7 +154,6 @@ REFUSED = {
     "guide xyzzy": "expected",
     "guide ../cli": "expected jobs, start, scene",
     f"guide {'1' * 5000}": "polhode: guide",
-    "guide api integrat": "did you mean 'integrate'?",
     "compare table.csv top.toml --digits 30": "digits",
     "compare table.csv other.csv": "a table is judged by a motion",
     "compare table.csv": "the following arguments are required: SCENE",
