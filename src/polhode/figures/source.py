@@ -133,11 +133,11 @@ def drawing_of(
 
 def _check(what: str, source: str) -> None:
     """Raise BadInput for what is no figure of a motion."""
-    known = [*catalogue.MOTION, MOTION]
+    figures = [*catalogue.MOTION, MOTION]
     if what == CHAOS:
         raise BadInput(source, "--what", what, "polhode prove chaos SCENE -o FILE.svg from 0.3 on")
-    if what not in known:
-        raise BadInput(source, "--what", what, nearest(what, known))
+    if what not in figures:
+        raise BadInput(source, "--what", what, nearest(what, figures))
 
 
 def _of_scene(
@@ -170,17 +170,17 @@ def _of_scene(
         raise Unreached(scene.name, "end", brief(times[-1]), expected)
     notes = []
     if what == "integrals":
-        told = "without projection, after which the integrals would say nothing"
-        notes.append(f"{scene.name}: {told}")
+        note = "without projection, after which the integrals would say nothing"
+        notes.append(f"{scene.name}: {note}")
     if abs(times[-1]) < abs(scene.end) and end is None:
-        told = f"{curve_sampling.WINDOW} radians; --end shows another time"
+        note = f"{curve_sampling.WINDOW} radians; --end shows another time"
         notes.append(
-            f"{scene.name}: showing t = 0 to {brief(times[-1])} of {brief(scene.end)}, {told}"
+            f"{scene.name}: showing t = 0 to {brief(times[-1])} of {brief(scene.end)}, {note}"
         )
     apart = curve_sampling.radians_apart(scene, times)
     if not long and apart > 0.5:
-        told = f"{apart:.2g} radians between two samples: a shorter --end draws curves"
-        notes.append(f"{scene.name}: {told}")
+        note = f"{apart:.2g} radians between two samples: a shorter --end draws curves"
+        notes.append(f"{scene.name}: {note}")
     if reference is not None:
         samples = departures.errors(of_run(run), reference, run.number)
     elif long:
@@ -215,7 +215,7 @@ def _of_table(path: Path, what: str, request: Request) -> Drawing:
     table = read_table(path, number, PLAIN if request.columns is None else naming(request.columns))
     if scene is not None and request.read is not None:
         table = table_as_told(table, reference_of(scene), request.read)
-    notes = [f"{table.name}: {told}" for told in table.remarks]
+    notes = [f"{table.name}: {remark}" for remark in table.remarks]
     if what == "error" and scene is not None:
         samples = departures.errors(table, reference_of(scene), number)
     elif what == "integrals" and scene is not None:
@@ -248,8 +248,8 @@ def _on_motion(samples: Samples) -> list[str]:
     motion = of_samples(samples)
     notes = [f"{samples.name}: {far}"] if (far := motion.coarse()) else []
     if not motion.on_level():
-        told = "polhode compare FILE SCENE says which convention or cause"
-        notes.append(f"{samples.name}: {ANOTHER[0].lower()}{ANOTHER[1:].rstrip('.')}; {told}")
+        note = "polhode compare FILE SCENE says which convention or cause"
+        notes.append(f"{samples.name}: {ANOTHER[0].lower()}{ANOTHER[1:].rstrip('.')}; {note}")
     return notes
 
 

@@ -23,8 +23,8 @@ _AROUND = 50  # letters before a word that is shown, and half of those after it
 def topics() -> list[str]:
     """The pages there are, in the order of the index."""
     there = {path.stem for path in FOLDER.glob("*.md")}
-    told = re.findall(r"^\| `polhode guide ([\w-]+)`", page(INDEX), re.M)
-    return [*told, *sorted(there - {*told, INDEX})]
+    listed = re.findall(r"^\| `polhode guide ([\w-]+)`", page(INDEX), re.M)
+    return [*listed, *sorted(there - {*listed, INDEX})]
 
 
 def page(topic: str) -> str:
@@ -134,8 +134,8 @@ def notebook() -> str:
         lines = part.strip("\n").splitlines(keepends=True)
         cell: JsonObject = {"id": f"cell-{k}", "metadata": {}}
         if all(line.startswith("#") for line in lines):
-            told = [line.removeprefix("#").removeprefix(" ") for line in lines]
-            cells.append(cell | {"cell_type": "markdown", "source": told})
+            words = [line.removeprefix("#").removeprefix(" ") for line in lines]
+            cells.append(cell | {"cell_type": "markdown", "source": words})
         else:
             code: JsonObject = {"cell_type": "code", "execution_count": None, "outputs": []}
             cells.append(cell | code | {"source": lines})

@@ -52,8 +52,8 @@ def of_result(found: Storable) -> str:
     report = str(found)
     if report != repr(found) and report.count("\n") < MOST_LINES:
         return f"<pre>{escape(printable(report))}</pre>"
-    told = f"<p>{escape(printable(repr(found).strip('<>')))}</p>"
-    return told + _rows(found.table()) if isinstance(found, Result) else told
+    heading = f"<p>{escape(printable(repr(found).strip('<>')))}</p>"
+    return heading + _rows(found.table()) if isinstance(found, Result) else heading
 
 
 def _rows(table: Table) -> str:

@@ -34,8 +34,8 @@ def main(options: Namespace) -> int:
     else:
         text = _found(" ".join(options.topic))
     if options.json:
-        told = {"topic": " ".join(options.topic), "topics": guide.topics(), "text": text}
-        print_json(told)
+        answer = {"topic": " ".join(options.topic), "topics": guide.topics(), "text": text}
+        print_json(answer)
     else:
         say(text.rstrip())
     return DONE
@@ -45,11 +45,11 @@ def _found(words: str) -> str:
     """Where the words stand; raises BadInput where they stand nowhere."""
     from polhode.output import guide
 
-    found = guide.search(words)
-    if not found:
+    places = guide.search(words)
+    if not places:
         guide.page(words)  # refused, with the nearest topic
     shown = [
-        f"polhode guide {topic}  ({heading})\n    {text}" for topic, heading, text in found[:_MOST]
+        f"polhode guide {topic}  ({heading})\n    {text}" for topic, heading, text in places[:_MOST]
     ]
-    rest = len(found) - len(shown)
+    rest = len(places) - len(shown)
     return "\n".join([*shown, *[f"({rest} more places)"] * bool(rest)])
