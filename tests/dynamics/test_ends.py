@@ -187,6 +187,9 @@ def test_reach_of_exact_levels():
     none = Reach.of(near._replace(moments=(1 + Fraction(1, 2**80), Fraction(1), Fraction(2))))
     assert none.most < none.least
     assert Fraction(10) ** 400 in Reach.of(body._replace(torque=(Fraction(0),) * 3))
+    # the exact roots of a symmetric top: 1e-120 took 6 s, 1e-150 had no end
+    axial = Reach.of(body._replace(torque=(Fraction(0), Fraction(0), Fraction(1))))
+    assert [Fraction(10) ** -n in axial for n in (80, 90)] == [True, False]
 
 
 def test_a_body_out_of_reach_is_said_so():

@@ -74,6 +74,14 @@ def test_a_page_needs_nothing_else_and_is_small():
     assert not re.search(r"(src|href)=|@import|url\(|fetch\(|https?://", text)
 
 
+def test_both_pictures_of_a_page_share_one_painter():
+    """Of WebGL's contexts browsers have sixteen for all pages; one more is given back at once."""
+    text = polhode.view("euler/largest-axis", end=4).text
+    assert text.count('getContext("webgl2"') == 2
+    assert text.count("loseContext()") == 1
+    assert text.count("new Painter(") == 1
+
+
 PREVIEW = "preview(own, ...new Start(own).at(new Start(own).first{}, new Start(own).second{}))"
 
 

@@ -31,7 +31,7 @@ BARE = (
     (0, "about"),
     (0, "guide"),
     (0, "guide judging"),
-    (0, "guide api integrate"),
+    (0, "guide python"),
     (0, "list --tag chaotic"),
     (0, "show lagrange/nutation"),
     (2, "show lagrange/nutaton"),

@@ -19,6 +19,8 @@ TOP = free_file("at = [0, 1]")
 EVENT = '\n[[events]]\nname = "{}"\nzero = "{}"\n'
 ANGLES = "--what angles -o x.svg"
 VARY = "--vary body.weight=1"
+HUGE = heavy_file(samples=3).replace("weight = 1", "weight = 1e305")
+OUT_OF_REACH = "body, start = 5e+304: expected rates, moments, their inverses and the weight up to"
 TABLE = "this is a table, as for polhode compare FILE SCENE"
 OTHER_FILE = "another file than the one that is read"
 
@@ -33,8 +35,10 @@ FILES = {
     "future.toml": "schema = 3",
     "event.toml": TOP + EVENT.format("a\\nb", "p"),
     "many.toml": TOP + "".join(EVENT.format(f"e{k}", f"gamma3 - {k}/1000") for k in range(101)),
+    "huge.toml": HUGE,
     "mine.toml": polhode.load(CASE).source,
     "table.csv": "t,p\n0,0.3\n",
+    "orbit.json": '{\n "format": "polhode result 2"\n}',
     "table.npz": "t,p\n0,1\n",
     "angles.csv": "t,psi\n0,1\n",
 }
@@ -74,6 +78,7 @@ REFUSED = {
     "run .": "directory",
     "show table.csv": TABLE,
     "run table.npz": TABLE,
+    "show orbit.json": "a scene file (TOML): this is JSON: a result, as for polhode plot FILE",
     "run event.toml": "events[1].name = a b: expected text of one line that can be printed",
     "run many.toml": "events = 101 events: expected at most 100\n",
     "check nosuch": "a path",
@@ -149,7 +154,6 @@ REFUSED = {
     "guide xyzzy": "expected",
     "guide ../cli": "expected jobs, start, scene",
     f"guide {'1' * 5000}": "polhode: guide",
-    "guide api integrat": "did you mean 'integrate'?",
     "compare table.csv top.toml --digits 30": "digits",
     "compare table.csv other.csv": "a table is judged by a motion",
     "compare table.csv": "the following arguments are required: SCENE",
@@ -229,6 +233,9 @@ REFUSED = {
     "run top.toml -o ''": "-o = : expected a name\n",
     "compare '' top.toml": " = : expected a name\n",
     "compare table.csv ''": " = : expected a name\n",
+    "plot huge.toml --what momentum -o x.svg": OUT_OF_REACH,
+    "plot huge.toml --what motion -o x.gif": OUT_OF_REACH,
+    "view huge.toml -o x.html": OUT_OF_REACH,
     f"plot '' {ANGLES}": " = : expected a name\n",
     "plot table.csv --what omega --columns '' -o y.svg": "table.csv: header = : expected a header",
     "check ''": " = : expected a name\n",

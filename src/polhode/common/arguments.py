@@ -25,12 +25,12 @@ def whole(source: str, key: str, value: Any, least: int, most: int | None = None
     if type(value).__name__ in ("bool", "bool_"):
         raise BadInput(source, key, value, expected)
     try:
-        found = index(value)
+        number = index(value)
     except TypeError:
         raise BadInput(source, key, value, expected) from None
-    if found < least or (most is not None and found > most):
+    if number < least or (most is not None and number > most):
         raise BadInput(source, key, value, expected)
-    return found
+    return number
 
 
 def cells(source: str, value: Any, most: int) -> tuple[int, int]:
@@ -56,25 +56,25 @@ def rows_of(
     import numpy as np
 
     try:
-        given = np.asarray(values)
+        array = np.asarray(values)
     except ValueError:  # rows of different lengths
-        given = np.empty(0)
-    if given.ndim != 2 or given.shape[1] != width:
-        told = f"an array of shape {given.shape}"
-        raise BadInput(source, key, told, f"shape (N, {width})")
-    wide = given.dtype.kind == "f" and given.dtype.itemsize > 8  # where longdoubles are wider
+        array = np.empty(0)
+    if array.ndim != 2 or array.shape[1] != width:
+        shape = f"an array of shape {array.shape}"
+        raise BadInput(source, key, shape, f"shape (N, {width})")
+    wide = array.dtype.kind == "f" and array.dtype.itemsize > 8  # where longdoubles are wider
     into = np.dtype(kind or (np.longdouble if wide else np.float64))
-    if given.dtype.kind not in "fiu" or not np.can_cast(given.dtype, into, "safe"):
-        raise BadInput(source, key, f"numbers of {given.dtype}", f"{into} or narrower")
-    found = np.ascontiguousarray(given, dtype=into)
-    wrong = ~np.isfinite(found) | not_taken(values, found)
+    if array.dtype.kind not in "fiu" or not np.can_cast(array.dtype, into, "safe"):
+        raise BadInput(source, key, f"numbers of {array.dtype}", f"{into} or narrower")
+    rows = np.ascontiguousarray(array, dtype=into)
+    wrong = ~np.isfinite(rows) | not_taken(values, rows)
     if wrong.any():
         k = int(np.argmax(wrong.any(axis=1)))
-        told = values[k] if isinstance(values, (list, tuple)) else given[k]
-        told = told.tolist() if isinstance(told, np.ndarray) else told
+        shape = values[k] if isinstance(values, (list, tuple)) else array[k]
+        shape = shape.tolist() if isinstance(shape, np.ndarray) else shape
         expected = f"finite numbers that {into} holds"
-        raise BadInput(source, f"{key}, row {k + 1}", plain(told), expected)
-    return found
+        raise BadInput(source, f"{key}, row {k + 1}", plain(shape), expected)
+    return rows
 
 
 def not_taken(values: Any, found: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
@@ -109,8 +109,8 @@ def unit_rows(source: str, key: str, rows: npt.NDArray[Any], eps: Fraction) -> N
     for k in np.flatnonzero(~(off <= most / 2)).tolist():  # rounding here is less than that
         square = sum((Fraction(*x.as_integer_ratio()) ** 2 for x in rows[k]), Fraction(-1))
         if abs(square) > 8 * eps:
-            told = plain(rows[k].tolist())
-            raise BadInput(source, f"{key}, row {k + 1}", told, "gamma of length 1, to 8 eps")
+            row = plain(rows[k].tolist())
+            raise BadInput(source, f"{key}, row {k + 1}", row, "gamma of length 1, to 8 eps")
 
 
 def steps(source: str, value: object) -> int:
@@ -177,9 +177,9 @@ def refuse_unknown(
     for name, value in unknown.items():
         import inspect
 
-        known = [key for key in inspect.signature(function).parameters if key != "unknown"]
-        here = called_here(name, known)
-        expected = f"an argument: {listed(name, known)}"
+        names = [key for key in inspect.signature(function).parameters if key != "unknown"]
+        here = called_here(name, names)
+        expected = f"an argument: {listed(name, names)}"
         if here is not None:
             expected = f"{here}, as it is called here"
         raise BadInput(source, name, plain(value), meant.get(name, expected))

@@ -57,29 +57,29 @@ class Checkpoint:
     def read(self, path: Path) -> Arrays | None:
         """A piece's arrays; None where it is not there or not as it was written: made again."""
         try:
-            found = dict(read_npz(path))
+            piece = dict(read_npz(path))
         except FileNotFoundError:
             return None
         except (OSError, ValueError):
-            found = {}
-        told = found.pop(_CHECKSUM, None)
-        if told is None or str(told) != self._checksum(path.name, found):
+            piece = {}
+        checksum = piece.pop(_CHECKSUM, None)
+        if checksum is None or str(checksum) != self._checksum(path.name, piece):
             path.unlink(missing_ok=True)
             return None
-        return found
+        return piece
 
     def write(self, name: str, arrays: Mapping[str, npt.ArrayLike]) -> None:
         """One more piece, whole, or BadInput, and no empty folder where it is the first."""
         import numpy as np
 
-        held = {key: np.asarray(array) for key, array in arrays.items()}
-        held[_CHECKSUM] = np.array(self._checksum(name, held))
+        piece = {key: np.asarray(array) for key, array in arrays.items()}
+        piece[_CHECKSUM] = np.array(self._checksum(name, piece))
         try:
             if self._lock is None:
                 make_folder(self.folder)
                 write_whole({self.folder / MANIFEST: json.dumps(self._manifest, indent=1) + "\n"})
                 self._hold()
-            write_whole({self.folder / name: npz(held)})
+            write_whole({self.folder / name: npz(piece)})
         except BadInput:
             if not self.pieces():
                 self.remove()
@@ -115,21 +115,21 @@ class Checkpoint:
         """Of a piece by name: it is no other, of no other work, and its arrays are as written."""
         import numpy as np
 
-        found = hashlib.sha256(json.dumps([name, self._manifest], sort_keys=True).encode())
+        checksum = hashlib.sha256(json.dumps([name, self._manifest], sort_keys=True).encode())
         for key in sorted(arrays):
             array = arrays[key]
-            found.update(f"{key} {array.dtype.str} {array.shape}".encode())
-            found.update(np.ascontiguousarray(array).data)
-        return found.hexdigest()
+            checksum.update(f"{key} {array.dtype.str} {array.shape}".encode())
+            checksum.update(np.ascontiguousarray(array).data)
+        return checksum.hexdigest()
 
     def _check(self) -> None:
         try:
-            found = json.loads((self.folder / MANIFEST).read_text(encoding="utf-8"))
+            manifest = json.loads((self.folder / MANIFEST).read_text(encoding="utf-8"))
         except (OSError, *UNREADABLE):
             if self.folder.is_dir() and not any(self.folder.iterdir()):
                 return
-            found = None
-        if found != self._manifest:
+            manifest = None
+        if manifest != self._manifest:
             pieces, work = self._words
             expected = f"the {pieces} of the same {work}; remove the folder to start again"
             raise BadInput(str(self.folder), "parts", None, expected)
@@ -161,8 +161,8 @@ class JobCheckpoint(Checkpoint):
     def __init__(self, folder: Path, what: str, *key: object) -> None:
         import numpy as np
 
-        told = [x.tobytes() if isinstance(x, np.ndarray) else x for x in key]
-        digest = hashlib.sha256(repr(told).encode()).hexdigest()
+        parts = [x.tobytes() if isinstance(x, np.ndarray) else x for x in key]
+        digest = hashlib.sha256(repr(parts).encode()).hexdigest()
         super().__init__(folder, {"jobs of": f"polhode {what}", "key": digest}, ("jobs", "command"))
         self._waiting: dict[int, Mapping[str, npt.ArrayLike]] = {}
         self._last = time.monotonic()

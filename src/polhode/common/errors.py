@@ -25,9 +25,9 @@ class FileName(str):
 
     def __new__(cls, name: str, given: str) -> FileName:
         """A name and what was given."""
-        made = super().__new__(cls, name)
-        made.given = given
-        return made
+        text = super().__new__(cls, name)
+        text.given = given
+        return text
 
     def __reduce__(self) -> tuple[type, tuple[str, str]]:
         return type(self), (str(self), self.given)
@@ -70,8 +70,8 @@ class StdoutFault(Exception):
 
 def nearest(word: object, known: list[str]) -> str:
     """The words allowed, the nearest one first in mind: for the end of an error message."""
-    told = ", ".join(known) if len(known) <= 20 else f"one of {len(known)} names"
-    return told + _meant(word, known)
+    choices = ", ".join(known) if len(known) <= 20 else f"one of {len(known)} names"
+    return choices + _meant(word, known)
 
 
 def listed(word: object, known: list[str]) -> str:

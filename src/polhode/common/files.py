@@ -48,51 +48,51 @@ def read_whole(path: Path, most: int, what: str, name: str | None = None) -> byt
         with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as file:
             if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
                 return _streamed(file.fileno(), most, name, what)
-            found = file.read(most + 1)
+            data = file.read(most + 1)
     except (OSError, ValueError) as error:
         if isinstance(error, BadInput):
             raise
         reason = getattr(error, "strerror", None) or str(error)
         raise BadInput(name, "file", None, f"{what} ({reason})") from None
-    if len(found) > most:
+    if len(data) > most:
         raise BadInput(name, "file", None, f"at most {most} bytes")
-    return found
+    return data
 
 
 def read_stdin(most: int, what: str) -> bytes:
     """What comes on the standard input until it ends, however slowly; raises BadInput for more than
     ``most`` bytes.  ``what``: what was expected."""
-    found: list[bytes] = []
+    parts: list[bytes] = []
     size = 0
     try:
         while size <= most and (part := os.read(0, 1 << 20)):
-            found.append(part)
+            parts.append(part)
             size += len(part)
     except OSError as error:
         raise BadInput(STDIN, "file", None, f"{what} ({error.strerror})") from None
     if size > most:
         raise BadInput(STDIN, "file", None, f"at most {most} bytes")
-    return b"".join(found)
+    return b"".join(parts)
 
 
 def _streamed(handle: int, most: int, name: str, what: str) -> bytes:
     """What a pipe or a device gives until it ends; refused where nothing comes at all."""
-    found: list[bytes] = []
+    parts: list[bytes] = []
     size = 0
-    asked = time.monotonic()
+    since = time.monotonic()
     pipe = stat.S_ISFIFO(os.fstat(handle).st_mode)
     while size <= most:
-        left = asked + PATIENCE - time.monotonic()
+        left = since + PATIENCE - time.monotonic()
         ready, _, _ = select.select([handle], [], [], max(0.0, left))
         part = os.read(handle, 1 << 20) if ready else b""
         if not part and left <= 0:
             raise BadInput(name, "file", None, f"{what} (nothing came for {PATIENCE:g} seconds)")
-        if not part and (found or not pipe):
-            return b"".join(found)
+        if not part and (parts or not pipe):
+            return b"".join(parts)
         if part:
-            found.append(part)
+            parts.append(part)
             size += len(part)
-            asked = time.monotonic()
+            since = time.monotonic()
         else:  # a pipe whose writer may still come
             time.sleep(0.01)
     raise BadInput(name, "file", None, f"at most {most} bytes")
@@ -142,9 +142,9 @@ def npz(arrays: Mapping[str, Any], packed: bool = False) -> bytes:
     """The bytes of an NPZ file."""
     import numpy as np
 
-    held = io.BytesIO()
-    (np.savez_compressed if packed else np.savez)(held, **arrays)
-    return held.getvalue()
+    stream = io.BytesIO()
+    (np.savez_compressed if packed else np.savez)(stream, **arrays)
+    return stream.getvalue()
 
 
 def read_npz(file: Path | bytes, most: int = MOST_UNPACKED) -> dict[str, npt.NDArray[np.generic]]:
@@ -164,9 +164,9 @@ def read_npz(file: Path | bytes, most: int = MOST_UNPACKED) -> dict[str, npt.NDA
             most = min(most, max(SMALL, RATIO * size))
             if unpacked > most:
                 raise ValueError(f"{unpacked} bytes of arrays, more than {most}")
-            held = {part.filename.removesuffix(".npy"): part for part in parts}
+            members = {part.filename.removesuffix(".npy"): part for part in parts}
             texts = FEW_TEXTS + TEXTS * size
-            return {name: _array(packed, part, texts) for name, part in held.items()}
+            return {name: _array(packed, part, texts) for name, part in members.items()}
     except OSError:
         raise
     except Exception as fault:
@@ -183,8 +183,8 @@ def _array(packed: zipfile.ZipFile, part: zipfile.ZipInfo, texts: int) -> npt.ND
     if dtype.kind in "US" and count > texts:
         raise ValueError(f"{part.filename}: {count} texts")
     with packed.open(part) as file:
-        found: npt.NDArray[np.generic] = np.lib.format.read_array(file, allow_pickle=False)
-    return found
+        array: npt.NDArray[np.generic] = np.lib.format.read_array(file, allow_pickle=False)
+    return array
 
 
 def npy_header(file: IO[bytes]) -> tuple[np.dtype[np.generic], int, int]:

@@ -69,17 +69,17 @@ def run_jobs(
     that Python's threads share; one of those is this process itself.  ``packed``, ``unpacked``: a
     result as arrays, and back, for ``kept``, which other processes may then take.
     """
-    found: list[T | None] = [None] * len(jobs)
+    results: list[T | None] = [None] * len(jobs)
     done = 0
 
     def ready(k: int, result: T) -> None:
         nonlocal done
-        if found[k] is not None:  # handed on once more, since Ctrl-C came while it was
+        if results[k] is not None:  # handed on once more, since Ctrl-C came while it was
             return
         with Delay():
             if kept is not None and packed is not None:
                 kept.save(k, packed(result))
-            found[k] = result
+            results[k] = result
             done += sizes[k]
         if progress is not None:
             progress(done / max(1, sum(sizes)), done)
@@ -87,10 +87,10 @@ def run_jobs(
     whole = True
     with kept or nullcontext():
         for k in range(len(jobs)):
-            if kept is not None and unpacked is not None and (held := kept.load(k)) is not None:
-                found[k] = unpacked(held)
+            if kept is not None and unpacked is not None and (piece := kept.load(k)) is not None:
+                results[k] = unpacked(piece)
                 done += sizes[k]
-        left = [k for k in range(len(jobs)) if found[k] is None]
+        left = [k for k in range(len(jobs)) if results[k] is None]
         if executor is not None:
             whole, lost = executors.solve_in_executor(
                 solve, [jobs[k] for k in left], lambda at, result: ready(left[at], result), executor
@@ -114,9 +114,9 @@ def run_jobs(
             with Delay() as delay:
                 kept.write_waiting()
                 delay.forget()
-    if not whole and all(result is None for result in found):
+    if not whole and all(result is None for result in results):
         raise KeyboardInterrupt
-    return Finished(found, sizes, not whole)
+    return Finished(results, sizes, not whole)
 
 
 class _Whole(Generic[J, T]):
@@ -126,5 +126,5 @@ class _Whole(Generic[J, T]):
         self._solve = solve
 
     def __call__(self, job: J, stop: Stop) -> T | None:
-        found = self._solve(job, stop)
-        return None if stop() else found
+        result = self._solve(job, stop)
+        return None if stop() else result

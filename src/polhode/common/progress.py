@@ -47,13 +47,13 @@ class ProgressLine:
 
     def foretelling(self, told: Callable[[float], None]) -> Callable[[float, int], None]:
         """What shows progress, and tells once, early, how many seconds the work will take."""
-        began, asked = time.monotonic(), False
+        began, is_foretold = time.monotonic(), False
 
         def show(fraction: float, steps: int) -> None:
-            nonlocal asked
+            nonlocal is_foretold
             passed = time.monotonic() - began
-            if not asked and passed > 2 and fraction > 0:
-                asked = True
+            if not is_foretold and passed > 2 and fraction > 0:
+                is_foretold = True
                 self.clear()
                 told(passed / fraction)
             self.show(fraction, steps)

@@ -14,11 +14,11 @@ __version__ = "0.3.0"
 @cache
 def versions() -> dict[str, str]:
     """Versions of polhode, Python and the numerical libraries."""
-    found = {"polhode": __version__, "python": platform.python_version()}
+    numbers = {"polhode": __version__, "python": platform.python_version()}
     for package in ("heyoka", "numpy", "mpmath", "python-flint"):
         loaded = sys.modules.get(package)  # its own word costs nothing; the metadata 3 ms each
-        found[package] = getattr(loaded, "__version__", None) or _installed(package)
-    return found
+        numbers[package] = getattr(loaded, "__version__", None) or _installed(package)
+    return numbers
 
 
 def _installed(package: str) -> str:

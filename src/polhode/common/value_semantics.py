@@ -75,10 +75,10 @@ class _Waiting:
     def __get__(self, instance: object, _: type | None = None) -> object:
         if instance is None:
             return self
-        found = vars(instance)[self._name]
-        if callable(found):  # threads that ask at once may each make it
-            vars(instance)[self._name] = found = found()
-        return found
+        value = vars(instance)[self._name]
+        if callable(value):  # threads that ask at once may each make it
+            vars(instance)[self._name] = value = value()
+        return value
 
     def __set__(self, instance: object, value: object) -> None:
         vars(instance)[self._name] = value

@@ -44,19 +44,19 @@ class Process:
         """The result of a job, or the fault that it raised; raises WorkerDied."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
-        asked = pickle.dumps((solve, job))
+        request = pickle.dumps((solve, job))
         try:
-            _write(self._process.stdin, asked)
-            told = _read(self._process.stdout)
+            _write(self._process.stdin, request)
+            reply = _read(self._process.stdout)
         except (OSError, ValueError):  # gone, or ended by :meth:`end`
-            told = None
-        if told is None:
+            reply = None
+        if reply is None:
             raise WorkerDied
-        fault, result = pickle.loads(told)
+        fault, result = pickle.loads(reply)
         if fault is not None:
             raise fault
-        found: T = result
-        return found
+        answer: T = result
+        return answer
 
     def end(self) -> None:
         """Whatever it does."""

@@ -56,11 +56,11 @@ FIGURES: Mapping[str, Mapping[str, tuple[str, str]]] = {
 }
 
 
-def kind_of(found: Storable | Samples) -> str:
+def kind_of(subject: Storable | Samples) -> str:
     """The kind of a result, by whose name its figures are listed; samples are a run's."""
-    if isinstance(found, Samples):
+    if isinstance(subject, Samples):
         return "Trajectory"
-    return found.kind if isinstance(found, Saved) else type(found).__name__
+    return subject.kind if isinstance(subject, Saved) else type(subject).__name__
 
 
 def words(kind: str) -> tuple[str, ...]:
@@ -70,17 +70,17 @@ def words(kind: str) -> tuple[str, ...]:
 
 def chosen(kind: str, what: str | None, source: str = "plot") -> str:
     """A word of a kind's figures, unless given the default; raises BadInput for another."""
-    known = words(kind)
-    if not known:
+    figures = words(kind)
+    if not figures:
         raise BadInput(source, "result", kind, "one that has a figure")
-    if what is not None and what not in known:
-        raise BadInput(source, "--what", what, nearest(what, [*known]))
-    return what or known[0]
+    if what is not None and what not in figures:
+        raise BadInput(source, "--what", what, nearest(what, [*figures]))
+    return what or figures[0]
 
 
 def draw(
     plt: Any,
-    found: Storable | Samples,
+    subject: Storable | Samples,
     axes: Any = None,
     what: str | None = None,
     *,
@@ -92,19 +92,19 @@ def draw(
     ``axes``: to draw into.  ``title``: in place of the figure's own.  ``asked``: options of the
     figure; None is as not given.
     """
-    kind = kind_of(found)
+    kind = kind_of(subject)
     what = chosen(kind, what)
     make = _function(*FIGURES[kind][what])
-    given = {key: value for key, value in asked.items() if value is not None}
-    known = [k for k, x in inspect.signature(make).parameters.items() if x.kind is x.KEYWORD_ONLY]
-    for key, value in given.items():
-        if key not in known:
-            raise BadInput(f"plot {what}", key, value, nearest(key, [*known, "title"]))
-    cmap = given.get("cmap")
+    options = {key: value for key, value in asked.items() if value is not None}
+    names = [k for k, x in inspect.signature(make).parameters.items() if x.kind is x.KEYWORD_ONLY]
+    for key, value in options.items():
+        if key not in names:
+            raise BadInput(f"plot {what}", key, value, nearest(key, [*names, "title"]))
+    cmap = options.get("cmap")
     if cmap is not None and not hasattr(cmap, "resampled") and cmap not in plt.colormaps():
         expected = nearest(str(cmap), plt.colormaps())
         raise BadInput(f"plot {what}", "cmap", cmap, expected)
-    figure = make(plt, found, axes, **given)
+    figure = make(plt, subject, axes, **options)
     if title:
         panels = own_panels(figure) if axes is None else np.ravel(np.asarray(axes, dtype=object))
         several = axes is None and len(panels) > 1
@@ -113,12 +113,12 @@ def draw(
 
 
 def drawn(
-    found: Storable | Samples, suffix: str, of: str, what: str | None = None, **options: Any
+    subject: Storable | Samples, suffix: str, of: str, what: str | None = None, **options: Any
 ) -> bytes:
     """The bytes of a figure as printed, by the ending of its file; ``of``: whose it is."""
-    what = chosen(kind_of(found), what)
+    what = chosen(kind_of(subject), what)
     title = f"polhode: {what} of {of}"
-    return canvas.drawn(partial(draw, what=what, **options), found, suffix, title)
+    return canvas.drawn(partial(draw, what=what, **options), subject, suffix, title)
 
 
 def own_panels(figure: Any) -> list[Any]:

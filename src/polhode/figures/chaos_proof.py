@@ -27,17 +27,17 @@ Points: TypeAlias = tuple[Doubles, Doubles]
 SETS = "#222222"
 
 
-def draw(plt: ModuleType, found: Storable, axes: Any = None) -> Figure:
+def draw(plt: ModuleType, proof: Storable, axes: Any = None) -> Figure:
     """Left the maxima of the height of the centre of mass; right N0's plane, in sizes of N0."""
-    if not isinstance(found, ProvedChaos):
+    if not isinstance(proof, ProvedChaos):
         expected = "a proof as polhode.prove_chaos gives it: its file has no manifolds"
-        raise BadInput("plot", "what_of", repr(found), expected)
+        raise BadInput("plot", "what_of", repr(proof), expected)
     figure: Figure
     figure, ((left, right),) = canvas.panels(plt, axes, 1, 2, figsize=(9.2, 4.2))
-    draw_crossings(left, crossings(found))
+    draw_crossings(left, crossings(proof))
     left.legend(fontsize=7, markerscale=1.5, loc="best")
     left.set_title("maxima of the height of the centre of mass", size=9)
-    _sets(right, found)
+    _sets(right, proof)
     return figure
 
 
@@ -49,11 +49,11 @@ class Crossings(NamedTuple):
     sets: Points
 
 
-def crossings(found: ProvedChaos) -> Crossings:
+def crossings(proof: ProvedChaos) -> Crossings:
     """Where the proof's guess of both manifolds crosses the section, and the sets of the proof."""
-    lanes, saddle, charts, sets, _ = found.guess
+    lanes, saddle, charts, sets, _ = proof.guess
     out, into, _ = homoclinic.manifolds(lanes, saddle)
-    on = geometry.ground(found.scene, found.h, found.f)
+    on = geometry.ground(proof.scene, proof.h, proof.f)
     centres = [charts[x.chart].centre + charts[x.chart].wide[:, 0] * x.middle for x in sets]
     return Crossings(
         geometry.height_coordinates(on, out.state.T),
@@ -77,8 +77,8 @@ def draw_crossings(axes: Axes, points: Crossings) -> None:
     axes.set(xlim=(-0.1, 2 * np.pi + 0.1), ylim=(-1.1, 1.1))  # marks at the edges whole
 
 
-def _sets(axes: Axes, found: ProvedChaos) -> None:
-    home, first = found.guess.sets[:2]
+def _sets(axes: Axes, proof: ProvedChaos) -> None:
+    home, first = proof.guess.sets[:2]
     for name, what in (("N0", home), ("M1", first)):
         low, high = what.middle - what.width, what.middle + what.width
         x = np.array([low, high, high, low, low]) / home.width
@@ -86,11 +86,11 @@ def _sets(axes: Axes, found: ProvedChaos) -> None:
         axes.plot(x, y, color=SETS, lw=1.2, gid=name)
         axes.text(what.middle / home.width, 1.06 * y.max(), name, ha="center", size=9)
     into, out = canvas.series(2)
-    x, y = _outline(found.images[0])
+    x, y = _outline(proof.images[0])
     axes.fill(x / home.width, y / home.height, color=out, alpha=0.35, lw=0, label="image of N0")
-    x, y = _outline(found.images[-1])
+    x, y = _outline(proof.images[-1])
     look: dict[str, Any] = {"color": into, "alpha": 0.6, "lw": 1.0}
-    axes.fill(x / home.width, y / home.height, label=f"image of M{found.sets - 1}", **look)
+    axes.fill(x / home.width, y / home.height, label=f"image of M{proof.sets - 1}", **look)
     axes.set(xlabel="along the unstable direction", ylabel="along the stable direction")
     axes.set(ylim=(-1.4, 1.4))
     axes.legend(fontsize=7, loc="lower right")

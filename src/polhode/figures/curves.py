@@ -27,36 +27,36 @@ DEPARTURES = {
 }
 
 
-def omega(plt: Any, found: Samples, axes: Any = None) -> Any:
+def omega(plt: Any, samples: Samples, axes: Any = None) -> Any:
     """p, q, r as far as they are there, and the length of omega where all of them are."""
-    shown = {name: found.columns[name] for name in STATE[:3] if name in found.columns}
+    shown = {name: samples.columns[name] for name in STATE[:3] if name in samples.columns}
     if len(shown) == 3:
-        shown["|ω|"] = np.linalg.norm(found.vectors(STATE[:3]), axis=1)
-    return _of(plt, found, {f"ω in the body ({rate_unit(found.scene)})": shown}, axes)[0]
+        shown["|ω|"] = np.linalg.norm(samples.vectors(STATE[:3]), axis=1)
+    return _of(plt, samples, {f"ω in the body ({rate_unit(samples.scene)})": shown}, axes)[0]
 
 
-def momentum(plt: Any, found: Samples, axes: Any = None) -> Any:
+def momentum(plt: Any, samples: Samples, axes: Any = None) -> Any:
     """P, Q, R of G = I w, and the length of G."""
-    assert found.scene is not None
-    inertia = np.array([[to_double(x) for x in row] for row in found.scene.body.inertia])
-    rows = found.vectors(STATE[:3]) @ inertia
+    assert samples.scene is not None
+    inertia = np.array([[to_double(x) for x in row] for row in samples.scene.body.inertia])
+    rows = samples.vectors(STATE[:3]) @ inertia
     shown = dict(zip(("P", "Q", "R"), rows.T, strict=True))
     shown["|G|"] = np.linalg.norm(rows, axis=1)
-    return _of(plt, found, {"G = Iω in the body": shown}, axes)[0]
+    return _of(plt, samples, {"G = Iω in the body": shown}, axes)[0]
 
 
-def attitude(plt: Any, found: Samples, axes: Any = None) -> Any:
+def attitude(plt: Any, samples: Samples, axes: Any = None) -> Any:
     """The four components of the quaternion body to space, scalar first."""
-    shown = {name: found.columns[name] for name in ATTITUDE}
-    return _of(plt, found, {"attitude quaternion": shown}, axes)[0]
+    shown = {name: samples.columns[name] for name in ATTITUDE}
+    return _of(plt, samples, {"attitude quaternion": shown}, axes)[0]
 
 
-def angles(plt: Any, found: Samples, axes: Any = None) -> Any:
+def angles(plt: Any, samples: Samples, axes: Any = None) -> Any:
     """Precession psi, nutation theta and proper rotation phi, as far as they are there."""
-    shown = {name: broken(found.columns[name]) for name in ANGLES if name in found.columns}
+    shown = {name: broken(samples.columns[name]) for name in ANGLES if name in samples.columns}
     rows = {ANGLE_LABELS[name]: {name: angle} for name, angle in shown.items()}
-    figure, made = _of(plt, found, rows, axes)
-    for panel, angle in zip(made, shown.values(), strict=True):
+    figure, panels = _of(plt, samples, rows, axes)
+    for panel, angle in zip(panels, shown.values(), strict=True):
         if not np.isfinite(angle).any():
             remark(panel, "undefined: the third axis stays vertical")
         elif np.nanmax(angle) - np.nanmin(angle) < 1e-9:
@@ -74,42 +74,42 @@ def broken(angle: Doubles) -> Doubles:
     return np.where(near & (steps > 8 * usual), math.nan, angle)
 
 
-def error(plt: Any, found: Samples, axes: Any = None) -> Any:
+def error(plt: Any, samples: Samples, axes: Any = None) -> Any:
     """The errors of omega, relative to its largest modulus, and of gamma."""
-    return _logarithmic(plt, found, ERRORS, axes)
+    return _logarithmic(plt, samples, ERRORS, axes)
 
 
-def integrals(plt: Any, found: Samples, axes: Any = None) -> Any:
+def integrals(plt: Any, samples: Samples, axes: Any = None) -> Any:
     """The departures of the integrals from their exact values, one panel per integral."""
-    return _logarithmic(plt, found, DEPARTURES, axes)
+    return _logarithmic(plt, samples, DEPARTURES, axes)
 
 
 def _of(
-    plt: Any, found: Samples, rows: dict[str, dict[str, Any]], axes: Any, **how: Any
+    plt: Any, samples: Samples, rows: dict[str, dict[str, Any]], axes: Any, **how: Any
 ) -> tuple[Any, Any]:
-    return over_time(plt, found.columns["t"], found.scene, rows, axes, **how)
+    return over_time(plt, samples.columns["t"], samples.scene, rows, axes, **how)
 
 
-def _logarithmic(plt: Any, found: Samples, labels: dict[str, str], axes: Any) -> Any:
+def _logarithmic(plt: Any, samples: Samples, labels: dict[str, str], axes: Any) -> Any:
     """A panel for each column of decimal logarithms, on one scale; eps as a dashed line."""
-    shown = {name: found.columns[name] for name in labels if name in found.columns}
+    shown = {name: samples.columns[name] for name in labels if name in samples.columns}
     rows = {labels[name]: {name: values} for name, values in shown.items()}
-    figure, made = _of(plt, found, rows, axes, sharey=True)
+    figure, panels = _of(plt, samples, rows, axes, sharey=True)
     seen = np.concatenate([*shown.values()])
     seen = seen[np.isfinite(seen)]
     ends = [max(np.quantile(seen, 0.02) - 1, seen.min()), seen.max()] if len(seen) else []
-    for panel, values in zip(made, shown.values(), strict=True):
+    for panel, values in zip(panels, shown.values(), strict=True):
         if (zeros := np.mean(~np.isfinite(values))) > 0.5:
             text = "exactly 0" if zeros == 1 else "exactly 0 at most times"
             panel.text(0.5, 0.1, text, transform=panel.transAxes, size=8, color=GREY, ha="center")
-        if found.eps is not None:
-            panel.axhline(math.log10(found.eps), color=GREY, lw=0.6, ls="--")
-    if found.eps is not None:
-        ends.append(math.log10(found.eps))
+        if samples.eps is not None:
+            panel.axhline(math.log10(samples.eps), color=GREY, lw=0.6, ls="--")
+    if samples.eps is not None:
+        ends.append(math.log10(samples.eps))
         at = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
         look = {"xytext": (2, 0), "va": "center", "color": GREY, "size": 8}
-        made[0].annotate("eps", (1, ends[-1]), **look, **at)
-    made[0].set_ylim(math.floor(min(ends, default=-1)), math.ceil(max(ends, default=-0.1) + 0.05))
-    made[0].yaxis.set_major_locator(plt.MaxNLocator(5, integer=True))
-    made[0].yaxis.set_major_formatter(lambda power, _: power_of_ten(power))
+        panels[0].annotate("eps", (1, ends[-1]), **look, **at)
+    panels[0].set_ylim(math.floor(min(ends, default=-1)), math.ceil(max(ends, default=-0.1) + 0.05))
+    panels[0].yaxis.set_major_locator(plt.MaxNLocator(5, integer=True))
+    panels[0].yaxis.set_major_formatter(lambda power, _: power_of_ten(power))
     return figure

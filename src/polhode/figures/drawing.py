@@ -82,8 +82,8 @@ def plot(
     usual = "omega" if hasattr(ax, "plot") else "angles"
     drawing = drawing_of(what_of, what, Request(**request), usual=usual)
     figure = catalogue.draw(plt, drawing.subject, ax, drawing.what, **drawn)
-    made = catalogue.own_panels(figure) if ax is None else ax
-    several: npt.NDArray[np.object_] = np.ravel(np.asarray(made, dtype=object))
+    panels = catalogue.own_panels(figure) if ax is None else ax
+    several: npt.NDArray[np.object_] = np.ravel(np.asarray(panels, dtype=object))
     if len(several) != 1:
         return several
     only: Axes = several[0]

@@ -78,9 +78,11 @@ class Film(NamedTuple):
     closed: bool
 
 
-def filmed(found: Samples, suffix: str, tell: Callable[[float], None], look: Look = USUAL) -> Film:
+def filmed(
+    samples: Samples, suffix: str, tell: Callable[[float], None], look: Look = USUAL
+) -> Film:
     """The body, the apex and its path; ``tell``: the fraction done."""
-    motion = of_samples(found)
+    motion = of_samples(samples)
     count = SECONDS * look.rate
     back = return_time(motion)
     begin, end = float(motion.times[0]), float(motion.times[-1]) if back is None else back
@@ -99,12 +101,12 @@ def filmed(found: Samples, suffix: str, tell: Callable[[float], None], look: Loo
         try:
             if suffix == ".gif":
                 drawn.show(end)  # has every colour
-                made = _gif(frames(), _palette(figure), look.rate)
+                data = _gif(frames(), _palette(figure), look.rate)
             else:
-                made = _mp4(frames(), figure, found.name, look.rate)
+                data = _mp4(frames(), figure, samples.name, look.rate)
         finally:
             plt.close(figure)
-        return Film(made, begin, end, back is not None)
+        return Film(data, begin, end, back is not None)
 
 
 def return_time(motion: Motion) -> float | None:
@@ -119,8 +121,8 @@ def return_time(motion: Motion) -> float | None:
     def away(times: Doubles | float) -> Doubles:
         q, w = motion.at(times)
         turn = np.minimum(*(np.linalg.norm(q - sign * attitude, axis=-1) for sign in (1, -1)))
-        found: Doubles = np.maximum(2 * turn, np.linalg.norm(w - omega, axis=-1) / fastest)
-        return found
+        distances: Doubles = np.maximum(2 * turn, np.linalg.norm(w - omega, axis=-1) / fastest)
+        return distances
 
     distance = away(motion.times)
     if np.max(distance) < _SEEN:
@@ -148,8 +150,8 @@ def _gif(frames: Iterator[Figure], palette: Image, rate: int) -> bytes:
         _picture(figure).quantize(palette=palette, dither=Image.Dither.NONE) for figure in frames
     ]
     out = BytesIO()
-    told = {"save_all": True, "append_images": others, "duration": 1000 // rate, "loop": 0}
-    first.save(out, format="GIF", **told)
+    options = {"save_all": True, "append_images": others, "duration": 1000 // rate, "loop": 0}
+    first.save(out, format="GIF", **options)
     return out.getvalue()
 
 
@@ -222,8 +224,8 @@ class _Frames:
     def _tips(self, attitude: Doubles) -> Doubles:
         """Where the apex is on the sphere."""
         tips = np.array(turned(attitude.T, self.direction)).T
-        found: Doubles = tips / np.linalg.norm(tips, axis=1)[:, None]
-        return found
+        points: Doubles = tips / np.linalg.norm(tips, axis=1)[:, None]
+        return points
 
     def _draw_path(self, path: Doubles) -> None:
         above = 1  # what is seen of it is nearer than the body
@@ -235,8 +237,8 @@ class _Frames:
         from matplotlib.colors import to_rgb
 
         pieces, colours, depths = [], [], []
-        for made in self.bodies:
-            seen, depth, colour = self._seen(made, quaternion)
+        for body in self.bodies:
+            seen, depth, colour = self._seen(body, quaternion)
             pieces += [*self.globe.onto_page(seen)]
             depths += [*depth]
             colours += [*colour]
@@ -256,18 +258,18 @@ class _Frames:
             autolim=False,
         )
 
-    def _seen(self, made: Faces, quaternion: Doubles) -> tuple[Doubles, Doubles, Doubles]:
+    def _seen(self, body: Faces, quaternion: Doubles) -> tuple[Doubles, Doubles, Doubles]:
         """Corners, depths and colours of the faces that look at the viewer."""
         from matplotlib.colors import to_rgb
 
         globe = self.globe
-        corners = np.moveaxis(np.array(turned(quaternion, np.moveaxis(made.corners, -1, 0))), 0, -1)
-        normals = np.array(turned(quaternion, made.normals.T)).T
+        corners = np.moveaxis(np.array(turned(quaternion, np.moveaxis(body.corners, -1, 0))), 0, -1)
+        normals = np.array(turned(quaternion, body.normals.T)).T
         facing = normals @ globe.towards
         kept = facing > 0
         sides = np.column_stack([globe.onto_page(normals[kept]), facing[kept]])
         light = 1.12 * (0.42 + 0.5 * np.maximum(0, sides @ _LIGHT))
-        pale = 0.55 * made.tones[kept, None]
+        pale = 0.55 * body.tones[kept, None]
         colour = (1 - pale) * np.array(to_rgb(BODY)) + pale * _PALE
         depth = corners[kept].mean(axis=1) @ globe.towards
         return corners[kept], depth, np.clip(colour * light[:, None], 0, 1)

@@ -27,23 +27,23 @@ FLATTEST = 12  # semi-axes more unequal than this make no ellipsoid to look at
 UNIT = " (rad / unit of time)"
 
 
-def draw(plt: Any, found: Samples, axes: Any = None) -> Any:
+def draw(plt: Any, samples: Samples, axes: Any = None) -> Any:
     """Polhode and herpolhode of a free body, else plan and elevation of both hodographs."""
-    omega = found.vectors(STATE[:3])
-    if found.has(SPACE_COLUMNS):
-        space = found.vectors(SPACE_COLUMNS)
+    omega = samples.vectors(STATE[:3])
+    if samples.has(SPACE_COLUMNS):
+        space = samples.vectors(SPACE_COLUMNS)
     else:
-        space = np.array(turned(found.vectors(ATTITUDE).T, omega.T)).T
+        space = np.array(turned(samples.vectors(ATTITUDE).T, omega.T)).T
     kept = np.isfinite(omega).all(axis=1) & np.isfinite(space).all(axis=1)
     omega, space = omega[kept], space[kept]
-    scene = found.scene
+    scene = samples.scene
     if scene is None or not scene.body.torque_free or not omega.any():
         return _views(plt, omega, space, axes)
-    return _poinsot(plt, found, omega, space, axes)
+    return _poinsot(plt, samples, omega, space, axes)
 
 
 def _views(plt: Any, omega: Doubles, space: Doubles, axes: Any) -> Any:
-    figure, made = panels(plt, axes, 2, 2, figsize=(6.4, 6.2))
+    figure, views = panels(plt, axes, 2, 2, figsize=(6.4, 6.2))
     size = _largest(omega)
     body, fixed = series(2)
     for column, title, points, names, colour in (
@@ -51,17 +51,17 @@ def _views(plt: Any, omega: Doubles, space: Doubles, axes: Any) -> Any:
         (1, "in space", space, ("ω·X", "ω·Y", "ω·Z"), fixed),
     ):
         for axes, view, (i, j) in zip(
-            made[:, column], ("elevation", "plan"), ((0, 2), (0, 1)), strict=True
+            views[:, column], ("elevation", "plan"), ((0, 2), (0, 1)), strict=True
         ):
             name = f"{title.split()[-1]}-{view}"
             _flat(axes, points[:, i], points[:, j], size, colour, name)
             axes.set(xlabel=names[i] + UNIT, ylabel=names[j] + UNIT)
-        made[0, column].set_title(title, size=9)
+        views[0, column].set_title(title, size=9)
     return figure
 
 
-def _poinsot(plt: Any, found: Samples, omega: Doubles, space: Doubles, axes: Any) -> Any:
-    scene = found.scene
+def _poinsot(plt: Any, samples: Samples, omega: Doubles, space: Doubles, axes: Any) -> Any:
+    scene = samples.scene
     assert scene is not None
     body = scene.body
     rows = np.array([[to_double(x) for x in row] for row in body.axes.rows])
@@ -81,7 +81,7 @@ def _poinsot(plt: Any, found: Samples, omega: Doubles, space: Doubles, axes: Any
         globe.curve(left, principal, colour, pale(colour), "polhode", lw=1.0)
         globe.mark(left, principal[0], colour)
     left.set_title("polhode on the ellipsoid of energy", size=9)
-    across, along = invariable_plane(found, space, omega[0] @ inertia)
+    across, along = invariable_plane(samples, space, omega[0] @ inertia)
     _flat(right, space @ across, space @ along, _largest(omega), other, "herpolhode")
     right.plot(0, 0, "+", color=ink(), ms=5, mew=0.7)
     right.set(xlabel="ω·ξ" + UNIT, ylabel="ω·η" + UNIT)
@@ -89,13 +89,15 @@ def _poinsot(plt: Any, found: Samples, omega: Doubles, space: Doubles, axes: Any
     return figure
 
 
-def invariable_plane(found: Samples, space: Doubles, momentum: Doubles) -> tuple[Doubles, Doubles]:
+def invariable_plane(
+    samples: Samples, space: Doubles, momentum: Doubles
+) -> tuple[Doubles, Doubles]:
     """Two unit vectors across G in space: right-handed with G, the first one horizontal.
 
     ``momentum``: G in the body at the start.
     """
-    if found.has(ATTITUDE):
-        upward = np.array(turned(found.vectors(ATTITUDE)[0], momentum))
+    if samples.has(ATTITUDE):
+        upward = np.array(turned(samples.vectors(ATTITUDE)[0], momentum))
     else:
         upward = np.cross(space[1] - space[0], space[2] - space[1])
     upward = upward / np.linalg.norm(upward)

@@ -47,20 +47,20 @@ HATCH = "////"
 
 
 def draw(
-    plt: Any, found: Storable, axes: Any = None, *, f_range: Any = None, h_range: Any = None
+    plt: Any, result: Storable, axes: Any = None, *, f_range: Any = None, h_range: Any = None
 ) -> Any:
     """Regions as shades, arcs as lines by type, special points, and the scene's level.
 
     ``f_range``, ``h_range``: what is shown; unless given it holds every special point and the
     scene.  The levels of a file are found anew.
     """
-    if not isinstance(found, Levels):
-        found = levels(told(found).scene)
-    shown = window(found, f_range, h_range)
+    if not isinstance(result, Levels):
+        result = levels(told(result).scene)
+    shown = window(result, f_range, h_range)
     figure, panels = canvas.panels(plt, axes, 1, figsize=(6.6, 4.4))
     place, axes = canvas.legend_of(figure, axes), panels[0, 0]
     sides = [side for side in (1, -1) if (shown.f[0] < 0 if side < 0 else shown.f[1] > 0)]
-    for curve in sorted(found.curves, key=lambda curve: (curve.type, curve.morse == 0)):
+    for curve in sorted(result.curves, key=lambda curve: (curve.type, curve.morse == 0)):
         stable = curve.morse == 0
         style, colour = LINES[curve.type]
         look = {"linestyle": style, "color": colour, "linewidth": STABLE if stable else 0.9}
@@ -68,15 +68,15 @@ def draw(
         look["gid"] = f"{curve.family} family, {curve.type}"
         for side in sides:
             axes.plot(side * curve.points[:, 0], curve.points[:, 1], **look)
-    for mark in sorted(found.marks, key=lambda mark: mark.kind):
+    for mark in sorted(result.marks, key=lambda mark: mark.kind):
         look = {"marker": MARKS[mark.kind], "linestyle": "", **_MARK}
         if min(shown.f) <= sides[0] * float(mark.f) <= max(shown.f):
             look["label"] = mark.kind
         for side in sides:
             axes.plot(side * float(mark.f), float(mark.h), **look)
     scene = {"marker": "o", "linestyle": "", "color": series(2)[1], "ms": 5}
-    axes.plot(to_double(found.here.f), to_double(found.here.h), label="the scene", **scene)
-    _shades(axes, found, shown)
+    axes.plot(to_double(result.here.f), to_double(result.here.h), label="the scene", **scene)
+    _shades(axes, result, shown)
     white = {"facecolor": "#ffffff", "edgecolor": "none", "labelcolor": "#000000", "framealpha": 1}
     canvas.legend(place, [axes], fontsize=7.5, frameon=True, **white)
     axes.set(xlim=shown.f, ylim=shown.h, xlabel="f", ylabel="h")
@@ -90,48 +90,48 @@ class Window(NamedTuple):
     h: tuple[float, float]
 
 
-def window(found: Levels, f: Any = None, h: Any = None) -> Window:
+def window(result: Levels, f: Any = None, h: Any = None) -> Window:
     """The window asked for; unless given, one that holds every special point and the scene."""
-    here = to_double(found.here.f), to_double(found.here.h)
-    f = None if f is None else _range(found.scene.name, "--f-range", f)
+    here = to_double(result.here.f), to_double(result.here.h)
+    f = None if f is None else _range(result.scene.name, "--f-range", f)
     if f is None:
-        marks = [float(mark.f) for mark in found.marks]
+        marks = [float(mark.f) for mark in result.marks]
         span = max([1.5 * x for x in marks] + [1.4 * abs(here[0])], default=0.0)
-        span = span or max(float(c.points[:, 0].max(initial=0)) for c in found.curves) / 1e3 or 1.0
+        span = span or max(float(c.points[:, 0].max(initial=0)) for c in result.curves) / 1e3 or 1.0
         f = (-span, 0.0) if here[0] < 0 else (0.0, span)
     if h is None:
         low, high = [here[1]], [here[1]]
         for at in np.linspace(f[0], f[1], 9):
-            for column in found.columns(abs(at), abs(at), 1):
+            for column in result.columns(abs(at), abs(at), 1):
                 low.extend(column.energies[:1])
                 high.extend(column.energies[-1:])
         margin = 0.08 * (max(high) - min(low)) or 1.0
         h = (min(low) - margin, max(high) + margin)
-    source = found.scene.name
+    source = result.scene.name
     return Window(_range(source, "--f-range", f), _range(source, "--h-range", h))
 
 
-def _range(source: str, key: str, given: Any) -> tuple[float, float]:
+def _range(source: str, key: str, limits: Any) -> tuple[float, float]:
     """A range that was given as two numbers, or as a text A:B; raises BadInput."""
-    parts = given.split(":") if isinstance(given, str) else given
+    parts = limits.split(":") if isinstance(limits, str) else limits
     try:
         first, last = (
             to_double(expression.number(x) if isinstance(x, str) else exact_number(x))
             for x in parts
         )
     except (TypeError, ValueError):
-        raise BadInput(source, key, given, "A:B, two numbers") from None
+        raise BadInput(source, key, limits, "A:B, two numbers") from None
     if max(abs(first), abs(last)) > _LARGEST:
-        raise BadInput(source, key, given, f"A:B, two numbers of at most {_LARGEST:g}")
+        raise BadInput(source, key, limits, f"A:B, two numbers of at most {_LARGEST:g}")
     if not first < last:
-        raise BadInput(source, key, given, "A:B with A below B")
+        raise BadInput(source, key, limits, "A:B with A below B")
     return first, last
 
 
-def _shades(axes: Axes, found: Levels, shown: Window) -> None:
+def _shades(axes: Axes, result: Levels, shown: Window) -> None:
     span = (shown.f[1] - shown.f[0]) / 1e6  # f = 0 itself may be critical everywhere
     ends = [x or (span if x == shown.f[0] else -span) for x in shown.f]
-    columns = found.columns(ends[0], ends[1], COLUMNS)
+    columns = result.columns(ends[0], ends[1], COLUMNS)
     seen = set()
     for left, right in pairwise(columns):
         middle = (left.f + right.f) / 2

@@ -14,15 +14,15 @@ from polhode.results.result import Storable
 _MARKS = {FOLD: "s", BRANCH: "D", DOUBLING: "o"}
 
 
-def draw(plt: Any, found: Storable, axes: Any = None) -> Any:
+def draw(plt: Any, result: Storable, axes: Any = None) -> Any:
     """Period above, residue below; elliptic between 0 and 1."""
-    known = told(found)
+    facts = told(result)
     figure, panels = canvas.panels(plt, axes, 2, figsize=(4.8, 4.8), sharex=True)
-    by, passed = known.fact("by"), known.fact("bifurcations")
+    by, passed = facts.fact("by"), facts.fact("bifurcations")
     first, *others = series(3)
     colours = dict(zip(_MARKS, (*others, ink()), strict=True))
     for panel, name in zip(panels[:, 0], ("period", "residue"), strict=True):
-        over, values = numbers(known, by), numbers(known, name)
+        over, values = numbers(facts, by), numbers(facts, name)
         panel.plot(over, values, "-", color=first, lw=0.9, gid=f"family {name}")
         panel.plot(over, values, ".", color=first, ms=2.5)
         marked = set()
@@ -35,8 +35,8 @@ def draw(plt: Any, found: Storable, axes: Any = None) -> Any:
         panel.set_ylabel(name)
     above, below = panels[:, 0]
     residue_axis(below)
-    held = "f" if by == "h" else "h"
-    below.set_xlabel(f"{by}, at {held} = {numbers(known, held)[0]:.6g}")
+    constant = "f" if by == "h" else "h"
+    below.set_xlabel(f"{by}, at {constant} = {numbers(facts, constant)[0]:.6g}")
     if passed.rows:
         above.legend(frameon=False, fontsize=8)
     return figure

@@ -24,29 +24,29 @@ MOST = 200  # times of a period; members of a sweep
 GREY = "#999999"
 
 
-def told(found: Storable) -> Saved:
+def told(result: Storable) -> Saved:
     """What a result tells, as its file does."""
-    return found if isinstance(found, Saved) else Saved(found.content())
+    return result if isinstance(result, Saved) else Saved(result.content())
 
 
-def numbers(found: Saved | Table, name: str) -> Doubles:
+def numbers(result: Saved | Table, name: str) -> Doubles:
     """A column as doubles, nan where there is no number."""
-    if isinstance(found, Saved):
-        found = found.table()
-    return doubles(next(x.values for x in found.columns if x.name == name))
+    if isinstance(result, Saved):
+        result = result.table()
+    return doubles(next(x.values for x in result.columns if x.name == name))
 
 
-def names(found: Saved) -> list[str]:
+def names(result: Saved) -> list[str]:
     """The names of the columns."""
-    return [x.name for x in found.table().columns]
+    return [x.name for x in result.table().columns]
 
 
 def _curves(
     plt: Any, axes: Any, x: Any, shown: Mapping[str, Any], style: str, **labels: str
 ) -> tuple[Any, Any]:
     """A figure of one panel with curves by name, and the panel."""
-    figure, made = canvas.panels(plt, axes, 1)
-    panel = made[0, 0]
+    figure, grid = canvas.panels(plt, axes, 1)
+    panel = grid[0, 0]
     for (name, values), colour in zip(shown.items(), series(len(shown)), strict=True):
         panel.plot(x, values, style, color=colour, label=name, gid=name, ms=3)
     panel.set(**labels)
@@ -55,9 +55,9 @@ def _curves(
     return figure, panel
 
 
-def period(plt: Any, found: Storable, axes: Any = None) -> Any:
+def period(plt: Any, result: Storable, axes: Any = None) -> Any:
     """omega over one period of a periodic orbit, found or proved."""
-    orbit = told(found)
+    orbit = told(result)
     scene = orbit.scene
     p, q, r, *gamma = (orbit.column(name)[0] for name in scene.columns)
     start: dict[str, Any] = {"omega": (p, q, r), "gamma": gamma or None, "normalise": bool(gamma)}
@@ -69,12 +69,12 @@ def period(plt: Any, found: Storable, axes: Any = None) -> Any:
     return figure
 
 
-def reference(plt: Any, found: Storable, axes: Any = None) -> Any:
+def reference(plt: Any, result: Storable, axes: Any = None) -> Any:
     """omega by the reference alone, at times of the scene."""
-    known = told(found)
-    rows = [numbers(known, name) for name in "pqr"]
-    figure = _omega(plt, axes, numbers(known, "t"), rows, known.scene)
-    figure.axes[0].set_title(f"{known.fact('reference')}: {known.fact('regime')}")
+    facts = told(result)
+    rows = [numbers(facts, name) for name in "pqr"]
+    figure = _omega(plt, axes, numbers(facts, "t"), rows, facts.scene)
+    figure.axes[0].set_title(f"{facts.fact('reference')}: {facts.fact('regime')}")
     return figure
 
 
@@ -83,15 +83,15 @@ def _omega(plt: Any, axes: Any, t: Any, rows: Any, scene: Any) -> Any:
     return over_time(plt, t, scene, {f"ω ({rate_unit(scene)})": shown}, axes)[0]
 
 
-def digits(plt: Any, found: Storable, axes: Any = None) -> Any:
+def digits(plt: Any, result: Storable, axes: Any = None) -> Any:
     """Correct digits over time, and the band that is expected."""
-    known = told(found)
-    t, word = numbers(known, "t"), "correct_digits"
-    shown = {"correct digits": numbers(known, word)} if word in names(known) else {}
-    where = {"xlabel": time_label(known.scene), "ylabel": "correct digits"}
+    facts = told(result)
+    t, word = numbers(facts, "t"), "correct_digits"
+    shown = {"correct digits": numbers(facts, word)} if word in names(facts) else {}
+    where = {"xlabel": time_label(facts.scene), "ylabel": "correct digits"}
     figure, panel = _curves(plt, axes, t, shown, ".-", **where)
     if shown:
-        low, high = (numbers(known, f"digits_expected_{word}") for word in ("least", "most"))
+        low, high = (numbers(facts, f"digits_expected_{word}") for word in ("least", "most"))
         if (there := np.isfinite(low)).any():
             look = {"color": series(1)[0], "alpha": 0.2, "lw": 0}
             label = "expected, nine runs in ten"
@@ -101,57 +101,57 @@ def digits(plt: Any, found: Storable, axes: Any = None) -> Any:
     return figure
 
 
-def proven(plt: Any, found: Storable, axes: Any = None) -> Any:
+def proven(plt: Any, result: Storable, axes: Any = None) -> Any:
     """Proven digits over time."""
-    known = told(found)
-    shown = {"proven digits": numbers(known, "digits_proven")}
-    where = {"xlabel": time_label(known.scene), "ylabel": "proven digits (dotted: asked for)"}
-    figure, panel = _curves(plt, axes, numbers(known, "t"), shown, ".-", **where)
-    panel.axhline(known.fact("digits"), color=GREY, lw=0.6, ls=":")
+    facts = told(result)
+    shown = {"proven digits": numbers(facts, "digits_proven")}
+    where = {"xlabel": time_label(facts.scene), "ylabel": "proven digits (dotted: asked for)"}
+    figure, panel = _curves(plt, axes, numbers(facts, "t"), shown, ".-", **where)
+    panel.axhline(facts.fact("digits"), color=GREY, lw=0.6, ls=":")
     return figure
 
 
-def intervals(plt: Any, found: Storable, axes: Any = None) -> Any:
+def intervals(plt: Any, result: Storable, axes: Any = None) -> Any:
     """The time from each event to the next."""
-    known = told(found)
-    t = numbers(known, "t")
-    name = known.fact("event" if known.kind == "CertifiedEvents" else "name")
+    facts = told(result)
+    t = numbers(facts, "t")
+    name = facts.fact("event" if facts.kind == "CertifiedEvents" else "name")
     where = {"xlabel": time_label(None), "ylabel": "time since the one before"}
     figure, panel = _curves(plt, axes, t[1:], {name: np.diff(t)}, ".", **where)
     panel.set_title(f"{name}: {len(t)} times")
     return figure
 
 
-def members(plt: Any, found: Storable, axes: Any = None, *, cmap: str | None = None) -> Any:
+def members(plt: Any, result: Storable, axes: Any = None, *, cmap: str | None = None) -> Any:
     """The height of the third axis of each member over time, r of a free body without gamma."""
-    known = told(found)
+    facts = told(result)
     figure, ((panel,),) = canvas.panels(plt, axes, 1)
-    count = known.fact("members").rows
-    column = known.scene.columns[-1]
-    member, t, values = (numbers(known, name) for name in ("member", "t", column))
+    count = facts.fact("members").rows
+    column = facts.scene.columns[-1]
+    member, t, values = (numbers(facts, name) for name in ("member", "t", column))
     kept = range(1, count + 1, -(-count // MOST) or 1)
     shades = plt.get_cmap(cmap)(np.linspace(0, 0.9, len(kept)))
     for k, shade in zip(kept, shades, strict=True):
         own = member == k
         panel.plot(t[own], values[own], color=shade, lw=0.8, gid=f"member {k}")
-    panel.set(xlabel=time_label(known.scene), ylabel=column)
-    panel.set_title(f"{len(kept)} members by {', '.join(known.fact('vary'))}")
+    panel.set(xlabel=time_label(facts.scene), ylabel=column)
+    panel.set_title(f"{len(kept)} members by {', '.join(facts.fact('vary'))}")
     return figure
 
 
-def reductions(plt: Any, found: Storable, axes: Any = None) -> Any:
+def reductions(plt: Any, result: Storable, axes: Any = None) -> Any:
     """Each number that was kept over what is varied first."""
-    known = told(found)
-    key, columns = known.fact("vary")[0], names(known)
-    kept = {name: numbers(known, name) for name in columns[columns.index("steps") + 1 :]}
+    facts = told(result)
+    key, columns = facts.fact("vary")[0], names(facts)
+    kept = {name: numbers(facts, name) for name in columns[columns.index("steps") + 1 :]}
     alone = {"ylabel": next(iter(kept))} if len(kept) == 1 else {}
-    return _curves(plt, axes, numbers(known, key), kept, ".-", xlabel=key, **alone)[0]
+    return _curves(plt, axes, numbers(facts, key), kept, ".-", xlabel=key, **alone)[0]
 
 
-def residues(plt: Any, found: Storable, axes: Any = None) -> Any:
+def residues(plt: Any, result: Storable, axes: Any = None) -> Any:
     """Residue over period."""
-    known = told(found)
-    periods, shown = numbers(known, "period"), {"residue": numbers(known, "residue")}
+    facts = told(result)
+    periods, shown = numbers(facts, "period"), {"residue": numbers(facts, "residue")}
     figure, panel = _curves(plt, axes, periods, shown, "o", xlabel="period", ylabel="residue")
     residue_axis(panel)
     if len(periods):  # equal but for rounding they stand above each other

@@ -79,33 +79,37 @@ class Motion(NamedTuple):
             a * y + d * x - b * z,
             a * z + b * y - c * x,
         )
-        found: Doubles = np.array(rates).T / 2
-        return found
+        slopes: Doubles = np.array(rates).T / 2
+        return slopes
 
 
 def _cubic(
     weights: tuple[Doubles, ...], values: Doubles, slopes: Doubles, k: npt.NDArray[np.int_]
 ) -> Doubles:
     a, b, c, d = weights
-    found: Doubles = a * values[k] + b * slopes[k] + c * values[k + 1] + d * slopes[k + 1]
-    return found
+    between: Doubles = a * values[k] + b * slopes[k] + c * values[k + 1] + d * slopes[k + 1]
+    return between
 
 
-def of_samples(found: Samples) -> Motion:
+def of_samples(samples: Samples) -> Motion:
     """The motion in columns, in order of time; raises BadInput where it cannot be shown."""
-    if found.scene is None:
-        raise BadInput(found.name, "--scene", None, "the scene that the file belongs to")
+    if samples.scene is None:
+        raise BadInput(samples.name, "--scene", None, "the scene that the file belongs to")
     needed = (*STATE[:3], *ATTITUDE)
-    if not found.has(needed):
+    if not samples.has(needed):
         raise BadInput(
-            found.name, "header", ",".join(found.columns), f"columns {', '.join(needed)}"
+            samples.name, "header", ",".join(samples.columns), f"columns {', '.join(needed)}"
         )
-    times, attitude, omega = found.columns["t"], found.vectors(ATTITUDE), found.vectors(STATE[:3])
+    times, attitude, omega = (
+        samples.columns["t"],
+        samples.vectors(ATTITUDE),
+        samples.vectors(STATE[:3]),
+    )
     if times[-1] < times[0]:
         times, attitude, omega = times[::-1], attitude[::-1], omega[::-1]
     if not (np.isfinite(attitude).all() and np.isfinite(omega).all()):
-        raise BadInput(found.name, "file", None, "a number in every cell of attitude and omega")
+        raise BadInput(samples.name, "file", None, "a number in every cell of attitude and omega")
     steps = np.diff(times)
     if len(times) < 3 or np.ptp(steps) > 1e-6 * abs(times[-1] - times[0]):
-        raise BadInput(found.name, "file", None, "three rows or more at even times")
-    return Motion(found.scene, times, attitude, omega)
+        raise BadInput(samples.name, "file", None, "three rows or more at even times")
+    return Motion(samples.scene, times, attitude, omega)

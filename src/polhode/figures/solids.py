@@ -81,21 +81,21 @@ def faces(solid: Solid, n: int = 12) -> Faces:
 
 
 def _part(part: Part, size: float) -> Solid:
-    told = _lengths(part)
-    place = _frame(told["direction"], [x / size for x in told["at"]])
-    radius, height = told.get("radius", 0.0) / size, told["height"] / size
+    lengths = _lengths(part)
+    place = _frame(lengths["direction"], [x / size for x in lengths["at"]])
+    radius, height = lengths.get("radius", 0.0) / size, lengths["height"] / size
     shape = part.shape
     if shape == "box":
-        return Solid("box", tuple(x / size for x in told["size"]), place)
+        return Solid("box", tuple(x / size for x in lengths["size"]), place)
     if shape in ("ellipsoid", "sphere", "point"):
         same = (radius if shape == "sphere" else _POINT,) * 3
-        semi = tuple(x / size for x in told["semi_axes"]) if shape == "ellipsoid" else same
+        semi = tuple(x / size for x in lengths["semi_axes"]) if shape == "ellipsoid" else same
         return Solid("ellipsoid", semi, place)
     if shape == "cone":
         return Solid("revolved", ((0.0, 0.0), (radius, height), (0.0, height)), place)
     inner, outer, half = 0.0, _ROD, height / 2
     if shape != "rod":
-        inner, outer = min(told["inner"] / size, radius - _LEAST), radius
+        inner, outer = min(lengths["inner"] / size, radius - _LEAST), radius
         half = max(half, _THIN / 2)
     corners = ((inner, -half), (outer, -half), (outer, half), (inner, half), (inner, -half))
     return Solid("revolved", corners, place)
@@ -103,7 +103,7 @@ def _part(part: Part, size: float) -> Solid:
 
 def _lengths(part: Part) -> dict[str, Any]:
     """A part's lengths, place and direction as doubles."""
-    told: dict[str, Any] = {
+    lengths: dict[str, Any] = {
         "at": [to_double(x) for x in part.at],
         "direction": [to_double(x) for x in part.direction],
         "height": 0.0,
@@ -112,8 +112,10 @@ def _lengths(part: Part) -> dict[str, Any]:
     needed = SHAPES[part.shape]
     for key in (*needed.needs, *needed.takes):
         value = part.lengths[key]
-        told[key] = [to_double(x) for x in value] if isinstance(value, tuple) else to_double(value)
-    return told
+        lengths[key] = (
+            [to_double(x) for x in value] if isinstance(value, tuple) else to_double(value)
+        )
+    return lengths
 
 
 def _extent(part: Part) -> float:
@@ -156,8 +158,8 @@ def _swept(radius: Doubles, height: Doubles, n: int) -> Doubles:
     """What points sweep about the third axis, in ``n`` steps of a turn."""
     turn = 2 * np.pi * np.arange(n + 1) / n
     rows = (np.outer(radius, np.cos(turn)), np.outer(radius, np.sin(turn)))
-    found: Doubles = np.stack([*rows, np.outer(height, np.ones(n + 1))], axis=-1)
-    return found
+    grid: Doubles = np.stack([*rows, np.outer(height, np.ones(n + 1))], axis=-1)
+    return grid
 
 
 def _divided(line: Lengths) -> Doubles:
@@ -175,20 +177,20 @@ def _divided(line: Lengths) -> Doubles:
 
 def _patches(u: Doubles) -> Doubles:
     """The four corners of each mesh of a grid of points, outwards seen against the clock."""
-    found: Doubles = np.stack([u[:-1, :-1], u[:-1, 1:], u[1:, 1:], u[1:, :-1]], axis=2)
-    return found.reshape(-1, 4, 3)
+    patches: Doubles = np.stack([u[:-1, :-1], u[:-1, 1:], u[1:, 1:], u[1:, :-1]], axis=2)
+    return patches.reshape(-1, 4, 3)
 
 
 def _box(size: Lengths, n: int = 4) -> tuple[Doubles, Doubles]:
     """Its faces, each in small patches, so that what is nearer can be told among solids."""
     grid = np.linspace(-0.5, 0.5, n + 1)
     a, b = np.meshgrid(grid, grid, indexing="ij")
-    found, tones = [], []
+    corners, tones = [], []
     for axis in range(3):
         for side in (1, -1):
             u = np.zeros((n + 1, n + 1, 3))
             u[..., axis] = side / 2
             u[..., (axis + 1) % 3], u[..., (axis + 2) % 3] = (a, b) if side < 0 else (b, a)
-            found.append(_patches(u * np.array(size)))
+            corners.append(_patches(u * np.array(size)))
             tones.append(np.full(n * n, axis % 2, dtype=float))
-    return np.concatenate(found), np.concatenate(tones)
+    return np.concatenate(corners), np.concatenate(tones)

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
+import numpy as np
+
 from polhode.common.errors import BadInput, nearest
 from polhode.common.progress import Progress
 from polhode.figures import catalogue
@@ -18,6 +20,7 @@ from polhode.judging.references.reference import reference as reference_of
 from polhode.judging.tables.column_aliases import PLAIN, naming
 from polhode.judging.tables.table import of_run
 from polhode.judging.tables.table_file import is_table, read_table
+from polhode.numbers.conversion import doubles
 from polhode.numbers.decimals import brief
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
@@ -44,6 +47,7 @@ OUTPUTS = {
 }
 OVER_TIME = ("integrals", "error")  # of the whole run: not cut to a window
 FREE_OF_GAMMA = ("omega", "momentum", *OVER_TIME)
+LARGEST = 1e150  # of numbers whose squares are doubles
 CHAOS = "chaos-proof"
 MOTION = "motion"  # what pages and films show
 
@@ -129,11 +133,11 @@ def drawing_of(
 
 def _check(what: str, source: str) -> None:
     """Raise BadInput for what is no figure of a motion."""
-    known = [*catalogue.MOTION, MOTION]
+    figures = [*catalogue.MOTION, MOTION]
     if what == CHAOS:
         raise BadInput(source, "--what", what, "polhode prove chaos SCENE -o FILE.svg from 0.3 on")
-    if what not in known:
-        raise BadInput(source, "--what", what, nearest(what, known))
+    if what not in figures:
+        raise BadInput(source, "--what", what, nearest(what, figures))
 
 
 def _of_scene(
@@ -166,23 +170,24 @@ def _of_scene(
         raise Unreached(scene.name, "end", brief(times[-1]), expected)
     notes = []
     if what == "integrals":
-        told = "without projection, after which the integrals would say nothing"
-        notes.append(f"{scene.name}: {told}")
+        note = "without projection, after which the integrals would say nothing"
+        notes.append(f"{scene.name}: {note}")
     if abs(times[-1]) < abs(scene.end) and end is None:
-        told = f"{curve_sampling.WINDOW} radians; --end shows another time"
+        note = f"{curve_sampling.WINDOW} radians; --end shows another time"
         notes.append(
-            f"{scene.name}: showing t = 0 to {brief(times[-1])} of {brief(scene.end)}, {told}"
+            f"{scene.name}: showing t = 0 to {brief(times[-1])} of {brief(scene.end)}, {note}"
         )
     apart = curve_sampling.radians_apart(scene, times)
     if not long and apart > 0.5:
-        told = f"{apart:.2g} radians between two samples: a shorter --end draws curves"
-        notes.append(f"{scene.name}: {told}")
+        note = f"{apart:.2g} radians between two samples: a shorter --end draws curves"
+        notes.append(f"{scene.name}: {note}")
     if reference is not None:
         samples = departures.errors(of_run(run), reference, run.number)
     elif long:
         samples = departures.departures(of_run(run), scene, run.number)
     else:
         samples = curve_sampling.of_run(run)
+        _refuse_extreme_numbers(samples)
     return Drawing(samples, what, scene.name, tuple(notes))
 
 
@@ -210,7 +215,7 @@ def _of_table(path: Path, what: str, request: Request) -> Drawing:
     table = read_table(path, number, PLAIN if request.columns is None else naming(request.columns))
     if scene is not None and request.read is not None:
         table = table_as_told(table, reference_of(scene), request.read)
-    notes = [f"{table.name}: {told}" for told in table.remarks]
+    notes = [f"{table.name}: {remark}" for remark in table.remarks]
     if what == "error" and scene is not None:
         samples = departures.errors(table, reference_of(scene), number)
     elif what == "integrals" and scene is not None:
@@ -218,9 +223,24 @@ def _of_table(path: Path, what: str, request: Request) -> Drawing:
     else:
         samples = curve_sampling.of_table(table, scene)
         _refuse_what_is_missing(samples, what)
+        _refuse_extreme_numbers(samples)
     if what == MOTION:
         notes += _on_motion(samples)
     return Drawing(samples, what, str(table.name), tuple(notes), measured=True)
+
+
+def _refuse_extreme_numbers(samples: Samples) -> None:
+    """Raise BadInput where the squares that figures take of rates or of the body leave doubles."""
+    sizes = [np.abs(samples.columns[name]) for name in STATE[:3] if samples.has([name])]
+    if samples.scene is not None:
+        body = samples.scene.body
+        moments = doubles([body.moments])[0]
+        with np.errstate(all="ignore"):
+            sizes += [moments, 1 / moments, np.abs(doubles([body.torque])[0])]
+    largest = max((float(np.nanmax(column)) for column in sizes), default=0.0)
+    if largest > LARGEST:
+        expected = f"rates, moments, their inverses and the weight up to {LARGEST:g}, for a figure"
+        raise BadInput(samples.name, "body, start", f"{largest:g}", expected)
 
 
 def _on_motion(samples: Samples) -> list[str]:
@@ -228,8 +248,8 @@ def _on_motion(samples: Samples) -> list[str]:
     motion = of_samples(samples)
     notes = [f"{samples.name}: {far}"] if (far := motion.coarse()) else []
     if not motion.on_level():
-        told = "polhode compare FILE SCENE says which convention or cause"
-        notes.append(f"{samples.name}: {ANOTHER[0].lower()}{ANOTHER[1:].rstrip('.')}; {told}")
+        note = "polhode compare FILE SCENE says which convention or cause"
+        notes.append(f"{samples.name}: {ANOTHER[0].lower()}{ANOTHER[1:].rstrip('.')}; {note}")
     return notes
 
 

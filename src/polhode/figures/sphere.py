@@ -19,17 +19,17 @@ from polhode.scenes.vocabulary import ATTITUDE, STATE
 IN_BODY, IN_SPACE = ("x", "y", "z"), ("X", "Y", "Z")
 
 
-def draw(plt: Any, found: Samples, axes: Any = None) -> Any:
+def draw(plt: Any, samples: Samples, axes: Any = None) -> Any:
     """The vertical's trace in the body; with an attitude, the apex's path in space beside it."""
-    spheres = [("γ in the body", found.vectors(STATE[3:]), IN_BODY, "gamma")]
-    if found.has(ATTITUDE):
-        name, direction = apex(found.scene)
-        path = np.array(turned(found.vectors(ATTITUDE).T, direction)).T
+    spheres = [("γ in the body", samples.vectors(STATE[3:]), IN_BODY, "gamma")]
+    if samples.has(ATTITUDE):
+        name, direction = apex(samples.scene)
+        path = np.array(turned(samples.vectors(ATTITUDE).T, direction)).T
         spheres.append((f"{name} in space", path, IN_SPACE, "apex"))
     size = (3.4 * len(spheres), 3.6)
-    figure, made = panels(plt, axes, 1, len(spheres), figsize=size)
+    figure, grid = panels(plt, axes, 1, len(spheres), figsize=size)
     for axes, colour, (title, points, labels, name) in zip(
-        made[0], series(2), spheres, strict=False
+        grid[0], series(2), spheres, strict=False
     ):
         points = points[np.isfinite(points).all(axis=1)]
         points = points / np.linalg.norm(points, axis=1)[:, None]

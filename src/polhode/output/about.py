@@ -28,12 +28,12 @@ class About(Result, ByValue):
     def __str__(self) -> str:
         if self.is_citation:
             return str(self.known["bibtex"]).rstrip()
-        told = {**self.known["versions"], "cpu": self.known["cpu"]}
+        facts = {**self.known["versions"], "cpu": self.known["cpu"]}
         for name, bits, digits in _NUMBERS:
-            told[name] = "any number of bits" if name == "mp" else f"{bits} bits, {digits} digits"
-        told |= {"cases": self.known["cases"], "cache": _in_words(self.known["cache"])}
-        told["refined"] = self.known["refined"]
-        return "\n".join(f"{name:<12} {value}" for name, value in told.items())
+            facts[name] = "any number of bits" if name == "mp" else f"{bits} bits, {digits} digits"
+        facts |= {"cases": self.known["cases"], "cache": _in_words(self.known["cache"])}
+        facts["refined"] = self.known["refined"]
+        return "\n".join(f"{name:<12} {value}" for name, value in facts.items())
 
     def table(self) -> Table:
         """One row per number type: its bits, and the digits that these hold."""
@@ -76,8 +76,8 @@ def _in_words(cache: Mapping[str, Any]) -> str:
         return f"none, every run compiles again ({' '.join(cache['fault'].split())})"
     if not cache["enabled"]:
         return "off"
-    held, most = (f"{cache[key] / 1e6:.0f} MB" for key in ("bytes", "limit"))
-    return f"{held} in {cache['path']}, at most {most} (POLHODE_CACHE_MB bounds it)"
+    size, most = (f"{cache[key] / 1e6:.0f} MB" for key in ("bytes", "limit"))
+    return f"{size} in {cache['path']}, at most {most} (POLHODE_CACHE_MB bounds it)"
 
 
 def _cache() -> Mapping[str, object]:

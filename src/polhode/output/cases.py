@@ -48,12 +48,12 @@ def cases(tag: str | None = None) -> Cases:
     tag : str, optional
         Only the cases with this tag.
     """
-    known = catalogue.known()
-    found = {name: known.get(name) or entry_of(name) for name in library.names()}
-    tags = sorted({word for entry in found.values() for word in entry.tags})
+    entries = catalogue.known()
+    chosen = {name: entries.get(name) or entry_of(name) for name in library.names()}
+    tags = sorted({word for entry in chosen.values() for word in entry.tags})
     if tag is not None and tag not in tags:
         raise BadInput("list", "--tag", tag, f"one of the tags {listed(tag, tags)}")
-    return Cases({name: x for name, x in found.items() if tag is None or tag in x.tags})
+    return Cases({name: x for name, x in chosen.items() if tag is None or tag in x.tags})
 
 
 def entry_of(name: str) -> catalogue.Entry:

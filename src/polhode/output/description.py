@@ -64,13 +64,13 @@ class Description(Result, ByValue):
         The title is ``scene_title``: every file of a result has a ``title`` of its own.
         """
         named = {"title": "scene_title"}
-        told = {named.get(key, key): x for key, x in self.told.items()}
-        told |= told.pop("integrals")
-        if "axes" in told:
-            told["axes"] = dict(zip("123", told["axes"], strict=True))
+        values = {named.get(key, key): x for key, x in self.told.items()}
+        values |= values.pop("integrals")
+        if "axes" in values:
+            values["axes"] = dict(zip("123", values["axes"], strict=True))
         return [
             *scene_facts(self.scene),
-            *(Fact(key, x) for key, x in told.items() if key not in ("scene", "columns")),
+            *(Fact(key, x) for key, x in values.items() if key not in ("scene", "columns")),
             provenance_fact(self.scene.provenance()),
         ]
 
@@ -147,36 +147,36 @@ def _columns(scene: Scene) -> list[str]:
 
 def _near(scene: Scene) -> JsonObject:
     """Families that the scene is near to, and the condition that fails."""
-    found = [f"{name}: {missed}" for name, missed in near(scene)]
-    return {"near": found} if found else {}
+    lines = [f"{name}: {missed}" for name, missed in near(scene)]
+    return {"near": lines} if lines else {}
 
 
 def _frequencies(reference: Reference) -> JsonObject:
     """Period, frequencies and curve, as far as they are to be had in a moment."""
-    found: JsonObject = {}
+    texts: JsonObject = {}
     try:
         with within(SECONDS):
-            found["frequencies"] = frequencies(reference)
+            texts["frequencies"] = frequencies(reference)
             if reference.curve is not None:
-                found["curve"] = _curve(reference.curve)
+                texts["curve"] = _curve(reference.curve)
             if (rate := reference.approach) is not None:
-                found["tends"] = (
+                texts["tends"] = (
                     f"to a periodic motion, differences fall as exp(-{float(rate):.6g} t)"
                 )
     except TooLong:
-        found["not_told"] = f"frequencies take longer than {SECONDS:g} s here"
+        texts["not_told"] = f"frequencies take longer than {SECONDS:g} s here"
     except BadInput as fault:
-        found["not_told"] = f"frequencies are not known here: {fault.expected}"
-    return found
+        texts["not_told"] = f"frequencies are not known here: {fault.expected}"
+    return texts
 
 
 def frequencies(reference: Reference, digits: int = 17) -> dict[str, str | None]:
     """Period and frequencies of a reference as decimal strings."""
     number = NumberType("mp", number_types.bits_for(digits))
-    found: dict[str, Real | None] = {"period": reference.period, **reference.frequencies}
+    rates: dict[str, Real | None] = {"period": reference.period, **reference.frequencies}
     return {
         name: None if value is None else strings([[value]], number)[0][0]
-        for name, value in found.items()
+        for name, value in rates.items()
     }
 
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import re
+from importlib import import_module
 from pathlib import Path
 
 from polhode.common.errors import BadInput, listed
 from polhode.common.json_text import JsonObject
 from polhode.numbers.quantity import UNITS, named
-from polhode.output import api_reference
 from polhode.scenes import keys
 from polhode.scenes.vocabulary import COLUMNS
 
@@ -22,8 +23,8 @@ _AROUND = 50  # letters before a word that is shown, and half of those after it
 def topics() -> list[str]:
     """The pages there are, in the order of the index."""
     there = {path.stem for path in FOLDER.glob("*.md")}
-    told = re.findall(r"^\| `polhode guide ([\w-]+)`", page(INDEX), re.M)
-    return [*told, *sorted(there - {*told, INDEX})]
+    listed = re.findall(r"^\| `polhode guide ([\w-]+)`", page(INDEX), re.M)
+    return [*listed, *sorted(there - {*listed, INDEX})]
 
 
 def page(topic: str) -> str:
@@ -35,7 +36,7 @@ def page(topic: str) -> str:
     text = re.sub(r"<!-- keys ?([\w.]*) -->", lambda found: "\n".join(_keys(found[1])), text)
     text = re.sub(r"<!-- columns -->", lambda _: "\n".join(_columns()), text)
     text = re.sub(r"<!-- units -->", lambda _: "\n".join(_units()), text)
-    return re.sub(r"<!-- api -->", lambda _: "\n".join(api_reference.table()), text)
+    return re.sub(r"<!-- api -->", lambda _: "\n".join(_names()), text)
 
 
 def _columns() -> list[str]:
@@ -53,6 +54,20 @@ def _units() -> list[str]:
         by_dimension.setdefault(named(unit.dimension), []).append(f"`{name}`")
     lines = ["| in SI | units |", "|---|---|"]
     return [*lines, *(f"| `{k}` | {' '.join(names)} |" for k, names in by_dimension.items())]
+
+
+def _names() -> list[str]:
+    """Every public name, functions before classes, with the first sentence of its documentation."""
+    package = import_module("polhode")
+    public = (name for name in package.__all__ if not name.startswith("_"))
+    lines = ["| name | |", "|---|---|"]
+    for name in sorted(public, key=lambda name: (name[0].isupper(), name)):
+        thing = getattr(package, name)
+        about = (inspect.getdoc(thing) or "").split("\n\n")[0]
+        sentence = re.split(r"(?<=[.;])\s", " ".join(about.split()))[0].rstrip(".;")
+        plain = re.sub(r":\w+:`~?([^`]+)`", r"`\1`", sentence.replace("``", "`"))
+        lines.append(f"| `polhode.{name}{'' if inspect.isclass(thing) else '()'}` | {plain} |")
+    return lines
 
 
 def _keys(section: str) -> list[str]:
@@ -119,8 +134,8 @@ def notebook() -> str:
         lines = part.strip("\n").splitlines(keepends=True)
         cell: JsonObject = {"id": f"cell-{k}", "metadata": {}}
         if all(line.startswith("#") for line in lines):
-            told = [line.removeprefix("#").removeprefix(" ") for line in lines]
-            cells.append(cell | {"cell_type": "markdown", "source": told})
+            words = [line.removeprefix("#").removeprefix(" ") for line in lines]
+            cells.append(cell | {"cell_type": "markdown", "source": words})
         else:
             code: JsonObject = {"cell_type": "code", "execution_count": None, "outputs": []}
             cells.append(cell | code | {"source": lines})

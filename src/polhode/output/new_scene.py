@@ -76,8 +76,8 @@ def of_shape(
         raise BadInput("new", f"--{shape_name}", ",".join(given), ",".join(shape.numbers).upper())
     title = f"{shape.meaning[0].upper()}{shape.meaning[1:]}"
     parts = shape.parts.format(*map(_quoted, given))
-    told = {"tilt": _quoted(tilt), "spin": _quoted(spin), "end": _quoted(end)}
-    return commented(_TOP.format(title=json.dumps(title), parts=parts, **told), name)
+    texts = {"tilt": _quoted(tilt), "spin": _quoted(spin), "end": _quoted(end)}
+    return commented(_TOP.format(title=json.dumps(title), parts=parts, **texts), name)
 
 
 def commented(text: str, name: str = "scene") -> str:
@@ -86,18 +86,18 @@ def commented(text: str, name: str = "scene") -> str:
     What stands in the text stays as it is.  Raises BadInput for a text that is no scene.
     """
     scene_file.parse(text, name)
-    found: list[str] = []
+    lines: list[str] = []
     section, open_brackets = "", 0
     for line in text.splitlines():
         header, key = _HEADER.match(line), _KEY.match(line)
         if header and not open_brackets:
             section = header[1]
         elif key and not open_brackets:
-            found += _comment(section, key[1])
+            lines += _comment(section, key[1])
         bare = re.sub(r'"[^"]*"|#.*', "", line)
         open_brackets += bare.count("[") - bare.count("]") if key or open_brackets else 0
-        found.append(line)
-    return "\n".join(found) + "\n"
+        lines.append(line)
+    return "\n".join(lines) + "\n"
 
 
 def _comment(section: str, name: str) -> list[str]:

@@ -1,28 +1,20 @@
-"""Results as a notebook shows them: a small table of facts, and the curves of a run."""
+"""Results as a notebook shows them: a report, or a line and the first rows of a table."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from html import escape
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from polhode.common.text_tables import few, printable
-from polhode.figures.canvas.canvas import BODY, REST, SPACE
+from polhode.common.text_tables import printable
 from polhode.numbers import decimals
-from polhode.numbers.conversion import to_double
 from polhode.results import shown
 from polhode.results.result import Result, Storable
 from polhode.results.table import Table
-from polhode.runs.trajectory import Trajectory
 from polhode.scenes.classification import kind_of_body
 
 if TYPE_CHECKING:
     from polhode.scenes.scene import Scene
 
-WIDE, HIGH = 360, 120  # of the curves, in pixels
-MOST_POINTS = 400
 MOST_ROWS, MOST_LINES = 8, 40
 
 
@@ -47,13 +39,11 @@ def of_result(found: Storable) -> str:
 
     Nothing that must be computed for it.
     """
-    if isinstance(found, Trajectory):
-        return of_run(found)
     report = str(found)
     if report != repr(found) and report.count("\n") < MOST_LINES:
         return f"<pre>{escape(printable(report))}</pre>"
-    told = f"<p>{escape(printable(repr(found).strip('<>')))}</p>"
-    return told + _rows(found.table()) if isinstance(found, Result) else told
+    heading = f"<p>{escape(printable(repr(found).strip('<>')))}</p>"
+    return heading + _rows(found.table()) if isinstance(found, Result) else heading
 
 
 def _rows(table: Table) -> str:
@@ -68,11 +58,6 @@ def _rows(table: Table) -> str:
     return f"<table><tr>{head}</tr>{lines}</table>{more}"
 
 
-def of_run(run: Trajectory) -> str:
-    """A run's line, omega over time, and its table's first rows."""
-    return f"<p>{escape(printable(repr(run).strip('<>')))}</p>{_curves(run)}{_rows(run.table())}"
-
-
 def _table(title: str, facts: dict[str, str]) -> str:
     rows = "".join(
         f'<tr><th style="text-align:left">{escape(name)}</th>'
@@ -80,28 +65,3 @@ def _table(title: str, facts: dict[str, str]) -> str:
         for name, value in facts.items()
     )
     return f"<table><caption>{escape(printable(title))}</caption>{rows}</table>"
-
-
-def _curves(run: Trajectory) -> str:
-    """p, q and r over time as SVG, no package needed; nothing where they make no curve."""
-    kept = few(len(run.times), MOST_POINTS)
-    t = np.array([to_double(run.times[k]) for k in kept])
-    values = np.array([[float(x) for x in run.states[k][:3]] for k in kept])
-    if len(kept) < 3 or not np.isfinite(values).all():
-        return ""
-    low, high = float(values.min()), float(values.max())
-    x = (t - t.min()) / (float(np.ptp(t)) or 1.0) * WIDE
-    y = HIGH - (values - low) / ((high - low) or 1.0) * HIGH
-    lines = "".join(
-        f'<polyline fill="none" stroke="{colour}" points="{_points(x, column)}"/>'
-        f'<text x="{WIDE + 6}" y="{14 + 16 * k}" fill="{colour}" font-size="12">{name}</text>'
-        for k, (name, colour, column) in enumerate(
-            zip("pqr", (BODY, SPACE, REST), y.T, strict=True)
-        )
-    )
-    size = f'width="{WIDE + 24}" height="{HIGH + 4}" viewBox="0 -2 {WIDE + 24} {HIGH + 4}"'
-    return f'<svg xmlns="http://www.w3.org/2000/svg" {size}>{lines}</svg>'
-
-
-def _points(x: Iterable[float], y: Iterable[float]) -> str:
-    return " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))

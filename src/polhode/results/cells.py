@@ -67,10 +67,10 @@ def word_of(x: Column | Fact) -> str:
     return type_of(x.value if isinstance(x.value, (list, tuple)) else [x.value], x.type)
 
 
-def type_of(values: Values, told: str = "") -> str:
+def type_of(values: Values, word: str = "") -> str:
     """The word for some values, unless it is told; TypeError where they do not say it."""
-    if told:
-        return told
+    if word:
+        return word
     import numpy as np
 
     if isinstance(values, np.ndarray) and values.dtype.kind != "O":
@@ -118,8 +118,8 @@ def _all(kinds: set[type], *of: type) -> bool:
 def texts(values: Values, kind: str) -> list[str]:
     """The cells of a column: numbers round-trip, and are empty where there is none."""
     if kind == DOUBLE:
-        found = list(map(repr, doubles(values).tolist()))
-        return ["" if x == "nan" else x for x in found] if "nan" in found else found
+        cells = list(map(repr, doubles(values).tolist()))
+        return ["" if x == "nan" else x for x in cells] if "nan" in cells else cells
     if kind == TRUTH:
         return ["true" if x else "false" for x in values]
     if kind == INTEGER:
@@ -174,11 +174,11 @@ def values_of(cells: Sequence[str], kind: str) -> Any:
     if kind == EXACT or _digits(kind):
         return [None if x == "" else _fraction(x) for x in cells]
     number = _number(kind)
-    found = [None if x == "" else _binary(x, number) for x in cells]
+    numbers = [None if x == "" else _binary(x, number) for x in cells]
     if number.flat:
-        return np.array([np.nan if x is None else x for x in found], dtype=np.longdouble)
-    objects = np.empty(len(found), dtype=np.object_)
-    objects[:] = found
+        return np.array([np.nan if x is None else x for x in numbers], dtype=np.longdouble)
+    objects = np.empty(len(numbers), dtype=np.object_)
+    objects[:] = numbers
     return objects
 
 
@@ -193,9 +193,9 @@ def json_values(values: Values, kind: str) -> list[Value]:
     if kind == DOUBLE:
         import numpy as np
 
-        held = doubles(values)
-        listed: list[Value] = held.tolist()
-        return listed if np.isfinite(held).all() else [_finite(x) for x in listed]
+        numbers = doubles(values)
+        listed: list[Value] = numbers.tolist()
+        return listed if np.isfinite(numbers).all() else [_finite(x) for x in listed]
     gap = "" if kind == TEXT else None
     return [x or gap for x in texts(values, kind)]
 
@@ -227,11 +227,11 @@ def of_json(values: Sequence[Value], kind: str) -> Any:
     allowed = _JSON_TYPES.get(kind, (str,))
     if kind not in (INTEGER, TRUTH, TEXT):
         allowed = (*allowed, type(None))
-    found = set(map(type, values))
-    if not found <= {*allowed}:
+    types = set(map(type, values))
+    if not types <= {*allowed}:
         raise ValueError(f"a value that is not of type {kind[:40]}")
     if kind == DOUBLE:
-        if str in found and not {x for x in values if type(x) is str} <= {*_INFINITE}:
+        if str in types and not {x for x in values if type(x) is str} <= {*_INFINITE}:
             raise ValueError("a text that is no number")
         return np.array([np.nan if x is None else float(x) for x in values], dtype=np.float64)
     if kind in (INTEGER, TRUTH):

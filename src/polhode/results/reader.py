@@ -78,8 +78,8 @@ def content_of(path: Path, kinds: Sequence[str] = KINDS) -> Content:
     except BadInput:
         raise
     except DAMAGED as fault:
-        told = "it is damaged" if isinstance(fault, (KeyError, RecursionError)) else str(fault)
-        raise BadInput(str(path), "file", None, f"{expected} ({told})") from None
+        reason = "it is damaged" if isinstance(fault, (KeyError, RecursionError)) else str(fault)
+        raise BadInput(str(path), "file", None, f"{expected} ({reason})") from None
 
 
 def _of_csv(path: Path, data: bytes, kinds: Sequence[str]) -> Content:
@@ -118,9 +118,9 @@ def _of_json(path: Path, data: bytes, kinds: Sequence[str]) -> Content:
 def _of_npz(path: Path, data: bytes, kinds: Sequence[str]) -> Content:
     arrays = dict(read_npz(data))
     about = _object(arrays.pop(ABOUT).tobytes())
-    for name, told in about["about"]["facts"].items():
-        if "columns" in told:
-            about[name] = {key: arrays.pop(f"{name}.{key}") for key in told["columns"]}
+    for name, description in about["about"]["facts"].items():
+        if "columns" in description:
+            about[name] = {key: arrays.pop(f"{name}.{key}") for key in description["columns"]}
     return _content(about, arrays, kinds)
 
 
@@ -128,9 +128,9 @@ def _of_parquet(path: Path, data: bytes, kinds: Sequence[str]) -> Content:
     parquet = needed("pyarrow.parquet")
     try:
         file = parquet.ParquetFile(io.BytesIO(data))
-        held, names = file.metadata, file.schema_arrow.names
-        _check_size(len(names), held.num_rows)
-        groups = (held.row_group(k) for k in range(held.num_row_groups))
+        metadata, names = file.metadata, file.schema_arrow.names
+        _check_size(len(names), metadata.num_rows)
+        groups = (metadata.row_group(k) for k in range(metadata.num_row_groups))
         if sum(group.total_byte_size for group in groups) > MOST_UNPACKED:
             raise ValueError(f"more than {MOST_UNPACKED} bytes")
         types = {x.name: str(x.type) for x in file.schema_arrow}
@@ -198,10 +198,10 @@ def kind_at(path: Path) -> str:
         raise ValueError(CHANGED if str(fault) == CHANGED else FOREIGN) from None
     except Exception:  # the libraries below raise almost anything
         raise ValueError(FOREIGN) from None
-    told = re.match(r'\{\n "format": "([^"]*)",\n "result": "(\w*)",\n', head)
-    if told is None or told[1] != FORMAT:
+    beginning = re.match(r'\{\n "format": "([^"]*)",\n "result": "(\w*)",\n', head)
+    if beginning is None or beginning[1] != FORMAT:
         raise ValueError(FOREIGN)
-    return told[2]
+    return beginning[2]
 
 
 def _head_of(path: Path) -> str:
@@ -212,12 +212,12 @@ def _head_of(path: Path) -> str:
 
 
 def _object(data: bytes) -> dict[str, Value]:
-    found = json.loads(data, parse_constant=_no_constant)
-    if isinstance(found, dict) and str(found.get("format")).startswith(CERTIFICATE):
+    content = json.loads(data, parse_constant=_no_constant)
+    if isinstance(content, dict) and str(content.get("format")).startswith(CERTIFICATE):
         raise ValueError("this is a certificate, which polhode.verify checks")
-    if not isinstance(found, dict) or found.get("format") != FORMAT:
+    if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise ValueError("another format, of another program or of polhode before 0.3")
-    return found
+    return content
 
 
 def _no_constant(text: str) -> float:
@@ -228,16 +228,16 @@ def _content(about: dict[str, Value], columns: Mapping[str, Any], kinds: Sequenc
     kind, version, title = (_text(about[key]) for key in ("result", "version", "title"))
     if kind not in kinds:
         raise ValueError(f"result {kind[:40]!r}")
-    told = about["about"]["facts"]
-    if len(told) > MOST_COLUMNS or not {*told}.isdisjoint(RESERVED):
+    descriptions = about["about"]["facts"]
+    if len(descriptions) > MOST_COLUMNS or not {*descriptions}.isdisjoint(RESERVED):
         raise ValueError("facts that are none")
     table = _table(columns, about["about"]["columns"], about["labels"])
-    facts = tuple(_fact(name, about[name], x) for name, x in told.items())
+    facts = tuple(_fact(name, about[name], x) for name, x in descriptions.items())
     return Content(kind, version, title, table, facts)
 
 
-def _table(columns: Mapping[str, Any], told: Mapping[str, Value], labels: Value) -> Table:
-    if {*columns} != {*_described(told)}:
+def _table(columns: Mapping[str, Any], descriptions: Mapping[str, Value], labels: Value) -> Table:
+    if {*columns} != {*_described(descriptions)}:
         raise ValueError("other columns than those that it describes")
     sizes = {len(x) for x in columns.values()}
     if len(sizes) > 1:
@@ -245,13 +245,13 @@ def _table(columns: Mapping[str, Any], told: Mapping[str, Value], labels: Value)
     _check_size(len(columns), max(sizes, default=0))
     if type(labels) is not int or not 0 <= labels <= len(columns):
         raise ValueError("labels")
-    return Table(tuple(_column(name, columns[name], x) for name, x in told.items()), labels)
+    return Table(tuple(_column(name, columns[name], x) for name, x in descriptions.items()), labels)
 
 
-def _described(told: Value) -> dict[str, Value]:
-    if not isinstance(told, dict):
+def _described(descriptions: Value) -> dict[str, Value]:
+    if not isinstance(descriptions, dict):
         raise ValueError("no columns")
-    return told
+    return descriptions
 
 
 def _check_size(columns: int, rows: int) -> None:
@@ -259,46 +259,52 @@ def _check_size(columns: int, rows: int) -> None:
         raise ValueError(f"{columns} columns of {rows} rows")
 
 
-def _column(name: str, held: Any, told: Mapping[str, Value]) -> Column:
-    word = _text(told["type"])
-    digits = told.get("digits", Column._field_defaults["digits"])
+def _column(name: str, cells: Any, description: Mapping[str, Value]) -> Column:
+    word = _text(description["type"])
+    digits = description.get("digits", Column._field_defaults["digits"])
     if type(digits) is not int or not 0 <= digits <= MOST_DIGITS:
         raise ValueError(f"{name}: digits")
-    return Column(name, _values(held, word), *_meaning(told), word, digits)
+    return Column(name, _values(cells, word), *_meaning(description), word, digits)
 
 
 _DTYPES = {"<f8": DOUBLE, "<i8": INTEGER, "|b1": TRUTH}
 
 
-def _values(held: Any, word: str) -> Any:
+def _values(cells: Any, word: str) -> Any:
     """The values of an array, of a list of JSON, or of the cells of a CSV file: a tuple."""
-    if isinstance(held, list):
-        return of_json(held, word)
-    if not isinstance(held, np.ndarray):
-        return values_of(held, word)
-    if held.ndim != 1 or _DTYPES.get(held.dtype.str, TEXT) != (word if word in _FLAT else TEXT):
-        raise ValueError(f"an array of {held.dtype} and {held.ndim} dimensions, not {word[:40]}")
-    if held.dtype.kind not in "fibU":
-        raise ValueError(f"an array of {held.dtype}")
-    return held if word in _FLAT else values_of(held.tolist(), word)
+    if isinstance(cells, list):
+        return of_json(cells, word)
+    if not isinstance(cells, np.ndarray):
+        return values_of(cells, word)
+    if cells.ndim != 1 or _DTYPES.get(cells.dtype.str, TEXT) != (word if word in _FLAT else TEXT):
+        raise ValueError(f"an array of {cells.dtype} and {cells.ndim} dimensions, not {word[:40]}")
+    if cells.dtype.kind not in "fibU":
+        raise ValueError(f"an array of {cells.dtype}")
+    return cells if word in _FLAT else values_of(cells.tolist(), word)
 
 
 _FLAT = tuple(_DTYPES.values())
 
 
-def _fact(name: str, held: Any, told: Mapping[str, Value]) -> Fact:
-    if "columns" in told:
-        return Fact(name, _table(held, told["columns"], told["labels"]), *_meaning(told))
-    word = _text(told["type"])
-    if held is None or word == OBJECT:
-        return Fact(name, plain(held), *_meaning(told), word)
-    values = of_json(held if isinstance(held, list) else [held], word)
+def _fact(name: str, content: Any, description: Mapping[str, Value]) -> Fact:
+    if "columns" in description:
+        return Fact(
+            name,
+            _table(content, description["columns"], description["labels"]),
+            *_meaning(description),
+        )
+    word = _text(description["type"])
+    if content is None or word == OBJECT:
+        return Fact(name, plain(content), *_meaning(description), word)
+    values = of_json(content if isinstance(content, list) else [content], word)
     plainly = values.tolist() if isinstance(values, np.ndarray) and word in _FLAT else [*values]
-    return Fact(name, plainly if isinstance(held, list) else plainly[0], *_meaning(told), word)
+    return Fact(
+        name, plainly if isinstance(content, list) else plainly[0], *_meaning(description), word
+    )
 
 
-def _meaning(told: Mapping[str, Value]) -> tuple[str, str]:
-    return _text(told.get("meaning", "")), _text(told.get("unit", ""))
+def _meaning(description: Mapping[str, Value]) -> tuple[str, str]:
+    return _text(description.get("meaning", "")), _text(description.get("unit", ""))
 
 
 def _text(x: Value) -> str:

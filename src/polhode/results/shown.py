@@ -30,10 +30,10 @@ def _cells(column: Column) -> list[str]:
         return texts(values, word)
     if word != DOUBLE:
         return ["" if x is None else _wide(x, word, digits) for x in values]
-    held = doubles(values).tolist()
+    numbers = doubles(values).tolist()
     if digits < DOUBLES.printed_digits:
-        return ["" if x != x else f"{x:.{digits}g}" for x in held]
-    (row,) = strings([held], DOUBLES)
+        return ["" if x != x else f"{x:.{digits}g}" for x in numbers]
+    (row,) = strings([numbers], DOUBLES)
     return ["" if x is None or x == "nan" else x for x in row]
 
 

@@ -136,12 +136,12 @@ def as_json(value: Mapping[str, Value]) -> str:
 
 
 def _lines(value: Mapping[str, Value], indent: str) -> Iterator[str]:
-    for key, held in value.items():
-        if isinstance(held, Mapping) and held and key != "about":
-            inner = ",\n".join(_lines(held, indent + " "))
+    for key, part in value.items():
+        if isinstance(part, Mapping) and part and key != "about":
+            inner = ",\n".join(_lines(part, indent + " "))
             yield f"{indent}{json.dumps(key)}: {{\n{inner}\n{indent}}}"
         else:
-            yield f"{indent}{json.dumps(key)}: {json.dumps(held, allow_nan=False)}"
+            yield f"{indent}{json.dumps(key)}: {json.dumps(part, allow_nan=False)}"
 
 
 def csv_text(table: Table) -> str:
@@ -158,8 +158,8 @@ def csv_text(table: Table) -> str:
 
 def _cells(column: Column) -> list[str]:
     word = word_of(column)
-    found = texts(column.values, word)
-    return [_quoted(x) for x in found] if word == "text" else found
+    cells = texts(column.values, word)
+    return [_quoted(x) for x in cells] if word == "text" else cells
 
 
 def _quoted(text: str) -> str:
@@ -211,11 +211,11 @@ def array(column: Column) -> npt.NDArray[np.generic]:
 def _parquet(content: Content) -> bytes:
     pyarrow, parquet = needed("pyarrow"), needed("pyarrow.parquet")
     arrays = {x.name: array(x) for x in content.table.columns}
-    held = {name: x.tolist() if x.dtype.kind == "U" else x for name, x in arrays.items()}
+    columns = {name: x.tolist() if x.dtype.kind == "U" else x for name, x in arrays.items()}
     types = [(name, _ARROW.get(x.dtype.kind, "string")) for name, x in arrays.items()]
     schema = pyarrow.schema(types, metadata={METADATA: as_json(document(content))})
     out = io.BytesIO()
-    parquet.write_table(pyarrow.table(held, schema=schema), out)
+    parquet.write_table(pyarrow.table(columns, schema=schema), out)
     return out.getvalue()
 
 

@@ -35,11 +35,12 @@ from polhode.scenes.vocabulary import (
 
 MAX_FILE = 100_000  # bytes
 MAX_LINE = 10_000  # characters: a TOML key of thousands of parts costs quadratic time
+#: Which verbs read JSON.
+_JSON = "a result, as for polhode plot FILE, or a proof, as for polhode verify FILE"
 #: What stands where TOML wants a value and is an expression, or a number with a unit.
 _NUMBER = r"\d[\d.]*(?:e[+-]?\d+)?"
-_BARE = re.compile(
-    rf"(?:^|[=\[,])\s*([+-]?(?:{_NUMBER}\s*(?:[*/]|[^\W\d_])|(?:pi|sqrt|sin|cos)\b)[^=,\]}}#\"']*)"
-)
+_BEGINNING = rf"{_NUMBER}\s*(?:[*/+^-]|[^\W\d_])|\.\d|\d+\.(?!\d)|\(|(?:pi|sqrt|sin|cos)\b"
+_BARE = re.compile(rf"(?:^|[=\[,])\s*([+-]?(?:{_BEGINNING})[^=,\]}}#\"']*)(?=[=,\]}}#]|$)")
 
 
 def read(path: Path, name: str | None = None) -> Scene:
@@ -99,6 +100,8 @@ def tables(text: str, name: str = "scene") -> dict[str, Any]:
     """The tables of a TOML text, decimals kept digit for digit; raises BadInput."""
     if any(len(line) > MAX_LINE for line in text.splitlines()):
         raise BadInput(name, "file", None, f"lines of at most {MAX_LINE} characters")
+    if text.lstrip().startswith("{"):
+        raise BadInput(name, "file", None, f"a scene file (TOML): this is JSON: {_JSON}")
     try:
         data: dict[str, Any] = tomllib.loads(text, parse_float=Literal)
     except UNREADABLE as error:

@@ -139,10 +139,10 @@ class Part:
         for key in _LENGTHS:
             given = getattr(self, key)
             if given is None and key in shape.needs:
-                raise BadInput("Part", key, None, f"a value for a {self.shape}")
+                raise BadInput("Part", key, None, f"a value for shape {self.shape}")
             if given is not None and key not in (*shape.needs, *shape.takes):
                 needed = ", ".join((*shape.needs, *shape.takes)) or "no length"
-                raise BadInput("Part", key, given, f"nothing: a {self.shape} has {needed}")
+                raise BadInput("Part", key, given, f"nothing: shape {self.shape} has {needed}")
             if given is not None:
                 object.__setattr__(self, key, self._lengths(key, given))
             if given is None and key in shape.takes:
@@ -154,7 +154,7 @@ class Part:
         if self.axis not in AXES:
             raise BadInput("Part", "axis", self.axis, nearest(self.axis, [*AXES]))
         if self.axis != "z" and not shape.round:
-            raise BadInput("Part", "axis", self.axis, f"nothing: a {self.shape} has no axis")
+            raise BadInput("Part", "axis", self.axis, f"nothing: shape {self.shape} has no axis")
         if self.inner is not None and self.radius is not None and self.inner > self.radius:
             raise BadInput("Part", "inner", self.inner, "a radius no larger than radius")
 

@@ -52,13 +52,13 @@ def certified(
     top, radii = scene
     if events and not top.events:
         raise BadInput(top.name, "events", None, "events in the scene, for --events")
-    held = held_times(top, top.times, digits)
-    if not held:
+    moments = held_times(top, top.times, digits)
+    if not moments:
         raise BadInput(top.name, "run.end", None, "a time, or times given with --at")
     if certificate:
         if radii is not None:
             raise BadInput(top.name, start_box.KEY, None, "numbers, for a certificate")
-        state_certificate.check(top, held)
+        state_certificate.check(top, moments)
 
     def foretell(seconds: float) -> None:
         if seconds > LONG:
@@ -76,9 +76,9 @@ def certified(
         "omega_radius": radii,
         "progress": None if line is None else line.show,
     }
-    found = certify(top, held, **how)
-    if not events or not found.outcome.done:
-        return found
+    enclosure = certify(top, moments, **how)
+    if not events or not enclosure.outcome.done:
+        return enclosure
     if max_seconds is not None:
         how["max_seconds"] = max(1e-3, max_seconds - time.monotonic() + began)
-    return replace(found, events=certify_events(top, max(held, key=abs), **how))
+    return replace(enclosure, events=certify_events(top, max(moments, key=abs), **how))

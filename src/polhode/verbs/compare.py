@@ -61,7 +61,7 @@ def judged(
         Where progress is shown.
     """
     del details  # of what is printed
-    found = _judged(
+    judgement = _judged(
         Path(file),
         scene,
         line or ProgressLine("compare"),
@@ -73,15 +73,17 @@ def judged(
         max_seconds=max_seconds,
     )
     if at_least is None:
-        return found
+        return judgement
     from polhode.judging.score.gate import refuse_incomplete
 
-    refuse_incomplete(found)
-    if found.worst >= at_least:
-        return found
-    where = f"{found.worst_part} at t = {brief(found.worst_time)}"
-    told = f"{found.worst:.2f} correct digits of {where}, where at least {at_least:g} are wanted"
-    raise NotEnough(found, f"polhode: {found.subject.name}: {told}")
+    refuse_incomplete(judgement)
+    if judgement.worst >= at_least:
+        return judgement
+    where = f"{judgement.worst_part} at t = {brief(judgement.worst_time)}"
+    verdict = (
+        f"{judgement.worst:.2f} correct digits of {where}, where at least {at_least:g} are wanted"
+    )
+    raise NotEnough(judgement, f"polhode: {judgement.subject.name}: {verdict}")
 
 
 def order(
@@ -159,7 +161,7 @@ def _judged(
             )
 
     try:
-        found = compare(
+        judgement = compare(
             path,
             scene,
             progress=partial(line.show, what="rows or steps of the reference"),
@@ -171,9 +173,9 @@ def _judged(
         if fault.key == "max_seconds" and max_seconds is not None and max_seconds > 0:
             raise NotProved(str(fault)) from None
         raise
-    angle = 10.0**found.reference.scene.log10_rate * max(abs(float(t)) for t in found.times)
+    angle = 10.0**judgement.reference.scene.log10_rate * max(abs(float(t)) for t in judgement.times)
     if (seconds := _SECONDS * min(angle, _FOLLOWED)) > LONG:
         line.clear()
-        told = f"the motion is followed through {angle:.2g} radians for the digits to expect"
-        note(f"{path}: {told}, up to some {seconds:.0f} s; Ctrl-C ends it")
-    return found
+        effort = f"the motion is followed through {angle:.2g} radians for the digits to expect"
+        note(f"{path}: {effort}, up to some {seconds:.0f} s; Ctrl-C ends it")
+    return judgement

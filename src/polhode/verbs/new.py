@@ -75,7 +75,7 @@ def _of_shape(options: Namespace) -> str:
     name = chosen[0] if chosen else "cone"
     given = getattr(options, name).split(",") if chosen else ["3 cm", "5 cm", "50 g"]
     tilt, spin, end = (
-        usual if (told := getattr(options, key)) is None else told
+        usual if (value := getattr(options, key)) is None else value
         for key, usual in (("tilt", _TILT), ("spin", _SPIN), ("end", _END))
     )
     return new_scene.of_shape(name, given, tilt, spin, end, options.file)

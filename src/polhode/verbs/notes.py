@@ -77,12 +77,16 @@ def _run(result: Trajectory, namespace: Namespace) -> Iterator[str]:
 def _accuracy(result: Trajectory) -> str:
     """What a run itself tells about its accuracy."""
     if result.errors is not None:
-        known = [(x, t) for x, t in zip(result.errors, result.times, strict=True) if x is not None]
-        if not any(t for _, t in known):
+        estimates = [
+            (x, t) for x, t in zip(result.errors, result.times, strict=True) if x is not None
+        ]
+        if not any(t for _, t in estimates):
             return "refined, without an estimate of the error"
-        last = brief(max((t for _, t in known), key=abs))
-        lost = "" if len(known) == len(result.errors) else f" to t = {last}, no estimate beyond it"
-        return f"refined, estimated error {max(x for x, _ in known):.1e}{lost}"
+        last = brief(max((t for _, t in estimates), key=abs))
+        lost = (
+            "" if len(estimates) == len(result.errors) else f" to t = {last}, no estimate beyond it"
+        )
+        return f"refined, estimated error {max(x for x, _ in estimates):.1e}{lost}"
     if result.projected:
         return f"projected {result.projection}"
     return f"drift {result.drift}" if len(result.times) else "no output time was reached"
@@ -122,8 +126,10 @@ def _sweep(result: AnyResult, namespace: Namespace) -> Iterator[str]:
     from polhode.motion.outcomes import code
 
     if not namespace.json:
-        made = getattr(result, "outputs", result.scene.outputs)  # of numbers alone there are none
-        words = [word for word in result.scene.outputs if word not in made]
+        outputs = getattr(
+            result, "outputs", result.scene.outputs
+        )  # of numbers alone there are none
+        words = [word for word in result.scene.outputs if word not in outputs]
         left_out = f"; {', '.join(words)} left out" if words else ""
         unchecked = ""
         if getattr(namespace, "digits", None) is not None:
@@ -241,8 +247,8 @@ def _frequencies(result: Frequencies, namespace: Namespace) -> Iterator[str]:
         if not lines:
             yield f"{result.name}: {signal} has no line above rounding"
     kind = "closed form" if result.closed_form else "basis"
-    if told := ", ".join(f"{name} = {value:.15g}" for name, value in result.known.items()):
-        yield f"{result.name}: {kind}: {told}"
+    if rates := ", ".join(f"{name} = {value:.15g}" for name, value in result.known.items()):
+        yield f"{result.name}: {kind}: {rates}"
 
 
 def _proved_orbit(result: ProvedOrbit, namespace: Namespace) -> Iterator[str]:

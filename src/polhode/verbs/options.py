@@ -44,8 +44,8 @@ class Front(NamedTuple):
 
 
 def _first_sentence(text: str) -> str:
-    found = re.match(r"(.*?)[.:;]?(?:(?<=\.)\s|$)", " ".join(text.split()))
-    said = (found[1] if found else "").replace("``", "")
+    sentence = re.match(r"(.*?)[.:;]?(?:(?<=\.)\s|$)", " ".join(text.split()))
+    said = (sentence[1] if sentence else "").replace("``", "")
     return re.sub(r":\w+:`polhode\.(\w+)`", r"\1", said)
 
 
@@ -92,21 +92,21 @@ def whole(text: str) -> int:
 
 def positive(text: str) -> int:
     """A whole number above 0."""
-    found = whole(text)
-    if found < 1:
-        raise ArgumentTypeError(f"1 or more, not {found}")
-    return found
+    number = whole(text)
+    if number < 1:
+        raise ArgumentTypeError(f"1 or more, not {number}")
+    return number
 
 
 def real(text: str) -> float:
     """A finite number that is read as a double."""
     try:
-        found = float(text)
+        number = float(text)
     except ValueError:
-        found = math.nan
-    if not math.isfinite(found):
+        number = math.nan
+    if not math.isfinite(number):
         raise ArgumentTypeError(f"a number, not {text[:40]!r}")
-    return found
+    return number
 
 
 def word(text: str) -> str:
@@ -125,18 +125,18 @@ def folder(text: str) -> Path:
 
 def add_folder(parser: ArgumentParser, usual: str) -> None:
     """The option of the folder that a verb writes to."""
-    told = f"folder ({usual})"
+    meaning = f"folder ({usual})"
     parser.add_argument(
-        "-o", dest="folder", type=folder, metavar="DIR", default=Path(usual), help=told
+        "-o", dest="folder", type=folder, metavar="DIR", default=Path(usual), help=meaning
     )
 
 
 def names(text: str) -> list[str]:
     """Names between commas."""
-    found = [name.strip() for name in text.split(",")]
-    if "" in found:
+    words = [name.strip() for name in text.split(",")]
+    if "" in words:
         raise ArgumentTypeError(f"names with commas between, not {text[:40]!r}")
-    return found
+    return words
 
 
 def words(text: str) -> list[str]:
@@ -211,17 +211,23 @@ def _is_argument(parameter: Parameter) -> bool:
     return not parameter.default or parameter.annotation.startswith("Sequence[")
 
 
-def _positional(parser: ArgumentParser, parameter: Parameter, told: str | None) -> None:
+def _positional(parser: ArgumentParser, parameter: Parameter, meanings: str | None) -> None:
     several = parameter.annotation.startswith("Sequence[")
     inner = parameter.annotation.removeprefix("Sequence[").removesuffix("]" if several else "")
     kind = kind_of(inner) or Kind(parameter.name.upper(), word)
     more: dict[str, Any] = {"nargs": "*" if parameter.default else "+"} if several else {}
     metavar = "SCENE" if parameter.name == "scene" else kind.metavar
-    parser.add_argument(parameter.name, type=kind.read, metavar=metavar, help=told, **more)
+    parser.add_argument(parameter.name, type=kind.read, metavar=metavar, help=meanings, **more)
 
 
-def _option(parser: ArgumentParser, parameter: Parameter, option: str, told: str | None) -> None:
-    common: dict[str, Any] = {"dest": parameter.name, "help": _escaped(told), "default": SUPPRESS}
+def _option(
+    parser: ArgumentParser, parameter: Parameter, option: str, meanings: str | None
+) -> None:
+    common: dict[str, Any] = {
+        "dest": parameter.name,
+        "help": _escaped(meanings),
+        "default": SUPPRESS,
+    }
     kinds = {*parameter.annotation.split(" | ")}
     if kinds == {"bool"}:
         flag = "store_true" if parameter.default == "False" else BooleanOptionalAction

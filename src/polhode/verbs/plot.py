@@ -151,11 +151,11 @@ def _look(options: Namespace, suffix: str) -> Look:
     """Size and rate of a film; refused of anything else."""
     from polhode.figures import film
 
-    given = {"size": options.size, "rate": options.fps}
+    sizes = {"size": options.size, "rate": options.fps}
     for key, value in (("--size", options.size), ("--fps", options.fps)):
         if value is not None and suffix not in FILMS:
             raise BadInput("plot", key, value, "a film: --what motion with -o x.gif or x.mp4")
-    look = film.Look(**{key: value for key, value in given.items() if value is not None})
+    look = film.Look(**{key: value for key, value in sizes.items() if value is not None})
     film.require(suffix, look)
     return look
 

@@ -30,9 +30,9 @@ def main(options: Namespace) -> int:
 
     if options.only:
         with ProgressLine("study") as progress:
-            found, tables = report.part(options.name, options.only, options.quick, progress.say)
+            rows, tables = report.part(options.name, options.only, options.quick, progress.say)
         if options.json:
-            print_json(found)
+            print_json(rows)
         else:
             say(tables.rstrip())
         return DONE

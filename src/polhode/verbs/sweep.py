@@ -68,8 +68,8 @@ def sweep(
     from polhode.runs.sweep.integrate_many import integrate_many
 
     if (starts is None) == (vary is None):
-        given = None if vary is None else ", ".join(map(str, vary))
-        raise BadInput(scene.name, "--vary", given, "numbers to vary or --starts FILE, one of them")
+        keys = None if vary is None else ", ".join(map(str, vary))
+        raise BadInput(scene.name, "--vary", keys, "numbers to vary or --starts FILE, one of them")
     varied: Any = vary
     if starts is not None:
         rows = starts_file.read(Path(starts), scene, number == "extended")

@@ -99,8 +99,8 @@ class ChaosMap(Result, ByValue):
     provenance: Mapping[str, object] = field(default_factory=dict)
 
     def __repr__(self) -> str:
-        told = ", ".join(f"{n} {name}" for name, n in self.counts.items())
-        return f"<ChaosMap of {self.scene.name}: {counted(len(self.verdict), 'motion')}, {told}>"
+        counts = ", ".join(f"{n} {name}" for name, n in self.counts.items())
+        return f"<ChaosMap of {self.scene.name}: {counted(len(self.verdict), 'motion')}, {counts}>"
 
     @property
     def enough(self) -> float:
@@ -253,8 +253,8 @@ def chaos_map(
     scene = library.load(scene)
     unit = 2.0**scene.time_unit
     default = Fraction(END) * Fraction(2) ** scene.time_unit
-    given = default if end is None else end
-    (last,) = each(scene.name, "end", (given,), reader(scene.units, TIME), "a time")
+    wanted = default if end is None else end
+    (last,) = each(scene.name, "end", (wanted,), reader(scene.units, TIME), "a time")
     length = to_double(last) / unit
     if not 0 < length < MOST:
         raise BadInput(scene.name, "end", to_double(last), f"a time above 0, below {MOST * unit:g}")
@@ -311,8 +311,10 @@ def chaos_map(
     sizes, left = (np.concatenate(arrays) for arrays in zip(*finished.done, strict=True))
     judged = _judged(sizes, left, length)
     verdict, done = judged["verdict"], np.flatnonzero(finished.rows)
-    known = [k for k in np.flatnonzero(verdict == _CHAOTIC).tolist() if motions.is_known(done[k])]
-    verdict[known] = _UNSTABLE
+    integrable = [
+        k for k in np.flatnonzero(verdict == _CHAOTIC).tolist() if motions.is_known(done[k])
+    ]
+    verdict[integrable] = _UNSTABLE
     judged["exponent"] = judged["exponent"] / unit
     judged["until"] = judged["until"] * unit
     return ChaosMap(

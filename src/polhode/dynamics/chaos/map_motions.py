@@ -71,29 +71,29 @@ def on_section(
 
     ``foretold``: see :func:`starts_of`.
     """
-    asked = asked_of(scene, by, extremum, h, f)
-    if asked.by not in (MOMENTUM, HEIGHT):
-        raise BadInput(scene.name, "by", asked.by, "momentum or height, for a map")
-    on = geometry.ground(scene, asked.h, asked.f)
+    plan = asked_of(scene, by, extremum, h, f)
+    if plan.by not in (MOMENTUM, HEIGHT):
+        raise BadInput(scene.name, "by", plan.by, "momentum or height, for a map")
+    on = geometry.ground(scene, plan.h, plan.f)
     first, second = cells(scene.name, GRID if grid is None else grid, MOST_MOTIONS)
-    found = starts_of(asked, on, None, (first, second), foretold)
-    of = found.of // 2 if asked.by == HEIGHT else found.of
+    points = starts_of(plan, on, None, (first, second), foretold)
+    of = points.of // 2 if plan.by == HEIGHT else points.of
     angle, cosine = geometry.cells(first, second)
     k = {n: to_double(x) for n, x in principal.coefficients(scene.body, scene.time_unit).items()}
-    many = (len(found.states), 1)
+    many = (len(points.states), 1)
     return Motions(
         scene,
-        keys=("azimuth", "u") if asked.by == HEIGHT else ("l", "L_over_G"),
+        keys=("azimuth", "u") if plan.by == HEIGHT else ("l", "L_over_G"),
         shape=(first, second),
         at=np.stack([angle[of], cosine[of]], axis=1),
         cell=of,
-        starts=found.states,
+        starts=points.states,
         moments=np.tile(on.moments, many),
         torques=np.tile(on.torque, many),
         names=tuple(k),
         coefficients=np.tile(np.array([*k.values()]), many),
-        h=asked.h,
-        f=asked.f,
+        h=plan.h,
+        f=plan.f,
     )
 
 

@@ -98,8 +98,8 @@ class Frequencies(Result, ByValue):
 
     def __repr__(self) -> str:
         strongest = {name: lines[0].frequency for name, lines in self.lines.items() if lines}
-        told = ", ".join(f"{name} {x:.10g}" for name, x in strongest.items())
-        return f"<Frequencies of {self.name}: strongest {told or 'none'}, to t = {self.end:g}>"
+        words = ", ".join(f"{name} {x:.10g}" for name, x in strongest.items())
+        return f"<Frequencies of {self.name}: strongest {words or 'none'}, to t = {self.end:g}>"
 
     def table(self) -> ResultTable:
         """One row per spectral line, of each signal the strongest first."""
@@ -122,13 +122,13 @@ class Frequencies(Result, ByValue):
 
     def facts(self) -> list[Fact]:
         """Of what motion, how long it was followed, and which frequencies are known."""
-        known = [text_column("name", [*self.known]), Column("frequency", [*self.known.values()])]
+        columns = [text_column("name", [*self.known]), Column("frequency", [*self.known.values()])]
         source = [Fact("scene", self.name, "a scene's name, or a file")]
         return [
             *(source if self.scene is None else scene_facts(self.scene)),
             Fact("end", self.end, "the last time"),
             Fact("samples", self.samples),
-            Fact("known", ResultTable(known), "of which lines are combinations"),
+            Fact("known", ResultTable(columns), "of which lines are combinations"),
             Fact("closed_form", self.closed_form, "whether a closed form tells them"),
             provenance_fact(self.provenance),
         ]

@@ -56,18 +56,18 @@ def fourth_integral(
     top = classification.classical_top(scene.body.moments, torque)
     with ctx.workprec(BITS):
         size = arb(rational(body.heavy)).sqrt()
-        found: Sequence[tuple[arb | Fraction, str]]
+        values: Sequence[tuple[arb | Fraction, str]]
         if top.kind == classification.EULER:
-            name, found = "|G|^2", _euler(body, h, f)
+            name, values = "|G|^2", _euler(body, h, f)
         elif top.kind in (classification.LAGRANGE, classification.SPHERE):
-            name, found = "L", _lagrange(body, top.axis, size, h, f)
+            name, values = "L", _lagrange(body, top.axis, size, h, f)
         elif top.kind == classification.KOVALEVSKAYA and top.axis is not None:
-            name, found = "K^2", _kovalevskaya(body.moments[top.axis], body.heavy, h, f)
+            name, values = "K^2", _kovalevskaya(body.moments[top.axis], body.heavy, h, f)
         elif top.kind == classification.CHAPLYGIN and top.axis is not None and f == 0:
-            name, found = "F", _chaplygin(body.moments[top.axis], size, h)
+            name, values = "F", _chaplygin(body.moments[top.axis], size, h)
         else:
             return None
-    critical = sorted({CriticalValue(float(value), what) for value, what in found})
+    critical = sorted({CriticalValue(float(value), what) for value, what in values})
     return FourthIntegral(name, _own(scene, name, top.axis or 0), tuple(critical))
 
 
@@ -85,12 +85,12 @@ def _own(scene: Scene, name: str, axis: int) -> float:
 
 def _euler(body: RationalBody, h: Fraction, f: Fraction) -> list[tuple[Fraction, str]]:
     bounds = [2 * h * min(body.moments), 2 * h * max(body.moments)]
-    found = [
+    values = [
         (2 * h * a, f"rotation about axis {i + 1}")
         for i, a in enumerate(body.moments)
         if 2 * h * a >= f * f
     ]
-    return found + [(f * f, "G vertical")] * (bounds[0] <= f * f <= bounds[1])
+    return values + [(f * f, "G vertical")] * (bounds[0] <= f * f <= bounds[1])
 
 
 def _lagrange(
@@ -108,7 +108,7 @@ def _lagrange(
     c = 2 * area * spin - 2 * t * across
     d = across * energy - area * area
     gap = 18 * a * b * c * d - 4 * b**3 * d + b**2 * c**2 - 4 * a * c**3 - 27 * a**2 * d**2
-    found = []
+    values = []
     for root in real_roots(gap):
         at = root.ball
         ball = [_value(x, at) for x in (a, b, c, d)]
@@ -119,10 +119,10 @@ def _lagrange(
             u = (9 * ball[0] * ball[3] - ball[1] * ball[2]) / below
         pole = [name for sign, name in ((1, "upright"), (-1, "hanging")) if u.overlaps(arb(sign))]
         if pole:
-            found.append((at, f"{pole[0]}, or asymptotic to it"))
+            values.append((at, f"{pole[0]}, or asymptotic to it"))
         elif abs(u) < 1:
-            found.append((at, f"steady precession, u = {float(u):.6g}"))
-    return found
+            values.append((at, f"steady precession, u = {float(u):.6g}"))
+    return values
 
 
 def _kovalevskaya(
@@ -131,28 +131,28 @@ def _kovalevskaya(
     energy, a2 = h / c, torque_square / (c * c)
     m2 = f * f * a2 / (4 * c * c)
     k1 = energy - 2 * m2 / a2
-    found: list[tuple[arb | Fraction, str]] = []
+    values: list[tuple[arb | Fraction, str]] = []
     if k1 >= 0:
-        found.append((Fraction(0), "I"))
+        values.append((Fraction(0), "I"))
     if k1 != 0 and 4 * k1 * m2 <= a2 * a2:
-        found.append((k1 * k1, "II" if k1 > 0 else "III"))
+        values.append((k1 * k1, "II" if k1 > 0 else "III"))
     s = fmpq_poly([0, 1])
     cubic = s * (s + rational(energy)) ** 2 + rational(m2)
     for root in real_roots(cubic):
         value = _value(rational(a2) + 3 * s * s + 2 * rational(energy) * s, root.ball)
         if root.ball < 0 and not value < 0:
-            found.append((value, "IV"))
-    return found
+            values.append((value, "IV"))
+    return values
 
 
 def _chaplygin(c: Fraction, torque: arb, h: Fraction) -> list[tuple[arb, str]]:
-    found = [(arb(0), "F = 0")]
+    values = [(arb(0), "F = 0")]
     for sign in (1, -1):
         cube = (2 * rational(h / c) + sign * 2 * torque / rational(c)) ** 3 / 108
         if cube > 0:
             root = cube.sqrt()
-            found += [(root, "edge"), (-root, "edge")]
-    return found
+            values += [(root, "edge"), (-root, "edge")]
+    return values
 
 
 def _value(polynomial: Polynomial, at: arb) -> arb:

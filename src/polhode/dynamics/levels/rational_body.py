@@ -74,8 +74,8 @@ class Reach(NamedTuple):
         spare = MOST_SPREAD + 2 * min(gaps)
         unit = (log2(largest) + log2(square) / 2) / 2
         poles = {a for a, t in zip(moments, body.torque, strict=True) if t != 0}
-        if len(poles) == 1:  # nothing crowds; but most f are those of balls of BITS bits
-            return cls(0.0, _power(unit + MOST_SPREAD))
+        if len(poles) == 1:  # little crowds; but most f are those of balls of BITS bits
+            return cls(_power(unit - 2 * MOST_SPREAD), _power(unit + MOST_SPREAD))
         return cls(_power(unit - spare), _power(unit + spare))
 
     def __contains__(self, f: object) -> bool:

@@ -8,12 +8,12 @@ from polhode.common.text_tables import aligned
 from polhode.numbers.decimals import shown
 
 
-def report(found: Any, topology: str) -> str:
+def report(levels: Any, topology: str) -> str:
     """Two tables, and lines about the scene, of levels; ``topology``: of the scene's."""
     lines: list[str] = []
     rows = [
         [mark.kind, mark.family, *(f"{float(x):.12g}" for x in (mark.parameter, mark.f, mark.h))]
-        for mark in found.marks
+        for mark in levels.marks
     ]
     if rows:
         lines += aligned(["special point", "family", "s or om", "f", "h"], rows)
@@ -24,10 +24,10 @@ def report(found: Any, topology: str) -> str:
             "-inf" if curve.first is None else f"{float(curve.first):.6g}",
             "inf" if curve.last is None else f"{float(curve.last):.6g}",
         ]
-        for curve in found.curves
+        for curve in levels.curves
     ]
     lines += aligned(["permanent rotations", "type", "from s or om", "to"], rows)
-    here = found.here
+    here = levels.here
     edges = "" if here.region is None else f": edges {', '.join(map(str, here.region))}"
     least = f"least h at this f {here.least:.12g}"
     lines.append(f"scene  f = {shown(here.f)}, h = {shown(here.h)}, {least}")
@@ -35,6 +35,6 @@ def report(found: Any, topology: str) -> str:
     if here.fourth is not None:
         lines.append(f"fourth integral  {here.fourth.name} = {here.fourth.value:.12g}; critical:")
         lines += (f"  {value.value:<20.12g}{value.what}" for value in here.fourth.critical)
-    if not found.exact:
+    if not levels.exact:
         lines.append("irrational numbers of the body, or h and f, were rounded to 1024 bits")
     return "\n".join(lines)

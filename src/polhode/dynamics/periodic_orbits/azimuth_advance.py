@@ -29,16 +29,16 @@ class Advance(NamedTuple):
 
 def advance(scene: Scene, number: NumberType) -> Advance:
     """Of a scene that ends after one period, by one run from 0 to there."""
-    asked = replace(scene, outputs=("angles", "attitude"), events=(), times=(ZERO, scene.end))
+    period = replace(scene, outputs=("angles", "attitude"), events=(), times=(ZERO, scene.end))
     options = Options(project=False)
-    run = solve(asked, number, options, interruptible=False)
+    run = solve(period, number, options, interruptible=False)
     if run.outcome.done and run.angles is not None:
         try:
             first, last = (exactly(row[0]) for row in run.angles)
             return Advance(ordinary(to_mpf(last - first, number.bits)), True)
         except ValueError:  # no number: the third axis is vertical
             pass
-    alone = replace(asked, outputs=("attitude",))
+    alone = replace(period, outputs=("attitude",))
     run = solve(alone, number, options, interruptible=False)
     if not run.outcome.done or run.attitude is None:
         return Advance(None, False)

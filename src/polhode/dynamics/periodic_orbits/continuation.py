@@ -72,8 +72,8 @@ class Arc:
         ways = np.array([np.append(self.on.rates(member.found.state), 0.0), member.tangent])
         ways[1] /= self.metric
         along = conditions(self.held, self.on, self.level, ways, ahead)
-        found = closed(self.on, ahead[:6], float(ahead[6]), along)
-        return self.member(found, member.tangent)
+        orbit = closed(self.on, ahead[:6], float(ahead[6]), along)
+        return self.member(orbit, member.tangent)
 
     def between(self, first: Member, last: Member, off: Callable[[Member], float]) -> Member:
         """Where a function of members vanishes that has two signs at two of them.
@@ -109,13 +109,13 @@ class Arc:
         )
         return float(base.tangent @ (ahead / self.metric))
 
-    def member(self, found: Closed, before: Doubles | None) -> Member:
+    def member(self, orbit: Closed, before: Doubles | None) -> Member:
         """An orbit as a member; its tangent in the direction of one before it."""
-        on, state = self.on, found.state
+        on, state = self.on, orbit.state
         gradients = on.gradients(state)
         rows = np.zeros((4, 7))
         rows[:2, :6], rows[2, :6] = gradients[self.held], on.rates(state)
-        matrix = bordered(on, state, state, found.monodromy, rows)[:9]
+        matrix = bordered(on, state, state, orbit.monodromy, rows)[:9]
         matrix[:, :7] *= self.metric
         _, sizes, right = np.linalg.svd(matrix)
         if before is None and sizes[-1] < UNIQUE * sizes[0]:
@@ -125,7 +125,7 @@ class Arc:
             tangent = -tangent
         value = float(on.integrals(state)[self.index])
         slope = float(gradients[self.index] @ (self.metric[:6] * tangent[:6]))
-        return Member(found, tangent, value, slope)
+        return Member(orbit, tangent, value, slope)
 
 
 class Step(NamedTuple):
@@ -152,13 +152,13 @@ def stepped(arc: Arc, member: Member, length: float, ends: tuple[float, ...]) ->
             why, length = "the family bends too sharply", length / 2
             continue
         passed = sorted(_passed(arc, member, after, ends), key=lambda found: found[0])
-        told = tuple(one for _, one in passed)
+        special = tuple(one for _, one in passed)
         corrections = after.found.corrections
         if corrections <= EASY:
             length = min(LONGEST_STEP, 1.5 * length)
         elif corrections >= HARD:
             length /= 2
-        return Step(told, after, length)
+        return Step(special, after, length)
     raise NotClosed(why)
 
 
@@ -166,7 +166,7 @@ def _passed(
     arc: Arc, member: Member, after: Member, ends: tuple[float, ...]
 ) -> list[tuple[float, Passed]]:
     """The special members of a step, each with its place along the step."""
-    found = []
+    special = []
     marks: list[tuple[str, Callable[[Member], float]]] = [
         ("", lambda one: one.residue),
         (DOUBLING, lambda one: one.residue - 1),
@@ -177,5 +177,5 @@ def _passed(
             continue
         at = arc.between(member, after, off)
         turned = member.slope * after.slope < 0
-        found.append((arc.way(member, at), Passed(what or (FOLD if turned else BRANCH), at)))
-    return found
+        special.append((arc.way(member, at), Passed(what or (FOLD if turned else BRANCH), at)))
+    return special

@@ -294,8 +294,8 @@ def _exactly_there(on: Surface, arc: Arc, last: Member, by: str, value: Exact) -
     level = Surface(on.scene, value, on.f) if by == "h" else Surface(on.scene, on.h, value)
     state = last.found.state
     try:
-        found = closed(level, state, last.found.period, at_level(level, state))
-        return arc.member(found, last.tangent)
+        orbit = closed(level, state, last.found.period, at_level(level, state))
+        return arc.member(orbit, last.tangent)
     except NotClosed:
         return last
 
@@ -306,14 +306,14 @@ def _factor(on: Surface, by: str) -> float:
     return largest / unit**2 if by == "h" else largest / unit
 
 
-def point_of(on: Surface, found: Closed) -> FamilyPoint:
+def point_of(on: Surface, orbit: Closed) -> FamilyPoint:
     """An orbit in the units and axes of its scene."""
-    h, f, _ = on.integrals(found.state)
-    state = turned(on.scene, found.state)
+    h, f, _ = on.integrals(orbit.state)
+    state = turned(on.scene, orbit.state)
     return FamilyPoint(
         float(h) * _factor(on, "h"),
         float(f) * _factor(on, "f"),
-        float(found.period * float(on.unit)),
-        float(found.residue),
+        float(orbit.period * float(on.unit)),
+        float(orbit.residue),
         tuple(state.tolist()),
     )

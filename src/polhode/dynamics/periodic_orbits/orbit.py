@@ -322,10 +322,10 @@ def _first(on: Surface, start: Doubles, guesses: list[Return]) -> Closed:
     why = ""
     for guess in guesses:
         try:
-            found = closed(on, start, guess.time, at_level(on, start))
-            moved = moved_from(on, found, start)
+            orbit = closed(on, start, guess.time, at_level(on, start))
+            moved = moved_from(on, orbit, start)
             if moved <= ASTRAY * (guess.distance + off) + SAME:
-                return primitive(on, found)
+                return primitive(on, orbit)
             why = f"it led {moved:.2g} away from the start"
         except NotClosed as fault:
             why = str(fault)
@@ -333,30 +333,30 @@ def _first(on: Surface, start: Doubles, guesses: list[Return]) -> Closed:
     raise BadInput(on.scene.name, "start", None, expected)
 
 
-def moved_from(on: Surface, found: Closed, start: Doubles) -> float:
+def moved_from(on: Surface, orbit: Closed, start: Doubles) -> float:
     """How far a found start lies from another one, scaled."""
-    return float(np.linalg.norm((found.state - start) / on.scale(start)))
+    return float(np.linalg.norm((orbit.state - start) / on.scale(start)))
 
 
-def primitive(on: Surface, found: Closed) -> Closed:
+def primitive(on: Surface, orbit: Closed) -> Closed:
     """The same orbit with its shortest period."""
-    scale = on.scale(found.state)
+    scale = on.scale(orbit.state)
     for part in PARTS:
         while True:
-            time = found.period / part
+            time = orbit.period / part
             try:
-                end = double_array(on.plain_flow.after(found.state, time).state)
-                if np.max(np.abs(end - found.state) / scale) > SAME:
+                end = double_array(on.plain_flow.after(orbit.state, time).state)
+                if np.max(np.abs(end - orbit.state) / scale) > SAME:
                     break
-                found = closed(on, found.state, time, at_level(on, found.state))
+                orbit = closed(on, orbit.state, time, at_level(on, orbit.state))
             except (NotClosed, NotFollowed):
                 break
-    return found
+    return orbit
 
 
 def completed(
     on: Surface,
-    found: Closed,
+    orbit: Closed,
     anchor: Sequence[Exact],
     digits: int,
     name: str,
@@ -368,7 +368,7 @@ def completed(
     ``anchor``: see :func:`polhode.dynamics.periodic_orbits.high_precision.refined`.
     """
     try:
-        fine = high_precision.refined(on, found, anchor, digits, progress)
+        fine = high_precision.refined(on, orbit, anchor, digits, progress)
         if progress is not None:
             progress("the monodromy matrix")
         matrix = high_precision.monodromy(on, fine.state, fine.time, digits)
@@ -387,21 +387,21 @@ def completed(
         scene.end,
         fine.error,
         ordinary(to_mpf(matrix.residue, bits)),
-        _residue_error(matrix, found, fine),
+        _residue_error(matrix, orbit, fine),
         matrix.determinant,
         turned.psi,
         turned.whole,
         moved,
-        (found.corrections, fine.corrections),
+        (orbit.corrections, fine.corrections),
         on,
-        found,
+        orbit,
         scene.provenance(),
     )
 
 
-def _residue_error(matrix: Monodromy, found: Closed, fine: Refined) -> float:
+def _residue_error(matrix: Monodromy, orbit: Closed, fine: Refined) -> float:
     """About the error of a residue: what the matrix's exact properties miss, times its size."""
-    size = float(np.linalg.norm(found.monodromy, 2))
+    size = float(np.linalg.norm(orbit.monodromy, 2))
     return max(matrix.missed, float(matrix.number.eps), fine.error) * max(1.0, size)
 
 

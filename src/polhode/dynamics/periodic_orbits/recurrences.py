@@ -38,7 +38,7 @@ def near_returns(on: Surface, start: Doubles, most: int) -> Returns:
     times: Doubles = np.linspace(0.0, LOOKS * dt, LOOKS + 1).astype(np.float64)
     state, begun = start, 0.0
     before, here, largest, nearest = 0.0, 0.0, 0.0, np.inf
-    found: list[Return] = []
+    returns: list[Return] = []
     while begun < FARTHEST / float(scale[0]):
         try:
             rows = on.plain_flow.along(state, times)
@@ -53,10 +53,10 @@ def near_returns(on: Surface, start: Doubles, most: int) -> Returns:
                 least = max(0.0, here - bend * shift * shift / 2) ** 0.5
                 nearest = min(nearest, least / largest)
                 if least < NEAR * largest:
-                    found.append(Return(begun + float(times[k - 1]) + shift * dt, least))
-                    if len(found) == most:
-                        return Returns(tuple(found), nearest, begun + float(times[k]))
+                    returns.append(Return(begun + float(times[k - 1]) + shift * dt, least))
+                    if len(returns) == most:
+                        return Returns(tuple(returns), nearest, begun + float(times[k]))
             largest = max(largest, after**0.5)
             before, here = here, after
         state, begun = rows[-1], begun + float(times[-1])
-    return Returns(tuple(found), nearest, begun)
+    return Returns(tuple(returns), nearest, begun)

@@ -17,49 +17,49 @@ from polhode.numbers.exact import Exact
 Orbit = Any
 
 
-def report(found: Orbit) -> str:
+def report(orbit: Orbit) -> str:
     """Start, period and stability, a line each."""
-    more = found.digits + 2
-    gamma = found.scene.gamma or ()
-    residue = _known(exactly(found.residue), found.residue_error, found.digits)
+    more = orbit.digits + 2
+    gamma = orbit.scene.gamma or ()
+    residue = _known(exactly(orbit.residue), orbit.residue_error, orbit.digits)
     lines = [
-        f"period      {_decimal(found.period, more)}",
-        f"omega       {', '.join(_decimal(x, more) for x in found.scene.omega)}",
+        f"period      {_decimal(orbit.period, more)}",
+        f"omega       {', '.join(_decimal(x, more) for x in orbit.scene.omega)}",
         f"gamma       {', '.join(_placed(x, more) for x in gamma)}",
-        f"level       h = {shown(found.h)}, f = {shown(found.f)}",
-        f"residue     {residue}, {found.kind}",
+        f"level       h = {shown(orbit.h)}, f = {shown(orbit.f)}",
+        f"residue     {residue}, {orbit.kind}",
     ]
-    for real, imaginary in _multipliers(found):
+    for real, imaginary in _multipliers(orbit):
         sign = "-" if imaginary.startswith("-") else "+"
         side = f" {sign} {imaginary.lstrip('-')} i" if imaginary != "0" else ""
         lines.append(f"multiplier  {real}{side}")
-    return "\n".join([*lines, f"psi         {_advance(found)}"])
+    return "\n".join([*lines, f"psi         {_advance(orbit)}"])
 
 
-def _advance(found: Orbit) -> str:
-    error = found.psi_error  # 0 beyond the range of doubles
-    known = math.floor(-math.log10(error)) if error else found.digits - 2
-    places = min(found.digits, known)
-    if found.psi is None or places < 1:
+def _advance(orbit: Orbit) -> str:
+    error = orbit.psi_error  # 0 beyond the range of doubles
+    digits = math.floor(-math.log10(error)) if error else orbit.digits - 2
+    places = min(orbit.digits, digits)
+    if orbit.psi is None or places < 1:
         return "not known"
     closes = "the motion in space does not close in few periods"
-    if found.digits < high_precision.DIGITS_OF_TURNS:
+    if orbit.digits < high_precision.DIGITS_OF_TURNS:
         closes = "too few digits to tell whether the motion in space closes"
-    if found.turns is not None:
-        count = counted(found.turns.denominator, "period")
+    if orbit.turns is not None:
+        count = counted(orbit.turns.denominator, "period")
         closes = f"the motion in space closes after {count}"
-    return f"{_placed(exactly(found.psi), places)} per period; {closes}"
+    return f"{_placed(exactly(orbit.psi), places)} per period; {closes}"
 
 
-def _multipliers(found: Orbit) -> list[tuple[str, str]]:
+def _multipliers(orbit: Orbit) -> list[tuple[str, str]]:
     """Real and imaginary part of both, with the digits that are known."""
-    pairs, most = [], found.digits
-    for parts in found.multipliers:
+    pairs, most = [], orbit.digits
+    for parts in orbit.multipliers:
         real, imaginary = map(exactly, parts)
         one, size = complex(*map(float, parts)), max(1.0, abs(float(real)))
         # mu - 1/mu divides the error of mu + 1/mu = 2 - 4R; near +-1 its root is taken
         apart = abs(one - 1 / one)
-        error = 4 * found.residue_error * size / max(apart, math.sqrt(found.residue_error))
+        error = 4 * orbit.residue_error * size / max(apart, math.sqrt(orbit.residue_error))
         pairs.append((_known(real, error, most), _known(imaginary, error, most)))
     return pairs
 

@@ -159,21 +159,21 @@ def orbit_search(
     across = cells(scene.name, GRID if grid is None else grid, MOST_STARTS)
     asked = asked_of(scene, MOMENTUM, MAXIMA, h, f)
     on = Surface(scene, asked.h, asked.f)
-    found: list[Closed] = []
+    orbits: list[Closed] = []
     tried, interrupted = 0, False
     try:
         for guess in _guesses(on, across, most):
             tried += 1
             orbit = _closed(on, guess)
-            if orbit is not None and not any(_same(on, orbit, known) for known in found):
-                found.append(orbit)
+            if orbit is not None and not any(_same(on, orbit, other) for other in orbits):
+                orbits.append(orbit)
             if progress is not None:
-                progress(f"{tried} guesses, {len(found)} orbits")
+                progress(f"{tried} guesses, {len(orbits)} orbits")
     except KeyboardInterrupt:
         interrupted = True
-    found.sort(key=lambda one: float(one.period))
-    points = tuple(point_of(on, one) for one in found)
-    return OrbitSearch(scene, points, tried, interrupted, tuple(found), on, scene.provenance())
+    orbits.sort(key=lambda one: float(one.period))
+    points = tuple(point_of(on, one) for one in orbits)
+    return OrbitSearch(scene, points, tried, interrupted, tuple(orbits), on, scene.provenance())
 
 
 def picked(
@@ -232,33 +232,33 @@ def _least_around(cells: Doubles) -> Doubles:
     wide = np.pad(np.pad(cells, ((1, 1), (0, 0)), mode="wrap"), ((0, 0), (1, 1)), mode="edge")
     first, second = cells.shape
     parts = [wide[i : i + first, j : j + second] for i in range(3) for j in range(3)]
-    found: Doubles = np.min(parts, axis=0)
-    return found
+    least: Doubles = np.min(parts, axis=0)
+    return least
 
 
 def _closed(on: Surface, guess: Guess) -> Closed | None:
     """The orbit near a guess, with its shortest period; None where there is none."""
     try:
-        found = closed(on, guess.state, guess.time, at_level(on, guess.state))
+        orbit = closed(on, guess.state, guess.time, at_level(on, guess.state))
     except NotClosed:
         return None
-    if moved_from(on, found, guess.state) > ASTRAY * guess.distance:
+    if moved_from(on, orbit, guess.state) > ASTRAY * guess.distance:
         return None
-    return primitive(on, found)
+    return primitive(on, orbit)
 
 
-def _same(on: Surface, one: Closed, known: Closed) -> bool:
+def _same(on: Surface, one: Closed, other: Closed) -> bool:
     """Whether a state of one orbit lies on another: mirror images have period and residue alike."""
-    alike = abs(one.period - known.period) < ALIKE * known.period
-    if not alike or abs(one.residue - known.residue) > ALIKE * np.linalg.norm(known.monodromy):
+    alike = abs(one.period - other.period) < ALIKE * other.period
+    if not alike or abs(one.residue - other.residue) > ALIKE * np.linalg.norm(other.monodromy):
         return False
-    scale = on.scale(known.state)
+    scale = on.scale(other.state)
     try:
-        times = np.linspace(0, float(known.period), LOOKS + 1)
-        off = (on.plain_flow.along(known.state, times) - one.state) / scale
+        times = np.linspace(0, float(other.period), LOOKS + 1)
+        off = (on.plain_flow.along(other.state, times) - one.state) / scale
     except NotFollowed:
         return False
     near = off[int(np.argmin((off**2).sum(axis=1)))]
     way = on.rates(one.state) / scale
     across = near - (near @ way) / (way @ way) * way
-    return bool(np.linalg.norm(across) < 0.1 * float(known.period) / LOOKS * np.linalg.norm(way))
+    return bool(np.linalg.norm(across) < 0.1 * float(other.period) / LOOKS * np.linalg.norm(way))

@@ -81,8 +81,8 @@ def ground(scene: Scene, h: Exact, f: Exact) -> Ground:
         weight = to_double(mass * unit * unit * body.weight * size)
         centre = np.array([to_double(x / size) for x in arm])
     wide = to_extended(mass * unit * unit * h), to_extended(mass * unit * f)
-    found = Ground(moments, _frame(centre), weight, float(wide[0]), float(wide[1]))
-    momentum, speed = found.largest_momentum, found.fastest
+    level = Ground(moments, _frame(centre), weight, float(wide[0]), float(wide[1]))
+    momentum, speed = level.largest_momentum, level.fastest
     if not (1 / _LARGEST < momentum < _LARGEST and 1 / _FASTEST < speed < _FASTEST):
         scale = 2 * mass * unit * unit
         bounds = (_LARGEST, 1 / Fraction(moments.max())), (_FASTEST, Fraction(moments.min()))
@@ -90,7 +90,7 @@ def ground(scene: Scene, h: Exact, f: Exact) -> Ground:
         least = to_double(max(a / Fraction(top) ** 2 for top, a in bounds) / scale)
         expected = f"of a size that doubles have room for: from {least:.3g} to {most:.3g}"
         raise BadInput(scene.name, "h", shown(h), expected)
-    return found
+    return level
 
 
 def _frame(e3: Doubles) -> Doubles:
@@ -158,9 +158,9 @@ def _roots(on: Ground, kappa: Doubles, sig: Doubles, across: Doubles) -> Doubles
     companion = np.zeros((len(kappa), 6, 6))
     companion[:, 0, :] = -np.stack(coefficients[1:], axis=1) / coefficients[0][:, None]
     companion[:, np.arange(1, 6), np.arange(5)] = 1
-    found = np.linalg.eigvals(companion)
-    real = np.abs(found.imag) < 1e-5 * np.maximum(np.abs(found.real), 1e-3)
-    size = np.where(real & (found.real > 0), found.real * scale, np.nan)
+    roots = np.linalg.eigvals(companion)
+    real = np.abs(roots.imag) < 1e-5 * np.maximum(np.abs(roots.real), 1e-3)
+    size = np.where(real & (roots.real > 0), roots.real * scale, np.nan)
     with np.errstate(invalid="ignore"):
         other = np.sqrt(np.maximum(size * size - f * f, 0))
         side = -((kappa[:, None] * size**3 / 2 - h * size) + (weight * f * sig)[:, None]) / weight
@@ -194,12 +194,12 @@ def momentum_slope(on: Ground, states: Doubles) -> Doubles:
     if on.weight == 0:  # D' = gamma'.(e3 x G) + gamma.(e3 x G'), G' = G x w
         turning = np.cross(g, w)
         by = (turning * np.cross(e3, momentum)).sum(axis=1)
-        found: Doubles = by + (g * np.cross(e3, np.cross(momentum, w))).sum(axis=1)
-        return found
+        slope: Doubles = by + (g * np.cross(e3, np.cross(momentum, w))).sum(axis=1)
+        return slope
     across = np.cross(e3, g)
-    found = twice * (g @ e3) - (g * w).sum(axis=1) * (momentum @ e3)
-    found = on.weight * (found + on.weight * (across * across).sum(axis=1))
-    return found
+    slope = twice * (g @ e3) - (g * w).sum(axis=1) * (momentum @ e3)
+    slope = on.weight * (slope + on.weight * (across * across).sum(axis=1))
+    return slope
 
 
 def height_states(on: Ground, gamma: Doubles, side: Doubles, maxima: bool) -> Found:
@@ -224,8 +224,8 @@ def height_bend(on: Ground, states: Doubles) -> Doubles:
     w, g = states[:, :3], states[:, 3:]
     turning = (np.cross(g, on.torque) - np.cross(w, w * on.moments)) / on.moments
     second = np.cross(np.cross(g, w), w) + np.cross(g, turning)
-    found: Doubles = second @ (on.torque if on.weight else on.frame[2])
-    return found
+    bend: Doubles = second @ (on.torque if on.weight else on.frame[2])
+    return bend
 
 
 def coordinates(on: Ground, states: Doubles) -> tuple[Doubles, Doubles]:
@@ -264,7 +264,7 @@ def cells(first: int, second: int) -> tuple[Doubles, Doubles]:
 def gamma_at(on: Ground, azimuth: Doubles, u: Doubles) -> Doubles:
     """The unit vector of an azimuth about e3 and a cosine."""
     across = np.sqrt(1 - u * u)
-    found = (across * np.sin(azimuth))[:, None] * on.frame[0]
-    found = found + (across * np.cos(azimuth))[:, None] * on.frame[1]
-    found = found + u[:, None] * on.frame[2]
-    return np.asarray(found)
+    gamma = (across * np.sin(azimuth))[:, None] * on.frame[0]
+    gamma = gamma + (across * np.cos(azimuth))[:, None] * on.frame[1]
+    gamma = gamma + u[:, None] * on.frame[2]
+    return np.asarray(gamma)

@@ -48,14 +48,14 @@ def digits(
     from polhode.common.jobs import run_jobs
     from polhode.taylor.variations import tangent_batches
 
-    found: Doubles = np.full(times.shape, np.nan)
-    made = np.isfinite(times)
+    digits_left: Doubles = np.full(times.shape, np.nan)
+    is_crossing = np.isfinite(times)
     grazing = np.log(np.maximum(slants / STRAIGHT, 1.0))
-    last = np.where(made, times, 0.0).max(axis=1, initial=0.0)
+    last = np.where(is_crossing, times, 0.0).max(axis=1, initial=0.0)
     orbits = np.argsort(last, kind="stable")
     orbits = orbits[last[orbits] > 0]
     if len(orbits) == 0:
-        return found
+        return digits_left
     moments = np.array([to_double(a) for a in scene.body.moments])
     weight = np.array([to_double(x) for x in scene.body.axes.components(scene.body.torque)])
     slower = _slowness(starts, 4.0**scene.time_unit * weight, moments)
@@ -88,11 +88,11 @@ def digits(
         least = np.minimum.accumulate(np.where(np.isfinite(result.sizes), result.sizes, np.inf), 1)
         grown = np.where(np.isfinite(result.sizes), result.sizes - least, LOST)
         grown = np.maximum.accumulate(grown, axis=1)
-        looks = np.ceil(np.where(made[group], times[group], 0.0) / span).astype(int)
+        looks = np.ceil(np.where(is_crossing[group], times[group], 0.0) / span).astype(int)
         at = np.take_along_axis(grown, looks, axis=1)
         right = np.clip((LOST - at - grazing[group]) / math.log(10), 0.0, DOUBLE.most_digits)
-        found[group] = np.where(made[group], right, np.nan)
-    return found
+        digits_left[group] = np.where(is_crossing[group], right, np.nan)
+    return digits_left
 
 
 def slant(scene: Scene, zero: SectionZero, states: Doubles, fastest: float) -> Doubles:
@@ -114,8 +114,8 @@ def slant(scene: Scene, zero: SectionZero, states: Doubles, fastest: float) -> D
             across = across + gradient**2
             slope = slope + gradient * rate / scale
             speed = speed + (rate / scale) ** 2
-        found: Doubles = np.sqrt(across * speed) / np.abs(slope)
-    return found
+        slants: Doubles = np.sqrt(across * speed) / np.abs(slope)
+    return slants
 
 
 def _slowness(starts: Doubles, torque: Doubles, moments: Doubles) -> int:
@@ -131,5 +131,5 @@ def _slowness(starts: Doubles, torque: Doubles, moments: Doubles) -> int:
 def none_left_from(digits: Doubles) -> Integers:
     """The number, from 1 on, of the first crossing with less than one digit; 0: all have one."""
     gone = digits < 1
-    found: Integers = np.where(gone.any(axis=1), gone.argmax(axis=1) + 1, 0)
-    return found
+    first: Integers = np.where(gone.any(axis=1), gone.argmax(axis=1) + 1, 0)
+    return first

@@ -17,7 +17,7 @@ def tangents_of(
     ``alike``: the random part is the same for all, so that none depends on the others.
     """
     shape = starts.shape[1:] if alike else starts.shape
-    found = np.random.default_rng(SEED).normal(size=shape) + 0 * starts
+    tangents = np.random.default_rng(SEED).normal(size=shape) + 0 * starts
     w, g = starts[:, :3], starts[:, 3:]
     G = w * moments
     zero = np.zeros_like(g)
@@ -39,6 +39,6 @@ def tangents_of(
         basis.append(np.where(size > 1e-12, vector / np.maximum(size, 1e-300), 0.0))
     for _ in range(2):
         for other in basis:
-            found = found - (found * other).sum(axis=1)[:, None] * other
-    unit: Doubles = found / np.sqrt((found * found).sum(axis=1))[:, None]
+            tangents = tangents - (tangents * other).sum(axis=1)[:, None] * other
+    unit: Doubles = tangents / np.sqrt((tangents * tangents).sum(axis=1))[:, None]
     return unit

@@ -38,7 +38,7 @@ def jobs_of(
     from polhode.taylor.events.batch_zeros import Watched
 
     scene = asked.scene
-    known = level_of(scene, asked.h, asked.f)
+    level = level_of(scene, asked.h, asked.f)
     k = principal.coefficients(scene.body, scene.time_unit)
     constants = tuple(map(to_double, k.values()))
     own = np.tile(constants, (len(states), 1))
@@ -50,7 +50,7 @@ def jobs_of(
             *(watched, direction, count, np.inf, chunk, own[first : first + LANES]),
             states[first : first + LANES],
             patience=patience,
-            level=known,
+            level=level,
         )
         for first in range(0, len(states), LANES)
     ]

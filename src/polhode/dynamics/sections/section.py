@@ -97,8 +97,8 @@ class Section(Result, ByValue):
 
     def __repr__(self) -> str:
         orbits = counted(len(self.counts), "orbit")
-        made = counted(int(self.counts.sum()), "crossing")
-        return f"<Section of {self.scene.name} by {self.by}: {orbits}, {made}>"
+        crossings = counted(int(self.counts.sum()), "crossing")
+        return f"<Section of {self.scene.name} by {self.by}: {orbits}, {crossings}>"
 
     @cached_property
     def digits(self) -> Doubles:
@@ -272,15 +272,15 @@ def section(
         words = "crossings in all; a coarser grid, or fewer of each orbit"
         refuse_too_much(scene.name, "section", what, orbits * count, _BYTES, words)
 
-    found = starts_of(asked, on, starts, grid, lambda orbits: forecast(orbits, "more than "))
-    forecast(len(found.states))
+    begun = starts_of(asked, on, starts, grid, lambda orbits: forecast(orbits, "more than "))
+    forecast(len(begun.states))
     zero = section_jobs.zero_of(asked.scene, on, asked.by)
     direction = 0
     if asked.by in (MOMENTUM, HEIGHT):
         direction = -1 if asked.extremum == MAXIMA else 1
-    _refuse_constant(asked, on, zero, found.states)
-    jobs = section_jobs.jobs_of(asked, on, zero, direction, count, found.states)
-    key = scene.text, str(asked[1:]), count, direction, found.states
+    _refuse_constant(asked, on, zero, begun.states)
+    jobs = section_jobs.jobs_of(asked, on, zero, direction, count, begun.states)
+    key = scene.text, str(asked[1:]), count, direction, begun.states
     kept = JobCheckpoint.at(parts, "section", *key)
     with _refused(asked, on, kept):
         finished = run_jobs(
@@ -299,11 +299,11 @@ def section(
     if asked.by not in (MOMENTUM, HEIGHT) and not crossed.found.any():
         with _refused(asked, on, kept):
             _refuse_never_zero(asked, on, zero)
-    states = found.states[finished.rows]
+    states = begun.states[finished.rows]
     angles = geometry.height_coordinates if asked.by == HEIGHT else geometry.coordinates
     l, ratio = geometry.coordinates(on, crossed.states)
     unit = 2.0**scene.time_unit
-    made = Section(
+    result = Section(
         scene,
         asked.h,
         asked.f,
@@ -325,8 +325,8 @@ def section(
         accuracy,
     )
     if accuracy:
-        _ = made.digits
-    return made
+        _ = result.digits
+    return result
 
 
 def _refuse_constant(asked: Asked, on: Ground, zero: SectionZero, states: Doubles) -> None:

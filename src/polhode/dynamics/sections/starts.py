@@ -84,15 +84,15 @@ def asked_of(
             ("f", f, own.area, AREA),
         )
     ]
-    found = Asked(scene, level[0], level[1], by, extremum)
+    plan = Asked(scene, level[0], level[1], by, extremum)
     body = RationalBody.of(scene.body)
-    near = fraction_near(found.f, BODY_BITS)[0]
+    near = fraction_near(plan.f, BODY_BITS)[0]
     refuse_far(scene.name, "f", body, near)
     least = least_energy(body, families(body), near)
-    if to_double(found.h) <= least:
-        expected = f"above {least:.12g}, the least energy at f = {shown(found.f)}"
-        raise BadInput(scene.name, "h", shown(found.h), expected)
-    return found
+    if to_double(plan.h) <= least:
+        expected = f"above {least:.12g}, the least energy at f = {shown(plan.f)}"
+        raise BadInput(scene.name, "h", shown(plan.h), expected)
+    return plan
 
 
 def starts_of(
@@ -116,11 +116,11 @@ def starts_of(
             many = len(_in_cells(asked, on, angle[some], cosine[some]).states)
             sure = max(0, many - int(8 * many**0.5))  # four deviations of up to four a cell
             foretold(sure * len(angle) // _FEW)
-        found = _in_cells(asked, on, angle, cosine)
-        if len(found.states) == 0:
+        points = _in_cells(asked, on, angle, cosine)
+        if len(points.states) == 0:
             expected = "a finer grid: no cell's centre is on the level"
             raise BadInput(name, "grid", f"{first}x{second}", expected)
-        return found
+        return points
     if isinstance(starts, str) and starts == OWN:
         return geometry.Found(_own(asked, on)[None, :], np.zeros(1, dtype=int))
     if isinstance(starts, (str, Path)):
@@ -163,24 +163,24 @@ def _momentum_start(asked: Asked, on: Ground, key: str, row: Sequence[float]) ->
     if not -1 < row[1] < 1:
         raise BadInput(name, key, shown_row, "L/G between -1 and 1")
     maxima = asked.extremum == MAXIMA
-    found = geometry.momentum_states(on, np.array([row[0]]), np.array([row[1]]), maxima)
+    candidates = geometry.momentum_states(on, np.array([row[0]]), np.array([row[1]]), maxima)
     k = int(row[2]) if len(row) == 3 else 0
-    if not 0 <= k < len(found.states):
+    if not 0 <= k < len(candidates.states):
         kind = f"{'maxima' if maxima else 'minima'} of |G|"
-        expected = f"k below {len(found.states)}"
-        if not len(found.states):
+        expected = f"k below {len(candidates.states)}"
+        if not len(candidates.states):
             expected = _where(on, row[0], maxima)
         raise BadInput(name, key, shown_row, f"a point with {kind}: {expected}")
-    return _moving(asked, on, key, shown_row, found.states[k])
+    return _moving(asked, on, key, shown_row, candidates.states[k])
 
 
 def _where(on: Ground, l: float, maxima: bool) -> str:
     """The range of L/G that has states at this l."""
     sig = -1 + (np.arange(1000) + 0.5) / 500
-    found = geometry.momentum_states(on, np.full(1000, l), sig, maxima)
-    if len(found.of) == 0:
+    candidates = geometry.momentum_states(on, np.full(1000, l), sig, maxima)
+    if len(candidates.of) == 0:
         return "there is none at this l"
-    inside = sig[found.of]
+    inside = sig[candidates.of]
     return f"at this l they lie from L/G = {inside.min():.4g} to {inside.max():.4g}"
 
 
@@ -194,10 +194,10 @@ def _height_start(asked: Asked, on: Ground, key: str, row: Sequence[float]) -> D
     gamma = (turned @ np.array(row[:3]) / length)[None, :]
     maxima = asked.extremum == MAXIMA
     for kind in (maxima, not maxima):
-        found = geometry.height_states(on, gamma, np.array([row[3]]), kind)
-        if len(found.states):
+        candidates = geometry.height_states(on, gamma, np.array([row[3]]), kind)
+        if len(candidates.states):
             break
-    if not len(found.states):
+    if not len(candidates.states):
         inertia = float((gamma[0] ** 2 * on.moments).sum())
         least = on.f**2 / (2 * inertia) + float(gamma[0] @ on.torque)
         if least > on.h:
@@ -211,7 +211,7 @@ def _height_start(asked: Asked, on: Ground, key: str, row: Sequence[float]) -> D
     if kind is not maxima:
         expected = f"a {'maximum' if maxima else 'minimum'} of the height; this is the other kind"
         raise BadInput(name, key, shown_row, expected)
-    return _moving(asked, on, key, shown_row, found.states[0])
+    return _moving(asked, on, key, shown_row, candidates.states[0])
 
 
 def _moving(asked: Asked, on: Ground, key: str, shown_row: str, state: Doubles) -> Doubles:

@@ -63,15 +63,15 @@ def panels(plt: Any, axes: Any, rows: int, columns: int = 1, **how: Any) -> tupl
     import numpy as np
 
     if axes is None:
-        made: tuple[Any, Any] = plt.subplots(
+        subplots: tuple[Any, Any] = plt.subplots(
             rows, columns, squeeze=False, layout="constrained", **how
         )
-        return made
-    given = np.ravel(np.asarray(axes, dtype=object))
-    if len(given) != rows * columns or not all(hasattr(x, "plot") for x in given):
+        return subplots
+    given_axes = np.ravel(np.asarray(axes, dtype=object))
+    if len(given_axes) != rows * columns or not all(hasattr(x, "plot") for x in given_axes):
         expected = f"{rows * columns} matplotlib axes, one for each panel"
-        raise BadInput("plot", "axes", f"{len(given)} things", expected)
-    return given[0].figure, given.reshape(rows, columns)
+        raise BadInput("plot", "axes", f"{len(given_axes)} things", expected)
+    return given_axes[0].figure, given_axes.reshape(rows, columns)
 
 
 def over_time(
@@ -84,18 +84,18 @@ def over_time(
 ) -> tuple[Any, Any]:
     """A figure and its panels above one another: a label each, and curves over time by name."""
     size = 5.6, 0.6 + (1.5 if len(rows) > 1 else 2.2) * len(rows)
-    figure, made = panels(plt, axes, len(rows), sharex=True, figsize=size, **how)
-    for panel, (label, curves) in zip(made[:, 0], rows.items(), strict=True):
+    figure, grid = panels(plt, axes, len(rows), sharex=True, figsize=size, **how)
+    for panel, (label, curves) in zip(grid[:, 0], rows.items(), strict=True):
         for (name, values), colour in zip(curves.items(), (*series(3), LAST), strict=False):
             panel.plot(t, values, color=colour, label=name, gid=name)
         panel.set_ylabel(label)
         if len(curves) > 1:
             panel.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
-    made[-1, 0].set_xlabel(time_label(scene))
+    grid[-1, 0].set_xlabel(time_label(scene))
     if min(t) < max(t):  # one time alone has a place of its own
-        made[-1, 0].set_xlim(min(t), max(t))
+        grid[-1, 0].set_xlim(min(t), max(t))
     figure.align_ylabels()
-    return figure, made[:, 0]
+    return figure, grid[:, 0]
 
 
 def legend_of(figure: Any, axes: Any) -> Any:
@@ -109,11 +109,11 @@ def legend_of(figure: Any, axes: Any) -> Any:
 
 def legend(place: Callable[..., Any], axes: Iterable[Any], **how: Any) -> None:
     """Every name of the panels once; ``place``: makes a legend."""
-    found: dict[str, Any] = {}
+    handles: dict[str, Any] = {}
     for panel in axes:
         for handle, name in zip(*panel.get_legend_handles_labels(), strict=True):
-            found.setdefault(name, handle)
-    place(found.values(), found.keys(), **{"frameon": False} | how)
+            handles.setdefault(name, handle)
+    place(handles.values(), handles.keys(), **{"frameon": False} | how)
 
 
 def as_svg(figure: Any, title: str | None = None) -> str:

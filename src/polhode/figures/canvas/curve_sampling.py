@@ -94,21 +94,21 @@ def run(
 ) -> Trajectory:
     """A scene integrated at these times with these outputs; of its events only a stop."""
     events = tuple(event for event in scene.events if event.stop)
-    asked = replace(scene, times=times, outputs=outputs, events=events)
-    chosen = choose_number(asked, number, digits)
+    plain = replace(scene, times=times, outputs=outputs, events=events)
+    chosen = choose_number(plain, number, digits)
     options = Options(project=project, digits=digits)
-    return solve(asked, chosen, options, progress, interruptible=False)
+    return solve(plain, chosen, options, progress, interruptible=False)
 
 
-def of_run(found: Trajectory) -> Samples:
+def of_run(trajectory: Trajectory) -> Samples:
     """A run's columns."""
-    scene = found.scene
-    parts: list[tuple[tuple[str, ...], Given]] = [(scene.columns, found.states)]
-    parts += [(COLUMNS[word].names, rows) for word, rows in found.outputs.items()]
-    columns = {"t": np.array([to_double(t) for t in found.times])}
+    scene = trajectory.scene
+    parts: list[tuple[tuple[str, ...], Given]] = [(scene.columns, trajectory.states)]
+    parts += [(COLUMNS[word].names, rows) for word, rows in trajectory.outputs.items()]
+    columns = {"t": np.array([to_double(t) for t in trajectory.times])}
     for names, rows in parts:
         columns |= dict(zip(names, doubles(rows).T, strict=True))
-    return Samples(scene.name, columns, scene, float(found.number.eps))
+    return Samples(scene.name, columns, scene, float(trajectory.number.eps))
 
 
 def of_table(table: Table, scene: Scene | None) -> Samples:

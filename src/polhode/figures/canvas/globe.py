@@ -40,13 +40,13 @@ class Globe:
         a, e = math.radians(self.azimuth), math.radians(self.elevation)
         right = np.array([-math.sin(a), math.cos(a), 0])
         up = np.array([-math.sin(e) * math.cos(a), -math.sin(e) * math.sin(a), math.cos(e)])
-        found: Doubles = np.asarray(points) @ np.array([right, up]).T
-        return found
+        places: Doubles = np.asarray(points) @ np.array([right, up]).T
+        return places
 
     def facing(self, points: Doubles) -> Doubles:
         """Above 0 for a point of the surface that the viewer sees."""
-        found: Doubles = np.asarray(points) / np.array(self.semi_axes) ** 2 @ self.towards
-        return found
+        cosines: Doubles = np.asarray(points) / np.array(self.semi_axes) ** 2 @ self.towards
+        return cosines
 
     def curve(
         self, axes: Any, points: Doubles, colour: str, hidden: str, name: str = "", **style: Any
@@ -102,8 +102,8 @@ class Globe:
         first = first / np.linalg.norm(first)
         second = np.cross(normal, first) / np.linalg.norm(normal)
         turn = np.radians(np.arange(0, 362, 2))[:, None]
-        found: Doubles = (np.cos(turn) * first + np.sin(turn) * second) * self.semi_axes
-        return found
+        points: Doubles = (np.cos(turn) * first + np.sin(turn) * second) * self.semi_axes
+        return points
 
     def arms(self, axes: Any, labels: Sequence[str]) -> None:
         """The three axes outside the surface, named."""

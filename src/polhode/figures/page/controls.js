@@ -107,7 +107,9 @@ function tick(now) {
 
 // Fewer pixels where frames come slowly.
 function less() {
-  for (const {painter} of views) painter.detail = Math.max(COARSE, 0.7 * painter.detail);
+  if (!views.length) return;
+  const [{painter}] = views;
+  painter.detail = Math.max(COARSE, 0.7 * painter.detail);
 }
 
 function begin() {
@@ -115,17 +117,18 @@ function begin() {
   start = new Start(own);
   curves = new Curves(part("angles"));
   try {
-    views = [new BodyView(part("body"), own), new RollingView(part("rolling"), own)];
+    const painter = new Painter();
+    views = [["body", BodyView], ["rolling", RollingView]].map(
+      ([name, View]) => new View(part(name), painter, own));
+    painter.canvas.addEventListener("webglcontextlost", () => {
+      part("fault").textContent = "The browser gave this page's pictures up; load it again.";
+      part("fault").hidden = false;
+    });
   } catch (fault) {
     part("fault").textContent = `Nothing can be drawn here: ${fault.message}.`;
     part("fault").hidden = false;
     views = [];
   }
-  for (const {canvas} of views)
-    canvas.addEventListener("webglcontextlost", () => {
-      part("fault").textContent = "The browser gave this page's pictures up; load it again.";
-      part("fault").hidden = false;
-    });
   const hash = new URLSearchParams(location.hash.slice(1));  // #t=3&play=0: a moment to link to
   const asked = hash.has("t") ? Number(hash.get("t")) : own.begin;
   time = Number.isFinite(asked) ? Math.min(own.end, Math.max(own.begin, asked)) : own.begin;

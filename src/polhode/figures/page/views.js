@@ -28,12 +28,10 @@ function along(direction, at = [0, 0, 0], size = 1) {
 }
 
 class View {
-  constructor(canvas, camera) {
-    this.canvas = canvas;
-    this.painter = new Painter(canvas);
+  constructor(canvas, painter, camera) {
+    Object.assign(this, {canvas, painter});
     this.home = camera;
     this.camera = {...camera};
-    const painter = this.painter;
     this.tip = painter.solid(new Solid().revolve([[0, 0], [0.032, 0], [0, 0.11]], 16, 1));
     this.dot = painter.solid(new Solid().ellipsoid([0.028, 0.028, 0.028], 10, 1));
     this.segment = painter.curve([[0, 0, 0], [0, 0, 1]]);
@@ -107,9 +105,8 @@ class View {
 // The body, the vertical, and the path on the sphere about the fixed point; behind a preview, in
 // grey, the path and the axis of polhode's own motion.
 class BodyView extends View {
-  constructor(canvas, motion) {
-    super(canvas, {azimuth: 0.9, elevation: 0.32, distance: 5.0});
-    const painter = this.painter;
+  constructor(canvas, painter, motion) {
+    super(canvas, painter, {azimuth: 0.9, elevation: 0.32, distance: 5.0});
     this.own = motion;
     this.lines = painter.lines(graticule());
     this.globe = painter.solid(new Solid().ellipsoid([1, 1, 1], SLOW ? 12 : 24));
@@ -133,7 +130,7 @@ class BodyView extends View {
   draw(t, shown) {
     const {painter, motion} = this, q = motion.attitude(t), turn = turned(q);
     const apex = rotate(q, motion.apex), now = (t - motion.begin) / motion.step;
-    painter.begin(this.camera, [0, 0, 0.06]);
+    painter.begin(this.canvas, this.camera, [0, 0, 0.06]);
     for (const {made, place} of this.parts) painter.drawSolid(made, times(turn, place), BLUE);
     this.arrow([0, 0, 1.3], DARK, 1.8);
     this.mark([0, 0, 0], DARK);
@@ -151,13 +148,14 @@ class BodyView extends View {
     if (shown.path)
       painter.drawCurve(this.drawn.path, IDENTITY, ORANGE, 2.6, now, faint(ORANGE, 0.3));
     if (shown.sphere) painter.drawSolid(this.globe, IDENTITY, faint(GREY, 0.07));
+    painter.copy(this.canvas);
   }
 }
 
 // Poinsot: what omega describes in the body rolls upon what it describes in space.
 class RollingView extends View {
-  constructor(canvas, motion) {
-    super(canvas, {azimuth: 0.7, elevation: motion.poinsot ? 0.4 : 0.35, distance: 5.0});
+  constructor(canvas, painter, motion) {
+    super(canvas, painter, {azimuth: 0.7, elevation: motion.poinsot ? 0.4 : 0.35, distance: 5.0});
     this.show(motion);
   }
 
@@ -206,7 +204,7 @@ class RollingView extends View {
     const {painter, motion, drawn} = this, free = motion.poinsot;
     const q = motion.attitude(t), turn = times(this.level, turned(q));
     const now = (t - motion.begin) / motion.step;
-    painter.begin(this.camera, [0, 0, free ? -0.25 : 0]);
+    painter.begin(this.canvas, this.camera, [0, 0, free ? -0.25 : 0]);
     const w = scale(1 / motion.fastest, rotate(q, motion.omega(t)));
     const [x, y, z] = [0, 1, 2].map(i => dot([0, 1, 2].map(j => this.level[4 * j + i]), w));
     this.mark([0, 0, 0], DARK);
@@ -222,5 +220,6 @@ class RollingView extends View {
     } else {
       this.drawCones(now, turn);
     }
+    painter.copy(this.canvas);
   }
 }

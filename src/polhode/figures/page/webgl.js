@@ -94,9 +94,11 @@ const CURVE_SHADERS = [`#version 300 es
 
 const CLEAR = [0, 0, 0, 0];
 
+// One for all pictures of a page, each of which is copied: browsers have few contexts of WebGL.
 class Painter {
   // detail: pixels drawn for each pixel of the screen, in each direction; 1 at most.
-  constructor(canvas) {
+  constructor() {
+    const canvas = document.createElement("canvas");
     const gl = canvas.getContext("webgl2", {antialias: !SLOW, premultipliedAlpha: true});
     if (!gl) throw new Error("this browser has no WebGL 2");
     Object.assign(this, {canvas, gl, detail: 1});
@@ -180,10 +182,10 @@ class Painter {
     this.gl.deleteBuffer(buffer);
   }
 
-  // A clear page, seen from (azimuth, elevation, distance), looking at a point.
-  begin({azimuth, elevation, distance}, middle) {
+  // A clear picture as large as an element, from (azimuth, elevation, distance), of a point.
+  begin({clientWidth, clientHeight}, {azimuth, elevation, distance}, middle) {
     const {gl, canvas} = this, ratio = (window.devicePixelRatio || 1) * this.detail;
-    const [w, h] = [canvas.clientWidth, canvas.clientHeight].map(x => Math.round(x * ratio));
+    const [w, h] = [clientWidth, clientHeight].map(x => Math.round(x * ratio));
     if (canvas.width !== w || canvas.height !== h) { canvas.width = w; canvas.height = h; }
     gl.viewport(0, 0, w, h);
     gl.clearColor(0, 0, 0, 0);
@@ -201,6 +203,15 @@ class Painter {
       0, 0, (far + near) / (near - far), -1, 0, 0, 2 * far * near / (near - far), 0]);
     this.size = [w, h];
     this.ratio = ratio;
+  }
+
+  // What was drawn since the beginning, onto a canvas.
+  copy(onto) {
+    const {canvas} = this;
+    if (!canvas.width || !canvas.height) return;  // of a page that is hidden
+    onto.width = canvas.width;  // which clears it
+    onto.height = canvas.height;
+    onto.getContext("2d").drawImage(canvas, 0, 0);
   }
 
   use(program, made, model, colour) {

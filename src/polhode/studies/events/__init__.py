@@ -1,1 +1,1 @@
-"""Event times in ulps, counts, grazing contacts, cost."""
+"""Event times in ulps, counts, cost."""

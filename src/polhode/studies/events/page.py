@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from polhode.common.json_text import JsonObject
-from polhode.studies.page.tables import CASE, DIGITS, END, NUMBER, Column, PageTable, table, yes
+from polhode.studies.page.tables import CASE, DIGITS, END, NUMBER, Column, PageTable, table
 from polhode.studies.page.words import share
 
 _ZERO = Column("zero", "zero", "code", "an event is where this is zero")
-_FOUND = Column("found", "found", "d", "events that the run found")
-_UNDECIDED = Column("undecided", "grazing", "d", "contacts that rounding decides, reported as such")
 _TIMES = (
     Column("motion", "what", meaning="what the events are"),
     CASE,
@@ -36,15 +34,6 @@ _PROVEN = (
     Column("its largest error", "error", ".1e", "the largest error of a time of that run"),
     Column("radius", "radius", ".1e", "the largest radius of a proven time"),
 )
-_GRAZING = (
-    NUMBER,
-    Column("shift", "shift", ">", "how far below the largest value of q the event lies"),
-    Column("touches", "touches", "d", "how often q reaches its largest value"),
-    _FOUND,
-    _UNDECIDED,
-    Column("as expected", yes("as_expected"), meaning="whether the counts are the right ones"),
-)
-_CUSPS = (NUMBER, Column("cusps", "cusps", "d"), _FOUND, _UNDECIDED)
 _COST = (
     NUMBER,
     Column("steps", "steps.0", "d"),
@@ -68,10 +57,6 @@ def tables(found: JsonObject) -> dict[str, PageTable]:
         "near": table(near, _TIMES, f"{again} {{1}} --only '{{0}}'"),
         "far": table(far, _TIMES, f"{again} {{1}} --only '{{0}}'"),
         "proven": table(_proven(found), _PROVEN, f"{again} {{0}}"),
-        "grazing": table(
-            found["grazing"], _GRAZING, f"{again} grazing --only {{0}} --only 'shift {{1}}'"
-        ),
-        "cusps": table(found["cusps"], _CUSPS, f"{again} cusps --only {{0}}"),
         "cost": table(found["cost"], _COST, f"{again} cost --only {{0}}"),
     }
 
@@ -87,7 +72,6 @@ def facts(found: JsonObject) -> dict[str, object]:
         "whole": share(run["complete"] for run in far),
         "ulps": max((run["ulps"] for run in near if "ulps" in run), default=0),
         "exact": share(run["complete"] and run["found"] == run["true"] for run in [*near, *far]),
-        "grazed": share(row["as_expected"] for row in found["grazing"]),
         "same": share(
             row["undecided"] == 0 and row["proven"] == row["double"] for row in _proven(found)
         ),

@@ -1,4 +1,4 @@
-"""Study ``events``: event times and counts against closed forms, grazing, and what events cost."""
+"""Study ``events``: event times and counts against closed forms, and what events cost."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from polhode.common.executors import cores, in_order
 from polhode.common.progress import Message
 from polhode.enclosures.events import certify_events
 from polhode.judging.adaptive_precision import integrate
-from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers import decimals, exact, number_types
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
@@ -25,8 +24,7 @@ from polhode.studies.row_filter import Only
 
 QUESTION = (
     "How close are event times to those of closed forms, in units in the last place of the time? "
-    "Is every event counted once to t = 10 000? What becomes of contacts that rounding decides, "
-    "and what does an event cost?"
+    "Is every event counted once to t = 10 000, and what does an event cost?"
 )
 PERIODS = 10  # over which every event is judged in every number type
 FAR = {"double": 10_000, "extended": 10_000, "quad": 1_000}
@@ -54,11 +52,6 @@ MOTIONS = (
     EventMotion("kovalevskaya/delaunay", "q", "Delaunay's motion: q = 0"),
 )
 
-#: q of euler/largest-axis reaches sqrt(7/25) once a period: (2hC - G²)/(B(C - B)) where p = 0.
-TOUCHING = EventMotion("euler/largest-axis", "q - sqrt(7/25)", "q touches its largest value")
-TOUCHES = EventMotion("euler/largest-axis", "p", "")
-SHIFTS = ("0", "1e-6", "-1e-6", "1e-10", "-1e-10")
-
 COSTED = "general/asymmetric-regular"
 COST_ENDS = {"double": 2000, "extended": 200, "quad": 5, "mp": 2}
 COST_EVENTS = ("p*gamma2 - q*gamma1", "q", "gamma3 - 1/2")
@@ -67,7 +60,6 @@ COST_EVENTS = ("p*gamma2 - q*gamma1", "q", "gamma3 - 1/2")
 def rows(quick: bool, say: Message, wanted: Only) -> dict[str, Any]:
     """The study's rows; only the seconds in them depend on the clock."""
     far = QUICK_FAR if quick else FAR
-    names = number_types.NAMES[: 2 if quick else 4]
     jobs: list[tuple[Any, ...]] = [
         *(
             ("motions", m, far)
@@ -75,8 +67,6 @@ def rows(quick: bool, say: Message, wanted: Only) -> dict[str, Any]:
             if wanted(m.case, m.what)
         ),
         *(("proven", name, PROVEN_END) for name in PROVEN[: 1 if quick else 2] if wanted(name)),
-        *(("grazing", n, s) for n in names for s in SHIFTS if wanted("grazing", n, f"shift {s}")),
-        *(("cusps", n) for n in names if wanted("cusps", n)),
     ]
     workers = 1 if quick or len(jobs) == 1 else cores()
     made = in_order(_made, jobs, workers, lambda job: say(f"{job[0]}, {_told(job[1])}"))
@@ -157,48 +147,6 @@ def _watching(scene: Scene, *zeros: str) -> Scene:
     return replace(scene, events=events, outputs=())
 
 
-# -- contacts ---------------------------------------------------------------------------------
-
-
-def _grazing(name: str, shift: str) -> dict[str, Any]:
-    """q against its largest value less a shift: a contact, two crossings, or none, once a period.
-
-    Of a touch rounding decides, and one undecided contact is to be reported.
-    """
-    scene = library.load(TOUCHING.case)
-    end = 100 if name in ("double", "extended") else 40
-    zeros = Zeros(scene, TOUCHES.zero)
-    reference = reference_of(scene)
-    touches = sum(reference.at([t], 10)[0][1] > 0 for t in zeros.until(end))
-    text = TOUCHING.zero if shift == "0" else f"{TOUCHING.zero} + {shift}"
-    run = integrate(_watching(scene, text), name, at=[end])
-    (event,) = run.events
-    expected = (touches, touches) if shift == "0" else (2 * touches * (float(shift) > 0), 0)
-    return {
-        "number": name,
-        "shift": shift,
-        "touches": touches,
-        "found": len(event.times),
-        "grazing": sum(event.grazing),
-        "as_expected": expected == (len(event.times), sum(event.grazing)),
-    }
-
-
-def _cusps(name: str) -> dict[str, Any]:
-    """psi' of the cusped top vanishes at each cusp and is positive else: a grazing contact each."""
-    scene = library.load("lagrange/cusped")
-    reference = reference_of(scene)
-    end = 100 if name in ("double", "extended") else 20
-    run = integrate(_watching(scene, "p*gamma1 + q*gamma2"), name, at=[end])
-    (event,) = run.events
-    return {
-        "number": name,
-        "cusps": math.floor(end * float(reference.frequencies["nutation"]) / (2 * math.pi)),
-        "found": len(event.times),
-        "grazing": sum(event.grazing),
-    }
-
-
 # -- proven -----------------------------------------------------------------------------------
 
 
@@ -228,8 +176,6 @@ def _proven(name: str, end: int) -> dict[str, Any]:
 _MAKERS: dict[str, Callable[..., dict[str, Any]]] = {
     "proven": _proven,
     "motions": _motion,
-    "grazing": _grazing,
-    "cusps": _cusps,
 }
 
 # -- cost -------------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ from polhode.studies.page.case_runs import (
     runs_of,
 )
 from polhode.studies.page.tables import CASE, NUMBER, STEPS, Column, PageTable, table
-from polhode.studies.page.words import counted, formatted, share
+from polhode.studies.page.words import formatted, share
 
 _AGAIN = "polhode study stability --only {0}"
 
@@ -60,17 +60,6 @@ _BEHIND = (
     STEPS,
     Column("limited by", "limit"),
 )
-_REST = (
-    CASE,
-    Column("at rest", "rests", meaning="what is constant by the exact equations"),
-    *(
-        Column(
-            *(name, f"strays_eps.{name}", ".3g"),
-            "its largest departure during the run, in eps of the number type",
-        )
-        for name in NUMBERS
-    ),
-)
 _BACK = (
     CASE,
     _KAPPA,
@@ -89,26 +78,12 @@ _BACK = (
     ),
     Column("within kappa·eps", lambda case: _within(case["runs"])),
 )
-_LIMITS = (
-    Column("beyond the limit", "limit", "", "what is asked for that cannot be"),
-    Column("command", "command", "code"),
-    Column("scene.toml", "scene", "code", "what it has in place of a Lagrange top's numbers"),
-    Column("exit code", lambda row: f"{row['exit_code']}{_unexpected(row)}", ">"),
-    Column("stderr, last line", "lines.-1", "code"),
-)
-
-
-def _unexpected(row: JsonObject) -> str:
-    return "" if row["as_expected"] else " (not as expected)"
-
-
 _UNJUDGED = (
     CASE,
     NUMBER,
     Column("why", lambda run: run.get("limit") or run["outcome"]),
     Column("kappa", "kappa_note", "", "why the digits expected are not known"),
 )
-_UNITS = (CASE, NUMBER, Column("numbers", "changed", "d", "numbers with a changed bit"))
 
 
 def tables(found: JsonObject) -> dict[str, PageTable]:
@@ -126,23 +101,17 @@ def tables(found: JsonObject) -> dict[str, PageTable]:
         "cases": table(hard, _CASES, _AGAIN),
         "behind": table(sorted(late, key=lambda run: -float(run["behind"])), _BEHIND, _AGAIN),
         "unjudged": table([r for r in runs if r.get("behind") is None], _UNJUDGED, _AGAIN),
-        "units": table([row for row in found["units"] if row["changed"]], _UNITS, _AGAIN),
-        "rest": table(found["rest"], _REST, _AGAIN),
         "back": table(ways.values(), _BACK, _AGAIN),
-        "limits": table(found["limits"], _LIMITS, "polhode study stability --only '{0}'"),
     }
 
 
 def facts(found: JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
     behind = [run.get("behind") for _, run in runs_of(found["cases"])]
-    units = found["units"]
     judged = [row for row in found["back"] if row["within"] is not None]
     return {
         "enough": share(x <= 0 for x in behind if x is not None),
         "motions": len(found["cases"]),
-        "compared": counted({n: sum(row["number"] == n for row in units) for n in NUMBERS}),
-        "changed": sum(row["changed"] > 0 for row in units),
         "within": share(row["within"] for row in judged),
         "times_kappa": max((row["times_kappa"] for row in judged), default=0),
     }

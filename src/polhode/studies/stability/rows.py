@@ -1,14 +1,12 @@
-"""Study ``stability``: the hard cases in every number type, symmetries, and where runs refuse."""
+"""Study ``stability``: the hard cases in every number type, and the way back from their ends."""
 
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import Any
 
 from polhode.common.executors import cores, in_order
 from polhode.common.progress import Message
-from polhode.equations.equilibrium import at_rest
-from polhode.judging.adaptive_precision import integrate
 from polhode.judging.conditioning.conditioning import conditioning
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers import number_types
@@ -16,24 +14,16 @@ from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.studies.accuracy.rows import case_rows
 from polhode.studies.row_filter import Only
-from polhode.studies.stability import hard_cases, limits, symmetries
+from polhode.studies.stability import hard_cases, there_and_back
 
 QUESTION = (
     "How many of the digits that a hard motion allows are left in each number type, and why not "
-    "more? What is kept exactly: under powers of two, at rest, on the way back? Where does a run "
-    "refuse, and what does its user see?"
+    "more? How far from its start does a run end that goes there and back?"
 )
-SYMMETRIC = ("double", "extended", "quad")  # types of the symmetry checks
-LONGEST_SYMMETRIC = {"double": 1e4, "extended": 1e4, "quad": 200.0}
+#: The number types of the way back, and the most radians one way.
+LONGEST = {"double": 1e4, "extended": 1e4, "quad": 200.0}
 SPARE_DIGITS = 40  # of the states from which kappa of the way back is computed
 QUARTERS = 4  # of the way, each of whose ends is one of those states
-
-
-class Kept(NamedTuple):
-    """What a case keeps: on its ways back, and in other units."""
-
-    back: list[dict[str, Any]]
-    units: list[dict[str, Any]]
 
 
 def rows(quick: bool, say: Message, wanted: Only) -> dict[str, Any]:
@@ -48,20 +38,14 @@ def rows(quick: bool, say: Message, wanted: Only) -> dict[str, Any]:
     made = zip(scenes, case_rows(scenes, workers, begun), strict=True)
     cases = [_hard(scene, row) for scene, row in made]
     asked = sorted(scenes, key=lambda scene: -scene.log10_angle)
-    found = dict(zip((s.name for s in asked), in_order(_kept, asked, workers, begun), strict=True))
-    say("rest")
-    rest = _rest(chosen if quick else [name for name in library.names() if wanted(name)])
-    say("limits")
+    found = dict(zip((s.name for s in asked), in_order(_back, asked, workers, begun), strict=True))
     return {
         "kinds": [
             {"kind": kind, "cases": [name for name in names if name in chosen]}
             for kind, names in hard_cases.KINDS.items()
         ],
         "cases": cases,
-        "units": [row for name in chosen for row in found[name].units],
-        "rest": rest,
-        "back": [row for name in chosen for row in found[name].back],
-        "limits": limits.rows(quick, wanted),
+        "back": [row for name in chosen for row in found[name]],
     }
 
 
@@ -78,36 +62,16 @@ def _judged(run: dict[str, Any]) -> dict[str, Any]:
     return run | {"behind": behind, "lost": run["lost"] or ""}
 
 
-def _kept(scene: Scene) -> Kept:
-    return Kept(_back(scene), _units(scene))
-
-
-def _symmetric(scene: Scene) -> list[str]:
-    angle = 10**scene.log10_angle
-    return [name for name in SYMMETRIC if angle <= LONGEST_SYMMETRIC[name]]
-
-
-def _units(scene: Scene) -> list[dict[str, Any]]:
-    """How many numbers of the states change with the units, by number type."""
-    return [
-        {
-            "case": scene.name,
-            "number": name,
-            "changed": symmetries.changed_by_units(scene, number_types.named(name)),
-        }
-        for name in _symmetric(scene)
-    ]
-
-
 def _back(scene: Scene) -> list[dict[str, Any]]:
     """Errors of a run to the end and back to 0, beside what kappa of either way allows."""
-    numbers = _symmetric(scene)
+    angle = 10**scene.log10_angle
+    numbers = [name for name, longest in LONGEST.items() if angle <= longest]
     if not numbers:
         return []
     there = conditioning(scene, number=number_types.QUAD).log10_kappa[-1]
     times = [scene.end * Fraction(k, QUARTERS) for k in range(1, QUARTERS + 1)]
     ways = [
-        symmetries.way_back(scene, t, state)
+        there_and_back.way_back(scene, t, state)
         for t, state in zip(times, reference_of(scene).at(times, SPARE_DIGITS), strict=True)
     ]
     backs = [conditioning(way, number=number_types.QUAD).log10_kappa[-1] for way in ways]
@@ -115,7 +79,7 @@ def _back(scene: Scene) -> list[dict[str, Any]]:
     kappa = None if there is None or back is None else max(there, back)
     found = []
     for name in numbers:
-        eps = symmetries.there_and_back(scene, number_types.named(name))
+        eps = there_and_back.error(scene, number_types.named(name))
         found.append(
             {
                 "case": scene.name,
@@ -127,20 +91,4 @@ def _back(scene: Scene) -> list[dict[str, Any]]:
                 "within": None if kappa is None else eps <= 10**kappa,
             }
         )
-    return found
-
-
-def _rest(names: list[str]) -> list[dict[str, Any]]:
-    """How far states that rest in the body stray, in eps, in every number type."""
-    found = []
-    for name in names:
-        scene = library.load(name)
-        turning, whole = at_rest(scene)
-        if not turning:
-            continue
-        strays = {}
-        for number in map(number_types.named, number_types.NAMES):
-            states = integrate(scene, number).states
-            strays[number.name] = float(f"{symmetries.departure(states, scene, number):.2e}")
-        found.append({"case": name, "rests": "state" if whole else "omega", "strays_eps": strays})
     return found
