@@ -216,7 +216,7 @@ def test_a_panel_of_the_diagram_has_the_medians_of_each_tolerance_and_what_no_ot
     assert [*lines] == ["polhode, double", "CyRK"]
     assert lines["CyRK"] == [(0.207, 1e-5), (6.21, 1e-9)]  # of both methods
     assert "curves" not in cells.row(Cell("euler", 10, 2), {OURS: ours}, {})
-    assert figure.svgs({"cells": [found]}).keys() == {"speed"}
+    assert figure.svgs({"cells": [found], "motions": []}).keys() == {"speed"}
 
 
 def test_what_is_judged_has_the_start_of_the_draw_itself_and_what_is_timed_another():
@@ -283,7 +283,7 @@ def synthetic(factor: float) -> dict:
     ]
     clock = {"wall": 0.5, "processor": 0.4}
     first = [{"program": OURS, "cold": clock, "warm": clock, "fault": ""}]
-    rest = {"without": [], "refined": []}
+    rest = {"once_above": 0.1, "without": [], "motions": [], "refined": []}
     return json.loads(json.dumps({"first": first, "cells": found, **rest}))
 
 

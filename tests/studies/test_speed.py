@@ -20,7 +20,7 @@ from polhode.numbers.conversion import to_double
 from polhode.numbers.scalars import Functions
 from polhode.peers import field, process
 from polhode.studies.processes import ask
-from polhode.studies.speed import draws, page, refined
+from polhode.studies.speed import draws, number_types, page, refined
 from polhode.studies.speed.work_precision import WorkPoint, frontier, seconds_at
 
 FLOATS = Functions(0.0, math.sin, math.cos, math.sqrt)
@@ -122,6 +122,18 @@ def test_a_peers_process_imports_nothing_else_of_polhode():
     assert all(m.startswith("polhode.peers") for m in more)
 
 
+def test_a_number_type_has_its_digits_and_steps_at_each_tolerance():
+    motion = number_types.SpeedMotion("short", "general/asymmetric-regular", 2, "regular")
+    double, wide = number_types.WAYS[0], number_types.WAYS[2]
+    row = number_types.row(motion, [double, wide], quick=True)
+    assert [way["method"] for way in row["methods"]] == ["polhode double", "polhode extended"]
+    for way, (least, most) in zip(row["methods"], ((14.5, 16), (17.5, 19.3)), strict=True):
+        points = {point["tol"]: point for point in way["points"]}
+        assert least < points[min(points)]["digits"] <= most
+        assert points[max(points)]["digits"] < least - 1
+        assert points[max(points)]["steps"] > points[min(points)]["steps"]  # of a lower order
+
+
 def test_refined_runs_stand_beside_heyokas_own_steps():
     (row,) = [refined._row(replace(refined.CONTESTS[0], end=4))]
     assert row["refined"]["method"] == "refined"
@@ -130,7 +142,7 @@ def test_refined_runs_stand_beside_heyokas_own_steps():
     assert 32 < row["taylor"]["digits"] < 34.5
     assert abs(row["agreement"] - row["taylor"]["digits"]) < 1
     assert row["estimate"] > 10 ** -row["refined"]["digits"]
-    empty = {"cells": [], "first": [], "without": []}
+    empty = {"cells": [], "first": [], "motions": [], "without": [], "once_above": 0.1}
     told = page.facts(empty | {"refined": [row, {**row, "gain": 20.0}]})
     assert told["refined_time"] == f"0.050 to {1 / row['gain']:.3f}"
     assert page.facts(empty)["refined_time"] == "–"

@@ -1,4 +1,4 @@
-"""Figure of the study speed: error against time, of all programs."""
+"""Figures of the study speed: error against time, of all programs and of polhode's number types."""
 
 from __future__ import annotations
 
@@ -30,8 +30,14 @@ Curves = Mapping[str, Sequence[tuple[float, float]]]
 
 def svgs(found: JsonObject) -> dict[str, str]:
     """The study's figures by name, from its JSON object."""
+    drawn = {}
     panels = {_panel(cell): lines(cell["curves"]) for cell in found["cells"] if "curves" in cell}
-    return {"speed": work_precision(panels)} if panels else {}
+    if panels:
+        drawn["speed"] = work_precision(panels, "processor seconds of a run")
+    if found["motions"]:
+        types = {_title(motion): _types(motion) for motion in found["motions"]}
+        drawn["types"] = work_precision(types, "processor seconds of a run")
+    return drawn
 
 
 def lines(curves: Mapping[str, Sequence[Sequence[float]]]) -> Curves:
@@ -44,7 +50,7 @@ def lines(curves: Mapping[str, Sequence[Sequence[float]]]) -> Curves:
     return drawn
 
 
-def work_precision(panels: Mapping[str, Curves]) -> str:
+def work_precision(panels: Mapping[str, Curves], unit: str) -> str:
     """Error against seconds, one panel per motion; lower left is better."""
     rows = -(-len(panels) // _COLUMNS)
     with paper() as plt:
@@ -60,7 +66,7 @@ def work_precision(panels: Mapping[str, Curves]) -> str:
             axes.set(xscale="log", yscale="log")
             axes.set_title(title, size=9, loc="left")
             drawing.plain(axes)
-        figure.supxlabel("processor seconds of a run", size=9)
+        figure.supxlabel(unit, size=9)
         figure.supylabel("error", size=9)
         drawing.legend(figure, 3)
         return as_svg(figure)
@@ -72,3 +78,20 @@ def _panel(cell: JsonObject) -> str:
     if cell.get("starts"):
         return f"{cell['starts']} starts, t = {cell['end']}"
     return f"{kind}, t = {cell['end']}"
+
+
+def _title(motion: JsonObject) -> str:
+    return f"{motion['motion'][0].upper()}{motion['motion'][1:]}, t = {motion['end']}"
+
+
+def _types(motion: JsonObject) -> Curves:
+    """polhode in all number types on one motion."""
+    curves = {
+        method["method"].removeprefix("polhode "): [
+            (point["seconds_min"], 10.0 ** -point["digits"])
+            for point in method["points"]
+            if point.get("digits")
+        ]
+        for method in motion["methods"]
+    }
+    return {name: points for name, points in curves.items() if points}

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import TypeAlias
 
 from polhode.common.json_text import JsonObject
-from polhode.studies.page.tables import Column, PageTable, table
+from polhode.studies.page.tables import DIGITS, Column, PageTable, table
 from polhode.studies.page.words import DASH, between, counted, listed, median, spread
 from polhode.studies.speed.programs import ENGINE, OURS, RUN
 
@@ -17,8 +17,17 @@ LONG = 1000  # from this end on a run is told as a long one
 SUMMARY_ENDS, SUMMARY_OUTPUTS = (1, 10, 100, 1000), 101
 WORDS = ("ahead", "even", "behind", "alone", "not reached")
 
+_MOTION = Column("motion", "motion")
+_BEST = (
+    _MOTION,
+    Column("method", "method", "", "the number type, and whether the run is projected"),
+    Column("to", lambda row: f"{row['motion']}, t = {row['end']}"),
+    Column("tol", "tol", ".1e", "the tolerance of the steps, the tightest of several"),
+    DIGITS,
+    Column("least s", "seconds_min", ".3g", "processor seconds of a run, the least of several"),
+)
 _REFINED = (
-    Column("motion", "motion"),
+    _MOTION,
     Column("t", "end", "d"),
     Column("bits", "bits", "d", "bits of the number type"),
     Column("steps, s", "taylor.cpu", ".3g", "CPU seconds of heyoka's steps in that type"),
@@ -101,6 +110,7 @@ def tables(found: JsonObject) -> dict[str, PageTable]:
     short = [cell for cell in single if cell["end"] < LONG]
     long = [cell for cell in single if cell["end"] >= LONG]
     cells = "polhode study speed --only '{0}'"
+    types = "polhode study speed --only '{0}' --only '{1}'"
     refined = "polhode study speed --only 'refined: {0} t={1}'"
     return {
         "summary": summary(found["cells"]),
@@ -110,6 +120,7 @@ def tables(found: JsonObject) -> dict[str, PageTable]:
         "long": table(_by_length(long), _CELLS, cells),
         "many": table(_by_length(many), _MANY, cells),
         "faults": table(_faults(found), _FAULTS),
+        "types": table(_best(found["motions"]), _BEST, types),
         "refined": table(found.get("refined", ()), _REFINED, refined),
     }
 
@@ -182,6 +193,7 @@ def facts(found: JsonObject) -> dict[str, object]:
         "draws": cells[0]["draws"] if cells else DASH,
         "kinds": ", ".join(dict.fromkeys(cell["kind"] for cell in cells)) or DASH,
         "without": ", ".join(found["without"]) or "none",
+        "once_above": f"{found['once_above']:g}",
         "refined_time": between([1 / row["gain"] for row in refined], ".3f"),
         "refined_digits": between(better, "+.1f"),
     }
@@ -244,9 +256,25 @@ def _over_kinds(found: Levels, unit: float) -> JsonObject:
     }
 
 
+def _best(motions: Sequence[JsonObject]) -> Iterator[JsonObject]:
+    """Each number type at its tightest tolerance on each motion."""
+    for motion in motions:
+        for method in motion["methods"]:
+            points = [p for p in method["points"] if "digits" in p]
+            if points:
+                yield {**motion, **method, **min(points, key=lambda p: p["tol"])}
+
+
 def _faults(found: JsonObject) -> list[JsonObject]:
     """What failed or was missing, each once."""
     told = {
         (name, fault): None for cell in found["cells"] for name, fault in cell["faults"].items()
+    }
+    told |= {
+        (method["method"], f"at tolerance {point['tol']:.2g}: {point['reason']}"): None
+        for motion in found["motions"]
+        for method in motion["methods"]
+        for point in method["points"]
+        if "reason" in point
     }
     return [{"program": program, "fault": fault} for program, fault in told]
