@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Generic, Never, Protocol, TypeVar
+from typing import TYPE_CHECKING, Generic, Never, Protocol, TypeVar
 
 from flint import arb
 
@@ -28,6 +28,9 @@ from polhode.numbers.exact import ZERO, Exact, Irrational, noted, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf
 from polhode.numbers.vectors import Vector, cross, minus, momentum
+
+if TYPE_CHECKING:
+    from polhode.numbers.double_double import Pairs
 
 #: What :attr:`ClosedForm.proven` says where the attitude has no formula.
 ENCLOSED_ATTITUDE = "states are proven by the closed form, the attitude by an enclosure"
@@ -184,6 +187,16 @@ class ClosedForm(Turning, Generic[S]):
         """
         rows = self._rows(times, digits, attitude=True)
         return [[number(x, digits) for x in row[6:]] for row in rows]
+
+    def pairs(self, times: Sequence[Exact], digits: int, *, attitude: bool) -> Pairs:
+        """Rows of :meth:`at`, or of :meth:`attitude`, of numbers of two doubles each.
+
+        Right to so many digits, at most :data:`polhode.numbers.double_double.DIGITS`.
+        """
+        from polhode.numbers.double_double import of_balls
+
+        columns = slice(6, None) if attitude else slice(self._width)
+        return of_balls([row[columns] for row in self._rows(times, digits, attitude=attitude)])
 
     def angles(self, times: Sequence[Exact], digits: int) -> list[list[mpf | None]]:
         """Rows psi, theta, phi; psi and phi continuous in t, None where gamma is along axis 3.

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import NamedTuple, TypeVar
+
+import numpy as np
 
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
@@ -27,7 +29,8 @@ from polhode.judging.score.part_digits import (
 from polhode.judging.score.row_selection import RowSelection, selection
 from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import to_mpf
-from polhode.numbers.rows import Doubles, Given
+from polhode.numbers.double_double import Pairs, of_exact
+from polhode.numbers.rows import Doubles
 from polhode.scenes.vocabulary import COLUMNS, STATE
 
 FIRST_ASKED = 100  # digits of a reference, before it is known that more of them are needed
@@ -117,21 +120,22 @@ class Scores(ByValue):
                 found[name] = f"none of {'them' if name == 'angles' else 'it'} has a value"
                 continue
             try:
-                found[name] = self._part(name, own)
+                found[name] = self._part(name)
             except ValueError as fault:  # BadInput is one
                 found[name] = str(fault)
                 if does_not_answer(self.reference, fault):
                     proven = replace(self, reference=Certified(self.reference.scene))
                     with suppress(ValueError):
-                        found[name] = proven._part(name, own)
+                        found[name] = proven._part(name)
         return found
 
-    def _part(self, name: str, own: Given) -> RowDigits:
+    def _part(self, name: str) -> RowDigits:
         """Digits of such a part; raises ValueError."""
         held = self.subject.held
         word, more = ("attitude", NEAR_POLE) if name == "angles" else (name, 0)
 
         def judged(true: Answer) -> RowDigits:
+            own = self._judged.numbers(COLUMNS[name].names, in_pairs=isinstance(true, Pairs))
             return part_digits(name, own, true, held, self._bits)
 
         found = self._told(word, judged, lambda digits: fewest(digits, held), more)
@@ -140,19 +144,31 @@ class Scores(ByValue):
     @cached_property
     def _errors(self) -> Doubles:
         """log10 of the scaled errors of the state's numbers, shape (rows, columns)."""
-        start = [to_mpf(x, self._bits) for x in self.reference.scene.start]
-        times, states = self._judged.times, self._judged.rows(self.reference.scene.columns) or []
+        scene, times = self.reference.scene, self._judged.times
+        begins = [k for k, t in enumerate(times) if not t]
 
         def errors(true: Answer) -> Doubles:
-            rows = [row if t else start for t, row in zip(times, true, strict=True)]
-            rate = log10_rate(rows, self.reference.scene)
-            return scaled(log10_differences(states, rows), rate)
+            rows = self._with_start(true, begins)
+            states = self._judged.numbers(scene.columns, in_pairs=isinstance(rows, Pairs))
+            return scaled(log10_differences(states, rows), log10_rate(rows, scene))
 
         def most_right(found: Doubles) -> float:
-            later = row_digits(found[[k for k, t in enumerate(times) if t]], self.subject.held)
+            later = row_digits(np.delete(found, begins, axis=0), self.subject.held)
             return max((d for d in later if d is not None), default=0.0)
 
         return self._told("at", errors, most_right)
+
+    def _with_start(self, true: Answer, begins: Sequence[int]) -> Answer:
+        """Rows of the state of which those at t = 0 are the scene's own numbers."""
+        start = self.reference.scene.start
+        if isinstance(true, Pairs):
+            found = Pairs(true.hi.copy(), true.lo.copy())
+            for k, x in enumerate(map(of_exact, start)):
+                found.hi[begins, k], found.lo[begins, k] = x.hi, x.lo
+            return found
+        row = [to_mpf(x, self._bits) for x in start]
+        places = {*begins}
+        return [row if k in places else known for k, known in enumerate(true)]
 
     def _told(
         self, word: str, judged: Callable[[Answer], T], right: Callable[[T], float], more: int = 0
