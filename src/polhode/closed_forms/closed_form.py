@@ -113,6 +113,7 @@ class ClosedForm(Turning, Generic[S]):
         self._omega, self._known_gamma, self._psi = omega, gamma, psi
         self._solution: Kept[S] = Kept(self._solved)
         self._start: Kept[Start] = Kept(self._first)
+        self._sizes = Kept(self._made_sizes)
         self._last: tuple[list[Exact], int, list[Sequence[arb]]] = [], 0, []
         self._scene_axes = Frame(within=axes)
         with self._noting():
@@ -253,7 +254,7 @@ class ClosedForm(Turning, Generic[S]):
             row = self._start().row([ball(x) for x in self._omega], still)
         else:
             row = solution.row(t, attitude)
-        return row, self._sizes()[: len(row)]
+        return row, self._sizes()
 
     def quaternion_at(self, t: arb) -> Turn:
         """The attitude at a time, at the precision in force."""
@@ -284,8 +285,8 @@ class ClosedForm(Turning, Generic[S]):
             self._last = list(times), digits, rows
         return rows
 
-    def _sizes(self) -> list[arb]:
-        """Those of a row's numbers."""
+    def _made_sizes(self) -> list[arb]:
+        """Those of a row's numbers, as many as it may have."""
         return [self._solution().speed] * 3 + [arb(1)] * 7
 
     @property

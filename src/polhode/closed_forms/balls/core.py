@@ -31,7 +31,7 @@ from polhode.numbers.polynomials import middle
 
 T = TypeVar("T")
 
-#: Numbers, and the size of each, to which its radius is compared; all sizes are positive.
+#: Numbers, and the size of each or of more, to which its radius is compared; all are positive.
 Row: TypeAlias = tuple[Sequence[arb], Sequence[arb]]
 
 GUARD = 40  # bits beyond the digits at first
@@ -156,7 +156,7 @@ def _lost_bits(numbers: Sequence[arb], sizes: Sequence[arb], goal: arb) -> float
     Each number is asked: the largest of several balls would pass over one that is not a number.
     """
     worst = 0.0
-    for x, size in zip(numbers, sizes, strict=True):
+    for x, size in zip(numbers, sizes, strict=False):  # a row may end before its sizes do
         if x.rad() < goal * size and x.is_finite():
             continue
         if not (x.is_finite() and size > 0):
