@@ -81,8 +81,9 @@ class Shift:
         if jacobi.circle or jacobi.limit:
             return
         self.y = a / (2 * jacobi.K)
-        if jacobi.series is not None:
-            self.real, self.imaginary = jacobi.series.above(self.y, third=half)
+        self._is_series = jacobi.series is not None and self.y.is_finite()
+        if jacobi.series is not None and self._is_series:
+            self._real, self._imaginary = jacobi.series.above(self.y, third=half)
 
     @property
     def rate(self) -> arb:
@@ -102,11 +103,11 @@ class Shift:
             return acb(1)
         if self.jacobi.limit:
             return (acb(1) if self.half else acb(place.v, self.a).cosh()) / place.v.cosh()
-        if self.jacobi.series is None:
+        if not self._is_series:
             z = acb(place.z, self.y)
             return acb.modular_theta(z, self.jacobi.tau)[2 if self.half else 3] / place.th4
         cosine, sine = place.double
-        return acb(self.real(cosine) / place.th4, self.imaginary(cosine) * sine / place.th4)
+        return acb(self._real(cosine) / place.th4, self._imaginary(cosine) * sine / place.th4)
 
     def slope(self, place: Place) -> acb:
         """The quotient with its numerator differentiated: its derivative where it is 0."""

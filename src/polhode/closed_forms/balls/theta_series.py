@@ -57,20 +57,20 @@ class ThetaSeries:
 
         In the first is a ball of what all those left out give, of polynomials up to 2n + 1.
         """
-        s, pi = self._s, arb.pi()
-        reach, width = float(abs(y).mid()), float(s.mid())
+        least, most = self._s.lower(), y.abs_upper()
+        reach, width = float(most), float(least)
         if not (math.isfinite(reach) and width > 0):
             raise TooFewBits
         count = 1 + math.ceil(reach / width + math.sqrt(ctx.prec * math.log(2) / (math.pi * width)))
 
-        def weight(n: int, y: arb) -> arb:
+        def weight(n: int, s: arb, y: arb) -> arb:
             m = arb(2 * n + odd) / 2
-            return 2 * (pi * m * (2 * y - s * m)).exp()
+            return 2 * (arb.pi() * m * (2 * y - s * m)).exp()
 
-        first, second = ((2 * n + 1) * weight(n, abs(y)) for n in (count, count + 1))
+        first, second = ((2 * n + 1) * weight(n, least, most) for n in (count, count + 1))
         if not 2 * second < first:  # the ratios fall from one to the next
             raise TooFewBits
-        found = [weight(n, y) for n in range(count)]
+        found = [weight(n, self._s, y) for n in range(count)]
         if not odd:
             found[0] = arb(1)
         found[0] += arb(0, (2 * first).abs_upper())
