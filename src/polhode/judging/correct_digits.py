@@ -95,15 +95,15 @@ def largest(differences: Doubles) -> Doubles:
     return found
 
 
-def digits_of(log10_error: float, cap: float) -> float:
-    """The digits that such an error leaves, never more than ``cap`` and never less than 0."""
-    return min(cap, max(0.0, -log10_error))
+def digits_of(log10_error: Scalar, cap: float) -> Scalar:
+    """The digits that an error leaves, or each of many, at most ``cap`` and at least 0."""
+    return np.clip(-log10_error, 0.0, cap)
 
 
 def worst_digits(states: Given, reference: Given, scene: Scene, cap: float) -> float:
     """The fewest correct digits over all rows."""
     errors = log10_errors(states, reference, log10_rate(reference, scene))
-    return min((digits_of(float(e), cap) for e in errors if e == e), default=cap)
+    return float(np.fmin.reduce(digits_of(errors, cap), initial=cap))
 
 
 def plain_rows(rows: Given | Pairs) -> Given:

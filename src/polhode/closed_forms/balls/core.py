@@ -20,11 +20,11 @@ from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import Generic, TypeAlias, TypeVar
 
-from flint import acb, arb
+from flint import acb, arb, fmpq
 from mpmath import libmp
 
 from polhode.closed_forms.rounding import SPARE
-from polhode.numbers.exact import ZERO, Exact, as_ball, sign
+from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.numbers.polynomials import middle
@@ -52,15 +52,13 @@ class Refused(ValueError):
 def ball(x: Exact | int) -> arb:
     """An exact number at the precision in force; the exact 0 where it is 0, by the rule."""
     if isinstance(x, (int, Fraction)):
-        return as_ball(x)
+        return arb(fmpq(x.numerator, x.denominator))
     return x.enclosure(ctx.prec) if sign(x) else arb(0)
 
 
 def enclosed(x: Exact | int) -> arb:
     """The same without the question whether it is 0: for factors of sums, which need no answer."""
-    if isinstance(x, (int, Fraction)):
-        return as_ball(x)
-    return x.enclosure(ctx.prec)
+    return ball(x) if isinstance(x, (int, Fraction)) else x.enclosure(ctx.prec)
 
 
 def root(x: Exact | int) -> arb:

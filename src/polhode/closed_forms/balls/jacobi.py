@@ -161,8 +161,8 @@ class Place:
             (sine, cosine), (double, _) = self._sin_cos, self.double
             th1, th2 = sine * jacobi.series.th1(double), cosine * jacobi.series.th2(double)
             th3 = jacobi.series.th3(double)
-        sn, cn, dn = (x * th / self.th4 for x, th in zip(jacobi.factors, (th1, th2, th3), strict=True))
-        return sn, cn, dn
+        (a, b, c), th4 = jacobi.factors, self.th4
+        return a * th1 / th4, b * th2 / th4, c * th3 / th4
 
     @cached_property
     def z(self) -> arb:

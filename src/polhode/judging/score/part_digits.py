@@ -34,8 +34,8 @@ def fewest(digits: RowDigits, held: float) -> float:
 
 def row_digits(differences: Doubles, held: float) -> RowDigits:
     """The fewest digits of each row, of log10 of its numbers' differences; None where none is."""
-    worst = largest(differences).tolist()
-    return tuple(None if math.isnan(x) else digits_of(x, held) for x in worst)
+    digits = digits_of(largest(differences), held)
+    return tuple(None if math.isnan(x) else x for x in digits.tolist())
 
 
 def part_digits(
