@@ -215,8 +215,7 @@ def test_a_rate_that_is_off_is_seen(monkeypatch):
         def grown(rate):
             v = arb("0.3")
             one, two = (
-                quotient.at(functions.at(x)) * (acb(0, 1) * rate * x).exp()
-                for x in (v, v + period)
+                quotient.at(functions.at(x)) * (acb(0, 1) * rate * x).exp() for x in (v, v + period)
             )
             turn = two / one * (acb(0, -1) * rate * period).exp()
             return abs(turn - 1)

@@ -32,7 +32,11 @@ _Quotient = tuple[int, int]
 
 
 def log10_differences(
-    own: Given | Pairs, true: Given | Pairs, side: int = 1, turning: Sequence[int] = (), bits: int = 0
+    own: Given | Pairs,
+    true: Given | Pairs,
+    side: int = 1,
+    turning: Sequence[int] = (),
+    bits: int = 0,
 ) -> Doubles:
     """log10 of the difference of each number from the true one, shape (rows, columns).
 

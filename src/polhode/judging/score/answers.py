@@ -103,7 +103,9 @@ class Answers:
             return self._found(questions, digits, in_pairs=False)
         return answers
 
-    def _piece(self, question: str, times: Sequence[Fraction], digits: int, in_pairs: bool) -> Answer:
+    def _piece(
+        self, question: str, times: Sequence[Fraction], digits: int, in_pairs: bool
+    ) -> Answer:
         """Rows at some of the times."""
         if in_pairs and isinstance(self.reference, Reference):
             return self.reference.pairs(question, times, digits)
