@@ -42,7 +42,7 @@ def log10_differences(
 
     -inf where they are equal, inf where the own one is infinite, not a number where either is not
     there.  ``side``: a factor of the own numbers.  ``turning``: columns of angles whose whole turns
-    mean nothing; 2 pi is taken to so many ``bits``.  Two arrays of pairs are subtracted as they are.
+    mean nothing; 2 pi is taken to so many ``bits``.  Pairs are subtracted as they are.
     """
     if isinstance(own, Pairs) and isinstance(true, Pairs):
         return log10_sizes(own * side - true)

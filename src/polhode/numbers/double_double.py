@@ -134,10 +134,10 @@ def of_cells(cells: Sequence[Scalar | None]) -> Pairs:
     Raises OverflowError beyond the range of doubles, ValueError of a number that is not finite.
     """
     if {*map(type, cells)} == {float}:
-        found = np.array(cells)
-        if not np.isfinite(found).all():
+        doubles = np.array(cells)
+        if not np.isfinite(doubles).all():
             raise ValueError("not a finite number")
-        return Pairs(found, np.zeros(len(cells)))
+        return Pairs(doubles, np.zeros(len(cells)))
     there = [k for k, x in enumerate(cells) if x is not None]
     numbers = [x if type(x) is Fraction else exactly(x) for x in cells if x is not None]
     pairs_there = of_fractions(numbers)

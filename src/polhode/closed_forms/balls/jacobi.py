@@ -74,7 +74,7 @@ class Jacobi:
 
 
 class Shift:
-    """The quotient Th(v + i a)/Th(v), or Th(v + K + i a)/Th(v) if ``half``, ``a`` of either sign."""
+    """The quotient Th(v + i a)/Th(v), or Th(v + K + i a)/Th(v) if ``half``, of one ``a``."""
 
     def __init__(self, jacobi: Jacobi, a: arb, half: bool) -> None:
         self.jacobi, self.a, self.half = jacobi, a, half

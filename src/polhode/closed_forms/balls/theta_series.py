@@ -2,17 +2,18 @@
 
 With q = e^(-pi s), c = cos 2 pi z and Chebyshev's polynomials T, U (DLMF 18.5, 20.2)
 
-    th3(z), th4(z) = 1 + sum a_n cos 2 pi n z,    a_n = 2 (+-1)^n q^(n^2),    cos 2 pi n z = T_n(c),
-    th1(z) = sin pi z sum b_n (-1)^n W_n(c),      b_n = 2 q^((n + 1/2)^2),
-    th2(z) = cos pi z sum b_n V_n(c),             V_n, W_n = (cos, sin)(2n + 1) pi z/(cos, sin) pi z,
+    th3(z), th4(z) = 1 + sum a_n cos 2 pi n z,    a_n = 2 (+-1)^n q^(n^2),  cos 2 pi n z = T_n(c),
+    th1(z) = sin pi z sum b_n (-1)^n W_n(c),      W_n = sin (2n + 1) pi z/sin pi z,
+    th2(z) = cos pi z sum b_n V_n(c),             V_n = cos (2n + 1) pi z/cos pi z,
 
-and at a fixed distance above the real line
+with b_n = 2 q^((n + 1/2)^2), and at a fixed distance above the real line
 
-    th3, th4(z + i y) = 1 + sum a_n cosh(2 pi n y) T_n(c) - i sin 2 pi z sum a_n sinh(2 pi n y) U_(n-1)(c).
+    Re th3, th4(z + i y) = 1 + sum a_n cosh(2 pi n y) T_n(c),
+    Im th3, th4(z + i y) = -sin 2 pi z sum a_n sinh(2 pi n y) U_(n-1)(c).
 
-All four kinds of polynomials have the recurrence p_(n+1) = 2c p_n - p_(n-1), and for real z they are
-at most 2n + 1.  What is left out is bounded by twice its first term, once the terms are proven to
-fall by half.
+All four kinds of polynomials have the recurrence p_(n+1) = 2c p_n - p_(n-1), and for real z they
+are at most 2n + 1.  What is left out is bounded by twice its first term, once the terms are proven
+to fall by half.
 """
 
 from __future__ import annotations

@@ -24,7 +24,7 @@ from polhode.scenes.vocabulary import COLUMNS
 
 #: Rows of a reference, one a time: each number the sum of two doubles where these hold the digits,
 #: else a number of so many, or None where the motion has none.
-Answer: TypeAlias = Pairs | list[list[Scalar]]
+Answer: TypeAlias = Pairs | Sequence[Sequence[Scalar]]
 
 _LEAST, _MOST = 1e-250, 1e250  # sizes of w of which two doubles hold all digits
 _PIECE = 500  # rows asked for at once: how far it is is told between two pieces
@@ -123,4 +123,4 @@ def _is_held(answer: Answer | ValueError) -> bool:
     """Whether pairs have all the digits that they may have: of w, whatever its unit of time."""
     if not isinstance(answer, Pairs):
         return True
-    return _LEAST < np.max(np.abs(answer.hi[:, :3]), initial=0.0) < _MOST
+    return bool(_LEAST < np.max(np.abs(answer.hi[:, :3]), initial=0.0) < _MOST)
