@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -16,7 +16,7 @@ from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.value_semantics import ByValue
 from polhode.equations.integrals import Drift
-from polhode.judging.correct_digits import log10_differences, log10_rate, scaled
+from polhode.judging.correct_digits import log10_differences, log10_rate, plain_rows, scaled
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import AnyReference, Reference
 from polhode.judging.score.answers import Answer, Answers
@@ -29,7 +29,7 @@ from polhode.judging.score.part_digits import (
 from polhode.judging.score.row_selection import RowSelection, selection
 from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import to_mpf
-from polhode.numbers.double_double import Pairs, of_exact
+from polhode.numbers.double_double import Pairs
 from polhode.numbers.rows import Doubles
 from polhode.scenes.vocabulary import COLUMNS, STATE
 
@@ -146,10 +146,14 @@ class Scores(ByValue):
         """log10 of the scaled errors of the state's numbers, shape (rows, columns)."""
         scene, times = self.reference.scene, self._judged.times
         begins = [k for k, t in enumerate(times) if not t]
+        start = [to_mpf(x, self._bits) for x in scene.start]
 
         def errors(true: Answer) -> Doubles:
-            rows = self._with_start(true, begins)
-            states = self._judged.numbers(scene.columns, in_pairs=isinstance(rows, Pairs))
+            in_pairs = isinstance(true, Pairs)
+            rows: Answer = true
+            if not in_pairs:  # of more digits than are asked for at first
+                rows = [row if t else start for t, row in zip(times, plain_rows(true), strict=True)]
+            states = self._judged.numbers(scene.columns, in_pairs=in_pairs)
             return scaled(log10_differences(states, rows), log10_rate(rows, scene))
 
         def most_right(found: Doubles) -> float:
@@ -157,18 +161,6 @@ class Scores(ByValue):
             return max((d for d in later if d is not None), default=0.0)
 
         return self._told("at", errors, most_right)
-
-    def _with_start(self, true: Answer, begins: Sequence[int]) -> Answer:
-        """Rows of the state of which those at t = 0 are the scene's own numbers."""
-        start = self.reference.scene.start
-        if isinstance(true, Pairs):
-            found = Pairs(true.hi.copy(), true.lo.copy())
-            for k, x in enumerate(map(of_exact, start)):
-                found.hi[begins, k], found.lo[begins, k] = x.hi, x.lo
-            return found
-        row = [to_mpf(x, self._bits) for x in start]
-        places = {*begins}
-        return [row if k in places else known for k, known in enumerate(true)]
 
     def _told(
         self, word: str, judged: Callable[[Answer], T], right: Callable[[T], float], more: int = 0
