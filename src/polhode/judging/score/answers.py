@@ -19,12 +19,12 @@ from polhode.judging.references.derived import column_of
 from polhode.judging.references.reference import AnyReference, Reference
 from polhode.numbers import double_double
 from polhode.numbers.double_double import Pairs
-from polhode.numbers.scalars import Scalar
+from polhode.numbers.rows import Given
 from polhode.scenes.vocabulary import COLUMNS
 
 #: Rows of a reference, one a time: each number the sum of two doubles where these hold the digits,
 #: else a number of so many, or None where the motion has none.
-Answer: TypeAlias = Pairs | Sequence[Sequence[Scalar]]
+Answer: TypeAlias = Pairs | Given
 
 _LEAST, _MOST = 1e-250, 1e250  # sizes of w of which two doubles hold all digits
 _PIECE = 500  # rows asked for at once: how far it is is told between two pieces
