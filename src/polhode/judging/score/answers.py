@@ -24,7 +24,7 @@ from polhode.scenes.vocabulary import COLUMNS
 
 #: Rows of a reference, one a time: each number the sum of two doubles where these hold the digits,
 #: else a number of so many, or None where the motion has none.
-Answer: TypeAlias = Pairs | Given
+Answer: TypeAlias = "Pairs | Given"
 
 _LEAST, _MOST = 1e-250, 1e250  # sizes of w of which two doubles hold all digits
 _PIECE = 500  # rows asked for at once: how far it is is told between two pieces
