@@ -9,7 +9,7 @@ from flint import acb, arb
 from polhode.closed_forms.balls import core, winding
 from polhode.closed_forms.balls.core import Refused, TooFewBits, ball, sure_rows, until_sure
 from polhode.closed_forms.balls.frames import Frame, quaternion, start_attitude, turned_back
-from polhode.closed_forms.balls.jacobi import Jacobi
+from polhode.closed_forms.balls.jacobi import Jacobi, Shift
 from polhode.closed_forms.balls.one_axis import OneAxis
 from polhode.numbers import exact
 from polhode.numbers.flint_context import ctx
@@ -168,9 +168,10 @@ def test_quotients_keep_to_the_right_half_plane(k2, half):
         functions = Jacobi(ball(k2), ball(1 - k2))
         other = Jacobi(ball(1 - k2), ball(k2)).K
         for part in (F(-999, 1000), F(1, 5), F(1, 2), F(99, 100)):
+            shift = Shift(functions, ball(part) * other, half)
             for n in range(-20, 21):
                 v = functions.K * n / 20
-                assert functions.at(v).quotient(ball(part) * other, half).real > 0
+                assert shift.at(functions.at(v)).real > 0
 
 
 @pytest.mark.parametrize("k2", ["1e-20", "0.3", "0.8", "0.99999"])
@@ -192,13 +193,14 @@ def test_functions_and_quotients_are_those_of_mpmath(k2, v):
             w = mpmath.pi * a / 2 / K
             slope = 1j * mpmath.jtheta(odd, 1j * w, q, 1) / mpmath.jtheta(odd, 1j * w, q)
             rate = mpmath.pi / 2 / K * slope.real
-            assert abs(core.number(functions.rate(shift, half), 45) - rate) < mpf("1e-38")
+            quotient = Shift(functions, shift, half)
+            assert abs(core.number(quotient.rate, 45) - rate) < mpf("1e-38")
             one, two = (
                 mpmath.jtheta(kind, mpmath.pi * (y + 1j * a) / (2 * K), q)
                 / mpmath.jtheta(4, mpmath.pi * y / (2 * K), q)
                 for y in (u, mpf(0))
             )
-            ratio = here.quotient(shift, half) / begin.quotient(shift, half)
+            ratio = quotient.at(here) / quotient.at(begin)
             mine = mpmath.mpc(core.number(ratio.real, 45), core.number(ratio.imag, 45))
             assert abs(mine - one / two) < mpf("1e-38") * abs(one / two)
 
@@ -207,20 +209,20 @@ def test_a_rate_that_is_off_is_seen(monkeypatch):
     """The quotient with its phase solves the equation only with the right L."""
     with ctx.workprec(300):
         functions, a, h = Jacobi(ball(F(2, 5)), ball(F(3, 5))), ball(F(1, 2)), arb(10) ** -40
-        rate = functions.rate(a, half=False)
+        quotient = Shift(functions, a, half=False)
+        rate = quotient.rate
         period = 2 * functions.K
 
         def grown(rate):
             v = arb("0.3")
             one, two = (
-                functions.at(x).quotient(a, half=False) * (acb(0, 1) * rate * x).exp()
-                for x in (v, v + period)
+                quotient.at(functions.at(x)) * (acb(0, 1) * rate * x).exp() for x in (v, v + period)
             )
             turn = two / one * (acb(0, -1) * rate * period).exp()
             return abs(turn - 1)
 
         assert grown(rate).contains(0)
-        assert functions.at(arb("0.3")).slope(a, half=False) != 0
+        assert quotient.slope(functions.at(arb("0.3"))) != 0
         assert h > 0
 
 

@@ -66,7 +66,7 @@ def places(kind: str, scene: Scene, ends: tuple[int, ...]) -> Iterator[tuple]:
                 band, steep = bands[k], known.log10_amplification[k]
                 if band is None or steep is None or steep > STEEPEST:
                     continue
-                digits = digits_of(float(error), number.most_digits)
+                digits = float(digits_of(error, number.most_digits))
                 place = (digits > band.most + 1e-9) - (digits < band.least - 1e-9)
                 yield kind, number.name, project, ends[k], place
 

@@ -466,13 +466,13 @@ def test_an_attitude_that_alone_is_wrong_is_read_without_a_closed_form():
 
 @pytest.mark.slow
 def test_a_closed_form_that_refuses_leaves_the_reading_to_the_enclosure(monkeypatch):
-    def refused(self, times, digits):
+    def refused(self, times, digits, **options):
         raise ValueError("not here")
 
     table = with_attitude("euler/attitude", [Fraction(k, 2) for k in range(8)])
     for name in STATE[:3]:
         table[name] = np.degrees(table[name])
-    for question in ("at", "attitude"):
+    for question in ("at", "attitude", "pairs"):
         monkeypatch.setattr(EulerTop, question, refused)
     found = polhode.compare(table, "euler/attitude")
     assert (found.reading, found.reference.kind) == ("omega degrees", "certified")

@@ -23,12 +23,12 @@ def printed(count: int) -> list[str]:
     ]
 
 
-@pytest.mark.parametrize("number", [None, DOUBLE, EXTENDED, NumberType("mp", 53)])
+@pytest.mark.parametrize("number", [DOUBLE, EXTENDED, NumberType("mp", 53)])
 def test_a_cell_is_its_decimal_rounded_once(number):
     cells = [*printed(2000), *ODD, HALFWAY, HALFWAY + "1", "0." + "3" * 70, "1_000.5"]
     for cell in cells:
         decimal = expression.decimal(cell)
-        assert value(cell, number) == (decimal if number is None else number.rounded(decimal))
+        assert value(cell, number) == number.rounded(decimal)
 
 
 def test_the_most_significant_digits():

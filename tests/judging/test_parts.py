@@ -163,12 +163,12 @@ def test_no_more_digits_are_told_than_the_type_has(compared):
 def test_a_closed_form_that_has_no_answer_gives_way_to_an_enclosure(monkeypatch):
     """A closed form that refuses stands in for motions whose phases are not found."""
 
-    def refused(self, times, digits):
+    def refused(self, word, times, digits):
         raise polhode.BadInput("top", "reference", "euler", "a question that it answers")
 
     scene = polhode.load("euler/attitude").at([1, 2])
     run = polhode.integrate(replace(scene, outputs=("attitude",)))
-    monkeypatch.setattr(Reference, "at", refused)
+    monkeypatch.setattr(Reference, "pairs", refused)
     found = polhode.compare(run)
     assert found.worst > 14
     assert found.parts["attitude"] > 14

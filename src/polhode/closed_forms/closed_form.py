@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Generic, Never, Protocol, TypeVar
+from typing import TYPE_CHECKING, Generic, Never, Protocol, TypeVar
 
 from flint import arb
 
@@ -29,6 +29,9 @@ from polhode.numbers.exact import ZERO, Exact, Irrational, noted, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf
 from polhode.numbers.vectors import Vector, cross, dot, minus, momentum
+
+if TYPE_CHECKING:
+    from polhode.numbers.double_double import Pairs
 
 #: What :attr:`ClosedForm.proven` says where the attitude has no formula.
 ENCLOSED_ATTITUDE = "states are proven by the closed form, the attitude by an enclosure"
@@ -111,6 +114,7 @@ class ClosedForm(Turning, Generic[S]):
         self._omega, self._known_gamma, self._psi = omega, gamma, psi
         self._solution: Kept[S] = Kept(self._solved)
         self._start: Kept[Start] = Kept(self._first)
+        self._sizes = Kept(self._made_sizes)
         self._last: tuple[list[Exact], int, list[Sequence[arb]]] = [], 0, []
         self._scene_axes = Frame(within=axes)
         with self._noting():
@@ -186,6 +190,16 @@ class ClosedForm(Turning, Generic[S]):
         rows = self._rows(times, digits, attitude=True)
         return [[number(x, digits) for x in row[6:]] for row in rows]
 
+    def pairs(self, times: Sequence[Exact], digits: int, *, attitude: bool) -> Pairs:
+        """Rows of :meth:`at`, or of :meth:`attitude`, of numbers of two doubles each.
+
+        Right to so many digits, at most :data:`polhode.numbers.double_double.DIGITS`.
+        """
+        from polhode.numbers.double_double import of_balls
+
+        columns = slice(6, None) if attitude else slice(self._width)
+        return of_balls([row[columns] for row in self._rows(times, digits, attitude=attitude)])
+
     def angles(self, times: Sequence[Exact], digits: int) -> list[list[mpf | None]]:
         """Rows psi, theta, phi; psi and phi continuous in t, None where gamma is along axis 3.
 
@@ -241,7 +255,7 @@ class ClosedForm(Turning, Generic[S]):
             row = self._start().row([ball(x) for x in self._omega], still)
         else:
             row = solution.row(t, attitude)
-        return row, self._sizes()[: len(row)]
+        return row, self._sizes()
 
     def quaternion_at(self, t: arb) -> Turn:
         """The attitude at a time, at the precision in force."""
@@ -282,8 +296,8 @@ class ClosedForm(Turning, Generic[S]):
             self._last = list(times), digits, rows
         return rows
 
-    def _sizes(self) -> list[arb]:
-        """Those of a row's numbers."""
+    def _made_sizes(self) -> list[arb]:
+        """Those of a row's numbers, as many as it may have."""
         return [self._solution().speed] * 3 + [arb(1)] * 7
 
     @property

@@ -19,6 +19,7 @@ import numpy as np
 
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
+from polhode.numbers.double_double import Pairs, binary_numbers
 from polhode.numbers.exact import sign
 from polhode.numbers.rows import Doubles, Given
 from polhode.numbers.scalars import Scalar
@@ -31,31 +32,43 @@ _Quotient = tuple[int, int]
 
 
 def log10_differences(
-    own: Given, true: Given, side: int = 1, turning: Sequence[int] = (), bits: int = 0
+    own: Given | Pairs,
+    true: Given | Pairs,
+    side: int = 1,
+    turning: Sequence[int] = (),
+    bits: int = 0,
 ) -> Doubles:
     """log10 of the difference of each number from the true one, shape (rows, columns).
 
     -inf where they are equal, inf where the own one is infinite, not a number where either is not
     there.  ``side``: a factor of the own numbers.  ``turning``: columns of angles whose whole turns
-    mean nothing; 2 pi is taken to so many ``bits``.
+    mean nothing; 2 pi is taken to so many ``bits``.  Pairs are subtracted as they are.
     """
+    if isinstance(own, Pairs) and isinstance(true, Pairs):
+        return log10_sizes(own * side - true)
+    own, true = plain_rows(own), plain_rows(true)
     turns = [_turn(bits) if k in turning else None for k in range(len(own[0]) if len(own) else 0)]
     pairs = zip(_lists(own), true, strict=True)
     found = [[*map(_log10_gap, row, right, turns, repeat(side))] for row, right in pairs]
     return np.array(found).reshape(len(found), len(turns))
 
 
-def log10_sizes(rows: Given) -> Doubles:
+def log10_sizes(rows: Given | Pairs) -> Doubles:
     """log10 of the size of each number, shape (rows, columns); not a number where there is none."""
+    if isinstance(rows, Pairs):
+        with np.errstate(divide="ignore"):
+            found: Doubles = np.log10(np.abs(rows.hi))
+        return found
     return np.array(
         [[math.nan if x is None else _log10(_quotient(x)) for x in row] for row in rows]
     )
 
 
-def log10_rate(rows: Given, scene: Scene) -> float:
+def log10_rate(rows: Given | Pairs, scene: Scene) -> float:
     """log10 of what errors of w are relative to: the largest |w| of the reference's rows."""
-    if len(rows):
-        sizes = log10_sizes([row[:3] for row in rows])
+    omega = rows[:, :3] if isinstance(rows, Pairs) else [row[:3] for row in rows]
+    sizes = log10_sizes(omega)
+    if len(sizes):
         most = float(np.max(sizes))
         if most > -math.inf:
             squares = np.sum(100.0 ** (sizes - most), axis=1)
@@ -86,15 +99,20 @@ def largest(differences: Doubles) -> Doubles:
     return found
 
 
-def digits_of(log10_error: float, cap: float) -> float:
-    """The digits that such an error leaves, never more than ``cap`` and never less than 0."""
-    return min(cap, max(0.0, -log10_error))
+def digits_of(log10_error: Scalar, cap: float) -> Scalar:
+    """The digits that an error leaves, or each of many, at most ``cap`` and at least 0."""
+    return np.clip(-log10_error, 0.0, cap)
 
 
 def worst_digits(states: Given, reference: Given, scene: Scene, cap: float) -> float:
     """The fewest correct digits over all rows."""
     errors = log10_errors(states, reference, log10_rate(reference, scene))
-    return min((digits_of(float(e), cap) for e in errors if e == e), default=cap)
+    return float(np.fmin.reduce(digits_of(errors, cap), initial=cap))
+
+
+def plain_rows(rows: Given | Pairs) -> Given:
+    """Rows of single numbers, exact; of pairs polhode's own mpf."""
+    return binary_numbers(rows) if isinstance(rows, Pairs) else rows
 
 
 def _lists(rows: Given) -> Given:

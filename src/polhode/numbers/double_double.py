@@ -17,12 +17,16 @@ from typing import Any
 import numpy as np
 
 from polhode.numbers import exact, rationals
+from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import Irrational, Number
 from polhode.numbers.rationals import Rationals
 from polhode.numbers.rows import Places
 from polhode.numbers.scalars import Scalar
 
+#: Decimal digits that a pair holds of any number, with some to spare.
+DIGITS = 30
 _SPLITTER = 134217729.0  # 2**27 + 1
+_MOST_BITS = 2200  # of the sum of any two doubles
 
 
 class Pairs:
@@ -122,6 +126,47 @@ def of_rationals(x: Rationals) -> Pairs:
 def of_fractions(values: Sequence[Fraction]) -> Pairs:
     """The pairs nearest to rationals."""
     return of_rationals(rationals.of_fractions(values))
+
+
+def of_cells(cells: Sequence[Scalar | None]) -> Pairs:
+    """The pairs nearest to numbers of any kind, not a number where one is None.
+
+    Raises OverflowError beyond the range of doubles, ValueError of a number that is not finite.
+    """
+    if {*map(type, cells)} == {float}:
+        doubles = np.array(cells)
+        if not np.isfinite(doubles).all():
+            raise ValueError("not a finite number")
+        return Pairs(doubles, np.zeros(len(cells)))
+    there = [k for k, x in enumerate(cells) if x is not None]
+    numbers = [x if type(x) is Fraction else exactly(x) for x in cells if x is not None]
+    pairs_there = of_fractions(numbers)
+    found = Pairs(np.full(len(cells), math.nan), np.zeros(len(cells)))
+    found.hi[there], found.lo[there] = pairs_there.hi, pairs_there.lo
+    return found
+
+
+def of_balls(rows: Sequence[Sequence[Any]]) -> Pairs:
+    """The pairs nearest to the middles of FLINT's balls, shape (rows, columns)."""
+    hi = [[float(x) for x in row] for row in rows]
+    lo = [[float(x - y) for x, y in zip(*both, strict=True)] for both in zip(rows, hi, strict=True)]
+    return Pairs(np.array(hi), np.array(lo))
+
+
+def joined(parts: Sequence[Pairs]) -> Pairs:
+    """Arrays of pairs, one after the other."""
+    return Pairs(np.concatenate([x.hi for x in parts]), np.concatenate([x.lo for x in parts]))
+
+
+def binary_numbers(x: Pairs) -> list[list[Scalar]]:
+    """The rows of an array as polhode's own mpf, each exactly what its pair is."""
+    from polhode.numbers.mpmath_context import mpmath
+
+    with mpmath.workprec(_MOST_BITS):
+        return [
+            [mpmath.mpf(a) + mpmath.mpf(b) for a, b in zip(*row, strict=True)]
+            for row in zip(x.hi.tolist(), x.lo.tolist(), strict=True)
+        ]
 
 
 def sqrt(x: Pairs) -> Pairs:

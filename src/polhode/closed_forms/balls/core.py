@@ -20,18 +20,18 @@ from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import Generic, TypeAlias, TypeVar
 
-from flint import acb, arb
+from flint import acb, arb, fmpq
 from mpmath import libmp
 
 from polhode.closed_forms.rounding import SPARE
-from polhode.numbers.exact import ZERO, Exact, as_ball, sign
+from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.numbers.polynomials import middle
 
 T = TypeVar("T")
 
-#: Numbers, and the size of each, to which its radius is compared; all sizes are positive.
+#: Numbers, and the size of each or of more, to which its radius is compared; all are positive.
 Row: TypeAlias = tuple[Sequence[arb], Sequence[arb]]
 
 GUARD = 40  # bits beyond the digits at first
@@ -52,15 +52,13 @@ class Refused(ValueError):
 def ball(x: Exact | int) -> arb:
     """An exact number at the precision in force; the exact 0 where it is 0, by the rule."""
     if isinstance(x, (int, Fraction)):
-        return as_ball(x)
+        return arb(fmpq(x.numerator, x.denominator))
     return x.enclosure(ctx.prec) if sign(x) else arb(0)
 
 
 def enclosed(x: Exact | int) -> arb:
     """The same without the question whether it is 0: for factors of sums, which need no answer."""
-    if isinstance(x, (int, Fraction)):
-        return as_ball(x)
-    return x.enclosure(ctx.prec)
+    return ball(x) if isinstance(x, (int, Fraction)) else x.enclosure(ctx.prec)
 
 
 def root(x: Exact | int) -> arb:
@@ -156,7 +154,7 @@ def _lost_bits(numbers: Sequence[arb], sizes: Sequence[arb], goal: arb) -> float
     Each number is asked: the largest of several balls would pass over one that is not a number.
     """
     worst = 0.0
-    for x, size in zip(numbers, sizes, strict=True):
+    for x, size in zip(numbers, sizes, strict=False):  # a row may end before its sizes do
         if x.rad() < goal * size and x.is_finite():
             continue
         if not (x.is_finite() and size > 0):

@@ -1,7 +1,7 @@
 """Jacobi's functions and quotients of theta functions, in balls.
 
 With the modulus k, its complement k', the quarter periods K and K', tau = i K'/K and z = v/2K, the
-theta functions th1(z), ..., th4(z) of :meth:`acb.modular_theta` have pi in their argument, and
+theta functions th1(z), ..., th4(z) have pi in their argument as those of FLINT have, and
 
     sn v = th3(0) th1(z)/(th2(0) th4(z)),    cn v = th4(0) th2(z)/(th2(0) th4(z)),
     dn v = th4(0) th3(z)/(th3(0) th4(z))     (DLMF 22.2).
@@ -28,6 +28,8 @@ from __future__ import annotations
 from flint import acb, arb
 
 from polhode.closed_forms.balls.core import nearest_integer
+from polhode.closed_forms.balls.theta_series import LEAST, ThetaSeries
+from polhode.common.cached_property import cached_property
 
 _I = acb(0, 1)
 
@@ -47,9 +49,12 @@ class Jacobi:
         mean = kc2.sqrt().agm(1)
         self.K = arb.pi() / (2 * mean)
         if not self.circle:
-            self.tau = acb(0, mean / k2.sqrt().agm(1))
+            s = mean / k2.sqrt().agm(1)
+            self.tau = acb(0, s)
             _, th2, th3, th4 = (th.real for th in acb.modular_theta(acb(0), self.tau))
             self.factors = th3 / th2, th4 / th2, th4 / th3  # of sn, cn, dn
+            #: None where they are long.
+            self.series = ThetaSeries(s) if s > LEAST else None
 
     def phase(self, sn0: arb, cn2: arb, dn2: arb) -> arb:
         """v in [-K, K] with sn v = ``sn0``; the squares of cn v and dn v are given."""
@@ -67,15 +72,53 @@ class Jacobi:
             v = v - 2 * n * self.K
         return Place(self, n, v)
 
-    def rate(self, a: arb, half: bool) -> arb:
+
+class Shift:
+    """The quotient Th(v + i a)/Th(v), or Th(v + K + i a)/Th(v) if ``half``, of one ``a``."""
+
+    def __init__(self, jacobi: Jacobi, a: arb, half: bool) -> None:
+        self.jacobi, self.a, self.half = jacobi, a, half
+        if jacobi.circle or jacobi.limit:
+            return
+        self.y = a / (2 * jacobi.K)
+        self._is_series = jacobi.series is not None and self.y.is_finite()
+        if jacobi.series is not None and self._is_series:
+            self._real, self._imaginary = jacobi.series.above(self.y, third=half)
+
+    @property
+    def rate(self) -> arb:
         """L of the quotient's phase."""
-        if self.circle:
-            return a.tanh() if half else a.coth()
-        if self.limit:
-            return arb(0) if half else a.cot()
-        y, which = acb(0, a / (2 * self.K)), 1 if half else 0
-        slope, value = (acb.modular_theta(y, self.tau, n)[which] for n in (1, 0))
-        return (_I * slope / value).real / (2 * self.K)
+        jacobi = self.jacobi
+        if jacobi.circle:
+            return self.a.tanh() if self.half else self.a.coth()
+        if jacobi.limit:
+            return arb(0) if self.half else self.a.cot()
+        y, which = acb(0, self.y), 1 if self.half else 0
+        slope, value = (acb.modular_theta(y, jacobi.tau, n)[which] for n in (1, 0))
+        return (_I * slope / value).real / (2 * jacobi.K)
+
+    def at(self, place: Place) -> acb:
+        """The quotient at a place."""
+        if self.jacobi.circle:
+            return acb(1)
+        if self.jacobi.limit:
+            return (acb(1) if self.half else acb(place.v, self.a).cosh()) / place.v.cosh()
+        if not self._is_series:
+            z = acb(place.z, self.y)
+            return acb.modular_theta(z, self.jacobi.tau)[2 if self.half else 3] / place.th4
+        cosine, sine = place.double
+        return acb(self._real(cosine) / place.th4, self._imaginary(cosine) * sine / place.th4)
+
+    def slope(self, place: Place) -> acb:
+        """The quotient with its numerator differentiated: its derivative where it is 0."""
+        jacobi = self.jacobi
+        if jacobi.circle or (jacobi.limit and self.half):
+            return acb(0)  # the numerator is constant
+        if jacobi.limit:
+            return acb(place.v, self.a).sinh() / place.v.cosh()
+        below = place.th4 * 2 * jacobi.K
+        z = acb(place.z, self.y)
+        return acb.modular_theta(z, jacobi.tau, 1)[2 if self.half else 3] / below
 
 
 class Place:
@@ -88,42 +131,66 @@ class Place:
     def __init__(self, jacobi: Jacobi, n: int, v: arb) -> None:
         self._jacobi, self.n, self.v = jacobi, n, v
         self.side = -1 if n % 2 else 1
+
+    @property
+    def sn(self) -> arb:
+        """sn of the reduced phase."""
+        return self._functions[0]
+
+    @property
+    def cn(self) -> arb:
+        """cn of the reduced phase."""
+        return self._functions[1]
+
+    @property
+    def dn(self) -> arb:
+        """dn, of either phase."""
+        return self._functions[2]
+
+    @cached_property
+    def _functions(self) -> tuple[arb, arb, arb]:
+        jacobi, v = self._jacobi, self.v
         if jacobi.circle:
-            self.sn, self.cn = v.sin_cos()
-            self.dn = arb(1)
-        elif jacobi.limit:
-            self.sn, self.cn = v.tanh(), v.sech()
-            self.dn = self.cn
+            return (*v.sin_cos(), arb(1))
+        if jacobi.limit:
+            cn = v.sech()
+            return v.tanh(), cn, cn
+        if jacobi.series is None:
+            th1, th2, th3, _ = self._thetas
         else:
-            self._z = acb(v / (2 * jacobi.K))
-            th1, th2, th3, self._th4 = (th.real for th in acb.modular_theta(self._z, jacobi.tau))
-            a, b, c = jacobi.factors
-            self.sn, self.cn, self.dn = (
-                a * th1 / self._th4,
-                b * th2 / self._th4,
-                c * th3 / self._th4,
-            )
+            (sine, cosine), (double, _) = self._sin_cos, self.double
+            th1, th2 = sine * jacobi.series.th1(double), cosine * jacobi.series.th2(double)
+            th3 = jacobi.series.th3(double)
+        (a, b, c), th4 = jacobi.factors, self.th4
+        return a * th1 / th4, b * th2 / th4, c * th3 / th4
 
-    def quotient(self, a: arb, half: bool) -> acb:
-        """Th(v + i a)/Th(v), or Th(v + K + i a)/Th(v) if ``half``, ``a`` of either sign."""
-        jacobi = self._jacobi
-        if jacobi.circle:
-            return acb(1)
-        if jacobi.limit:
-            return (acb(1) if half else acb(self.v, a).cosh()) / self.v.cosh()
-        z = self._z + acb(0, a / (2 * jacobi.K))
-        return acb.modular_theta(z, jacobi.tau)[2 if half else 3] / self._th4
+    @cached_property
+    def z(self) -> arb:
+        """v/2K."""
+        return self.v / (2 * self._jacobi.K)
 
-    def slope(self, a: arb, half: bool) -> acb:
-        """The quotient with its numerator differentiated: its derivative where it is 0."""
-        jacobi = self._jacobi
-        if jacobi.circle or (jacobi.limit and half):
-            return acb(0)  # the numerator is constant
-        if jacobi.limit:
-            return acb(self.v, a).sinh() / self.v.cosh()
-        z = self._z + acb(0, a / (2 * jacobi.K))
-        below = self._th4 * 2 * jacobi.K
-        return acb.modular_theta(z, jacobi.tau, 1)[2 if half else 3] / below
+    @cached_property
+    def _sin_cos(self) -> tuple[arb, arb]:
+        """sin and cos of pi z."""
+        sine, cosine = self.z.sin_cos_pi()
+        return sine, cosine
+
+    @cached_property
+    def double(self) -> tuple[arb, arb]:
+        """cos and sin of 2 pi z."""
+        sine, cosine = self._sin_cos
+        return (cosine - sine) * (cosine + sine), 2 * sine * cosine
+
+    @cached_property
+    def th4(self) -> arb:
+        """th4(z)."""
+        series = self._jacobi.series
+        return self._thetas[3] if series is None else series.th4(self.double[0])
+
+    @cached_property
+    def _thetas(self) -> list[arb]:
+        """th1, ..., th4 of z by FLINT."""
+        return [th.real for th in acb.modular_theta(acb(self.z), self._jacobi.tau)]
 
 
 def carlson_rf(x: arb, y: arb, z: arb | int = 1) -> arb:

@@ -56,7 +56,9 @@ class EulerTop(ClosedForm[EulerMotion]):
         if self._permanent:
             half = root(dot(self._omega, self._omega)) / 2
             return PermanentRotation([ball(x) for x in self._omega], half, self._start())
-        return Polhode(self._numbers, self._frame, self._start())
+        gamma = self._known_gamma
+        vertical = None if gamma is None else [ball(x) for x in self._frame.into(gamma)]
+        return Polhode(self._numbers, self._frame, self._start(), vertical)
 
     def arguments_at(self, t: arb) -> Arguments:
         """Of a permanent rotation."""

@@ -31,7 +31,7 @@ from flint import acb, arb
 
 from polhode.closed_forms.balls.core import TooFewBits, ball
 from polhode.closed_forms.balls.frames import Frame, Start, Turn, conjugate, halves, quaternion
-from polhode.closed_forms.balls.jacobi import Jacobi, Place
+from polhode.closed_forms.balls.jacobi import Jacobi, Place, Shift
 from polhode.closed_forms.lagrange.regimes import Constants
 from polhode.closed_forms.lagrange.roots import Distances, gaps
 from polhode.common.cached_property import cached_property
@@ -121,8 +121,8 @@ class Quotient:
     def __init__(
         self, jacobi: Jacobi, rate: arb, shift: arb, half: bool, even: arb, passes: bool
     ) -> None:
-        self._shift, self._half, self._rate = shift, half, rate
-        self.turn = jacobi.rate(shift, half) * rate + even
+        self._shift, self._rate = Shift(jacobi, shift, half), rate
+        self.turn = self._shift.rate * rate + even
         self.passes = passes  # through 0, arg z then growing by pi
         self.at_pole = False  # at t = 0
         self._factor = acb(1)
@@ -131,18 +131,18 @@ class Quotient:
         """Fit the factor to the value at t = 0, or to the slope where the value is 0."""
         self.at_pole = value.real.is_zero() and value.imag.is_zero()
         if self.at_pole:
-            self._factor = slope / (at.slope(self._shift, self._half) * self._rate)
+            self._factor = slope / (self._shift.slope(at) * self._rate)
         else:
-            self._factor = value / at.quotient(self._shift, self._half)
+            self._factor = value / self._shift.at(at)
 
     def at(self, place: Place, t: arb) -> acb:
         """The parameter at a time, ``place`` that of the functions."""
-        turned = (_I * (self.turn * t)).exp()
-        return self._factor * place.quotient(self._shift, self._half) * turned
+        sine, cosine = (self.turn * t).sin_cos()
+        return self._factor * self._shift.at(place) * acb(cosine, sine)
 
     def argument(self, place: Place, t: arb) -> arb:
         """Its continuous argument, but for a constant and for jumps at zeros."""
-        z = place.quotient(self._shift, self._half)
+        z = self._shift.at(place)
         if z.contains(0):
             raise TooFewBits
         return z.arg() + self.turn * t

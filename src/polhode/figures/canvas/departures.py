@@ -16,9 +16,11 @@ from polhode.figures.canvas.curve_sampling import Samples
 from polhode.judging.correct_digits import largest, log10_differences, log10_rate, scaled
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference
+from polhode.judging.score.answers import Answers
 from polhode.judging.tables.table import Table
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, mpf_row, to_double
+from polhode.numbers.double_double import Pairs
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Rows
 from polhode.numbers.scalars import Scalar
@@ -35,11 +37,13 @@ def errors(table: Table, reference: Reference | Certified, number: NumberType | 
     As far as the table has columns of the state; ``number``: the type of its numbers, if known.
     """
     scene = reference.scene
-    states = (table := in_order(table)).rows(scene.columns)
-    if states is None:
+    table = in_order(table)
+    if not {*scene.columns} & table.columns.keys():
         raise BadInput(table.name, "header", None, f"a column of {', '.join(scene.columns)}")
     most = number.most_digits if number else table.printed + 2
-    true = reference.at(table.times, math.ceil(min(most, 1000)) + SPARE_DIGITS)
+    answers = Answers(reference, table.times, False, None)
+    true = answers.rows("at", math.ceil(min(most, 1000)) + SPARE_DIGITS)
+    states = table.numbers(scene.columns, in_pairs=isinstance(true, Pairs))
     found = scaled(log10_differences(states, true), log10_rate(true, scene))
     parts = {"omega": largest(found[:, :3]), "gamma": largest(found[:, 3:])}
     judged = {name: logs for name, logs in parts.items() if not np.isnan(logs).all()}

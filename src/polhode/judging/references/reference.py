@@ -20,6 +20,7 @@ from polhode.judging.references.certified import Certified
 from polhode.judging.references.derived import column_of
 from polhode.judging.references.reference_rows import tabulated
 from polhode.numbers import exact, number_types
+from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact, Irrational
 from polhode.numbers.mpmath_context import mpmath, ordinary
 from polhode.numbers.scalars import AnyNumber, Real
@@ -31,6 +32,7 @@ from polhode.scenes.scene import Scene
 
 if TYPE_CHECKING:
     from polhode.judging.references.textbook import Textbook
+    from polhode.numbers.double_double import Pairs
 
 BACKENDS = ("flint", "mpmath")
 MAX_LOG10_ANGLE = 100
@@ -91,6 +93,15 @@ class Reference(Storable):
     def angles(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real | None]]:
         """Rows psi theta phi in radians, continuous; None where a pole leaves them undefined."""
         return self._turned("angles", times, digits)
+
+    def pairs(self, word: str, times: Sequence[Exact], digits: int) -> Pairs:
+        """Many rows of ``word``, "at" or "attitude", each number the sum of two doubles.
+
+        Right to ``digits`` digits, at most :data:`polhode.numbers.double_double.DIGITS`.
+        """
+        _refuse_far(self.scene, times)
+        attitude = word == "attitude"
+        return self._told(lambda: self._motion.pairs(times, digits, attitude=attitude))
 
     def _turned(self, word: str, times: Iterable[AnyNumber], digits: int) -> list[list[Any]]:
         """Attitude or angles: the closed form's, or enclosed where that has the state alone."""
@@ -326,10 +337,15 @@ def by_sign(times: Sequence[Fraction]) -> list[list[Fraction]]:
 
 
 def _times(scene: Scene, times: Iterable[AnyNumber]) -> list[Exact]:
-    """Times taken exactly; raises BadInput beyond 10**100 radians, where digits cost more each."""
+    """Times taken exactly; raises BadInput for those that are too far."""
     found = [*each(scene.name, "t", times, reader(scene.units, TIME), "a list of times")]
-    for t in found:
-        if scene.log10_rate + exact.log10(t) > MAX_LOG10_ANGLE:
-            expected = f"at most 10**{MAX_LOG10_ANGLE} radians turned"
-            raise BadInput(scene.name, "t", f"10**{exact.log10(t):.0f}", expected)
+    _refuse_far(scene, found)
     return found
+
+
+def _refuse_far(scene: Scene, times: Sequence[Exact]) -> None:
+    """Raise BadInput for times beyond 10**100 radians, where digits cost more each."""
+    far = exact.log10(max(times, key=lambda t: abs(to_double(t)), default=exact.ZERO))
+    if scene.log10_rate + far > MAX_LOG10_ANGLE:
+        expected = f"at most 10**{MAX_LOG10_ANGLE} radians turned"
+        raise BadInput(scene.name, "t", f"10**{far:.0f}", expected)

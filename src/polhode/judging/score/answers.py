@@ -11,14 +11,22 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, TypeAlias
 
+import numpy as np
+
 from polhode.common.progress import Progress
+from polhode.judging.correct_digits import plain_rows
 from polhode.judging.references.derived import column_of
-from polhode.judging.references.reference import AnyReference
-from polhode.numbers.scalars import Scalar
+from polhode.judging.references.reference import AnyReference, Reference
+from polhode.numbers import double_double
+from polhode.numbers.double_double import Pairs
+from polhode.numbers.rows import Given
+from polhode.scenes.vocabulary import COLUMNS
 
-#: Rows of a reference, one a time; the number of a cell, or None where the motion has none.
-Answer: TypeAlias = list[list[Scalar]]
+#: Rows of a reference, one a time: each number the sum of two doubles where these hold the digits,
+#: else a number of so many, or None where the motion has none.
+Answer: TypeAlias = "Pairs | Given"
 
+_LEAST, _MOST = 1e-250, 1e250  # sizes of w of which two doubles hold all digits
 _PIECE = 500  # rows asked for at once: how far it is is told between two pieces
 
 
@@ -38,11 +46,11 @@ class Answers:
 
     def rows(self, word: str, digits: int) -> Answer:
         """Rows of the state ("at") or of an output, to so many digits; raises ValueError."""
-        if word == "at":
+        if word == "at" or COLUMNS[word].how == "integrated":
             return self._asked(word, digits)
 
         def ask(question: str) -> Any:
-            return lambda times, more: self._asked(question, digits)
+            return lambda times, more: plain_rows(self._asked(question, digits))
 
         return column_of(ask, self.reference.scene, word, self.times, digits)
 
@@ -65,24 +73,54 @@ class Answers:
         """Whether a question that was asked was not refused: for fewer digits it may not be."""
         return not isinstance(self._known[question, digits], ValueError)
 
-    def _found(self, questions: Sequence[str], digits: int) -> dict[str, Answer | ValueError]:
+    def _found(
+        self, questions: Sequence[str], digits: int, in_pairs: bool | None = None
+    ) -> dict[str, Answer | ValueError]:
         """Answers to questions that are asked together, of each or why there is none."""
-        rows: dict[str, Answer] = {name: [] for name in questions}
+        pieces: dict[str, list[Answer]] = {name: [] for name in questions}
         faults: dict[str, ValueError] = {}
         # turns are counted from t = 0 on, and a proof goes through all times: not in pieces
         enclosed = "attitude" in questions and self.reference.encloses_attitude
         whole = enclosed or "angles" in questions or not self.reference.is_closed_form
         count = len(self.times)
         size = count if whole else _PIECE
+        if in_pairs is None:
+            asked_alone = {"at", "attitude"}.issuperset(questions) and not enclosed
+            in_pairs = asked_alone and digits <= double_double.DIGITS
         for begin in range(0, count, size):
             piece = self.times[begin : begin + size]
             for name in questions:
                 try:
                     if name not in faults:
-                        rows[name] += getattr(self.reference, name)(piece, digits)
+                        pieces[name].append(self._piece(name, piece, digits, in_pairs))
                 except ValueError as fault:  # BadInput is one
                     faults[name] = fault
             done = begin + len(piece)
             if self.progress is not None and size < count:
                 self.progress(done / count, done)
-        return {name: faults.get(name) or rows[name] for name in questions}
+        answers = {name: faults.get(name) or _joined(pieces[name]) for name in questions}
+        if in_pairs and not all(map(_is_held, answers.values())):
+            return self._found(questions, digits, in_pairs=False)
+        return answers
+
+    def _piece(
+        self, question: str, times: Sequence[Fraction], digits: int, in_pairs: bool
+    ) -> Answer:
+        """Rows at some of the times."""
+        if in_pairs and isinstance(self.reference, Reference):
+            return self.reference.pairs(question, times, digits)
+        rows: Answer = getattr(self.reference, question)(times, digits)
+        return rows
+
+
+def _joined(pieces: Sequence[Answer]) -> Answer:
+    """The rows of all pieces, which are of one kind."""
+    parts = [x for x in pieces if isinstance(x, Pairs)]
+    return double_double.joined(parts) if parts else [row for x in pieces for row in plain_rows(x)]
+
+
+def _is_held(answer: Answer | ValueError) -> bool:
+    """Whether pairs have all the digits that they may have: of w, whatever its unit of time."""
+    if not isinstance(answer, Pairs):
+        return True
+    return bool(_LEAST < np.max(np.abs(answer.hi[:, :3]), initial=0.0) < _MOST)

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import TypeAlias
 
 import numpy as np
 
 from polhode.equations import kinematics
-from polhode.judging.correct_digits import digits_of, largest, log10_differences, log10_sizes
+from polhode.judging.correct_digits import (
+    digits_of,
+    largest,
+    log10_differences,
+    log10_sizes,
+    plain_rows,
+)
+from polhode.numbers.double_double import Pairs
 from polhode.numbers.rows import Doubles, Given
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.vocabulary import ANGLES, COLUMNS
@@ -27,14 +33,14 @@ def fewest(digits: RowDigits, held: float) -> float:
 
 def row_digits(differences: Doubles, held: float) -> RowDigits:
     """The fewest digits of each row, of log10 of its numbers' differences; None where none is."""
-    worst = largest(differences).tolist()
-    return tuple(None if math.isnan(x) else digits_of(x, held) for x in worst)
+    digits = digits_of(largest(differences), held)
+    return tuple(None if math.isnan(x) else x for x in digits.tolist())
 
 
 def part_digits(
     name: str,
-    own: Given,
-    true: Sequence[Sequence[Scalar | None]],
+    own: Given | Pairs,
+    true: Given | Pairs,
     held: float,
     bits: int,
 ) -> RowDigits:
@@ -44,7 +50,7 @@ def part_digits(
     its opposite are one attitude.
     """
     if name == "angles":
-        angles = principal_angles(true, bits)
+        angles = principal_angles(plain_rows(true), bits)
         return row_digits(log10_differences(own, angles, turning=TURNING, bits=bits), held)
     scale = 0.0 if COLUMNS[name].how == "integrated" else _log10_largest(true)
     differences = log10_differences(own, true)
@@ -54,9 +60,7 @@ def part_digits(
     return row_digits(differences - scale, held)
 
 
-def principal_angles(
-    attitudes: Sequence[Sequence[Scalar | None]], bits: int
-) -> list[list[Scalar | None]]:
+def principal_angles(attitudes: Given, bits: int) -> list[list[Scalar | None]]:
     """psi, theta and phi of quaternions, psi and phi up to whole turns and None at a pole."""
     from polhode.numbers.mpmath_context import mpmath, own
 
@@ -70,7 +74,7 @@ def principal_angles(
     return found
 
 
-def _log10_largest(rows: Sequence[Sequence[Scalar | None]]) -> float:
+def _log10_largest(rows: Given | Pairs) -> float:
     """log10 of the largest size of a derived column's numbers; of 1 where all are 0."""
     most = float(np.nanmax(log10_sizes(rows), initial=-math.inf))
     return most if most > -math.inf else 0.0

@@ -9,12 +9,14 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import NamedTuple, TypeVar
 
+import numpy as np
+
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.common.value_semantics import ByValue
 from polhode.equations.integrals import Drift
-from polhode.judging.correct_digits import log10_differences, log10_rate, scaled
+from polhode.judging.correct_digits import log10_differences, log10_rate, plain_rows, scaled
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import AnyReference, Reference
 from polhode.judging.score.answers import Answer, Answers
@@ -27,7 +29,8 @@ from polhode.judging.score.part_digits import (
 from polhode.judging.score.row_selection import RowSelection, selection
 from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import to_mpf
-from polhode.numbers.rows import Doubles, Given
+from polhode.numbers.double_double import Pairs
+from polhode.numbers.rows import Doubles
 from polhode.scenes.vocabulary import COLUMNS, STATE
 
 FIRST_ASKED = 100  # digits of a reference, before it is known that more of them are needed
@@ -117,21 +120,22 @@ class Scores(ByValue):
                 found[name] = f"none of {'them' if name == 'angles' else 'it'} has a value"
                 continue
             try:
-                found[name] = self._part(name, own)
+                found[name] = self._part(name)
             except ValueError as fault:  # BadInput is one
                 found[name] = str(fault)
                 if does_not_answer(self.reference, fault):
                     proven = replace(self, reference=Certified(self.reference.scene))
                     with suppress(ValueError):
-                        found[name] = proven._part(name, own)
+                        found[name] = proven._part(name)
         return found
 
-    def _part(self, name: str, own: Given) -> RowDigits:
+    def _part(self, name: str) -> RowDigits:
         """Digits of such a part; raises ValueError."""
         held = self.subject.held
         word, more = ("attitude", NEAR_POLE) if name == "angles" else (name, 0)
 
         def judged(true: Answer) -> RowDigits:
+            own = self._judged.numbers(COLUMNS[name].names, in_pairs=isinstance(true, Pairs))
             return part_digits(name, own, true, held, self._bits)
 
         found = self._told(word, judged, lambda digits: fewest(digits, held), more)
@@ -140,16 +144,20 @@ class Scores(ByValue):
     @cached_property
     def _errors(self) -> Doubles:
         """log10 of the scaled errors of the state's numbers, shape (rows, columns)."""
-        start = [to_mpf(x, self._bits) for x in self.reference.scene.start]
-        times, states = self._judged.times, self._judged.rows(self.reference.scene.columns) or []
+        scene, times = self.reference.scene, self._judged.times
+        begins = [k for k, t in enumerate(times) if not t]
+        start = [to_mpf(x, self._bits) for x in scene.start]
 
         def errors(true: Answer) -> Doubles:
-            rows = [row if t else start for t, row in zip(times, true, strict=True)]
-            rate = log10_rate(rows, self.reference.scene)
-            return scaled(log10_differences(states, rows), rate)
+            in_pairs = isinstance(true, Pairs)
+            rows: Answer = true
+            if not in_pairs:  # of more digits than are asked for at first
+                rows = [row if t else start for t, row in zip(times, plain_rows(true), strict=True)]
+            states = self._judged.numbers(scene.columns, in_pairs=in_pairs)
+            return scaled(log10_differences(states, rows), log10_rate(rows, scene))
 
         def most_right(found: Doubles) -> float:
-            later = row_digits(found[[k for k, t in enumerate(times) if t]], self.subject.held)
+            later = row_digits(np.delete(found, begins, axis=0), self.subject.held)
             return max((d for d in later if d is not None), default=0.0)
 
         return self._told("at", errors, most_right)

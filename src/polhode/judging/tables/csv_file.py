@@ -17,6 +17,7 @@ import string
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -194,9 +195,10 @@ def _numbers(
 ) -> Cells:
     """A column's exact numbers; ``number``: whose values its cells stand for."""
     found: list[Fraction | None] = []
+    read = expression.decimal if number is None else partial(value, number=number)
     try:
         for text in texts:
-            found.append(value(text, number) if text or name == "t" else None)
+            found.append(read(text) if text or name == "t" else None)
     except ExpressionError:
         line, row = sheet.rows[len(found)]
         expected = "a finite decimal number"
@@ -233,13 +235,11 @@ def is_empty(cell: str) -> bool:
     return len(cell) < 5 and cell.lstrip("+-").lower() in _EMPTY
 
 
-def value(cell: str, number: NumberType | None) -> Fraction:
-    """A decimal's exact value, rounded to a number of a type where one is given.
+def value(cell: str, number: NumberType) -> Fraction:
+    """A decimal's exact value, rounded to a number of a type.
 
     Raises ExpressionError for what is no finite decimal number.
     """
-    if number is None:
-        return expression.decimal(cell)
     if number.bits == DOUBLE.bits and len(cell) < _LONGEST and not cell.strip(_PLAIN):
         try:
             x = float(cell)

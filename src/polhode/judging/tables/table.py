@@ -11,6 +11,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
 from polhode.common.text_tables import counted, one_line
 from polhode.common.value_semantics import ByValue
@@ -19,8 +20,9 @@ from polhode.judging.tables.attitude_forms import lengths
 from polhode.judging.tables.column_aliases import are_attitude, not_judged
 from polhode.judging.tables.reading import Reading, TimeChange
 from polhode.numbers.conversion import mpf_row, to_double
+from polhode.numbers.double_double import Pairs, of_cells
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import GivenRow
+from polhode.numbers.rows import Given, GivenRow
 from polhode.numbers.scalars import Real
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
@@ -97,6 +99,26 @@ class Table(ByValue):
         none = (None,) * len(self.times)
         return [list(row) for row in zip(*(self.columns.get(n, none) for n in names), strict=True)]
 
+    def numbers(self, names: Sequence[str], *, in_pairs: bool) -> Given | Pairs:
+        """:meth:`rows`, which are there, or the same as pairs where these hold every number."""
+        if in_pairs:
+            with suppress(OverflowError, ValueError):  # a number beyond doubles, or none
+                parts = [self._pairs(name) for name in names]
+                hi, lo = (np.stack([getattr(x, y) for x in parts], axis=1) for y in ("hi", "lo"))
+                return Pairs(hi, lo)
+        return self.rows(names) or []
+
+    def _pairs(self, name: str) -> Pairs:
+        """A column as pairs, not a number where no cell is there; ValueError or OverflowError."""
+        if name not in self._known_pairs:
+            cells = self.columns.get(name, (None,) * len(self.times))
+            self._known_pairs[name] = of_cells(cells)
+        return self._known_pairs[name]
+
+    @cached_property
+    def _known_pairs(self) -> dict[str, Pairs]:
+        return {}
+
     def whole_rows(self, names: Sequence[str]) -> list[int]:
         """The rows that have a number in each of these columns."""
         if not {*names} <= self.columns.keys():
@@ -149,10 +171,8 @@ class Table(ByValue):
         if any(x is None for x in chain(*columns)):  # asked so, for a Fraction's == is slow
             return "it takes all cells of the state, and some are empty"
         if self.held <= MOST_AT_ONCE:
-            from polhode.numbers.double_double import of_fractions
-
-            with suppress(OverflowError):  # a number beyond doubles
-                pairs = [of_fractions(x) for x in columns]  # type: ignore[arg-type]
+            with suppress(OverflowError, ValueError):  # a number beyond doubles, or none
+                pairs = [self._pairs(name) for name in scene.columns]
                 if (at_once := drift_of_columns(scene, pairs)) is not None:
                     return at_once
         rows = zip(*columns, strict=True)

@@ -178,7 +178,7 @@ def digits(states: Any, true: Truth) -> float:
     errors[:, :3] /= true.scale
     worst = float(errors.max())
     with np.errstate(divide="ignore"):
-        return digits_of(float(np.log10(worst)), number.most_digits) if np.isfinite(worst) else 0.0
+        return float(digits_of(np.log10(worst), number.most_digits)) if np.isfinite(worst) else 0.0
 
 
 def median_digits(states: Any, true: Truth) -> float:
