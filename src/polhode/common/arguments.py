@@ -67,7 +67,10 @@ def rows_of(
     if given.dtype.kind not in "fiu" or not np.can_cast(given.dtype, into, "safe"):
         raise BadInput(source, key, f"numbers of {given.dtype}", f"{into} or narrower")
     found = np.ascontiguousarray(given, dtype=into)
-    wrong = ~np.isfinite(found) | not_taken(values, found)
+    finite = np.isfinite(found)
+    if given is values and given.dtype.kind == "f" and finite.all():
+        return found
+    wrong = ~finite | not_taken(values, found)
     if wrong.any():
         k = int(np.argmax(wrong.any(axis=1)))
         told = values[k] if isinstance(values, (list, tuple)) else given[k]
@@ -106,7 +109,9 @@ def unit_rows(source: str, key: str, rows: npt.NDArray[Any], eps: Fraction) -> N
     import numpy as np
 
     off, most = np.abs(np.einsum("ij,ij->i", rows, rows) - 1), 8 * float(eps)
-    for k in np.flatnonzero(~(off <= most / 2)).tolist():  # rounding here is less than that
+    if off.max(initial=0.0) <= most / 2:  # rounding here is less than that
+        return
+    for k in np.flatnonzero(~(off <= most / 2)).tolist():
         square = sum((Fraction(*x.as_integer_ratio()) ** 2 for x in rows[k]), Fraction(-1))
         if abs(square) > 8 * eps:
             told = plain(rows[k].tolist())

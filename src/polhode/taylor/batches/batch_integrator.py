@@ -17,13 +17,14 @@ from itertools import count
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from polhode.common.cached_property import cached_property
 from polhode.common.progress import Stop
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Array, Doubles, double_array, kind_of
+from polhode.numbers.rows import Array, Booleans, Doubles, Indices, Stack, kind_of
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend import defaults
 from polhode.taylor.batches.compiled_batch import LANES, CompiledBatch, in_lanes, out_of_lanes
@@ -40,6 +41,53 @@ def solve(job: BatchJob, stop: Stop | None = None) -> Solved:
     """Integrate a job's motions; those that ``stop`` kept from being finished are NOT_RUN."""
     with prepared(job) as ready:
         return _Way(job, ready, stop).solved()
+
+
+def at_once(
+    job: BatchJob,
+    order: Indices,
+    stop: Stop | None = None,
+    steps: npt.NDArray[np.int64] | None = None,
+) -> Stack:
+    """States of some motions of a job, all of which arrive in so few steps that nobody need look.
+
+    In this order they go through the lanes.  Not a number where ``stop`` came first, or a motion,
+    or one beside it, did not arrive.  ``steps``: of each is put in there.
+    """
+    many, (given, starts), ahead = len(order), job.motions, job.times[job.times != 0]
+    here, one = in_lanes(starts, order), len(ahead) == 1
+    own = None if len(given) == 1 else in_lanes(given, order)
+    states = np.empty((len(here), len(job.times), job.columns, LANES))
+    if len(ahead) < len(job.times):
+        states[:, 0] = here
+    counts = np.zeros((len(here), LANES), dtype=np.int64)
+    end, grid = ahead[-1].item(), np.zeros((1 + len(ahead), LANES))
+    grid[1:] = ahead[:, None]
+    with prepared(job) as ready:
+        ta, state = ready.heyoka, ready.state
+        if own is None:
+            ready.tell(given.T)
+        for k, (start, rows) in enumerate(zip(here, states, strict=True)):
+            if stop is not None and stop():
+                states[k:] = np.nan
+                break
+            state[:] = start
+            if own is not None:
+                ready.tell(own[k])
+            ready.begin()
+            if one:  # the end alone needs no dense output
+                ta.propagate_until(end)
+                rows[-1] = state
+            else:
+                rows[-len(ahead) :] = ta.propagate_grid(grid)[1][1:]
+            if steps is not None:
+                counts[k] = [result[3] for result in ta.propagate_res]
+    arrived = np.isfinite(states[:, -1])
+    if not arrived.all():  # a lane has stopped the others
+        states[~arrived.all(axis=(1, 2))] = np.nan
+    if steps is not None:
+        steps[:] = counts.ravel()[:many]
+    return out_of_lanes(states)[:many]
 
 
 def prepared(job: BatchJob) -> Engine:
@@ -93,14 +141,14 @@ class _Way:
     def solved(self) -> Solved:
         """All of them, or as many as come before a stop."""
         job = self.job
+        shape = job.motions.many, len(job.times), job.columns
+        found = Solved.undone(np.full(shape, np.nan, kind_of(job.number)))
         if isinstance(self.ready, CompiledBatch) and self.sizes[-1]:
-            found = self._in_lanes(self.ready)
-            left = np.flatnonzero(found.outcomes != _THERE).tolist()
-        else:
-            shape = job.motions.many, len(job.times), job.columns
-            found = Solved.undone(np.full(shape, np.nan, kind_of(job.number)))
-            left = [*range(job.motions.many)]
-        for k in left:
+            if job.sure:
+                self._surely(found)
+            else:
+                self._in_lanes(self.ready, found)
+        for k in np.flatnonzero(found.outcomes != _THERE).tolist():
             if self._stopped():
                 break
             self._alone(k, found)
@@ -130,43 +178,35 @@ class _Way:
         """Whether a motion that goes on like this ends at its limit long before the last time."""
         return steps * float(self.sizes[-1]) > _HOPELESS * self.job.max_steps * passed
 
-    def _in_lanes(self, ready: CompiledBatch) -> Solved:
+    def _surely(self, found: Solved) -> None:
+        """All motions in one go, but those of batches that did not arrive as a whole."""
+        found.states[:] = at_once(self.job, np.arange(len(found.steps)), self.stop, found.steps)
+        self._note(np.isfinite(found.states[:, -1]).all(axis=1), found)
+
+    def _in_lanes(self, ready: CompiledBatch, found: Solved) -> None:
         """Batch after batch: all motions but those of batches that did not arrive as a whole."""
         job, many = self.job, self.job.motions.many
-        given, starts = job.motions.coefficients, in_lanes(double_array(job.motions.starts))
-        alike = len(given) == 1 or bool((given == given[0]).all())
-        own = [given[:1].T] if alike else in_lanes(double_array(given))
+        given, starts = job.motions.coefficients, in_lanes(job.motions.starts)
+        own = None if len(given) == 1 else in_lanes(given)
+        if own is None:
+            ready.tell(given.T)
         states = np.full((len(starts), len(job.times), job.columns, LANES), np.nan)
         steps = np.zeros((len(starts), LANES), dtype=np.int64)
         done = np.zeros(len(starts), dtype=bool)
         for k, start in enumerate(starts):
             if self._stopped():
                 break
-            ready.stand(start, own[0] if k == 0 else None if alike else own[k])
-            if job.sure:
-                self._surely(ready, states[k])
-                done[k] = True
-            else:
-                steps[k], outcome, _ = self._followed(states[k], False)
-                done[k] = outcome.done
+            ready.stand(start, None if own is None else own[k])
+            steps[k], outcome, _ = self._followed(states[k], False)
+            done[k] = outcome.done
         done &= np.isfinite(states[:, -1]).all(axis=(1, 2))  # else a lane has stopped the others
-        found = Solved.undone(out_of_lanes(states)[:many])
-        there = slice(None) if done.all() else np.repeat(done, LANES)[:many]
-        if not isinstance(there, slice):
-            found.states[~there] = np.nan
-        found.outcomes[there] = _THERE
-        if not job.sure:
-            found.steps[there], found.reached[there] = steps.ravel()[:many][there], self.end
-        return found
+        found.states[:], found.steps[:] = out_of_lanes(states)[:many], steps.ravel()[:many]
+        self._note(done.repeat(LANES)[:many], found)
 
-    def _surely(self, ready: CompiledBatch, states: Doubles) -> None:
-        """A batch of motions along one stretch, whose steps need neither limit nor count."""
-        stretch = self._stretch(0)
-        if len(stretch.targets) == 1:  # the end alone needs no dense output
-            ready.heyoka.propagate_until(stretch.targets[0])
-            states[-1] = ready.state
-        else:
-            states[stretch.first :] = ready.heyoka.propagate_grid(stretch.grid)[1][1:]
+    def _note(self, there: Booleans, found: Solved) -> None:
+        """Which motions arrived; of the others nothing is known."""
+        found.outcomes[there], found.reached[there] = _THERE, self.end
+        found.states[~there], found.steps[~there] = np.nan, 0
 
     def _followed(self, into: Array, alike: bool) -> tuple[Any, Outcome, float]:
         """The way of what stands at its start: steps, how it ended, and how far it came.
