@@ -39,8 +39,18 @@ _HOPELESS = 10.0  # times the limit of steps: what would need so many is given u
 
 def solve(job: BatchJob, stop: Stop | None = None) -> Solved:
     """Integrate a job's motions; those that ``stop`` kept from being finished are NOT_RUN."""
+    found = Solved.undone(
+        np.full((job.motions.many, len(job.times), job.columns), np.nan, kind_of(job.number))
+    )
+    if job.sure:
+        found.states[:] = at_once(job, np.arange(len(found.steps)), stop, found.steps)
+        there = np.isfinite(found.states[:, -1]).all(axis=1) & (found.steps <= job.max_steps)
+        _note(job, there, found)
+        if there.all():
+            return found
     with prepared(job) as ready:
-        return _Way(job, ready, stop).solved()
+        _Way(job, ready, stop).finish(found)
+    return found
 
 
 def at_once(
@@ -56,7 +66,7 @@ def at_once(
     """
     many, (given, starts), ahead = len(order), job.motions, job.times[job.times != 0]
     here, one = in_lanes(starts, order), len(ahead) == 1
-    own = None if len(given) == 1 else in_lanes(given, order)
+    own = None if _alike(given) else in_lanes(given, order)
     states = np.empty((len(here), len(job.times), job.columns, LANES))
     if len(ahead) < len(job.times):
         states[:, 0] = here
@@ -66,7 +76,7 @@ def at_once(
     with prepared(job) as ready:
         ta, state = ready.heyoka, ready.state
         if own is None:
-            ready.tell(given.T)
+            ready.tell(given[:1].T)
         for k, (start, rows) in enumerate(zip(here, states, strict=True)):
             if stop is not None and stop():
                 states[k:] = np.nan
@@ -88,6 +98,23 @@ def at_once(
     if steps is not None:
         steps[:] = counts.ravel()[:many]
     return out_of_lanes(states)[:many]
+
+
+def _end(job: BatchJob) -> Fraction:
+    """A job's last time, in the scene's unit."""
+    return exactly(job.times[-1]) * Fraction(2) ** job.time_unit
+
+
+def _note(job: BatchJob, there: Booleans, found: Solved) -> None:
+    """Which motions arrived; of the others nothing is known."""
+    found.outcomes[there], found.reached[there] = _THERE, _end(job)
+    if not there.all():
+        found.states[~there], found.steps[~there] = np.nan, 0
+
+
+def _alike(coefficients: Stack) -> bool:
+    """Whether all motions are of one body."""
+    return len(coefficients) == 1 or bool((coefficients == coefficients[:1]).all())
 
 
 def prepared(job: BatchJob) -> Engine:
@@ -136,18 +163,13 @@ class _Way:
     @cached_property
     def end(self) -> Fraction:
         """The last time, in the scene's unit."""
-        return exactly(self.job.times[-1]) * Fraction(2) ** self.job.time_unit
+        return _end(self.job)
 
-    def solved(self) -> Solved:
-        """All of them, or as many as come before a stop."""
+    def finish(self, found: Solved) -> None:
+        """All motions that are not done, or as many as come before a stop."""
         job = self.job
-        shape = job.motions.many, len(job.times), job.columns
-        found = Solved.undone(np.full(shape, np.nan, kind_of(job.number)))
-        if isinstance(self.ready, CompiledBatch) and self.sizes[-1]:
-            if job.sure:
-                self._surely(found)
-            else:
-                self._in_lanes(self.ready, found)
+        if isinstance(self.ready, CompiledBatch) and self.sizes[-1] and not job.sure:
+            self._in_lanes(self.ready, found)
         for k in np.flatnonzero(found.outcomes != _THERE).tolist():
             if self._stopped():
                 break
@@ -155,7 +177,6 @@ class _Way:
         if not job.times[0]:
             done = found.outcomes != code(Outcome.NOT_RUN)
             found.states[done, 0] = job.motions.starts[done]
-        return found
 
     def _stopped(self) -> bool:
         return self.stop is not None and self.stop()
@@ -178,18 +199,13 @@ class _Way:
         """Whether a motion that goes on like this ends at its limit long before the last time."""
         return steps * float(self.sizes[-1]) > _HOPELESS * self.job.max_steps * passed
 
-    def _surely(self, found: Solved) -> None:
-        """All motions in one go, but those of batches that did not arrive as a whole."""
-        found.states[:] = at_once(self.job, np.arange(len(found.steps)), self.stop, found.steps)
-        self._note(np.isfinite(found.states[:, -1]).all(axis=1), found)
-
     def _in_lanes(self, ready: CompiledBatch, found: Solved) -> None:
         """Batch after batch: all motions but those of batches that did not arrive as a whole."""
         job, many = self.job, self.job.motions.many
         given, starts = job.motions.coefficients, in_lanes(job.motions.starts)
-        own = None if len(given) == 1 else in_lanes(given)
+        own = None if _alike(given) else in_lanes(given)
         if own is None:
-            ready.tell(given.T)
+            ready.tell(given[:1].T)
         states = np.full((len(starts), len(job.times), job.columns, LANES), np.nan)
         steps = np.zeros((len(starts), LANES), dtype=np.int64)
         done = np.zeros(len(starts), dtype=bool)
@@ -201,12 +217,7 @@ class _Way:
             done[k] = outcome.done
         done &= np.isfinite(states[:, -1]).all(axis=(1, 2))  # else a lane has stopped the others
         found.states[:], found.steps[:] = out_of_lanes(states)[:many], steps.ravel()[:many]
-        self._note(done.repeat(LANES)[:many], found)
-
-    def _note(self, there: Booleans, found: Solved) -> None:
-        """Which motions arrived; of the others nothing is known."""
-        found.outcomes[there], found.reached[there] = _THERE, self.end
-        found.states[~there], found.steps[~there] = np.nan, 0
+        _note(job, done.repeat(LANES)[:many], found)
 
     def _followed(self, into: Array, alike: bool) -> tuple[Any, Outcome, float]:
         """The way of what stands at its start: steps, how it ended, and how far it came.
