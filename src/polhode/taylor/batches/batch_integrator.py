@@ -262,10 +262,10 @@ class _Way:
         if outcome is Outcome.NOT_RUN:
             into[:] = np.nan
             return
-        found.outcomes[k], found.steps[k] = code(outcome), _most(steps)
-        unit = Fraction(2) ** self.job.time_unit
-        part = Fraction(math.copysign(reached, self.end)) * unit
-        found.reached[k] = self.end if outcome is Outcome.REACHED_END else part
+        found.outcomes[k], found.steps[k], found.reached[k] = code(outcome), _most(steps), self.end
+        if outcome is not Outcome.REACHED_END:
+            part = Fraction(math.copysign(reached, self.end))
+            found.reached[k] = part * Fraction(2) ** self.job.time_unit
 
     def _in_blocks(
         self, stretch: _Stretch, limit: int, alike: bool
@@ -304,4 +304,4 @@ class _Way:
 
 def _most(steps: Any) -> int:
     """Of the steps of all lanes."""
-    return int(np.max(steps))
+    return steps if isinstance(steps, int) else int(steps.max())
