@@ -236,8 +236,8 @@ class Propagator:
             motions = Columns(self._job.motions.coefficients, inside)
             job = self._job._replace(max_steps=self._most, times=times, motions=motions)
             fastest = lanes.rates(inside, self._bound)
-            inside_rows, ended = lanes.states(job, fastest, workers)
-            states = inside_rows if self._plain else self._read(flat(inside_rows))
+            inner, ended = lanes.states(job, fastest, workers)
+            states = flat(inner) if self._plain else self._read(flat(inner))
         else:
             states = np.empty((len(rows), len(times), width), self._kind)
             ended = np.empty(len(rows), dtype=np.uint8)

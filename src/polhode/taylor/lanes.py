@@ -16,7 +16,7 @@ import numpy.typing as npt
 from polhode.common import executors
 from polhode.common.progress import Stop
 from polhode.motion.outcomes import Outcome, code
-from polhode.numbers.rows import Doubles, Indices, Stack
+from polhode.numbers.rows import Booleans, Doubles, Indices, Stack
 from polhode.taylor.batches import batch_integrator
 from polhode.taylor.batches.compiled_batch import LANES
 from polhode.taylor.batches.jobs import BatchJob
@@ -87,10 +87,12 @@ def states(
 
     if surely(job, float(fastest.max(initial=0.0))):
         _share(quickly, order, work, workers)
-        arrived = np.isfinite(states[:, -1])
-        order = order[:0] if arrived.all() else order[~arrived.all(axis=1)[order]]
-    if len(order):
-        _share(carefully, order, work, workers)
+        finite = np.isfinite(states[:, -1])
+        if finite.all():
+            return states, outcomes
+        late: Booleans = np.asarray(~finite.all(axis=1))
+        order = order[late[order]]
+    _share(carefully, order, work, workers)
     return states, outcomes
 
 
