@@ -201,9 +201,9 @@ class Propagator:
                         self.outcome = _REACHED_END
                         return self._state.copy() if self._plain else self._read(self._state)
             elif (grid := self._grid(t)) is not None:
-                found = self._on_grid(grid, len(cast(Flat, t)), rate)
-                if found is not None:
-                    return found
+                states = self._on_grid(grid, cast(Flat, t), rate)
+                if states is not None:
+                    return states
             several = numbers_given(t)[1]
             rows = self._at_times(start, cast(Sequence[AnyNumber], t if several else [t]))
             return rows if several else rows[0]
@@ -293,13 +293,15 @@ class Propagator:
             return None
         if not isfinite(last * self._unit):  # beyond the type in the run's own unit
             return None
-        grid = np.zeros(len(t) + (first != 0), self._kind)
-        np.multiply(t, self._unit, grid[len(grid) - len(t) :])
+        if first == 0:
+            return flat(t * self._unit)
+        grid = np.zeros(len(t) + 1, self._kind)
+        np.multiply(t, self._unit, grid[1:])
         return grid
 
-    def _on_grid(self, grid: Flat, count: int, rate: float) -> Flat | None:
-        """States at the last ``count`` times of a grid; None where they go the careful way."""
-        end = float(grid[-1] / self._unit)
+    def _on_grid(self, grid: Flat, times: Flat, rate: float) -> Flat | None:
+        """States at times, the last ones of a grid; None where they go the careful way."""
+        end = float(times.item(-1))
         if not end * end * rate < self._sure:
             return None
         try:
@@ -309,8 +311,9 @@ class Propagator:
         if ended.value != _THERE:
             return None
         self.outcome = _REACHED_END
-        rows = flat(rows[len(rows) - count :])
-        return rows if self._plain else self._read(rows)
+        if len(rows) > len(times):
+            rows = rows[1:]
+        return flat(rows) if self._plain else self._read(flat(rows))
 
     def __copy__(self) -> Propagator:
         return Propagator(self._problem, self._every)
