@@ -108,7 +108,7 @@ def unit_rows(source: str, key: str, rows: npt.NDArray[Any], eps: Fraction) -> N
     """Refuse rows that are no unit vectors to 8 eps, by the first of them."""
     import numpy as np
 
-    off, most = np.abs(np.einsum("ij,ij->i", rows, rows) - 1), 8 * float(eps)
+    off, most = np.abs(np.vecdot(rows, rows) - 1), 8 * float(eps)
     if off.max(initial=0.0) <= most / 2:  # rounding here is less than that
         return
     for k in np.flatnonzero(~(off <= most / 2)).tolist():

@@ -50,10 +50,11 @@ def rates(starts: Stack, bound: Bound) -> Doubles:
 
     ``starts``: (n, columns) in principal axes.  The larger it is, the more steps a motion takes.
     """
-    square, terms = starts.astype(np.float64), bound.terms[..., : starts.shape[1]]
+    rows, terms = starts.astype(np.float64, copy=False), bound.terms[..., : starts.shape[1]]
     with np.errstate(all="ignore"):
-        square[:, :3] *= square[:, :3]
-        twice = square @ terms if terms.ndim == 1 else (square * terms).sum(axis=1)
+        squares = rows * rows
+        squares[:, 3:] = rows[:, 3:]
+        twice = squares @ terms if terms.ndim == 1 else (squares * terms).sum(axis=1)
         found: Doubles = np.sqrt(twice + bound.rest)
     return found
 
@@ -76,7 +77,6 @@ def states(
     order = fastest.argsort()
     states = np.empty((len(order), len(job.times), job.columns))
     outcomes = np.full(len(order), _REACHED, dtype=np.uint8)
-    work = STEPS / 2 * abs(float(job.times[-1])) * float(fastest.sum()) / LANES
 
     def quickly(group: Indices, stop: Stop | None = None) -> None:
         states[group] = batch_integrator.at_once(job, group, stop)
@@ -86,26 +86,32 @@ def states(
         states[group], outcomes[group] = some.states, some.outcomes
 
     if surely(job, float(fastest.max(initial=0.0))):
-        _share(quickly, order, work, workers)
+        _share(quickly, order, job, fastest, workers)
         finite = np.isfinite(states[:, -1])
         if finite.all():
             return states, outcomes
         late: Booleans = np.asarray(~finite.all(axis=1))
         order = order[late[order]]
-    _share(carefully, order, work, workers)
+    _share(carefully, order, job, fastest, workers)
     return states, outcomes
 
 
 def _share(
-    part: Callable[[Indices, Stop | None], None], order: Indices, work: float, workers: int | None
+    part: Callable[[Indices, Stop | None], None],
+    order: Indices,
+    job: BatchJob,
+    fastest: Doubles,
+    workers: int | None,
 ) -> None:
     """Do a part of the motions after the other, in threads where that is faster."""
     batches = -(-len(order) // LANES)
-    workers = workers or (executors.cores() if batches >= _ALONE else 1)
-    if workers == 1 or batches < _ALONE or work < _SHARED:
-        part(order, None)
-        return
-    size = LANES * -(-batches // (workers * _PARTS))
-    groups = [order[i : i + size] for i in range(0, len(order), size)]
-    if not executors.solve_in_threads(part, groups, lambda *_: None, workers):
-        raise KeyboardInterrupt
+    if batches >= _ALONE:
+        workers = workers or executors.cores()
+        work = STEPS / 2 * abs(float(job.times[-1])) * float(fastest[order].sum()) / LANES
+        if workers > 1 and not work < _SHARED:
+            size = LANES * -(-batches // (workers * _PARTS))
+            groups = [order[i : i + size] for i in range(0, len(order), size)]
+            if not executors.solve_in_threads(part, groups, lambda *_: None, workers):
+                raise KeyboardInterrupt
+            return
+    part(order, None)

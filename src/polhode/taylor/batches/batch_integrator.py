@@ -70,7 +70,7 @@ def at_once(
     states = np.empty((len(here), len(job.times), job.columns, LANES))
     if len(ahead) < len(job.times):
         states[:, 0] = here
-    counts = np.zeros((len(here), LANES), dtype=np.int64)
+    counts = np.zeros((len(here) if steps is not None else 0, LANES), dtype=np.int64)
     end, grid = ahead[-1].item(), np.zeros((1 + len(ahead), LANES))
     grid[1:] = ahead[:, None]
     with prepared(job) as ready:
