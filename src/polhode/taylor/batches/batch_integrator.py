@@ -19,12 +19,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from polhode.common.cached_property import cached_property
 from polhode.common.progress import Stop
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Array, Booleans, Doubles, Indices, Stack, kind_of
+from polhode.numbers.rows import Array, Booleans, Indices, Stack, kind_of
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend import defaults
 from polhode.taylor.batches.compiled_batch import LANES, CompiledBatch, in_lanes, out_of_lanes
@@ -100,14 +99,10 @@ def at_once(
     return out_of_lanes(states)[:many]
 
 
-def _end(job: BatchJob) -> Fraction:
-    """A job's last time, in the scene's unit."""
-    return exactly(job.times[-1]) * Fraction(2) ** job.time_unit
-
-
 def _note(job: BatchJob, there: Booleans, found: Solved) -> None:
     """Which motions arrived; of the others nothing is known."""
-    found.outcomes[there], found.reached[there] = _THERE, _end(job)
+    end = exactly(job.times[-1]) * Fraction(2) ** job.time_unit
+    found.outcomes[there], found.reached[there] = _THERE, end
     if not there.all():
         found.states[~there], found.steps[~there] = np.nan, 0
 
@@ -140,14 +135,12 @@ def longest(number: NumberType) -> float:
 class _Stretch(NamedTuple):
     """A part of the way, between two looks for a signal: the outputs in it, and where it leads.
 
-    ``targets``: times since its beginning, the last one being its end; ``grid``: that and several
-    targets, a column for each lane.
+    ``targets``: times since its beginning, the last one being its end.
     """
 
     first: int
     last: int  # of the outputs, not included
     targets: list[Any]
-    grid: Doubles
 
 
 class _Way:
@@ -159,11 +152,6 @@ class _Way:
         self.block = defaults.of(job.number).chunk  # steps between two looks for a signal
         self.longest = longest(job.number)
         self.stretches: dict[int, _Stretch] = {}
-
-    @cached_property
-    def end(self) -> Fraction:
-        """The last time, in the scene's unit."""
-        return _end(self.job)
 
     def finish(self, found: Solved) -> None:
         """All motions that are not done, or as many as come before a stop."""
@@ -190,9 +178,7 @@ class _Way:
             targets = times[first:last] - way * begin
             if last < len(times) and (first == last or self.sizes[last - 1] < end):
                 targets = np.append(targets, way * (end - begin))
-            grid = np.zeros((1 + len(targets), LANES))
-            grid[1:] = targets[:, None]
-            self.stretches[n] = _Stretch(first, last, targets.tolist(), grid)
+            self.stretches[n] = _Stretch(first, last, targets.tolist())
         return self.stretches[n]
 
     def _hopeless(self, steps: int, passed: float) -> bool:
@@ -262,10 +248,10 @@ class _Way:
         if outcome is Outcome.NOT_RUN:
             into[:] = np.nan
             return
-        found.outcomes[k], found.steps[k], found.reached[k] = code(outcome), _most(steps), self.end
-        if outcome is not Outcome.REACHED_END:
-            part = Fraction(math.copysign(reached, self.end))
-            found.reached[k] = part * Fraction(2) ** self.job.time_unit
+        found.outcomes[k], found.steps[k] = code(outcome), _most(steps)
+        end = self.job.times[-1]
+        part = end if outcome is Outcome.REACHED_END else math.copysign(reached, end)
+        found.reached[k] = exactly(part) * Fraction(2) ** self.job.time_unit
 
     def _in_blocks(
         self, stretch: _Stretch, limit: int, alike: bool
