@@ -63,8 +63,7 @@ def surely(job: BatchJob, fastest: float) -> bool:
     """Whether motions no faster than this arrive in so few steps that nobody need look."""
     end = abs(float(job.times[-1]))
     few = STEPS * end * fastest < min(_SURE, job.max_steps)  # not, if a start is so large
-    lanes = job.number.name == "double"
-    return lanes and 0 < end <= batch_integrator.longest(job.number) and few
+    return 0 < end <= batch_integrator.longest(job.number) and few
 
 
 def states(

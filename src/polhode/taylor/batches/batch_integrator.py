@@ -60,9 +60,11 @@ def at_once(
 ) -> Stack:
     """States of some motions of a job, all of which arrive in so few steps that nobody need look.
 
-    In this order they go through the lanes.  Not a number where ``stop`` came first, or a motion,
-    or one beside it, did not arrive.  ``steps``: of each is put in there.
+    In this order they go through the lanes; longdoubles go one by one.  Not a number where ``stop``
+    came first, or a motion, or one beside it, did not arrive.  ``steps``: of each is put in there.
     """
+    if job.number.name != "double":
+        return _one_by_one(job, order, stop, steps)
     many, (given, starts), ahead = len(order), job.motions, job.times[job.times != 0]
     here, one = in_lanes(starts, order), len(ahead) == 1
     own = None if _alike(given) else in_lanes(given, order)
@@ -97,6 +99,31 @@ def at_once(
     if steps is not None:
         steps[:] = counts.ravel()[:many]
     return out_of_lanes(states)[:many]
+
+
+def _one_by_one(
+    job: BatchJob, order: Indices, stop: Stop | None, steps: npt.NDArray[np.int64] | None
+) -> Stack:
+    """The same of longdoubles."""
+    (given, starts), ahead = job.motions, job.times[job.times != 0]
+    states = np.full((len(order), len(job.times), job.columns), np.nan, starts.dtype)
+    with prepared(job) as ready:
+        for k, motion in enumerate(order.tolist()):
+            if stop is not None and stop():
+                break
+            ready.stand(starts[motion], given[motion if len(given) > 1 else 0])
+            rows = states[k, len(job.times) - len(ahead) :]
+            if len(ahead) == 1:
+                result = ready.heyoka.propagate_until(ahead[-1])
+                rows[-1] = ready.state
+            else:
+                result = ready.heyoka.propagate_grid(np.concatenate([[0], ahead]))
+                rows[: len(result[-1]) - 1] = result[-1][1:]
+            if len(ahead) < len(job.times):
+                states[k, 0] = starts[motion]
+            if steps is not None:
+                steps[k] = result[3]
+    return states
 
 
 def _note(job: BatchJob, there: Booleans, found: Solved) -> None:
