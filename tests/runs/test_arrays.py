@@ -210,6 +210,22 @@ def test_a_row_that_is_far_too_fast_is_given_up_within_its_stretch(t, monkeypatc
     assert many.steps[9] <= 2000
 
 
+@pytest.mark.parametrize("number", ["double", "extended"])
+def test_a_bound_of_steps_that_is_too_low_breaks_no_limit(number, monkeypatch):
+    go, rows, _ = of("plain", 11)
+    rows[3, :3] *= 30
+    asked = {"starts": rows, "at": [1, 4], "max_steps": 40, "number": number}
+    if number == "extended":
+        asked["starts"] = np.full((1, 6), [30, 0, 20, 0, 0, 1], dtype=np.longdouble)
+    careful = polhode.integrate_many(go.scene, **asked)
+    monkeypatch.setattr(lanes, "STEPS", 0.0)
+    quick = polhode.integrate_many(go.scene, **asked)
+    assert polhode.Outcome.STEP_LIMIT in quick.outcomes
+    for what in ("outcomes", "steps", "reached"):
+        assert getattr(quick, what) == getattr(careful, what)
+    assert np.array_equal(quick.states, careful.states, equal_nan=True)
+
+
 @pytest.mark.parametrize("sure", [lanes._SURE, np.inf], ids=["expected", "not expected"])
 def test_a_row_that_is_not_finite_stops_no_other(sure, monkeypatch):
     """heyoka stops all lanes with the first that is not finite, and says success of the others."""

@@ -157,6 +157,17 @@ def test_an_executor_that_is_shut_down_costs_no_result():
     assert many.complete
 
 
+def test_one_thread_is_interrupted_between_two_jobs():
+    def interrupt(part: float, members: int) -> None:
+        signal.raise_signal(signal.SIGINT)
+
+    asked = {"at": ["0.1"], "number": "quad", "workers": 1}
+    vary = {"start.omega[3]": "1:3:4"}
+    many = polhode.integrate_many("lagrange/nutation", vary, progress=interrupt, **asked)
+    assert many.interrupted
+    assert [x.done for x in many.outcomes] == [True, False, False, False]
+
+
 def test_a_fault_of_ours_is_not_hidden(monkeypatch):
     def broken(job, stop=None):
         raise ZeroDivisionError("ours")

@@ -67,13 +67,16 @@ def rows_of(
     if array.dtype.kind not in "fiu" or not np.can_cast(array.dtype, into, "safe"):
         raise BadInput(source, key, f"numbers of {array.dtype}", f"{into} or narrower")
     rows = np.ascontiguousarray(array, dtype=into)
-    wrong = ~np.isfinite(rows) | not_taken(values, rows)
+    finite = np.isfinite(rows)
+    if array is values and array.dtype.kind == "f" and finite.all():
+        return rows
+    wrong = ~finite | not_taken(values, rows)
     if wrong.any():
         k = int(np.argmax(wrong.any(axis=1)))
-        shape = values[k] if isinstance(values, (list, tuple)) else array[k]
-        shape = shape.tolist() if isinstance(shape, np.ndarray) else shape
+        row = values[k] if isinstance(values, (list, tuple)) else array[k]
+        row = row.tolist() if isinstance(row, np.ndarray) else row
         expected = f"finite numbers that {into} holds"
-        raise BadInput(source, f"{key}, row {k + 1}", plain(shape), expected)
+        raise BadInput(source, f"{key}, row {k + 1}", plain(row), expected)
     return rows
 
 
@@ -105,8 +108,10 @@ def unit_rows(source: str, key: str, rows: npt.NDArray[Any], eps: Fraction) -> N
     """Refuse rows that are no unit vectors to 8 eps, by the first of them."""
     import numpy as np
 
-    off, most = np.abs(np.einsum("ij,ij->i", rows, rows) - 1), 8 * float(eps)
-    for k in np.flatnonzero(~(off <= most / 2)).tolist():  # rounding here is less than that
+    off, most = np.abs(np.vecdot(rows, rows) - 1), 8 * float(eps)
+    if off.max(initial=0.0) <= most / 2:  # rounding here is less than that
+        return
+    for k in np.flatnonzero(~(off <= most / 2)).tolist():
         square = sum((Fraction(*x.as_integer_ratio()) ** 2 for x in rows[k]), Fraction(-1))
         if abs(square) > 8 * eps:
             row = plain(rows[k].tolist())

@@ -17,6 +17,7 @@ from concurrent.futures import (
 from queue import SimpleQueue
 from typing import TypeVar, cast
 
+from polhode.common.interrupts import Delay
 from polhode.common.progress import Stop
 from polhode.common.worker_processes import WorkerDied, WorkerPool
 
@@ -42,11 +43,14 @@ def solve_in_threads(
 
     ``ready``: called, in the calling thread, with the index of each job and its result.  False
     if Ctrl-C came: ``solve`` is then told to stop by its second argument, and what it still gave
-    back has been handed on.
+    back has been handed on.  A job alone, and jobs for one thread, are done in the calling one.
     """
+    workers = workers or cores()
+    if len(jobs) == 1 or workers == 1:
+        return _solve_here(solve, jobs, ready)
     stop = threading.Event()
     futures: dict[Future[T], int] = {}
-    with ThreadPoolExecutor(workers or cores()) as pool:
+    with ThreadPoolExecutor(workers) as pool:
         try:  # from the first job on: the end of this block waits for those that have begun
             for k, job in enumerate(jobs):
                 futures[pool.submit(solve, job, stop.is_set)] = k
@@ -61,6 +65,21 @@ def solve_in_threads(
         return True
     _collect({f: k for f, k in futures.items() if not f.cancelled()}, ready)
     return False
+
+
+def _solve_here(
+    solve: Callable[[J, Stop], T], jobs: Sequence[J], ready: Callable[[int, T], None]
+) -> bool:
+    """Solve the jobs one after the other; False if Ctrl-C came."""
+    try:
+        with Delay() as delay:
+            for k, job in enumerate(jobs):
+                ready(k, solve(job, lambda: delay.came))
+                if delay.came:
+                    break
+    except KeyboardInterrupt:
+        return False
+    return True
 
 
 def in_order(

@@ -1,13 +1,12 @@
-"""What every method of integration gives: a problem on its way, and the state at any time of it."""
+"""What every method of integration gives: the state at any time of a motion, and its reading."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import Protocol
 
-from polhode.common.progress import Progress
-from polhode.motion.outcomes import EventTimes, Outcome, Projection
+from polhode.motion.outcomes import Outcome
 from polhode.numbers.rows import Gapped, Given, Row, Rows
 
 
@@ -39,30 +38,4 @@ class Interpolant(Protocol):
         """Rows at exact times in the scene's unit, in the order in which they are reached.
 
         As many as are reached; how the motion ended, and the time come to.
-        """
-
-
-class Motion(Interpolant, Protocol):
-    """A problem being solved by one method, once, from its start on.
-
-    ``steps``: those taken.  ``reached``: the exact time come to, in the scene's unit.  ``events``:
-    what the motion itself was watched for.  ``errors``: one a row, where the method estimates
-    them.  ``build_seconds``: the time that compiling took.  ``remarks``: for the provenance.
-    """
-
-    method: str
-    steps: int
-    reached: Fraction
-    events: tuple[EventTimes, ...]
-    projection: Projection | None
-    errors: tuple[float | None, ...] | None
-    build_seconds: float
-    remarks: Mapping[str, str]
-
-    def advance(
-        self, times: Sequence[Fraction], progress: Progress | None = None
-    ) -> tuple[Rows, Outcome]:
-        """Rows at the times, in the run's own unit, as far as they were reached; the outcome.
-
-        A row: the form's variables, then what is integrated with them.
         """

@@ -155,7 +155,7 @@ class ExactNumbers(LazySequence[N]):
 
         They are of one sign, and 0 may be the first.
         """
-        if not self.size or self._lead_away():
+        if self.size < 2 or self._lead_away():
             return None
         before: Exact = ZERO
         direction = sign(self.exact[-1])

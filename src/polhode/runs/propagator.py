@@ -201,9 +201,9 @@ class Propagator:
                         self.outcome = _REACHED_END
                         return self._state.copy() if self._plain else self._read(self._state)
             elif (grid := self._grid(t)) is not None:
-                found = self._on_grid(grid, len(cast(Flat, t)), rate)
-                if found is not None:
-                    return found
+                states = self._on_grid(grid, cast(Flat, t), rate)
+                if states is not None:
+                    return states
             several = numbers_given(t)[1]
             rows = self._at_times(start, cast(Sequence[AnyNumber], t if several else [t]))
             return rows if several else rows[0]
@@ -231,20 +231,16 @@ class Propagator:
         times, several = self._times(t)
         what = f"{len(rows)} starts at {len(times)} times"
         refuse_too_much(name, "start", what, rows.size * len(times), _BYTES, _SPLIT)
-        ended = np.full(len(rows), _REACHED, dtype=np.uint8)
         if not self._long and self._every is None:
             inside = double_array(rows if self._plain else self._inside(rows))
-            job = self._job._replace(
-                max_steps=self._most,
-                times=times,
-                motions=self._job.motions._replace(starts=inside),
-            )
-            found = lanes.states(job, lanes.rates(inside, self._moments, self._moment), workers)
-            states = flat(found.states)
-            states = states if self._plain else self._read(states)
-            ended = found.outcomes
+            motions = Columns(self._job.motions.coefficients, inside)
+            job = self._job._replace(max_steps=self._most, times=times, motions=motions)
+            fastest = lanes.rates(inside, self._bound)
+            inner, ended = lanes.states(job, fastest, workers)
+            states = flat(inner) if self._plain else self._read(flat(inner))
         else:
             states = np.empty((len(rows), len(times), width), self._kind)
+            ended = np.empty(len(rows), dtype=np.uint8)
             for k, row in enumerate(rows):
                 states[k] = self(row, t=t)
                 ended[k] = code(self.outcome)
@@ -264,17 +260,19 @@ class Propagator:
         return BatchJob(*asked, self.scene.time_unit, motions)
 
     @cached_property
-    def _moment(self) -> Doubles:
-        """Mg r0 in principal axes and the run's own unit of time."""
+    def _bound(self) -> lanes.Bound:
+        """What bounds the rates of motions, in principal axes and the run's own unit of time."""
         torque = self._problem.form.axes.components(self.scene.body.torque)
-        return _doubles(scaled(Fraction(4) ** self.scene.time_unit, torque))
+        moment = _doubles(scaled(Fraction(4) ** self.scene.time_unit, torque))
+        return lanes.Bound.of(_doubles(self.scene.body.moments), moment)
 
     def _times(self, t: AnyNumber | npt.ArrayLike) -> tuple[Flat, bool]:
         """Times in the run's own unit as an array, and whether several were given."""
-        single = type(t) is float
-        grid = self._grid(np.array([t], self._kind) if single else t)
-        if grid is not None and (single or (np.diff(grid) * np.sign(grid[-1]) > 0).all()):
-            return grid[-1 if single else len(grid) - len(cast(Flat, t)) :], not single
+        if type(t) is float and t and isfinite(end := t * self._unit):
+            return np.array([end], self._kind), False
+        grid = self._grid(t)
+        if grid is not None and (np.diff(grid) * np.sign(grid[-1]) > 0).all():
+            return grid[len(grid) - len(cast(Flat, t)) :], True
         several = numbers_given(t)[1]  # other numbers; or what is wrong with them is told
         try:
             scene = self.scene.at(cast(Sequence[AnyNumber], t if several else [t]))
@@ -295,13 +293,15 @@ class Propagator:
             return None
         if not isfinite(last * self._unit):  # beyond the type in the run's own unit
             return None
-        grid = np.zeros(len(t) + (first != 0), self._kind)
-        np.multiply(t, self._unit, grid[len(grid) - len(t) :])
+        if first == 0:
+            return flat(t * self._unit)
+        grid = np.zeros(len(t) + 1, self._kind)
+        np.multiply(t, self._unit, grid[1:])
         return grid
 
-    def _on_grid(self, grid: Flat, count: int, rate: float) -> Flat | None:
-        """States at the last ``count`` times of a grid; None where they go the careful way."""
-        end = float(grid[-1] / self._unit)
+    def _on_grid(self, grid: Flat, times: Flat, rate: float) -> Flat | None:
+        """States at times, the last ones of a grid; None where they go the careful way."""
+        end = float(times.item(-1))
         if not end * end * rate < self._sure:
             return None
         try:
@@ -311,8 +311,9 @@ class Propagator:
         if ended.value != _THERE:
             return None
         self.outcome = _REACHED_END
-        rows = flat(rows[len(rows) - count :])
-        return rows if self._plain else self._read(rows)
+        if len(rows) > len(times):
+            rows = rows[1:]
+        return flat(rows) if self._plain else self._read(flat(rows))
 
     def __copy__(self) -> Propagator:
         return Propagator(self._problem, self._every)

@@ -4,26 +4,29 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from functools import partial
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.motion.outcomes import Events, Outcome
-from polhode.motion.protocols import CannotSolve, Motion
+from polhode.motion.protocols import CannotSolve
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import read_only
 from polhode.runs.methods import refined
 from polhode.runs.methods.taylor import TaylorMotion
 from polhode.runs.problem.options import USUAL, Options
-from polhode.runs.problem.problem import Problem, problem
+from polhode.runs.problem.problem import problem
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ATTITUDE
 
+if TYPE_CHECKING:
+    from polhode.runs.methods.refined_motion import RefinedMotion
+
 #: What begins a motion of a problem: see :class:`polhode.runs.methods.taylor.TaylorMotion`.
-Method: TypeAlias = Callable[[Problem, Scene, Options], Motion]
+Method: TypeAlias = "type[TaylorMotion] | type[RefinedMotion]"
 
 _LOG = logging.getLogger("polhode")
 

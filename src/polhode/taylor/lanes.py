@@ -7,67 +7,110 @@ a motion depends on its neighbours in a batch, nor on the order, nor on threads.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import NamedTuple
+
 import numpy as np
+import numpy.typing as npt
 
 from polhode.common import executors
 from polhode.common.progress import Stop
-from polhode.numbers.rows import Doubles, Indices, Stack
+from polhode.motion.outcomes import Outcome, code
+from polhode.numbers.rows import Booleans, Doubles, Indices, Stack
 from polhode.taylor.batches import batch_integrator
 from polhode.taylor.batches.compiled_batch import LANES
-from polhode.taylor.batches.jobs import BatchJob, Solved
+from polhode.taylor.batches.jobs import BatchJob
 
 STEPS = 4.0  # a radian of the fastest rate takes fewer, at the type's own tolerance
 _SURE = 20_000.0  # steps that need no limit: 20 ms of a batch
 _ALONE = 16  # batches that are not worth a second thread, however long they take
 _SHARED = 50_000.0  # steps of all batches, about: below, a second thread costs more than it gains
+_REACHED = code(Outcome.REACHED_END)
 _PARTS = 4  # for each thread: the last of them ends soon after the others
 
 
-def rates(starts: Stack, inertia: Doubles, moment: Doubles) -> Doubles:
+class Bound(NamedTuple):
+    """What bounds the rates of motions of one body, or of many: twice its energy and three times
+    its weight, over the least moment, as a linear function of w squared and gamma."""
+
+    terms: Doubles
+    rest: Doubles | float
+
+    @classmethod
+    def of(cls, inertia: Doubles, moment: Doubles) -> Bound:
+        """By A, B, C and Mg r0 in principal axes, of one body or a row for each."""
+        least = inertia.min(axis=-1)[..., None]
+        weight = np.sqrt((moment * moment).sum(axis=-1, keepdims=True))
+        terms = np.concatenate(np.broadcast_arrays(inertia / least, 2 * moment / least), axis=-1)
+        return cls(terms, (3 * weight / least)[..., 0])
+
+
+def rates(starts: Stack, bound: Bound) -> Doubles:
     """Bounds of the fastest rates of motions, by their energy: radians in a unit of time.
 
-    ``starts``: (n, columns) in principal axes.  ``inertia``: A, B, C, and ``moment``: Mg r0, of
-    one body or a row for each.  The larger it is, the more steps a motion takes.
+    ``starts``: (n, columns) in principal axes.  The larger it is, the more steps a motion takes.
     """
-    w, rows = starts[:, :3].astype(np.float64, copy=False), "ij,ij->i"
-    if inertia.ndim == 1 and moment.ndim == 1:
-        rows = "ij,j->i"
-    else:
-        inertia, moment = (np.broadcast_to(x, w.shape) for x in (inertia, moment))
+    rows, terms = starts.astype(np.float64, copy=False), bound.terms[..., : starts.shape[1]]
     with np.errstate(all="ignore"):
-        twice = np.einsum(rows, w * w, inertia)
-        weight = np.sqrt((moment * moment).sum(axis=-1))
-        if starts.shape[1] > 3:
-            twice += 2 * np.einsum(rows, starts[:, 3:].astype(np.float64, copy=False), moment)
-        most = np.maximum(twice + 2 * weight, 0.0) + weight
-        found: Doubles = np.sqrt(most / inertia.min(axis=-1))
+        squares = rows * rows
+        squares[:, 3:] = rows[:, 3:]
+        twice = squares @ terms if terms.ndim == 1 else (squares * terms).sum(axis=1)
+        found: Doubles = np.sqrt(twice + bound.rest)
     return found
 
 
-def states(job: BatchJob, fastest: Doubles, workers: int | None = None) -> Solved:
-    """What becomes of a job's motions, of which :func:`rates` are known, by so many threads.
+def surely(job: BatchJob, fastest: float) -> bool:
+    """Whether motions no faster than this arrive in so few steps that nobody need look."""
+    end = abs(float(job.times[-1]))
+    few = STEPS * end * fastest < min(_SURE, job.max_steps)  # not, if a start is so large
+    return 0 < end <= batch_integrator.longest(job.number) and few
 
-    Steps are not counted where none is needed to tell.  Raises KeyboardInterrupt where Ctrl-C came.
+
+def states(
+    job: BatchJob, fastest: Doubles, workers: int | None = None
+) -> tuple[Stack, npt.NDArray[np.uint8]]:
+    """States of a job's motions, of which :func:`rates` are known, and their outcomes by number.
+
+    By so many threads.  Raises KeyboardInterrupt where Ctrl-C came.
     """
-    order, end = np.argsort(fastest), abs(float(job.times[-1]))
-    steps = STEPS * end * float(fastest[order[-1:]].sum())  # nan, if a start is so large
-    short = end <= batch_integrator.longest(job.number)
-    job = job._replace(sure=short and steps < min(_SURE, job.max_steps))
-    batches, work = -(-len(order) // LANES), STEPS / 2 * end * fastest.sum() / LANES
-    parts, workers = 1, workers or executors.cores()
-    if workers > 1 and batches >= _ALONE and not work < _SHARED:
-        parts = workers * _PARTS
-    size = LANES * max(1, -(-batches // parts))
-    groups = [order[i : i + size] for i in range(0, len(order), size)]
+    order = fastest.argsort()
+    states = np.empty((len(order), len(job.times), job.columns))
+    outcomes = np.full(len(order), _REACHED, dtype=np.uint8)
 
-    def part(group: Indices, stop: Stop | None = None) -> Solved:
-        return batch_integrator.solve(job._replace(motions=job.motions.some(group)), stop)
+    def quickly(group: Indices, stop: Stop | None = None) -> None:
+        states[group] = batch_integrator.at_once(job, group, stop)
 
-    if len(groups) == 1:
-        return part(order).those(np.argsort(order))
-    whole = Solved.undone(np.empty((len(order), len(job.times), job.columns)))
-    if not executors.solve_in_threads(
-        part, groups, lambda k, some: whole.put(groups[k], some), workers
-    ):
-        raise KeyboardInterrupt
-    return whole
+    def carefully(group: Indices, stop: Stop | None = None) -> None:
+        some = batch_integrator.solve(job._replace(motions=job.motions.some(group)), stop)
+        states[group], outcomes[group] = some.states, some.outcomes
+
+    if surely(job, float(fastest.max(initial=0.0))):
+        _share(quickly, order, job, fastest, workers)
+        finite = np.isfinite(states[:, -1])
+        if finite.all():
+            return states, outcomes
+        late: Booleans = np.asarray(~finite.all(axis=1))
+        order = order[late[order]]
+    _share(carefully, order, job, fastest, workers)
+    return states, outcomes
+
+
+def _share(
+    part: Callable[[Indices, Stop | None], None],
+    order: Indices,
+    job: BatchJob,
+    fastest: Doubles,
+    workers: int | None,
+) -> None:
+    """Do a part of the motions after the other, in threads where that is faster."""
+    batches = -(-len(order) // LANES)
+    if batches >= _ALONE:
+        workers = workers or executors.cores()
+        work = STEPS / 2 * abs(float(job.times[-1])) * float(fastest[order].sum()) / LANES
+        if workers > 1 and not work < _SHARED:
+            size = LANES * -(-batches // (workers * _PARTS))
+            groups = [order[i : i + size] for i in range(0, len(order), size)]
+            if not executors.solve_in_threads(part, groups, lambda *_: None, workers):
+                raise KeyboardInterrupt
+            return
+    part(order, None)

@@ -42,7 +42,9 @@ class TaylorMotion:
     """A problem on its way by Taylor steps in one number type.
 
     ``scene``: the problem's own, with the times of this run.  What its outputs need is integrated
-    with the state, and its events are looked for as steps are taken.
+    with the state, and its events are looked for as steps are taken.  ``steps``: those taken.
+    ``reached``: the exact time come to, in the scene's unit.  ``build_seconds``: the time that
+    compiling took.  ``remarks``: for the provenance.
     """
 
     method = "taylor"

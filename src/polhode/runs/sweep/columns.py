@@ -270,11 +270,11 @@ def _out_of_range(*tables: Flat) -> Booleans | bool:
 
 def _rates(block: Block, torque: Sequence[Numbers], starts: Flat) -> Doubles:
     """Bounds of the members' fastest rates, in the scene's unit of time."""
-    from polhode.taylor.lanes import rates
+    from polhode.taylor import lanes
 
     moments, weight = (_rows(block, vector) for vector in (block.moments, torque))
     largest = moments.max(axis=-1, keepdims=True)
-    return rates(starts, moments / largest, weight / largest)
+    return lanes.rates(starts, lanes.Bound.of(moments / largest, weight / largest))
 
 
 def _rows(block: Block, vector: Sequence[Numbers]) -> Doubles:

@@ -86,9 +86,12 @@ def job_of(plan: Plan, group: npt.NDArray[np.int64]) -> FlatJob:
     """The job of some members that have a unit of time in common."""
     import numpy as np
 
+    from polhode.taylor import lanes
     from polhode.taylor.batches.jobs import BatchJob
 
     unit, motions = int(plan.time_units[group[0]]), plan.motions.some(group)
     times = np.ldexp(plan.grid, -unit)
     asked = plan.names, plan.number, plan.tolerance, plan.max_steps, times
-    return FlatJob(BatchJob(*asked, unit, motions), reader(plan, group))
+    job = BatchJob(*asked, unit, motions)
+    sure = lanes.surely(job, float(np.ldexp(plan.rates[group].max(), unit)))
+    return FlatJob(job._replace(sure=sure), reader(plan, group))

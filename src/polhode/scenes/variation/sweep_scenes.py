@@ -7,6 +7,7 @@ import threading
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from functools import lru_cache
 from typing import Any
 
 from polhode.common.cached_property import cached_property
@@ -165,8 +166,8 @@ def tables_of(scene: Scene) -> dict[str, Any]:
     """The tables of body and start: those of the scene's file, if they still say what it is."""
     held = (scene.body, scene.omega, scene.gamma, scene.psi)
     if scene.source:
-        data = scene_file.tables(scene.source, scene.name)
-        if scene_file.body_and_start(data, scene.name)[:4] == held:
+        data, told = _tables(scene.source, scene.name)
+        if told == held:
             return {name: dict(data[name]) for name in _SECTIONS}
     body = scene.body
     start: dict[str, Any] = {"omega": list(scene.omega)}
@@ -178,6 +179,13 @@ def tables_of(scene: Scene) -> dict[str, Any]:
     else:
         form = {"moments": [inertia[i][i] for i in range(3)]}
     return {"body": {**form, "centre": list(body.centre), "weight": body.weight}, "start": start}
+
+
+@lru_cache(maxsize=8)
+def _tables(source: str, name: str) -> tuple[dict[str, Any], tuple[object, ...]]:
+    """The tables of a scene's file, not to be written to; and the body and start that they are."""
+    data = scene_file.tables(source, name)
+    return data, scene_file.body_and_start(data, name)[:4]
 
 
 def _places(data: dict[str, Any], keys: Sequence[str], name: str) -> list[list[tuple[Any, Any]]]:

@@ -50,6 +50,8 @@ class Times(Sequence[Fraction]):
             sizes = np.frexp(grid[1:] if grid[0] == 0 else grid)[1]
             if grid.dtype == kind and np.all(np.abs(sizes) < most):
                 return cls.of_grid(grid, number)
+        if not exponent:
+            return cls(times, number)
         unit = Fraction(2) ** exponent
         return cls([t * unit for t in times], number)
 

@@ -17,13 +17,13 @@ from itertools import count
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
-from polhode.common.cached_property import cached_property
 from polhode.common.progress import Stop
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Array, Doubles, double_array, kind_of
+from polhode.numbers.rows import Array, Booleans, Indices, Stack, kind_of
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend import defaults
 from polhode.taylor.batches.compiled_batch import LANES, CompiledBatch, in_lanes, out_of_lanes
@@ -38,8 +38,105 @@ _HOPELESS = 10.0  # times the limit of steps: what would need so many is given u
 
 def solve(job: BatchJob, stop: Stop | None = None) -> Solved:
     """Integrate a job's motions; those that ``stop`` kept from being finished are NOT_RUN."""
+    found = Solved.undone(
+        np.full((job.motions.many, len(job.times), job.columns), np.nan, kind_of(job.number))
+    )
+    if job.sure:
+        found.states[:] = at_once(job, np.arange(len(found.steps)), stop, found.steps)
+        there = np.isfinite(found.states[:, -1]).all(axis=1) & (found.steps <= job.max_steps)
+        _note(job, there, found)
+        if there.all():
+            return found
     with prepared(job) as ready:
-        return _Way(job, ready, stop).solved()
+        _Way(job, ready, stop).finish(found)
+    return found
+
+
+def at_once(
+    job: BatchJob,
+    order: Indices,
+    stop: Stop | None = None,
+    steps: npt.NDArray[np.int64] | None = None,
+) -> Stack:
+    """States of some motions of a job, all of which arrive in so few steps that nobody need look.
+
+    In this order they go through the lanes; longdoubles go one by one.  Not a number where ``stop``
+    came first, or a motion, or one beside it, did not arrive.  ``steps``: of each is put in there.
+    """
+    if job.number.name != "double":
+        return _one_by_one(job, order, stop, steps)
+    many, (given, starts), ahead = len(order), job.motions, job.times[job.times != 0]
+    here, one = in_lanes(starts, order), len(ahead) == 1
+    own = None if _alike(given) else in_lanes(given, order)
+    states = np.empty((len(here), len(job.times), job.columns, LANES))
+    if len(ahead) < len(job.times):
+        states[:, 0] = here
+    counts = np.zeros((len(here) if steps is not None else 0, LANES), dtype=np.int64)
+    end, grid = ahead[-1].item(), np.zeros((1 + len(ahead), LANES))
+    grid[1:] = ahead[:, None]
+    with prepared(job) as ready:
+        ta, state = ready.heyoka, ready.state
+        if own is None:
+            ready.tell(given[:1].T)
+        for k, (start, rows) in enumerate(zip(here, states, strict=True)):
+            if stop is not None and stop():
+                states[k:] = np.nan
+                break
+            state[:] = start
+            if own is not None:
+                ready.tell(own[k])
+            ready.begin()
+            if one:  # the end alone needs no dense output
+                ta.propagate_until(end)
+                rows[-1] = state
+            else:
+                rows[-len(ahead) :] = ta.propagate_grid(grid)[1][1:]
+            if steps is not None:
+                counts[k] = [result[3] for result in ta.propagate_res]
+    arrived = np.isfinite(states[:, -1])
+    if not arrived.all():  # a lane has stopped the others
+        states[~arrived.all(axis=(1, 2))] = np.nan
+    if steps is not None:
+        steps[:] = counts.ravel()[:many]
+    return out_of_lanes(states)[:many]
+
+
+def _one_by_one(
+    job: BatchJob, order: Indices, stop: Stop | None, steps: npt.NDArray[np.int64] | None
+) -> Stack:
+    """The same of longdoubles."""
+    (given, starts), ahead = job.motions, job.times[job.times != 0]
+    states = np.full((len(order), len(job.times), job.columns), np.nan, starts.dtype)
+    with prepared(job) as ready:
+        for k, motion in enumerate(order.tolist()):
+            if stop is not None and stop():
+                break
+            ready.stand(starts[motion], given[motion if len(given) > 1 else 0])
+            rows = states[k, len(job.times) - len(ahead) :]
+            if len(ahead) == 1:
+                result = ready.heyoka.propagate_until(ahead[-1])
+                rows[-1] = ready.state
+            else:
+                result = ready.heyoka.propagate_grid(np.concatenate([[0], ahead]))
+                rows[: len(result[-1]) - 1] = result[-1][1:]
+            if len(ahead) < len(job.times):
+                states[k, 0] = starts[motion]
+            if steps is not None:
+                steps[k] = result[3]
+    return states
+
+
+def _note(job: BatchJob, there: Booleans, found: Solved) -> None:
+    """Which motions arrived; of the others nothing is known."""
+    end = exactly(job.times[-1]) * Fraction(2) ** job.time_unit
+    found.outcomes[there], found.reached[there] = _THERE, end
+    if not there.all():
+        found.states[~there], found.steps[~there] = np.nan, 0
+
+
+def _alike(coefficients: Stack) -> bool:
+    """Whether all motions are of one body."""
+    return len(coefficients) == 1 or bool((coefficients == coefficients[:1]).all())
 
 
 def prepared(job: BatchJob) -> Engine:
@@ -65,14 +162,12 @@ def longest(number: NumberType) -> float:
 class _Stretch(NamedTuple):
     """A part of the way, between two looks for a signal: the outputs in it, and where it leads.
 
-    ``targets``: times since its beginning, the last one being its end; ``grid``: that and several
-    targets, a column for each lane.
+    ``targets``: times since its beginning, the last one being its end.
     """
 
     first: int
     last: int  # of the outputs, not included
     targets: list[Any]
-    grid: Doubles
 
 
 class _Way:
@@ -85,29 +180,18 @@ class _Way:
         self.longest = longest(job.number)
         self.stretches: dict[int, _Stretch] = {}
 
-    @cached_property
-    def end(self) -> Fraction:
-        """The last time, in the scene's unit."""
-        return exactly(self.job.times[-1]) * Fraction(2) ** self.job.time_unit
-
-    def solved(self) -> Solved:
-        """All of them, or as many as come before a stop."""
+    def finish(self, found: Solved) -> None:
+        """All motions that are not done, or as many as come before a stop."""
         job = self.job
-        if isinstance(self.ready, CompiledBatch) and self.sizes[-1]:
-            found = self._in_lanes(self.ready)
-            left = np.flatnonzero(found.outcomes != _THERE).tolist()
-        else:
-            shape = job.motions.many, len(job.times), job.columns
-            found = Solved.undone(np.full(shape, np.nan, kind_of(job.number)))
-            left = [*range(job.motions.many)]
-        for k in left:
+        if isinstance(self.ready, CompiledBatch) and self.sizes[-1] and not job.sure:
+            self._in_lanes(self.ready, found)
+        for k in np.flatnonzero(found.outcomes != _THERE).tolist():
             if self._stopped():
                 break
             self._alone(k, found)
         if not job.times[0]:
             done = found.outcomes != code(Outcome.NOT_RUN)
             found.states[done, 0] = job.motions.starts[done]
-        return found
 
     def _stopped(self) -> bool:
         return self.stop is not None and self.stop()
@@ -121,52 +205,32 @@ class _Way:
             targets = times[first:last] - way * begin
             if last < len(times) and (first == last or self.sizes[last - 1] < end):
                 targets = np.append(targets, way * (end - begin))
-            grid = np.zeros((1 + len(targets), LANES))
-            grid[1:] = targets[:, None]
-            self.stretches[n] = _Stretch(first, last, targets.tolist(), grid)
+            self.stretches[n] = _Stretch(first, last, targets.tolist())
         return self.stretches[n]
 
     def _hopeless(self, steps: int, passed: float) -> bool:
         """Whether a motion that goes on like this ends at its limit long before the last time."""
         return steps * float(self.sizes[-1]) > _HOPELESS * self.job.max_steps * passed
 
-    def _in_lanes(self, ready: CompiledBatch) -> Solved:
+    def _in_lanes(self, ready: CompiledBatch, found: Solved) -> None:
         """Batch after batch: all motions but those of batches that did not arrive as a whole."""
         job, many = self.job, self.job.motions.many
-        given, starts = job.motions.coefficients, in_lanes(double_array(job.motions.starts))
-        alike = len(given) == 1 or bool((given == given[0]).all())
-        own = [given[:1].T] if alike else in_lanes(double_array(given))
+        given, starts = job.motions.coefficients, in_lanes(job.motions.starts)
+        own = None if _alike(given) else in_lanes(given)
+        if own is None:
+            ready.tell(given[:1].T)
         states = np.full((len(starts), len(job.times), job.columns, LANES), np.nan)
         steps = np.zeros((len(starts), LANES), dtype=np.int64)
         done = np.zeros(len(starts), dtype=bool)
         for k, start in enumerate(starts):
             if self._stopped():
                 break
-            ready.stand(start, own[0] if k == 0 else None if alike else own[k])
-            if job.sure:
-                self._surely(ready, states[k])
-                done[k] = True
-            else:
-                steps[k], outcome, _ = self._followed(states[k], False)
-                done[k] = outcome.done
+            ready.stand(start, None if own is None else own[k])
+            steps[k], outcome, _ = self._followed(states[k], False)
+            done[k] = outcome.done
         done &= np.isfinite(states[:, -1]).all(axis=(1, 2))  # else a lane has stopped the others
-        found = Solved.undone(out_of_lanes(states)[:many])
-        there = slice(None) if done.all() else np.repeat(done, LANES)[:many]
-        if not isinstance(there, slice):
-            found.states[~there] = np.nan
-        found.outcomes[there] = _THERE
-        if not job.sure:
-            found.steps[there], found.reached[there] = steps.ravel()[:many][there], self.end
-        return found
-
-    def _surely(self, ready: CompiledBatch, states: Doubles) -> None:
-        """A batch of motions along one stretch, whose steps need neither limit nor count."""
-        stretch = self._stretch(0)
-        if len(stretch.targets) == 1:  # the end alone needs no dense output
-            ready.heyoka.propagate_until(stretch.targets[0])
-            states[-1] = ready.state
-        else:
-            states[stretch.first :] = ready.heyoka.propagate_grid(stretch.grid)[1][1:]
+        found.states[:], found.steps[:] = out_of_lanes(states)[:many], steps.ravel()[:many]
+        _note(job, done.repeat(LANES)[:many], found)
 
     def _followed(self, into: Array, alike: bool) -> tuple[Any, Outcome, float]:
         """The way of what stands at its start: steps, how it ended, and how far it came.
@@ -212,9 +276,9 @@ class _Way:
             into[:] = np.nan
             return
         found.outcomes[k], found.steps[k] = code(outcome), _most(steps)
-        unit = Fraction(2) ** self.job.time_unit
-        part = Fraction(math.copysign(reached, self.end)) * unit
-        found.reached[k] = self.end if outcome is Outcome.REACHED_END else part
+        end = self.job.times[-1]
+        part = end if outcome is Outcome.REACHED_END else math.copysign(reached, end)
+        found.reached[k] = exactly(part) * Fraction(2) ** self.job.time_unit
 
     def _in_blocks(
         self, stretch: _Stretch, limit: int, alike: bool
@@ -253,4 +317,4 @@ class _Way:
 
 def _most(steps: Any) -> int:
     """Of the steps of all lanes."""
-    return int(np.max(steps))
+    return steps if isinstance(steps, int) else int(steps.max())

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from polhode.common.progress import Stop
 from polhode.motion.outcomes import Outcome
-from polhode.numbers.rows import Array, Doubles
+from polhode.numbers.rows import Array, Doubles, Indices
 from polhode.taylor.backend.step_outcomes import ending
 from polhode.taylor.backend.types import HeyokaIntegrator, HeyokaNumber
 from polhode.taylor.batches import step_blocks
@@ -23,12 +23,14 @@ T = TypeVar("T", bound=np.generic)
 LANES = 8
 
 
-def in_lanes(rows: npt.NDArray[T]) -> npt.NDArray[T]:
-    """Rows as batches have them, (batches, columns, LANES); spare lanes repeat the last row."""
-    spare = -len(rows) % LANES
-    if spare and len(rows):
-        rows = np.concatenate([rows, np.repeat(rows[-1:], spare, axis=0)])
-    found = rows.reshape(len(rows) // LANES, LANES, rows.shape[1]).transpose(0, 2, 1)
+def in_lanes(rows: npt.NDArray[T], order: Indices | None = None) -> npt.NDArray[T]:
+    """Rows as batches have them, (batches, columns, LANES), in an order; the last fills up."""
+    if order is None:
+        order = np.arange(len(rows))
+    spare = -len(order) % LANES
+    if spare and len(order):
+        order = np.concatenate([order, order[-1:].repeat(spare)])
+    found = rows[order].reshape(-1, LANES, rows.shape[1]).transpose(0, 2, 1)
     return np.ascontiguousarray(found)
 
 
@@ -49,7 +51,8 @@ class CompiledBatch(Engine):
     def begin(self) -> None:
         """All lanes at time 0 where they stand."""
         self.heyoka.set_time(0.0)
-        self.tell_kept()
+        if self.kept:
+            self.tell_kept()
 
     def ended(self, _: Any) -> tuple[Outcome, Any]:
         """How the lane ended that came least far, and the steps of each."""

@@ -41,7 +41,7 @@ class BatchJob(NamedTuple):
 
     ``names``: of the coefficients.  ``times``: away from 0, numbers of the type.  ``time_unit``:
     the exponent n of that unit 2**n.  ``sure``: whether all of them arrive in so few steps that
-    nobody need look; neither steps nor times reached are told then.
+    nobody need look.
     """
 
     names: tuple[str, ...]
@@ -85,11 +85,6 @@ class Solved:
             np.zeros(count, dtype=np.int64),
             np.full(count, _START, dtype=object),
         )
-
-    def those(self, which: npt.NDArray[np.int64]) -> Solved:
-        """Some of them, in an order."""
-        ended, steps = self.outcomes[which], self.steps[which]
-        return Solved(self.states[which], ended, steps, self.reached[which])
 
     def put(self, which: npt.NDArray[np.int64], some: Solved) -> None:
         """Put in what became of some systems."""
