@@ -1,14 +1,13 @@
 """Zeros of an expression along many motions at once: batches of doubles, stretch after stretch.
 
-heyoka's batch integrator tells the zeros of a stretch of time: for a section all of them in a
-direction, for a first zero the earliest.  The clock starts again from 0 at each stretch, so that a
-time is the stretch's start and a small rest; states of a section are put back on the first
-integrals there.  When all motions are over, Newton's method puts their crossings on the zero.
+heyoka's batch integrator tells the zeros and the extrema of a stretch of time, and the rule of runs
+(:mod:`polhode.taylor.events.decision`) says which of them are crossings: for a section all of them
+in a direction, for a first zero the earliest.  What is noted after a lane's last witness is decided
+about with the next stretch.  The clock starts again from 0 at each stretch, so that a time is the
+stretch's start and a small rest; states of a section are put back on the first integrals there.
 
-The ends of steps witness the sides of the expression.  Where plain zeros and sides alternate as
-they must, that is all; elsewhere the rule of runs decides about a section's lane
-(:mod:`polhode.taylor.events.decision`), and a motion is *unsure* if that finds less than there is,
-or if its first zero is asked for.  Of two multiple zeros in one step heyoka may tell neither:
+A motion is *unsure* if a crossing was lost, or if its first zero is asked for and doubles do not
+tell the side on which it begins.  Of two multiple zeros in one step heyoka may tell neither:
 whoever asks hands over the odd part of an expression
 (:func:`polhode.numbers.expression.odd_part`), which has such zeros only where a factor is squared
 or a product is multiplied out.  What a lane gives does not depend on its neighbours.
@@ -17,9 +16,9 @@ or a product is multiplied out.  What a lane gives does not depend on its neighb
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -35,26 +34,10 @@ from polhode.taylor.batches import step_blocks
 from polhode.taylor.batches.compiled_batch import CompiledBatch
 from polhode.taylor.batches.lane_queue import LaneQueue
 from polhode.taylor.corrections.level_projection import Level, Put
-from polhode.taylor.events.batch_zeros import (
-    ORIGIN,
-    TINY,
-    Met,
-    Notes,
-    Watched,
-    built,
-    joined_notes,
-)
-from polhode.taylor.events.decision import Decision, End, at_the_end
+from polhode.taylor.events.batch_zeros import ORIGIN, TINY, Watched, built
+from polhode.taylor.events.decision import Decision, End, at_the_end, located
 from polhode.taylor.events.jets import Jet, Marks, joined_marks
-from polhode.taylor.events.polishing import (
-    ENDS,
-    EXTREMA,
-    ZEROS,
-    joined_places,
-    places,
-    polished,
-    refined,
-)
+from polhode.taylor.events.polishing import Places, joined_places, polished
 from polhode.taylor.events.probe import Probe
 from polhode.taylor.integrator.engine import Engine, lent
 from polhode.taylor.integrator.specification import DESK, Equations, principal_engine
@@ -65,9 +48,6 @@ STOPPED, UNSURE = "stopped", "not certain of a crossing"
 _BEGIN = 1e-9  # of a stretch: a crossing before it is the start itself, where that is on a section
 _AT_START = 2.0**-46  # of the unit of time: the same for a start at zero, exactly
 _BLOCK = 2048  # crossings whose arrays fit into a processor's own memory
-_CERTAIN = 2.0**-20  # of a section's function: extrema further from zero are no contacts
-_LOOKS = np.linspace(0.0, 1.0, 513)  # of a span: an extremum is met to a thousandth of a step
-_SMALL = 1e-9  # of an expression's size: above it nothing is within rounding of zero
 
 
 class Singular(ArithmeticError):
@@ -107,15 +87,14 @@ class Crossed(NamedTuple):
     """Of each motion the crossings found, in order: nan where there are none.
 
     ``states`` (n, most, columns), ``times`` and ``rests`` (n, most): a time is their sum.
-    ``slopes`` (n, most): derivative of the expression there.  ``found``: how many a motion has,
-    ``steps`` taken.  ``outcomes``: how each ended; those UNSURE are to be done otherwise.
+    ``found``: how many a motion has, ``steps`` taken.  ``outcomes``: how each ended; those UNSURE
+    are to be done otherwise.
     ``drift``: the largest residual of an integral met, relative.
     """
 
     states: Doubles
     times: Doubles
     rests: Doubles
-    slopes: Doubles
     found: npt.NDArray[np.int64]
     steps: npt.NDArray[np.int64]
     outcomes: tuple[str, ...]
@@ -127,15 +106,19 @@ def solve(job: SearchJob, stop: Stop | None = None) -> Crossed:
 
     Raises Singular for a section.
     """
-    with lent(("zeros", job.watched), lambda: CompiledBatch(built(job.watched))) as batch:
+    with lent(("zeros", job.watched), lambda: built(job.watched)) as batch:
         return _Search(job, batch).run(stop)
 
 
 def joined(parts: Sequence[Crossed]) -> Crossed:
     """The results of several jobs as one."""
-    arrays = [np.concatenate(array) for array in zip(*(part[:6] for part in parts), strict=True)]
+    arrays = [np.concatenate(array) for array in zip(*(part[:5] for part in parts), strict=True)]
     outcomes = tuple(outcome for part in parts for outcome in part.outcomes)
     return Crossed._make([*arrays, outcomes, max((part.drift for part in parts), default=0.0)])
+
+
+#: A zero of the expression or of its rate: in which lane, when, and the state there.
+_Note: TypeAlias = tuple[int, float, Doubles]
 
 
 class _Search:
@@ -143,20 +126,25 @@ class _Search:
 
     def __init__(self, job: SearchJob, batch: CompiledBatch) -> None:
         self.job, self.batch, n = job, batch, len(job.starts)
-        self.met: Met = batch.heyoka.nt_events[0].callback
+        assert batch.desk is not None
+        batch.desk.watch = self
+        self.jet: Jet = batch.desk.jets[0]
         self.numbers = job.watched.numbers(job.time_unit, job.coefficients, job.turns)
         stretches = max(1.0, np.ceil(abs(job.end) / job.stretch))
         self.length = job.stretch if stretches == math.inf else job.end / stretches
+        self.way = 1 if self.length > 0 else -1
         self.last = stretches
         self.lanes = LaneQueue(n, batch.places)
         self.parameters = np.zeros((DESK + len(self.numbers), batch.places))
         self.state = job.starts[self.lanes.motion].T.copy()
         self.put = None if job.level is None else Put(job.level, self.state)
-        self.parts, self.found, self.quiet = np.zeros((3, batch.places), dtype=int)
-        # of each lane: when its stretch began, and the side of the expression at the last witness
-        self.origin, self.side = np.zeros((2, batch.places))
-        self.left: list[Notes] = []  # that witness and what was noted after it
-        self.rows: list[Notes] = []  # of motions
+        self.parts, self.counts, self.quiet = np.zeros((3, batch.places), dtype=int)
+        self.origin = np.zeros(batch.places)  # when the stretch of each lane began
+        # zeros and extrema of a stretch as heyoka meets them: lane, time, state
+        self.notes = list[_Note](), list[_Note]()
+        # of each lane the last witness of a side, and the places since
+        self.since: dict[int, tuple[End, list[Places]]] = {}
+        self.crossings: list[tuple[Indices, Marks]] = []  # and whose they are
         self.steps = np.zeros(n, dtype=np.int64)
         self.outcomes = [STOPPED] * n
         for lane in range(batch.places):
@@ -167,11 +155,16 @@ class _Search:
         self.lanes.follow(self._begin, lambda: self._stretch(stop), stop)
         return self._crossed()
 
+    def met(self, lane: int, order: int, ta: HeyokaIntegrator, t: float) -> None:
+        """heyoka met a zero of the expression (0) or of its rate (1) in the step just taken."""
+        if self.lanes.busy[lane]:
+            ta.update_d_output(t)
+            self.notes[order].append((lane, t, self.batch.heyoka.d_output[:, lane].copy()))
+
     def _begin(self, lane: int) -> None:
         k = self.lanes.motion[lane]
         self.state[:, lane] = self.job.starts[k]
-        self.parts[lane] = self.found[lane] = self.quiet[lane] = 0
-        self.left = [notes.those(notes.lanes != lane) for notes in self.left]
+        self.parts[lane] = self.counts[lane] = self.quiet[lane] = 0
         self.parameters[DESK:, lane] = self.numbers[:, k]
         if self.put is not None and self.lanes.busy[lane]:
             self.put.begin([lane], self.state[:, [lane]])
@@ -186,19 +179,24 @@ class _Search:
         self.parameters[ORIGIN] = self.origin
         batch.parameters[:] = self.parameters[: len(batch.parameters)]  # those that it asks for
         batch.stand(self.state)
-        spared = self._begun(begin)
-        self.met.begin(batch.heyoka)
+        for notes in self.notes:
+            notes.clear()
         done = self._onwards(np.where(busy, self.length, 0.0), begin, stop)
         if done is None:
             return None
-        self.state = batch.state.copy() if self.put is None else self.put.back(batch.state.copy())
+        starts, self.state = self.state, batch.state.copy()
         self.parts += 1
-        return self._over(self._crossings(spared, begin, done))
+        unsure = self._decided(begin, starts)
+        if self.put is None:
+            unsure |= ~done
+        else:
+            self.state = self.put.back(self.state)
+        return self._over(unsure)
 
     def _over(self, unsure: Booleans) -> list[int]:
         """The lanes whose motions are over."""
         lost: Booleans = ~np.all(np.isfinite(self.state), axis=0)
-        done, ended = self.found >= self.job.most, self.parts >= self.last
+        done, ended = self.counts >= self.job.most, self.parts >= self.last
         over = unsure | lost | done | ended | (self.quiet >= self.job.patience)
         lanes: list[int] = np.flatnonzero(self.lanes.busy & over).tolist()
         for lane in lanes:
@@ -206,30 +204,12 @@ class _Search:
             self.outcomes[self.lanes.motion[lane]] = UNSURE if unsure[lane] else outcome
         return lanes
 
-    def _begun(self, begin: Booleans) -> Doubles:
-        """Note the sides where motions begin, 0 where that is not certain.
-
-        Up to when a crossing is the start itself.
-        """
-        none = np.zeros(len(begin))
-        marks = Marks(self.origin, none, none, none, self.batch.state.copy())
-        value, slope = self._jet(self.lanes.motion).at(marks)[:2]
-        spared, on_it = _AT_START, begin & (value == 0)
-        if self.put is not None:
-            spared = _BEGIN * self.length
-            on_it = begin & (np.abs(value) <= spared * np.abs(slope))
-        value[self._near(self.lanes.motion, value, marks)] = 0.0
-        side = np.where(on_it, np.sign(slope) * np.sign(self.length), np.sign(value))
-        self.side = np.where(begin, side, self.side)
-        return np.where(on_it, spared, -1.0)
-
     def _onwards(self, target: Doubles, begin: Booleans, stop: Stop | None) -> Booleans | None:
         """Lanes brought to a time, and which are there; None where stopped.  Raises Singular."""
         batch, most, running = self.batch, self.job.max_steps, self.lanes.motion[self.lanes.busy]
         left = None if most is None else max(1, most - int(self.steps[running].max()))
         first = begin & (batch.heyoka.time == 0)
-        after_step = self.met.after_step
-        ended = through_the_first_step(batch, first, target.tolist(), left, stop, after_step)
+        ended = through_the_first_step(batch, first, target.tolist(), left, stop)
         if self.put is not None and Outcome.STEP_UNDERFLOW in ended.outcomes:
             lane = ended.outcomes.index(Outcome.STEP_UNDERFLOW)
             start = tuple(self.job.starts[self.lanes.motion[lane]].tolist())
@@ -239,186 +219,131 @@ class _Search:
             return None
         return np.array([outcome is Outcome.REACHED_END for outcome in ended.outcomes])
 
-    def _jet(self, which: Indices) -> Jet:
-        """The expression's jet on some motions."""
-        return self.met.jet._replace(numbers=self.numbers[:, which])
-
-    def _values(self, marks: Marks) -> Doubles:
-        """The expression where all lanes stood, one time after the other."""
-        count = len(marks.time) // len(self.lanes.motion)
-        with np.errstate(all="ignore"):
-            found: Doubles = self._jet(np.tile(self.lanes.motion, count)).at(marks)[0]
-        return found
-
-    def _near(self, which: Indices, values: Doubles, marks: Marks) -> Booleans:
-        """Where the expression is within its rounding error of zero, or nothing is known of it."""
-        near: Booleans = ~(np.abs(values) >= _SMALL * self.job.watched.size)
-        at = np.flatnonzero(near)
-        if len(at):
-            noise = self._jet(which[at]).noise(marks.those(at))
-            near[at] = ~(np.abs(values[at]) > float(self.met.jet.band) * noise)
-        return near
-
     # -- crossings ------------------------------------------------------------------------------
 
-    def _crossings(self, spared: Doubles, begin: Booleans, done: Booleans) -> Booleans:
-        """Keep the crossings up to each lane's last witness; which lanes are not certain.
+    def _decided(self, begin: Booleans, starts: Doubles) -> Booleans:
+        """Decide about the stretch, up to each lane's last witness; which lanes are not certain."""
+        busy, new = np.flatnonzero(self.lanes.busy), np.flatnonzero(begin)
+        ends = self._marks(busy, self.batch.heyoka.time[busy], self.state[:, busy])
+        begun = self._marks(new, np.zeros(len(new)), starts[:, new])
+        zeros, extrema = self._met(0), self._met(1)
+        lanes = np.concatenate([zeros[0], extrema[0]])
+        jet = self._jet(self.lanes.motion[np.concatenate([lanes, new, busy])])
+        met, known = [zeros[1], extrema[1]], joined_marks([begun, ends])
+        places, seen = polished(jet, met, known, self.way)
+        spared = self._begun(new, seen.those(slice(len(new))))
+        order = np.lexsort((places.ahead, lanes))
+        order = order[~(places.ahead <= spared[lanes])[order]]
+        places, lanes = places.those(order), lanes[order]
+        unsure = np.zeros(len(begin), dtype=bool)
+        self.quiet += 1
+        for k, lane in enumerate(busy.tolist(), len(new)):
+            start, parts = self.since[lane]
+            parts.append(places.those(slice(*np.searchsorted(lanes, [lane, lane + 1]))))
+            end = at_the_end(seen.those(slice(k, k + 1)))
+            if not end.near or self.parts[lane] >= self.last or not np.isfinite(end.value):
+                complete = self._happened(lane, start, parts, end)
+                unsure[lane] = not complete or (self.put is None and start.side == 0)
+                self.since[lane] = end, []
+        return unsure
 
-        What is noted after that witness is decided about with the next stretch.
+    def _begun(self, new: Indices, starts: Places) -> Doubles:
+        """Note the sides on which motions begin, 0 where that is not certain.
+
+        Of each lane up to when a crossing is the start itself.
         """
-        busy, way = self.lanes.busy, np.sign(self.length)
-        fresh = self.met.notes(busy, begin, self.origin, spared, self._values)
-        notes = joined_notes([*self.left, fresh])
-        ahead = np.abs(notes.marks.since_start)
-        order = np.lexsort((notes.root, ahead, notes.lanes))
-        notes, ahead, places = notes.those(order), ahead[order], np.arange(len(order))
-        which = self.lanes.motion[notes.lanes]
-        with np.errstate(all="ignore"):
-            value, rate, bend, _ = self._jet(which).at(notes.marks)
-        witness = ~notes.root & ~self._near(which, value, notes.marks)
-        notes.sides[:] = np.where(notes.root, np.sign(rate) * way, np.sign(value))
-        last = np.full(len(busy), -1)
-        last[notes.lanes[witness]] = places[witness]
-        within = places <= last[notes.lanes]
-        known = np.flatnonzero(within & (notes.root | witness))
-        lane, root, side = notes.lanes[known], notes.root[known], notes.sides[known]
-        slope = rate[known] * way
-        first = np.diff(lane, prepend=-1) != 0
-        before = np.where(first, self.side[lane], np.roll(side, 1))
-        fits = (before == np.where(root, -side, side)) | (first & (before == 0))
-        steep = slope * slope > _CERTAIN * self.job.watched.size * np.abs(bend[known])
-        strange = ~fits | (root & ~steep)
-        wrong = np.zeros(len(busy), dtype=bool)
-        wrong[lane[strange]] = True
-        ends, looks = np.flatnonzero(~root), list[Notes]()
-        span = np.unique(np.searchsorted(ends, np.flatnonzero(strange), side="left") - 1)
-        for low, high in zip(ends[span[span >= 0]], ends[span[span >= 0] + 1], strict=True):
-            if lane[low] == lane[high]:
-                look, doubtful = self._looked(*(notes.those([known[k]]) for k in (low, high)))
-                wrong[lane[low]] |= doubtful
-                looks.append(look)
-        found = [notes.those(known[root & ~wrong[lane]])]
-        if self.put is None:
-            wrong |= ~done | (self.side == 0)
-            ending = self.parts >= self.last
-            wrong[[k for k in notes.lanes[~within].tolist() if ending[k]]] = True
-        else:
-            every = joined_notes([notes.those(within), *looks])
-            for k in np.flatnonzero(wrong).tolist():
-                crossings, complete = self._decided(k, every.those(every.lanes == k))
-                found.append(crossings)
-                wrong[k] = not complete
-        self._keep(joined_notes(found))
-        self.side[last >= 0] = notes.sides[last[last >= 0]]
-        self.left = [notes.those(~within | (places == last[notes.lanes]))]
-        return wrong & busy
+        value, slope = starts.values[:2]
+        spared, on_it = _AT_START, value == 0
+        if self.put is not None:
+            spared = _BEGIN * abs(self.length)
+            on_it = np.abs(value) <= spared * np.abs(slope)
+        sides = np.where(on_it, np.sign(slope) * self.way, np.sign(value))
+        sides[~(on_it | ~starts.near) | np.isnan(sides)] = 0.0
+        for k, lane in enumerate(new.tolist()):
+            self.since[lane] = End(int(sides[k]), starts.those(slice(k, k + 1))), []
+        until = np.full(self.batch.places, -1.0)
+        until[new[on_it]] = spared
+        return until
 
-    def _looked(self, low: Notes, high: Notes) -> tuple[Notes, bool]:
-        """Places between two witnesses, and whether the side of the first is not certain there."""
-        which, begin = np.repeat(self.lanes.motion[low.lanes], len(_LOOKS)), low.marks
-        ahead = (high.marks.since_start - begin.since_start) * _LOOKS
-        with self._alone(which[0], begin.columns[:, 0]) as ta:
-            rows = ta.heyoka.propagate_grid(ahead)[-1]
-        wide = low.those(np.zeros(len(rows), dtype=int))
-        marks = wide.marks._replace(rest=ahead[: len(rows)], columns=rows.T.copy())
-        jet = self._jet(which[: len(rows)])
-        with np.errstate(all="ignore"):
-            k = int(np.argmin(jet.at(marks)[0] * low.sides[0]))
-            lowest = refined(self._jet(which[:1]), marks.those([k]), np.array([EXTREMA]))
-            value = self._jet(which[:1]).at(lowest)[0]
-        doubtful = self._near(which[:1], value, lowest)[0] or value[0] * low.sides[0] < 0
-        inside = [low._replace(marks=lowest)] * (0 < k < len(rows) - 1)
-        return joined_notes([wide._replace(marks=marks), *inside]), doubtful
+    def _happened(self, lane: int, start: End, parts: list[Places], end: End) -> bool:
+        """Keep the crossings between two witnesses, as many as the motion still needs; whether all.
 
-    def _alone(self, k: int, state: Doubles) -> Engine:
-        """An integrator of a motion by itself, without the expression."""
+        Those in the direction asked for.
+        """
+        k, wanted = int(self.lanes.motion[lane]), self.way * self.job.direction
+        places = joined_places(parts)
+        if len(parts) > 1:
+            places = places.those(places.order)
+        search = partial(self._found_again, k, places, start, end)
+        decision = Decision(places, start, end, self.way, float(DOUBLE.eps), search)
+        crossings = [one for one in decision.found if one.sign and one.sign * wanted >= 0]
+        crossings = crossings[: self.job.most - self.counts[lane]]
+        if crossings:
+            self.crossings.append((np.full(len(crossings), k), located(crossings, places).marks))
+            self.quiet[lane] = 0
+        self.counts[lane] += len(crossings)
+        return decision.complete
+
+    def _found_again(
+        self, k: int, places: Places, start: End, end: End, side: int, since: int, before: int
+    ) -> Places | None:
+        """A crossing of motion k that heyoka lost: along steps of its own, without the others."""
         job = self.job
-        ta = principal_engine(Equations(job.watched.columns, job.watched.names), Engine)
-        ta.stand(state, job.coefficients[k])
-        return ta
+        jet = self.jet._replace(numbers=self.numbers[:, k], timed=False)
+        equations = Equations(job.watched.columns, job.watched.names)
+        with principal_engine(equations, Engine) as ta:
+            ta.stand(job.starts[k], job.coefficients[k])
+            probe, span = Probe(jet, ta.heyoka, len(job.watched.columns)), (start.place, end.place)
+            return probe.crossing(places, *span, self.way, side, since, before)
 
-    def _decided(self, lane: int, notes: Notes) -> tuple[Notes, bool]:
-        """The crossings of a lane up to its last witness, by the rule of runs; whether all."""
-        k, way = int(self.lanes.motion[lane]), 1 if self.length > 0 else -1
-        jet = self.met.jet._replace(numbers=self.numbers[:, k], timed=False)
-        notes = notes.those(np.argsort(np.abs(notes.marks.since_start), kind="stable"))
-        start, none = notes.marks.those([0]), np.zeros(1)
-        if notes.root[0] or self.side[lane] == 0:  # the motion's own
-            start = Marks(none, none, none, none, self.job.starts[k][:, None])
-        zeros, ends = notes.marks.those(notes.root), notes.marks.those(~notes.root)
-        known, seen = polished(jet, [zeros, zeros.those([])], joined_marks([start, ends]), way)
-        seen.root[:] = False
-        every = joined_places([known, seen])
-        every = every.those(every.order)
-        begin, end = End(int(self.side[lane]), seen.those([0])), at_the_end(seen.those([-1]))
-        with self._alone(k, start.columns[:, 0]) as ta:
-            probe = Probe(jet, ta.heyoka, len(self.job.watched.columns))
-            search = partial(probe.crossing, every, begin.place, end.place, way)
-            decision = Decision(every, begin, end, way, float(DOUBLE.eps), search)
-        met = [one for one in decision.found if one.sign]
-        at = [every.those([one.at]) if one.own is None else one.own for one in met]
-        marks = joined_marks([every.marks.those([]), *(place.marks for place in at)])
-        sides = np.array([float(one.sign) for one in met])
-        found = Notes(np.full(len(met), lane), marks, np.zeros(len(met), dtype=bool), sides)
-        return found, decision.complete
+    def _met(self, order: int) -> tuple[Indices, Marks]:
+        """What heyoka met in the stretch, and in which lanes."""
+        notes = self.notes[order]
+        lanes = np.array([lane for lane, _, _ in notes], dtype=int)
+        rows = np.array([row for _, _, row in notes]).reshape(len(notes), len(self.state))
+        return lanes, self._marks(lanes, np.array([t for _, t, _ in notes]), rows.T)
 
-    def _keep(self, met: Notes) -> None:
-        """Keep the crossings in the direction asked for, as many as a motion still needs."""
-        met = met.those(np.lexsort((np.abs(met.marks.since_start), met.lanes)))
-        met = met.those(met.sides * np.sign(self.length) * self.job.direction >= 0)
-        nth = np.arange(len(met.lanes)) - np.searchsorted(met.lanes, met.lanes)
-        met = met.those(nth < self.job.most - self.found[met.lanes])
-        if len(met.lanes):
-            self.rows.append(met._replace(lanes=self.lanes.motion[met.lanes]))
-        counts = np.bincount(met.lanes, minlength=len(self.found))
-        self.found += counts
-        self.quiet = np.where(counts > 0, 0, self.quiet + 1)
+    def _marks(self, lanes: Indices, time: Doubles, columns: Doubles) -> Marks:
+        """Places of the stretch, by heyoka's time."""
+        none = np.zeros(len(lanes))
+        return Marks(self.origin[lanes], none, time, none, columns)
+
+    def _jet(self, which: Indices) -> Jet:
+        """The expression's jet on some motions."""
+        return self.jet._replace(numbers=self.numbers[:, which])
 
     def _crossed(self) -> Crossed:
-        """All crossings polished at once, and put in order."""
+        """All crossings in order, those of a section put on it."""
         job, (n, columns) = self.job, self.job.starts.shape
         states = np.full((n, job.most, columns), np.nan)
-        times, rests, slopes = (np.full((n, job.most), np.nan) for _ in range(3))
-        found, outcomes = np.zeros(n, dtype=int), np.array(self.outcomes, dtype=object)
-        if self.rows:
-            met = joined_notes(self.rows)
-            parts = [
-                self._polished(met.those(slice(first, first + _BLOCK)))
-                for first in range(0, len(met.lanes), _BLOCK)
-            ]
-            marks = joined_marks([marks for marks, _, _ in parts])
-            by, sure = (np.concatenate([part[i] for part in parts]) for i in (1, 2))
-            outcomes[met.lanes[~sure]] = UNSURE
-            # a seam may swap two
-            order = np.lexsort((np.abs(marks.since_start), met.lanes))
-            motions, marks = met.lanes[order], marks.those(order)
-            nth = np.arange(len(motions)) - np.searchsorted(motions, motions)
+        times, rests = (np.full((n, job.most), np.nan) for _ in range(2))
+        counts = np.zeros(n, dtype=int)
+        if self.crossings:
+            motions = np.concatenate([which for which, _ in self.crossings])
+            marks = joined_marks([marks for _, marks in self.crossings])
+            order = np.lexsort((np.abs(marks.since_start), motions))
+            motions, marks = motions[order], marks.those(order)
+            blocks = [slice(k, k + _BLOCK) for k in range(0, len(motions), _BLOCK)]
+            parts = [self._put_on(motions[some], marks.columns[:, some]) for some in blocks]
+            rows = np.concatenate(parts, axis=1)
             taus = marks.time + marks.rest
             time = marks.high + taus
-            kept = (nth < job.most) & (np.abs(time) <= abs(job.end))
+            kept = np.abs(time) <= abs(job.end)
+            nth = np.arange(len(motions)) - np.searchsorted(motions, motions)
             where = motions[kept], nth[kept]
             times[where], rests[where] = time[kept], (taus - (time - marks.high))[kept]
-            slopes[where], states[where] = by[order][kept], marks.columns[:, kept].T
-            found = np.bincount(motions[kept], minlength=n)
+            states[where] = rows[:, kept].T
+            counts = np.bincount(motions[kept], minlength=n)
         drift = 0.0 if self.put is None else self.put.drift
-        return Crossed(
-            *(states, times, rests, slopes, found, self.steps), tuple(outcomes.tolist()), drift
-        )
+        return Crossed(*(states, times, rests, counts, self.steps), tuple(self.outcomes), drift)
 
-    def _polished(self, met: Notes) -> tuple[Marks, Doubles, Booleans]:
-        """Crossings taken to their last digits, slopes there, and which are certain."""
-        jet, kinds = self._jet(met.lanes), np.where(met.root, ZEROS, ENDS)
-        with np.errstate(all="ignore"):
-            marks = refined(jet, met.marks, kinds)
-            slopes, sure = jet.at(marks)[1], np.full(len(kinds), True)
-            if self.put is None:
-                place = places(jet, marks, 1 if self.length > 0 else -1, sure)
-                sure = place.steep & (np.abs(place.values[0]) <= place.noise)
-        if self.put is not None:
-            assert isinstance(self.job.watched.zero, SectionZero)
-            whole = Put(self.put.level, self.job.starts.T).of(met.lanes)
-            marks = marks._replace(columns=whole.within(self.job.watched.zero, marks.columns))
-        return marks, slopes, sure
+    def _put_on(self, which: Indices, states: Doubles) -> Doubles:
+        """States of crossings of motions, those of a section put on it and its level."""
+        if self.put is None:
+            return states
+        assert isinstance(self.job.watched.zero, SectionZero)
+        whole = Put(self.put.level, self.job.starts.T).of(which)
+        return whole.within(self.job.watched.zero, states)
 
 
 def through_the_first_step(
@@ -427,14 +352,13 @@ def through_the_first_step(
     ends: Sequence[float],
     most: int | None = None,
     stop: Stop | None = None,
-    after_step: Callable[[HeyokaIntegrator], bool] | None = None,
 ) -> step_blocks.Ended:
     """Every lane to an end of its own, some of them from the beginning of their motions."""
     taken = np.zeros(len(ends), dtype=np.int64)
     if beginning.any():
         batch.parameters[TINY] = float(first_step_offset(DOUBLE)) * beginning
-        taken = batch.in_blocks(ends, 1, stop, after_step=after_step).steps
+        taken = batch.in_blocks(ends, 1, stop).steps
         batch.parameters[TINY] = 0.0
         most = None if most is None else max(1, most - 1)
-    ended = batch.in_blocks(ends, most, stop, after_step=after_step)
+    ended = batch.in_blocks(ends, most, stop)
     return ended._replace(steps=taken + ended.steps)
