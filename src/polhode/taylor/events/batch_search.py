@@ -121,14 +121,26 @@ def joined(parts: Sequence[Crossed]) -> Crossed:
 _Note: TypeAlias = tuple[int, float, Doubles]
 
 
+class _Stretch(NamedTuple):
+    """What lanes met in a stretch of time: ``places`` in ``lanes``, in order.
+
+    ``starts``, ``ends``: of the stretch, a place for each lane; ``done``: which came to its end,
+    in so many ``steps``.
+    """
+
+    places: Places
+    lanes: Indices
+    starts: Places
+    ends: Places
+    done: Booleans
+    steps: npt.NDArray[np.int64]
+
+
 class _Search:
     """A job's motions in the lanes of a batch."""
 
     def __init__(self, job: SearchJob, batch: CompiledBatch) -> None:
         self.job, self.batch, n = job, batch, len(job.starts)
-        assert batch.desk is not None
-        batch.desk.watch = self
-        self.jet: Jet = batch.desk.jets[0]
         self.numbers = job.watched.numbers(job.time_unit, job.coefficients, job.turns)
         stretches = max(1.0, np.ceil(abs(job.end) / job.stretch))
         self.length = job.stretch if stretches == math.inf else job.end / stretches
@@ -139,10 +151,12 @@ class _Search:
         self.state = job.starts[self.lanes.motion].T.copy()
         self.put = None if job.level is None else Put(job.level, self.state)
         self.parts, self.counts, self.quiet = np.zeros((3, batch.places), dtype=int)
-        self.origin = np.zeros(batch.places)  # when the stretch of each lane began
-        # zeros and extrema of a stretch as heyoka meets them: lane, time, state
+        # of each lane: when its stretch began, and the expression's side at the last witness
+        self.origin, self.side = np.zeros((2, batch.places))
+        # zeros and extrema of a stretch as heyoka meets them, in lanes that are heard
         self.notes = list[_Note](), list[_Note]()
-        # of each lane the last witness of a side, and the places since
+        self.heard, self.dense = self.lanes.busy, batch.heyoka.d_output
+        # of lanes with no witness at the last stretch's end: the one before, and the places since
         self.since: dict[int, tuple[End, list[Places]]] = {}
         self.crossings: list[tuple[Indices, Marks]] = []  # and whose they are
         self.steps = np.zeros(n, dtype=np.int64)
@@ -157,14 +171,15 @@ class _Search:
 
     def met(self, lane: int, order: int, ta: HeyokaIntegrator, t: float) -> None:
         """heyoka met a zero of the expression (0) or of its rate (1) in the step just taken."""
-        if self.lanes.busy[lane]:
+        if self.heard[lane]:
             ta.update_d_output(t)
-            self.notes[order].append((lane, t, self.batch.heyoka.d_output[:, lane].copy()))
+            self.notes[order].append((lane, t, self.dense[:, lane].copy()))
 
     def _begin(self, lane: int) -> None:
         k = self.lanes.motion[lane]
         self.state[:, lane] = self.job.starts[k]
         self.parts[lane] = self.counts[lane] = self.quiet[lane] = 0
+        self.since.pop(lane, None)
         self.parameters[DESK:, lane] = self.numbers[:, k]
         if self.put is not None and self.lanes.busy[lane]:
             self.put.begin([lane], self.state[:, [lane]])
@@ -173,25 +188,30 @@ class _Search:
 
     def _stretch(self, stop: Stop | None) -> list[int] | None:
         """Go on by a stretch of time: the lanes whose motions are over; None where stopped."""
-        batch, busy = self.batch, self.lanes.busy
-        begin = busy & (self.parts == 0)
+        busy, starts, unsure = self.lanes.busy, self.state, np.zeros(self.batch.places, dtype=bool)
         self.origin = self.parts * self.length
-        self.parameters[ORIGIN] = self.origin
-        batch.parameters[:] = self.parameters[: len(batch.parameters)]  # those that it asks for
-        batch.stand(self.state)
-        for notes in self.notes:
-            notes.clear()
-        done = self._onwards(np.where(busy, self.length, 0.0), begin, stop)
-        if done is None:
+        met = self._followed(self.batch, busy, starts, stop)
+        if met is None:
             return None
-        starts, self.state = self.state, batch.state.copy()
+        self.quiet += 1
+        rest, steps = busy & ~self._plain(met), met.steps
+        if rest.any():
+            others = self.state
+            with lent(("extrema", self.job.watched), self._with_extrema) as batch:
+                met = self._followed(batch, rest, starts, stop)
+            if met is None:
+                return None
+            self.state = np.where(rest, self.state, others)
+            for lane in np.flatnonzero(rest).tolist():
+                unsure[lane] = not self._decided(lane, met)
         self.parts += 1
-        unsure = self._decided(begin, starts)
-        if self.put is None:
-            unsure |= ~done
-        else:
+        self.steps[self.lanes.motion[busy]] += steps[busy]
+        if self.put is not None:
             self.state = self.put.back(self.state)
         return self._over(unsure)
+
+    def _with_extrema(self) -> CompiledBatch:
+        return built(self.job.watched, extrema=True)
 
     def _over(self, unsure: Booleans) -> list[int]:
         """The lanes whose motions are over."""
@@ -204,92 +224,124 @@ class _Search:
             self.outcomes[self.lanes.motion[lane]] = UNSURE if unsure[lane] else outcome
         return lanes
 
-    def _onwards(self, target: Doubles, begin: Booleans, stop: Stop | None) -> Booleans | None:
-        """Lanes brought to a time, and which are there; None where stopped.  Raises Singular."""
-        batch, most, running = self.batch, self.job.max_steps, self.lanes.motion[self.lanes.busy]
-        left = None if most is None else max(1, most - int(self.steps[running].max()))
-        first = begin & (batch.heyoka.time == 0)
-        ended = through_the_first_step(batch, first, target.tolist(), left, stop)
-        if self.put is not None and Outcome.STEP_UNDERFLOW in ended.outcomes:
-            lane = ended.outcomes.index(Outcome.STEP_UNDERFLOW)
-            start = tuple(self.job.starts[self.lanes.motion[lane]].tolist())
-            raise Singular(start, float(self.origin[lane] + batch.heyoka.time[lane]))
-        self.steps[running] += ended.steps[self.lanes.busy]
-        if ended.stopped:
+    def _followed(
+        self, batch: CompiledBatch, which: Booleans, starts: Doubles, stop: Stop | None
+    ) -> _Stretch | None:
+        """What some lanes of a batch meet in the stretch; None where stopped.  Raises Singular."""
+        self.parameters[ORIGIN] = self.origin
+        batch.parameters[:] = self.parameters[: len(batch.parameters)]  # those that it asks for
+        batch.stand(starts)
+        assert batch.desk is not None
+        batch.desk.watch, self.heard, self.dense = self, which, batch.heyoka.d_output
+        for notes in self.notes:
+            notes.clear()
+        ended = self._onwards(batch, which, stop)
+        if ended is None:
             return None
-        return np.array([outcome is Outcome.REACHED_END for outcome in ended.outcomes])
-
-    # -- crossings ------------------------------------------------------------------------------
-
-    def _decided(self, begin: Booleans, starts: Doubles) -> Booleans:
-        """Decide about the stretch, up to each lane's last witness; which lanes are not certain."""
-        busy, new = np.flatnonzero(self.lanes.busy), np.flatnonzero(begin)
-        ends = self._marks(busy, self.batch.heyoka.time[busy], self.state[:, busy])
-        begun = self._marks(new, np.zeros(len(new)), starts[:, new])
+        self.state = batch.state.copy()
+        every = np.arange(len(which))
+        begun = self._marks(every, np.zeros(len(which)), starts)
+        known = joined_marks([begun, self._marks(every, batch.heyoka.time, self.state)])
         zeros, extrema = self._met(0), self._met(1)
         lanes = np.concatenate([zeros[0], extrema[0]])
-        jet = self._jet(self.lanes.motion[np.concatenate([lanes, new, busy])])
-        met, known = [zeros[1], extrema[1]], joined_marks([begun, ends])
-        places, seen = polished(jet, met, known, self.way)
-        spared = self._begun(new, seen.those(slice(len(new))))
+        jet: Jet = batch.desk.jets[0]
+        motions = self.lanes.motion[np.concatenate([lanes, every, every])]
+        jet = jet._replace(numbers=self.numbers[:, motions])
+        places, seen = polished(jet, [zeros[1], extrema[1]], known, self.way)
+        first, last = seen.those(slice(len(which))), seen.those(slice(len(which), None))
+        spared = self._begun(which & (self.parts == 0), first)
         order = np.lexsort((places.ahead, lanes))
         order = order[~(places.ahead <= spared[lanes])[order]]
-        places, lanes = places.those(order), lanes[order]
-        unsure = np.zeros(len(begin), dtype=bool)
-        self.quiet += 1
-        for k, lane in enumerate(busy.tolist(), len(new)):
-            start, parts = self.since[lane]
-            parts.append(places.those(slice(*np.searchsorted(lanes, [lane, lane + 1]))))
-            end = at_the_end(seen.those(slice(k, k + 1)))
-            if not end.near or self.parts[lane] >= self.last or not np.isfinite(end.value):
-                complete = self._happened(lane, start, parts, end)
-                unsure[lane] = not complete or (self.put is None and start.side == 0)
-                self.since[lane] = end, []
-        return unsure
+        done = np.array([outcome is Outcome.REACHED_END for outcome in ended.outcomes])
+        return _Stretch(places.those(order), lanes[order], first, last, done, ended.steps)
 
-    def _begun(self, new: Indices, starts: Places) -> Doubles:
+    def _begun(self, new: Booleans, starts: Places) -> Doubles:
         """Note the sides on which motions begin, 0 where that is not certain.
 
         Of each lane up to when a crossing is the start itself.
         """
         value, slope = starts.values[:2]
-        spared, on_it = _AT_START, value == 0
+        spared, on_it = _AT_START, new & (value == 0)
         if self.put is not None:
             spared = _BEGIN * abs(self.length)
-            on_it = np.abs(value) <= spared * np.abs(slope)
+            on_it = new & (np.abs(value) <= spared * np.abs(slope))
         sides = np.where(on_it, np.sign(slope) * self.way, np.sign(value))
         sides[~(on_it | ~starts.near) | np.isnan(sides)] = 0.0
-        for k, lane in enumerate(new.tolist()):
-            self.since[lane] = End(int(sides[k]), starts.those(slice(k, k + 1))), []
-        until = np.full(self.batch.places, -1.0)
-        until[new[on_it]] = spared
-        return until
+        self.side = np.where(new, sides, self.side)
+        return np.where(on_it, spared, -1.0)
 
-    def _happened(self, lane: int, start: End, parts: list[Places], end: End) -> bool:
-        """Keep the crossings between two witnesses, as many as the motion still needs; whether all.
+    def _onwards(
+        self, batch: CompiledBatch, which: Booleans, stop: Stop | None
+    ) -> step_blocks.Ended | None:
+        """Some lanes brought to the stretch's end; None where stopped.  Raises Singular."""
+        most, running = self.job.max_steps, self.lanes.motion[self.lanes.busy]
+        left = None if most is None else max(1, most - int(self.steps[running].max()))
+        first = which & (self.parts == 0)
+        ends = np.where(which, self.length, 0.0).tolist()
+        ended = through_the_first_step(batch, first, ends, left, stop)
+        if self.put is not None and Outcome.STEP_UNDERFLOW in ended.outcomes:
+            lane = ended.outcomes.index(Outcome.STEP_UNDERFLOW)
+            start = tuple(self.job.starts[self.lanes.motion[lane]].tolist())
+            raise Singular(start, float(self.origin[lane] + batch.heyoka.time[lane]))
+        return None if ended.stopped else ended
 
-        Those in the direction asked for.
-        """
-        k, wanted = int(self.lanes.motion[lane]), self.way * self.job.direction
-        places = joined_places(parts)
-        if len(parts) > 1:
-            places = places.those(places.order)
+    # -- crossings ------------------------------------------------------------------------------
+
+    def _plain(self, met: _Stretch) -> Booleans:
+        """The lanes with plain zeros alone that fit the sides at both ends: these are crossings."""
+        places, lanes = met.places, met.lanes
+        sides = np.sign(places.values[1]) * self.way
+        first = np.diff(lanes, prepend=-1) != 0
+        before = np.where(first, self.side[lanes], np.roll(sides, 1))
+        last = self.side.copy()
+        last[lanes] = sides
+        plain: Booleans = met.done & (last != 0) & ~met.ends.near
+        plain &= last == np.sign(met.ends.values[0])
+        plain[lanes[~(places.steep & places.near & (sides == -before))]] = False
+        plain[list(self.since)] = False
+        crossed = plain[lanes] & (sides * self.way * self.job.direction >= 0)
+        self._keep(lanes[crossed], places.marks.those(crossed))
+        self.side = np.where(plain, last, self.side)
+        return plain
+
+    def _decided(self, lane: int, met: _Stretch) -> bool:
+        """Decide about a lane up to its last witness by the rule of runs; whether for certain."""
+        begun = met.starts.those(slice(lane, lane + 1))
+        start, parts = self.since.pop(lane, (End(int(self.side[lane]), begun), []))
+        parts.append(met.places.those(slice(*np.searchsorted(met.lanes, [lane, lane + 1]))))
+        end = at_the_end(met.ends.those(slice(lane, lane + 1)))
+        sure = bool(met.done[lane]) or self.put is not None
+        if end.near and self.parts[lane] + 1 < self.last and np.isfinite(end.value):
+            self.since[lane] = start, parts
+            return sure
+        k, places = int(self.lanes.motion[lane]), joined_places(parts)
+        places = places.those(places.order)
         search = partial(self._found_again, k, places, start, end)
         decision = Decision(places, start, end, self.way, float(DOUBLE.eps), search)
+        wanted = self.way * self.job.direction
         crossings = [one for one in decision.found if one.sign and one.sign * wanted >= 0]
-        crossings = crossings[: self.job.most - self.counts[lane]]
-        if crossings:
-            self.crossings.append((np.full(len(crossings), k), located(crossings, places).marks))
-            self.quiet[lane] = 0
-        self.counts[lane] += len(crossings)
-        return decision.complete
+        self._keep(np.full(len(crossings), lane), located(crossings, places).marks)
+        sure &= start.side != 0 or self.put is not None
+        self.side[lane] = end.side
+        return sure and decision.complete
+
+    def _keep(self, lanes: Indices, marks: Marks) -> None:
+        """Keep crossings in lanes, as many as their motions still need."""
+        nth = np.arange(len(lanes)) - np.searchsorted(lanes, lanes)
+        kept = nth < self.job.most - self.counts[lanes]
+        if kept.any():
+            self.crossings.append((self.lanes.motion[lanes[kept]], marks.those(kept)))
+        self.counts += np.bincount(lanes[kept], minlength=len(self.counts))
+        self.quiet[lanes] = 0
 
     def _found_again(
         self, k: int, places: Places, start: End, end: End, side: int, since: int, before: int
     ) -> Places | None:
         """A crossing of motion k that heyoka lost: along steps of its own, without the others."""
         job = self.job
-        jet = self.jet._replace(numbers=self.numbers[:, k], timed=False)
+        assert self.batch.desk is not None
+        jet: Jet = self.batch.desk.jets[0]
+        jet = jet._replace(numbers=self.numbers[:, k], timed=False)
         equations = Equations(job.watched.columns, job.watched.names)
         with principal_engine(equations, Engine) as ta:
             ta.stand(job.starts[k], job.coefficients[k])
@@ -307,10 +359,6 @@ class _Search:
         """Places of the stretch, by heyoka's time."""
         none = np.zeros(len(lanes))
         return Marks(self.origin[lanes], none, time, none, columns)
-
-    def _jet(self, which: Indices) -> Jet:
-        """The expression's jet on some motions."""
-        return self.jet._replace(numbers=self.numbers[:, which])
 
     def _crossed(self) -> Crossed:
         """All crossings in order, those of a section put on it."""

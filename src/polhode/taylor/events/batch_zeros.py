@@ -86,8 +86,8 @@ class Watched(NamedTuple):
         return in_columns(self.zero, self.columns, values, unit * time, constant, fn)
 
 
-def built(watched: Watched) -> CompiledBatch:
-    """A batch that meets the zeros of an expression, and of its rate."""
+def built(watched: Watched, extrema: bool = False) -> CompiledBatch:
+    """A batch that meets the zeros of an expression, and of its rate where it is asked to."""
     variables, section = hy.make_vars(*watched.columns), isinstance(watched.zero, SectionZero)
     constant = _double if section else typed_constant(DOUBLE)
     formulas, desk = watched.formulas, Desk()
@@ -98,12 +98,14 @@ def built(watched: Watched) -> CompiledBatch:
         numbers = dict(zip(watched.names, map(hy.expression, watched.constants), strict=True))
     field = principal.field(variables, numbers, EXPRESSIONS)
     scaled = value if section else value / hy.expression(watched.size)
-    both = [scaled, rate(scaled, variables, field) * hy.expression(_DAMPING)]
+    met = [scaled]
+    if extrema:
+        met.append(rate(scaled, variables, field) * hy.expression(_DAMPING))
     clock = {TIME: hy.time + hy.par[ORIGIN]}
-    options: dict[str, Any] = compact_beyond(_LONG, both)
+    options: dict[str, Any] = compact_beyond(_LONG, met)
     options["nt_events"] = [
         hy.nt_event_batch(hy.subs(f, clock) + hy.par[TINY], Callback(desk, 0, order))
-        for order, f in enumerate(both)
+        for order, f in enumerate(met)
         if hy.get_variables([f])  # a constant has no zeros
     ]
     heyoka = integrator(list(zip(variables, field, strict=True)), DOUBLE, LANES, **options)
