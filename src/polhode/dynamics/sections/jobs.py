@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -80,16 +79,12 @@ def level_of(scene: Scene, h: Exact, f: Exact, slower: int) -> Level:
 
 
 def zero_of(scene: Scene, on: Ground, by: str) -> SectionZero:
-    """A section's function, scaled to order one; of an expression the odd part.
-
-    Its numbers are the same in every unit of mass: heyoka puts terms in order by their constants.
-    """
+    """A section's function, scaled to order one; of an expression the odd part."""
     from polhode.equations.section_functions import SectionZero
 
-    mass = 2.0 ** math.frexp(on.moments.max())[1]
-    moments = tuple(float(a / mass) for a in on.moments)
+    moments = tuple(float(a) for a in on.moments)
     side = -1.0 if on.weight < 0 and by != HEIGHT else 1.0
-    size = on.largest_momentum / mass if by == MOMENTUM else on.fastest
+    size = on.largest_momentum if by == MOMENTUM else on.fastest
     arm = tuple(float(side * x / (size or 1.0)) for x in on.frame[2])
     rows = tuple(tuple(to_double(x) for x in row) for row in scene.body.axes.rows)
     return SectionZero(odd_part(by), moments, arm, rows, 2.0**scene.time_unit)  # type: ignore[arg-type]
