@@ -35,7 +35,7 @@ from polhode.taylor.batches.compiled_batch import CompiledBatch
 from polhode.taylor.batches.lane_queue import LaneQueue
 from polhode.taylor.corrections.level_projection import Level, Put
 from polhode.taylor.events.batch_zeros import ORIGIN, TINY, Watched, built
-from polhode.taylor.events.decision import Decision, End, at_the_end, located
+from polhode.taylor.events.decision import Decision, End, at_the_end, located, plain_lanes
 from polhode.taylor.events.jets import Jet, Marks, joined_marks
 from polhode.taylor.events.polishing import Places, joined_places, polished
 from polhode.taylor.events.probe import Probe
@@ -290,14 +290,8 @@ class _Search:
     def _plain(self, met: _Stretch) -> Booleans:
         """The lanes with plain zeros alone that fit the sides at both ends: these are crossings."""
         places, lanes = met.places, met.lanes
-        sides = np.sign(places.values[1]) * self.way
-        first = np.diff(lanes, prepend=-1) != 0
-        before = np.where(first, self.side[lanes], np.roll(sides, 1))
-        last = self.side.copy()
-        last[lanes] = sides
-        plain: Booleans = met.done & (last != 0) & ~met.ends.near
-        plain &= last == np.sign(met.ends.values[0])
-        plain[lanes[~(places.steep & places.near & (sides == -before))]] = False
+        last = np.where(met.ends.near | ~met.done, 0.0, np.sign(met.ends.values[0]))
+        plain, sides = plain_lanes(places, lanes, self.side, last, self.way)
         plain[list(self.since)] = False
         crossed = plain[lanes] & (sides * self.way * self.job.direction >= 0)
         self._keep(lanes[crossed], places.marks.those(crossed))
