@@ -14,13 +14,10 @@ from typing import NamedTuple
 import numpy as np
 
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Booleans, Flat, Indices, Integers
+from polhode.numbers.rows import Booleans, Flat, Indices
 from polhode.numbers.scalars import Scalar
 from polhode.taylor.backend.heyoka_numbers import array, as_fraction, scalar
 from polhode.taylor.events.jets import Jet, Marks, joined_marks
-
-#: What a mark is near to: a zero of the expression, of its rate, or nothing.
-ZEROS, EXTREMA, ENDS = range(3)
 
 #: How far a zero may be from where heyoka met it, in the run's unit.
 _NEAR = Fraction(1, 1000)
@@ -74,20 +71,20 @@ def polished(jet: Jet, met: Sequence[Marks], ends: Marks, way: int) -> tuple[Pla
 
     And the same of the motion's ``ends``, as they are.  ``way``: -1 for a run backward in time.
     """
-    kinds = np.repeat([ZEROS, EXTREMA, ENDS], [*(len(marks.time) for marks in (*met, ends))])
-    count = len(kinds) - len(ends.time)
+    roots, extrema, others = (len(marks.time) for marks in (*met, ends))
+    count = roots + extrema
+    root = np.repeat([True, False, True], [roots, extrema, others])
     with np.errstate(all="ignore"):
-        marks = refined(jet.those(np.arange(count)), joined_marks(met), kinds[:count])
-        every = places(jet, joined_marks([marks, ends]), way, kinds != EXTREMA)
+        marks = _refined(jet.those(np.arange(count)), joined_marks(met), ~root[:count])
+        every = places(jet, joined_marks([marks, ends]), way, root)
     return every.those(slice(count)), every.those(slice(count, None))
 
 
-def refined(jet: Jet, marks: Marks, kinds: Integers) -> Marks:
+def _refined(jet: Jet, marks: Marks, extrema: Booleans) -> Marks:
     """The same by some rounds of Newton's method, or at extrema of Schroeder's."""
     converged = Fraction(1, 1 << (jet.number.bits // 2 + 6))  # the error is its square
     zero, near, small = (scalar(x, jet.number) for x in (Fraction(0), _NEAR, converged))
-    going = kinds != ENDS  # no last bit depends on neighbours
-    extrema = kinds == EXTREMA
+    going = np.full(len(extrema), True)  # no last bit depends on neighbours
     for _ in range(_ROUNDS if going.any() else 0):
         value, rate, bend, third = jet.at(marks)
         step = -value / rate
