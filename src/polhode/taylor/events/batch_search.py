@@ -1,10 +1,12 @@
 """Zeros of an expression along many motions at once: batches of doubles, stretch after stretch.
 
-heyoka's batch integrator tells the zeros and the extrema of a stretch of time, and the rule of runs
-(:mod:`polhode.taylor.events.decision`) says which of them are crossings: for a section all of them
-in a direction, for a first zero the earliest.  What is noted after a lane's last witness is decided
-about with the next stretch.  The clock starts again from 0 at each stretch, so that a time is the
-stretch's start and a small rest; states of a section are put back on the first integrals there.
+heyoka's batch integrator tells the zeros of a stretch of time: for a section all of them in a
+direction, for a first zero the earliest.  Where all are plain and fit the sides at the stretch's
+ends, they are crossings.  Any other lane goes through the stretch once more, the extrema told, too,
+and the rule of runs decides (:mod:`polhode.taylor.events.decision`); what is noted after its last
+witness is decided about with the next stretch.  The clock starts again from 0 at each stretch, so
+that a time is the stretch's start and a small rest; states of a section are put back on the first
+integrals there.
 
 A motion is *unsure* if a crossing was lost, or if its first zero is asked for and doubles do not
 tell the side on which it begins.  Of two multiple zeros in one step heyoka may tell neither:
@@ -276,14 +278,19 @@ class _Search:
         """Some lanes brought to the stretch's end; None where stopped.  Raises Singular."""
         most, running = self.job.max_steps, self.lanes.motion[self.lanes.busy]
         left = None if most is None else max(1, most - int(self.steps[running].max()))
-        first = which & (self.parts == 0)
+        first, taken = which & (self.parts == 0), np.zeros(len(which), dtype=np.int64)
         ends = np.where(which, self.length, 0.0).tolist()
-        ended = through_the_first_step(batch, first, ends, left, stop)
+        if first.any():
+            batch.parameters[TINY] = float(first_step_offset(DOUBLE)) * first
+            taken = batch.in_blocks(ends, 1, stop).steps
+            batch.parameters[TINY] = 0.0
+            left = None if left is None else max(1, left - 1)
+        ended = batch.in_blocks(ends, left, stop)
         if self.put is not None and Outcome.STEP_UNDERFLOW in ended.outcomes:
             lane = ended.outcomes.index(Outcome.STEP_UNDERFLOW)
             start = tuple(self.job.starts[self.lanes.motion[lane]].tolist())
             raise Singular(start, float(self.origin[lane] + batch.heyoka.time[lane]))
-        return None if ended.stopped else ended
+        return None if ended.stopped else ended._replace(steps=taken + ended.steps)
 
     # -- crossings ------------------------------------------------------------------------------
 
@@ -386,21 +393,3 @@ class _Search:
         assert isinstance(self.job.watched.zero, SectionZero)
         whole = Put(self.put.level, self.job.starts.T).of(which)
         return whole.within(self.job.watched.zero, states)
-
-
-def through_the_first_step(
-    batch: CompiledBatch,
-    beginning: Booleans,
-    ends: Sequence[float],
-    most: int | None = None,
-    stop: Stop | None = None,
-) -> step_blocks.Ended:
-    """Every lane to an end of its own, some of them from the beginning of their motions."""
-    taken = np.zeros(len(ends), dtype=np.int64)
-    if beginning.any():
-        batch.parameters[TINY] = float(first_step_offset(DOUBLE)) * beginning
-        taken = batch.in_blocks(ends, 1, stop).steps
-        batch.parameters[TINY] = 0.0
-        most = None if most is None else max(1, most - 1)
-    ended = batch.in_blocks(ends, most, stop)
-    return ended._replace(steps=taken + ended.steps)
