@@ -47,7 +47,8 @@ def jobs_of(
     k = principal.coefficients(scene.body, unit)
     constants = tuple(map(to_double, k.values()))
     own = np.tile(constants, (len(states), 1))
-    arm = tuple(x / slower for x in zero.arm)
+    x, y, z = zero.arm
+    arm = (x / slower, y / slower, z / slower)
     own_zero = zero._replace(arm=arm, unit=2.0**unit)
     watched = Watched((*k,), STATE, own_zero, constants=constants)
     states = states * np.repeat([slower, 1.0], 3)
