@@ -112,3 +112,22 @@ def test_results_are_values():
         assert all(again != other for other in made if other is not one)
     assert made[0].marks[-1].f._mpf_[3] > 100  # bits
     assert repr(polhode.field(top)) == "<field of top: f(t, y)>"
+
+
+@pytest.mark.parametrize(("by", "far"), [("momentum", 33), ("q", -33)])
+def test_a_level_far_from_the_scenes_own_is_cut_in_its_own_unit_of_time(by, far):
+    """Without weight every level is the same in other units: h 2**66 times as high, or as low.
+
+    Half a unit of the scene's start was taken for a step: all was within rounding of zero there.
+    """
+    free = polhode.top(moments=[4, 3, 2], omega=[1, 1, 0], gamma=[0, "3/5", "4/5"], end=1)
+    rate = Fraction(2) ** far
+    plain, found = (
+        polhode.section(*(free, by, None, None, (2, 2), 3, 2 * x * x, 0), workers=1, accuracy=False)
+        for x in (1, rate)
+    )
+    assert plain.complete
+    for name in ("l", "L_over_G", "starts", "outcomes"):
+        assert np.array_equal(getattr(found, name), getattr(plain, name))
+    assert np.array_equal(found.times * float(rate), plain.times)
+    assert np.array_equal(found.states[..., :3] / float(rate), plain.states[..., :3])

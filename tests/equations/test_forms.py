@@ -114,6 +114,26 @@ def test_a_run_in_any_form_has_what_a_run_in_the_principal_form_has(name):
     assert np.abs(np.array(two(3) - two.states[1], float)).max() < 1e-32
 
 
+@pytest.mark.sample(1, slow=1)
+@pytest.mark.parametrize("name", ["lagrangian", "hamiltonian", "routhian"])
+def test_times_of_events_are_those_of_the_forms_own_motion(name):
+    """Angles and rates are rounded where p q r are exact: each form has errors of its own, and its
+    events move with them.  What is left is within their uncertainty."""
+    scene = replace(REGULAR, events=(Event("e", "q"),), outputs=())
+    true = polhode.integrate(scene, "quad", at=[20], method="taylor").events[0]
+    run = polhode.integrate(replace(scene, form=name), at=[20], method="taylor", project=False)
+    h = F(1, 2**20)
+    beside = [t + x for t in true.times for x in (-h, h)]
+    q = [exactly(row[1]) for row in polhode.integrate(scene, "quad", at=beside).states]
+    event, moved = run.events[0], F(0)
+    for k, (t, own) in enumerate(zip(true.times, event.times, strict=True)):
+        slope = (q[2 * k + 1] - q[2 * k]) / (2 * h)
+        error = exactly(run(t)[1]) / slope
+        moved = max(moved, abs(own - t))
+        assert abs(own - t + error) < event.uncertainty[k]
+    assert moved > 20 * run.number.eps
+
+
 @pytest.mark.parametrize("number", ["double", "extended"])
 def test_states_are_read_out_in_more_precision_than_the_run_has(number):
     """At t = 0 nothing but reading out happens: half an ulp of each type, times what it costs."""

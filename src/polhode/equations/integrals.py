@@ -148,9 +148,9 @@ _FOURTH_OF = {
 }
 
 
-def first_integrals(scene: Scene) -> FirstIntegrals:
-    """The first integrals that the exact scene has."""
-    body, unit = scene.body, Fraction(2) ** scene.time_unit
+def first_integrals(scene: Scene, slower: int = 0) -> FirstIntegrals:
+    """The first integrals that the exact scene has, in a unit of time 2**``slower`` as long."""
+    body, unit = scene.body, Fraction(2) ** (scene.time_unit + slower)
     torque = scaled(unit * unit, body.axes.components(body.torque))
     onto = [ENERGY] if scene.gamma is None else [ENERGY, AREA, LENGTH]
     name, order = _fourth(scene, torque)

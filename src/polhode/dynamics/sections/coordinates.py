@@ -17,6 +17,7 @@ Without weight e3 is the third principal axis, and y = ±sqrt(2h/kappa - f^2).
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -34,6 +35,7 @@ from polhode.scenes.scene import Scene
 _BLOCK = 5000  # points whose roots numpy is asked for at once: a tenth of a second
 _LARGEST = 1e50  # of |G|, and 1 over its least: sixth powers stay in the range of doubles
 _FASTEST = 1e15  # |w|, and 1 over its least: so do those of 20th order in a Taylor step
+_ALIKE = 4  # powers of two by which a level's fastest rate may differ from 1
 
 
 class Ground(NamedTuple):
@@ -65,6 +67,15 @@ class Ground(NamedTuple):
     def fastest(self) -> float:
         """A bound of |w| on the level."""
         return float(np.sqrt(max(0.0, 2 * (self.h + abs(self.weight)) / self.moments.min())))
+
+    @property
+    def slower(self) -> int:
+        """The power of two by which the level's own unit of time is longer than the run's.
+
+        0 unless by far: the run's is that of the scene's start, which may be on another level.
+        """
+        exponent = math.frexp(self.fastest)[1] - 1
+        return -exponent if abs(exponent) > _ALIKE else 0
 
 
 def ground(scene: Scene, h: Exact, f: Exact) -> Ground:

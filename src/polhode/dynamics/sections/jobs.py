@@ -27,23 +27,32 @@ if TYPE_CHECKING:
 LANES = 64  # orbits of a job: where one is over the next takes its lane
 CHUNK = 160.0  # radians of the fastest rate between two projections
 WORTH_A_PROCESS = 200_000  # crossings, of two seconds
-PATIENCE = 1000.0  # units of time without a crossing until an orbit is given up
+PATIENCE = 1000.0  # the level's units of time without a crossing until an orbit is given up
 
 
 def jobs_of(
     asked: Asked, on: Ground, zero: SectionZero, direction: int, count: int, states: Doubles
 ) -> list[SearchJob]:
-    """The jobs of orbits from ``states``, LANES of them each, in principal axes and inner units."""
+    """The jobs of orbits from ``states``, LANES of them each, in principal axes and inner units.
+
+    They are in the level's own unit of time, 2**``on.slower`` inner ones: what is a step there, and
+    what rounding adds up to in it, is measured by that.
+    """
     from polhode.taylor.events.batch_search import SearchJob
     from polhode.taylor.events.batch_zeros import Watched
 
     scene = asked.scene
-    level = level_of(scene, asked.h, asked.f)
-    k = principal.coefficients(scene.body, scene.time_unit)
+    unit, slower = scene.time_unit + on.slower, 2.0**on.slower
+    level = level_of(scene, asked.h, asked.f, on.slower)
+    k = principal.coefficients(scene.body, unit)
     constants = tuple(map(to_double, k.values()))
     own = np.tile(constants, (len(states), 1))
-    watched = Watched((*k,), STATE, zero, constants=constants)
-    chunk = 2.0 ** round(np.log2(CHUNK / (on.fastest or 1.0)))
+    x, y, z = zero.arm
+    arm = (x / slower, y / slower, z / slower)
+    own_zero = zero._replace(arm=arm, unit=2.0**unit)
+    watched = Watched((*k,), STATE, own_zero, constants=constants)
+    states = states * np.repeat([slower, 1.0], 3)
+    chunk = 2.0 ** round(np.log2(CHUNK / (on.fastest * slower or 1.0)))
     patience = int(-(-PATIENCE // chunk))
     return [
         SearchJob(
@@ -56,15 +65,15 @@ def jobs_of(
     ]
 
 
-def level_of(scene: Scene, h: Exact, f: Exact) -> Level:
-    """The integrals of a level, as those of a scene on it."""
+def level_of(scene: Scene, h: Exact, f: Exact, slower: int) -> Level:
+    """The integrals of a level, as those of a scene on it, in its own unit of time."""
     from polhode.equations import integrals
     from polhode.taylor.corrections.level_projection import Level
 
-    known = first_integrals(scene)
+    known = first_integrals(scene, slower)
     if integrals.CHAPLYGIN in known.onto and f != 0:
         known = integrals.FirstIntegrals(known.onto[:-1], known.order, known.coefficients)
-    unit, largest = Fraction(2) ** scene.time_unit, max(scene.body.moments)
+    unit, largest = Fraction(2) ** (scene.time_unit + slower), max(scene.body.moments)
     targets = (2 * h * unit * unit / largest, f * unit / largest, Fraction(1))
     coefficients = {name: to_extended(x) for name, x in known.coefficients.items()}
     return Level(known, coefficients, tuple(to_extended(x) for x in targets))
@@ -101,9 +110,7 @@ def unpacked(held: Arrays) -> Crossed:
     """What a job found, from those arrays."""
     from polhode.taylor.events.batch_search import Crossed
 
-    states, times, rests, slopes = (
-        double_array(held[name]) for name in ("states", "times", "rests", "slopes")
-    )
+    states, times, rests = (double_array(held[name]) for name in ("states", "times", "rests"))
     found, steps = (np.asarray(held[name], dtype=np.int64) for name in ("found", "steps"))
     outcomes, drift = tuple(held["outcomes"].tolist()), float(held["drift"].item())
-    return Crossed(states, times, rests, slopes, found, steps, outcomes, drift)
+    return Crossed(states, times, rests, found, steps, outcomes, drift)

@@ -296,13 +296,14 @@ def section(
             processes=True,
         )
     crossed = batch_search.joined(finished.done)
+    crossed.states[..., :3] *= 2.0**-on.slower
     if asked.by not in (MOMENTUM, HEIGHT) and not crossed.found.any():
         with _refused(asked, on, kept):
             _refuse_never_zero(asked, on, zero)
     states = begun.states[finished.rows]
     angles = geometry.height_coordinates if asked.by == HEIGHT else geometry.coordinates
     l, ratio = geometry.coordinates(on, crossed.states)
-    unit = 2.0**scene.time_unit
+    unit = 2.0 ** (scene.time_unit + on.slower)
     result = Section(
         scene,
         asked.h,
@@ -375,7 +376,7 @@ def _refused(asked: Asked, on: Ground, kept: JobCheckpoint | None) -> Iterator[N
 def _not_finite(asked: Asked, on: Ground, start: Sequence[float], time: float) -> BadInput:
     """The refusal of an expression that has no finite value on an orbit, at a time of the run."""
     l, ratio = (float(x) for x in geometry.coordinates(on, np.array(start)))
-    t = math.ldexp(time, asked.scene.time_unit)
+    t = math.ldexp(time, asked.scene.time_unit + on.slower)
     expected = (
         "an expression that is real and finite on all orbits; on the one from "
         f"l = {l:.6g}, L/G = {ratio:.6g} it has a pole or stops being real at t = {t:.6g}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, TypeVar
 
 import numpy as np
@@ -12,7 +12,7 @@ from polhode.common.progress import Stop
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.rows import Array, Doubles, Indices
 from polhode.taylor.backend.step_outcomes import ending
-from polhode.taylor.backend.types import HeyokaIntegrator, HeyokaNumber
+from polhode.taylor.backend.types import HeyokaNumber
 from polhode.taylor.batches import step_blocks
 from polhode.taylor.integrator.engine import Engine
 
@@ -74,11 +74,7 @@ class CompiledBatch(Engine):
         return rows[~np.isnan(rows[:, 0]).any(axis=1)], taken, outcome
 
     def in_blocks(
-        self,
-        ends: Sequence[float],
-        most: int | None = None,
-        stop: Stop | None = None,
-        after_step: Callable[[HeyokaIntegrator], bool] | None = None,
+        self, ends: Sequence[float], most: int | None = None, stop: Stop | None = None
     ) -> step_blocks.Ended:
         """Every lane to an end of its own, see :mod:`polhode.taylor.batches.step_blocks`."""
-        return step_blocks.until(self.heyoka, ends, most, stop, after_step)
+        return step_blocks.until(self.heyoka, ends, most, stop)

@@ -7,7 +7,7 @@ heyoka goes on from where it stands to the same ends.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -36,20 +36,19 @@ def until(
     ends: Sequence[float],
     most: int | None = None,
     stop: Stop | None = None,
-    after_step: Callable[[HeyokaIntegrator], bool] | None = None,
 ) -> Ended:
     """Advance the lanes of a batch, which stand at time 0, to their ends in at most so many steps.
 
     A lane ends with REACHED_END; STEP_LIMIT; STEP_UNDERFLOW, its steps are zero or no longer change
     its time, which ends the others, too, with STEP_LIMIT; or NON_FINITE, its state is nan, and the
-    others go on.  ``after_step``: heyoka's callback.
+    others go on.
     """
     ahead, steps = np.array(ends), np.zeros(len(ends), dtype=np.int64)
     lost = np.zeros(len(ends), dtype=bool)
     while True:
         block = BLOCK if most is None else max(1, min(BLOCK, most - int(steps.max())))
         before = [part.copy() for part in ta.dtime]
-        ta.propagate_until(ahead.tolist(), max_steps=block, callback=after_step)
+        ta.propagate_until(ahead.tolist(), max_steps=block)
         results = ta.propagate_res
         taken = np.array([result[3] for result in results], dtype=np.int64)
         steps += taken

@@ -34,15 +34,20 @@ class AfterStep:
 
 
 class Callback:
-    """heyoka's call where an event is met; heyoka copies its callbacks, this one stays one."""
+    """heyoka's call where an event is met; heyoka copies its callbacks, this one stays one.
+
+    ``k``: which expression; in a batch the lane is told instead.
+    """
 
     def __init__(self, desk: Desk, k: int, order: int) -> None:
         self.desk, self.k, self.order = desk, k, order
 
-    def __call__(self, ta: HeyokaIntegrator, t: HeyokaNumber, _: int) -> None:
+    def __call__(
+        self, ta: HeyokaIntegrator, t: HeyokaNumber, _: int, lane: int | None = None
+    ) -> None:
         """Tell whoever watches."""
         if self.desk.watch is not None:
-            self.desk.watch.met(self.k, self.order, ta, t)
+            self.desk.watch.met(self.k if lane is None else lane, self.order, ta, t)
 
     def __deepcopy__(self, _: object) -> Callback:
         return self

@@ -12,7 +12,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from polhode.numbers.rows import Flat
+from polhode.numbers.rows import Booleans, Flat, Indices
 from polhode.taylor.events.polishing import Places, joined_places
 
 _ULPS = 64  # so near together two zeros of one slope are one, found twice
@@ -62,31 +62,24 @@ class Happening(NamedTuple):
 Search: TypeAlias = Callable[[int, int, int], "Places | None"]
 
 
-def alternating(
-    places: Places, first: int, side: int, end: End, way: int
-) -> list[Happening] | None:
-    """The crossings from place ``first`` on, ``side`` before it, where all of them are plain.
+def plain_lanes(
+    places: Places, lanes: Indices, first: Flat, last: Flat, way: int
+) -> tuple[Booleans, Flat]:
+    """The motions whose places, ``lanes`` by ``lanes`` in order of time, are as they must be.
 
-    None unless they fit the sides of the extrema.
+    That is: plain zeros that change the side, and extrema outside of their noise that confirm it,
+    from the sides ``first`` to ``last`` of each motion; 0 where that is not certain.  And the side
+    after each place.
     """
-    root = places.root[first:]
-    if end.near or not side or not np.array_equal(places.near[first:], root):
-        return None
-    if not places.steep[first:][root].all():
-        return None
-    value = places.values[0, first:][~root]
-    crossed = np.flatnonzero(root)
-    if len(crossed) and places.ahead[first + crossed[-1]] > end.place.ahead[0]:
-        return None
-    sides = np.concatenate([[side], np.sign(value), [end.side]])
-    between = np.searchsorted(np.flatnonzero(~root), crossed)
-    changes = np.bincount(between, minlength=len(value) + 1)
-    if not np.array_equal(changes, sides[1:] != sides[:-1]):
-        return None
-    after = sides[1:][between]
-    if not np.array_equal(np.sign(places.values[1, first:][root]) * way, after):
-        return None
-    return [*map(Happening, (first + crossed).tolist(), after.astype(int).tolist())]
+    sides: Flat = np.sign(np.where(places.root, places.values[1] * way, places.values[0]))
+    before = np.where(np.diff(lanes, prepend=-1) != 0, first[lanes], np.roll(sides, 1))
+    after = first.copy()
+    after[lanes] = sides
+    plain: Booleans = (first != 0) & (after == last)
+    zero = places.steep & places.near & (sides == -before)
+    fits = np.where(places.root, zero, ~places.near & (sides == before))
+    plain[lanes[~fits]] = False
+    return plain, sides
 
 
 class Decision:
@@ -125,9 +118,7 @@ class Decision:
         for i in range(count):
             if quick and not self.starting:
                 quick = False
-                plain = alternating(places, i, self.side, self.end, self.way)
-                if plain is not None:
-                    self.found += plain
+                if self._all_plain(i):
                     return
             if not known[i]:
                 continue
@@ -139,6 +130,18 @@ class Decision:
             elif places.root[i]:
                 self._zero(i, int(signs[1, i]) * self.way)
         self._end(count)
+
+    def _all_plain(self, i: int) -> bool:
+        """Whether from a place on nothing is left to be decided; its zeros are crossings then."""
+        rest = self.places.those(slice(i, None))
+        one = np.zeros(len(rest.ahead), dtype=int)
+        plain, sides = plain_lanes(
+            rest, one, np.array([self.side]), np.array([self.end.side]), self.way
+        )
+        if plain[0]:
+            roots = np.flatnonzero(rest.root)
+            self.found += map(Happening, (i + roots).tolist(), sides[roots].astype(int).tolist())
+        return bool(plain[0])
 
     def _zero(self, i: int, side: int) -> None:
         """A plain zero: on the other side before it, on ``side`` after it."""

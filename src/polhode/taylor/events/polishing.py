@@ -2,7 +2,7 @@
 
 heyoka finds a zero to about the last digit of the time, a multiple one to a root of that.  From the
 state there Newton's method takes the rest, along the motion's own Taylor polynomial of third order;
-where zeros lie together, and at extrema, in the form that converges at multiple zeros, too.
+at extrema in the form that converges at multiple zeros, too.
 """
 
 from __future__ import annotations
@@ -14,13 +14,10 @@ from typing import NamedTuple
 import numpy as np
 
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Booleans, Flat, Indices, Integers
+from polhode.numbers.rows import Booleans, Flat, Indices
 from polhode.numbers.scalars import Scalar
 from polhode.taylor.backend.heyoka_numbers import array, as_fraction, scalar
 from polhode.taylor.events.jets import Jet, Marks, joined_marks
-
-#: What a mark is near to: a zero of the expression, of its rate, a zero of both, or nothing.
-ZEROS, EXTREMA, MULTIPLE, ENDS = range(4)
 
 #: How far a zero may be from where heyoka met it, in the run's unit.
 _NEAR = Fraction(1, 1000)
@@ -74,37 +71,25 @@ def polished(jet: Jet, met: Sequence[Marks], ends: Marks, way: int) -> tuple[Pla
 
     And the same of the motion's ``ends``, as they are.  ``way``: -1 for a run backward in time.
     """
-    kinds = np.repeat([ZEROS, EXTREMA, ENDS], [*(len(marks.time) for marks in (*met, ends))])
-    count = len(kinds) - len(ends.time)
+    roots, extrema, others = (len(marks.time) for marks in (*met, ends))
+    count = roots + extrema
+    root = np.repeat([True, False, True], [roots, extrema, others])
     with np.errstate(all="ignore"):
-        marks = refined(jet.those(np.arange(count)), joined_marks(met), kinds[:count])
-        every = places(jet, joined_marks([marks, ends]), way, kinds != EXTREMA)
-        multiple = np.flatnonzero((kinds == ZEROS) & ~every.steep)
-        if len(multiple):
-            some = jet.those(multiple)
-            flat = refined(some, every.marks.those(multiple), np.full(len(multiple), MULTIPLE))
-            flatter = places(some, flat, way, every.root[multiple])
-            flatter.steep[:] = False
-            for array, part in zip(
-                (*every.marks, *every[1:]), (*flatter.marks, *flatter[1:]), strict=True
-            ):
-                array[..., multiple] = part
+        marks = _refined(jet.those(np.arange(count)), joined_marks(met), ~root[:count])
+        every = places(jet, joined_marks([marks, ends]), way, root)
     return every.those(slice(count)), every.those(slice(count, None))
 
 
-def refined(jet: Jet, marks: Marks, kinds: Integers) -> Marks:
-    """The same by some rounds of Newton's method, or Schroeder's, for multiple zeros."""
+def _refined(jet: Jet, marks: Marks, extrema: Booleans) -> Marks:
+    """The same by some rounds of Newton's method, or at extrema of Schroeder's."""
     converged = Fraction(1, 1 << (jet.number.bits // 2 + 6))  # the error is its square
     zero, near, small = (scalar(x, jet.number) for x in (Fraction(0), _NEAR, converged))
-    going = kinds != ENDS  # no last bit depends on neighbours
-    extrema, multiple = kinds == EXTREMA, kinds == MULTIPLE
+    going = np.full(len(extrema), True)  # no last bit depends on neighbours
     for _ in range(_ROUNDS if going.any() else 0):
         value, rate, bend, third = jet.at(marks)
         step = -value / rate
         if extrema.any():
             step[extrema] = (-rate * bend / (bend * bend - rate * third))[extrema]
-        if multiple.any():
-            step[multiple] = (-value * rate / (rate * rate - value * bend))[multiple]
         step[~(going & (abs(step) < near))] = zero
         marks = jet.moved(marks, step)
         going = abs(step) > small

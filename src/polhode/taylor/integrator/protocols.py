@@ -21,19 +21,27 @@ from polhode.taylor.backend.types import (
 )
 
 
+class Listener(Protocol):
+    """Who is told what heyoka meets."""
+
+    def met(self, k: int, order: int, ta: HeyokaIntegrator, t: HeyokaNumber) -> None:
+        """heyoka met a zero of expression k, or in lane k (0), or of its rate (1), at t in the last
+        step."""
+
+
 class Desk:
-    """What belongs to an integrator with events, whichever run takes it up: ``watch`` is that of
-    the run.
+    """What belongs to an integrator with events, whichever run takes it up: ``watch`` is told of
+    them.
 
     ``jets``: of each expression, compiled: see :class:`polhode.taylor.events.jets.Jet`.
     """
 
     def __init__(self) -> None:
-        self.watch: Watcher | None = None
+        self.watch: Listener | None = None
         self.jets: list[CompiledFunction] = []
 
 
-class Watcher(Protocol):
+class Watcher(Listener, Protocol):
     """What looks for events while a run is under way (polhode.taylor.events.watch.Watch)."""
 
     @property
@@ -73,9 +81,6 @@ class Watcher(Protocol):
 
         ``numbers``: the coefficients that are parameters.
         """
-
-    def met(self, k: int, order: int, ta: HeyokaIntegrator, t: HeyokaNumber) -> None:
-        """heyoka met a zero of expression k (0) or of its rate (1), at t in the last step."""
 
     def counts_from(self, offset: Fraction, heyoka: HeyokaIntegrator) -> None:
         """Take note of heyoka's integrator, and of the exact time at which its own begins."""
