@@ -219,6 +219,16 @@ def test_members_by_their_scenes_have_the_bound_of_their_energy(end):
     assert time.process_time() - begun < 5
 
 
+def test_times_below_the_type_in_a_members_own_unit_are_refused():
+    """Their states were whatever the memory held, or not a number, and all had arrived."""
+    start = {"omega": ["1e-9", 0, 0], "gamma": [0, 0, 1], "end": 1}
+    scene = polhode.top(moments=[3, 2, 1.5], centre=[0.5, 0, 1], weight=2.0**-40, **start)
+    for at in (["5e-324", "1e-323", 1], [0, "-5e-324", -1]):
+        with pytest.raises(polhode.BadInput, match="a type of wider range"):
+            polhode.integrate_many(scene, {"start.omega[1]": ["1e-9"]}, at=at)
+    assert polhode.integrate_many(scene, {"start.omega[1]": ["1e-9"]}, at=[0, "1e-300"]).complete
+
+
 def test_the_unit_of_time_next_to_a_power_of_two():
     """Where eight bits round to the next power of two the exponent is the scene's own."""
     fourth_root = "0.9995113607141298"  # of 1 - 1/512

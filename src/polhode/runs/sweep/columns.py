@@ -54,16 +54,19 @@ def blocks(members: Members) -> Iterator[Block]:
 
 
 def columns_of(
-    members: Members, end: Fraction, number: NumberType
+    members: Members, times: Sequence[Fraction], number: NumberType
 ) -> tuple[tuple[str, ...], Columns, npt.NDArray[np.int64], npt.NDArray[np.float64]]:
     """Coefficients' names, columns, units of time (exponents of two) and rates of all members.
 
     The rates are bounds, by the members' energy, in radians for each unit of the scene's time.
-    ``number``: double or extended.  Raises BadInput for a member that it cannot hold.
+    ``times``: away from 0.  ``number``: double or extended.  Raises BadInput for a member, or a
+    time in a member's unit, that it cannot hold.
     """
     import numpy as np
 
     from polhode.taylor.batches.jobs import Columns
+
+    ends = [*[t for t in times if t][:1], times[-1]]  # the least and the largest that are not 0
 
     made = _Made(members, number)
     for block in blocks(members):
@@ -71,7 +74,8 @@ def columns_of(
         for k in np.flatnonzero(left):
             made.one(block, int(k))
     for unit, first in zip(*np.unique(made.units, return_index=True), strict=True):
-        refuse_out_of_range(members, int(first), number, [end / Fraction(2) ** int(unit)])
+        own = [t / Fraction(2) ** int(unit) for t in ends]
+        refuse_out_of_range(members, int(first), number, own)
     there = [i for i in range(len(principal.NAMES)) if np.any(made.coefficients[:, i] != 0)]
     there.sort(key=lambda i: principal.NAMES[i])
     names = tuple(principal.NAMES[i] for i in there)
