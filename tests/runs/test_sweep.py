@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import pickle
+import time
 from collections.abc import Iterable
 from dataclasses import replace
 from fractions import Fraction
@@ -196,6 +198,35 @@ def test_numbers_of_any_size_begin_where_they_should(scene, given):
         for part in (slice(0, 3), slice(3, 6)):
             near = 2.0**-51 * np.abs(start[:, part]).max()
             assert np.allclose(states[:, part], start[:, part], rtol=0, atol=near)
+
+
+@pytest.mark.parametrize("end", ["1000", "1e250"])
+def test_members_by_their_scenes_have_the_bound_of_their_energy(end):
+    """The rate at the start is none where the least moment is small: no limit ended such a one."""
+    own = 1000 / Fraction(end)
+    start = {"omega": [own, 0, 0], "gamma": [0, "3/5", "4/5"], "end": 1}
+    scene = polhode.top(moments=[1, 1, "1e-12"], centre=[1, 0, 0], weight=own**2, **start)
+    given = {"body.weight": [f"sqrt(2)*{own**2}"]}
+    if own == 1:
+        same = sweep_plan.planned(
+            scene, {"body.weight": [math.sqrt(2)]}, None, None, None, None
+        ).rates
+        assert sweep_plan.planned(scene, given, None, None, None, None).rates == pytest.approx(same)
+    begun = time.process_time()
+    many = polhode.integrate_many(scene, given, at=[end], max_steps=5000)
+    assert many.outcomes == (polhode.Outcome.STEP_LIMIT,)
+    assert many.steps[0] <= 5000
+    assert time.process_time() - begun < 5
+
+
+def test_times_below_the_type_in_a_members_own_unit_are_refused():
+    """Their states were whatever the memory held, or not a number, and all had arrived."""
+    start = {"omega": ["1e-9", 0, 0], "gamma": [0, 0, 1], "end": 1}
+    scene = polhode.top(moments=[3, 2, 1.5], centre=[0.5, 0, 1], weight=2.0**-40, **start)
+    for at in (["5e-324", "1e-323", 1], [0, "-5e-324", -1]):
+        with pytest.raises(polhode.BadInput, match="a type of wider range"):
+            polhode.integrate_many(scene, {"start.omega[1]": ["1e-9"]}, at=at)
+    assert polhode.integrate_many(scene, {"start.omega[1]": ["1e-9"]}, at=[0, "1e-300"]).complete
 
 
 def test_the_unit_of_time_next_to_a_power_of_two():
@@ -396,7 +427,7 @@ BOTH_HALVES = {"body.inertia[1][2]": [0], "body.inertia[2][1]": [1]}
                     "member 2 = start.psi: expected the keys body.w",
                 ),
                 (
-                    {"start.omega[1]": [1, "1e400"]},
+                    {"start.omega[1]": [1, "1e250"]},
                     r"member 2 .*: number = double: expected a type",
                 ),
             )

@@ -20,6 +20,7 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.rationals import Rationals
 from polhode.numbers.rows import Booleans, Doubles, Flat, kind_of
 from polhode.numbers.scalars import Scalar
+from polhode.numbers.vectors import scaled
 from polhode.scenes.body import PrincipalAxes
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation.sweep_scenes import Members
@@ -39,6 +40,7 @@ _NEXT_POWER = 1 - 2.0**-9  # from this part of a power of two on, eight bits rou
 _UNSURE = 1e-9  # of that, in doubles
 _SMALLEST, _LARGEST = 2.0**-1022, 2.0**1023
 _LEAST, _MOST = 2.0**-400, 2.0**400  # between these pairs, and their quotients, hold all bits
+_SIZES = 2.0**-1000, 2.0**1000  # of a rate
 _CANCELLED = 2.0**-20  # of a sum's terms: what is less has lost bits
 
 
@@ -52,16 +54,19 @@ def blocks(members: Members) -> Iterator[Block]:
 
 
 def columns_of(
-    members: Members, end: Fraction, number: NumberType
+    members: Members, times: Sequence[Fraction], number: NumberType
 ) -> tuple[tuple[str, ...], Columns, npt.NDArray[np.int64], npt.NDArray[np.float64]]:
     """Coefficients' names, columns, units of time (exponents of two) and rates of all members.
 
     The rates are bounds, by the members' energy, in radians for each unit of the scene's time.
-    ``number``: double or extended.  Raises BadInput for a member that it cannot hold.
+    ``times``: away from 0.  ``number``: double or extended.  Raises BadInput for a member, or a
+    time in a member's unit, that it cannot hold.
     """
     import numpy as np
 
     from polhode.taylor.batches.jobs import Columns
+
+    ends = [*[t for t in times if t][:1], times[-1]]  # the least and the largest that are not 0
 
     made = _Made(members, number)
     for block in blocks(members):
@@ -69,7 +74,8 @@ def columns_of(
         for k in np.flatnonzero(left):
             made.one(block, int(k))
     for unit, first in zip(*np.unique(made.units, return_index=True), strict=True):
-        refuse_out_of_range(members, int(first), number, [end / Fraction(2) ** int(unit)])
+        own = [t / Fraction(2) ** int(unit) for t in ends]
+        refuse_out_of_range(members, int(first), number, own)
     there = [i for i in range(len(principal.NAMES)) if np.any(made.coefficients[:, i] != 0)]
     there.sort(key=lambda i: principal.NAMES[i])
     names = tuple(principal.NAMES[i] for i in there)
@@ -160,8 +166,8 @@ class _Made:
         start, coefficients = exact_numbers(member, block.given_gamma(k))
         refuse_out_of_range(self.members, index, self.number, [*start, *coefficients.values()])
         self.units[index] = member.time_unit
-        self.rates[index] = 10.0 ** min(member.log10_rate, 300.0)  # about
         self.starts[index] = [number_value(x, self.number) for x in start]
+        self.rates[index] = _rate(member, self.starts[index])
         self.coefficients[index] = [
             number_value(coefficients.get(name, ZERO), self.number) for name in principal.NAMES
         ]
@@ -275,6 +281,30 @@ def _rates(block: Block, torque: Sequence[Numbers], starts: Flat) -> Doubles:
     moments, weight = (_rows(block, vector) for vector in (block.moments, torque))
     largest = moments.max(axis=-1, keepdims=True)
     return lanes.rates(starts, lanes.Bound.of(moments / largest, weight / largest))
+
+
+def _rate(member: Scene, start: Flat) -> float:
+    """The same of a member by its scene: from its start in its own unit of time.
+
+    One that doubles cannot hold in the scene's is the least or the largest of _SIZES.
+    """
+    import numpy as np
+
+    from polhode.taylor import lanes
+
+    body, unit = member.body, member.time_unit
+    part = 1 / max(body.moments)
+    inertia, moment = (
+        np.array([to_double(x) for x in scaled(size, vector)])
+        for size, vector in (
+            (part, body.moments),
+            (Fraction(4) ** unit * part, body.axes.components(body.torque)),
+        )
+    )
+    with np.errstate(all="ignore"):
+        rate = np.ldexp(lanes.rates(start[None], lanes.Bound.of(inertia, moment)), -unit)
+        least, largest = _SIZES
+        return float(np.fmin(np.maximum(rate, least), largest)[0])
 
 
 def _rows(block: Block, vector: Sequence[Numbers]) -> Doubles:

@@ -93,5 +93,7 @@ def job_of(plan: Plan, group: npt.NDArray[np.int64]) -> FlatJob:
     times = np.ldexp(plan.grid, -unit)
     asked = plan.names, plan.number, plan.tolerance, plan.max_steps, times
     job = BatchJob(*asked, unit, motions)
-    sure = lanes.surely(job, float(np.ldexp(plan.rates[group].max(), unit)))
+    with np.errstate(over="ignore"):  # of a rate that is only known to be so small
+        fastest = float(np.ldexp(plan.rates[group].max(), unit))
+    sure = lanes.surely(job, fastest)
     return FlatJob(job._replace(sure=sure), reader(plan, group))

@@ -116,7 +116,7 @@ def planned(
     tolerance = rounded_tolerance(scene, chosen, tol)
 
     if chosen.flat:
-        names, motions, units, rates = columns_of(members, times[-1], chosen)
+        names, motions, units, rates = columns_of(members, times, chosen)
     else:
         names, motions = (), Columns(np.empty((0, 0)), np.empty((0, 0)))
         units, rates = np.zeros(len(members), dtype=np.int64), np.zeros(len(members))
