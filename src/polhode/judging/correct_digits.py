@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from decimal import Decimal
 from fractions import Fraction
 from itertools import repeat
 
@@ -122,7 +123,7 @@ def _lists(rows: Given) -> Given:
 
 def _quotient(x: Scalar) -> _Quotient:
     """A number as a quotient of integers; raises OverflowError or ValueError if not finite."""
-    if isinstance(x, (float, int, Fraction)):
+    if isinstance(x, (float, int, Decimal, Fraction)):
         return x.as_integer_ratio()
     raw = getattr(x, "_mpf_", None)
     if raw is None or (not raw[1] and raw[2]):

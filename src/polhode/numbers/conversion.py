@@ -100,7 +100,9 @@ def to_mpf(x: Number, bits: int) -> Scalar:
 
 
 def exactly(value: Any) -> Fraction:
-    """The exact value of a float, longdouble, mpf, int, Fraction; ValueError if not finite."""
+    """The exact value of any number that has one; ValueError if not finite."""
+    if type(value) is Fraction:
+        return value
     if isinstance(value, (int, Fraction)):
         return Fraction(value)
     try:
@@ -115,7 +117,7 @@ def exactly(value: Any) -> Fraction:
                 raise ValueError("not a finite number")
             size = int(mantissa) * Fraction(2) ** int(exponent)
             return -size if negative else size
-        return Fraction(*value.as_integer_ratio())  # numpy.longdouble
+        return Fraction(*value.as_integer_ratio())  # numpy.longdouble, Decimal
     except (AttributeError, OverflowError, TypeError, ValueError):
         raise ValueError("not a finite number") from None
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
@@ -123,7 +124,7 @@ def of_rationals(x: Rationals) -> Pairs:
     return Pairs(hi, np.asarray(rest, dtype=np.float64))
 
 
-def of_fractions(values: Sequence[Fraction]) -> Pairs:
+def of_fractions(values: Sequence[Decimal | Fraction]) -> Pairs:
     """The pairs nearest to rationals."""
     return of_rationals(rationals.of_fractions(values))
 
@@ -139,7 +140,8 @@ def of_cells(cells: Sequence[Scalar | None]) -> Pairs:
             raise ValueError("not a finite number")
         return Pairs(doubles, np.zeros(len(cells)))
     there = [k for k, x in enumerate(cells) if x is not None]
-    numbers = [x if type(x) is Fraction else exactly(x) for x in cells if x is not None]
+    quick = (Decimal, Fraction)
+    numbers = [x if type(x) in quick else exactly(x) for x in cells if x is not None]
     pairs_there = of_fractions(numbers)
     found = Pairs(np.full(len(cells), math.nan), np.zeros(len(cells)))
     found.hi[there], found.lo[there] = pairs_there.hi, pairs_there.lo

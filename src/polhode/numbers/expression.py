@@ -80,8 +80,14 @@ def number(text: str) -> Exact:
 
 def decimal(text: str) -> Fraction:
     """The exact value of a decimal such as ``-1.25e-3``; underscores between digits may stand."""
-    if _SHORT.fullmatch(text):  # most numbers of scenes and tables: in half the time
-        return Fraction(Decimal(text))
+    return Fraction(as_it_stands(text))
+
+
+def as_it_stands(text: str) -> Decimal | Fraction:
+    """The same, as a Decimal where it is short: for numbers of tables, of which few are computed
+    with, in a third of the time."""
+    if _SHORT.fullmatch(text):
+        return Decimal(text)
     plain = text.strip()
     match = _DECIMAL.fullmatch(_UNDERSCORE.sub("", plain) if "_" in plain else plain)
     if match is None:

@@ -7,6 +7,7 @@ nanoseconds an element; a few of them in a row are meant, no long computation.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
@@ -90,7 +91,7 @@ def rationals(x: Scalar) -> Rationals:
     return Rationals(*x.as_integer_ratio())
 
 
-def of_fractions(values: Sequence[Fraction]) -> Rationals:
+def of_fractions(values: Sequence[Decimal | Fraction]) -> Rationals:
     """An array of rationals."""
     top, bottom = np.empty(len(values), dtype=object), np.empty(len(values), dtype=object)
     for k, x in enumerate(values):

@@ -126,14 +126,18 @@ def sure_rows(
     cap = most or _MOST_BITS + 4 * digits
     bits, known = min(int(3.33 * digits) + GUARD, cap), 0
     rows: list[Sequence[arb]] = []
+    sizes: Sequence[arb] | None = None
     while True:
         lost = math.inf
         with ctx.workprec(bits):
             goal = arb(10) ** -digits / 4  # the rest is for rounding the middle
             try:
                 for t in times[len(rows) :]:
+                    before = sizes
                     numbers, sizes = row(ball(t))
-                    lost = _lost_bits(numbers, sizes, goal)
+                    if sizes is not before:  # most forms have one list of them at all times
+                        most_radii = [goal * size for size in sizes]
+                    lost = _lost_bits(numbers, most_radii)
                     if lost:
                         break
                     rows.append(numbers)
@@ -148,18 +152,18 @@ def sure_rows(
         bits = min(cap, 2 * bits if lost == math.inf else bits + int(min(lost, 3 * bits)) + _SLACK)
 
 
-def _lost_bits(numbers: Sequence[arb], sizes: Sequence[arb], goal: arb) -> float:
-    """By how many bits the radii miss the goal; 0 where none does, infinite where one is unknown.
+def _lost_bits(numbers: Sequence[arb], most_radii: Sequence[arb]) -> float:
+    """By how many bits radii are too large; 0 where none is, infinite where one is unknown.
 
     Each number is asked: the largest of several balls would pass over one that is not a number.
     """
     worst = 0.0
-    for x, size in zip(numbers, sizes, strict=False):  # a row may end before its sizes do
-        if x.rad() < goal * size and x.is_finite():
+    for x, most in zip(numbers, most_radii, strict=False):  # a row may end before its sizes do
+        if x.rad() < most and x.is_finite():
             continue
-        if not (x.is_finite() and size > 0):
+        if not (x.is_finite() and most > 0):
             return math.inf
-        excess = float((x.rad() / (goal * size)).log().mid())
+        excess = float((x.rad() / most).log().mid())
         worst = max(worst, 1.0, excess / math.log(2))
     return worst
 

@@ -47,7 +47,8 @@ class Jacobi:
         if self.limit:
             return
         mean = kc2.sqrt().agm(1)
-        self.K = arb.pi() / (2 * mean)
+        self._period = arb.pi() / mean
+        self.K = self._period / 2
         if not self.circle:
             s = mean / k2.sqrt().agm(1)
             self.tau = acb(0, s)
@@ -66,11 +67,11 @@ class Jacobi:
 
     def at(self, v: arb) -> Place:
         """The functions at a phase."""
-        n = 0
-        if not self.limit:
-            n = nearest_integer(v / (2 * self.K))
-            v = v - 2 * n * self.K
-        return Place(self, n, v)
+        if self.limit:
+            return Place(self, 0, v)
+        z = v / self._period
+        n = nearest_integer(z)
+        return Place(self, n, z - n)
 
 
 class Shift:
@@ -102,7 +103,7 @@ class Shift:
         if self.jacobi.circle:
             return acb(1)
         if self.jacobi.limit:
-            return (acb(1) if self.half else acb(place.v, self.a).cosh()) / place.v.cosh()
+            return (acb(1) if self.half else acb(place.z, self.a).cosh()) / place.z.cosh()
         if not self._is_series:
             z = acb(place.z, self.y)
             return acb.modular_theta(z, self.jacobi.tau)[2 if self.half else 3] / place.th4
@@ -115,21 +116,21 @@ class Shift:
         if jacobi.circle or (jacobi.limit and self.half):
             return acb(0)  # the numerator is constant
         if jacobi.limit:
-            return acb(place.v, self.a).sinh() / place.v.cosh()
+            return acb(place.z, self.a).sinh() / place.z.cosh()
         below = place.th4 * 2 * jacobi.K
         z = acb(place.z, self.y)
         return acb.modular_theta(z, jacobi.tau, 1)[2 if self.half else 3] / below
 
 
 class Place:
-    """What the functions take at v = 2K ``n`` + ``v``, |v| <= K but for the ball's radius.
+    """What the functions take at v = 2K (``n`` + ``z``), |z| <= 1/2 but for the ball's radius.
 
-    ``sn`` and ``cn`` are those of the reduced v: at the whole phase they have the factor
-    ``side`` = (-1)^n.
+    On the separatrix, whose K is infinite, ``z`` is v itself.  ``sn`` and ``cn`` are those of the
+    reduced phase: at the whole one they have the factor ``side`` = (-1)^n.
     """
 
-    def __init__(self, jacobi: Jacobi, n: int, v: arb) -> None:
-        self._jacobi, self.n, self.v = jacobi, n, v
+    def __init__(self, jacobi: Jacobi, n: int, z: arb) -> None:
+        self._jacobi, self.n, self.z = jacobi, n, z
         self.side = -1 if n % 2 else 1
 
     @property
@@ -149,12 +150,12 @@ class Place:
 
     @cached_property
     def _functions(self) -> tuple[arb, arb, arb]:
-        jacobi, v = self._jacobi, self.v
+        jacobi = self._jacobi
         if jacobi.circle:
-            return (*v.sin_cos(), arb(1))
+            return (*self._sin_cos, arb(1))
         if jacobi.limit:
-            cn = v.sech()
-            return v.tanh(), cn, cn
+            cn = self.z.sech()
+            return self.z.tanh(), cn, cn
         if jacobi.series is None:
             th1, th2, th3, _ = self._thetas
         else:
@@ -163,11 +164,6 @@ class Place:
             th3 = jacobi.series.th3(double)
         (a, b, c), th4 = jacobi.factors, self.th4
         return a * th1 / th4, b * th2 / th4, c * th3 / th4
-
-    @cached_property
-    def z(self) -> arb:
-        """v/2K."""
-        return self.v / (2 * self._jacobi.K)
 
     @cached_property
     def _sin_cos(self) -> tuple[arb, arb]:

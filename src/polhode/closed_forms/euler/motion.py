@@ -47,7 +47,7 @@ class Polhode:
         self.elliptic = Jacobi(ball(n.k2), ball(n.kc2))
         self.rate, momentum = root(n.rate2), root(n.G2)
         self._sense, (self._s1, s2, self._s3) = n.sense, n.signs
-        self._amplitudes = [s * root(x) for s, x in zip(n.signs, n.squares, strict=True)]
+        amplitudes = [s * root(x) for s, x in zip(n.signs, n.squares, strict=True)]
         self.speed = root(n.squares[0] + n.squares[1] + n.squares[2])
         self._forward = self._s1 * s2 < 0  # the sense of chi
         sn2, cn2, dn2 = (ball(x) for x in n.phase)
@@ -57,9 +57,8 @@ class Polhode:
         turning = self._sense * self._shift.rate * self.rate
         #: The mean rate of the third axis about G.
         self.precession = momentum / ball(n.moments[2]) + turning
-        self._momentum = [
-            ball(m) * x / momentum for m, x in zip(n.moments, self._amplitudes, strict=True)
-        ]
+        self._rates = [momentum / ball(m) for m in n.moments]  # w over Iw/G
+        self._momentum = [x / rate for x, rate in zip(amplitudes, self._rates, strict=True)]
         self._g = tuple(map(abs, self._momentum))
         begin = self.elliptic.at(self._v0)
         self._begin = conjugate(self._place(begin, arb(0)))
@@ -70,11 +69,11 @@ class Polhode:
     def row(self, t: arb, attitude: bool) -> Sequence[arb]:
         """The row at a time."""
         at = self.elliptic.at(self._v0 + self.rate * t)
-        a, b, c = self._amplitudes
-        row = self._frame.back([at.side * (a * at.cn), at.side * (b * at.sn), c * at.dn])
+        direction = self._direction(at)
+        row = self._frame.back([x * rate for x, rate in zip(direction, self._rates, strict=True)])
         if self._start.attitude is None:
             return row
-        row += self._frame.back(self._vertical(at, t))
+        row += self._frame.back(self._vertical(direction, at, t))
         if attitude:
             turn = self._frame.turn(quaternion_product(self._begin, self._place(at, t)))
             row += quaternion_product(self._start.attitude, turn)
@@ -91,9 +90,9 @@ class Polhode:
         sine, cosine = (self.precession * t).sin_cos()
         return (theta if self._sense > 0 else theta.conjugate()) * acb(cosine, sine)
 
-    def _vertical(self, at: Place, t: arb) -> tuple[arb, arb, arb]:
+    def _vertical(self, direction: tuple[arb, arb, arb], at: Place, t: arb) -> tuple[arb, arb, arb]:
         """gamma."""
-        z1, z2, z3 = self._direction(at)
+        z1, z2, z3 = direction
         across = self._across * self._turned(at, t)
         one, other, along = across.real, across.imag, self._along
         square = z1 * z1 + z2 * z2

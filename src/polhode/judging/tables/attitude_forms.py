@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from decimal import Decimal
 from fractions import Fraction
 from functools import partial
 from typing import TypeAlias
@@ -29,7 +30,8 @@ from polhode.scenes.vocabulary import ATTITUDE, MATRIX, RODRIGUES
 GUARD = 64  # bits beyond those of the cells
 _OFF = 1e-3  # of 1: a length that is another, and no error of a method
 
-Cells: TypeAlias = "tuple[Fraction | None, ...]"
+#: Exact numbers of a column as they were written, None where there is none.
+Cells: TypeAlias = "tuple[float | Decimal | Fraction | None, ...]"
 Quaternion: TypeAlias = "list[Fraction]"
 
 
@@ -76,7 +78,7 @@ def _steady(
     found: list[Sequence[Fraction | None]] = []
     before = None
     for row in rows:
-        there = [x for x in row if x is not None]
+        there = [exactly(x) for x in row if x is not None]
         q = read(there) if len(there) == len(row) else None
         if q is None:
             found.append((None,) * 4)

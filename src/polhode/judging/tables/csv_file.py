@@ -16,6 +16,7 @@ import re
 import string
 from collections.abc import Sequence
 from dataclasses import replace
+from decimal import Decimal
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
@@ -194,8 +195,8 @@ def _numbers(
     number: NumberType | None,
 ) -> Cells:
     """A column's exact numbers; ``number``: whose values its cells stand for."""
-    found: list[Fraction | None] = []
-    read = expression.decimal if number is None else partial(value, number=number)
+    found: list[float | Decimal | Fraction | None] = []
+    read = expression.as_it_stands if number is None else partial(value, number=number)
     try:
         for text in texts:
             found.append(read(text) if text or name == "t" else None)
@@ -235,7 +236,7 @@ def is_empty(cell: str) -> bool:
     return len(cell) < 5 and cell.lstrip("+-").lower() in _EMPTY
 
 
-def value(cell: str, number: NumberType) -> Fraction:
+def value(cell: str, number: NumberType) -> float | Fraction:
     """A decimal's exact value, rounded to a number of a type.
 
     Raises ExpressionError for what is no finite decimal number.
@@ -246,7 +247,7 @@ def value(cell: str, number: NumberType) -> Fraction:
         except ValueError:
             x = 0.0
         if _LEAST < abs(x) < _MOST:
-            return Fraction(x)
+            return x
     return number.rounded(expression.decimal(cell))
 
 

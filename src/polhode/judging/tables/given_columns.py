@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -117,9 +118,9 @@ def table_of_cells(
             continue
         if degrees or factor != 1:
             scale = factor * degree() if degrees else factor
-            column = tuple(x and x * scale for x in column)
+            column = tuple(x and exactly(x) * scale for x in column)
         found[name] = column
-    times = [t for t in found.pop("t") if t is not None]
+    times = [exactly(t) for t in found.pop("t") if t is not None]
     if not times or any(len(column) != len(times) for column in found.values()):
         expected = "columns as long as t, with a time in each row"
         raise BadInput(source, "columns", ",".join(header), expected)
@@ -150,10 +151,12 @@ def _errors(times: Sequence[Fraction], given: Any, factor: Fraction) -> tuple[fl
     return of_type(times, number)
 
 
-def _cell(value: Any) -> Fraction | None:
+def _cell(value: Any) -> float | Fraction | None:
     """A cell's exact number, None where it is empty."""
     if value is None or value != value:
         return None
+    if isinstance(value, float) and math.isfinite(value):
+        return float(value)
     return _exactly(value)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from decimal import Decimal
 from fractions import Fraction
 from itertools import chain
 from typing import TypeAlias
@@ -37,7 +38,7 @@ PARTS = {
     **{word: COLUMNS[word].names for word in ("attitude", "angles")},
 }
 #: A number of a table, None where there is none.
-Cell: TypeAlias = Real | Fraction | None
+Cell: TypeAlias = Real | float | Decimal | Fraction | None
 MOST_AT_ONCE = 20.0  # digits of a table whose drift pairs of doubles tell
 
 
