@@ -262,4 +262,4 @@ def test_a_proof_is_asked_for_no_more_digits_than_are_foreseen():
     assert judged[9][0] == pytest.approx(worst, abs=1e-6)
     assert 16 <= judged[9][1] < 30
     assert judged[3][0] == pytest.approx(worst, abs=1e-6)  # more were right than were foreseen
-    assert judged[3][1] == most
+    assert judged[3][1] > 40
