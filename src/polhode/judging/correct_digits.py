@@ -41,11 +41,11 @@ def log10_differences(
     """log10 of the difference of each number from the true one, shape (rows, columns).
 
     -inf where they are equal, inf where the own one is infinite, not a number where either is not
-    there.  ``side``: a factor of the own numbers.  ``turning``: columns of angles whose whole turns
+    there.  ``side``: a sign of the own numbers.  ``turning``: columns of angles whose whole turns
     mean nothing; 2 pi is taken to so many ``bits``.  Pairs are subtracted as they are.
     """
     if isinstance(own, Pairs) and isinstance(true, Pairs):
-        return log10_sizes(own * side - true)
+        return log10_sizes((own if side > 0 else -own) - true)  # a product may be out of range
     own, true = plain_rows(own), plain_rows(true)
     turns = [_turn(bits) if k in turning else None for k in range(len(own[0]) if len(own) else 0)]
     pairs = zip(_lists(own), true, strict=True)

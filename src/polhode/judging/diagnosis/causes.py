@@ -123,7 +123,7 @@ class Fit:
         with np.errstate(over="ignore", invalid="ignore"):
             off = other.states[:, self.columns] - self.table[:count]
             found: Doubles = (off / self.scale).ravel()
-        return found if np.all(np.isfinite(found)) else None
+            return found if math.isfinite(found @ found) else None
 
     def cause(self, one: _Candidate) -> Cause | None:
         """The number, fitted, where it explains the table."""
