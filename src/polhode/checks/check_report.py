@@ -178,7 +178,7 @@ def check_cases(
             for report in check(patterns, numbers, tick, shared, details or propose):
                 reports.append(report)
         if forms or not (scenes or number):
-            for found in cross_checks(tick, shared):
+            for found in cross_checks(tick):
                 crossed.append(found)
     except KeyboardInterrupt:
         return CheckReport(reports, crossed, propose, interrupted=True)

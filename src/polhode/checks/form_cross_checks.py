@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from polhode.common.errors import BadInput
-from polhode.common.executors import in_order
 from polhode.judging.correct_digits import worst_digits
 from polhode.runs.problem.options import Options, choose_number
 from polhode.runs.solve import solve
@@ -41,17 +40,12 @@ class CrossCheck:
         return self.digits is None or self.digits >= LEAST
 
 
-def cross_checks(
-    tick: Callable[[str], None] | None = None, workers: int = 1
-) -> Iterator[CrossCheck]:
-    """Each scene in each form against its principal form; ``workers``: processes for that."""
-
-    def begun(name: str) -> None:
+def cross_checks(tick: Callable[[str], None] | None = None) -> Iterator[CrossCheck]:
+    """Each scene in each form against its principal form."""
+    for name in SCENES:
         if tick is not None:
             tick(f"{name} in all forms")
-
-    for found in in_order(_in_all_forms, SCENES, workers, begun):
-        yield from found
+        yield from _in_all_forms(name)
 
 
 def _in_all_forms(name: str) -> list[CrossCheck]:

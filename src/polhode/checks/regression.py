@@ -118,6 +118,8 @@ def check(
         if number not in number_types.NAMES:
             raise BadInput("check", "number", number, nearest(number, list(number_types.NAMES)))
     scenes = [library.load(name) for name in library.matching(list(patterns))]
+    if not scenes:
+        raise BadInput("check", "SCENE", None, "a path: no cases are installed")
 
     def begun(scene: Scene) -> None:
         if tick is not None:
@@ -174,7 +176,8 @@ def _line(
     outcome = run.outcome.value
     if not run.outcome.done:
         return Line(number, 0.0, band, outcome, ended=False), None
-    judged = compare(run, reference, known=known)
+    foreseen = None if details or band is None else band[1]
+    judged = compare(run, reference, known=known, foreseen=foreseen)
     line = Line(number, judged.state_worst, band, outcome, ended=True, lost=judged.lost)
     if details or not line.passed:
         line = replace(line, limit=judged.limit)

@@ -22,22 +22,27 @@ class PeriodicIntegral:
             raise ValueError("branch points are too near each other")
         count = 2 ** (2 * terms - 1).bit_length()
         half = [function(2 * mpmath.pi * k / count) for k in range(count // 2 + 1)]
-        roots = [mpmath.expjpi(mpmath.mpf(-2 * k) / count) for k in range(count)]
+        quarter = [mpmath.expjpi(mpmath.mpf(-2 * k) / count) for k in range(max(1, count // 4))]
+        roots = [*quarter, *(mpc(z.imag, -z.real) for z in quarter)]  # the other half: -1 of them
         sums = _fourier([*half, *half[-2:0:-1]], roots)
         #: The mean of the function.
         self.mean: mpc = sums[0] / count
-        self._waves = [mpmath.mpf(0), *(sums[k] / (k * count) for k in range(1, terms + 1))]
+        self._waves = [sums[k] / (k * count) for k in range(terms, 0, -1)]
 
     def at(self, x: mpf) -> mpc:
-        """The integral from 0 to x."""
-        forth, back = (
-            mpmath.polyval(self._waves, mpmath.expj(side * x), asc=True) for side in (1, -1)
-        )
-        return self.mean * x + (forth - back) / mpc(0, 1)
+        """The integral from 0 to x, the sines by Clenshaw's recurrence."""
+        cos, sin = mpmath.cos_sin(x)
+        twice, here, above = 2 * cos, mpc(0), mpc(0)
+        for wave in self._waves:
+            here, above = wave + twice * here - above, here
+        return self.mean * x + 2 * sin * here
 
 
 def _fourier(values: Sequence[mpc], roots: Sequence[mpc]) -> list[mpc]:
-    """The sums of the values times powers of each of the roots of 1 (Cooley and Tukey 1965)."""
+    """The sums of the values times powers of each root of 1 (Cooley and Tukey 1965).
+
+    ``roots``: the first half of them.
+    """
     if len(values) == 1:
         return [*values]
     even, odd = (_fourier(values[k::2], roots[::2]) for k in (0, 1))

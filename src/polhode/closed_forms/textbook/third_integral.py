@@ -29,5 +29,6 @@ class Along:
         sn2, whole = self._sn**2, mpmath.mpf(0)
         if self._turns:
             whole = 2 * self._turns * mpmath.elliprj(0, 1 - self._parameter, 1, 1 - number)
-        part = self._sn**3 * mpmath.elliprj(self._cn**2, self.dn**2, 1, 1 - number * sn2)
-        return self._v + number / 3 * (part + whole)
+        if self._sn:
+            whole += self._sn**3 * mpmath.elliprj(self._cn**2, self.dn**2, 1, 1 - number * sn2)
+        return self._v + number / 3 * whole

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Hashable
 from typing import Any
 
-MOST = 32  # of a few hundred kilobytes each
+MOST = 64  # of a few hundred kilobytes each: more kinds than the library's cases need at a time
 
 
 class Pool:
