@@ -242,23 +242,3 @@ def test_check_without_any_case_says_so_in_one_line(tmp_path, monkeypatch, capsy
     assert out == ""
     assert err.count("\n") == 1
     assert "no cases are installed" in err
-
-
-@pytest.mark.slow
-def test_a_proof_is_asked_for_no_more_digits_than_are_foreseen():
-    """Bands of an mp were judged by proofs to sixty digits and more, whatever the band."""
-    scene = polhode.load("general/near-upright").at((0, Fraction(1, 8), Fraction(1, 4)))
-    rows = polhode.Certified(scene).at(scene.times, digits=40)
-    rows[2] = [Fraction(round(x * 10**9), 10**9) for x in rows[2]]
-    judged = {}
-    for foreseen in (None, 9, 3):
-        proof = polhode.Certified(scene)
-        found = polhode.compare(rows, proof, at=scene.times, number="quad", foreseen=foreseen)
-        judged[foreseen] = found.state_worst, proof.agreement
-    worst, most = judged[None]
-    assert 8 <= worst < 10
-    assert most > 40
-    assert judged[9][0] == pytest.approx(worst, abs=1e-6)
-    assert 16 <= judged[9][1] < 30
-    assert judged[3][0] == pytest.approx(worst, abs=1e-6)  # more were right than were foreseen
-    assert judged[3][1] > 40

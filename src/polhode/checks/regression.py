@@ -176,8 +176,7 @@ def _line(
     outcome = run.outcome.value
     if not run.outcome.done:
         return Line(number, 0.0, band, outcome, ended=False), None
-    foreseen = None if details or band is None else band[1]
-    judged = compare(run, reference, known=known, foreseen=foreseen)
+    judged = compare(run, reference, known=known)
     line = Line(number, judged.state_worst, band, outcome, ended=True, lost=judged.lost)
     if details or not line.passed:
         line = replace(line, limit=judged.limit)

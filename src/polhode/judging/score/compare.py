@@ -51,7 +51,6 @@ def compare(
     at: Iterable[AnyNumber] | None = None,
     columns: Sequence[str] | None = None,
     known: Conditioning | Judgement | None = None,
-    foreseen: float | None = None,
     progress: Progress | None = None,
     as_it_stands: bool = False,
     read: str | None = None,
@@ -85,9 +84,6 @@ def compare(
     known : Conditioning or Judgement, optional
         The scene's conditioning, or a judgement by the same reference at the same times, to spare
         what they hold.
-    foreseen : float, optional
-        Digits of the state that will be right at its worst time: a proof is asked for few more at
-        first, which tell the digits of that time and not of those where more are right.
     progress : callable, optional
         Called with the fraction of the reference's rows that are computed, and how many (of a
         proof, with the fraction of the time, and the steps), if that takes long.
@@ -182,7 +178,6 @@ def compare(
         against,
         progress,
         answers=known.known_answers if isinstance(known, Judgement) else None,
-        foreseen=foreseen,
         known=known.known if isinstance(known, Judgement) else known,
         offered=offered,
     )

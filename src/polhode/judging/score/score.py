@@ -56,15 +56,13 @@ class Scores(ByValue):
     """The right digits of a subject, the reference asked for no more digits than tell them.
 
     ``progress``: called with the reference's rows where they are many.  ``answers``: rows of the
-    reference that were asked for already, if they are.  ``foreseen``: see
-    :func:`polhode.judging.score.compare.compare`.
+    reference that were asked for already, if they are.
     """
 
     subject: Table
     reference: AnyReference
     progress: Progress | None = field(default=None, compare=False)
     answers: Answers | None = field(default=None, compare=False)
-    foreseen: float | None = field(default=None, compare=False)
 
     def __getstate__(self) -> dict[str, object]:
         """Without what is told of progress: nobody waits for it elsewhere."""
@@ -158,31 +156,22 @@ class Scores(ByValue):
             states = self._judged.numbers(scene.columns, in_pairs=in_pairs)
             return scaled(log10_differences(states, rows), log10_rate(rows, scene))
 
-        foreseen = None if self.reference.is_closed_form else self.foreseen
-        first = FIRST_ASKED if foreseen is None else math.ceil(foreseen) + SPARE_DIGITS + 1
-
-        def right(found: Doubles) -> float:
+        def most_right(found: Doubles) -> float:
             later = row_digits(np.delete(found, begins, axis=0), self.subject.held)
-            extreme = max if foreseen is None else min
-            return extreme((d for d in later if d is not None), default=0.0)
+            return max((d for d in later if d is not None), default=0.0)
 
-        return self._told("at", errors, right, first=first)
+        return self._told("at", errors, most_right)
 
     def _told(
-        self,
-        word: str,
-        judged: Callable[[Answer], T],
-        right: Callable[[T], float],
-        more: int = 0,
-        first: int = FIRST_ASKED,
+        self, word: str, judged: Callable[[Answer], T], right: Callable[[T], float], more: int = 0
     ) -> T:
         """What is judged by the reference, asked for more digits until none hide behind its own.
 
         So a table of a thousand digits, few of them right, costs no reference of a thousand.
-        ``right``: how many are right by it.  ``more``: digits that are asked for in any case,
-        ``first``: those at first.  Raises ValueError.
+        ``right``: how many are right by it.  ``more``: digits that are asked for in any case.
+        Raises ValueError.
         """
-        wanted = min(self._wanted, first)
+        wanted = min(self._wanted, FIRST_ASKED)
         while True:
             found = judged(self.known_answers.rows(word, wanted + more))
             if wanted == self._wanted or right(found) < wanted - SPARE_DIGITS:
