@@ -329,3 +329,13 @@ def test_turns_about_an_axis_that_stays(n, g, grown):
         else:
             assert one is not None
             assert abs(one - other * arb.pi()) < arb("1e-10")
+
+
+def test_each_row_is_held_against_its_own_sizes():
+    small = arb(10) ** -20
+
+    def row(t):
+        return [arb.pi()], [small if t > 0 else arb(1)]
+
+    first, second = sure_rows(row, [F(0), F(1)], 20)
+    assert second[0].rad() < small * arb(10) ** -20 < first[0].rad() < arb(10) ** -20

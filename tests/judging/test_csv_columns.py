@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import random
 import re
+from fractions import Fraction
 
 import pytest
 
 from polhode.judging.tables.csv_file import most_printed, value
+from polhode.judging.tables.reading import degree
+from polhode.judging.tables.table_file import read_table
 from polhode.numbers import expression
 from polhode.numbers.number_types import DOUBLE, EXTENDED, NumberType
 
@@ -39,3 +42,10 @@ def test_the_most_significant_digits():
     cells = [*printed(500), "-0.00120", "100.", "1e-30", "+12345678901234567890.5", "0"]
     for k in range(1, len(cells)):
         assert most_printed([cells[:k]]) == max(map(significant, cells[:k]))
+
+
+def test_a_unit_multiplies_the_decimal_and_not_its_double(tmp_path):
+    path = tmp_path / "degrees.csv"
+    path.write_text("t,p [deg/s]\n0,0.123456789012345678\n")
+    (cell,) = read_table(path).columns["p"]
+    assert cell == Fraction("0.123456789012345678") * degree()
