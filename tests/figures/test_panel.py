@@ -12,6 +12,7 @@ import polhode
 from polhode.figures.canvas.canvas import COLOURS, paper
 from polhode.studies.long_run import rows as long_run
 from polhode.studies.page.drawing import LOOKS, plain
+from polhode.studies.speed import number_types
 from polhode.studies.speed.figure import LINES
 from polhode.studies.speed.programs import PROGRAMS
 
@@ -38,9 +39,10 @@ def test_a_logarithmic_axis_has_labels_each_of_its_value(low, high, least):
 
 
 def test_methods_of_a_figure_look_different_and_no_other_program_like_a_number_type():
+    types = {way.name.removeprefix("polhode ") for way in number_types.WAYS}
     runs, drawn = [long_run.PLAIN, long_run.PROJECTED], [*LINES]
-    assert {*runs, *drawn} == LOOKS.keys()
-    for those in (runs, drawn):
+    assert {*types, *runs, *drawn} == LOOKS.keys()
+    for those in (types, runs, drawn):
         assert len({tuple(LOOKS[name].values()) for name in those}) == len(those)
     others = [LOOKS[name]["color"] for name in drawn if not name.startswith("polhode")]
     assert len({*others}) == len(others)  # one colour a program
