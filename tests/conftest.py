@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import gc
 import importlib
 import os
 import re
@@ -30,9 +29,6 @@ settings.register_profile(
     suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile("polhode")
-
-
-OPTIMISED: dict[str, Callable[..., dict[str, object]]] = {}  # heyoka's options of a number type
 
 
 def pytest_configure() -> None:
@@ -64,31 +60,16 @@ def handlers_of_signals() -> Iterator[None]:
 def little_optimised() -> Iterator[None]:
     """Code in the wider types is compiled unoptimised: the same bits, sooner.
 
-    An x87 or library operation has no faster form; quad is never optimised, by polhode's own
-    choice.  Outside CI doubles are not either, which compiles them five times as fast: theirs are
-    contracted else, so that last bits are other ones.  What depends on them asks for ``optimised``.
+    An x87 or library operation has no faster form.  Doubles are left alone: theirs are contracted.
+    Quad is never optimised, by polhode's own choice.
     """
     from polhode.taylor.backend import heyoka_numbers
 
-    OPTIMISED["double"] = heyoka_numbers._TYPES["double"]
     with pytest.MonkeyPatch.context() as patch:
-        for name in ("extended", "mp") if "CI" in os.environ else ("double", "extended", "mp"):
+        for name in ("extended", "mp"):
             options = heyoka_numbers._TYPES[name]
             patch.setitem(heyoka_numbers._TYPES, name, lambda n, o=options: o(n) | {"opt_level": 0})
         yield
-
-
-@pytest.fixture(scope="module")
-def optimised() -> Iterator[None]:
-    """Doubles compiled as users have them: no engine goes in here, and none out."""
-    from polhode.taylor.backend import heyoka_numbers
-    from polhode.taylor.backend.integrator_pool import POOL
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(heyoka_numbers._TYPES, "double", OPTIMISED["double"])
-        patch.setattr(POOL, "_idle", {})
-        yield
-        gc.collect()
 
 
 @pytest.fixture

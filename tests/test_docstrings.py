@@ -21,7 +21,6 @@ import pytest
 import polhode
 from polhode.common.value_semantics import same
 
-pytestmark = pytest.mark.usefixtures("optimised")
 PUBLIC = [name for name in polhode.__all__ if name != "__version__"]
 MODULES = ["", *sorted({getattr(polhode, name).__module__[len("polhode.") :] for name in PUBLIC})]
 

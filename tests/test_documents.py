@@ -23,7 +23,6 @@ from polhode.output import guide
 from polhode.scenes import keys
 from polhode.scenes.shapes import SHAPES
 
-pytestmark = pytest.mark.usefixtures("optimised")
 TOP = Path(__file__).parents[1]
 PAGES = {topic: guide.page(topic) for topic in ("index", *guide.topics())}
 DOCUMENTS = {"README": (TOP / "README.md").read_text(encoding="utf-8"), **PAGES}

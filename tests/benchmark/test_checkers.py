@@ -63,7 +63,6 @@ with open(HELD / f"{TOP}.csv", newline="") as held:
     HEADER, *ROWS = csv.reader(held)
 
 
-@pytest.mark.usefixtures("optimised")
 def test_a_run_in_double_has_the_digits_that_compare_tells(checkers, tmp_path):
     path = tmp_path / "x.csv"
     at = ",".join(row[0] for row in ROWS)

@@ -272,7 +272,6 @@ def test_the_worst_of_many_times_may_lie_lower_than_each(times, digits):
         assert error_budget.limit(worst, 15.95, band, None, math.inf, "of it", times) == name
 
 
-@pytest.mark.usefixtures("optimised")
 def test_the_worst_of_many_times_is_no_method_for_being_chosen():
     """The first command of README: 301 times of a run in double, and no fault of its steps."""
     judged = polhode.compare(polhode.integrate("published/nasa-brick"))

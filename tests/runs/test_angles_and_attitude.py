@@ -79,7 +79,6 @@ CIRCLING = polhode.top(
 )
 
 
-@pytest.mark.usefixtures("optimised")
 @pytest.mark.sample(3, slow=3)
 @pytest.mark.parametrize(
     ("number", "what"),

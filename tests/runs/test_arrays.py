@@ -100,7 +100,6 @@ def test_a_long_way_in_stretches_is_that_in_one(way, monkeypatch):
     assert many.reached == (Fraction(times[-1]),) * 9
 
 
-@pytest.mark.usefixtures("optimised")
 @pytest.mark.sample(4)
 @pytest.mark.parametrize("name", [name for name in BODIES if name != "free sphere"])
 def test_rows_are_as_right_as_starts_alone(name):

@@ -37,7 +37,6 @@ def loaded(name: str, folder: Path) -> tuple[Any, dict[str, Any]]:
     return found, json.loads(path.read_text())
 
 
-@pytest.mark.usefixtures("optimised")
 @pytest.mark.parametrize("name", RUNS)
 def test_a_run_is_whole(name: str, tmp_path: Path) -> None:
     run, held = loaded(name, tmp_path)

@@ -298,7 +298,6 @@ def test_long_sweeps_of_slow_and_fast_members_in_any_order(end):
     assert np.array_equal(few.states[[0, 2]], many.states[5:7])
 
 
-@pytest.mark.usefixtures("optimised")
 def test_chunks_change_little(monkeypatch):
     whole = polhode.integrate_many(heavy(), {"start.omega[3]": "0.5:1.5:9"})
     change_policy(monkeypatch, chunk=12)

@@ -386,7 +386,6 @@ def test_states_at_crossings_are_on_the_section_whatever_else_is_watched(number,
 # -- runs that end otherwise, and what is kept ----------------------------------------------------
 
 
-@pytest.mark.usefixtures("optimised")
 def test_a_run_that_ends_beside_a_crossing():
     whole = polhode.integrate(watched(EULER, "q"), at=[300])
     last = whole.events[0].times[-1]
