@@ -1,7 +1,7 @@
 """Cross-checks between the forms of the equations: a few scenes in every form, in quad.
 
 Evidence against a wrong equation in one form, not against what all share (the integrator).  Quad
-shows a term that is wrong by 1e-29 of itself; compiling all forms for more digits would take four
+shows a term that is wrong by 1e-28 of itself; compiling all forms for more digits would take four
 times as long.
 """
 

@@ -67,7 +67,6 @@ def columns_of(
     from polhode.taylor.batches.jobs import Columns
 
     ends = [*[t for t in times if t][:1], times[-1]]  # the least and the largest that are not 0
-
     made = _Made(members, number)
     for block in blocks(members):
         left = made.fill(block)
