@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -11,7 +11,15 @@ from typing import Any
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput, nearest
 from polhode.judging.tables.attitude_forms import Cells, with_quaternions
-from polhode.judging.tables.column_aliases import PLAIN, Column, Naming, known, not_judged, twice
+from polhode.judging.tables.column_aliases import (
+    PLAIN,
+    Column,
+    Naming,
+    by_clock,
+    known,
+    not_judged,
+    twice,
+)
 from polhode.judging.tables.reading import degree
 from polhode.judging.tables.table import Table
 from polhode.judging.tables.type_inference import of_decimals, of_type, type_of
@@ -79,6 +87,8 @@ def table_of_columns(
     else:
         present = [*getattr(given, "coords", ()), *given.keys()]
         held = {str(name): getattr(given[name], "values", given[name]) for name in present}
+    if (places := names.stamp([*held])) is not None:
+        held = _with_whole_stamps(source, held, *([*held][k] for k in places))
     header = [*held]
     named = names.columns(header)
     clock = next((k for k, one in enumerate(named) if one.name == "t"), None)
@@ -93,10 +103,32 @@ def table_of_columns(
         None if one.name is None else each(source, name, held[name], _cell, "a column of numbers")
         for name, one in zip(header, named, strict=True)
     ]
+    whole = all(isinstance(t, Fraction) and t.denominator == 1 for t in cells[clock] or ())
+    named, remarks = by_clock(header, named) if whole else (named, ())
     printed = number.printed_digits if number else MOST_PRINTED
     found = table_of_cells(source, header, named, cells, printed, number)
     errors = _errors(found.times, held[header[clock]], named[clock].factor)
-    return replace(found, name="columns" if source == "compare" else source, time_errors=errors)
+    name = "columns" if source == "compare" else source
+    return replace(found, name=name, remarks=remarks, time_errors=errors)
+
+
+def _with_whole_stamps(
+    source: str, held: Mapping[str, Any], seconds: str, rest: str
+) -> dict[str, Any]:
+    """Columns whose time is in two of them, seconds and nanoseconds, as one of them."""
+    parts = [each(source, name, held[name], _whole, "whole numbers") for name in (seconds, rest)]
+    if not all(0 <= part < 10**9 for part in parts[1]) or len(parts[0]) != len(parts[1]):
+        raise BadInput(source, rest, None, "whole nanoseconds below 1e9, one for each second")
+    times = [Fraction(whole * 10**9 + part, 10**9) for whole, part in zip(*parts, strict=True)]
+    joined = {"t" if name == seconds else name: x for name, x in held.items() if name != rest}
+    return joined | {"t": times}
+
+
+def _whole(value: Any) -> int:
+    exact = _exactly(value)
+    if exact.denominator != 1:
+        raise ValueError("not whole")
+    return exact.numerator
 
 
 def table_of_cells(
@@ -140,7 +172,10 @@ def refuse_names(source: str, key: str, header: Sequence[str], named: Sequence[C
         raise BadInput(source, key, name, expected)
     if all(meant.name in (None, "t") for meant in named):
         expected = f"columns besides t that can be judged: {NAMING} translates names"
-        raise BadInput(source, key, ",".join(header), f"{expected} to {', '.join(known()[1:])}")
+        expected += f" to {', '.join(known()[1:])}"
+        if "xyz[0]" in header:
+            expected += " (PX4's xyz[0] is p in vehicle_angular_velocity alone)"
+        raise BadInput(source, key, ",".join(header), expected)
 
 
 def _errors(times: Sequence[Fraction], given: Any, factor: Fraction) -> tuple[float, ...]:
