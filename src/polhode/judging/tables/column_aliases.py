@@ -50,7 +50,7 @@ _BEFORE = r"(?:.*[./:])?(?:(?:imu|body|sensor|motion|device|vehicle)[_ -])*"
 _TURNING = rf"(?:ang(?:ular)?|rot(?:ation(?:al)?)?|body){_S}(?:vel(?:ocity)?|rates?|speed)"
 #: Stems by what they are stems of.  ``w_a`` is Modelica's, ``qvel`` MuJoCo's (of a ball joint),
 #: ``sigma_BN`` and ``omega_BN_B`` Basilisk's, ``q_RS`` and ``w_RS_S`` those of EuRoC's data sets;
-#: ``orientation``, ``rotation`` are those of ROS, Unity and Blender.  All rates are along body axes.
+#: ``orientation``, ``rotation`` ROS, Unity and Blender have.  All rates are along body axes.
 _STEMS = {
     "omega": rf"(?:w|omega|gyro(?:scope)?|gyr|rates?|gyro{_S}rotation|{_TURNING}|qvel)"
     rf"(?:{_S}(?:a|b|body|bn{_S}b|rs{_S}s|rad|xyz))?",

@@ -114,16 +114,18 @@ def read_csv(path: Path, number: NumberType | None, names: Naming) -> Table:
         raise BadInput(str(path), "file", None, f"{what} ({fault})") from None
     if not sheet.header:
         raise BadInput(str(path), "file", None, "a header line that names the columns")
+    places = names.stamp(sheet.header)
+    if places is None and all(meant.name != "t" for meant in names.columns(sheet.header)):
+        raise BadInput(str(path), "header", ",".join(sheet.header), _ACCEPTED)
     for line, row in sheet.rows:
         if (count := len(sheet.header)) != len(row):
             expected = f"{count} values"
             if len(row) == count + 1:
                 expected += ", one a column of the header (names of rows, as R's, in quotes)"
             raise BadInput(f"{path}:{line}", "line", ",".join(row), expected)
-    sheet = _with_whole_stamps(path, sheet, names)
+    if places is not None:
+        sheet = _with_whole_stamps(path, sheet, places)
     header, named = sheet.header, names.columns(sheet.header)
-    if all(meant.name != "t" for meant in named):
-        raise BadInput(str(path), "header", ",".join(header), _ACCEPTED)
     refuse_names(str(path), "header", header, named)
     if not sheet.rows:
         raise BadInput(str(path), "file", None, "at least one line of numbers")
@@ -182,11 +184,8 @@ def _sheet(lines: list[str], names: Naming) -> _Sheet:
     return _Sheet(header, rows, tuple(remarks))
 
 
-def _with_whole_stamps(path: Path, sheet: _Sheet, names: Naming) -> _Sheet:
+def _with_whole_stamps(path: Path, sheet: _Sheet, places: tuple[int, int]) -> _Sheet:
     """A sheet whose time is in two columns, seconds and nanoseconds, as one that has it in one."""
-    places = names.stamp(sheet.header)
-    if places is None:
-        return sheet
     k, rest = places
     rows = []
     for line, row in sheet.rows:
