@@ -208,7 +208,7 @@ INSTEAD = {
     ("start", "momentum"): "gamma = [0, 0, 1]",
     ("start", "rates"): "angles = [0, 1, 0]",
     **{("start", key): "omega = [1, 0, 0]" for key in ("angles", "quaternion", "mrp", "matrix")},
-    **{("start", key): LEVEL for key in ("h", "f", "sign")},
+    **{("start", key): LEVEL for key in ("h", "f", "p_phi", "sign")},
     **{("run", key): "" for key in ("end", "at")},
 }
 
