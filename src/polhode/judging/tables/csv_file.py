@@ -1,9 +1,9 @@
 """Tables in CSV files of other programs.
 
-Separators are comma, semicolon, tab, or blanks, as the first line of the table has them.  Between
-semicolons the numbers may have decimal commas, if none has a point.  A header may stand in a
-comment (``# t p q r``, as NumPy writes it), or be given; the first line may be Excel's ``sep=;``.
-Numbers may be spelt as other languages write them: see :func:`plain_cell`.
+Separators are comma, semicolon, tab, or blanks, as the first line of the table has them, or as
+Excel's ``sep=;`` before it says.  Between semicolons or tabs the numbers may have decimal commas,
+if none has a point.  A header may stand in a comment (``# t p q r``, as NumPy writes it), or be
+given.  Numbers may be spelt as other languages write them: see :func:`plain_cell`.
 
 A decimal that stands for a double is the double nearest to it, which Python's ``float`` gives; all
 others are read exactly and rounded once.
@@ -160,8 +160,9 @@ def _sheet(lines: list[str], names: Naming) -> _Sheet:
     first = next((k for k, line in enumerate(plain) if line.strip(_BLANK)), None)
     if first is None:
         return _Sheet((), [])
-    commas = ";" in plain[first] and _have_decimal_commas(plain[first:])
-    separator = chosen[1] if chosen else ";" if commas else _separator(plain[first])
+    wide = next((mark for mark in ";\t" if mark in plain[first]), "")
+    commas = wide != "" and _have_decimal_commas(plain[first:], wide)
+    separator = chosen[1] if chosen else wide if commas else _separator(plain[first])
     top, *rows = _rows(plain[first:], separator, first)
     header: Sequence[str] = names.header
     if _are_numbers(top[1], commas):
@@ -214,10 +215,10 @@ def _separator(line: str) -> str:
     return next((mark for mark in _SEPARATORS if mark in line), " " if " " in line.strip() else ",")
 
 
-def _have_decimal_commas(lines: Sequence[str]) -> bool:
-    """Whether cells between semicolons are numbers with a comma, or have neither comma nor point,
+def _have_decimal_commas(lines: Sequence[str], separator: str) -> bool:
+    """Whether cells between separators are numbers with a comma, or have neither comma nor point,
     and one has a comma; the first line may be a header."""
-    cells = (cell.strip() for line in lines[1:] or lines for cell in line.split(";"))
+    cells = (cell.strip() for line in lines[1:] or lines for cell in line.split(separator))
     marked = [cell for cell in cells if "," in cell or "." in cell]
     return bool(marked) and all(map(_WITH_COMMA.fullmatch, marked))
 
