@@ -522,6 +522,7 @@ def test_the_command_line(digits, outputs, tmp_path, capsys):
     path = tmp_path / "proof.json"
     command = ["certify", REGULAR, "--at", "2", "--digits", str(digits), *outputs]
     assert main([*command, "-o", str(path)]) == 0
+    assert "digits_proven" in capsys.readouterr().out
     assert main(["verify", str(path), "--json"]) == 0
     out = capsys.readouterr().out
     answer = json.loads(out)

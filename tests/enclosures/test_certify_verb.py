@@ -162,7 +162,7 @@ def test_a_closed_form_is_written_as_a_table(tmp_path, capsys) -> None:
     path, command = tmp_path / "exact.csv", ("reference", CASE, "--at", "0,1", "--digits", "30")
     code, printed, err = run(capsys, *command)
     assert (code, err) == (0, "")
-    assert run(capsys, *command, "-o", str(path)) == (0, "", "")
+    assert run(capsys, *command, "-o", str(path)) == (0, "", f"written: {path}, {path}.json\n")
     header, *shown = (line.split() for line in printed.splitlines())
     names, *rows = (line.split(",") for line in path.read_text().splitlines())
     assert names == [*header, *(f"{name}_radius" for name in header[1:])]
