@@ -32,12 +32,18 @@ if TYPE_CHECKING:
 AnyResult = Any
 
 
-def of(verb: str, result: AnyResult, paths: Sequence[Path], namespace: Namespace) -> Iterator[str]:
-    """The lines about a result of a verb."""
+def of(
+    verb: str, result: AnyResult, written: Sequence[Path], namespace: Namespace
+) -> Iterator[str]:
+    """The lines about a result of a verb, and what was ``written`` of it."""
     yield from _NOTES.get(verb, _itself)(result, namespace)
-    own = [x for x in paths if x.suffix.lower() == ".json" or is_stdout(x)]
-    if verb in ("certify", "prove orbit", "prove chaos") and own and getattr(result, "times", True):
-        yield _certificate(result.scene.name, own[0])
+    proofs: list[Path] = []
+    if verb in ("certify", "prove orbit", "prove chaos"):
+        asked = [x for x in map(Path, namespace.places or ()) if x in written]
+        proofs = [x for x in asked if x.suffix.lower() == ".json" or is_stdout(x)][:1]
+    if files := [str(x) for x in written if x not in proofs and not is_stdout(x)]:
+        yield f"written: {', '.join(files)}"
+    yield from (_certificate(result.scene.name, x) for x in proofs)
 
 
 def name_of(result: AnyResult) -> str:
