@@ -1,0 +1,134 @@
+"""The table of faults of dynamics: what once was wrong, a row each, by users' doors."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode.cli import main
+
+# -- frequencies -----------------------------------------------------------------------------------
+
+FIVE = [0.5, 1.0, 1.7, 2.3, 3.1]
+STEP = 0.1
+
+
+def cosines(rates, t):
+    """Pure cosines of one size, at phases of their own."""
+    return sum(np.cos(rate * t + k) for k, rate in enumerate(rates))
+
+
+def sampled(path, columns, decimals=None):
+    """A CSV file of columns by name; of its times so many decimals, all digits unless given."""
+    rows = [",".join(columns)]
+    for t, *values in zip(*columns.values(), strict=True):
+        first = repr(float(t)) if decimals is None else f"{t:.{decimals}f}"
+        rows.append(",".join([first, *(repr(float(x)) for x in values)]))
+    path.write_text("\n".join(rows) + "\n")
+    return path
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 5])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_so_many_lines_of_a_real_signal_are_so_many_frequencies(count, sign, tmp_path):
+    """+f and -f counted as two: of five cosines three were left, and of one often none."""
+    t = sign * STEP * np.arange(2000)
+    file = sampled(tmp_path / "x.csv", {"t": t, "r": 7 + cosines(FIVE, t)})
+    lines = polhode.frequencies(file, of=["r"], lines=count).lines["r"]
+    found = sorted(line.frequency for line in lines)
+    assert len(found) == count
+    nearest = [min(FIVE, key=lambda rate: abs(rate - x)) for x in found]
+    assert len({*nearest}) == count
+    for line in lines:
+        k = int(np.argmin(np.abs(np.array(FIVE) - line.frequency)))
+        assert abs(line.frequency - FIVE[k]) <= line.error < 1e-9
+        # the phase at the first sample, of the image above 0
+        assert abs(line.amplitude - np.exp(1j * k) / 2) < 1e-6
+
+
+def test_one_line_of_a_pure_cosine_is_its_frequency(tmp_path):
+    t = STEP * np.arange(1000)
+    for rate in np.random.default_rng(5).uniform(0.3, 15, 8):
+        file = sampled(tmp_path / "x.csv", {"t": t, "gamma3": np.cos(rate * t)})
+        (line,) = polhode.frequencies(file, of=["gamma3"], lines=1).lines["gamma3"]
+        assert abs(line.frequency - rate) <= line.error < 1e-9
+
+
+def test_of_a_complex_signal_both_signs_are_lines_and_so_is_a_constant(tmp_path):
+    t = STEP * np.arange(2000)
+    columns = {"t": t, "p": 0.1 + 3 * np.cos(t), "q": np.sin(t)}
+    lines = polhode.frequencies(sampled(tmp_path / "x.csv", columns), of=["p+iq"]).lines["p+iq"]
+    found = [(line.frequency, abs(line.amplitude)) for line in lines[:3]]
+    for (rate, size), wanted in zip(found, [(1, 2), (-1, 1), (0, 0.1)], strict=True):
+        assert rate == pytest.approx(wanted[0], abs=1e-10)
+        assert size == pytest.approx(wanted[1], rel=1e-9)
+    assert all(abs(line.amplitude) < 1e-12 for line in lines[3:])
+
+
+@pytest.mark.parametrize("signal", ["p", "q", "r", "gamma1", "gamma2", "gamma3"])
+@pytest.mark.parametrize("case", ["lagrange/nutation", "euler/attitude"])
+def test_a_real_signal_of_a_top_has_a_line(case, signal):
+    heavy = case == "lagrange/nutation"
+    if "gamma" in signal and not heavy:
+        return
+    (lines,) = polhode.frequencies(case, of=[signal], end=150, lines=2).lines.values()
+    assert len(lines) == (0 if heavy and signal == "r" else 2)  # its spin about its axis
+    assert all(line.frequency > 0 for line in lines)
+
+
+def test_the_verb_tells_a_line_of_each_signal(capsys):
+    command = ["frequencies", "lagrange/nutation", "--of", "gamma3", "--end", "200"]
+    assert main([*command, "--lines", "1", "--json"]) == 0
+    told = capsys.readouterr()
+    assert json.loads(told.out)["columns"]["combination"] == ["nutation"]
+    assert "no line above rounding" not in told.err
+
+
+def test_slow_lines_beside_a_constant_claim_no_digits_that_they_lack():
+    """Within a few 2 pi/T of 0 a line, its mirror image and the constant hide each other."""
+    from polhode.dynamics.frequencies import naff
+
+    rng, factors = np.random.default_rng(3), []
+    for least, most in [(0.05, 1), (1, 2), (2, 6), (0.3, 1), (6, 12)]:
+        for _ in range(12):
+            n = int(rng.integers(600, 1000))
+            bins = np.cumsum(rng.uniform(least, most, int(rng.integers(1, 4))))
+            rates = bins * 2 * np.pi / (STEP * (n - 1))
+            sizes = rng.uniform(0.01, 1, len(rates)) * np.exp(2j * np.pi * rng.random(len(rates)))
+            waves = np.exp(1j * np.outer(STEP * np.arange(n), rates)) @ sizes
+            for line in naff.lines(rng.uniform(-10, 10) + waves.real, STEP, len(rates)):
+                off = float(np.min(np.abs(rates - line.frequency)))
+                assert off <= line.error
+                factors.append(line.error / max(off, 2**-50 * line.frequency))
+    assert np.median(factors) < 100
+
+
+@pytest.mark.parametrize("decimals", [3, 6, 9])
+@pytest.mark.parametrize("rate", [60, 128, 59.94, 240])
+def test_stamps_that_are_rounded_are_equally_spaced(rate, decimals, tmp_path):
+    """60 Hz in 6 decimals was refused; 128 Hz has stamps halfway between two of them."""
+    t = np.arange(1200) / rate
+    wanted = 2 * math.pi * rate / 17.3
+    file = sampled(tmp_path / "x.csv", {"t": t, "r": np.cos(wanted * t)}, decimals)
+    found = polhode.frequencies(file, lines=1)
+    (line,) = found.lines["r"]
+    assert abs(found.step - 1 / rate) <= found.step_error + 2**-50 / rate
+    # halves of two units, over 1200 steps: no spacing farther off fits
+    assert found.step_error <= 10.0**-decimals / 600
+    assert found.fact("step_error") == found.step_error
+    assert abs(line.frequency - wanted) <= line.error
+    assert line.error >= wanted * rate * found.step_error
+    assert line.error < wanted * rate * found.step_error + 1e-9 * wanted
+
+
+@pytest.mark.parametrize("off", [2, 40])
+def test_a_stamp_that_is_off_by_more_than_rounding_is_refused(off, tmp_path):
+    t = np.arange(200) / 60
+    t[120] += off * 1e-6
+    file = sampled(tmp_path / "x.csv", {"t": t, "r": np.cos(t)}, 6)
+    with pytest.raises(polhode.BadInput, match="or their last printed decimal"):
+        polhode.frequencies(file)
