@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import math
+from fractions import Fraction
 
 import numpy as np
 import pytest
 
 import polhode
 from polhode.cli import main
+from polhode.scenes import scene_file
 
 # -- frequencies -----------------------------------------------------------------------------------
 
@@ -132,3 +134,52 @@ def test_a_stamp_that_is_off_by_more_than_rounding_is_refused(off, tmp_path):
     file = sampled(tmp_path / "x.csv", {"t": t, "r": np.cos(t)}, 6)
     with pytest.raises(polhode.BadInput, match="or their last printed decimal"):
         polhode.frequencies(file)
+
+
+# -- levels ----------------------------------------------------------------------------------------
+
+LEVEL = """schema = 1
+[body]
+moments = [2, 1.5, 1]
+centre = [0.3, 0.2, 1]
+weight = 1
+[start]
+gamma = ["4/5", "3/5", 0]
+h = 2
+f = "3/10"
+"""
+
+
+def test_a_level_that_the_scene_says_is_not_rounded():
+    """omega is a root there: h and f were computed from it, and were "(rounded)"."""
+    scene = scene_file.parse(LEVEL, "top.toml")
+    here = polhode.levels(scene).here
+    for found in (
+        polhode.orbit(scene, digits=18),
+        polhode.section(scene, starts="scene", crossings=2),
+        polhode.chaos_map(scene, grid=(2, 2), end=5),
+    ):
+        assert (found.fact("h"), found.fact("f")) == (here.h, here.f) == (2, Fraction(3, 10))
+
+
+@pytest.mark.slow
+def test_a_theorem_is_of_the_level_that_the_scene_says():
+    theorem = polhode.prove_orbit(scene_file.parse(LEVEL, "top.toml")).theorem
+    assert "on the level h = 2, f = 3/10 exactly one" in theorem
+
+
+@pytest.mark.parametrize("off", ["1e-22", "-1e-30", "1e-200"])
+def test_a_centre_barely_off_an_axis_needs_no_exact_levels(off):
+    """They were out of reach, and sections, maps and orbits, of doubles alone, were refused."""
+    body = {"moments": [2, "1.5", 1], "weight": 1}
+    start = {"omega": ["0.3", "0.2", 1], "gamma": ["4/5", 0, "3/5"]}
+    near, on = (polhode.top(**body, centre=[x, 0, 1], **start) for x in (off, 0))
+    for more in ({"starts": "scene"}, {"grid": (2, 2)}, {"starts": "scene", "by": "height"}):
+        one, other = (polhode.section(top, crossings=3, **more) for top in (near, on))
+        assert np.abs(one.states - other.states).max() < 1e-12
+    assert polhode.chaos_map(near, grid=(2, 2), end=5).fact("h") == near.integrals.energy
+
+
+def test_of_a_size_beyond_exact_levels_a_level_that_is_none_is_still_refused():
+    with pytest.raises(polhode.BadInput, match=r"above -0\.6164.*, below which"):
+        polhode.section("general/asymmetric-chaotic", h="-0.9", f="1e-60", crossings=2)
