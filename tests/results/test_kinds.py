@@ -131,7 +131,7 @@ def test_a_loaded_orbit_has_what_an_orbit_has(ending: str, tmp_path: Path) -> No
     again = load_result(path)
     assert repr(again) == repr(live).replace("<", "<Saved ")
     assert (again.result, again.kind) == ("Orbit", live.kind) == ("Orbit", "elliptic")
-    for name in ("period", "h", "f", "scene"):
+    for name in ("period", "h", "f"):
         assert getattr(again, name) == getattr(live, name)
     assert again.residue == again.fact("residue") == pytest.approx(float(live.residue), rel=1e-15)
     with pytest.raises(AttributeError, match=r"has no perod: .*'period'"):

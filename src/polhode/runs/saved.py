@@ -44,7 +44,7 @@ class Saved(Result):
     ...     found.save(os.path.join(folder, "levels.npz"))
     ...     again = polhode.load_result(os.path.join(folder, "levels.npz"))
     >>> again
-    <Saved Levels of general/asymmetric-chaotic: 5 arcs>
+    <Saved Levels of general/asymmetric-chaotic: 8 curves, 2 cusps>
     >>> again.result, again.h == found.here.h
     ('Levels', True)
     """
