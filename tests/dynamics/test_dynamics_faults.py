@@ -183,3 +183,50 @@ def test_a_centre_barely_off_an_axis_needs_no_exact_levels(off):
 def test_of_a_size_beyond_exact_levels_a_level_that_is_none_is_still_refused():
     with pytest.raises(polhode.BadInput, match=r"above -0\.6164.*, below which"):
         polhode.section("general/asymmetric-chaotic", h="-0.9", f="1e-60", crossings=2)
+
+
+# -- precession ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("moments", "omega", "axis", "moment"),
+    [
+        ([1, 2, 3], ["0.1", 0, 1], 3, "largest"),
+        ([1, 2, 3], [1, "0.1", "0.1"], 1, "smallest"),
+        ([2, 3, "1.5"], ["0.1", 1, 0], 2, "largest"),
+        ([2, 2, 1], ["0.1", 0, 1], 3, "smallest"),
+        ([3, 2, 2], [1, "0.1", 0], 1, "largest"),
+    ],
+)
+def test_a_precession_says_of_which_axis(moments, omega, axis, moment):
+    """And that axis turns about G at this rate, in space."""
+    body = {"moments": moments, "omega": omega, "gamma": [0, 0, 1]}
+    top = polhode.top(**body, outputs=["attitude"])
+    exact = polhode.reference(top)
+    words = f"of principal axis {axis} (of the {moment} moment) about the angular momentum"
+    assert exact.rates_of == {"precession": words}
+    run = polhode.integrate(top, at=[k / 8 for k in range(801)])
+    turns = np.array(run.attitude, float)
+
+    def in_space(turn, v):
+        scalar, vector = turn[0], turn[1:]
+        return v + 2 * np.cross(vector, np.cross(vector, v) + scalar * v)
+
+    up = in_space(turns[0], np.array(moments, float) * [float(x) for x in omega])
+    up = up / np.linalg.norm(up)
+    first = np.cross(np.eye(3)[int(np.argmin(np.abs(up)))], up)
+    second = np.cross(up, first)
+    axes = [in_space(turn, np.eye(3)[axis - 1]) for turn in turns]
+    angle = np.unwrap([math.atan2(second @ x, first @ x) for x in axes])
+    rate = (angle[-1] - angle[0]) / 100
+    assert rate == pytest.approx(float(exact.frequencies["precession"]), abs=0.03)
+
+
+def test_show_and_frequencies_tell_it(capsys):
+    assert main(["show", "euler/attitude"]) == 0
+    assert "precession = of principal axis 3 (of the largest moment)" in capsys.readouterr().out
+    assert main(["frequencies", "lagrange/nutation", "--end", "100", "--of", "gamma3"]) == 0
+    told = capsys.readouterr().err
+    assert (
+        "precession of the axis of symmetry through the centre of mass about the vertical =" in told
+    )

@@ -254,8 +254,10 @@ def _frequencies(result: Frequencies, namespace: Namespace) -> Iterator[str]:
             f"{result.step_error:.1g} fits them all, and the errors include it"
         )
     kind = "closed form" if result.closed_form else "basis"
-    if rates := ", ".join(f"{name} = {value:.15g}" for name, value in result.known.items()):
-        yield f"{result.name}: {kind}: {rates}"
+    words = {name: f" {words}" for name, words in result.rates_of.items()}
+    rates = [f"{name}{words.get(name, '')} = {x:.15g}" for name, x in result.known.items()]
+    if rates:
+        yield f"{result.name}: {kind}: {', '.join(rates)}"
 
 
 def _proved_orbit(result: ProvedOrbit, namespace: Namespace) -> Iterator[str]:

@@ -18,7 +18,7 @@ from polhode.common.provenance import provenance
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.frequencies import naff
 from polhode.dynamics.frequencies.spacing import Spacing, spacing
-from polhode.judging.references.reference import reference
+from polhode.judging.references.reference import Reference, reference
 from polhode.judging.tables.table import Table
 from polhode.judging.tables.table_file import is_table, read_table
 from polhode.numbers.conversion import doubles, to_double
@@ -75,8 +75,9 @@ class Frequencies(Result, ByValue):
     """The lines of each signal, strongest first, in radians per unit of time.
 
     ``known``: frequencies by name that the lines are combinations of: a closed form's where
-    ``closed_form``, else lines that are no combination of those before.  The mean of a real signal
-    is taken away.  ``step``: the time between two samples, and ``step_error`` what it may be off
+    ``closed_form``, else lines that are no combination of those before.  ``rates_of``:
+    of which axis about which they are, where the name leaves it open.  The mean of a real signal is
+    taken away.  ``step``: the time between two samples, and ``step_error`` what it may be off
     where the times are rounded, which the errors of the lines include.  ``scene``: with the times
     of the samples; None of a table or of listed times.
 
@@ -94,6 +95,7 @@ class Frequencies(Result, ByValue):
     lines: Mapping[str, tuple[Line, ...]]
     known: Mapping[str, float]
     closed_form: bool
+    rates_of: Mapping[str, str] = field(default_factory=dict)
     signals: Mapping[str, Doubles | Complexes] = field(default_factory=dict)
     step: float = 0.0
     step_error: float = 0.0
@@ -126,7 +128,11 @@ class Frequencies(Result, ByValue):
 
     def facts(self) -> list[Fact]:
         """Of what motion, how long it was followed, and which frequencies are known."""
-        columns = [text_column("name", [*self.known]), Column("frequency", [*self.known.values()])]
+        columns = [
+            text_column("name", [*self.known]),
+            Column("frequency", [*self.known.values()]),
+            text_column("of", [self.rates_of.get(name, "") for name in self.known]),
+        ]
         source = [Fact("scene", self.name, "a scene's name, or a file")]
         return [
             *(source if self.scene is None else scene_facts(self.scene)),
@@ -272,6 +278,8 @@ def _of_run(run: Trajectory, names: tuple[str, ...], count: int) -> Frequencies:
             known |= {f"{name}/2": float(x) / 2} if name in half else {name: float(x)}
     signals = {name: _signal(scene.name, name, columns, scene) for name in names}
     found = _found(scene.name, signals, step, count, known, scene.provenance())
+    if isinstance(closed, Reference):
+        found = replace(found, rates_of=closed.rates_of)
     listed = scene.output_times.floats is not None  # which a text would hold one by one
     return found if listed else replace(found, scene=scene)
 
@@ -360,9 +368,9 @@ def _found(
         found,
         known,
         closed,
-        dict(signals),
-        step.step,
-        step.error,
+        signals=dict(signals),
+        step=step.step,
+        step_error=step.error,
         provenance=origin,
     )
 
