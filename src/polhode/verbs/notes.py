@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from polhode.proofs.proved_orbit import ProvedOrbit
     from polhode.runs.trajectory import Trajectory
 
+_ROUNDED = 1e-14  # of the step between samples: more is told
+
 #: A result of any kind: each function knows that of its verb.
 AnyResult = Any
 
@@ -252,9 +254,16 @@ def _frequencies(result: Frequencies, namespace: Namespace) -> Iterator[str]:
     for signal, lines in result.lines.items():
         if not lines:
             yield f"{result.name}: {signal} has no line above rounding"
+    if result.step_error > _ROUNDED * abs(result.step):
+        yield (
+            f"{result.name}: the times are rounded: spacing {result.step:.12g} ± "
+            f"{result.step_error:.1g} fits them all, and the errors include it"
+        )
     kind = "closed form" if result.closed_form else "basis"
-    if rates := ", ".join(f"{name} = {value:.15g}" for name, value in result.known.items()):
-        yield f"{result.name}: {kind}: {rates}"
+    words = {name: f" {words}" for name, words in result.rates_of.items()}
+    rates = [f"{name}{words.get(name, '')} = {x:.15g}" for name, x in result.known.items()]
+    if rates:
+        yield f"{result.name}: {kind}: {', '.join(rates)}"
 
 
 def _proved_orbit(result: ProvedOrbit, namespace: Namespace) -> Iterator[str]:
