@@ -52,7 +52,7 @@ def right_digits(file, part):
         for one in (file.columns, file.exact)
     )
     if part == "attitude":
-        order = [3, 0, 1, 2] if "scalar-last" == file.words[part] else [0, 1, 2, 3]
+        order = [3, 0, 1, 2] if file.words[part] == "scalar-last" else [0, 1, 2, 3]
         theirs, exact = (files.matrix(q[:, order]).reshape(-1, 9) for q in (theirs, exact))
     size = np.linalg.norm(exact, axis=1).max() if part == "omega" else 1
     with np.errstate(divide="ignore"):

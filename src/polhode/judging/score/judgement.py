@@ -33,6 +33,7 @@ from polhode.judging.score.report_text import (
     WRONG_AT_ONCE,
     meaning,
     table,
+    without_numbers,
 )
 from polhode.judging.score.score import STATE_PART, Scores
 from polhode.judging.tables.reading import WRONG, Reading
@@ -217,6 +218,15 @@ class Judgement(Result, Scores):
         return (*self.subject.notes, *unjudged)
 
     @property
+    def complete(self) -> bool:
+        """False of a table whose last row has no numbers, and of a run that ended early."""
+        if self.subject.run is not None:
+            return not self.subject.early
+        parts = {*self._halves, *self._judged_parts}
+        last = len(self.times) - 1
+        return not all(last in self.gaps.get(part, ()) for part in parts)
+
+    @property
     def readings(self) -> tuple[Reading, ...]:
         """Conventions in which parts of a table that is wrong as it stands are right: those that
         were applied, and those in which parts still wrong would be."""
@@ -290,6 +300,7 @@ class Judgement(Result, Scores):
             Fact("reference_digits", agreement, "of the reference"),
             Fact("judged", [*subject.state, *self.parts], "columns and outputs", type=TEXT),
             Fact("rows_judged", self.rows_judged),
+            Fact("rows_lacking", len({k for rows in self.gaps.values() for k in rows})),
             Fact("worst", self.worst if told and not self.lost else None, "fewest digits"),
             Fact("worst_time", self.worst_time if told else None, "where they are"),
             Fact("worst_part", self.worst_part if told else None, "of what they are"),
@@ -313,7 +324,7 @@ class Judgement(Result, Scores):
     def __str__(self) -> str:
         """The verdict: the digits at a few times, the fewest of all, what makes them more."""
         if not self.digits and not self._others:
-            return "\n".join([NOTHING, *self._unread])
+            return "\n".join([self._nothing, *self._unread])
         lines = [*self._digits(self._worst.row), self.verdict, *self._why, *self._unread]
         return "\n".join([*self._other_start, *lines])
 
@@ -334,7 +345,9 @@ class Judgement(Result, Scores):
             how = ""
         scene = f"{against.scene.name} ({against.regime})"
         lines = [f"{self.subject.name} against {against.kind} of {scene}{how}"]
-        lines += [*self._digits(None), self.verdict] if self.digits or self._others else [NOTHING]
+        lines += (
+            [*self._digits(None), self.verdict] if self.digits or self._others else [self._nothing]
+        )
         if self.limit and not self._is_foreign:
             lines.append(f"limit {self.limit}")
         if self.motion is not None:
@@ -368,6 +381,19 @@ class Judgement(Result, Scores):
         return [*told, *map(str, self.readings), *map(str, self.causes)]
 
     @property
+    def _without_numbers(self) -> str:
+        """In which rows numbers are missing; empty where none is."""
+        parts = {*self._halves, *self._judged_parts}
+        return without_numbers(
+            {k: x for k, x in self.gaps.items() if k in parts}, parts, self.times
+        )
+
+    @property
+    def _nothing(self) -> str:
+        """That nothing was judged, and why."""
+        return ": ".join(filter(None, [NOTHING, self._without_numbers]))
+
+    @property
     def _unread(self) -> list[str]:
         """How the table was read, and what was not judged."""
         return [*self.subject.remarks, *(f"not judged: {note}" for note in self.notes)]
@@ -393,6 +419,11 @@ class Judgement(Result, Scores):
     def verdict(self) -> str:
         """The fewest digits of all, and what those of the state mean; BadInput where none was
         judged."""
+        return "; ".join(filter(None, [self._without_numbers, self._verdict]))
+
+    @property
+    def _verdict(self) -> str:
+        """The verdict on the numbers that are there."""
         read = f"; read as {self.reading}" if self.reading else ""
         if self.digits and self.lost:
             return f"{self.lost}: {self._meaning}{read}"
@@ -411,7 +442,8 @@ class Judgement(Result, Scores):
         try:
             told = f"worst {self.worst:.2f} correct digits at t = {brief(self.worst_time)}"
             told += f", limited by {self.limit}" if self.limit else ""
+            told += f", {self._without_numbers}" if self.gaps else ""
             told += f", read as {self.reading}" if self.reading else ""
         except BadInput:
-            told = NOTHING
+            told = self._nothing
         return f"<Judgement of {self.subject.name} against {self.reference.kind}: {told}>"

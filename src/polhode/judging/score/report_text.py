@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from fractions import Fraction
 
 from polhode.common.text_tables import aligned, few
@@ -39,6 +39,29 @@ def meaning(limit: str, number: NumberType, foreign: bool) -> str:
         how = FOREIGN
     words = ROUNDED if name == "rounding" and how else LIMITS[name]
     return words.format(number=number.name, how=how)
+
+
+def without_numbers(
+    gaps: Mapping[str, Sequence[int]], parts: Collection[str], times: Sequence[Fraction]
+) -> str:
+    """In which rows which of the parts have no numbers; empty where all have them everywhere."""
+    alike: dict[tuple[int, ...], list[str]] = {}
+    for part, rows in gaps.items():
+        alike.setdefault(tuple(rows), []).append(part)
+    told = []
+    for rows, names in alike.items():
+        of = "" if len(names) == len(parts) else f" of {' and '.join(names)}"
+        count, share, first = len(times), f"{len(rows)} of {len(times)} rows", brief(times[rows[0]])
+        if len(rows) == count:
+            where = "in any row"
+        elif len(rows) == 1:
+            where = f"at t = {first} ({share})"
+        elif rows == (*range(rows[0], count),):
+            where = f"from t = {first} on ({share})"
+        else:
+            where = f"in {share}, the first at t = {first}"
+        told.append(f"no numbers{of} {where}")
+    return ", ".join(told)
 
 
 def table(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -24,17 +24,20 @@ from polhode.judging.score.part_digits import (
     RowDigits,
     fewest,
     part_digits,
+    principal_angles,
     row_digits,
 )
 from polhode.judging.score.row_selection import RowSelection, selection
-from polhode.judging.tables.table import Table
+from polhode.judging.tables.table import PARTS, Table
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.double_double import Pairs
+from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles
-from polhode.scenes.vocabulary import COLUMNS, STATE
+from polhode.scenes.vocabulary import ANGLES, COLUMNS, STATE
 
 FIRST_ASKED = 100  # digits of a reference, before it is known that more of them are needed
 SPARE_DIGITS = 6  # of a reference beyond those that can be told
+_DIGITS = 15  # of the angles that are asked for where a table has none
 NEAR_POLE = 20  # of its attitude, which psi and phi lose near a pole
 
 T = TypeVar("T")
@@ -95,8 +98,9 @@ class Scores(ByValue):
         """Correct digits of the state at each time; empty where no number of it is there."""
         if not self.subject.state:
             return ()
-        found = row_digits(self._errors, self.subject.held)
-        return () if all(d is None for d in found) else self._everywhere(found)
+        rows = zip(*self._halves.values(), strict=True)
+        found = tuple(min((d for d in row if d is not None), default=None) for row in rows)
+        return () if all(d is None for d in found) else found
 
     @cached_property
     def _halves(self) -> dict[str, RowDigits]:
@@ -105,8 +109,41 @@ class Scores(ByValue):
         for name, half in (("omega", slice(0, 3)), ("gamma", slice(3, 6))):
             if {*STATE[half]} & {*self.subject.state}:
                 digits = row_digits(self._errors[:, half], self.subject.held)
-                found[name] = self._everywhere(digits)
+                found[name] = self._of_whole(name, self._everywhere(digits))
         return found
+
+    @cached_property
+    def gaps(self) -> dict[str, tuple[int, ...]]:
+        """The rows in which a part lacks a number that the motion has there, of each that does.
+
+        A vector that lacks a component is none, and has no digits.
+        """
+        found: dict[str, Sequence[int]]
+        found = {part: self.subject.gaps(names) for part, names in PARTS.items()}
+        found |= {word: self.subject.gaps(x.names) for word, x in COLUMNS.items()}
+        found["angles"] = self._missing_angles(found["angles"])
+        return {part: tuple(rows) for part, rows in found.items() if rows}
+
+    def _missing_angles(self, rows: Sequence[int]) -> Sequence[int]:
+        """Those of the rows that lack an angle, which psi and phi at a pole are not."""
+        if not rows:
+            return rows
+        try:
+            attitude = self.reference.attitude([self.times[k] for k in rows], _DIGITS)
+        except ValueError:  # what the motion has there is not known
+            return rows
+        true = dict(zip(rows, principal_angles(attitude, DOUBLE.bits), strict=True))
+        there = [
+            (k, self.subject.columns[n]) for k, n in enumerate(ANGLES) if n in self.subject.columns
+        ]
+        return [k for k in rows if any(x[k] is None and true[k][n] is not None for n, x in there)]
+
+    def _of_whole(self, part: str, digits: RowDigits) -> RowDigits:
+        """Digits of a part, None in rows that lack a number of it."""
+        lacking = {*self.gaps.get(part, ())}
+        return (
+            tuple(None if k in lacking else d for k, d in enumerate(digits)) if lacking else digits
+        )
 
     @cached_property
     def _judged_parts(self) -> dict[str, RowDigits | str]:
@@ -139,7 +176,7 @@ class Scores(ByValue):
             return part_digits(name, own, true, held, self._bits)
 
         found = self._told(word, judged, lambda digits: fewest(digits, held), more)
-        return self._everywhere(found)
+        return self._of_whole(name, self._everywhere(found))
 
     @cached_property
     def _errors(self) -> Doubles:

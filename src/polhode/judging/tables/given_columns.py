@@ -21,6 +21,7 @@ from polhode.numbers.scalars import AnyNumber, AnyVector
 
 NAMING = "--columns 'NAME=COLUMN, ...' (in Python columns=[...])"
 MOST_PRINTED = 60  # digits that rows of exact numbers are counted as
+_MISSING = ("MaskedConstant", "NAType")  # of NumPy's masked arrays, of pandas
 MOST_DIGITS = 1000.0  # that are told of a table
 
 
@@ -153,7 +154,7 @@ def _errors(times: Sequence[Fraction], given: Any, factor: Fraction) -> tuple[fl
 
 def _cell(value: Any) -> float | Fraction | None:
     """A cell's exact number, None where it is empty."""
-    if value is None or value != value:
+    if value is None or type(value).__name__ in _MISSING or value != value:
         return None
     if isinstance(value, float) and math.isfinite(value):
         return float(value)
