@@ -36,8 +36,8 @@ class ObservedOrder(Result):
     lacks a number; ``names``: of the tables, where they are some.  At a step counts what is above
     the first digits and below ``rounding``, the digits from which on rounding rules.  ``orders``:
     at each time that of the least squares through log errors at the steps that count, None where
-    these are too few.  ``order``: the median of them; ``least``, ``most``: between any two neighbours of the steps that
-    count, at any time.
+    these are too few.  ``order``: the median of them; ``least``, ``most``: between any two
+    neighbours of the steps that count, at any time.
     """
 
     steps: tuple[float, ...]
