@@ -42,7 +42,8 @@ def _refuse_gaps(judged: Judgement, table: Table) -> None:
     if firsts:
         row, part = min(firsts, key=lambda first: first[0])
         cells = {n: table.columns[n][row] for n in columns[part] if n in table.columns}
-        name = next(name for name, x in cells.items() if x is None)
+        missing = [name for name, x in cells.items() if x is None]
+        name = "theta" if "theta" in missing else missing[0]  # psi and phi may be none
         place = f"{name} in row {row + 1}, t = {brief(table.times[row])}"
         expected = "a number in each cell that is judged (it is empty or not a number)"
         raise BadInput(table.name, place, None, expected)

@@ -30,6 +30,7 @@ from polhode.judging.score.report_text import (
     ELSEWHERE,
     EXPLAINED,
     NOTHING,
+    OWN_EQUATIONS,
     WRONG_AT_ONCE,
     meaning,
     table,
@@ -378,7 +379,19 @@ class Judgement(Result, Scores):
     def _why(self) -> list[str]:
         """Where parts leave the motion, and what would make them right."""
         told = [f"{name}: {where}" for name, where in self.departures.items()]
-        return [*told, *map(str, self.readings), *map(str, self.causes)]
+        why = [*map(str, self.readings), *map(str, self.causes)]
+        if not why and self._leaves_its_start:
+            why = [OWN_EQUATIONS.format(scene=self.reference.scene.name)]
+        return [*told, *why]
+
+    @property
+    def _leaves_its_start(self) -> bool:
+        """Whether a table begins right at t = 0, and is then wrong in the first digit."""
+        if self.subject.run is not None or not self.digits or self.state_worst >= LAST:
+            return False
+        return any(
+            not t and (d or 0) >= WRONG for t, d in zip(self.times, self.digits, strict=True)
+        )
 
     @property
     def _without_numbers(self) -> str:

@@ -30,6 +30,9 @@ EXPLAINED = "another number explains the error"
 ELSEWHERE = "another convention gives more digits"
 WRONG_AT_ONCE = "wrong in the first digit"
 NOTHING = "nothing was judged"
+OWN_EQUATIONS = (
+    "of a program's own equations polhode.compare_field(f, {scene!r}) names the terms that differ"
+)
 
 
 def meaning(limit: str, number: NumberType, foreign: bool) -> str:
