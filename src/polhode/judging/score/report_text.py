@@ -8,6 +8,7 @@ from fractions import Fraction
 from polhode.common.text_tables import aligned, few
 from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.diagnosis.error_budget import shown_digits
+from polhode.judging.score.residuals import Residual
 from polhode.numbers.decimals import brief, in_full, shortest
 from polhode.numbers.number_types import NumberType
 
@@ -21,10 +22,12 @@ LIMITS = {
     "inputs": "as many as the scene's numbers, rounded to {number}, allow",
     "reference": "as many as the reference can tell",
     "method": "fewer than {number} precision allows: {how}",
+    "noise": "fewer than {number} precision allows: noise that is {how} at this level",
     "unknown": "{how}",
 }
 ROUNDED = "as many as rounding {how} leaves"
 FOREIGN = "the program's steps, noise, or another motion"
+WHITE = "noise (white)"
 BY_CHANCE = "; or by chance: one run in {runs:.0f} has so few"
 EXPLAINED = "another number explains the error"
 ELSEWHERE = "another convention gives more digits"
@@ -65,6 +68,12 @@ def without_numbers(
             where = f"in {share}, the first at t = {first}"
         told.append(f"no numbers{of} {where}")
     return ", ".join(told)
+
+
+def residual_text(left: Sequence[Residual]) -> str:
+    """Residuals in words: of each column the root mean square and the bias."""
+    told = [f"{x.column} {x.rms:.2g} ({x.bias:+.1g} ± {x.bias_error:.1g})" for x in left]
+    return f"noise, rms (and bias): {', '.join(told)}"
 
 
 def table(

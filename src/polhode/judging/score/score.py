@@ -27,17 +27,27 @@ from polhode.judging.score.part_digits import (
     principal_angles,
     row_digits,
 )
+from polhode.judging.score.residuals import (
+    FEWEST,
+    Residual,
+    are_white,
+    differences,
+    residuals,
+    rotations,
+)
 from polhode.judging.score.row_selection import RowSelection, selection
 from polhode.judging.tables.table import PARTS, Table
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.double_double import Pairs
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles
-from polhode.scenes.vocabulary import ANGLES, COLUMNS, STATE
+from polhode.scenes.vocabulary import ANGLES, ATTITUDE, COLUMNS, STATE
 
 FIRST_ASKED = 100  # digits of a reference, before it is known that more of them are needed
 SPARE_DIGITS = 6  # of a reference beyond those that can be told
 _DIGITS = 15  # of the angles that are asked for where a table has none
+_NOISY, _RADIAN = 0.1, 57.3  # of a column's size: noise that leaves digits; degrees
+ROTATION = ("rotation_x", "rotation_y", "rotation_z")
 NEAR_POLE = 20  # of its attitude, which psi and phi lose near a pole
 
 T = TypeVar("T")
@@ -280,6 +290,71 @@ class Scores(ByValue):
     def _others(self) -> dict[str, RowDigits]:
         """Digits of what is no column of the state; of angles psi and phi up to whole turns."""
         return {k: part for k, part in self._judged_parts.items() if not isinstance(part, str)}
+
+    @cached_property
+    def rotation_errors(self) -> Doubles:
+        """Rotations from the true attitudes to the subject's, vectors along body axes in degrees,
+        shape (rows, 3); not a number where the attitude was not judged, no rows where nowhere."""
+        if "attitude" not in self._others:
+            return np.zeros((0, 3))
+        try:
+            found = self._left("attitude", ATTITUDE, rotations)
+        except ValueError:  # a proof judged it, and its digits alone are known
+            return np.zeros((0, 3))
+        found[[k for k, d in enumerate(self._others["attitude"]) if d is None]] = math.nan
+        return found
+
+    def _left(
+        self, word: str, names: Sequence[str], difference: Callable[[Answer, Answer], Doubles]
+    ) -> Doubles:
+        """What is left of columns beside the reference at all times; raises ValueError."""
+        true = self.known_answers.rows(word, min(self._wanted, FIRST_ASKED))
+        own = self._judged.numbers(names, in_pairs=isinstance(true, Pairs))
+        found = difference(own, true)
+        if self._selected is None:
+            return found
+        everywhere = np.full((len(self.times), found.shape[1]), math.nan)
+        everywhere[list(self._selected.rows)] = found
+        return everywhere
+
+    @cached_property
+    def _residual_rows(self) -> tuple[tuple[str, ...], Doubles]:
+        """Names of what is left of a table's state and attitude, and its whole rows in time."""
+        names: list[str] = []
+        parts = []
+        if self.digits:
+            columns = self.reference.scene.columns
+            there = [k for k, name in enumerate(columns) if name in self.subject.state]
+            names += [columns[k] for k in there]
+            parts.append(self._left("at", columns, differences)[:, there])
+        if len(self.rotation_errors):
+            names += ROTATION
+            parts.append(self.rotation_errors)
+        if not parts:
+            return (), np.zeros((0, 0))
+        order = sorted(range(len(self.times)), key=lambda k: self.times[k])
+        rows = np.hstack(parts)[order]
+        return tuple(names), rows[np.all(np.isfinite(rows), axis=1)]
+
+    @cached_property
+    def residuals(self) -> tuple[Residual, ...]:
+        """What is left of each column of the state, and of the attitude as a rotation in degrees:
+        root mean square, bias, and the bias's standard error, over rows that are whole."""
+        return residuals(*self._residual_rows)
+
+    @cached_property
+    def is_noisy(self) -> bool:
+        """Whether what is left of a table may be white noise, of a tenth of its size or less."""
+        names, rows = self._residual_rows
+        if self.subject.run is not None or len(rows) < FEWEST:
+            return False
+        rate = 1.0
+        if self.digits:
+            true = self.known_answers.rows("at", min(self._wanted, FIRST_ASKED))
+            rate = 10.0 ** log10_rate(true, self.reference.scene)
+        sizes = [rate if n in STATE[:3] else _RADIAN if n in ROTATION else 1.0 for n in names]
+        level = np.sqrt(np.mean(rows**2, axis=0)) / sizes
+        return bool(np.all(level < _NOISY)) and are_white(rows)
 
     @property
     def reading(self) -> str | None:
