@@ -186,7 +186,7 @@ def compare_field(
     """
     if not callable(f):
         raise BadInput("compare_field", "f", f, "a function f(t, y) that returns the rates of y")
-    if variables not in VARIABLES:
+    if not isinstance(variables, str) or variables not in VARIABLES:
         raise BadInput("compare_field", "variables", variables, " or ".join(VARIABLES))
     of_kind("compare_field", "scene", scene, (Scene, str, Path), "a scene")
     return _Fitted(f, library.load(scene), variables).comparison()
@@ -243,12 +243,11 @@ class _Fitted:
 
     def _rates(self, f: Field, t: float, y: Doubles) -> Doubles:
         """The rates at a state; raises BadInput."""
-        found = f(t, y.copy())
         expected = f"{self.count} finite numbers, the rates of {' '.join(self.names)}"
         try:
-            rates = np.asarray(found, dtype=float)
-        except (TypeError, ValueError):
-            raise BadInput("compare_field", "f(t, y)", found, expected) from None
+            rates = np.asarray(f(t, y.copy()), dtype=float)
+        except (TypeError, ValueError, IndexError) as fault:
+            raise BadInput("compare_field", "f(t, y)", None, f"{expected} ({fault})") from fault
         if rates.shape != (self.count,) or not np.all(np.isfinite(rates)):
             raise BadInput("compare_field", "f(t, y)", rates.tolist(), expected)
         return rates

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from polhode.common.errors import BadInput
 from polhode.judging.score.judgement import Judgement
-from polhode.judging.tables.table import PARTS, Table
+from polhode.judging.tables.table import Table
 from polhode.numbers.decimals import brief
-from polhode.scenes.vocabulary import ATTITUDE, COLUMNS
+from polhode.scenes.vocabulary import ATTITUDE
 
 
 def refuse_incomplete(judged: Judgement) -> None:
@@ -37,13 +37,9 @@ def _refuse_parts(judged: Judgement, table: Table) -> None:
 
 
 def _refuse_gaps(judged: Judgement, table: Table) -> None:
-    columns = {**PARTS, **{word: x.names for word, x in COLUMNS.items()}}
-    firsts = [(rows[0], part) for part, rows in judged.gaps.items()]
-    if firsts:
-        row, part = min(firsts, key=lambda first: first[0])
-        cells = {n: table.columns[n][row] for n in columns[part] if n in table.columns}
-        missing = [name for name, x in cells.items() if x is None]
-        name = "theta" if "theta" in missing else missing[0]  # psi and phi may be none
+    if judged.missing:
+        name = min(judged.missing, key=lambda name: judged.missing[name][0])
+        row = judged.missing[name][0]
         place = f"{name} in row {row + 1}, t = {brief(table.times[row])}"
         expected = "a number in each cell that is judged (it is empty or not a number)"
         raise BadInput(table.name, place, None, expected)

@@ -128,32 +128,36 @@ class Scores(ByValue):
 
         A vector that lacks a component is none, and has no digits.
         """
-        found: dict[str, Sequence[int]]
-        found = {part: self.subject.gaps(names) for part, names in PARTS.items()}
-        found |= {word: self.subject.gaps(x.names) for word, x in COLUMNS.items()}
-        found["angles"] = self._missing_angles(found["angles"])
-        return {part: tuple(rows) for part, rows in found.items() if rows}
+        parts = PARTS | {word: x.names for word, x in COLUMNS.items()}
+        rows = {
+            part: sorted({k for name in names for k in self.missing.get(name, ())})
+            for part, names in parts.items()
+        }
+        return {part: tuple(lacking) for part, lacking in rows.items() if lacking}
 
-    def _missing_angles(self, rows: Sequence[int]) -> Sequence[int]:
-        """Those of the rows that lack an angle, which psi and phi at a pole are not."""
-        if not rows:
-            return rows
-        try:
-            attitude = self.reference.attitude([self.times[k] for k in rows], _DIGITS)
-        except ValueError:  # what the motion has there is not known
-            return rows
-        true = dict(zip(rows, principal_angles(attitude, DOUBLE.bits), strict=True))
-        there = [
-            (k, self.subject.columns[n]) for k, n in enumerate(ANGLES) if n in self.subject.columns
-        ]
-        return [k for k in rows if any(x[k] is None and true[k][n] is not None for n, x in there)]
+    @cached_property
+    def missing(self) -> dict[str, tuple[int, ...]]:
+        """The rows in which a column lacks a number that the motion has there, of each that does.
+
+        An angle may be missing where the motion has none: psi and phi at a pole.
+        """
+        columns = self.subject.columns
+        found = {name: self.subject.gaps([name]) for name in columns}
+        if rows := self.subject.gaps(ANGLES):
+            with suppress(ValueError):  # what the motion has there is not known
+                attitude = self.reference.attitude([self.times[k] for k in rows], _DIGITS)
+                true = dict(zip(rows, principal_angles(attitude, DOUBLE.bits), strict=True))
+                for place, name in enumerate(ANGLES):
+                    here = found.get(name, [])
+                    found[name] = [k for k in here if true[k][place] is not None]
+        return {name: tuple(lacking) for name, lacking in found.items() if lacking}
 
     def _of_whole(self, part: str, digits: RowDigits) -> RowDigits:
         """Digits of a part, None in rows that lack a number of it."""
         lacking = {*self.gaps.get(part, ())}
-        return (
-            tuple(None if k in lacking else d for k, d in enumerate(digits)) if lacking else digits
-        )
+        if not lacking:
+            return digits
+        return tuple(None if k in lacking else d for k, d in enumerate(digits))
 
     @cached_property
     def _judged_parts(self) -> dict[str, RowDigits | str]:
