@@ -59,6 +59,19 @@ def test_a_noisy_attitude_has_its_own_limit():
     assert (exact.limit, exact.attitude_limit) == ("rounding", "rounding")
 
 
+@pytest.mark.parametrize(("fewer", "limit"), [(0.9, "conditioning"), (3, "method")])
+def test_an_attitude_may_lose_the_digits_of_the_angle_that_was_turned(fewer, limit):
+    """At t = 20 that is 1.9 digits: omega's error is the rate at which it goes wrong."""
+    columns = table("at", "attitude")
+    (least, *_) = polhode.compare(columns, SCENE).expected[-1]
+    half = 10 ** (fewer - least)
+    columns["q1"][-1] += columns["q0"][-1] * half
+    columns["q0"][-1] -= columns["q1"][-1] * half
+    found = polhode.compare(columns, SCENE)
+    assert found.attitude_limit.partition(" ")[0] in (limit, limit.replace("condition", "round"))
+    assert found.limit == "rounding"
+
+
 def growing(columns):
     noise = with_noise({n: 0 * x for n, x in columns.items()}, 1e-3)
     return {n: x + noise[n] * columns["t"] / 20 for n, x in columns.items()}
