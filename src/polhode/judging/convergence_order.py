@@ -36,12 +36,12 @@ class ObservedOrder(Result):
     """The order p of a method, error ~ step**p, from correct digits at several steps and times.
 
     ``digits``: a row for each of ``steps``, correct ones at each of ``times``, nan where a table
-    lacks a number; ``names``: of the tables, where they are some.  At a step counts what is above the first digits and below
-    ``rounding``, the digits from which on rounding rules, unless it is ``limited`` by rounding all
-    the same: a row for each step, whether it is at each time.  ``orders``: at each time that of the
-    least squares through log errors at the steps that count, None where these are too few.
-    ``order``: the median of them; ``least``, ``most``: between any two neighbours of the steps that
-    count, at any time.
+    lacks a number; ``names``: of the tables, where they are some. At a step counts what is above
+    the first digits and below ``rounding``, the digits from which on rounding rules, unless it is
+    ``limited`` by rounding all the same: a row for each step, whether it is at each time.
+    ``orders``: at each time that of the least squares through log errors at the steps that count,
+    None where these are too few.  ``order``: the median of them; ``least``, ``most``: between any
+    two neighbours of the steps that count, at any time.
     """
 
     steps: tuple[float, ...]

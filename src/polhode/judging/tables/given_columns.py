@@ -113,7 +113,7 @@ def table_of_columns(
     found = table_of_cells(source, header, named, cells, printed, number)
     errors = _errors(found.times, held[header[clock]], named[clock].factor)
     name = "columns" if source == "compare" else source
-    return replace(found, name=name, remarks=remarks, time_errors=errors)
+    return replace(found, name=name, remarks=(*remarks, *found.remarks), time_errors=errors)
 
 
 def _with_whole_stamps(
