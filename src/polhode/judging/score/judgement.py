@@ -28,12 +28,12 @@ from polhode.judging.diagnosis.error_budget import (
 from polhode.judging.diagnosis.other_start import other_start
 from polhode.judging.score.expectation import FOLLOWED, Expectation
 from polhode.judging.score.report_text import (
+    BIASED,
     BY_CHANCE,
     ELSEWHERE,
     EXPLAINED,
     NOTHING,
     OWN_EQUATIONS,
-    BIASED,
     WHITE,
     WRONG_AT_ONCE,
     meaning,
