@@ -93,11 +93,11 @@ def start(scene: Scene, own: OwnUnits, form: str) -> Start:
         raise BadInput(scene.name, "form", form, expected)
     across = exact.sqrt(square)
     psi1 = (p * g1 + q * g2) / square
-    angles = _psi(scene), exact.arctan2(across, g3), exact.arctan2(g1, g2)
+    angles = inner_psi(scene), exact.arctan2(across, g3), exact.arctan2(g1, g2)
     return Start(angles, (psi1, (p * g2 - q * g1) / across, r - psi1 * g3))
 
 
-def _psi(scene: Scene) -> Exact:
+def inner_psi(scene: Scene) -> Exact:
     """psi of the principal axes: their third one leans towards -y of space turned by psi about z.
 
     The scene's own line of nodes is at psi, and at a pole (phi = 0) along its first axis.

@@ -12,8 +12,9 @@ from __future__ import annotations
 from polhode.common.errors import BadInput
 from polhode.equations import kinematics
 from polhode.equations.form import Coefficients, Form, OmegaAndGamma, Values
-from polhode.equations.forms import principal
+from polhode.equations.forms import angles, principal
 from polhode.equations.forms.matrices import omega_and_gamma
+from polhode.numbers.exact import sign
 from polhode.numbers.scalars import Functions, Scalar
 from polhode.numbers.vectors import vertical
 from polhode.scenes.scene import Scene
@@ -46,7 +47,10 @@ def for_scene(scene: Scene) -> Quaternion:
         raise BadInput(scene.name, "form", NAME, expected)
     axes = scene.body.axes
     start = omega_and_gamma(scene, axes)
-    attitude = kinematics.starting_attitude(axes.components(scene.gamma), scene.psi)
+    gamma, psi = axes.components(scene.gamma), scene.psi
+    if not (sign(gamma[0]) == 0 == sign(gamma[1])):  # at their pole psi of the axes has no meaning
+        psi = angles.inner_psi(scene)
+    attitude = kinematics.starting_attitude(gamma, psi)
     k = principal.coefficients(scene.body, scene.time_unit)
     return Quaternion(scene, axes, (*scene.columns[:3], *_NAMES), k, (*start[:3], *attitude))
 
