@@ -34,12 +34,13 @@ class Readout:
     def __init__(self, scene: Scene, number: NumberType) -> None:
         self.scene, self.number = scene, number
         self.form, self.columns = equations(scene), len(scene.columns)
+        self.frame = self.form.frame
 
     def states(self, rows: Given) -> Rows:
         """p q r [gamma1 gamma2 gamma3] in scene axes: an ndarray, or rows of mpf above extended."""
         if len(rows) == 0:
             return self._kept([]).reshape(0, self.columns) if self.number.flat else []
-        exponent = -self.scene.time_unit
+        exponent = -self.frame.exponent
         if self.number.flat:
             import numpy as np
 
@@ -63,7 +64,7 @@ class Readout:
 
     def _begins_with_the_start(self, row: GivenRow) -> bool:
         """Whether a row is that of the start, to the bit, and omega and gamma no copies of it."""
-        if self.form.plain and self.form.axes.trivial:
+        if self.form.plain and self.frame.axes.trivial:
             return False
         variables = zip(row[: len(self.form.variables)], self.form.start, strict=True)
         return all(exactly(x) == self.number.rounded(y) for x, y in variables)
@@ -211,7 +212,7 @@ class Readout:
 
     def _flat(self, rows: Flat) -> Flat:
         """The same of an array, as a new array."""
-        if self.form.plain and self.form.axes.trivial:
+        if self.form.plain and self.frame.axes.trivial:
             return rows[:, : self.columns].copy()
         if self.number.name == "double":
             return self._in_extended(rows)
@@ -219,7 +220,7 @@ class Readout:
         return self._kept(wide).reshape(len(rows), self.columns)
 
     def _vectors(self, rows: Given) -> list[list[Scalar]]:
-        """Rows of omega and gamma in scene axes and the run's unit, rounded once at the end."""
+        """Rows of omega and gamma in scene axes and the frame's unit, rounded once at the end."""
         from polhode.numbers.mpmath_context import mpmath
 
         bits = self.number.bits + GUARD_BITS
@@ -235,7 +236,7 @@ class Readout:
         """Pairs of omega and gamma, one after the other, turned and rounded to the run's type."""
         from polhode.numbers.mpmath_context import mpmath
 
-        axes = self.form.axes
+        axes = self.frame.axes
         with mpmath.workprec(self.number.bits):
             if axes.trivial:
                 return [[+x for vector in pair for x in vector] for pair in found]
@@ -263,7 +264,7 @@ class Readout:
                 for vector in self.form.state(list(wide.T), self._extended, of_extended())
                 if vector
             ]
-        if not self.form.axes.trivial:
+        if not self.frame.axes.trivial:
             vectors = [vector @ self._turn for vector in vectors]
         return np.hstack(vectors).astype(self._kind)
 
@@ -274,7 +275,7 @@ class Readout:
 
     @cached_property
     def _turn(self) -> Extendeds:
-        """The turn from the form's axes to the scene's in extended."""
+        """The turn from the frame's axes to the scene's in extended."""
         import numpy as np
 
-        return np.array([[to_extended(x) for x in row] for row in self.form.axes.rows])
+        return np.array([[to_extended(x) for x in row] for row in self.frame.axes.rows])

@@ -18,8 +18,8 @@ from polhode.scenes.vocabulary import ANGLE_VARIABLES, ATTITUDE
 class System:
     """Variables, exact coefficients and exact start of what is integrated: a form and outputs.
 
-    Time is measured in the scene's own unit.  Quaternion and angles are those of the scene's axes;
-    the quaternion is there for the angles, too.
+    All of it is inside the form's frame, but that quaternion and angles are those of the scene's
+    axes; the quaternion is there for the angles, too.
     """
 
     form: Form
@@ -61,7 +61,7 @@ def system(scene: Scene, outputs: Sequence[str]) -> System:
     names, start, k = [*form.variables], [*form.start], dict(form.coefficients)
     if scene.gamma is not None:
         if outputs:
-            k |= kinematics.turn_coefficients(form.axes)
+            k |= form.frame.turn
             names += ATTITUDE
             start += kinematics.starting_attitude(scene.gamma, scene.psi)
         if "angles" in outputs:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from fractions import Fraction
 from math import isfinite
 from pathlib import Path
 from threading import get_ident
@@ -23,7 +22,6 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Doubles, Extendeds, Flat, double_array, flat
 from polhode.numbers.scalars import AnyNumber, numbers_given
-from polhode.numbers.vectors import scaled
 from polhode.runs.problem.options import cadence, choose_number, corrections, rounded_tolerance
 from polhode.runs.problem.problem import Problem, problem
 from polhode.scenes import library
@@ -262,9 +260,8 @@ class Propagator:
     @cached_property
     def _bound(self) -> lanes.Bound:
         """What bounds the rates of motions, in principal axes and the run's own unit of time."""
-        torque = self._problem.form.axes.components(self.scene.body.torque)
-        moment = _doubles(scaled(Fraction(4) ** self.scene.time_unit, torque))
-        return lanes.Bound.of(_doubles(self.scene.body.moments), moment)
+        body = self._problem.form.scene.body
+        return lanes.Bound.of(_doubles(body.moments), _doubles(body.torque))
 
     def _times(self, t: AnyNumber | npt.ArrayLike) -> tuple[Flat, bool]:
         """Times in the run's own unit as an array, and whether several were given."""

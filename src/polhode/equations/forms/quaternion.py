@@ -12,9 +12,7 @@ from __future__ import annotations
 from polhode.common.errors import BadInput
 from polhode.equations import kinematics
 from polhode.equations.form import Coefficients, Form, OmegaAndGamma, Values
-from polhode.equations.forms import angles, principal
-from polhode.equations.forms.matrices import omega_and_gamma
-from polhode.numbers.exact import sign
+from polhode.equations.forms import principal
 from polhode.numbers.scalars import Functions, Scalar
 from polhode.numbers.vectors import vertical
 from polhode.scenes.scene import Scene
@@ -45,14 +43,9 @@ def for_scene(scene: Scene) -> Quaternion:
     if scene.gamma is None:
         expected = "another form, or a start.gamma: the attitude begins from it"
         raise BadInput(scene.name, "form", NAME, expected)
-    axes = scene.body.axes
-    start = omega_and_gamma(scene, axes)
-    gamma, psi = axes.components(scene.gamma), scene.psi
-    if not (sign(gamma[0]) == 0 == sign(gamma[1])):  # at their pole psi of the axes has no meaning
-        psi = angles.inner_psi(scene)
-    attitude = kinematics.starting_attitude(gamma, psi)
-    k = principal.coefficients(scene.body, scene.time_unit)
-    return Quaternion(scene, axes, (*scene.columns[:3], *_NAMES), k, (*start[:3], *attitude))
+    start = (*scene.omega, *kinematics.starting_attitude(scene.gamma, scene.psi))
+    k = principal.coefficients(scene.body)
+    return Quaternion(scene, (*scene.columns[:3], *_NAMES), k, start)
 
 
 #: Apart from the names of the attitude's own variables, which an output may add.

@@ -105,7 +105,7 @@ class Problem:
         """The form's axes along the scene's, rows of longdoubles; None where they are the same."""
         import numpy as np
 
-        axes = self.form.axes
+        axes = self.form.frame.axes
         return None if axes.trivial else np.array([[to_extended(x) for x in v] for v in axes.rows])
 
     def schedule(self, scene: Scene) -> Schedule:

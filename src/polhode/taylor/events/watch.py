@@ -22,7 +22,6 @@ from typing import NamedTuple
 import numpy as np
 
 from polhode.common.value_semantics import waiting
-from polhode.equations import kinematics
 from polhode.equations.form import equations
 from polhode.equations.readout import Readout
 from polhode.motion.outcomes import EventTimes
@@ -129,10 +128,11 @@ class Watch:
     @property
     def key(self) -> tuple[object, ...]:
         """What tells the events from others along the same equations."""
-        axes, events = equations(self.scene).axes.rows, self.scene.events
-        turn = tuple(str(heyoka_numbers.scalar(x, self.number)) for row in axes for x in row)
+        frame, events = equations(self.scene).frame, self.scene.events
+        rows = frame.axes.rows
+        turn = tuple(str(heyoka_numbers.scalar(x, self.number)) for row in rows for x in row)
         zeros = tuple(event.expression or middle_axis(self.scene) for event in events)
-        return zeros, self.scene.time_unit, turn
+        return zeros, frame.exponent, turn
 
     @property
     def damping(self) -> list[Fraction]:
@@ -177,7 +177,7 @@ class Watch:
             return [fn.zero] * self.width if self.rules.still else form.field(state, k, fn)
 
         def numbers(constant: Callable[[Number], Expression]) -> Mapping[str, Expression]:
-            exact = {**form.coefficients, **kinematics.turn_coefficients(form.axes)}
+            exact = {**form.coefficients, **form.frame.turn}
             return {**{name: constant(x) for name, x in exact.items()}, **pattern}
 
         return Formulas(partial(value_of, scene, event), field, numbers)
