@@ -18,13 +18,13 @@ from polhode.numbers.rows import Given, GivenRow, Reread, Row
 from polhode.numbers.scalars import AnyNumber, numbers_given
 from polhode.runs.methods.taylor import TaylorMotion
 from polhode.runs.problem.options import Options
-from polhode.runs.problem.problem import problem
 from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
 from polhode.taylor.backend.heyoka_numbers import OutOfRange
+from polhode.taylor.integrator.system import shared_system
 
 
 def at_times(run: Trajectory, what: str, t: AnyNumber | Iterable[AnyNumber]) -> Reread:
@@ -103,7 +103,8 @@ def _motion(run: Trajectory, what: str) -> Interpolant:
         return run.dense
     if what not in run.others:
         scene, options = _asked(run, what, run.times), _options(run)
-        motion = TaylorMotion(problem(scene, run.number, options.tolerance), scene, options)
+        system = shared_system(scene, run.number, options.tolerance)
+        motion = TaylorMotion(system, scene, options)
         motion.reached = run.reached
         run.others[what] = motion
     return run.others[what]

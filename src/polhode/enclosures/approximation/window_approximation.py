@@ -8,7 +8,6 @@ latter decides, fewer terms than p are enough.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,8 +16,8 @@ from polhode.common.deadline import NONE, Deadline
 from polhode.enclosures.fixed_point_problem import CLOCK, CYCLE, Motion, Problem
 from polhode.enclosures.step_bound import jacobian
 from polhode.enclosures.zonotope import State
-from polhode.equations.system import system
 from polhode.numbers.conversion import to_double
+from polhode.taylor.integrator.system import principal_system
 from polhode.taylor.variations import double_trajectory
 from polhode.taylor.variations.equations import Variations
 
@@ -138,7 +137,7 @@ def tangents(
     the steps are those of double to the last time, if it goes on as it went.
     """
     scene = what.scene
-    plain = system(replace(scene, form="principal", events=(), outputs=()), ())
+    plain = principal_system(scene)
     values = [to_double(x) for x in plain.start]
     start = np.array(values + [0.0] * (6 - len(values)))
     tangent = np.linspace(0.6, 1.4, 6)[:, None]

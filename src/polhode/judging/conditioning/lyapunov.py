@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +20,6 @@ import numpy as np
 from polhode.common.arguments import each, steps
 from polhode.common.errors import BadInput
 from polhode.equations.equilibrium import at_rest
-from polhode.equations.system import system
 from polhode.judging.conditioning import motion_kinds
 from polhode.judging.conditioning.motion_kinds import (
     CHAOTIC,
@@ -40,6 +39,7 @@ from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of
+from polhode.taylor.integrator.system import principal_system
 from polhode.taylor.variations.equations import Variations
 from polhode.taylor.variations.reference_trajectory import pendulum, six
 
@@ -173,7 +173,7 @@ def lyapunov(
         last = to_double(scene.end) / unit
     elif sign(scene.end) < 0:
         last = -last
-    plain = system(replace(scene, form="principal"), ())
+    plain = principal_system(scene)
     start = six(plain.start)
     tangent = np.array(TANGENT)[:, None]
     if len(plain.start) == 3:

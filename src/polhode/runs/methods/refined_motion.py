@@ -30,8 +30,8 @@ from polhode.refined.refinement import (
     refine,
 )
 from polhode.runs.problem.options import USUAL, Options
-from polhode.runs.problem.problem import Problem
 from polhode.scenes.scene import Scene
+from polhode.taylor.integrator.system import System
 
 _MORE_DIGITS, _OTHER_INTERVALS = 10, 5  # of a second run, which tells the error of the first
 _PARTED = 1e-2  # so far apart two runs say nothing of each other
@@ -40,7 +40,7 @@ _TRIES = 3  # with more digits each, until the estimate holds those asked for
 
 
 class RefinedMotion:
-    """A problem on its way by refinement, in the principal form.
+    """A motion on its way by refinement, in the principal form.
 
     What the scene wants beside the state is refined with it; it has no events.  ``errors``: largest
     error over the columns of each state, absolute, its rounding to the number type included; None
@@ -50,11 +50,11 @@ class RefinedMotion:
     method = "refined"
     projection: Projection | None = None
 
-    def __init__(self, problem: Problem, scene: Scene, options: Options = USUAL) -> None:
+    def __init__(self, system: System, scene: Scene, options: Options = USUAL) -> None:
         plain = scene if scene.form == "principal" else replace(scene, form="principal")
-        self.scene, self.number = plain, problem.number
+        self.scene, self.number = plain, system.number
         self.options = options
-        self.read = Readout(plain, problem.number)
+        self.read = Readout(plain, system.number)
         self.steps, self.reached, self.build_seconds = 0, ZERO, 0.0
         self.events: tuple[EventTimes, ...] = ()
         self.errors: tuple[float | None, ...] | None = None

@@ -16,12 +16,13 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Flat, kind_of
 from polhode.numbers.scalars import AnyNumber
-from polhode.runs.problem.options import choose_number, rounded_times, rounded_tolerance
+from polhode.runs.problem.options import choose_number, rounded_tolerance
 from polhode.runs.sweep.columns import Fastest, columns_of
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation import vary
 from polhode.scenes.variation.sweep_scenes import Members
 from polhode.taylor.backend import defaults
+from polhode.taylor.backend.time_grid import rounded_times
 
 if TYPE_CHECKING:
     import numpy as np

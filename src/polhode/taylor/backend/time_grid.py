@@ -7,20 +7,26 @@ from fractions import Fraction
 from typing import overload
 
 from polhode.common.cached_property import cached_property
+from polhode.common.errors import BadInput
 from polhode.numbers.conversion import exactly, to_double, to_extended
 from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Flat, Numbers, flat
 from polhode.numbers.scalars import Scalar
+from polhode.scenes.frame import Frame
+from polhode.scenes.scene import Scene
 
 _FEW = 64  # times: the exact ones of so few are all made at the first question, and kept
 
 
 class Times(Sequence[Fraction]):
-    """Monotone times in a run's own unit, immutable; a slice of them is of the same kind.
+    """Monotone times inside a run's frame, immutable; a slice of them is of the same kind.
 
-    Raises OutOfRange, when they are asked for as numbers, for what the type cannot hold.
+    ``outside``: those of which they are made, in the scene's unit.  Raises OutOfRange, when they
+    are asked for as numbers, for what the type cannot hold.
     """
+
+    outside: ExactNumbers[Fraction]
 
     def __init__(self, exact: Sequence[Fraction], number: NumberType) -> None:
         self.__dict__["_exact"] = tuple(exact)
@@ -40,8 +46,14 @@ class Times(Sequence[Fraction]):
         return found
 
     @classmethod
-    def scaled(cls, times: ExactNumbers[Fraction], exponent: int, number: NumberType) -> Times:
-        """Times of this type, in another unit: multiplied by 2**exponent."""
+    def inside(cls, times: ExactNumbers[Fraction], frame: Frame, number: NumberType) -> Times:
+        """Times of this type in a scene's unit, as they are in its frame."""
+        scaled = cls._scaled(times, -frame.exponent, number)
+        scaled.outside = times
+        return scaled
+
+    @classmethod
+    def _scaled(cls, times: ExactNumbers[Fraction], exponent: int, number: NumberType) -> Times:
         import numpy as np
 
         if times.floats is not None and number.flat:
@@ -112,6 +124,18 @@ class Times(Sequence[Fraction]):
         small = rest - low
         found: Flat = near + small
         return found
+
+
+def rounded_times(scene: Scene, number: NumberType) -> ExactNumbers[Fraction]:
+    """The output times as numbers of the run's type."""
+    if not scene.times:
+        raise BadInput(scene.name, "run.end", None, "a time, or times given with --at")
+    times = scene.output_times.rounded(number)
+    k = times.misplaced()
+    if k is not None:
+        expected = f"times that differ when rounded to {number.name}"
+        raise BadInput(scene.name, f"run.at[{k + 1}]", str(float(times[k])), expected)
+    return times
 
 
 def exact_sum(a: Scalar, b: Scalar) -> tuple[Scalar, Scalar]:

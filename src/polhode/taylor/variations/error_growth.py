@@ -19,18 +19,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
 
 from polhode.equations.equilibrium import at_rest
-from polhode.equations.system import system
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.scenes.scene import Scene
 from polhode.taylor.corrections.integral_projection import kept_at_zero
+from polhode.taylor.integrator.system import principal_system
 from polhode.taylor.variations.equations import Variations
 from polhode.taylor.variations.reference_trajectory import Leader, pendulum, six
 
@@ -100,7 +99,7 @@ def growth(
     principal = scene.form == "principal"
     if end == 0 or (principal and at_rest(scene).state):  # nothing is rounded on the way
         return Growth((0.0,), (0.0,), end, 0, scene.time_unit)
-    plain = system(replace(scene, form="principal"), ())
+    plain = principal_system(scene)
     start = six(plain.start)
     tangent = np.array(_DIRECTION)
     tangent[:3] *= float(np.linalg.norm(start[:3])) or 1.0

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from itertools import islice
 from typing import NamedTuple
@@ -24,7 +24,6 @@ import numpy as np
 from polhode.common.cached_property import cached_property
 from polhode.equations.equilibrium import at_rest
 from polhode.equations.forms import principal
-from polhode.equations.system import System, system
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import DOUBLE
@@ -33,9 +32,9 @@ from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend import defaults
 from polhode.taylor.batches.compiled_batch import LANES, CompiledBatch, in_lanes
-from polhode.taylor.integrator.prepared_system import PreparedSystem
 from polhode.taylor.integrator.specification import Equations, principal_engine
 from polhode.taylor.integrator.stepping import Integrator
+from polhode.taylor.integrator.system import System, principal_system
 from polhode.taylor.variations.reference_trajectory import Leader, pendulum, six
 
 STRIDES = (1.0, 8.0)  # units of the scene's own time a stretch: at least, at most
@@ -75,7 +74,7 @@ class Passage:
     @cached_property
     def plain(self) -> System:
         """The equations in principal axes."""
-        return system(replace(self.scene, form="principal"), ())
+        return principal_system(self.scene)
 
     @cached_property
     def units(self) -> tuple[float, ...]:
@@ -105,7 +104,7 @@ def passage(scene: Scene, max_steps: int = 400_000, until: float = math.inf) -> 
     """
     unit = 2.0**scene.time_unit
     outputs = tuple(to_double(t / Fraction(2) ** scene.time_unit) for t in scene.times)
-    plain = system(replace(scene, form="principal"), ())
+    plain = principal_system(scene)
     time, state = 0.0, six(plain.start)
     w = float(np.linalg.norm(state[:3])) or pendulum(scene)
     sizes = np.array([w, w, w, 1.0, 1.0, 1.0])
@@ -200,7 +199,7 @@ def _with_plain_steps(found: list[Stretch], plain: System) -> list[Stretch]:
     tangents_steps = sum(s.steps for s in found)
     if not tangents_steps:
         return found
-    run, outcome = Integrator(PreparedSystem(plain, DOUBLE)), Outcome.STEP_LIMIT
+    run, outcome = Integrator(plain), Outcome.STEP_LIMIT
     while outcome is Outcome.STEP_LIMIT:
         _, outcome = run.chunk([Fraction(found[-1].time)], defaults.of(DOUBLE).chunk)
     share = run.steps / tangents_steps
