@@ -20,7 +20,6 @@ import math
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from polhode.numbers import exact
@@ -28,8 +27,9 @@ from polhode.numbers.conversion import exactly, to_extended, to_mpf
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.rows import Flat, Rows
 from polhode.numbers.scalars import Scalar, combination
-from polhode.numbers.vectors import Vector, dot, scaled
+from polhode.numbers.vectors import Vector, dot
 from polhode.scenes import classification
+from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def _told(drift: float) -> str:
 
 @dataclass(frozen=True)
 class FirstIntegrals:
-    """The first integrals of one scene, in principal axes and the time unit of a run.
+    """The first integrals of one scene, inside its frame.
 
     h is doubled, and inertia and torque are divided by the largest moment, so that values,
     coefficients and rates are of order 1.  ``onto``: their names.  ``order``: the principal axes
@@ -150,8 +150,8 @@ _FOURTH_OF = {
 
 def first_integrals(scene: Scene, slower: int = 0) -> FirstIntegrals:
     """The first integrals that the exact scene has, in a unit of time 2**``slower`` as long."""
-    body, unit = scene.body, Fraction(2) ** (scene.time_unit + slower)
-    torque = scaled(unit * unit, body.axes.components(body.torque))
+    body = Frame.of(scene).slower(slower).inside(scene).body
+    torque = body.torque
     onto = [ENERGY] if scene.gamma is None else [ENERGY, AREA, LENGTH]
     name, order = _fourth(scene, torque)
     if name is not None:
@@ -198,10 +198,7 @@ def _fourth(scene: Scene, torque: Vector) -> tuple[str | None, tuple[int, int, i
 
 def exact_values(scene: Scene, found: FirstIntegrals) -> list[Exact]:
     """The exact scene's values of its first integrals, in the units of FirstIntegrals."""
-    axes, unit = scene.body.axes, Fraction(2) ** scene.time_unit
-    start = [unit * w for w in axes.components(scene.omega)]
-    if scene.gamma is not None:
-        start += axes.components(scene.gamma)
+    start = Frame.of(scene).inside(scene).start
     return [exact.exact(x) for x in found.values(start, found.coefficients, ZERO)]
 
 
@@ -281,7 +278,8 @@ def along(scene: Scene) -> tuple[Along, Mapping[str, Exact]]:
 
     Beside it its coefficients; its values are in the units of FirstIntegrals.
     """
-    found, axes = first_integrals(scene), scene.body.axes
+    found, frame = first_integrals(scene), Frame.of(scene)
+    axes = frame.axes
     onto, turn = found.onto, range(0 if axes.trivial else 3)
     targets = [f"{name} at the start" for name in onto]
     measures = [f"scale of {name}" for name in onto]
@@ -290,7 +288,7 @@ def along(scene: Scene) -> tuple[Along, Mapping[str, Exact]]:
         **dict(zip(targets, exact_values(scene, found), strict=True)),
         **dict(zip(measures, _scales(scene, found), strict=True)),
         **{f"axis {i}{j}": axes.rows[i][j] for i in turn for j in turn},
-        "unit": Fraction(2) ** scene.time_unit,
+        "unit": frame.unit,
     }
 
     def formula(
@@ -323,7 +321,7 @@ def scales(scene: Scene) -> tuple[Exact, Exact]:
 
 def _scales(scene: Scene, found: FirstIntegrals) -> list[Exact]:
     """The scales of Drift, in the units of FirstIntegrals."""
-    unit, largest = Fraction(2) ** scene.time_unit, max(scene.body.moments)
+    unit, largest = Frame.of(scene).unit, max(scene.body.moments)
     energy, area = scales(scene)
     whole: dict[str, Exact] = {
         ENERGY: 2 * unit * unit * energy / largest,

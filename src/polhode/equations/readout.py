@@ -14,6 +14,7 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Booleans, Extendeds, Flat, Gapped, Given, GivenRow, Rows, flat
 from polhode.numbers.scalars import Real, Scalar, of_extended, of_mpmath
 from polhode.numbers.vectors import upright
+from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 
 if TYPE_CHECKING:
@@ -26,15 +27,16 @@ _MOST_SPIN = 32.0  # about the third axis, beside the other rates
 class Readout:
     """Reads rows of one run: the form's variables, then the quaternion, then psi and phi.
 
+    ``frame``: another than the scene's own, of the same axes.
     Omega and gamma are computed from the variables with more bits than those have.  Above extended
     those of the start, where a run begins with its row, are the scene's own, rounded once: what is
     0 there is 0.
     """
 
-    def __init__(self, scene: Scene, number: NumberType) -> None:
+    def __init__(self, scene: Scene, number: NumberType, frame: Frame | None = None) -> None:
         self.scene, self.number = scene, number
         self.form, self.columns = equations(scene), len(scene.columns)
-        self.frame = self.form.frame
+        self.frame = frame or self.form.frame
 
     def states(self, rows: Given) -> Rows:
         """p q r [gamma1 gamma2 gamma3] in scene axes: an ndarray, or rows of mpf above extended."""

@@ -256,7 +256,7 @@ class Propagator:
         numbers = {name: to_double(k[name]) for name in sorted(k)}
         motions = Columns(np.array([[*numbers.values()]]), np.empty((0, self._shape[0])))
         asked = (*numbers,), self.number, self._system.tolerance, self._most, np.zeros(1)
-        return BatchJob(*asked, self._system.frame.exponent, motions)
+        return BatchJob(*asked, self._system.frame.unit, motions)
 
     @cached_property
     def _bound(self) -> lanes.Bound:

@@ -51,6 +51,10 @@ class Frame(NamedTuple):
         """The frame of a scene: along these axes, the principal ones where none are given."""
         return cls(scene.body.axes if axes is None else axes, scene.time_unit)
 
+    def slower(self, by: int) -> Frame:
+        """The same axes, and a unit of time that is 2**by as long."""
+        return Frame(self.axes, self.exponent + by)
+
     @property
     def trivial(self) -> bool:
         """Whether the motion is computed in the scene's own axes and unit of time."""

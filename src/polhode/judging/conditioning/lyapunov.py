@@ -36,6 +36,7 @@ from polhode.numbers.scalars import AnyNumber
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.scenes import library
+from polhode.scenes.frame import Frame
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of
@@ -161,7 +162,7 @@ def lyapunov(
     """
     scene = library.load(scene)
     unit = 2.0**scene.time_unit
-    slow = max(1.0, 1 / pendulum(scene))  # a radian of the spin takes 1
+    slow = max(1.0, 1 / pendulum(Frame.of(scene).inside(scene)))  # a radian of the spin takes 1
     last = DEFAULT_LENGTH * slow
     max_steps = steps(scene.name, max_steps)
     if end is not None:

@@ -60,9 +60,9 @@ class Watched(NamedTuple):
         named = {n: hy.par[i] for i, n in enumerate((*_UNITS, *self.names, *turn), DESK)}
         return Formulas(self.value, principal.field, lambda _: named)
 
-    def numbers(self, time_unit: int, coefficients: Doubles, turns: Doubles | None) -> Doubles:
+    def numbers(self, exponent: int, coefficients: Doubles, turns: Doubles | None) -> Doubles:
         """The numbers of motions, a column each: 1 / unit of time, unit, coefficients, turn."""
-        unit = np.full((len(coefficients), 1), 2.0**time_unit)
+        unit = np.full((len(coefficients), 1), 2.0**exponent)
         parts = [1 / unit, unit, coefficients]
         return np.hstack([*parts, turns] if turns is not None else parts).T
 

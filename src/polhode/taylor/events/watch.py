@@ -279,7 +279,7 @@ class Watch:
         return tuple(self._found(k, last, read) for k in range(len(self.scene.events)))
 
     def _found(self, k: int, last: Marks, read: Readout) -> EventTimes:
-        event, unit = self.scene.events[k], 2.0**self.scene.time_unit
+        event, unit = self.scene.events[k], float(read.frame.unit)
         known, start, end = self._polished(k, last)
         if self._stop is not None:
             known = known.those(known.ahead <= end.place.ahead)
@@ -301,7 +301,7 @@ class Watch:
             rows = [heyoka_numbers.numbers(row, self.number) for row in rows.tolist()]
         return EventTimes(
             event.name,
-            waiting(partial(exact_times, times, self.scene.time_unit, self.number)),
+            waiting(partial(exact_times, times, read.frame, self.number)),
             read_only(read.states(rows), read.columns),
             tuple(one.sign * self.way for one in found),
             tuple((widths * unit).astype(float).tolist()),

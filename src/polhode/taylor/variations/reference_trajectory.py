@@ -81,6 +81,6 @@ def six(state: Sequence[Exact]) -> Doubles:
 
 
 def pendulum(scene: Scene) -> float:
-    """The scale of w for a body at rest, in the scene's own unit of time."""
+    """The scale of w for a body at rest; of a scene inside its frame."""
     square = scene.pendulum_rate_squared
-    return to_double(exact.sqrt(square * Fraction(4) ** scene.time_unit)) if sign(square) else 1.0
+    return to_double(exact.sqrt(square)) if sign(square) else 1.0

@@ -28,6 +28,7 @@ from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles
+from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend import defaults
@@ -72,14 +73,19 @@ class Passage:
     note: str
 
     @cached_property
+    def inside(self) -> Scene:
+        """The scene inside its frame."""
+        return Frame.of(self.scene).inside(self.scene)
+
+    @cached_property
     def plain(self) -> System:
         """The equations in principal axes."""
-        return principal_system(self.scene)
+        return principal_system(self.inside)
 
     @cached_property
     def units(self) -> tuple[float, ...]:
         """The units u of the coefficients, in the order of the columns of U."""
-        return coefficient_units(self.scene)
+        return coefficient_units(self.inside)
 
     @cached_property
     def turn(self) -> Doubles:
@@ -91,7 +97,7 @@ class Passage:
         """What changes of w are relative to: the largest |w| at the outputs, as in the digits."""
         asked = set(self.outputs)
         speeds = (float(np.linalg.norm(s.state[:3])) for s in self.stretches if s.time in asked)
-        return max(speeds, default=0.0) or pendulum(self.scene)
+        return max(speeds, default=0.0) or pendulum(self.inside)
 
 
 def passage(scene: Scene, max_steps: int = 400_000, until: float = math.inf) -> Passage:
@@ -102,14 +108,15 @@ def passage(scene: Scene, max_steps: int = 400_000, until: float = math.inf) -> 
     output is within them, some are taken.  ``until``: log10 of |Phi| of the whole way beyond which
     nothing is wanted; the passage ends there without a note.
     """
-    unit = 2.0**scene.time_unit
-    outputs = tuple(to_double(t / Fraction(2) ** scene.time_unit) for t in scene.times)
-    plain = principal_system(scene)
+    frame = Frame.of(scene)
+    inside = frame.inside(scene)
+    outputs = tuple(to_double(frame.time(t)) for t in scene.times)
+    plain = principal_system(inside)
     time, state = 0.0, six(plain.start)
-    w = float(np.linalg.norm(state[:3])) or pendulum(scene)
+    w = float(np.linalg.norm(state[:3])) or pendulum(inside)
     sizes = np.array([w, w, w, 1.0, 1.0, 1.0])
-    leader, tangents = Leader(plain), _Tangents(plain, sizes, np.array(coefficient_units(scene)))
-    still = at_rest(scene).state
+    leader, tangents = Leader(plain), _Tangents(plain, sizes, np.array(coefficient_units(inside)))
+    still = at_rest(inside).state
     found: list[Stretch] = []
     whole, height, steps, note = np.eye(6), 0.0, 0.0, ""
     nearest = min((abs(t) for t in outputs if t), default=0.0)
@@ -125,7 +132,7 @@ def passage(scene: Scene, max_steps: int = 400_000, until: float = math.inf) -> 
             if steps + taken > max_steps or not np.isfinite(carried).all():
                 more = steps + taken > max_steps
                 why = f"more than {max_steps} steps" if more else "not finite in double"
-                note = f"not followed beyond t = {time * unit:.3g}: {why}"
+                note = f"not followed beyond t = {time * float(frame.unit):.3g}: {why}"
                 break
             time, state, steps = t, reached, steps + taken
             found.append(Stretch(t, reached, taken, carried, driven))
@@ -208,9 +215,12 @@ def _with_plain_steps(found: list[Stretch], plain: System) -> list[Stretch]:
 
 
 def coefficient_units(scene: Scene) -> tuple[float, ...]:
-    """The unit of each coefficient: what it changes by where an input changes by itself."""
+    """The unit of each coefficient: what it changes by where an input changes by itself.
+
+    Of a scene inside its frame.
+    """
     found = dict.fromkeys(principal.NAMES, 0.0)
-    for by in principal.sensitivities(scene.body, scene.time_unit):
+    for by in principal.sensitivities(scene.body):
         for name, x in by.items():
             found[name] = max(found[name], abs(to_double(x)))
     return tuple(found.values())
