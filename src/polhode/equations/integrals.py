@@ -148,10 +148,9 @@ _FOURTH_OF = {
 }
 
 
-def first_integrals(scene: Scene, slower: int = 0) -> FirstIntegrals:
-    """The first integrals that the exact scene has, in a unit of time 2**``slower`` as long."""
-    body = Frame.of(scene).slower(slower).inside(scene).body
-    torque = body.torque
+def first_integrals(scene: Scene) -> FirstIntegrals:
+    """The first integrals that an exact scene has, one that is inside its frame."""
+    body, torque = scene.body, scene.body.torque
     onto = [ENERGY] if scene.gamma is None else [ENERGY, AREA, LENGTH]
     name, order = _fourth(scene, torque)
     if name is not None:
@@ -197,9 +196,8 @@ def _fourth(scene: Scene, torque: Vector) -> tuple[str | None, tuple[int, int, i
 
 
 def exact_values(scene: Scene, found: FirstIntegrals) -> list[Exact]:
-    """The exact scene's values of its first integrals, in the units of FirstIntegrals."""
-    start = Frame.of(scene).inside(scene).start
-    return [exact.exact(x) for x in found.values(start, found.coefficients, ZERO)]
+    """The values of its first integrals of an exact scene that is inside its frame."""
+    return [exact.exact(x) for x in found.values(scene.start, found.coefficients, ZERO)]
 
 
 def drift(scene: Scene, states: Rows, bits: int) -> Drift:
@@ -223,7 +221,7 @@ def departures(scene: Scene, states: Rows, bits: int = 53) -> dict[str, Any]:
     """
     import numpy as np
 
-    names = first_integrals(scene).onto
+    names = first_integrals(Frame.of(scene).inside(scene)).onto
     if isinstance(states, np.ndarray) and states.dtype == np.float64:
         columns = list(states.astype(np.longdouble).T)
         found = _departures(scene, [columns], to_extended)[0]
@@ -278,15 +276,16 @@ def along(scene: Scene) -> tuple[Along, Mapping[str, Exact]]:
 
     Beside it its coefficients; its values are in the units of FirstIntegrals.
     """
-    found, frame = first_integrals(scene), Frame.of(scene)
-    axes = frame.axes
+    frame = Frame.of(scene)
+    axes, inside = frame.axes, frame.inside(scene)
+    found = first_integrals(inside)
     onto, turn = found.onto, range(0 if axes.trivial else 3)
     targets = [f"{name} at the start" for name in onto]
     measures = [f"scale of {name}" for name in onto]
     coefficients: dict[str, Exact] = {
         **found.coefficients,
-        **dict(zip(targets, exact_values(scene, found), strict=True)),
-        **dict(zip(measures, _scales(scene, found), strict=True)),
+        **dict(zip(targets, exact_values(inside, found), strict=True)),
+        **dict(zip(measures, _scales(inside, found), strict=True)),
         **{f"axis {i}{j}": axes.rows[i][j] for i in turn for j in turn},
         "unit": frame.unit,
     }
@@ -320,19 +319,19 @@ def scales(scene: Scene) -> tuple[Exact, Exact]:
 
 
 def _scales(scene: Scene, found: FirstIntegrals) -> list[Exact]:
-    """The scales of Drift, in the units of FirstIntegrals."""
-    unit, largest = Frame.of(scene).unit, max(scene.body.moments)
+    """The scales of Drift of a scene inside its frame, in the units of FirstIntegrals."""
+    largest = max(scene.body.moments)
     energy, area = scales(scene)
     whole: dict[str, Exact] = {
-        ENERGY: 2 * unit * unit * energy / largest,
-        AREA: unit * area / largest,
+        ENERGY: 2 * energy / largest,
+        AREA: area / largest,
         LENGTH: ONE,
     }
     name = found.onto[-1]
     if name == MOMENTUM:
         whole[name] = whole[AREA] * whole[AREA]
     elif name not in whole:
-        square = unit * unit * max(dot(scene.omega, scene.omega), scene.pendulum_rate_squared)
+        square = max(dot(scene.omega, scene.omega), scene.pendulum_rate_squared)
         rate, k = exact.sqrt(square), found.coefficients
         c0, c1 = k.get("c0", ZERO), k.get("c1", ZERO)
         around = square + exact.sqrt(c0 * c0 + c1 * c1)

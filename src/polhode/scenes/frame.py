@@ -20,6 +20,7 @@ from polhode.scenes.body import IDENTITY, OWN_AXES, Body, PrincipalAxes, diagona
 from polhode.scenes.scene import Scene
 
 T = TypeVar("T", Scene, Body)
+Time = TypeVar("Time", Fraction, Exact)
 _PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1))
 
 
@@ -65,11 +66,11 @@ class Frame(NamedTuple):
         """The unit of time inside, in the scene's."""
         return Fraction(2) ** self.exponent
 
-    def time(self, t: Fraction) -> Fraction:
+    def time(self, t: Time) -> Time:
         """A time of the scene's as it is inside."""
         return t / self.unit if self.exponent else t
 
-    def time_outside(self, t: Fraction) -> Fraction:
+    def time_outside(self, t: Time) -> Time:
         """A time inside as it is in the scene's unit."""
         return t * self.unit if self.exponent else t
 

@@ -17,6 +17,7 @@ from polhode.enclosures.fixed_point_problem import CLOCK, CYCLE, Motion, Problem
 from polhode.enclosures.step_bound import jacobian
 from polhode.enclosures.zonotope import State
 from polhode.numbers.conversion import to_double
+from polhode.scenes.frame import Frame
 from polhode.taylor.integrator.system import principal_system
 from polhode.taylor.variations import double_trajectory
 from polhode.taylor.variations.equations import Variations
@@ -144,7 +145,8 @@ def tangents(
     if scene.gamma is None:
         tangent[3:] = 0.0
     flow = Variations(plain.coefficients, start, tangent)
-    end = last / 2.0**scene.time_unit
+    frame = Frame.of(scene)
+    end = last / float(frame.unit)
     logs = [math.log2(float(np.max(np.abs(tangent))))]
     fastest = float(np.linalg.norm(start[:3]))
     for k in range(1, _LOOKS + 1):
@@ -157,4 +159,4 @@ def tangents(
         fastest = max(fastest, float(np.linalg.norm(flow.state[:3])))
     flow.release()
     steps = flow.steps * _LOOKS / max(1, len(logs) - 1)
-    return logs, fastest * 2.0 ** (what.unit - scene.time_unit), steps
+    return logs, fastest * 2.0 ** (what.unit - frame.exponent), steps

@@ -161,8 +161,9 @@ def lyapunov(
     [0.1, 0.0, 0.0, 0.0, 0.0, 0.1]
     """
     scene = library.load(scene)
-    unit = 2.0**scene.time_unit
-    slow = max(1.0, 1 / pendulum(Frame.of(scene).inside(scene)))  # a radian of the spin takes 1
+    frame = Frame.of(scene)
+    unit = float(frame.unit)
+    slow = max(1.0, 1 / pendulum(frame.inside(scene)))  # a radian of the spin takes 1
     last = DEFAULT_LENGTH * slow
     max_steps = steps(scene.name, max_steps)
     if end is not None:

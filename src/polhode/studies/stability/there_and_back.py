@@ -27,7 +27,7 @@ def error(scene: Scene, number: NumberType) -> float:
     plain = replace(scene, outputs=(), events=())
     what = system(plain, number=number)
     integrator = Integrator(what)
-    unit = Fraction(2) ** scene.time_unit
+    unit = what.frame.unit
     row: Any = None
     for t in (number.rounded(number.rounded(scene.end) / unit), Fraction(0)):
         row = _led(integrator, t)
