@@ -23,13 +23,13 @@ from polhode.common.provenance import cpu, versions
 from polhode.judging.correct_digits import log10_errors, log10_rate
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly
-from polhode.runs.methods.taylor import TaylorMotion
+from polhode.runs.methods.taylor import TaylorMotion, system_of
 from polhode.runs.problem.options import Options
 from polhode.scenes import library, scene_file
 from polhode.studies.long_run import rows as long_run
 from polhode.taylor.backend import defaults, heyoka_numbers
 from polhode.taylor.batches import compiled_batch
-from polhode.taylor.integrator.system import shared_system, system
+from polhode.taylor.integrator.system import system
 
 SCENE = (
     "schema = 1\n[body]\nmoments = [2, 3, 4]\ncentre = [0.3, 0.2, 0.5]\nweight = 1\n[start]\n"
@@ -101,7 +101,7 @@ def tolerances() -> None:
     scenes = [heavy(1000, f"1.{k}1") for k in range(7)]
     true = []
     for scene in scenes:
-        made = shared_system(scene, number_types.QUAD, inputs=number_types.DOUBLE)
+        made = system_of(scene, number_types.QUAD, inputs=number_types.DOUBLE)
         true.append(
             TaylorMotion(made, scene, options=Options(project=False)).advance(made.times(scene))[0][
                 -1
@@ -120,7 +120,7 @@ def tolerances() -> None:
     ]:
         best, errors = float("inf"), []
         for scene, exact in [*zip(scenes, true, strict=True), *[(scenes[0], true[0])] * 14]:
-            made = shared_system(scene, number_types.DOUBLE, tol)
+            made = system_of(scene, number_types.DOUBLE, tol)
             motion, began = (
                 TaylorMotion(made, scene, options=Options(project=False)),
                 time.perf_counter(),

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass, replace
+from dataclasses import KW_ONLY, dataclass
 from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING, ClassVar, TypeAlias
@@ -79,7 +79,8 @@ def _made(scene: Scene) -> Form:
     axes = module.axes(scene) if hasattr(module, "axes") else None
     frame = Frame.of(scene, axes)
     form: Form = module.for_scene(frame.inside(scene.apart()))
-    return replace(form, frame=frame)
+    vars(form)["frame"] = frame  # nobody else has it yet
+    return form
 
 
 def source(name: str) -> str:

@@ -21,7 +21,7 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Doubles, Extendeds, Flat, double_array, flat
 from polhode.numbers.scalars import AnyNumber, numbers_given
-from polhode.runs.methods.taylor import target
+from polhode.runs.methods.taylor import system_of
 from polhode.runs.problem.options import cadence, choose_number, corrections, rounded_tolerance
 from polhode.scenes import library
 from polhode.scenes.frame import Frame
@@ -33,7 +33,7 @@ from polhode.taylor.backend.step_outcomes import TIME_LIMIT
 from polhode.taylor.batches.jobs import BatchJob, Columns
 from polhode.taylor.corrections.integral_projection import Projector, StartTarget
 from polhode.taylor.integrator.stepping import Integrator
-from polhode.taylor.integrator.system import System, shared_system
+from polhode.taylor.integrator.system import System
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -363,7 +363,7 @@ class Propagator:
         times = self._system.times(scene)
         corrector = None
         if self._every is not None:
-            onto = StartTarget(target(self._system), self._state.copy())
+            onto = StartTarget(self._system.target, self._state.copy())
             corrector = Projector(onto, self._every)
         integrator = Integrator(self._system, corrector=corrector, engine=self._engine)
         rows = self._state[None].copy()[: times[0] == 0]
@@ -465,7 +465,7 @@ def propagator(
     tolerance = rounded_tolerance(scene, kind, tol)
     every = cadence(scene, kind, tolerance, corrections(scene, project))
     try:
-        return Propagator(shared_system(scene, kind, tolerance), every)
+        return Propagator(system_of(scene, kind, tolerance), every)
     except OutOfRange as fault:
         raise _too_wide(scene, kind, fault) from None
 

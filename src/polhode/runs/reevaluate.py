@@ -16,7 +16,7 @@ from polhode.numbers.exact import sign
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Given, GivenRow, Reread, Row
 from polhode.numbers.scalars import AnyNumber, numbers_given
-from polhode.runs.methods.taylor import TaylorMotion
+from polhode.runs.methods.taylor import TaylorMotion, system_of
 from polhode.runs.problem.options import Options
 from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory
@@ -24,7 +24,6 @@ from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
 from polhode.taylor.backend.heyoka_numbers import OutOfRange
-from polhode.taylor.integrator.system import shared_system
 
 
 def at_times(run: Trajectory, what: str, t: AnyNumber | Iterable[AnyNumber]) -> Reread:
@@ -103,7 +102,7 @@ def _motion(run: Trajectory, what: str) -> Interpolant:
         return run.dense
     if what not in run.others:
         scene, options = _asked(run, what, run.times), _options(run)
-        system = shared_system(scene, run.number, options.tolerance)
+        system = system_of(scene, run.number, options.tolerance)
         motion = TaylorMotion(system, scene, options)
         motion.reached = run.reached
         run.others[what] = motion

@@ -15,7 +15,7 @@ from polhode.motion.protocols import CannotSolve
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import read_only
 from polhode.runs.methods import refined
-from polhode.runs.methods.taylor import TaylorMotion
+from polhode.runs.methods.taylor import TaylorMotion, system_of
 from polhode.runs.problem.options import USUAL, Options
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
@@ -44,9 +44,7 @@ def solve(
     way to something else, not ``interruptible``, it goes on as KeyboardInterrupt.  Raises BadInput
     for what cannot be integrated.
     """
-    from polhode.taylor.integrator.system import shared_system
-
-    system = shared_system(scene, number, options.tolerance, options.inputs)
+    system = system_of(scene, number, options.tolerance, options.inputs)
     ahead = system.times(scene)
     failed: dict[str, str] = {}
     for method in _methods(scene, number, options):

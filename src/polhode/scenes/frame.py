@@ -87,24 +87,22 @@ class Frame(NamedTuple):
         """The same motion as a scene in this frame, exactly: no outputs, events or times."""
         if self.trivial:
             return scene
-        components = self.axes.components
-        gamma = None if scene.gamma is None else components(scene.gamma)
-        return _changed(
-            scene,
-            {
-                "body": self._body(scene.body),
-                "omega": components(scaled(self.unit, scene.omega)),
-                "gamma": gamma,
-                "psi": scene.psi + self._psi(scene.gamma),
-                **dict.fromkeys(("times", "tags", "cite", "outputs", "events", "published"), ()),
-                "source": "",
-            },
-        )
+        unit, components = self.unit, self.axes.components
+        changes = {
+            "body": self._body(scene.body, unit * unit),
+            "omega": components(scaled(unit, scene.omega)),
+            "_source": "",
+            **_OUTSIDE,
+        }
+        if scene.gamma is not None and not self.axes.trivial:
+            changes["gamma"] = components(scene.gamma)
+            changes["psi"] = scene.psi + self._psi(scene.gamma)
+        return _changed(scene, changes)
 
-    def _body(self, body: Body) -> Body:
-        """The body in this frame."""
+    def _body(self, body: Body, square: Fraction) -> Body:
+        """The body in this frame; ``square``: of the unit of time."""
         axes, inertia, own = self.axes, body.inertia, body.axes
-        if axes is own:
+        if not axes.trivial and axes is own:
             inertia, own = diagonal(body.moments), OWN_AXES
         elif not axes.trivial:
             inertia = along(axes, inertia)
@@ -115,20 +113,18 @@ class Frame(NamedTuple):
             {
                 "inertia": inertia,
                 "centre": axes.components(body.centre),
-                "weight": body.weight * (self.unit * self.unit),
+                "weight": body.weight * square,
                 "parts": (),
             },
         )
         turned.__dict__["_principal"] = body.moments, own
         return turned
 
-    def _psi(self, gamma: Vector | None) -> Exact:
+    def _psi(self, gamma: Vector) -> Exact:
         """By how much psi of these axes is ahead of that of the scene's.
 
         psi is told by the line of nodes, gamma × the third axis; at a pole by the first axis.
         """
-        if gamma is None or self.axes.trivial:
-            return ZERO
         nodes, own = (
             first if is_zero(line := cross(gamma, third)) else line
             for first, _, third in (IDENTITY, self.axes.directions)
@@ -152,10 +148,15 @@ def along(axes: PrincipalAxes, matrix: Matrix) -> Matrix:
     return a, b, c
 
 
+#: What a scene's place in the world is, which is of no use inside.
+_OUTSIDE = dict.fromkeys(("times", "tags", "cite", "outputs", "events", "published"), ())
+_FIELDS = {kind: tuple(field.name for field in fields(kind)) for kind in (Scene, Body)}
+
+
 def _changed(what: T, changes: Mapping[str, object]) -> T:
     """A scene or a body with other fields, not checked again: what is exact stays possible."""
     other = object.__new__(type(what))
-    for field in fields(what):
-        name = field.name
-        object.__setattr__(other, name, changes[name] if name in changes else getattr(what, name))
+    values = vars(what)
+    vars(other).update({name: values[name] for name in _FIELDS[type(what)] if name in values})
+    vars(other).update(changes)
     return other

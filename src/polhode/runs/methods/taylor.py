@@ -20,16 +20,16 @@ from polhode.motion.outcomes import EventTimes, Outcome, Projection
 from polhode.numbers.conversion import exactly, number_value, to_extended
 from polhode.numbers.exact import ZERO
 from polhode.numbers.expression import ExpressionError
+from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Flat, Row, Rows, flat
 from polhode.numbers.scalars import of_extended, of_mpmath
 from polhode.runs.problem.options import USUAL, Options, cadence
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
+from polhode.taylor.backend.protocols import Corrector
 from polhode.taylor.backend.time_grid import Times
-from polhode.taylor.integrator.protocols import Corrector
 
 if TYPE_CHECKING:
-    from polhode.taylor.corrections.integral_projection import Target
     from polhode.taylor.events.rules import Rules
     from polhode.taylor.events.watch import Watch
     from polhode.taylor.integrator.stepping import Anchor, Integrator
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 #: Where a start at a pole is left, inside the run's frame: a fraction of a radian on.
 _OFF_THE_POLE = Fraction(1, 2)
 _PART = 800  # of the steps that take a fifth of a second: a quarter of a millisecond for a row
-_targets: Recent[Target] = Recent(1)
+_systems: Recent[System] = Recent(16)
 _rules: Recent[Rules] = Recent(1)
 
 
@@ -150,7 +150,7 @@ class TaylorMotion:
 
         ahead = Times.of(times, self.number)
         try:
-            watch = self._watch = self._new_watch()
+            watch = self._watch = self._new_watch() if self.scene.events else None
             rows, outcome = (self._rest if self.system.rests else self._move)(ahead, progress)
         except (OutOfRange, ExpressionError) as fault:  # of the system, of an event's number
             expected = f"a type of wider range ({fault})"
@@ -183,7 +183,9 @@ class TaylorMotion:
             if not isinstance(rows, list):  # a motion that stays at the pole has no angles
                 rows = rows[:, : len(what.start)]
         rows, outcome = self._integrate(what, origin, times, rows, progress)
-        return rows[: self._before_stop(times, len(rows))], outcome
+        if self._watch is not None:
+            rows = rows[: self._before_stop(times, len(rows))]
+        return rows, outcome
 
     def _before_stop(self, times: Sequence[Fraction], count: int) -> int:
         """How many of the first times are not beyond an event that ended the run."""
@@ -263,7 +265,7 @@ class TaylorMotion:
             return None
         from polhode.taylor.corrections.integral_projection import Projector
 
-        return Projector(target(system), every, watch)
+        return Projector(system.target, every, watch)
 
     def _new_watch(self) -> Watch | None:
         """What looks for the scene's events; None where they are not watched."""
@@ -347,11 +349,21 @@ class TaylorMotion:
         return [*(exactly(x) for x in row), psi, phi]
 
 
-def target(system: System) -> Target:
-    """The integrals that runs of a system are put back on."""
-    from polhode.taylor.corrections.integral_projection import Target
+def system_of(
+    scene: Scene,
+    number: NumberType,
+    tolerance: Fraction | None = None,
+    inputs: NumberType | None = None,
+) -> System:
+    """The system of such runs, shared by scenes that differ in their times alone."""
+    key = (number, tolerance, inputs)
 
-    return _targets.get(system, None, lambda: Target(system.form.scene, system.number))
+    def made() -> System:
+        from polhode.taylor.integrator.system import system
+
+        return system(scene.apart(), scene.modelled, *key)
+
+    return _systems.get(scene.identity, key, made)
 
 
 def _moved(row: Row, by: Fraction, what: System) -> Row:

@@ -48,24 +48,20 @@ class Times(Sequence[Fraction]):
     @classmethod
     def inside(cls, times: ExactNumbers[Fraction], frame: Frame, number: NumberType) -> Times:
         """Times of this type in a scene's unit, as they are in its frame."""
-        scaled = cls._scaled(times, -frame.exponent, number)
-        scaled.outside = times
-        return scaled
-
-    @classmethod
-    def _scaled(cls, times: ExactNumbers[Fraction], exponent: int, number: NumberType) -> Times:
         import numpy as np
 
+        inside, exponent = None, -frame.exponent
         if times.floats is not None and number.flat:
             kind, most = (np.float64, 1000) if number.bits == 53 else (np.longdouble, 16000)
             grid = np.ldexp(times.floats, exponent) if exponent else times.floats
             sizes = np.frexp(grid[1:] if grid[0] == 0 else grid)[1]
             if grid.dtype == kind and np.all(np.abs(sizes) < most):
-                return cls.of_grid(grid, number)
-        if not exponent:
-            return cls(times, number)
-        unit = Fraction(2) ** exponent
-        return cls([t * unit for t in times], number)
+                inside = cls.of_grid(grid, number)
+        if inside is None:
+            unit = Fraction(2) ** exponent
+            inside = cls([t * unit for t in times] if exponent else times, number)
+        inside.outside = times
+        return inside
 
     @cached_property
     def now(self) -> int:

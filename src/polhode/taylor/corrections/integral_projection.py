@@ -41,9 +41,9 @@ from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import heyoka_numbers
 from polhode.taylor.backend.engine import hy
+from polhode.taylor.backend.protocols import Watcher
 from polhode.taylor.backend.types import CompiledFunction, Expression, HeyokaNumber
 from polhode.taylor.backend.wider_type import Conversions, conversions, wider
-from polhode.taylor.integrator.protocols import Watcher
 
 #: Numbers among which nothing cancels by accident.
 _GENERIC = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47)

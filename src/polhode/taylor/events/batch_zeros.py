@@ -18,12 +18,12 @@ from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import Functions, Scalar
 from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS, compact_beyond
+from polhode.taylor.backend.protocols import Desk
 from polhode.taylor.batches.compiled_batch import LANES, CompiledBatch
 from polhode.taylor.events.callbacks import Callback
 from polhode.taylor.events.functions import TIME, in_columns, rate, typed_constant
 from polhode.taylor.events.jets import Formulas, jet_of
 from polhode.taylor.events.roundoff import BAND
-from polhode.taylor.integrator.protocols import Desk
 from polhode.taylor.integrator.specification import DESK, integrator
 
 #: The parameters of a batch, and of its jet: when the stretch began, what the first step adds to

@@ -33,6 +33,7 @@ from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import heyoka_numbers
 from polhode.taylor.backend.engine import hy
+from polhode.taylor.backend.protocols import Desk
 from polhode.taylor.backend.types import Expression, HeyokaEvent, HeyokaIntegrator, HeyokaNumber
 from polhode.taylor.events.callbacks import AfterStep, Callback
 from polhode.taylor.events.decision import (
@@ -49,7 +50,6 @@ from polhode.taylor.events.magnitudes import middle_axis
 from polhode.taylor.events.polishing import Places, exact_times, polished
 from polhode.taylor.events.probe import Probe, mark, stays
 from polhode.taylor.events.rules import Rules
-from polhode.taylor.integrator.protocols import Desk
 from polhode.taylor.integrator.specification import CLOCK, TINY
 
 

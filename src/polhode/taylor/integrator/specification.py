@@ -31,10 +31,10 @@ from polhode.taylor.backend.heyoka_numbers import (
     scalar,
     type_options,
 )
+from polhode.taylor.backend.protocols import Rates, Watcher
 from polhode.taylor.backend.types import Expression, HeyokaIntegrator
 from polhode.taylor.integrator.angle_variables import slowed
 from polhode.taylor.integrator.engine import Engine, lent
-from polhode.taylor.integrator.protocols import Rates, Watcher
 from polhode.taylor.integrator.singularities import terminal_event
 
 #: Rates of variables, by the coefficients.

@@ -18,11 +18,11 @@ from polhode.numbers.rows import Array, Numbers, Row, Rows
 from polhode.taylor.backend import defaults
 from polhode.taylor.backend.defaults import first_step_offset
 from polhode.taylor.backend.heyoka_numbers import array, as_fraction, as_mpf, scalar
+from polhode.taylor.backend.protocols import Corrector, Watcher
 from polhode.taylor.backend.step_outcomes import ending
 from polhode.taylor.backend.time_grid import Times
 from polhode.taylor.backend.types import HeyokaNumber, HeyokaOutcome
 from polhode.taylor.integrator.engine import Engine
-from polhode.taylor.integrator.protocols import Corrector, Watcher
 from polhode.taylor.integrator.specification import TINY
 from polhode.taylor.integrator.system import System
 
@@ -216,8 +216,11 @@ class Integrator:
         with an eye on all of them.
         """
         ta, count = self.heyoka, len(ahead) - 1
+        take = self._steps
+        if self.watcher is not None and not self.heyoka.time and not self.offset:
+            take = self._first_step
         if done == count - 1 or (self.corrector is None and self._cyclic is None):
-            return self._steps(ahead[done:], steps)
+            return take(ahead[done:], steps)
         begun, kept, before = ta.dtime, self.state.copy(), self.steps
         marks = None if self.watcher is None else self.watcher.marks()
         reach = abs(float(begun[0])) + self._reach
@@ -226,13 +229,13 @@ class Integrator:
         if short:
             near, last = ahead[done:beyond], ahead[-1:]
             parts = [*near, *last] if isinstance(ahead, list) else np.concatenate([near, last])
-            rows, ended = self._steps(parts, steps)
+            rows, ended = take(parts, steps)
         if short and abs(ta.time) > abs(ahead[beyond]):
             self.state[:], ta.dtime, self.steps, short = kept, begun, before, False
             if self.watcher is not None and marks is not None:
                 self.watcher.take_back(marks)
         if not short:
-            rows, ended = self._steps(ahead[done:], steps)
+            rows, ended = take(ahead[done:], steps)
         advance = _REACH * float(abs(ta.time) - abs(begun[0]))
         if advance > self._reach or self._reach == math.inf:
             self._reach = advance
@@ -243,30 +246,13 @@ class Integrator:
 
         ``ahead``: a place for the time at which it begins, then the times.
         """
-        if self.watcher is None or self.heyoka.time or self.offset:
-            return self._call(ahead, steps)
-        self._add(first_step_offset(self.number))
-        rows, ended = self._call(ahead, 1)
-        self._add(ZERO)
-        count = len(rows)
-        if ended is not Outcome.STEP_LIMIT or steps == 1 or count == len(ahead) - 1:
-            return rows, ended
-        more, ended = self._call(ahead[count:].copy(), steps - 1)
-        return np.concatenate([rows, more]), ended
-
-    def _add(self, tiny: Fraction) -> None:
-        """Add a number to all that heyoka watches."""
-        self.heyoka.pars[TINY : TINY + 1] = array([scalar(tiny, self.number)], self.number)
-
-    def _call(self, ahead: Numbers, steps: int) -> tuple[Array, Outcome]:
-        """The same, by one call of heyoka."""
         ta = self.heyoka
         begun, now = ta.dtime, ta.time
         if ahead[1] == now:  # a step ended there: heyoka has not given that row
             here = self.state.copy()[None]
             if len(ahead) == 2:
                 return here, Outcome.REACHED_END
-            rows, ended = self._call(ahead[1:], steps)
+            rows, ended = self._steps(ahead[1:], steps)
             return np.concatenate([here, rows]), ended
         options = {"max_steps": steps, **self._options}
         if self.watcher is not None and self.watcher.after_step is not None:
@@ -291,6 +277,21 @@ class Integrator:
         if ended is Outcome.NON_FINITE and not math.isfinite(float(ta.time)):
             ta.dtime = begun  # a step of no length: nothing is known after it began
         return rows, ended
+
+    def _first_step(self, ahead: Numbers, steps: int) -> tuple[Array, Outcome]:
+        """The same where a run with events begins: a step with a number added, then others."""
+        self._add(first_step_offset(self.number))
+        rows, ended = self._steps(ahead, 1)
+        self._add(ZERO)
+        count = len(rows)
+        if ended is not Outcome.STEP_LIMIT or steps == 1 or count == len(ahead) - 1:
+            return rows, ended
+        more, ended = self._steps(ahead[count:].copy(), steps - 1)
+        return np.concatenate([rows, more]), ended
+
+    def _add(self, tiny: Fraction) -> None:
+        """Add a number to all that heyoka watches."""
+        self.heyoka.pars[TINY : TINY + 1] = array([scalar(tiny, self.number)], self.number)
 
     def _anchoring(
         self, end: HeyokaNumber, max_steps: int, **options: Any

@@ -10,7 +10,6 @@ from fractions import Fraction
 import numpy as np
 
 from polhode.common.cached_property import cached_property
-from polhode.common.recent import Recent
 from polhode.equations import equilibrium, kinematics
 from polhode.equations.form import Form, equations
 from polhode.equations.readout import Readout
@@ -24,10 +23,11 @@ from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ANGLE_VARIABLES, ATTITUDE
 from polhode.taylor.backend.heyoka_numbers import OutOfRange, array, scalars
+from polhode.taylor.backend.protocols import Watcher
 from polhode.taylor.backend.time_grid import Times, rounded_times
+from polhode.taylor.corrections.integral_projection import Target
 from polhode.taylor.integrator.angle_variables import Cyclic
 from polhode.taylor.integrator.engine import Engine, lent
-from polhode.taylor.integrator.protocols import Watcher
 from polhode.taylor.integrator.singularities import nearest
 from polhode.taylor.integrator.specification import CLOCK, Equations, built
 
@@ -58,7 +58,7 @@ class System:
         """What it is made of: the rest is made again."""
         return system, (self.scene, self.outputs, self.number, self.tolerance, self.inputs)
 
-    @property
+    @cached_property
     def frame(self) -> Frame:
         """Between the scene's axes and unit of time and those of the run."""
         return self.form.frame
@@ -96,6 +96,11 @@ class System:
     def read(self) -> Readout:
         """Reads the run's rows."""
         return Readout(self.scene, self.number)
+
+    @cached_property
+    def target(self) -> Target:
+        """The integrals that runs are put back on."""
+        return Target(self.form.scene, self.number)
 
     @cached_property
     def equations(self) -> Equations:
@@ -212,21 +217,3 @@ def system(
 def principal_system(scene: Scene) -> System:
     """The equations of a scene's state in the principal form."""
     return system(scene if scene.form == "principal" else replace(scene, form="principal"))
-
-
-_kept: Recent[System] = Recent(16)
-
-
-def shared_system(
-    scene: Scene,
-    number: NumberType,
-    tolerance: Fraction | None = None,
-    inputs: NumberType | None = None,
-) -> System:
-    """The system of such runs, shared by scenes that differ in their times alone."""
-    key = (number, tolerance, inputs)
-
-    def made() -> System:
-        return system(scene.apart(), scene.modelled, *key)
-
-    return _kept.get(scene.identity, key, made)
