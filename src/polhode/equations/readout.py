@@ -10,7 +10,7 @@ from polhode.common.cached_property import cached_property
 from polhode.equations.form import equations
 from polhode.equations.kinematics import AngleFunctions, angles, starting_attitude
 from polhode.numbers.conversion import exactly, number_value, to_double, to_extended, to_mpf
-from polhode.numbers.number_types import NumberType
+from polhode.numbers.number_types import EXTENDED, NumberType
 from polhode.numbers.rows import Booleans, Extendeds, Flat, Gapped, Given, GivenRow, Rows, flat
 from polhode.numbers.scalars import Real, Scalar, of_extended, of_mpmath
 from polhode.numbers.vectors import upright
@@ -276,8 +276,6 @@ class Readout:
         return {name: to_extended(x) for name, x in self.form.coefficients.items()}
 
     @cached_property
-    def _turn(self) -> Extendeds:
+    def _turn(self) -> Flat:
         """The turn from the frame's axes to the scene's in extended."""
-        import numpy as np
-
-        return np.array([[to_extended(x) for x in row] for row in self.frame.axes.rows])
+        return self.frame.matrix(EXTENDED)

@@ -16,15 +16,14 @@ from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, plain
 from polhode.common.memory import refuse_too_much
 from polhode.motion.outcomes import OUTCOMES, Outcome, code
-from polhode.numbers.conversion import to_double, to_extended
+from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
-from polhode.numbers.number_types import NumberType
+from polhode.numbers.number_types import EXTENDED, NumberType
 from polhode.numbers.rows import Doubles, Extendeds, Flat, double_array, flat
 from polhode.numbers.scalars import AnyNumber, numbers_given
 from polhode.runs.methods.taylor import system_of
 from polhode.runs.problem.options import cadence, choose_number, corrections, rounded_tolerance
 from polhode.scenes import library
-from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 from polhode.taylor import lanes
 from polhode.taylor.backend import defaults
@@ -103,8 +102,9 @@ class Propagator:
         self._kind, self._shape = self._first.dtype, self._first.shape
         self._long = self.number.name == "extended"
         self._slack = _UNIT * float(self.number.eps)
-        self._turn = _turn(system.frame)
-        unit = np.ldexp(self._kind.type(1), system.frame.exponent)
+        frame = system.frame
+        self._turn = None if frame.axes.trivial else frame.matrix(EXTENDED)
+        unit = np.ldexp(self._kind.type(1), frame.exponent)
         self._scale = np.ones(self._shape, self._kind)
         self._scale[:3] = unit
         self._back = 1 / self._scale
@@ -379,18 +379,11 @@ class Propagator:
         return states
 
 
-def turned(rows: Flat, turn: Extendeds) -> Flat:
+def turned(rows: Flat, turn: Flat) -> Flat:
     """Rows in principal axes, each number rounded once."""
     wide = rows.astype(np.longdouble).reshape(-1, 3)
     principal_rows = (wide @ turn.T).reshape(rows.shape)
     return double_array(principal_rows) if rows.dtype == np.float64 else principal_rows
-
-
-def _turn(frame: Frame) -> Extendeds | None:
-    """The frame's axes along the scene's, rows of longdoubles; None where they are the same."""
-    if frame.axes.trivial:
-        return None
-    return np.array([[to_extended(x) for x in v] for v in frame.axes.rows])
 
 
 def _doubles(values: Iterable[Exact]) -> Doubles:

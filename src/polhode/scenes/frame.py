@@ -14,7 +14,10 @@ from fractions import Fraction
 from typing import NamedTuple, TypeVar
 
 from polhode.numbers import exact
+from polhode.numbers.conversion import to_double, to_extended
 from polhode.numbers.exact import ZERO, Exact, sign
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.rows import Flat
 from polhode.numbers.vectors import Matrix, Vector, apply, cross, dot, is_zero, scaled
 from polhode.scenes.body import IDENTITY, OWN_AXES, Body, PrincipalAxes, diagonal
 from polhode.scenes.scene import Scene
@@ -82,6 +85,17 @@ class Frame(NamedTuple):
         rows = self.axes.rows
         named = {f"turn{i}{j}": rows[i][j] for i in range(3) for j in range(3)}
         return {name: x for name, x in named.items() if sign(x) != 0}
+
+    def matrix(self, number: NumberType) -> Flat:
+        """Its axes along the scene's, a row each, as doubles or longdoubles.
+
+        A row of components inside, times it, is along the scene's axes.
+        """
+        import numpy as np
+
+        nearest = to_double if number.name == "double" else to_extended
+        matrix: Flat = np.array([[nearest(x) for x in row] for row in self.axes.rows])
+        return matrix
 
     def inside(self, scene: Scene) -> Scene:
         """The same motion as a scene in this frame, exactly: no outputs, events or times."""

@@ -28,6 +28,7 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import to_double, to_extended
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
+from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles, Indices
 from polhode.numbers.vectors import dot
 from polhode.scenes.frame import Frame
@@ -259,8 +260,7 @@ def height_coordinates(on: Ground, states: Doubles) -> tuple[Doubles, Doubles]:
 def turned(scene: Scene, states: Doubles, back: bool = False) -> Doubles:
     """States (..., 6) from principal axes and the run's unit of time into the scene's; or back."""
     frame = Frame.of(scene)
-    rows = np.array([[to_double(x) for x in row] for row in frame.axes.rows])
-    unit = float(frame.unit)
+    rows, unit = frame.matrix(DOUBLE), float(frame.unit)
     if back:
         rows, unit = rows.T, 1 / unit
     return np.concatenate([states[..., :3] @ rows / unit, states[..., 3:] @ rows], axis=-1)

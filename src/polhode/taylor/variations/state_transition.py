@@ -27,7 +27,7 @@ from polhode.equations.forms import principal
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.rows import Doubles
+from polhode.numbers.rows import Doubles, double_array
 from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
@@ -90,7 +90,7 @@ class Passage:
     @cached_property
     def turn(self) -> Doubles:
         """From principal axes to the scene's, as a matrix."""
-        return np.array([[to_double(x) for x in row] for row in self.scene.body.axes.rows]).T
+        return double_array(Frame.of(self.scene).matrix(DOUBLE).T)
 
     @cached_property
     def rate_scale(self) -> float:
