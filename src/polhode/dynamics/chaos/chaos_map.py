@@ -37,6 +37,7 @@ from polhode.common.value_semantics import ByValue
 from polhode.dynamics.chaos import map_motions
 from polhode.dynamics.sections.initial_tangents import tangents_of
 from polhode.judging.conditioning.motion_kinds import UNSTABLE, UNSTABLE_GROWTH
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles, Integers
@@ -46,7 +47,6 @@ from polhode.results.table import Column, Fact, Table
 from polhode.runs.sweep import starts_file
 from polhode.runs.sweep.array_starts import from_starts
 from polhode.scenes import library
-from polhode.scenes.frame import Frame
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, text_column, unit_of

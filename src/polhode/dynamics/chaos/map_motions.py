@@ -15,11 +15,11 @@ from polhode.equations.forms import principal
 from polhode.equations.section_functions import HEIGHT, MOMENTUM
 from polhode.judging.conditioning.lyapunov import is_known
 from polhode.judging.conditioning.motion_kinds import is_integrable
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles, Integers
 from polhode.numbers.scalars import AnyNumber
-from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation import vary
 from polhode.scenes.variation.sweep_scenes import Members

@@ -20,6 +20,7 @@ from polhode.dynamics.frequencies import naff
 from polhode.judging.references.reference import reference
 from polhode.judging.tables.table import Table
 from polhode.judging.tables.table_file import is_table, read_table
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import DOUBLE
@@ -33,7 +34,6 @@ from polhode.results.table import Table as ResultTable
 from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
-from polhode.scenes.frame import Frame
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.output_times import even_times
 from polhode.scenes.scene import Scene

@@ -27,6 +27,7 @@ from polhode.dynamics.sections import jobs as section_jobs
 from polhode.dynamics.sections.starts import MAXIMA, Asked, asked_of, starts_of
 from polhode.equations.forms import principal
 from polhode.equations.section_functions import HEIGHT, MOMENTUM, SectionZero
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE
@@ -35,7 +36,6 @@ from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.scenes import library
-from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import (
     provenance_fact,

@@ -16,8 +16,8 @@ from polhode.common.deadline import NONE, Deadline
 from polhode.enclosures.fixed_point_problem import CLOCK, CYCLE, Motion, Problem
 from polhode.enclosures.step_bound import jacobian
 from polhode.enclosures.zonotope import State
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
-from polhode.scenes.frame import Frame
 from polhode.taylor.integrator.system import principal_system
 from polhode.taylor.variations import double_trajectory
 from polhode.taylor.variations.equations import Variations

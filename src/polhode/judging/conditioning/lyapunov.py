@@ -29,6 +29,7 @@ from polhode.judging.conditioning.motion_kinds import (
     UNSTABLE_GROWTH,
 )
 from polhode.judging.references.reference import reference
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import sign
 from polhode.numbers.rows import Doubles
@@ -36,7 +37,6 @@ from polhode.numbers.scalars import AnyNumber
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.scenes import library
-from polhode.scenes.frame import Frame
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of

@@ -276,11 +276,11 @@ class TaylorMotion:
 
         of, scene = self.system, self.scene
 
-        def made() -> Rules:
+        def rules_of_events() -> Rules:
             return Rules(scene, of.number, of.tolerance, of.rests)
 
         timed = any(event.timed for event in scene.events)  # t in one is as large as the end
-        rules = _rules.get(of, of.times(scene).outside[-1] if timed else None, made)
+        rules = _rules.get(of, of.times(scene).outside[-1] if timed else None, rules_of_events)
         return Watch(scene, self.number, rules)
 
     @property
@@ -358,12 +358,12 @@ def system_of(
     """The system of such runs, shared by scenes that differ in their times alone."""
     key = (number, tolerance, inputs)
 
-    def made() -> System:
+    def new_system() -> System:
         from polhode.taylor.integrator.system import system
 
         return system(scene.apart(), scene.modelled, *key)
 
-    return _systems.get(scene.identity, key, made)
+    return _systems.get(scene.identity, key, new_system)
 
 
 def _moved(row: Row, by: Fraction, what: System) -> Row:

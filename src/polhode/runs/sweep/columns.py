@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from polhode.common.errors import BadInput
 from polhode.equations.forms import principal
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import number_value, to_double
 from polhode.numbers.exact import ZERO, Exact
 from polhode.numbers.number_types import NumberType
@@ -22,7 +23,6 @@ from polhode.numbers.rows import Booleans, Doubles, Flat, kind_of
 from polhode.numbers.scalars import Scalar
 from polhode.numbers.vectors import scaled
 from polhode.scenes.body import PrincipalAxes
-from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation.sweep_scenes import Members
 

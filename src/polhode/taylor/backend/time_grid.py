@@ -8,12 +8,12 @@ from typing import overload
 
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import exactly, to_double, to_extended
 from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Flat, Numbers, flat
 from polhode.numbers.scalars import Scalar
-from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 
 _FEW = 64  # times: the exact ones of so few are all made at the first question, and kept

@@ -30,6 +30,7 @@ from functools import lru_cache
 from polhode.common.cached_property import cached_property
 from polhode.equations.forms import principal
 from polhode.equations.integrals import CHAPLYGIN, FirstIntegrals, exact_values, first_integrals
+from polhode.motion.frame import Frame
 from polhode.motion.outcomes import Projection
 from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import ZERO, Exact, Number, sign
@@ -37,7 +38,6 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Array, Flat, GivenRow
 from polhode.numbers.scalars import EXACT, Scalar
 from polhode.scenes.body import Body
-from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import heyoka_numbers
 from polhode.taylor.backend.engine import hy

@@ -24,11 +24,11 @@ import numpy as np
 from polhode.common.cached_property import cached_property
 from polhode.equations.equilibrium import at_rest
 from polhode.equations.forms import principal
+from polhode.motion.frame import Frame
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles, double_array
-from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend import defaults

@@ -36,7 +36,7 @@ class Frame(NamedTuple):
 
     >>> from fractions import Fraction
     >>> import polhode
-    >>> from polhode.scenes.frame import Frame
+    >>> from polhode.motion.frame import Frame
     >>> body = polhode.Body([[2, "1/2", 0], ["1/2", 2, 0], [0, 0, 1]], [0, 0, 1], "9.8")
     >>> scene = polhode.Scene(body, omega=(0, 0, 1000), gamma=("3/5", 0, "4/5"))
     >>> frame = Frame.of(scene)
