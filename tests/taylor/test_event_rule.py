@@ -229,6 +229,14 @@ def test_a_zero_within_rounding_of_the_start_is_the_starts_own():
     assert event.signs == ()
 
 
+@pytest.mark.parametrize(("beyond", "signs"), [("1e-17", (1,)), ("1e-13", ())])
+def test_a_zero_within_rounding_of_the_end_belongs_to_the_run_that_ends_there(beyond, signs):
+    """A run that goes on from there takes it for its start's own."""
+    _, event = found(f"t - 3 - ({beyond})", at=[3])
+    assert event.signs == signs
+    assert all(t == 3 for t in event.times)
+
+
 @pytest.mark.parametrize("number", [DOUBLE, EXTENDED, QUAD], ids=lambda n: n.name)
 @pytest.mark.parametrize("above", ["1e-12", "1e-15", "1e-17", "1e-20"])
 def test_a_zero_apart_from_the_start_is_told_when_it_is(above, number):
