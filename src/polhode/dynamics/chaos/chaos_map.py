@@ -185,7 +185,7 @@ def chaos_map(
     tol: float | None = TOLERANCE,
     workers: int | None = None,
     executor: Executor | None = None,
-    parts: Path | None = None,
+    parts: str | Path | None = None,
     progress: Progress | None = None,
     starts: npt.ArrayLike | str | Path | None = None,
 ) -> ChaosMap:
@@ -217,7 +217,7 @@ def chaos_map(
         Threads, as many as there are cores unless given.
     executor : Executor, optional
         An executor of ``concurrent.futures`` instead of threads.
-    parts : Path, optional
+    parts : str or Path, optional
         A folder for finished jobs, from which the same call continues after a kill.
     progress : callable, optional
         Called with the fraction done and the motions done.

@@ -18,7 +18,7 @@ from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Extendeds
 from polhode.numbers.scalars import EXACT
-from polhode.runs.problem.options import rounded_times
+from polhode.runs.problem.options import refuse_other_rounding, rounded_times
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend.time_grid import Times
 
@@ -157,6 +157,7 @@ def problem(
     inputs: NumberType | None = None,
 ) -> Problem:
     """The problem of such runs, shared by scenes that differ in their times alone."""
+    refuse_other_rounding(scene)
     key = (number, tolerance, inputs)
 
     def made() -> Problem:
