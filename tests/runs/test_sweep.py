@@ -240,7 +240,7 @@ def test_the_unit_of_time_next_to_a_power_of_two():
     assert len({member.time_unit for member in many.members}) == 2
     assert_own_runs(many)
     plan = sweep_plan.planned(scene, {"start.omega[1]": rates}, None, None, None, None)
-    assert plan.time_units.tolist() == [m.time_unit for m in plan.members]
+    assert plan.exponents.tolist() == [m.time_unit for m in plan.members]
 
 
 @pytest.mark.parametrize("number", ["double", "extended"])
@@ -253,7 +253,7 @@ def test_what_cancels_along_turned_axes_is_exactly_nothing(number):
     exact = [member.body.axes.components(member.omega) for member in plan.members]
     assert [[x == 0 for x in row] for row in exact] == (plan.motions.starts == 0).tolist()
     assert (plan.motions.starts[0] == 0).any()
-    units = [Fraction(2) ** int(n) for n in plan.time_units]
+    units = [Fraction(2) ** int(n) for n in plan.exponents]
     near = [[float(x * unit) for x in row] for row, unit in zip(exact, units, strict=True)]
     assert np.array_equal(plan.motions.starts.astype(float), near)
 

@@ -134,7 +134,7 @@ def described(scene: Scene) -> JsonObject:
         "coefficients": sorted(equations(scene).coefficients),
         "times": len(scene.times),
         "end": shown(scene.end),
-        "time_unit": f"2**{scene.time_unit}",
+        "time_unit": f"2**{equations(scene).frame.exponent}",
     }
     return facts
 

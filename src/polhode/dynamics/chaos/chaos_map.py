@@ -46,6 +46,7 @@ from polhode.results.table import Column, Fact, Table
 from polhode.runs.sweep import starts_file
 from polhode.runs.sweep.array_starts import from_starts
 from polhode.scenes import library
+from polhode.scenes.frame import Frame
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, text_column, unit_of
@@ -105,7 +106,7 @@ class ChaosMap(Result, ByValue):
     @property
     def enough(self) -> float:
         """The least end at which a motion can be called regular; before, it stays undecided."""
-        return SHORTEST * 2.0**self.scene.time_unit
+        return SHORTEST * float(Frame.of(self.scene).unit)
 
     @property
     def too_short(self) -> bool:
@@ -251,8 +252,8 @@ def chaos_map(
     from polhode.taylor.variations import tangent_batches
 
     scene = library.load(scene)
-    unit = 2.0**scene.time_unit
-    default = Fraction(END) * Fraction(2) ** scene.time_unit
+    frame = Frame.of(scene)
+    unit, default = float(frame.unit), frame.time_outside(Fraction(END))
     wanted = default if end is None else end
     (last,) = each(scene.name, "end", (wanted,), reader(scene.units, TIME), "a time")
     length = to_double(last) / unit

@@ -34,6 +34,7 @@ from polhode.results.table import Table as ResultTable
 from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
+from polhode.scenes.frame import Frame
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.output_times import even_times
 from polhode.scenes.scene import Scene
@@ -254,14 +255,15 @@ def _names(source: str, of: Sequence[str] | None, scene: Scene | None) -> tuple[
 
 def _fastest(scene: Scene) -> float:
     """A rate that |w| hardly exceeds: its bound by the energy."""
-    body, unit = scene.body, Fraction(2) ** scene.time_unit
+    frame = Frame.of(scene)
+    body, unit = scene.body, frame.unit
     largest = max(body.moments)  # and the run's unit of time: all numbers are of order one
     torque = math.sqrt(sum(to_double(unit * unit * x / largest) ** 2 for x in body.torque))
     least = to_double(min(body.moments) / largest)
     energy = to_double(unit * unit * scene.integrals.energy / largest)
     energy += torque if scene.gamma is not None else 0.0
     fastest = max(math.sqrt(max(0.0, 2 * energy / least)), math.sqrt(torque))
-    return math.ldexp(fastest, -scene.time_unit) or 1.0
+    return math.ldexp(fastest, -frame.exponent) or 1.0
 
 
 def _of_run(run: Trajectory, names: tuple[str, ...], count: int) -> Frequencies:

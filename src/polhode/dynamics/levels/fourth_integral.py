@@ -30,6 +30,7 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.polynomials import Polynomial, middle, rational, real_roots
 from polhode.scenes import classification
+from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 
 
@@ -73,9 +74,10 @@ def fourth_integral(
 
 def _own(scene: Scene, name: str, axis: int) -> float:
     """The scene's value, in its own units."""
-    known = first_integrals(scene)
-    found: Exact = exact_values(scene, known)[-1]
-    unit, largest = Fraction(2) ** scene.time_unit, max(scene.body.moments)
+    frame = Frame.of(scene)
+    inside = frame.inside(scene)
+    found: Exact = exact_values(inside, first_integrals(inside))[-1]
+    unit, largest = frame.unit, max(scene.body.moments)
     if name == "|G|^2":
         return to_double(found * (largest / unit) * (largest / unit))
     if name == "L":

@@ -36,6 +36,7 @@ from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.runs.problem.options import refuse_other_rounding
 from polhode.scenes import library
+from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import (
     provenance_fact,
@@ -125,7 +126,8 @@ class Section(Result, ByValue):
         on = geometry.ground(scene, self.h, self.f)
         zero = section_jobs.zero_of(scene, on, self.by)
         slants = crossing_accuracy.slant(scene, zero, states, on.fastest)
-        return crossing_accuracy.digits(scene, starts, self.times / 2.0**scene.time_unit, slants)
+        times = self.times / float(Frame.of(scene).unit)
+        return crossing_accuracy.digits(scene, starts, times, slants)
 
     @property
     def none_left_from(self) -> Integers:
@@ -305,7 +307,7 @@ def section(
     states = begun.states[finished.rows]
     angles = geometry.height_coordinates if asked.by == HEIGHT else geometry.coordinates
     l, ratio = geometry.coordinates(on, crossed.states)
-    unit = 2.0 ** (scene.time_unit + on.slower)
+    unit = float(Frame.of(scene).slower(on.slower).unit)
     result = Section(
         scene,
         asked.h,
@@ -338,10 +340,8 @@ def _refuse_constant(asked: Asked, on: Ground, zero: SectionZero, states: Double
 
     if asked.by in (MOMENTUM, HEIGHT):
         return
-    k = {
-        name: to_double(x)
-        for name, x in principal.coefficients(asked.scene.body, asked.scene.time_unit).items()
-    }
+    inside = Frame.of(asked.scene).inside(asked.scene)
+    k = {name: to_double(x) for name, x in principal.coefficients(inside.body).items()}
     moved = states.T + 1e-3 * np.random.default_rng(0).normal(size=states.T.shape)
     try:
         with np.errstate(all="ignore"):
@@ -378,7 +378,7 @@ def _refused(asked: Asked, on: Ground, kept: JobCheckpoint | None) -> Iterator[N
 def _not_finite(asked: Asked, on: Ground, start: Sequence[float], time: float) -> BadInput:
     """The refusal of an expression that has no finite value on an orbit, at a time of the run."""
     l, ratio = (float(x) for x in geometry.coordinates(on, np.array(start)))
-    t = math.ldexp(time, asked.scene.time_unit + on.slower)
+    t = math.ldexp(time, Frame.of(asked.scene).exponent + on.slower)
     expected = (
         "an expression that is real and finite on all orbits; on the one from "
         f"l = {l:.6g}, L/G = {ratio:.6g} it has a pole or stops being real at t = {t:.6g}"

@@ -23,7 +23,6 @@ import numpy as np
 
 from polhode.equations.equilibrium import at_rest
 from polhode.equations.forms import principal
-from polhode.equations.system import System
 from polhode.judging.conditioning.motion_kinds import is_integrable
 from polhode.judging.references.reference import Reference, reference
 from polhode.numbers.conversion import to_double
@@ -31,6 +30,7 @@ from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import EXACT, FLOATS
 from polhode.scenes.scene import Scene
+from polhode.taylor.integrator.system import System
 from polhode.taylor.variations.equations import Variations
 
 _TORI = {"polhode", "nutation", "s1"}  # rates that an integrable top has on its tori alone

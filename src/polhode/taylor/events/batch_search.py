@@ -65,7 +65,7 @@ class SearchJob(NamedTuple):
     ``patience``: stretches without a zero until a motion is given up; ``max_steps``: of each.
     ``level``: for a section, on which the starts lie: the states are put back on these integrals.
     ``coefficients`` (n, names) and ``starts`` (n, columns) in principal axes and the unit of time
-    2**``time_unit``, which times are in.  ``turns``: (n, 9), from principal axes to the scene's,
+    2**``exponent``, which times are in.  ``turns``: (n, 9), from principal axes to the scene's,
     row by row; None where there is no turn.
     """
 
@@ -76,7 +76,7 @@ class SearchJob(NamedTuple):
     stretch: float
     coefficients: Doubles
     starts: Doubles
-    time_unit: int = 0
+    exponent: int = 0
     turns: Doubles | None = None
     patience: float = math.inf
     max_steps: int | None = None
@@ -141,7 +141,7 @@ class _Search:
 
     def __init__(self, job: SearchJob, batch: CompiledBatch) -> None:
         self.job, self.batch, n = job, batch, len(job.starts)
-        self.numbers = job.watched.numbers(job.time_unit, job.coefficients, job.turns)
+        self.numbers = job.watched.numbers(job.exponent, job.coefficients, job.turns)
         stretches = max(1.0, np.ceil(abs(job.end) / job.stretch))
         self.length = job.stretch if stretches == math.inf else job.end / stretches
         self.way = 1 if self.length > 0 else -1

@@ -13,6 +13,7 @@ from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.scalars import Scalar
 from polhode.numbers.vectors import dot
 from polhode.scenes.event import Event
+from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import FLIP
 
@@ -110,10 +111,10 @@ def middle_axis(scene: Scene) -> int:
 
 
 def size_of(scene: Scene, event: Event) -> Size:
-    """How large an event's expression and its rate, per unit of the run's time, can be."""
+    """How large an event's expression and its rate, per unit of time inside, can be."""
     from polhode.numbers.mpmath_context import mpmath
 
-    unit = Fraction(2) ** scene.time_unit
+    unit = Frame.of(scene).unit
     spin2 = dot(scene.omega, scene.omega) + 4 * scene.pendulum_rate_squared
     spin = to_mpf(exact.sqrt(spin2), 53) or mpmath.mpf(1)
     turn, one = spin * to_mpf(unit, 53), mpmath.mpf(1)

@@ -16,6 +16,7 @@ import numpy as np
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Booleans, Flat, Indices
 from polhode.numbers.scalars import Scalar
+from polhode.scenes.frame import Frame
 from polhode.taylor.backend.heyoka_numbers import array, as_fraction, scalar
 from polhode.taylor.events.jets import Jet, Marks, joined_marks
 from polhode.taylor.events.roundoff import BAND, OWN
@@ -156,7 +157,6 @@ def joined_places(parts: Sequence[Places]) -> Places:
     return Places._make([marks, *more])
 
 
-def exact_times(times: Scalar, time_unit: int, number: NumberType) -> tuple[Fraction, ...]:
-    """Times in a run's unit 2**time_unit as exact numbers in the scene's."""
-    unit = Fraction(2) ** time_unit
-    return tuple(as_fraction(t, number) * unit for t in times.tolist())
+def exact_times(times: Scalar, frame: Frame, number: NumberType) -> tuple[Fraction, ...]:
+    """Times inside a frame as exact numbers in the scene's unit."""
+    return tuple(frame.time_outside(as_fraction(t, number)) for t in times.tolist())
