@@ -10,6 +10,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -78,6 +79,25 @@ def signatures() -> Iterator[tuple[str, object]]:
                     yield from ((f"{name}.{key}", kind) for kind in kinds)
         fields = inspect.get_annotations(thing)
         yield from ((f"{name}.{key}", kind) for key, kind in fields.items() if key[0] != "_")
+
+
+def test_a_room_s_docstring_names_what_is_there():
+    """Some described other rooms: what had gone elsewhere, or what the room once was."""
+    source = TOP / "src/polhode"
+    text = (TOP / "CONTRIBUTING.md").read_text()
+    floors = re.findall(r"^\| \d+ \| (.*?) \| (.*) \|$", text, re.M)
+    for file in source.rglob("__init__.py"):
+        docstring = ast.get_docstring(ast.parse(file.read_text())) or ""
+        for role, name in re.findall(r":(mod|func|class):`~?([\w.]+)`", docstring):
+            home, _, last = name.rpartition(".")
+            assert hasattr(import_module(home), last) or import_module(name), (file, role)
+        for name in re.findall(r"``([\w/]+\.(?:py|md))``", docstring):
+            folders = (source, file.parent, *(f for f in file.parent.iterdir() if f.is_dir()))
+            assert any((folder / name).is_file() for folder in folders), (file, name)
+        if file.parent.parent == source:
+            (row,) = (told for rooms, told in floors if f"`{file.parent.name}/`" in rooms)
+            first = docstring.partition("\n")[0].lower()
+            assert any(x in row.lower() for x in re.findall(r"[a-z]{5,}", first)), file
 
 
 def test_the_front_door_is_typed():

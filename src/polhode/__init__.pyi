@@ -39,6 +39,8 @@ from polhode.judging.conditioning.conditioning import Conditioning as Conditioni
 from polhode.judging.conditioning.conditioning import conditioning as conditioning
 from polhode.judging.conditioning.lyapunov import Lyapunov as Lyapunov
 from polhode.judging.conditioning.lyapunov import lyapunov as lyapunov
+from polhode.judging.field_terms import FieldComparison as FieldComparison
+from polhode.judging.field_terms import compare_field as compare_field
 from polhode.judging.references.certified import Certified as Certified
 from polhode.judging.references.reference import Reference as Reference
 from polhode.judging.references.reference import reference as reference

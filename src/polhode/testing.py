@@ -150,12 +150,12 @@ def order_of(
     -------
     ObservedOrder
         The order, and the digits at each step.  Steps with a wrong first digit, or at which
-        rounding dominates, do not count.
+        rounding dominates, do not count: ``left_out`` has the latter.
 
     Raises
     ------
     BadInput
-        Fewer than three steps that count.
+        Fewer than three steps that count, or two where rounding limits the others.
 
     Examples
     --------

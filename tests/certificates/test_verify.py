@@ -20,6 +20,7 @@ from flint import arb, arb_mat, arb_poly, ctx, fmpq
 
 import polhode
 from polhode.certificates import verify
+from polhode.certificates.certificate_file import MAKING
 from polhode.certificates.state_certificate import Attitude, certificate
 from polhode.cli import main
 from polhode.common.errors import BadInput
@@ -522,6 +523,7 @@ def test_the_command_line(digits, outputs, tmp_path, capsys):
     path = tmp_path / "proof.json"
     command = ["certify", REGULAR, "--at", "2", "--digits", str(digits), *outputs]
     assert main([*command, "-o", str(path)]) == 0
+    assert "digits_proven" in capsys.readouterr().out
     assert main(["verify", str(path), "--json"]) == 0
     out = capsys.readouterr().out
     answer = json.loads(out)
@@ -540,6 +542,19 @@ def test_a_certificate_on_stdout_is_alone(capsys):
     told = capsys.readouterr()
     assert json.loads(told.out)["kind"] == "state"
     assert "every digit is proven" in told.err
+
+
+def test_the_progress_of_a_certificate_is_that_of_guesses_and_check_together(tmp_path):
+    """The check counted from 0 again: forecasts were too short during the one, too long after."""
+    seen = []
+    found = polhode.certify("lagrange/nutation", at=[5], digits=15)
+    found.save(tmp_path / "x.json", lambda fraction, steps: seen.append((fraction, steps)))
+    fractions = [fraction for fraction, _ in seen]
+    assert fractions == sorted(fractions)
+    begin = [steps for _, steps in seen].index(0, 1)  # of the check
+    assert fractions[0] == 0
+    assert fractions[begin - 1] < MAKING <= fractions[begin] < MAKING + 0.1
+    assert 0.9 < fractions[-1] <= 1
 
 
 def test_progress_is_told(small):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from fractions import Fraction
 from importlib.metadata import version
 
@@ -11,9 +12,11 @@ import pytest
 
 import polhode
 from polhode import cli
+from polhode.enclosures.task import Task
 from polhode.numbers.balls import rounded_up
 from polhode.numbers.conversion import exactly
 from polhode.results.writer import beside
+from polhode.scenes.start_box import StartBox
 
 CASE = "kovalevskaya/generic"
 
@@ -162,7 +165,7 @@ def test_a_closed_form_is_written_as_a_table(tmp_path, capsys) -> None:
     path, command = tmp_path / "exact.csv", ("reference", CASE, "--at", "0,1", "--digits", "30")
     code, printed, err = run(capsys, *command)
     assert (code, err) == (0, "")
-    assert run(capsys, *command, "-o", str(path)) == (0, "", "")
+    assert run(capsys, *command, "-o", str(path)) == (0, "", f"written: {path}, {path}.json\n")
     header, *shown = (line.split() for line in printed.splitlines())
     names, *rows = (line.split(",") for line in path.read_text().splitlines())
     assert names == [*header, *(f"{name}_radius" for name in header[1:])]
@@ -172,3 +175,24 @@ def test_a_closed_form_is_written_as_a_table(tmp_path, capsys) -> None:
         for text, radius, x in zip(row[1:], row[len(header) :], true, strict=False):
             assert abs(Fraction(text) - exactly(x)) <= Fraction(radius) < Fraction(1, 10**30)
     assert json.loads(beside(path).read_text())["reference"] == "kovalevskaya"
+
+
+@pytest.mark.parametrize(
+    ("name", "last", "digits"),
+    [
+        ("lagrange/nutation", 40, 10),
+        ("lagrange/nutation", 2, 60),  # ten times too many: looks on the way were taken for steps
+        ("kovalevskaya/generic", 50, 15),
+        ("general/asymmetric-regular", 20, 10),
+        ("euler/rest", 1000, 10),
+        pytest.param("euler/sphere", 1000, 10, marks=pytest.mark.slow),
+        pytest.param("lagrange/nutation", 400, 10, marks=pytest.mark.slow),
+        pytest.param("general/asymmetric-chaotic", 100, 15, marks=pytest.mark.slow),
+    ],
+)
+def test_a_proof_takes_about_as_many_steps_as_are_foretold(name, last, digits):
+    """What a step costs is measured by the clock, how many there are is not."""
+    scene = replace(polhode.load(name), outputs=())
+    steps = polhode.certify(scene, at=[last], digits=digits).steps
+    (told,) = Task(StartBox(scene), [Fraction(last)], digits).forecasts
+    assert steps / 3 < told.steps < 3 * steps

@@ -13,8 +13,8 @@ from polhode.figures.canvas.canvas import COLOURS, paper
 from polhode.studies.long_run import rows as long_run
 from polhode.studies.page.drawing import LOOKS, plain
 from polhode.studies.speed import number_types
-from polhode.studies.speed.figure import LINES
-from polhode.studies.speed.programs import PROGRAMS
+from polhode.studies.speed.figure import lines, work_precision
+from polhode.studies.speed.programs import PROGRAMS, RUN
 
 
 @pytest.mark.parametrize(
@@ -40,14 +40,24 @@ def test_a_logarithmic_axis_has_labels_each_of_its_value(low, high, least):
 
 def test_methods_of_a_figure_look_different_and_no_other_program_like_a_number_type():
     types = {way.name.removeprefix("polhode ") for way in number_types.WAYS}
-    runs, drawn = [long_run.PLAIN, long_run.PROJECTED], [*LINES]
+    runs = [long_run.PLAIN, long_run.PROJECTED]
+    drawn = [*dict.fromkeys(program.line for program in PROGRAMS if program.line)]
     assert {*types, *runs, *drawn} == LOOKS.keys()
     for those in (types, runs, drawn):
         assert len({tuple(LOOKS[name].values()) for name in those}) == len(those)
     others = [LOOKS[name]["color"] for name in drawn if not name.startswith("polhode")]
     assert len({*others}) == len(others)  # one colour a program
     assert {*others}.isdisjoint(COLOURS.values())
-    assert {name for names in LINES.values() for name in names} < {p.name for p in PROGRAMS}
+
+
+def test_no_program_of_the_diagram_is_left_out_without_a_word():
+    """One that the list of lines lacked was not drawn; one that is unknown is, by its own name."""
+    left_out = {p.name for p in PROGRAMS if not p.line}
+    assert left_out == {RUN, "SciPy DOP853, Python", "CyRK DOP853, Python"}
+    points = [[6.0, 1e-3], [9.0, 2e-3]]
+    found = lines({**{p.name: points for p in PROGRAMS}, "program of 2030": points})
+    assert {*found} == {p.line for p in PROGRAMS if p.line} | {"program of 2030"}
+    assert "program of 2030" in work_precision({"Euler, t = 1": found}, "seconds")
 
 
 @pytest.mark.parametrize("by", ["momentum", "height"])

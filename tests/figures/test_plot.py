@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+import warnings
 from dataclasses import replace
 from fractions import Fraction
 
@@ -14,6 +15,7 @@ import pytest
 import polhode
 from polhode.cli import main
 from polhode.figures import sphere
+from polhode.figures.canvas.canvas import label_text
 from polhode.figures.canvas.curve_sampling import SAMPLES
 from polhode.figures.canvas.globe import Globe, facing_most
 from polhode.scenes.output_times import even_times
@@ -333,3 +335,60 @@ def test_a_run_that_does_not_reach_its_end_draws_nothing(tmp_path, capsys):
     assert main(["plot", "lagrange/from-the-pole", "--what", "angles", "-o", str(path)]) == 3
     assert "singular at theta" in capsys.readouterr().err
     assert not path.exists()
+
+
+# -- fonts that lack letters -----------------------------------------------------------------------
+
+#: Knuth's roman and sans serif, which ship with matplotlib: without Greek, or raised digits.
+WITHOUT_GREEK = [
+    {"font.family": ["cmr10"]},
+    {"font.family": "sans-serif", "font.sans-serif": ["cmss10"]},
+]
+WITH_GREEK = [{}, {"font.family": ["cmr10", "DejaVu Sans"]}, {"font.family": "DejaVu Serif"}]
+LABELS = {
+    "ψ (rad)": r"$\psi$ (rad)",
+    "10⁻¹²": "10$^{-12}$",
+    "|Δh| / (T₀ + Mg|r₀|)": r"|$\Delta$h| / (T$_0$ + Mg|r$_0$|)",
+    "2 S²×S¹": r"2 S$^{2} \times$S$^{1}$",
+    "||γ|² − 1|": r"||$\gamma$|$^{2}$ $-$ 1|",
+    "ω·X": r"$\omega \cdot$X",
+    "p, q": "p, q",
+}
+
+
+@pytest.mark.parametrize("style", [*WITHOUT_GREEK, {"text.usetex": True}])
+def test_labels_are_mathtext_where_the_font_lacks_a_letter_and_under_tex(style):
+    with plt.rc_context(style):
+        assert {text: label_text(text) for text in LABELS} == LABELS
+
+
+@pytest.mark.parametrize("style", WITH_GREEK)
+def test_labels_are_plain_text_where_the_font_has_it(style):
+    with plt.rc_context(style):
+        assert [*map(label_text, LABELS)] == [*LABELS]
+
+
+@pytest.mark.parametrize("style", WITHOUT_GREEK)
+@pytest.mark.parametrize(
+    ("scene", "what"),
+    [
+        *(("lagrange/nutation", x) for x in ("angles", "omega", "sphere", "hodographs")),
+        *(("lagrange/nutation", x) for x in ("integrals", "error")),
+        ("euler/largest-axis", "hodographs"),
+    ],
+)
+def test_no_letter_is_a_box(scene, what, style):
+    with plt.rc_context(style | {"axes.formatter.use_mathtext": True}), warnings.catch_warnings():
+        warnings.simplefilter("error")  # "Glyph 968 missing from font(s)"
+        polhode.plot(scene, what, end=1)
+        plt.gcf().canvas.draw()
+
+
+@pytest.mark.parametrize("style", WITHOUT_GREEK)
+def test_no_letter_of_a_section_or_a_level_is_a_box(style):
+    cut = polhode.section("kovalevskaya/generic", grid=(1, 2), crossings=2, by="height")
+    with plt.rc_context(style | {"axes.formatter.use_mathtext": True}), warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for result in (cut, polhode.levels("lagrange/nutation")):
+            result.plot()
+            plt.gcf().canvas.draw()

@@ -74,7 +74,11 @@ BAD = [
     (header("stamp,p"), {"columns": ["stamp=time"]}, "NAME=COLUMN"),
     (header("stamp,p"), {"columns": ["stamp=t*x"]}, "NAME=COLUMN"),
     (header("stamp,p"), {"columns": ["=t"]}, "NAME=COLUMN"),
-    (csv(b"t,p\n0,\xff\n"), {}, "x.csv: file: expected a readable CSV file (not a CSV text)"),
+    (
+        csv(b"t,p\n0,\xff\n"),
+        {},
+        "x.csv: file: expected a readable CSV file (not a CSV text: byte 0xff in line 2",
+    ),
     (csv(""), {}, "expected a header"),
     (csv("t,p\n"), {}, "at least one line of numbers"),
     (csv("t,p\n0,1,2\n"), {}, "x.csv:2: line = 0,1,2: expected 2 values"),

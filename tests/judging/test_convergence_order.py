@@ -42,6 +42,26 @@ def test_the_order_of_a_method_is_seen(method, order):
     assert repr(found).startswith(f"<ObservedOrder {found.order:.2f}, ")
 
 
+def test_a_time_at_which_a_step_has_no_numbers_is_told():
+    """It was left out of all steps, and nobody was told."""
+
+    def mine(h):
+        y, rows = np.array(F.start), []
+        for _ in range(2):
+            for _ in range(round(1 / h)):
+                y = rk4(F, y, h)
+            rows.append(y)
+        return [rows[0], rows[1] * (np.nan if h > 0.1 else 1)]
+
+    found = order_of(mine, SCENE, [1 / 8, 1 / 16, 1 / 32, 1 / 64], at=[1, 2])
+    assert np.isnan(found.digits).tolist() == [[False, True]] + 3 * [[False, False]]
+    first, *others, last = str(found).splitlines()
+    assert first.endswith(f"{found.digits[0][0]:.2f} digits, no numbers at 1 of 2 times")
+    assert not any("no numbers" in line for line in others)
+    assert "at 2 of 2 times" in last
+    assert abs(found.order - 4) < 0.1
+
+
 @pytest.mark.slow
 def test_a_wrong_weight_has_no_order_and_steps_at_which_rounding_rules_do_not_count():
     broken = with_step(lambda f, y, h: rk4(f, y, h, 6.006))
@@ -122,6 +142,71 @@ def test_at_each_time_those_steps_count_that_neither_the_first_digit_nor_roundin
     assert wider.least == pytest.approx(0.1 * digit)  # 4.0 to 4.1 digits
     assert wider.most == pytest.approx(1.3 * digit)
     assert wider.order == pytest.approx(sum(x for x in wider.orders) / 2)
+
+
+def with_error(of_step):
+    """A method whose error at t = 2 is known: the exact state, and something beside it."""
+    (exact,) = polhode.reference(SCENE).at([2], 20)
+    return lambda h: [[float(x) + of_step(h) for x in exact]]
+
+
+#: Errors by the step, and how many of the seven steps 1/32 ... 1/2048 rounding limits.
+ERRORS = {
+    "rounding of each step": (lambda h: 3e-4 * h**4 + 3e-16 / h, 4),
+    "rounding that comes back below the digits of a double": (
+        lambda h: 3e-6 * h**4 + 2e-18 * h**-1.5,
+        5,
+    ),
+    "none": (lambda h: 10 * h**4, 0),
+    "another motion": (lambda h: h**4 + 1e-6, 0),
+    "another motion, near": (lambda h: h**4 + 1e-9, 0),
+}
+
+
+@pytest.mark.parametrize("kind", ERRORS)
+def test_steps_that_rounding_limits_are_left_out(kind):
+    error, count = ERRORS[kind]
+    steps = [2.0**-k for k in range(5, 12)]
+    found = order_of(with_error(error), SCENE, steps, at=[2])
+    assert found.left_out == tuple(steps[len(steps) - count :])
+    assert str(found).count(", left out: rounding limits it") == count
+    assert abs(found.order - 4) < 0.2 or kind.startswith("another")
+    assert found.order < 3.9 or not kind.startswith("another")
+
+
+@pytest.mark.parametrize("steps", [[0.02, 0.01, 0.0005], [0.02, 0.01, 0.0005, 0.00025]])
+def test_two_steps_tell_the_order_where_rounding_limits_the_others(steps):
+    error, _ = ERRORS["rounding of each step"]
+    found = order_of(with_error(error), SCENE, steps, at=[2])
+    assert found.counted == (True, True, *(False for _ in steps[2:]))
+    assert abs(found.order - 4) < 0.1
+    facts = {fact.name: fact.value for fact in found.facts()}
+    assert facts["left_out"] == steps[2:]
+
+
+def test_a_step_shorter_than_one_at_rounding_is_at_rounding():
+    error, _ = ERRORS["rounding that comes back below the digits of a double"]
+    with pytest.raises(
+        BadInput, match=r"2 or more that give .*; rounding limits 0.00781, 0.000488"
+    ):
+        order_of(with_error(error), SCENE, [2.0**-6, 2.0**-7, 2.0**-11], at=[2])
+
+
+def test_files_that_rounding_limits_are_named(tmp_path, capsys):
+    error, _ = ERRORS["rounding of each step"]
+    steps, files = [0.02, 0.01, 0.0005], []
+    for k, h in enumerate(steps):
+        files.append(str(tmp_path / f"{k}.csv"))
+        (row,) = with_error(error)(h)
+        np.savetxt(
+            *(files[-1], [[2.0, *row]]),
+            **{"delimiter": ",", "header": "t,p,q,r,gamma1,gamma2,gamma3", "comments": ""},
+            fmt="%.17g",
+        )
+    assert main(["order", *files, SCENE, "--steps", "0.02,0.01,0.0005"]) == 0
+    *_, last, order = capsys.readouterr().out.splitlines()
+    assert last.endswith(" digits, left out: rounding limits it, 2.csv")
+    assert 3.9 < float(order.split()[1].rstrip(";")) < 4.1
 
 
 @pytest.mark.sample(1, first=1, slow=1)

@@ -287,9 +287,10 @@ def lanes() -> None:
 
 def main() -> None:
     print("# What is chosen for the user\n")
-    found = ", ".join(f"{name} {version}" for name, version in versions().items())
+    own, *others = (f"{name} {version}" for name, version in versions().items())
     print(
-        f"Made by `python tests/measure/choices.py` ({found}; {cpu()}). "
+        f"Measured by `python tests/measure/choices.py` of the source tree, with {own} "
+        f"({', '.join(others)}; {cpu()}). "
         "The choice is in **bold** type.\n"
     )
     parts = (tolerances, compact, digits, chunks, cadences, lanes)

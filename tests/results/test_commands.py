@@ -17,7 +17,10 @@ from polhode.judging.convergence_order import order_between
 from polhode.output.about import about
 from polhode.output.cases import cases
 from polhode.output.description import describe
+from polhode.proofs.chaos import prove_chaos
+from polhode.proofs.chaos.proved_chaos import ProvedChaos
 from polhode.results.writer import ENDINGS
+from polhode.verbs.catalogue import VERBS, Verb
 
 TOP = "lagrange/nutation"
 GENERAL = "general/asymmetric-regular"
@@ -78,6 +81,12 @@ DRAWN = [
 CERTIFICATES = ("certify", "prove orbit grioli")
 
 
+def verb_of(command: str) -> Verb:
+    """The row of a command's verb, of two words if there is one."""
+    first, second = command.split()[:2]
+    return VERBS.get(f"{first} {second}") or VERBS[first]
+
+
 def files_read(command: str) -> None:
     """Files that a command reads: other programs' tables with errors, a certificate."""
     if command.startswith(("compare", "order")):
@@ -103,10 +112,14 @@ def test_a_command_writes_what_save_writes_and_prints_what_to_json_gives(
         endings.remove(".parquet")
     words = shlex.split(command)
     places = [word for ending in endings for word in ("-o", f"x{ending}")]
-    for _ in range(2):  # its own kind is replaced
-        assert main([*words, *places]) == 0
-    assert capsys.readouterr().out == ""
-    assert main([*words, "--json"]) == 0
+    assert main(words) == 0
+    answer = capsys.readouterr().out
+    assert main([*words, *places]) == 0
+    out, err = capsys.readouterr()
+    assert out == ("" if verb_of(command).prints_rows else answer)
+    files = ", ".join(f"x{ending}" for ending in endings)
+    assert err.splitlines()[-1] == f"written: {files.replace('x.csv', 'x.csv, x.csv.json')}"
+    assert main([*words, *places, "--json"]) == 0  # its own kind is replaced
     printed = capsys.readouterr().out
     found = SAME[command]()
     assert printed == found.to_json()
@@ -120,10 +133,65 @@ def test_a_command_writes_what_save_writes_and_prints_what_to_json_gives(
 
 @pytest.mark.sample(0, slow=3)
 @pytest.mark.parametrize("command", DRAWN)
-def test_a_command_draws_its_result(command, tmp_path, monkeypatch, capsys):
+def test_a_command_draws_its_result_and_prints_what_the_figure_has_not(
+    command, tmp_path, monkeypatch, capsys
+):
     pytest.importorskip("matplotlib")
     monkeypatch.chdir(tmp_path)
     files_read(command)
-    assert main(shlex.split(command)) == 0
+    words = shlex.split(command)
+    assert main(words) == 0
     assert Path("x.svg").read_text().startswith("<?xml")
-    assert capsys.readouterr().out == ""
+    out, err = capsys.readouterr()
+    assert err.splitlines()[-1] == "written: x.svg"
+    assert main(words[:-2]) == 0
+    assert capsys.readouterr().out == out != ""
+
+
+def test_every_verb_is_a_command_here():
+    """But the one that takes minutes, whose answer the next test prints."""
+    assert {verb_of(command).name for command in SAME} == {*VERBS} - {"prove chaos"}
+
+
+def test_a_proof_of_minutes_is_told_although_it_is_saved(tmp_path, monkeypatch, capsys):
+    """Entropy and margins were lost."""
+    orbit = polhode.prove_orbit("grioli/precession")
+    numbers = {"short": 3.0, "long": 4.0, "entropy": 0.1, "tries": 1, "seconds": 1.0}
+    numbers |= {"coverings": 20, "sets": 19, "stretch": 1.5, "height": 0.5, "cone": 0.25}
+    numbers |= {
+        "scene": orbit.scene,
+        "orbit": orbit,
+        "certificate": orbit.certificate,
+        "size": 1e-3,
+    }
+    proved = ProvedChaos(h=orbit.h, f=orbit.f, **numbers, guess=None, images=())
+    monkeypatch.setattr(prove_chaos, "prove_chaos", lambda **_: proved)
+    monkeypatch.chdir(tmp_path)
+    for places in ([], ["-o", "x.json"], ["-o", "x.csv"]):
+        assert main(["prove", "chaos", "grioli/precession", *places]) == 0
+        out, err = capsys.readouterr()
+        assert out == f"{proved}\n"
+        assert "entropy     at least 1.0e-01" in out
+        assert places == [] or "x." in err.splitlines()[-1]
+    assert main(["prove", "chaos", "grioli/precession", "-o", "x.json", "--json"]) == 0
+    assert capsys.readouterr().out == proved.to_json()
+
+
+@pytest.mark.parametrize(("flags", "code"), [([], 0), (["--at-least", "99"], 3)])
+def test_a_verdict_goes_to_stderr_where_stdout_is_the_files(
+    flags, code, tmp_path, monkeypatch, capsys
+):
+    """And the exit code is the verdict's, whatever is written."""
+    monkeypatch.chdir(tmp_path)
+    command = f"compare run.csv {TOP}"
+    files_read(command)
+    words = [*command.split(), *flags]
+    assert main(words) == code
+    answer = capsys.readouterr().out
+    assert "correct digits" in answer
+    assert main([*words, "-o", "-"]) == code
+    out, err = capsys.readouterr()
+    assert out.startswith("t,correct_digits")
+    assert err.startswith(answer)
+    assert main([*words, "-o", "x.npz"]) == code
+    assert capsys.readouterr().out == answer

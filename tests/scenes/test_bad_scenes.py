@@ -75,6 +75,10 @@ NUMBERS = [
     (inertia([1, 2, 0], [2, 1, 0]), "positive principal moments: they are 3, 3, -1;"),
     ({"moments": [0.1, 0.2, 0.3 + 1e-14]}, "they are 0.1, 0.2, 0.3, too much by 9.9"),
     ({"moments": [1, 2, "3.0000000000000000001"]}, "they are 1, 2, 3, too much by 1e-19"),
+    (
+        {"moments": [1, 2, 4], "centre": [0, 0, 1], "weight": 1, "gamma": [0, 0, 1]},
+        "too much by 1; with a torque of the weight no other body moves so",
+    ),
     ({"moments": [1, 2, -3]}, "positive principal moments: they are 1, 2, -3"),
     ({"gamma": [0.6, 0, 0.8 + 1e-14]}, "its square is 1 + 1.6e-14"),
     ({"gamma": ["0.6", 0, "0.8-1e-17"]}, "its square is 1 - 1.6e-17"),

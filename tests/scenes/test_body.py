@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from fractions import Fraction
 
 import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
+import polhode
 from polhode.numbers import exact
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.expression import number
@@ -249,3 +251,115 @@ def test_axes_that_no_rule_tells_apart_are_refused() -> None:
     cone = Part("cone", "1e-300", radius="1e4000", height="1e150", at=[0, "1e-300", "1e300"])
     with pytest.raises(UnphysicalBody, match="a matrix whose axes 4096 bits tell apart"):
         Body.of_parts([cone], g=1)
+
+
+# -- test problems that are no bodies, and the bodies that move so ---------------------------------
+
+
+def refusal_of(moments, **more) -> str:
+    with pytest.raises(UnphysicalBody) as fault:
+        Body.of_moments(moments, **more)
+    return fault.value.expected
+
+
+NO_BODIES = {
+    ("0.5", "2", "3"): ("5/11, 10/7, 15/8", "1/5"),
+    ("2", "1", "2/3"): ("1, 2/3, 1/2", "1/2"),
+    ("3", "5", "9"): ("60/23, 4, 180/29", "1/20"),
+    ("1", "1", "30"): ("1/2, 1/2, 30/31", "1"),
+}
+
+
+@pytest.mark.parametrize("moments", NO_BODIES)
+def test_the_free_body_that_is_named_has_the_same_path_of_the_momentum(moments):
+    told, c = NO_BODIES[moments]
+    said = refusal_of(moments)
+    assert f"of moments {told}, which are 1/(1/I + c) with c = {c}, has the same path" in said
+    own = [Fraction(x) for x in moments]
+    others = [number(x) for x in told.split(", ")]
+    assert others == [1 / (1 / x + Fraction(c)) for x in own]
+    start, t = [Fraction(1, 3), Fraction(1), Fraction(-2, 5)], Fraction(3, 2)
+
+    def rate(_, momentum):
+        """G' = G × omega with omega = G / I."""
+        return [*cross(momentum, tuple(x / i for x, i in zip(momentum, theirs, strict=True)))]
+
+    with mpmath.workdps(25):
+        theirs, new, at_first = (
+            [mpmath.mpf(x.numerator) / x.denominator for x in numbers]
+            for numbers in (own, others, start)
+        )
+        momentum = mpmath.odefun(rate, 0, at_first)(mpmath.mpf("1.5"))
+        free = polhode.top(moments=others, momentum=start, at=[t], name="free")
+        (state,) = polhode.reference(free).at([t], 25)
+        for i, w, g in zip(new, state, momentum, strict=True):
+            assert abs(i * w - g) < 1e-22
+    for x, i, w in zip(start, own, free.omega, strict=True):  # omega + cG at the start
+        assert w == x / i + Fraction(c) * x
+
+
+@settings(max_examples=examples(100))
+@given(st.lists(st.fractions("1e-6", "1e6"), min_size=3, max_size=3))
+@example([Fraction(1), Fraction(1, 10**40), Fraction(10**40)])
+@example([Fraction(1), Fraction(1), 2 + Fraction(1, 10**9)])
+@example([Fraction(10**300), Fraction(10**300), Fraction(10**302)])
+def test_a_free_body_is_named_whatever_the_moments(moments):
+    assume(2 * max(moments) > sum(moments))
+    said = refusal_of(moments)
+    c = Fraction(re.search(r" with c = (\S+),", said)[1])
+    x, y, z = sorted(1 / (1 / Fraction(moment) + c) for moment in moments)
+    assert x + y >= z
+    x, y, z = sorted(1 / (1 / Fraction(moment) + c / 10) for moment in moments)
+    assert x + y < z or c * max(moments) <= Fraction(1, 9)  # no c far above what is needed
+
+
+def test_no_other_body_is_named_where_the_weight_has_a_torque():
+    said = refusal_of([1, 2, 4], centre=[0, 0, 1], weight=1)
+    assert said.endswith(
+        "with a torque of the weight no other body moves so (of free bodies others do)"
+    )
+    with pytest.raises(UnphysicalBody, match="with a torque of the weight no other body"):
+        Body.about_centre(diagonal((ONE, ONE, 4 * ONE)), [0, 0, 1], 1, 1)
+    assert "1/(1/I + c)" in refusal_of([1, 2, 4], centre=[0, 0, 1])
+
+
+@pytest.mark.parametrize(
+    ("body", "told"),
+    [
+        ({"moments": [4, 4, 0]}, "as 4, 4, 2: see lagrange/spherical-pendulum"),
+        ({"moments": [0, 1, 1], "centre": [2, 0, 0], "weight": 1}, "as 1/2, 1, 1: see"),
+        ({"moments": [1, 1, 0], "centre": [0, 0, -1], "weight": 1}, "as 1, 1, 1/2: see"),
+    ],
+)
+def test_of_a_point_on_a_rod_the_pendulum_is_named(body, told):
+    assert told in refusal_of(**body)
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        {"moments": [1, 1, 0], "centre": [1, 0, 1], "weight": 1},
+        {"moments": [1, 2, 0]},
+        {"moments": [1, 1, -1]},
+        {"moments": [-1, -1, 0]},
+        {"moments": [1, 0, 0]},
+    ],
+)
+def test_of_what_is_no_rod_none_is_named(body):
+    assert "pendulum" not in refusal_of(**body)
+
+
+def test_the_third_moment_of_a_pendulum_is_in_no_equation():
+    """Of the motion, as the refusal of a rod says, to every digit."""
+    rows = []
+    for third in ("1/2", "1", "2"):
+        scene = polhode.top(
+            moments=["1", "1", third],
+            centre=[0, 0, 1],
+            weight=1,
+            omega=["0.6", "0.3", 0],
+            gamma=["0.8", 0, "0.6"],
+            at=[3],
+        )
+        rows.append(polhode.reference(scene).at([3], 30)[0])
+    assert rows[0] == rows[1] == rows[2]

@@ -62,3 +62,152 @@ def test_any_orientation_may_be_on_a_level_and_python_says_it_too():
     here = polhode.top(**body, gamma=[0, 1, 0], h=3, f="1/2")
     assert by_angles.gamma == by_gamma.gamma == here.gamma
     assert by_angles.omega == by_gamma.omega == here.omega
+
+
+# -- the momenta to psi and phi, and the energy: a top as Goldstein has it -------------------------
+
+#: Moments, weight at height 1, and h, f, p_phi of tops that nutate.
+NUTATING = [
+    (["1", "1", "1/2"], 1, ("5", "6/5", "2")),
+    (["1", "1", "1/2"], -1, ("5", "6/5", "2")),
+    (["2", "2", "3"], 1, ("1", "-1/3", "1/2")),
+]
+
+
+def top_of(moments, weight, numbers, **more):
+    h, f, p_phi = numbers
+    body = {"moments": moments, "centre": [0, 0, 1], "weight": weight}
+    return polhode.top(**body, h=h, f=f, p_phi=p_phi, **more)
+
+
+def momenta(scene):
+    """The momenta conjugate to psi and phi, and the energy."""
+    g = scene.body.momentum(scene.omega)
+    return dot(g, scene.gamma), g[2], scene.integrals.energy
+
+
+def rate_of_theta(scene):
+    """With the sign of theta' = omega·(gamma2, -gamma1, 0)/sin(theta)."""
+    return sign(scene.omega[0] * scene.gamma[1] - scene.omega[1] * scene.gamma[0])
+
+
+@pytest.mark.parametrize("side", ["+", "-"])
+@pytest.mark.parametrize(
+    "body",
+    [
+        {"moments": ["1", "1", "1/2"], "centre": [0, 0, 1], "weight": 1},
+        {"moments": ["2", "3/2", "1"], "centre": ["0.3", "0.2", "0.5"], "weight": 1},
+        {"inertia": [[2, "1/2", 0], ["1/2", 2, 0], [0, 0, 3]], "centre": [0, 1, 0], "weight": -2},
+        {"moments": ["1", "1", "1/2"]},
+    ],
+)
+def test_a_start_has_both_momenta_the_energy_and_the_sign_of_nutation(body, side):
+    there = {"gamma": ["2/7", "3/7", "6/7"], "sign": side}
+    scene = polhode.top(**body, **there, h=7, f="6/5", p_phi="3/2")
+    assert momenta(scene) == (Fraction(6, 5), Fraction(3, 2), 7)
+    assert rate_of_theta(scene) == (1 if side == "+" else -1)
+
+
+@pytest.mark.parametrize(("moments", "weight", "numbers"), NUTATING)
+def test_without_an_orientation_a_top_begins_where_its_nutation_turns(moments, weight, numbers):
+    """Both ends of a nutation that an integration of a start between them shows."""
+    h, f, p_phi = map(Fraction, numbers)
+    ends = [top_of(moments, weight, numbers, sign=side, psi="1/3") for side in "+-"]
+    for scene in ends:
+        assert (f, p_phi, h) == momenta(scene)
+        assert rate_of_theta(scene) == 0
+        assert scene.gamma[0] == 0 == scene.omega[0]
+        assert scene.gamma[1] > 0
+        assert scene.psi == Fraction(1, 3)
+    high, low = (float(scene.gamma[2]) for scene in ends)
+    middle = Fraction((high + low) / 2).limit_denominator(100)
+    between = top_of(moments, weight, numbers, gamma=[0, f"sqrt(1 - ({middle})**2)", str(middle)])
+    times = [k / 100 for k in range(1, 1500)]
+    heights = [row[5] for row in polhode.integrate(between, at=times).states]
+    assert max(heights) == pytest.approx(high, abs=1e-4)
+    assert min(heights) == pytest.approx(low, abs=1e-4)
+    assert max(heights) <= high + 1e-13
+    assert min(heights) >= low - 1e-13
+
+
+def test_a_free_top_keeps_the_angle_between_both_momenta():
+    scene = polhode.top(moments=["1", "1", "1/2"], h=3, f="1/2", p_phi=1)
+    lower = polhode.top(moments=["1", "1", "1/2"], h=3, f="1/2", p_phi=1, sign="-")
+    assert momenta(scene) == momenta(lower) == (Fraction(1, 2), 1, 3)
+    assert scene.gamma[2] > lower.gamma[2]
+
+
+def test_goldsteins_cusps_are_found_from_his_constants():
+    """Released at rest at u0 = b/a: theta turns there at its smallest, and psi' is 0."""
+    u0, p_phi = Fraction(3, 5), Fraction(3)
+    f = p_phi * u0  # I1 a and I1 b, I1 = 1
+    h = p_phi**2 / (2 * Fraction(1, 2)) + u0
+    scene = top_of(["1", "1", "1/2"], 1, (h, f, p_phi), at=[1])
+    assert scene.gamma[2] == u0
+    assert sign(scene.omega[1]) == 0
+    assert polhode.reference(scene).regime == "cusped"
+    assert polhode.compare(polhode.integrate(scene)).worst > 14
+
+
+def test_steady_precession_has_one_theta():
+    """psi' = w with A w² u - C r w + Mg z = 0: u = 1/2, w = 1, C r = 3/2."""
+    f = Fraction(3, 2) * Fraction(1, 2) + Fraction(3, 4)
+    h = Fraction(9, 4) + Fraction(3, 8) + Fraction(1, 2)
+    ends = [top_of(["1", "1", "1/2"], 1, (h, f, Fraction(3, 2)), sign=x) for x in "+-"]
+    assert ends[0].gamma[2] == ends[1].gamma[2] == Fraction(1, 2)
+    assert sign(ends[0].omega[1] ** 2 - Fraction(3, 4)) == 0
+
+
+def test_momenta_can_be_varied():
+    scene = top_of(*NUTATING[0])
+    found = Members(scene, vary.grid({"start.p_phi": ["2", "1"], "start.h": ["5", "6"]}, "scene"))
+    assert [momenta(m)[1:] for m in found] == [(2, 5), (2, 6), (1, 5), (1, 6)]
+
+
+ASYMMETRIC = {"moments": [3, 2, 1], "centre": [0, 0, 1], "weight": 1}
+TOP = {"moments": [1, 1, "1/2"], "centre": [0, 0, 1], "weight": 1}
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        (TOP | {"h": 3, "f": "6/5", "p_phi": 2}, "start.h = 3: expected as much energy as f and"),
+        (
+            TOP | {"h": 3, "f": 9, "p_phi": 1, "gamma": [1, 0, 0]},
+            "start.h = 3: expected at least 83/2",
+        ),
+        (
+            TOP | {"h": 9, "f": 2, "p_phi": 2, "gamma": [0, 0, 1]},
+            "start.gamma = [0, 0, 1]: expected theta",
+        ),
+        (
+            TOP | {"h": 9, "f": 2, "p_phi": 2},
+            "start.gamma: expected an orientation, since this end",
+        ),
+        (TOP | {"h": 9, "p_phi": 2}, "start.f: expected a number"),
+        (TOP | {"p_phi": 2, "f": 1}, "start.h: expected a number"),
+        (TOP | {"p_phi": 2, "omega": [1, 1, 1], "gamma": [0, 0, 1]}, "start.h: expected a number"),
+        (
+            TOP | {"h": 9, "f": 2, "p_phi": 1, "normalise": True},
+            "start.normalise = true: expected no",
+        ),
+        (
+            ASYMMETRIC | {"h": 9, "f": 2, "p_phi": 1},
+            "start.gamma: expected an orientation, since only",
+        ),
+        (
+            TOP | {"h": 9, "f": 2, "p_psi": 1},
+            "p_psi = 1: expected f, the momentum about the vertical",
+        ),
+        (TOP | {"E": 9, "f": 2, "p_phi": 1}, "E = 9: expected h, the energy"),
+    ],
+)
+def test_momenta_that_no_start_has_are_refused(given, words):
+    with pytest.raises(polhode.BadInput) as fault:
+        polhode.top(**given)
+    assert words in str(fault.value)
+
+
+def test_names_of_other_books_are_refused_in_files_with_ours():
+    with pytest.raises(polhode.BadInput, match=r"start\.p_psi = 2: expected f, .* Goldstein's"):
+        scene_file.parse(HEAD + "p_psi = 2\np_phi = 1\nE = 3\n")

@@ -6,6 +6,7 @@ No test depends on how long anything takes.
 from __future__ import annotations
 
 import json
+import warnings
 from importlib.util import find_spec
 from itertools import pairwise
 from types import SimpleNamespace
@@ -15,6 +16,7 @@ import pytest
 
 import polhode
 from polhode.judging.conditioning.lyapunov import lyapunov
+from polhode.peers import scipy_ode
 from polhode.studies.processes import ask
 from polhode.studies.row_filter import Only
 from polhode.studies.speed import cells, contest, draws, figure, page, programs
@@ -327,7 +329,54 @@ def test_a_program_that_is_not_installed_is_left_out_and_named(monkeypatch):
     assert found["without"] == [p.name for p in programs.PROGRAMS if p.name.startswith("CyRK")]
     assert not {*found["without"]} & {*found["programs"]}
     assert OURS in found["programs"]
-    assert page.facts(found)["without"] == ", ".join(found["without"])
+    names = ", ".join(found["without"])
+    assert page.facts(found)["without"] == f"{names} (install polhode[peers])"
+
+
+@pytest.mark.parametrize(
+    ("told", "cell", "without"),
+    [
+        ({"quick": True}, "others not run by --quick", "all others (--quick runs what needs no"),
+        (
+            {"without": ["CyRK VERN8", "numbalsoda lsoda"]},
+            "others not run: install polhode[peers], polhode[peers-fortran]",
+            "CyRK VERN8, numbalsoda lsoda (install polhode[peers], polhode[peers-fortran])",
+        ),
+    ],
+)
+def test_polhode_is_not_alone_where_no_other_was_run(told, cell, without):
+    """It was called so where others were not installed, and with --quick."""
+    ours = points(REACH, dict.fromkeys(REACH, 1e-3))
+    rows = [cells.row(cell, {OURS: ours, ENGINE: ours}, {}) for cell in draws.cells("chaotic")]
+    found = {**synthetic(1.0), **told, "cells": rows}
+    assert {word for row in rows for word in stands(row)} == {"not run"}
+    tables = page.tables(found)
+    assert {x for row in tables["summary"].rows for x in row[1:]} == {cell}
+    assert "not run" in tables["standing"].header
+    assert page.facts(found)["without"].startswith(without)
+    lost = {OURS: ours, PEER: {}}  # it was run, and reached nothing
+    assert stands(cells.row(Cell("euler", 10, 2), lost, {})) == ["alone"] * 3
+    assert "not run" not in page.tables(synthetic(1.0))["standing"].header
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["LSODA", "DOP853"])
+def test_scipy_takes_its_steps_in_compiled_code(method, monkeypatch):
+    """solve_ivp takes the same steps in Python, many times as long for the same error."""
+    integrate = pytest.importorskip("scipy.integrate")
+    pytest.importorskip("numba")
+    run = programs.BY_NAME[f"SciPy {method}"].prepared(draws.present("lagrange"))
+    monkeypatch.setattr(integrate, "solve_ivp", None)
+    one, true = draws.draw("lagrange", 3, 10, 101), draws.truth("lagrange", 3, 10)
+    times = np.array([float(t) for t in one.scene.times])
+    found = [run(one.top, one.start.copy(), times, 1e-11) for _ in range(2)]
+    assert np.array_equal(*found)  # no call goes on where the one before ended
+    assert 8 < draws.digits(draws.judged(found[0], 101), true) < 15
+    monkeypatch.setattr(scipy_ode, "_MOST_STEPS", 1)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # SciPy's own word
+        with pytest.raises(ArithmeticError):
+            run(one.top, one.start.copy(), times[[0, -1]], 1e-12)
 
 
 @pytest.mark.campaign
@@ -353,5 +402,5 @@ def test_a_small_contest_from_end_to_end():
         for level in cell["levels"]:
             reached = {one["program"]: one["reached"] for one in level["programs"]}
             assert reached == dict.fromkeys((OURS, RUN, ENGINE), 8)
-            assert level["verdict"]["stands"] == "alone"
+            assert level["verdict"]["stands"] == "not run"
     assert "t=10 outputs=101" in page.tables(found)["short"].markdown

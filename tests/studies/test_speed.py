@@ -111,7 +111,7 @@ def test_a_peers_process_imports_nothing_else_of_polhode():
     """Nor does ``import polhode`` by itself, which reads a table of what to load when asked."""
     code = (
         "import sys, polhode; package = {*sys.modules}; "
-        "import polhode.peers.bare_heyoka, polhode.peers.cyrk, polhode.peers.scipy_ivp; "
+        "import polhode.peers.bare_heyoka, polhode.peers.cyrk, polhode.peers.scipy_ode; "
         "import polhode.peers.splitting, polhode.peers.process; "
         "own = [m for m in sys.modules if m.partition('.')[0] in ('polhode', 'numpy', 'heyoka')]; "
         "print(*(m for m in own if m in package)); print(*(m for m in own if m not in package))"

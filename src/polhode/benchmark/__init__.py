@@ -1,1 +1,1 @@
-"""The heavy top benchmark: certified values of named tops, and checkers in other languages."""
+"""The heavy top benchmark: certified values and certificates, and checkers in other languages."""

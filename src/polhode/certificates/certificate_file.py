@@ -15,6 +15,8 @@ from polhode.common.files import check_writable, write_whole
 from polhode.common.progress import Progress
 from polhode.numbers.flint_context import ctx
 
+#: The part of the time that guesses take; the check, which takes the rest, counts from 0 again.
+MAKING = 0.2
 #: JSON's objects.
 Made: TypeAlias = dict[str, object]
 Proved = TypeVar("Proved")
@@ -27,13 +29,15 @@ def checked(
 ) -> Made:
     """The first of several tries that its checker proves, each with more bits; raises BadInput.
 
-    ``name``: of the scene; ``made``: a certificate with so many bits, and the number of the try.
+    ``name``: of the scene; ``made``: a certificate with so many bits, and the number of the try,
+    which shows the progress up to :data:`MAKING`.
     """
     fault = ""
     for n, more in enumerate(_MORE):
         found = made(bits + more, n)
         try:
-            by_checker(verify.KINDS[str(found["kind"])], found, progress)
+            checking = part_of(progress, MAKING, 1.0)
+            by_checker(verify.KINDS[str(found["kind"])], found, checking)
         except (verify.NotProved, verify.Damaged) as refused:
             fault = str(refused)
             if isinstance(refused, verify.Damaged):
@@ -41,6 +45,13 @@ def checked(
             continue
         return found
     raise BadInput(name, "certificate", fault, "a statement that its own checker proves")
+
+
+def part_of(progress: Progress | None, begin: float, end: float) -> Progress | None:
+    """What shows the progress of a part of the work, which is all from ``begin`` to ``end``."""
+    if progress is None:
+        return None
+    return lambda fraction, steps: progress(begin + (end - begin) * fraction, steps)
 
 
 def by_checker(function: Callable[..., Proved], *arguments: object) -> Proved:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
 from polhode.certificates import grid, verify
-from polhode.certificates.certificate_file import Made, checked, write
+from polhode.certificates.certificate_file import MAKING, Made, checked, part_of, write
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
 from polhode.numbers.decimals import shown
@@ -78,7 +78,8 @@ def certificate(
             body["attitude"] = [grid.number(x, bits + verify.COARSE) for x in attitude.start]
         with ctx.workprec(bits + 2 * verify.COARSE):
             _, _, start = verify.balls_of(verify.read_scene(body))
-            guesses = grid.steps(_body(body), start, last, bits, progress=progress)
+            making = part_of(progress, 0.0, MAKING)
+            guesses = grid.steps(_body(body), start, last, bits, progress=making)
         return {
             "format": verify.FORMAT,
             "kind": "state",

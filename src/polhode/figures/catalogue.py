@@ -60,7 +60,7 @@ def kind_of(subject: Storable | Samples) -> str:
     """The kind of a result, by whose name its figures are listed; samples are a run's."""
     if isinstance(subject, Samples):
         return "Trajectory"
-    return subject.kind if isinstance(subject, Saved) else type(subject).__name__
+    return subject.result if isinstance(subject, Saved) else type(subject).__name__
 
 
 def words(kind: str) -> tuple[str, ...]:

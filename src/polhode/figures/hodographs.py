@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from polhode.equations.hodographs import turned
-from polhode.figures.canvas.canvas import ink, pale, panels, series
+from polhode.figures.canvas.canvas import ink, label_text, pale, panels, series
 from polhode.figures.canvas.curve_sampling import Samples
 from polhode.figures.canvas.globe import facing_most
 from polhode.numbers.conversion import to_double
@@ -55,7 +55,7 @@ def _views(plt: Any, omega: Doubles, space: Doubles, axes: Any) -> Any:
         ):
             name = f"{title.split()[-1]}-{view}"
             _flat(axes, points[:, i], points[:, j], size, colour, name)
-            axes.set(xlabel=names[i] + UNIT, ylabel=names[j] + UNIT)
+            axes.set(xlabel=label_text(names[i] + UNIT), ylabel=label_text(names[j] + UNIT))
         views[0, column].set_title(title, size=9)
     return figure
 
@@ -73,18 +73,18 @@ def _poinsot(plt: Any, samples: Samples, omega: Doubles, space: Doubles, axes: A
     colour, other = series(2)
     if max(a, b, c) > FLATTEST * min(a, b, c):
         _flat(left, principal[:, 0], principal[:, 2], _largest(omega), colour, "polhode")
-        left.set(xlabel="ω₁" + UNIT, ylabel="ω₃" + UNIT)
+        left.set(xlabel=label_text("ω₁" + UNIT), ylabel=label_text("ω₃" + UNIT))
     else:
         globe = facing_most(principal, (a, b, c))
         globe.surface(left)
-        globe.arms(left, ("ω₁", "ω₂", "ω₃"))
+        globe.arms(left, [*map(label_text, ("ω₁", "ω₂", "ω₃"))])
         globe.curve(left, principal, colour, pale(colour), "polhode", lw=1.0)
         globe.mark(left, principal[0], colour)
     left.set_title("polhode on the ellipsoid of energy", size=9)
     across, along = invariable_plane(samples, space, omega[0] @ inertia)
     _flat(right, space @ across, space @ along, _largest(omega), other, "herpolhode")
     right.plot(0, 0, "+", color=ink(), ms=5, mew=0.7)
-    right.set(xlabel="ω·ξ" + UNIT, ylabel="ω·η" + UNIT)
+    right.set(xlabel=label_text("ω·ξ" + UNIT), ylabel=label_text("ω·η" + UNIT))
     right.set_title("herpolhode in the invariable plane", size=9)
     return figure
 

@@ -11,7 +11,7 @@ from polhode.common.errors import BadInput
 from polhode.dynamics.levels.levels import Column, Levels, levels
 from polhode.dynamics.levels.regions import Region
 from polhode.figures.canvas import canvas
-from polhode.figures.canvas.canvas import series
+from polhode.figures.canvas.canvas import label_text, series
 from polhode.figures.results import told
 from polhode.numbers import expression
 from polhode.numbers.conversion import exact_number, to_double
@@ -143,7 +143,7 @@ def _shades(axes: Axes, result: Levels, shown: Window) -> None:
             seen |= _strip(axes, one, other, (f0, f1), shown.h)
     for k, region in enumerate(sorted(seen, key=lambda region: (len(region), region))):
         (patch,) = axes.fill([], [], color=SHADES.get(region, OTHER))
-        patch.set(label=name(region), gid=f"region {k}")
+        patch.set(label=label_text(name(region)), gid=f"region {k}")
         if not region:
             patch.set(facecolor="#ffffff", edgecolor="#888888", hatch=HATCH, linewidth=0)
 

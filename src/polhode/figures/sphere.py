@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from polhode.equations.hodographs import turned
-from polhode.figures.canvas.canvas import pale, panels, series
+from polhode.figures.canvas.canvas import label_text, pale, panels, series
 from polhode.figures.canvas.curve_sampling import Samples
 from polhode.figures.canvas.globe import facing_most
 from polhode.numbers.conversion import to_double
@@ -38,7 +38,7 @@ def draw(plt: Any, samples: Samples, axes: Any = None) -> Any:
         globe.arms(axes, labels)
         globe.curve(axes, points, colour, pale(colour), name)
         globe.mark(axes, points[0], colour)
-        axes.set_title(title, size=9)
+        axes.set_title(label_text(title), size=9)
     return figure
 
 

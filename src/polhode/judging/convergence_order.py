@@ -11,6 +11,7 @@ from statistics import linear_regression, median
 
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput
+from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.references.reference import reference
 from polhode.judging.score.compare import compare
 from polhode.judging.score.judgement import Judgement
@@ -25,19 +26,22 @@ from polhode.scenes.scene import Scene
 _HALVINGS = range(5, 12)  # of the time, for the steps that are tried
 _LEAST = 1.5  # digits below which no power of the step rules the error
 _SPARE = 2.5  # digits above which rounding does
-_FEWEST = 3  # steps; of fewer tables all
+_FEWEST = 3  # steps; of fewer tables all, and of those that rounding leaves
+_SHORT = 0.25  # digits fewer than the step's: nearly half of the error is another one
+_NEAR = 0.5  # digits by which errors of rounding may lie below what they amount to
 
 
 @dataclass(frozen=True, repr=False)
 class ObservedOrder(Result):
     """The order p of a method, error ~ step**p, from correct digits at several steps and times.
 
-    ``digits``: a row for each of ``steps``, correct ones at each of ``times``; ``names``: of the
-    tables, where they are some.  At a step counts what is above the first digits and below
-    ``rounding``, the digits from which on rounding rules.  ``orders``: at each time that of the
-    least squares through log errors at the steps that count, None where these are too few.
-    ``order``: the median of them; ``least``, ``most``: between any two neighbours of the steps that
-    count, at any time.
+    ``digits``: a row for each of ``steps``, correct ones at each of ``times``, nan where a table
+    lacks a number; ``names``: of the tables, where they are some. At a step counts what is above
+    the first digits and below ``rounding``, the digits from which on rounding rules, unless it is
+    ``limited`` by rounding all the same: a row for each step, whether it is at each time.
+    ``orders``: at each time that of the least squares through log errors at the steps that count,
+    None where these are too few.  ``order``: the median of them; ``least``, ``most``: between any
+    two neighbours of the steps that count, at any time.
     """
 
     steps: tuple[float, ...]
@@ -45,6 +49,7 @@ class ObservedOrder(Result):
     digits: tuple[tuple[float, ...], ...]
     rounding: float
     names: tuple[str, ...] = ()
+    limited: tuple[tuple[bool, ...], ...] = ()
 
     def table(self) -> Table:
         """A row a time: the order, and the correct digits of each step."""
@@ -68,6 +73,7 @@ class ObservedOrder(Result):
             Fact("order_most", self.most, "between two neighbouring steps"),
             Fact("steps", list(self.steps)),
             Fact("files", list(self.names), type=TEXT),
+            Fact("left_out", list(self.left_out), "steps that rounding limits"),
         ]
 
     @property
@@ -78,8 +84,8 @@ class ObservedOrder(Result):
 
     @property
     def fewest_steps(self) -> int:
-        """The fewest that tell an order: of fewer tables all."""
-        return min(_FEWEST, len(self.steps))
+        """The fewest that tell an order: of fewer tables all, and two of those rounding leaves."""
+        return max(2, min(_FEWEST, len(self.steps) - len(self.left_out)))
 
     @property
     def order(self) -> float:
@@ -99,17 +105,37 @@ class ObservedOrder(Result):
     @property
     def counted(self) -> tuple[bool, ...]:
         """Which steps count, at any time."""
-        return tuple(any(map(self._counts, row)) for row in self.digits)
+        return tuple(map(any, self._counting))
 
-    def _counts(self, digits: float) -> bool:
-        return _LEAST < digits < self.rounding
+    @property
+    def left_out(self) -> tuple[float, ...]:
+        """The steps that rounding limits at all times."""
+        both = zip(self.steps, self._at_rounding, strict=True)
+        return tuple(h for h, limited in both if limited and all(limited))
+
+    @property
+    def _at_rounding(self) -> list[list[bool]]:
+        limited = self.limited or [[False] * len(row) for row in self.digits]
+        return [
+            [d >= self.rounding or at for d, at in zip(*rows, strict=True)]
+            for rows in zip(self.digits, limited, strict=True)
+        ]
+
+    @property
+    def _counting(self) -> list[list[bool]]:
+        """Whether each step counts at each time."""
+        return [
+            [d > _LEAST and not at for d, at in zip(*rows, strict=True)]
+            for rows in zip(self.digits, self._at_rounding, strict=True)
+        ]
 
     @property
     def _points(self) -> list[list[tuple[float, float]]]:
         """The steps that count at each time with the digits there, the longest first."""
+        rows = (zip(*x, strict=True) for x in (self.digits, self._counting))
         return [
-            sorted((h, d) for h, d in zip(self.steps, here, strict=True) if self._counts(d))[::-1]
-            for here in zip(*self.digits, strict=True)
+            sorted((h, d) for h, d, counts in zip(self.steps, *here, strict=True) if counts)[::-1]
+            for here in zip(*rows, strict=True)
         ]
 
     @property
@@ -131,10 +157,25 @@ class ObservedOrder(Result):
         names = [f", {name}" for name in self.names] or [""] * len(self.steps)
         rows = zip(self.steps, self.digits, self.counted, names, strict=True)
         lines = [
-            f"step {h:<10.4g} {min(d):6.2f} digits{'' if counts else ', not counted'}{name}"
+            f"step {h:<10.4g} {_least(d):6.2f} digits{_gaps(d)}"
+            f"{'' if counts else self._why_not(h)}{name}"
             for h, d, counts, name in rows
         ]
         return "\n".join([*lines, f"order {self.order:.2f}; {self._summary}"])
+
+    def _why_not(self, step: float) -> str:
+        return f", left out{': rounding limits it' if step in self.left_out else ''}"
+
+
+def _least(digits: Sequence[float]) -> float:
+    """The fewest, of those that are there."""
+    return min((d for d in digits if not math.isnan(d)), default=math.nan)
+
+
+def _gaps(digits: Sequence[float]) -> str:
+    """At how many times there are none, in words."""
+    count = sum(map(math.isnan, digits))
+    return f", no numbers at {count} of {len(digits)} times" if count else ""
 
 
 def observed_order(
@@ -196,20 +237,68 @@ def _order(
     """What judgements tell at those times that all of them have, but t = 0; raises BadInput."""
     digits = [
         {_label(t): d for t, d in zip(one.times, _fewest(one), strict=True) if d is not None}
+        | {_label(one.times[k]): math.nan for rows in one.gaps.values() for k in rows}
         for one in judged
     ]
     times = judged[0].times
     common = tuple(t for t in times if t and all(_label(t) in known for known in digits))
     rows = tuple(tuple(known[_label(t)] for t in common) for known in digits)
     rounding = min(one.subject.held for one in judged) - _SPARE
-    found = ObservedOrder(steps, common, rows, rounding, names)
+    limited = _limited(judged, steps, common, rows, rounding)
+    found = ObservedOrder(steps, common, rows, rounding, names, limited)
     if all(x is None for x in found.orders):
         both = zip(steps, rows, strict=True)
-        told = ", ".join(f"{h:.3g}: {min(row):.1f} to {max(row):.1f}" for h, row in both if row)
+        told = ", ".join(f"{h:.3g}: {_least(row):.1f} to {max(row):.1f}" for h, row in both if row)
         count, window = found.fewest_steps, f"{_LEAST:g} to {rounding:.1f} digits"
         expected = f"{count} or more that give {window} at a time that all have"
+        if found.left_out:
+            expected += f"; rounding limits {', '.join(f'{h:.3g}' for h in found.left_out)}"
         raise BadInput(source, "steps", told or None, expected)
     return found
+
+
+def _limited(
+    judged: Sequence[Judgement],
+    steps: Sequence[float],
+    times: Sequence[Fraction],
+    rows: Sequence[Sequence[float]],
+    rounding: float,
+) -> tuple[tuple[bool, ...], ...]:
+    """Whether each step is limited by rounding at each time.
+
+    It is from ``rounding`` digits on.  It is as well where it has fewer digits than the two longer
+    ones before it foretell, and the roundings of all steps, in one direction at worst, may leave no
+    more.  A step is, where a longer one is.
+    """
+    limited = [[False] * len(times) for _ in steps]
+    bands: dict[int, dict[str, Band | None]] = {}
+    longest_first = sorted(range(len(steps)), key=steps.__getitem__, reverse=True)
+    for j, t in enumerate(times):
+        before: list[tuple[float, float]] = []  # lengths and digits of the longer steps
+        for place, k in enumerate(longest_first):
+            h, d = steps[k], rows[k][j]
+            rules = d >= rounding
+            if not rules and len(before) > 1 and _falls_short(before, h, d):
+                if k not in bands:
+                    one = judged[k]
+                    pairs = zip(one.times, one.expected or [None] * len(one.times), strict=True)
+                    bands[k] = {_label(x): band for x, band in pairs}
+                band = bands[k][_label(t)]
+                most = judged[k].subject.held if band is None else band.middle
+                rules = d > most - math.log10(max(1.0, to_double(abs(t)) / h)) - _NEAR
+            if rules:
+                for shorter in longest_first[place:]:
+                    limited[shorter][j] = True
+                break
+            if d > _LEAST:
+                before.append((h, d))
+    return tuple(map(tuple, limited))
+
+
+def _falls_short(before: Sequence[tuple[float, float]], h: float, digits: float) -> bool:
+    """Whether a step has fewer digits than the two longer ones foretell."""
+    length, d = before[-1]
+    return digits < d + _slope(before[-2:]) * math.log10(length / h) - _SHORT
 
 
 def _spacing(judged: Judgement) -> float:

@@ -1,1 +1,1 @@
-"""Results as JSON, CSV and NPZ; names and shapes are a contract."""
+"""What is listed, described, explained: cases, scenes, this installation, the guide, notebooks."""

@@ -157,6 +157,8 @@ def _frequencies(reference: Reference) -> JsonObject:
     try:
         with within(SECONDS):
             texts["frequencies"] = frequencies(reference)
+            if reference.rates_of:
+                texts["rates_of"] = reference.rates_of
             if reference.curve is not None:
                 texts["curve"] = _curve(reference.curve)
             if (rate := reference.approach) is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from math import isfinite
 from pathlib import Path
 from threading import get_ident
@@ -41,6 +42,8 @@ _REACHED_END = Outcome.REACHED_END
 _REACHED = code(_REACHED_END)
 _THERE = TIME_LIMIT.value
 _UNIT = 8  # |gamma|² is 1 to so many eps
+_SINGLE = frozenset({float, int, np.float64})  # kinds of numbers that are doubles,
+_WHOLE = 2**53  # integers of at most this size among them
 _BYTES = 24  # of a number of the states of many starts, while they are put in order
 _SPLIT = "numbers of states; fewer times, or starts in parts"
 
@@ -173,9 +176,10 @@ class Propagator:
                 self._state[...] = self._first
             else:
                 if type(start) is not np.ndarray:
-                    if _rows_given(start):
+                    row = self._row(start)
+                    if row is None and _rows_given(start):
                         return self._many(start, t, workers)
-                    start = self._array(start)
+                    start = self._array(start) if row is None else row
                 try:
                     self._memory[:] = start
                 except (ValueError, NotImplementedError):  # of another type or shape
@@ -193,6 +197,8 @@ class Propagator:
                 if not self._plain:
                     self._state[...] = self._inside(start)
             self._begin()
+            if type(t) is not float and type(t) in _SINGLE and _whole(cast(float, t)):
+                t = float(cast(float, t))
             if type(t) is float:
                 if t * t * rate < self._sure:  # not where any of them is not finite
                     ended, _, _, self.steps, _, _ = self._until(t * self._unit)
@@ -336,6 +342,17 @@ class Propagator:
         found = flat(self._system.read.states(rows.reshape(-1, len(self._scale))))
         return found.reshape(rows.shape)
 
+    def _row(self, start: npt.ArrayLike) -> Flat | None:
+        """A list of plain numbers that doubles hold as an array; None of all else."""
+        if not isinstance(start, (list, tuple)) or len(start) != self._shape[0]:
+            return None
+        if not _SINGLE.issuperset(map(type, start)):
+            return None
+        if not all(map(_whole, cast(Sequence[float], start))):
+            return None
+        row: Flat = np.array(start, self._kind)
+        return row
+
     def _array(self, start: npt.ArrayLike) -> Flat:
         """A start as an array of the propagator's type and shape; raises BadInput."""
         widths = "p q r gamma1 gamma2 gamma3" if self._shape == (6,) else "p q r"
@@ -391,6 +408,11 @@ def _doubles(values: Iterable[Exact]) -> Doubles:
     return np.array([to_double(x) for x in values])
 
 
+def _whole(x: float) -> bool:
+    """Whether a number is a double, if it is an integer, too."""
+    return -_WHOLE <= x <= _WHOLE
+
+
 def _rows_given(start: npt.ArrayLike) -> bool:
     """Whether something that is no array may be rows of numbers: a list of lists, a table."""
     if isinstance(start, (list, tuple)):
@@ -414,7 +436,8 @@ def propagator(
     Parameters
     ----------
     scene : Scene, str or Path
-        A scene, a path, or the name of a case: in the principal form, without outputs and events.
+        A scene, a path, or the name of a case: in the principal form, without events.  Its outputs
+        are left out, as in a sweep.
     number : {"double", "extended"}
         The number type.
     tol : number, optional
@@ -432,7 +455,7 @@ def propagator(
     Raises
     ------
     BadInput
-        A scene with outputs or events or in another form, a wider number type.
+        A scene with events or in another form, a wider number type.
 
     Examples
     --------
@@ -445,9 +468,11 @@ def propagator(
     ((3, 6), True)
     """
     scene = library.load(scene)
-    for key, given in (("outputs", scene.outputs), ("events", [x.name for x in scene.events])):
-        if given:
-            raise BadInput(scene.name, key, ", ".join(given), "none, or polhode.integrate")
+    if scene.events:
+        names = ", ".join(event.name for event in scene.events)
+        raise BadInput(scene.name, "events", names, "none, or polhode.integrate")
+    if scene.outputs:
+        scene = replace(scene, outputs=())
     if scene.form != "principal":
         raise BadInput(scene.name, "run.form", scene.form, "principal, or polhode.integrate")
     kind = choose_number(scene, number, None)

@@ -18,7 +18,7 @@ from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
 from polhode.numbers import exact
 from polhode.numbers.conversion import derived_number, exact_number
-from polhode.numbers.decimals import brief
+from polhode.numbers.decimals import brief, shown
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.rounding import are_rounded, asymmetry, excess, flattened, symmetrised
 from polhode.numbers.scalars import AnyNumber, AnyVector, numbers_given
@@ -44,6 +44,8 @@ MATRIX = (
     "[[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]], signs unchanged"
 )
 PRODUCTS = "off the diagonal stand minus the products of inertia"
+_NO_WAY_OUT = "; with a torque of the weight no other body moves so (of free bodies others do)"
+_READABLE = 0.01  # the least c that is proposed, times the largest moment
 
 
 def _listed(row: object) -> list[object]:
@@ -177,10 +179,29 @@ class Body:
                 return
             expected = "principal moments of which none exceeds the sum of the others"
             amount = f", too much by {brief(over, 3)}"
+            way_out = _free_body_of_same_path(self.moments) if self.torque_free else _NO_WAY_OUT
         else:
-            expected, amount = "positive principal moments", ""
+            expected, amount, way_out = "positive principal moments", "", self._as_pendulum()
         told = f"{expected}: they are {', '.join(brief(x) for x in self.moments)}{amount}"
-        raise UnphysicalBody(told if self.axes.trivial else f"{told}; {PRODUCTS}")
+        signs = "" if self.axes.trivial else f"; {PRODUCTS}"
+        raise UnphysicalBody(f"{told}{signs}{way_out}")
+
+    def _as_pendulum(self) -> str:
+        """What to write of a thin rod, or a point on one, which turn about it without any moment.
+
+        Without a spin about the rod the third moment is in no equation: r' = 0, and in A p', A q'
+        it stands beside r alone.
+        """
+        moments, torque = self.moments, self.axes.components(self.torque)
+        across = [k for k in range(3) if sign(moments[k]) > 0 == sign(torque[k])]
+        zeros = [k for k in range(3) if sign(moments[k]) == 0]
+        if len(across) != 2 or len(zeros) != 1 or moments[across[0]] != moments[across[1]]:
+            return ""
+        body = [x if sign(x) else max(moments) / 2 for x in moments]
+        return (
+            "; a thin rod, or a point on one, moves as a body of any third moment without spin "
+            f"about it, as {', '.join(map(shown, body))}: see lagrange/spherical-pendulum"
+        )
 
     @classmethod
     def of_moments(
@@ -208,7 +229,7 @@ class Body:
 
         ``rounded``: as of the body itself.
         """
-        own = cls(inertia, rounded=rounded)  # type: ignore[arg-type]
+        own = cls(inertia, centre, weight, rounded=rounded)  # type: ignore[arg-type]
         place = exact_vector(centre, key="centre")
         (of_mass,) = each("Body", "mass", (mass,), exact_number, "a number")
         if sign(of_mass) <= 0:
@@ -286,6 +307,28 @@ class Body:
     @cached_property
     def _principal(self) -> tuple[Vector, PrincipalAxes]:
         return principal(self.inertia, self.centre)
+
+
+def _free_body_of_same_path(moments: Vector) -> str:
+    """A free body whose momentum moves in the body as Euler's equations say for such numbers.
+
+    G' = G × I⁻¹G stays the same where c times the identity is added to I⁻¹, since G × cG = 0, and
+    omega becomes omega + cG.  With a >= b >= g the moments' inverses, 1/(a + c) + 1/(b + c) >=
+    1/(g + c) is c² + 2gc + (a + b)g - ab >= 0, and so c >= sqrt((a - g)(b - g)) - g.
+    """
+    largest = max(moments)
+    b, a = sorted(float(largest / x) for x in moments)[1:]  # g is 1
+    least = max(math.sqrt(a - 1) * math.sqrt(b - 1) - 1, _READABLE)
+    power = math.floor(math.log10(least) - exact.log10(largest))
+    for digit in (1, 2, 5, 10, 20):
+        c = digit * Fraction(10) ** power
+        x, y, z = (1 / (1 / moment + c) for moment in moments)
+        if digit * 10.0**power * float(largest) >= least and not sign(excess((x, y, z))):
+            break
+    return (
+        f"; a free body of moments {shown(x)}, {shown(y)}, {shown(z)}, which are 1/(1/I + c) with "
+        f"c = {shown(c)}, has the same path of the momentum G, and the angular velocity omega + c G"
+    )
 
 
 def diagonal(moments: Vector) -> Matrix:

@@ -14,7 +14,7 @@ from polhode.numbers.rounding import GRACE, is_unit_but_for_rounding
 from polhode.numbers.vectors import Vector, dot, quaternion_products, rotation, scaled
 from polhode.scenes.body import MATRIX, Body, UnphysicalBody, diagonal
 from polhode.scenes.given_numbers import in_units
-from polhode.scenes.level_start import omega_on_level
+from polhode.scenes.level_start import omega_of_momenta, omega_on_level, turning_point
 from polhode.scenes.shapes import Part
 from polhode.scenes.validation import Reading, as_written, is_expression
 from polhode.scenes.vocabulary import CENTRE, FIXED_POINT, SIGNS
@@ -138,7 +138,7 @@ def start_of(
         if whole in moved:
             others = [way for way in moved if way != whole]
             reading.alone("start", table, others, f"no value together with {whole}")
-    for idle in ("f", "sign"):
+    for idle in ("f", "sign", "p_phi"):
         if idle in table and "h" not in table:
             raise reading.bad("start.h", None, "a number, for a start on the level h, f")
     if len(moved) != 1:
@@ -146,6 +146,12 @@ def start_of(
         raise reading.bad("start.omega", table.get("omega"), expected)
     if "rates" in table and "angles" not in table:
         raise reading.bad("start.angles", None, "three numbers (psi, theta, phi)")
+    if "p_phi" in table and not turned:
+        reading.alone("start", table, ["normalise"], "no value without an orientation")
+        h, f, p_phi, upper = _momenta(reading, table)
+        assert p_phi is not None
+        omega, gamma = turning_point(body, h, f, p_phi, upper, reading.name)
+        return omega, gamma, reading.read("start", table, "psi")
     turn = _turn(reading, table, body)
     if "omega" in table:
         omega = reading.read("start", table, "omega")
@@ -163,13 +169,22 @@ def _on_level(reading: Reading, table: Mapping[str, Any], body: Body, turn: Turn
     if turn is None:
         expected = "a unit vector, for a start on the level h, f"
         raise reading.bad("start.gamma", None, expected)
+    h, f, p_phi, positive = _momenta(reading, table)
+    if p_phi is not None:
+        return omega_of_momenta(body, turn.gamma, h, f, p_phi, positive, reading.name)
+    return omega_on_level(body, turn.gamma, h, f, positive, reading.name)
+
+
+def _momenta(reading: Reading, table: Mapping[str, Any]) -> tuple[Exact, Exact, Exact | None, bool]:
+    """The energy, the momenta about the vertical and about the third axis, and the sign."""
     if "f" not in table:
         raise reading.bad("start.f", None, "a number, for a start on the level h, f")
     h, f = (reading.read("start", table, key) for key in ("h", "f"))
+    p_phi = reading.read("start", table, "p_phi") if "p_phi" in table else None
     side = reading.read("start", table, "sign")
     if side not in SIGNS:
         raise reading.bad("start.sign", side, " or ".join(SIGNS))
-    return omega_on_level(body, turn.gamma, h, f, side == SIGNS[0], reading.name)
+    return h, f, p_phi, side == SIGNS[0]
 
 
 def _turn(reading: Reading, table: Mapping[str, Any], body: Body) -> Turn | None:

@@ -37,6 +37,7 @@ def top(
     normalise: bool = False,
     h: AnyNumber | None = None,
     f: AnyNumber | None = None,
+    p_phi: AnyNumber | None = None,
     sign: str | None = None,
     end: AnyNumber | None = None,
     samples: int | None = None,
@@ -94,8 +95,12 @@ def top(
     h, f : number, optional
         Or the energy h and the area integral f: omega is then one of the two on that level in the
         given orientation.
+    p_phi : number, optional
+        With them also the momentum about the body's third axis, C r of a top (Goldstein's p_psi;
+        his p_phi is f, his E is h): theta grows at the start, or a top without an orientation
+        begins at the smaller theta where its nutation turns.
     sign : {"+", "-"}, optional
-        Which of the two.
+        Which of the two; with ``p_phi`` "-" where theta decreases, or at the larger theta.
     end : number, optional
         The last output time, in the scene's unit of time; may be negative.
     samples : int, optional
@@ -152,7 +157,7 @@ def top(
     """
     of_kind("top", "name", name, str, "text")
     of_kind(name, "start.normalise", normalise, bool, "True or False")
-    refuse_unknown(name, top, unknown)
+    refuse_unknown(name, top, unknown, **keys.OF_OTHERS)
     given = {key: value for key, value in locals().items() if value is not None}
     data: dict[str, Any] = {
         section: {key.name: given[key.name] for key in keys.KEYS[section] if key.name in given}

@@ -53,6 +53,13 @@ def _read() -> dict[str, tuple[Key, ...]]:
 
 KEYS = _read()
 
+#: Keys of a start by which others may mean what ours have other names for.
+OF_OTHERS = {
+    "p_psi": "f, the momentum about the vertical, or p_phi, which is Goldstein's p_psi",
+    "p_theta": "momentum, or h with f and p_phi",
+    "E": "h, the energy",
+}
+
 _OF_TABLES = ("body.parts", "events", "published")
 _HEADS = {x: f"[[{x}]]" if x in _OF_TABLES else f"[{x}]" for x in KEYS} | {"": _TOP}
 
@@ -60,6 +67,11 @@ _HEADS = {x: f"[[{x}]]" if x in _OF_TABLES else f"[{x}]" for x in KEYS} | {"": _
 def names(section: str) -> list[str]:
     """The keys that a section may have."""
     return [key.name for key in KEYS[section]]
+
+
+def ours(section: str, name: str) -> str:
+    """What a section calls a key of that name in other books; "" for nothing."""
+    return OF_OTHERS.get(name, "") if section == "start" else ""
 
 
 def homes(name: str) -> str:

@@ -73,7 +73,9 @@ def as_toml(scene: Scene) -> str:
     data["events"] = [event.table for event in scene.events]
     data["published"] = [figure._asdict() for figure in scene.published]
     data["reference"] = {"kind": scene.reference}
-    data["expect"] = {name: list(band) for name, band in scene.expect.items()}
+    data["expect"] = {  # doubles that were read from decimals as short as these
+        name: [Fraction(repr(x)) for x in band] for name, band in scene.expect.items()
+    }
     return written(data, scene.name)
 
 

@@ -49,6 +49,8 @@ class Reading:
         for key, value in table.items():
             if key not in allowed:
                 full = ".".join(filter(None, (where or section, key)))
+                if ours := keys.ours(section, key):
+                    raise self.bad(full, value, ours)
                 home = keys.homes(key)
                 if home:
                     raise self.bad(full, value, f"no such key here: it belongs in {home}")

@@ -1,1 +1,4 @@
-"""All that imports heyoka: steps, events, projection, variations, batches."""
+"""All that drives heyoka: steps, events, projection, variations, batches.
+
+:mod:`polhode.taylor.backend.engine` alone imports it.
+"""

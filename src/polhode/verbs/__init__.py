@@ -1,5 +1,6 @@
-"""The verbs of the command line: one file per verb.
+"""The verbs of the command line.
 
-Each has ``HELP``, ``options(parser)`` for its own options, and ``main(options)``, which returns an
-exit code.
+Most are functions with a row of :mod:`polhode.verbs.catalogue`, and :mod:`polhode.verbs.deliver` is
+the one way out for their results.  The others have a file each, with ``HELP``, ``options(parser)``
+for their own options, and ``main(options)``, which returns an exit code.
 """

@@ -21,7 +21,9 @@ class Verb(NamedTuple):
     progress counts.  ``own``: the ending of a file of the kind's own, which a stream gets, too;
     ``checks``: whether that is a certificate whose check takes long.  ``is_box``: whether its
     scene's start may be a box.  ``other_kinds``: of the result where a parameter is given.
-    ``figure_options``: None where it has no figure.
+    ``prints_rows``: whether it prints rows that a file of its data has, too, and then leaves them
+    out; what another verb prints is printed with ``-o``, too.  ``figure_options``: None where it
+    has no figure.
     """
 
     name: str
@@ -36,6 +38,7 @@ class Verb(NamedTuple):
     checks: bool = False
     is_box: bool = False
     other_kinds: Mapping[str, str] = {}
+    prints_rows: bool = False
     figure_options: Mapping[str, Mapping[str, Any]] | None = _TITLE
 
 
@@ -54,6 +57,7 @@ ROWS = (
         *("list", "polhode.output.cases", "cases", "Cases"),
         "the cases that ship, with regime and reference",
         figure_options=None,
+        prints_rows=True,
     ),
     Verb(
         *("show", "polhode.output.description", "describe", "Description"),
@@ -76,6 +80,7 @@ ROWS = (
         {"at": None, "inputs": None, "proved": "--prove"},
         (TIMES, FORM, OUTPUTS),
         figure_options={"--what": _what(_MOTION), **_TITLE},
+        prints_rows=True,
     ),
     Verb(
         *("reference", "polhode.judging.references.reference_table", "reference_table"),
@@ -83,6 +88,7 @@ ROWS = (
         "the closed form alone, to any number of digits, no integration",
         {"at": None},
         (TIMES,),
+        prints_rows=True,
     ),
     Verb(
         *("certify", "polhode.verbs.certify", "certified", "Enclosure"),
@@ -92,6 +98,7 @@ ROWS = (
         own=".json",
         checks=True,
         is_box=True,
+        prints_rows=True,
     ),
     Verb(
         *("compare", "polhode.verbs.compare", "judged", "Judgement"),
@@ -111,6 +118,7 @@ ROWS = (
         figure_options={"--cmap": _CMAP, **_TITLE},
         counts="members",
         other_kinds={"keep": "Reductions"},
+        prints_rows=True,
     ),
     Verb(
         *("levels", f"{_DYNAMICS}.levels.levels", "levels", "Levels"),
@@ -121,6 +129,7 @@ ROWS = (
         *("section", f"{_DYNAMICS}.sections.section", "section", "Section"),
         "crossings of a section by many orbits on one level of energy and area",
         counts="orbits",
+        prints_rows=True,
     ),
     Verb(
         *("map", f"{_DYNAMICS}.chaos.chaos_map", "chaos_map", "ChaosMap"),
@@ -136,14 +145,17 @@ ROWS = (
     Verb(
         *("orbits", f"{_ORBITS}.search", "orbit_search", "OrbitSearch"),
         "the periodic orbits of a level, searched from cells of its section",
+        prints_rows=True,
     ),
     Verb(
         *("family", f"{_ORBITS}.families", "orbit_family", "OrbitFamily"),
         "a family of periodic orbits along the energy or the vertical momentum",
+        prints_rows=True,
     ),
     Verb(
         *("frequencies", f"{_DYNAMICS}.frequencies.frequencies", "frequencies", "Frequencies"),
         "frequency analysis (Laskar) of a motion, from a scene or a trajectory file",
+        prints_rows=True,
     ),
     Verb(
         *("verify", "polhode.certificates.verdict", "verify", "Verdict"),

@@ -21,6 +21,7 @@ from polhode.verbs.terminal import (
     NotEnough,
     ProgressLine,
     note,
+    refuse_two_on_stdout,
     say,
 )
 
@@ -90,12 +91,9 @@ def main(verb: Verb, function: options.Front, namespace: Namespace) -> int:
                 result, missed = getattr(module, verb.function)(**arguments), ""
             except NotEnough as fault:
                 result, missed = fault.result, str(fault)
-            places.write(result, vars(namespace), line)
-            text = (
-                None
-                if namespace.json or places.paths
-                else shown(result, arguments.get("details", False))
-            )
+            written = places.write(result, vars(namespace), line)
+            left_out = namespace.json or (verb.prints_rows and places.hold_rows)
+            text = None if left_out else shown(result, arguments.get("details", False))
         except NotProved as why:
             line.clear()
             note(f"polhode: not proved: {why}")
@@ -103,8 +101,8 @@ def main(verb: Verb, function: options.Front, namespace: Namespace) -> int:
     if namespace.json:
         write_stdout(result.to_json())
     elif text is not None:
-        say(text)
-    for sentence in notes.of(verb.name, result, places.paths, namespace):
+        (note if places.take_stdout else say)(text)
+    for sentence in notes.of(verb.name, result, written, namespace):
         note(sentence)
     if missed:
         note(missed)
@@ -131,12 +129,21 @@ class Places:
     ) -> None:
         self.verb, self.kind, self.paths, self.json, self.inputs = verb, kind, paths, json, inputs
 
+    @property
+    def take_stdout(self) -> bool:
+        """Whether one of the files is the standard output."""
+        return any(map(is_stdout, self.paths))
+
+    @property
+    def hold_rows(self) -> bool:
+        """Whether one of the files has the rows of the result's table."""
+        return any(not self._is_figure(x) and not self._is_own(x) for x in self.paths)
+
     def check(self) -> None:
         """Refuse, before any work is done, what cannot or must not be written; raises BadInput."""
         streams = [path for path in self.paths if is_stdout(path)]
-        if streams and self.json:
-            expected = "a file: the results as JSON go to stdout"
-            raise BadInput(str(streams[0]), "-o", None, expected)
+        for path in streams:
+            refuse_two_on_stdout(path, self.json)
         if len({path.absolute() for path in self.paths}) < len(self.paths) or len(streams) > 1:
             raise BadInput(str(self.paths[-1]), "-o", None, "each file once")
         for path in self.paths:
@@ -193,15 +200,18 @@ class Places:
             extras["parts"] = checkpoint.beside(data[0])
         return extras
 
-    def write(self, result: Result, values: Mapping[str, Any], line: ProgressLine) -> None:
-        """Write all files or none; none where what was interrupted is kept in parts, which go else.
+    def write(
+        self, result: Result, values: Mapping[str, Any], line: ProgressLine
+    ) -> Sequence[Path]:
+        """Write all files or none, and tell them; none where what was interrupted is kept in parts,
+        which go else.
 
         Files of a kind's own, which are checked as they are made, are written once all others are
         made.
         """
         kept = getattr(result, "kept", None)
         if interrupted(result) and kept is not None and kept.folder.exists():
-            return
+            return ()
         files: dict[Path, str | bytes] = {}
         for path in self.paths:
             if self._is_figure(path):
@@ -212,12 +222,15 @@ class Places:
                 content = result.content()
                 places.check_place(path, content.kind, self.inputs)
                 files |= writer.files(content, path)
-        for path in filter(self._is_own, self.paths):
-            if getattr(result, "times", True):  # of nothing there is no certificate
-                self._save(result, path, line)
+        own = [x for x in self.paths if self._is_own(x)]
+        if own and not getattr(result, "times", True):  # of nothing there is no certificate
+            own = []
+        for path in own:
+            self._save(result, path, line)
         write_whole(files)
         if kept is not None:
             kept.remove()
+        return [*own, *files]
 
     def _save(self, result: Any, path: Path, line: ProgressLine) -> None:
         """Write a file of the kind's own: a scene, a certificate."""

@@ -28,16 +28,24 @@ if TYPE_CHECKING:
     from polhode.proofs.proved_orbit import ProvedOrbit
     from polhode.runs.trajectory import Trajectory
 
+_ROUNDED = 1e-14  # of the step between samples: more is told
+
 #: A result of any kind: each function knows that of its verb.
 AnyResult = Any
 
 
-def of(verb: str, result: AnyResult, paths: Sequence[Path], namespace: Namespace) -> Iterator[str]:
-    """The lines about a result of a verb."""
+def of(
+    verb: str, result: AnyResult, written: Sequence[Path], namespace: Namespace
+) -> Iterator[str]:
+    """The lines about a result of a verb, and what was ``written`` of it."""
     yield from _NOTES.get(verb, _itself)(result, namespace)
-    own = [x for x in paths if x.suffix.lower() == ".json" or is_stdout(x)]
-    if verb in ("certify", "prove orbit", "prove chaos") and own and getattr(result, "times", True):
-        yield _certificate(result.scene.name, own[0])
+    proofs: list[Path] = []
+    if verb in ("certify", "prove orbit", "prove chaos"):
+        asked = [x for x in map(Path, namespace.places or ()) if x in written]
+        proofs = [x for x in asked if x.suffix.lower() == ".json" or is_stdout(x)][:1]
+    if files := [str(x) for x in written if x not in proofs and not is_stdout(x)]:
+        yield f"written: {', '.join(files)}"
+    yield from (_certificate(result.scene.name, x) for x in proofs)
 
 
 def name_of(result: AnyResult) -> str:
@@ -246,9 +254,16 @@ def _frequencies(result: Frequencies, namespace: Namespace) -> Iterator[str]:
     for signal, lines in result.lines.items():
         if not lines:
             yield f"{result.name}: {signal} has no line above rounding"
+    if result.step_error > _ROUNDED * abs(result.step):
+        yield (
+            f"{result.name}: the times are rounded: spacing {result.step:.12g} ± "
+            f"{result.step_error:.1g} fits them all, and the errors include it"
+        )
     kind = "closed form" if result.closed_form else "basis"
-    if rates := ", ".join(f"{name} = {value:.15g}" for name, value in result.known.items()):
-        yield f"{result.name}: {kind}: {rates}"
+    words = {name: f" {words}" for name, words in result.rates_of.items()}
+    rates = [f"{name}{words.get(name, '')} = {x:.15g}" for name, x in result.known.items()]
+    if rates:
+        yield f"{result.name}: {kind}: {', '.join(rates)}"
 
 
 def _proved_orbit(result: ProvedOrbit, namespace: Namespace) -> Iterator[str]:

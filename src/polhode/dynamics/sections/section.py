@@ -35,6 +35,7 @@ from polhode.numbers.rows import Doubles, Integers
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
+from polhode.runs.problem.options import refuse_other_rounding
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import (
@@ -200,7 +201,7 @@ def section(
     f: AnyNumber | None = None,
     workers: int | None = None,
     executor: Executor | None = None,
-    parts: Path | None = None,
+    parts: str | Path | None = None,
     progress: Progress | None = None,
     accuracy: bool = True,
 ) -> Section:
@@ -232,7 +233,7 @@ def section(
         Processes, as many as there are cores unless given.
     executor : Executor, optional
         An executor of ``concurrent.futures`` instead.
-    parts : Path, optional
+    parts : str or Path, optional
         A folder for finished jobs, from which the same call continues after a kill.
     progress : callable, optional
         Called with the fraction done and the orbits done.
@@ -262,6 +263,7 @@ def section(
     from polhode.taylor.events import batch_search
 
     scene = library.load(scene)
+    refuse_other_rounding(scene)
     plan, asked = scene.section, asked_of(scene, by, extremum, h, f)
     count = plan.crossings if crossings is None else crossings
     count = whole(scene.name, "crossings", count, 1, MOST_CROSSINGS)

@@ -19,7 +19,8 @@ from polhode.numbers.exact import Exact
 
 BITS_A_DIGIT = math.log2(10)
 _STEPS_A_UNIT = 3.0  # of the proof, in its unit of time
-_OF_DOUBLES_STEPS = 0.4  # so many the proof takes, of those of a run in double with a tangent
+_OF_DOUBLES_STEPS = 0.55  # so many the proof takes, of those of a run in double with a tangent
+_OF_ALL_STEPS = 0.1  # of those of a unit of time, at least: where a run in double takes hardly any
 _SECONDS_A_STEP = 4e-4, 2.6e-8, 5.9e-13  # and over the noise level's square and fourth power
 _MARGIN = 1.0  # bits
 _FAR = 0.1  # of the way: from there on the growth tells of the rest
@@ -90,5 +91,5 @@ def growth(what: Motion, last: Exact, deadline: Deadline = NONE) -> tuple[float,
     return (
         largest + math.log2(mean) + math.log2(count),
         fastest,
-        min(count, _OF_DOUBLES_STEPS * taken),
+        min(count, max(_OF_ALL_STEPS * count, _OF_DOUBLES_STEPS * taken)),
     )

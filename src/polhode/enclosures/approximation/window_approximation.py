@@ -159,4 +159,9 @@ def tangents(
         fastest = max(fastest, float(np.linalg.norm(flow.state[:3])))
     flow.release()
     steps = flow.steps * _LOOKS / max(1, len(logs) - 1)
+    if steps < 2 * _LOOKS:  # looks cut them short
+        straight = Variations(plain.coefficients, start, tangent)
+        straight.to(end, _MOST_STEPS)
+        steps = max(1, straight.steps)
+        straight.release()
     return logs, fastest * 2.0 ** (what.unit - frame.exponent), steps

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from functools import partial
 from io import BytesIO, StringIO
-from itertools import cycle, islice
+from itertools import cycle, groupby, islice
 from pathlib import Path
 from typing import Any
 
@@ -87,8 +88,8 @@ def over_time(
     figure, grid = panels(plt, axes, len(rows), sharex=True, figsize=size, **how)
     for panel, (label, curves) in zip(grid[:, 0], rows.items(), strict=True):
         for (name, values), colour in zip(curves.items(), (*series(3), LAST), strict=False):
-            panel.plot(t, values, color=colour, label=name, gid=name)
-        panel.set_ylabel(label)
+            panel.plot(t, values, color=colour, label=label_text(name), gid=name)
+        panel.set_ylabel(label_text(label))
         if len(curves) > 1:
             panel.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
     grid[-1, 0].set_xlabel(time_label(scene))
@@ -193,6 +194,53 @@ def remark(axes: Any, text: str) -> None:
 
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+#: Letters and signs of labels in mathtext, which has fonts of its own for them.
+_IN_MATHTEXT = {
+    **{"ψ": r"\psi", "θ": r"\theta", "φ": r"\varphi", "ω": r"\omega", "γ": r"\gamma"},
+    **{"ξ": r"\xi", "η": r"\eta", "π": r"\pi", "Δ": r"\Delta"},
+    **{"·": r"\cdot", "−": "-", "×": r"\times"},
+    **{letter: f"_{k}" for k, letter in enumerate("₀₁₂₃")},
+    **{letter: f"^{digit}" for digit, letter in zip("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹", strict=True)},
+}
+
+
+_RUNS = re.compile(f"[{''.join(_IN_MATHTEXT)}]+")
+
+
+def label_text(text: str) -> str:
+    """A label as the font in use can print it: with its letters in mathtext where one is lacking.
+
+    Else it is plain text, which can be found and read in an SVG; TeX has mathtext always.
+    """
+    import matplotlib
+
+    letters = {letter for letter in text if letter in _IN_MATHTEXT}
+    if not matplotlib.rcParams["text.usetex"]:
+        fonts = _fonts(matplotlib.rcParams["font.family"])
+        if all(any(font.get_char_index(ord(x)) for font in fonts) for x in letters):
+            return text
+    return _RUNS.sub(_as_mathtext, text)
+
+
+def _as_mathtext(letters: re.Match[str]) -> str:
+    """Letters in mathtext, neighbours that are raised in one group."""
+    groups = groupby((_IN_MATHTEXT[x] for x in letters[0]), key=lambda mark: mark[0] == "^")
+    parts = [
+        f"^{{{''.join(mark[1:] for mark in marks)}}}" if raised else " ".join(marks)
+        for raised, marks in groups
+    ]
+    return f"${' '.join(parts)}$"
+
+
+def _fonts(families: Iterable[str]) -> list[Any]:
+    """The fonts of a text of these families, each letter of which the first has that can."""
+    from matplotlib.font_manager import FontProperties, findfont, get_font
+
+    found = []
+    for family in families:
+        with suppress(ValueError):  # which matplotlib leaves out as well
+            found.append(findfont(FontProperties(family=[family]), fallback_to_default=False))
+    return [get_font(path) for path in found or [findfont("DejaVu Sans")]]
 
 
 def power_of_ten(exponent: float) -> str:
@@ -201,7 +249,7 @@ def power_of_ten(exponent: float) -> str:
     >>> power_of_ten(-12.0)
     '10⁻¹²'
     """
-    return "10" + f"{exponent:.0f}".translate(_RAISED)
+    return label_text("10" + f"{exponent:.0f}".translate(_RAISED))
 
 
 #: What a figure can be written as, by the ending of its file's name.

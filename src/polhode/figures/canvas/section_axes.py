@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from polhode.figures.canvas.canvas import label_text
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
@@ -19,6 +21,7 @@ def label(axes: Axes, height: bool = False, torque_free: bool = False) -> None:
     Without a torque the third axis stands for r0.
     """
     about = "third axis" if torque_free else "r₀"
-    x, y = (text.format(about=about) for text in (_BY_HEIGHT if height else _BY_MOMENTUM))
+    labels = _BY_HEIGHT if height else _BY_MOMENTUM
+    x, y = (label_text(text.format(about=about)) for text in labels)
     axes.set(xlim=(0, 2 * math.pi), ylim=(-1, 1), xlabel=x, ylabel=y)
-    axes.set_xticks([k * math.pi / 2 for k in range(len(_TURN))], _TURN)
+    axes.set_xticks([k * math.pi / 2 for k in range(len(_TURN))], [*map(label_text, _TURN)])

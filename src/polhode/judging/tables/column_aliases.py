@@ -49,15 +49,15 @@ _S = r"[._/ -]?"
 _BEFORE = r"(?:.*[./:])?(?:(?:imu|body|sensor|motion|device|vehicle)[_ -])*"
 _TURNING = rf"(?:ang(?:ular)?|rot(?:ation(?:al)?)?|body){_S}(?:vel(?:ocity)?|rates?|speed)"
 #: Stems by what they are stems of.  ``w_a`` is Modelica's, ``qvel`` MuJoCo's (of a ball joint),
-#: ``sigma_BN`` and ``omega_BN_B`` Basilisk's; ``orientation``, ``rotation`` are those of ROS, Unity
-#: and Blender.  All rates are along body axes.
+#: ``sigma_BN`` and ``omega_BN_B`` Basilisk's, ``q_RS`` and ``w_RS_S`` those of EuRoC's data sets;
+#: ``orientation``, ``rotation`` ROS, Unity and Blender have.  All rates are along body axes.
 _STEMS = {
     "omega": rf"(?:w|omega|gyro(?:scope)?|gyr|rates?|gyro{_S}rotation|{_TURNING}|qvel)"
-    rf"(?:{_S}(?:a|b|body|bn{_S}b|rad|xyz))?",
+    rf"(?:{_S}(?:a|b|body|bn{_S}b|rs{_S}s|rad|xyz))?",
     "gamma": "gamma|g",
     "acceleration": rf"(?:lin(?:ear)?{_S})?a(?:cc(?:el(?:eration|erometer)?)?)?",
     "quaternion": r"q|quat|(?:orientation|rotation|quaternion|quat|attitude|rotation_quaternion)"
-    rf"(?:{_S}(?:quat|q))?|qpos",
+    rf"(?:{_S}(?:quat|q))?|qpos|q{_S}rs",
     "rodrigues": rf"(?:sigma|mrp)s?(?:{_S}(?:bn|bi|b))?",
     "vector": rf"rot(?:ation)?{_S}vec(?:tor)?|rv",
     "matrix": rf"(?:[rmtc]|dcm|rot(?:m|mat)?|rotation|(?:rot(?:ation)?{_S})?matrix)"
@@ -81,6 +81,12 @@ _COMPONENTS = {
     "vector": ROTATION_VECTOR,
     "matrix": MATRIX,
 }
+_NOTHING = re.compile(r"\s*(?:\[\s*\]|\(\s*\))$")  # a unit that is none
+#: Parts of a time, after what they are parts of: ``header.stamp.sec`` and ``header.stamp.nanosec``.
+_STAMP = re.compile(r"(.*?)(n(?:ano)?)?sec(?:ond)?s?$", re.I)
+_MICRO, _NANO = Fraction(1, 10**6), Fraction(1, 10**9)
+_OF_PX4 = frozenset(("timestamp_sample", "delta_q_reset[0]", "quat_reset_counter"))
+_OF_EARLIER_PX4 = frozenset(("rollspeed", "q[0]"))
 _ROLL = re.compile(rf"{_BEFORE}(roll|pitch|yaw){_S}(?:rate|speed|vel(?:ocity)?)$")
 
 #: A unit at the end of a name: ``psi_deg``, ``wx [deg/s]``, ``p (rad/s)``, ``time [s]``.
@@ -170,6 +176,8 @@ Column(name='psi', degrees=True, factor=Fraction(1, 1))]
     bare = {header for header in headers if header.lower() in _BARE_QUATERNION}
     if len(bare) == len(_BARE_QUATERNION):
         headers = [f"q{header}" if header in bare else header for header in headers]
+    if "xyz_derivative[0]" in headers:  # else PX4's xyz may be accelerations as well
+        headers = [re.sub(r"^xyz\[", "gyro[", header) for header in headers]
     alone = [_alone(header) for header in headers]
     parts = [one if isinstance(one, _Part) else None for one in alone]
     there = [part for part in parts if part is not None]
@@ -194,6 +202,30 @@ Column(name='psi', degrees=True, factor=Fraction(1, 1))]
             whole = {*_COMPONENTS[part.kind]} <= names
             found[k] = found[k] if whole and not {*ATTITUDE} <= names else UNKNOWN
     return found
+
+
+def by_clock(
+    headers: Sequence[str], named: Sequence[Column]
+) -> tuple[list[Column], tuple[str, ...]]:
+    """Columns whose ``timestamp`` of whole numbers counts what its neighbours tell, and that it
+    does: nanoseconds in EuRoC's data sets, microseconds in PX4's logs.
+
+    >>> named, told = by_clock(header := ["timestamp", "timestamp_sample", "q[0]"], columns(header))
+    >>> named[0].factor, *told
+    (Fraction(1, 1000000), "read as: timestamp in microseconds, as in PX4's logs")
+    """
+    clock = next(k for k, one in enumerate(named) if one.name == "t")
+    there = {*headers}
+    if headers[clock].lower() != "timestamp" or named[clock] != Column("t"):
+        return [*named], ()
+    if any("_RS_" in header for header in headers):
+        factor, words = _NANO, "nanoseconds, as in EuRoC's data sets"
+    elif there & _OF_PX4 or there >= _OF_EARLIER_PX4:
+        factor, words = _MICRO, "microseconds, as in PX4's logs"
+    else:
+        return [*named], ()
+    counted = [Column("t", False, factor) if k == clock else x for k, x in enumerate(named)]
+    return counted, (f"read as: {headers[clock]} in {words}",)
 
 
 def _g_is_a_rate(parts: Sequence[_Part | None], found: Sequence[Column]) -> bool:
@@ -228,7 +260,7 @@ def _alone(header: str) -> Column | _Part:
         return Column(header)
     if header == "%time":
         return Column("t", False, _TIMES["ns"])
-    plain = header.translate(_GREEK).strip()
+    plain = _NOTHING.sub("", header.translate(_GREEK).strip())
     split = _UNIT.search(plain)
     for name, unit in ((plain, None), (plain[: split.start()] if split else "", split)):
         word = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name.strip()).lower()
@@ -305,6 +337,24 @@ class Naming:
         told = {one.name for one in self.meant.values()}
         others = [UNKNOWN if one.name in told else one for one in columns(header)]
         return [self.meant.get(name, one) for name, one in zip(header, others, strict=True)]
+
+    def stamp(self, header: Sequence[str]) -> tuple[int, int] | None:
+        """The places of a time's whole seconds and of its nanoseconds, as ROS writes them, where no
+        column has the time.
+
+        >>> PLAIN.stamp(["seq", "header.stamp.sec", "header.stamp.nanosec", "qw"])
+        (1, 2)
+        """
+        if any(one.name == "t" for one in self.columns(header)):
+            return None
+        parts = [_STAMP.match(name) for name in header]
+        found = {(part[1], bool(part[2])): k for k, part in enumerate(parts) if part}
+        whole = [
+            (k, found[stem, True])
+            for (stem, is_rest), k in found.items()
+            if not is_rest and (stem, True) in found
+        ]
+        return whole[0] if len(whole) == 1 else None
 
 
 PLAIN = Naming()  # nothing was named

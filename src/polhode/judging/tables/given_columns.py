@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -11,16 +11,28 @@ from typing import Any
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput, nearest
 from polhode.judging.tables.attitude_forms import Cells, with_quaternions
-from polhode.judging.tables.column_aliases import PLAIN, Column, Naming, known, not_judged, twice
+from polhode.judging.tables.column_aliases import (
+    PLAIN,
+    Column,
+    Naming,
+    by_clock,
+    columns,
+    known,
+    not_judged,
+    twice,
+)
 from polhode.judging.tables.reading import degree
 from polhode.judging.tables.table import Table
 from polhode.judging.tables.type_inference import of_decimals, of_type, type_of
-from polhode.numbers.conversion import exact_number, exactly
+from polhode.numbers.conversion import exact_number, exactly, to_double
 from polhode.numbers.number_types import DOUBLE, NumberType, bits_for, mp
 from polhode.numbers.scalars import AnyNumber, AnyVector
+from polhode.scenes.vocabulary import ATTITUDE, STATE
 
 NAMING = "--columns 'NAME=COLUMN, ...' (in Python columns=[...])"
+_OFF = 0.05  # of 1: a length in most rows that no noise of a unit vector has
 MOST_PRINTED = 60  # digits that rows of exact numbers are counted as
+_MISSING = ("MaskedConstant", "NAType")  # of NumPy's masked arrays, of pandas
 MOST_DIGITS = 1000.0  # that are told of a table
 
 
@@ -79,6 +91,8 @@ def table_of_columns(
     else:
         present = [*getattr(given, "coords", ()), *given.keys()]
         held = {str(name): getattr(given[name], "values", given[name]) for name in present}
+    if (places := names.stamp([*held])) is not None:
+        held = _with_whole_stamps(source, held, *([*held][k] for k in places))
     header = [*held]
     named = names.columns(header)
     clock = next((k for k, one in enumerate(named) if one.name == "t"), None)
@@ -93,10 +107,32 @@ def table_of_columns(
         None if one.name is None else each(source, name, held[name], _cell, "a column of numbers")
         for name, one in zip(header, named, strict=True)
     ]
+    whole = all(isinstance(t, Fraction) and t.denominator == 1 for t in cells[clock] or ())
+    named, remarks = by_clock(header, named) if whole else (named, ())
     printed = number.printed_digits if number else MOST_PRINTED
     found = table_of_cells(source, header, named, cells, printed, number)
     errors = _errors(found.times, held[header[clock]], named[clock].factor)
-    return replace(found, name="columns" if source == "compare" else source, time_errors=errors)
+    name = "columns" if source == "compare" else source
+    return replace(found, name=name, remarks=(*remarks, *found.remarks), time_errors=errors)
+
+
+def _with_whole_stamps(
+    source: str, held: Mapping[str, Any], seconds: str, rest: str
+) -> dict[str, Any]:
+    """Columns whose time is in two of them, seconds and nanoseconds, as one of them."""
+    parts = [each(source, name, held[name], _whole, "whole numbers") for name in (seconds, rest)]
+    if not all(0 <= part < 10**9 for part in parts[1]) or len(parts[0]) != len(parts[1]):
+        raise BadInput(source, rest, None, "whole nanoseconds below 1e9, one for each second")
+    times = [Fraction(whole * 10**9 + part, 10**9) for whole, part in zip(*parts, strict=True)]
+    joined = {"t" if name == seconds else name: x for name, x in held.items() if name != rest}
+    return joined | {"t": times}
+
+
+def _whole(value: Any) -> int:
+    exact = _exactly(value)
+    if exact.denominator != 1:
+        raise ValueError("not whole")
+    return exact.numerator
 
 
 def table_of_cells(
@@ -129,7 +165,29 @@ def table_of_cells(
     yardstick = number or (DOUBLE if printed <= DOUBLE.printed_digits else mp(printed))
     told = number.most_digits if number else min(printed + 2.0, MOST_DIGITS)
     held = min(told, yardstick.most_digits)
-    return Table(source, tuple(times), found, yardstick, held, printed, ignored=ignored)
+    found, remarks = _with_rates(found, header)
+    return Table(
+        source, tuple(times), found, yardstick, held, printed, ignored=ignored, remarks=remarks
+    )
+
+
+def _with_rates(
+    found: dict[str, Cells], header: Sequence[str]
+) -> tuple[dict[str, Cells], tuple[str, ...]]:
+    """Columns in which ``gx gy gz`` beside a quaternion are rates, where they are not of length 1;
+    and that they are, in words."""
+    omega, gamma = STATE[:3], STATE[3:]
+    beside = columns([*header, "ax"])  # what they are beside accelerations
+    if not {*gamma, *ATTITUDE} <= found.keys() or {*omega} & found.keys():
+        return found, ()
+    if not {*omega} <= {one.name for one in beside}:
+        return found, ()
+    rows = zip(*(found[name] for name in gamma), strict=True)
+    sizes = [math.hypot(*(to_double(exactly(x)) for x in row)) for row in rows if None not in row]
+    if 2 * sum(abs(size - 1) > _OFF for size in sizes) <= len(sizes):
+        return found, ()
+    rates = {omega[gamma.index(name)] if name in gamma else name: x for name, x in found.items()}
+    return rates, ("gx gy gz were read as rates, for they are no unit vector",)
 
 
 def refuse_names(source: str, key: str, header: Sequence[str], named: Sequence[Column]) -> None:
@@ -140,7 +198,10 @@ def refuse_names(source: str, key: str, header: Sequence[str], named: Sequence[C
         raise BadInput(source, key, name, expected)
     if all(meant.name in (None, "t") for meant in named):
         expected = f"columns besides t that can be judged: {NAMING} translates names"
-        raise BadInput(source, key, ",".join(header), f"{expected} to {', '.join(known()[1:])}")
+        expected += f" to {', '.join(known()[1:])}"
+        if "xyz[0]" in header:
+            expected += " (PX4's xyz[0] is p in vehicle_angular_velocity alone)"
+        raise BadInput(source, key, ",".join(header), expected)
 
 
 def _errors(times: Sequence[Fraction], given: Any, factor: Fraction) -> tuple[float, ...]:
@@ -153,7 +214,7 @@ def _errors(times: Sequence[Fraction], given: Any, factor: Fraction) -> tuple[fl
 
 def _cell(value: Any) -> float | Fraction | None:
     """A cell's exact number, None where it is empty."""
-    if value is None or value != value:
+    if value is None or type(value).__name__ in _MISSING or value != value:
         return None
     if isinstance(value, float) and math.isfinite(value):
         return float(value)

@@ -23,7 +23,7 @@ from polhode.numbers.expression import ExpressionError
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Flat, Row, Rows, flat
 from polhode.numbers.scalars import of_extended, of_mpmath
-from polhode.runs.problem.options import USUAL, Options, cadence
+from polhode.runs.problem.options import USUAL, Options, cadence, refuse_other_rounding
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
 from polhode.taylor.backend.protocols import Corrector
@@ -356,6 +356,7 @@ def system_of(
     inputs: NumberType | None = None,
 ) -> System:
     """The system of such runs, shared by scenes that differ in their times alone."""
+    refuse_other_rounding(scene)
     key = (number, tolerance, inputs)
 
     def new_system() -> System:

@@ -10,6 +10,7 @@ from polhode.common.errors import BadInput, nearest, plain
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exact_number
 from polhode.numbers.number_types import NumberType
+from polhode.numbers.rounding import rounds_to_nearest
 from polhode.numbers.scalars import AnyNumber
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
@@ -62,6 +63,13 @@ def corrections(scene: Scene, project: bool | int | None) -> bool | int | None:
     if project is None or isinstance(project, bool):
         return project
     return whole(scene.name, "project", project, 1)
+
+
+def refuse_other_rounding(scene: Scene) -> None:
+    """Raise BadInput where a library has left this thread another rounding mode than nearest."""
+    if not rounds_to_nearest():
+        expected = "nearest: a library has set another one in this thread (fesetround)"
+        raise BadInput(scene.name, "rounding mode", "not to nearest", expected)
 
 
 def choose_number(

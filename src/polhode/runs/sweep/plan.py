@@ -16,7 +16,11 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Flat, kind_of
 from polhode.numbers.scalars import AnyNumber
-from polhode.runs.problem.options import choose_number, rounded_tolerance
+from polhode.runs.problem.options import (
+    choose_number,
+    refuse_other_rounding,
+    rounded_tolerance,
+)
 from polhode.runs.sweep.columns import Fastest, columns_of
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation import vary
@@ -99,6 +103,7 @@ def planned(
 
     from polhode.taylor.batches.jobs import Columns
 
+    refuse_other_rounding(scene)
     if scene.events:
         expected = "none in a sweep: a step size of its own for each event; run members singly"
         raise BadInput(scene.name, "events", scene.events[0].name, expected)

@@ -27,7 +27,7 @@ _NEAR_FLAT = Fraction(1, 1 << 40)
 _MAY_BE_ROUNDED = {"body.moments", "body.inertia", "start.gamma", "start.quaternion"}
 
 _SECTIONS = ("body", "start")
-_KEY = re.compile(r"(body|start)\.[a-z]+(\[[1-9]\d*\](\.[a-z_]+)?)*")
+_KEY = re.compile(r"(body|start)\.[a-z_]+(\[[1-9]\d*\](\.[a-z_]+)?)*")
 _WORDS = keys.words("body") | keys.words("body.parts") | keys.words("start")
 
 

@@ -32,7 +32,7 @@ TOLERANCES = {
 CHEAP = (ENGINE,)
 NOT_RUN = {
     "CyRK LSODA, diffrax Dopri8, splitting 4": "minutes a top",
-    "SciPy DOP853, SciPy LSODA": "a minute or more a start: their steps are taken in Python",
+    "SciPy DOP853, SciPy LSODA": "minutes a start: Python calls their right-hand sides",
     "mpmath odefun": "hours: a Taylor method in Python",
 }
 

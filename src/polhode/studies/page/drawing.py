@@ -39,6 +39,9 @@ LOOKS: dict[str, dict[str, Any]] = {
     "splitting": _look("#6a3d9a", "^"),
 }
 
+#: Of a program that has none of these.
+OTHER_LOOK = _look("#444444", "+", ":")
+
 
 def logarithmic(axis: Axis) -> None:
     """Label the powers of ten of a logarithmic axis; of a short one twice and five times them."""

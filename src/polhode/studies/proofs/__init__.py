@@ -1,1 +1,1 @@
-"""Periodic orbits and chaos, proved."""
+"""Periodic orbits and chaos, proved or refused."""

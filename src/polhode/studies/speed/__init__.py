@@ -1,1 +1,1 @@
-"""Error against seconds, beside other programs."""
+"""Seconds against digits, beside other programs and in every number type."""

@@ -181,17 +181,16 @@ def verdict(programs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """How polhode stands among the others, heyoka by hand and its own trajectories apart.
 
     "ahead", "behind" or "even" with the best of the others; "alone" where none of them reaches the
-    level from nearly all draws; "not reached" where polhode does not.
+    level from nearly all draws, "not run" where none was run; "not reached" where polhode does not.
     """
     by_name = {told["program"]: told for told in programs}
     ours = by_name.get(OURS)
     if ours is None or ours["reached"] < NEARLY_ALL:
         return {"stands": "not reached"}
-    met = [
-        (*told["ratio"], name)
-        for name, told in by_name.items()
-        if name not in OWN and told["ratio"] is not None
-    ]
+    others = {name: told["ratio"] for name, told in by_name.items() if name not in OWN}
+    if not others:
+        return {"stands": "not run"}
+    met = [(*ratio, name) for name, ratio in others.items() if ratio is not None]
     if not met:
         return {"stands": "alone"}
     middle, least, most, name = min(met)

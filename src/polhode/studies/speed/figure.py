@@ -7,23 +7,12 @@ from collections.abc import Mapping, Sequence
 from polhode.common.json_text import JsonObject
 from polhode.figures.canvas.canvas import as_svg, paper
 from polhode.studies.page import drawing
-from polhode.studies.page.drawing import LOOKS, WIDTH
-from polhode.studies.speed.programs import ENGINE, OURS, WIDER
+from polhode.studies.page.drawing import LOOKS, OTHER_LOOK, WIDTH
+from polhode.studies.speed.programs import BY_NAME
 from polhode.studies.speed.work_precision import WorkPoint, frontier
 
 _COLUMNS, _HEIGHT = 2, 1.9  # panels side by side, inches of each
 
-#: The lines of the diagram: of a package with several methods the fastest to each error.
-LINES = {
-    "polhode, double": (OURS,),
-    "polhode, extended": (WIDER,),
-    "heyoka by hand": (ENGINE,),
-    "CyRK": ("CyRK DOP853", "CyRK VERN8"),
-    "numbalsoda": ("numbalsoda dop853", "numbalsoda lsoda"),
-    "SciPy, numba": ("SciPy DOP853", "SciPy LSODA"),
-    "diffrax": ("diffrax Dopri8",),
-    "splitting": ("splitting 8", "splitting 8 compensated"),
-}
 #: Curves of a panel by their names: points (seconds, error).
 Curves = Mapping[str, Sequence[tuple[float, float]]]
 
@@ -41,13 +30,22 @@ def svgs(found: JsonObject) -> dict[str, str]:
 
 
 def lines(curves: Mapping[str, Sequence[Sequence[float]]]) -> Curves:
-    """The lines of a panel from the programs' digits and seconds: what no other point beats."""
-    drawn: dict[str, Sequence[tuple[float, float]]] = {}
-    for line, names in LINES.items():
-        marks = [WorkPoint(*point) for name in names for point in curves.get(name, ())]
-        if marks:
-            drawn[line] = [(mark.seconds, 10.0**-mark.digits) for mark in frontier(marks)]
-    return drawn
+    """The lines of a panel from the programs' digits and seconds: what no other point beats.
+
+    Of a package with several methods that is the fastest to each error; a program that is not known
+    here, as one of an earlier version is, has a line by its own name.
+    """
+    order = [*BY_NAME, *(name for name in curves if name not in BY_NAME)]
+    marks: dict[str, list[WorkPoint]] = {}
+    for name in order:
+        line = BY_NAME[name].line if name in BY_NAME else name
+        if line and name in curves:
+            marks.setdefault(line, []).extend(WorkPoint(*point) for point in curves[name])
+    return {
+        line: [(mark.seconds, 10.0**-mark.digits) for mark in frontier(every)]
+        for line, every in marks.items()
+        if every
+    }
 
 
 def work_precision(panels: Mapping[str, Curves], unit: str) -> str:
@@ -62,7 +60,7 @@ def work_precision(panels: Mapping[str, Curves], unit: str) -> str:
             axes.remove()
         for axes, (title, curves) in zip(grid.flat, panels.items(), strict=False):
             for name, points in curves.items():
-                axes.plot(*zip(*points, strict=True), label=name, **LOOKS[name])
+                axes.plot(*zip(*points, strict=True), label=name, **LOOKS.get(name, OTHER_LOOK))
             axes.set(xscale="log", yscale="log")
             axes.set_title(title, size=9, loc="left")
             drawing.plain(axes)

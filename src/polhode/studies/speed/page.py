@@ -8,14 +8,14 @@ from typing import TypeAlias
 from polhode.common.json_text import JsonObject
 from polhode.studies.page.tables import DIGITS, Column, PageTable, table
 from polhode.studies.page.words import DASH, between, counted, listed, median, spread
-from polhode.studies.speed.programs import ENGINE, OURS, RUN
+from polhode.studies.speed.programs import BY_NAME, ENGINE, OURS, RUN
 
 #: Levels of digits, each with its cell.
 Levels: TypeAlias = Sequence[tuple[JsonObject, JsonObject]]
 
 LONG = 1000  # from this end on a run is told as a long one
 SUMMARY_ENDS, SUMMARY_OUTPUTS = (1, 10, 100, 1000), 101
-WORDS = ("ahead", "even", "behind", "alone", "not reached")
+WORDS = ("ahead", "even", "behind", "alone", "not run", "not reached")
 
 _MOTION = Column("motion", "motion")
 _BEST = (
@@ -82,6 +82,7 @@ _STANDING = (
     Column("even", "even", "d", "the 95 % interval of the median ratio contains 1"),
     Column("behind", "behind", "d", "it is slower"),
     Column("alone", "alone", "d", "no other program run there reaches the digits"),
+    Column("not run", "not run", "d", "no other program was run there"),
     Column("not reached", "not reached", "d", "it does not reach them from 7 of 8 draws itself"),
     Column(
         *("where behind", "lost", ">"),
@@ -113,7 +114,7 @@ def tables(found: JsonObject) -> dict[str, PageTable]:
     types = "polhode study speed --only '{0}' --only '{1}'"
     refined = "polhode study speed --only 'refined: {0} t={1}'"
     return {
-        "summary": summary(found["cells"]),
+        "summary": summary(found["cells"], _not_run(found)),
         "standing": standing(found["cells"]),
         "first": table(first, _FIRST, "polhode study speed --only 'first result'"),
         "short": table(_by_length(short), _CELLS, cells),
@@ -125,11 +126,11 @@ def tables(found: JsonObject) -> dict[str, PageTable]:
     }
 
 
-def summary(cells: Sequence[JsonObject]) -> PageTable:
+def summary(cells: Sequence[JsonObject], not_run: str = "not run") -> PageTable:
     """The time of the best other program over the propagator's: lengths down, digits across.
 
     Medians over the kinds of motion, and the program that is best in most of them; above 1 in bold.
-    The last row is of many starts at once.
+    The last row is of many starts at once.  ``not_run``: what stands where no other program was.
     """
     digits = dict.fromkeys(level["digits"] for cell in cells for level in cell["levels"])
     columns = [Column("run", "run"), *(Column(f"{x:g} digits", f"{x:g}") for x in digits)]
@@ -142,7 +143,7 @@ def summary(cells: Sequence[JsonObject]) -> PageTable:
     shown[f"{most} starts at once, t = {ends}"] = largest
     return table(
         (
-            {"run": run, **{f"{x:g}": _best_other(here, x) for x in digits}}
+            {"run": run, **{f"{x:g}": _best_other(here, x, not_run) for x in digits}}
             for run, here in shown.items()
             if here
         ),
@@ -150,13 +151,14 @@ def summary(cells: Sequence[JsonObject]) -> PageTable:
     )
 
 
-def _best_other(cells: Sequence[JsonObject], digits: float) -> str:
+def _best_other(cells: Sequence[JsonObject], digits: float, not_run: str) -> str:
     """The best other program's time over the propagator's in cells, and which it is in most."""
     verdicts = [x["verdict"] for _, x in levels(cells) if x["digits"] == digits]
     ratios = [verdict["ratio"][0] for verdict in verdicts if "best" in verdict]
     if not ratios:
-        alone = any(verdict["stands"] == "alone" for verdict in verdicts)
-        return "polhode alone" if alone else "not reached"
+        told = {verdict["stands"] for verdict in verdicts}
+        words = {"alone": "polhode alone", "not run": not_run}
+        return next((text for word, text in words.items() if word in told), "not reached")
     ratio = median(ratios, ".2f")
     names = [verdict["best"] for verdict in verdicts if "best" in verdict]
     often = max(sorted(set(names)), key=names.count)
@@ -166,7 +168,9 @@ def _best_other(cells: Sequence[JsonObject], digits: float) -> str:
 
 def standing(cells: Sequence[JsonObject]) -> PageTable:
     """How often polhode is ahead of the others, and how far it is from heyoka: a row a length."""
-    return table(_standings(cells), _STANDING)
+    rows = [*_standings(cells)]
+    every_run = not any(row["not run"] for row in rows)
+    return table(rows, [x for x in _STANDING if not (every_run and x.header == "not run")])
 
 
 def _standings(cells: Sequence[JsonObject]) -> Iterator[JsonObject]:
@@ -192,11 +196,34 @@ def facts(found: JsonObject) -> dict[str, object]:
     return {
         "draws": cells[0]["draws"] if cells else DASH,
         "kinds": ", ".join(dict.fromkeys(cell["kind"] for cell in cells)) or DASH,
-        "without": ", ".join(found["without"]) or "none",
+        "without": _without(found),
         "once_above": f"{found['once_above']:g}",
         "refined_time": between([1 / row["gain"] for row in refined], ".3f"),
         "refined_digits": between(better, "+.1f"),
     }
+
+
+def _not_run(found: JsonObject) -> str:
+    """What a cell says where no other program was run."""
+    if found.get("quick"):
+        return "others not run by --quick"
+    extras = _extras(found) or ["polhode[peers]"]
+    return f"others not run: install {', '.join(extras)}"
+
+
+def _without(found: JsonObject) -> str:
+    """The programs that were not run at all, and how they can be."""
+    if found.get("quick"):
+        return "all others (--quick runs what needs no compiler)"
+    names, extras = ", ".join(found["without"]), _extras(found)
+    return f"{names} (install {', '.join(extras)})" if extras else names or "none"
+
+
+def _extras(found: JsonObject) -> list[str]:
+    """What installs the programs that are missing."""
+    absent = [BY_NAME[name].needs for name in found["without"] if name in BY_NAME]
+    extras = {f"polhode[peers{'-fortran' * ('numbalsoda' in needs)}]" for needs in absent}
+    return sorted(extras, reverse=True)
 
 
 def _parted(cells: Sequence[JsonObject]) -> tuple[list[JsonObject], list[JsonObject]]:

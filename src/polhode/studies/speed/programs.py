@@ -26,13 +26,15 @@ _FIXED = (1.0, 1e-2, 1e-4, 1e-6, 1e-8)  # tol^(1/8) is the step of the splitting
 class Program(NamedTuple):
     """A name, the module that prepares it, the module's word for the method, its tolerances.
 
-    ``turns``: how far it is run, in cells of how many outputs at most: slow programs take minutes
-    for what others do in milliseconds.  ``needs``: the packages it is made of.
+    ``line``: that of the diagram in which it is drawn, none for "".  ``last``, ``outputs``: how far
+    it is run, in cells of how many outputs at most: slow programs take minutes for what others do
+    in milliseconds.  ``needs``: the packages it is made of.
     """
 
     name: str
     module: str
     method: str
+    line: str
     tolerances: tuple[float, ...] = _LADDER
     last: int = 10_000
     outputs: int = 10_001
@@ -59,39 +61,47 @@ class Program(NamedTuple):
         return made
 
 
-def _peer(name: str, module: str, method: str, needs: Sequence[str], **limits: Any) -> Program:
-    return Program(name, f"polhode.peers.{module}", method, needs=tuple(needs), **limits)
+def _peer(
+    name: str, module: str, method: str, line: str, needs: Sequence[str], **limits: Any
+) -> Program:
+    return Program(name, f"polhode.peers.{module}", method, line, needs=tuple(needs), **limits)
 
 
 _NUMBA = ("numba",)
+_OWN = "polhode.studies.speed.own"
+_SHORT: dict[str, Any] = {"last": 1000, "outputs": 101}
 PROGRAMS = (
-    Program(OURS, "polhode.studies.speed.own", "propagator", (*_TAYLOR, PROJECTED)),
-    Program(RUN, "polhode.studies.speed.own", "integrate", _TAYLOR),
-    Program(
-        *(WIDER, "polhode.studies.speed.own", "extended", _WIDER_LADDER),
-        *DIAGRAM,
-    ),
-    _peer(ENGINE, "bare_heyoka", "", ("heyoka",), tolerances=_TAYLOR),
-    _peer("CyRK DOP853", "cyrk", "DOP853", (*_NUMBA, "CyRK")),
-    _peer("CyRK VERN8", "cyrk", "VERN8", (*_NUMBA, "CyRK")),
-    _peer("numbalsoda dop853", "numbalsoda_cfunc", "dop853", (*_NUMBA, "numbalsoda")),
-    _peer("numbalsoda lsoda", "numbalsoda_cfunc", "lsoda", (*_NUMBA, "numbalsoda"), last=1000),
-    _peer("SciPy DOP853", "scipy_ivp", "DOP853", ("scipy", *_NUMBA), last=100, outputs=101),
-    _peer("SciPy LSODA", "scipy_ivp", "LSODA", ("scipy", *_NUMBA), last=100, outputs=101),
-    _peer("diffrax Dopri8", "diffrax_dopri8", "Dopri8", ("diffrax",), last=100, outputs=101),
-    _peer("splitting 8", "splitting", "8", _NUMBA, tolerances=_FIXED, last=1000, outputs=101),
+    Program(OURS, _OWN, "propagator", "polhode, double", (*_TAYLOR, PROJECTED)),
+    Program(RUN, _OWN, "integrate", "", _TAYLOR),
+    Program(WIDER, _OWN, "extended", "polhode, extended", _WIDER_LADDER, *DIAGRAM),
+    _peer(ENGINE, "bare_heyoka", "", "heyoka by hand", ("heyoka",), tolerances=_TAYLOR),
+    _peer("CyRK DOP853", "cyrk", "DOP853", "CyRK", (*_NUMBA, "CyRK")),
+    _peer("CyRK VERN8", "cyrk", "VERN8", "CyRK", (*_NUMBA, "CyRK")),
     _peer(
-        "splitting 8 compensated",
-        "splitting",
-        "8 compensated",
-        _NUMBA,
-        tolerances=_FIXED,
+        *("numbalsoda dop853", "numbalsoda_cfunc", "dop853", "numbalsoda"),
+        (*_NUMBA, "numbalsoda"),
+    ),
+    _peer(
+        *("numbalsoda lsoda", "numbalsoda_cfunc", "lsoda", "numbalsoda"),
+        (*_NUMBA, "numbalsoda"),
         last=1000,
+    ),
+    _peer("SciPy DOP853", "scipy_ode", "DOP853", "SciPy, numba", ("scipy", *_NUMBA), **_SHORT),
+    _peer("SciPy LSODA", "scipy_ode", "LSODA", "SciPy, numba", ("scipy", *_NUMBA), last=1000),
+    _peer(
+        *("diffrax Dopri8", "diffrax_dopri8", "Dopri8", "diffrax", ("diffrax",)),
+        last=100,
         outputs=101,
     ),
+    _peer("splitting 8", "splitting", "8", "splitting", _NUMBA, tolerances=_FIXED, **_SHORT),
+    _peer(
+        *("splitting 8 compensated", "splitting", "8 compensated", "splitting", _NUMBA),
+        tolerances=_FIXED,
+        **_SHORT,
+    ),
     #: Of the table of first results alone: nothing to compile, and slow ever after.
-    _peer("SciPy DOP853, Python", "scipy_ivp", "DOP853, Python", ("scipy",), last=0),
-    _peer("CyRK DOP853, Python", "cyrk", "DOP853, Python", ("CyRK",), last=0),
+    _peer("SciPy DOP853, Python", "scipy_ode", "DOP853, Python", "", ("scipy",), last=0),
+    _peer("CyRK DOP853, Python", "cyrk", "DOP853, Python", "", ("CyRK",), last=0),
 )
 #: Those that are called with many starts: all that have a way of their own for them.
 MANY = (

@@ -8,7 +8,7 @@ event takes no part in choosing the steps: a run with events takes the steps of 
 unless an expression varies far faster than the motion, or a step would be longer than the run's
 unit of time.  Last bits may differ, where an event shares terms with the equations.
 
-A zero at t = 0, by the exact scene, is not an event of the run.
+A zero at t = 0, to the rounding of the start's numbers, is not an event of the run.
 """
 
 from __future__ import annotations
@@ -316,7 +316,8 @@ class Watch:
         places, ends = polished(self.jets[k], met, joined_marks([self._first, last]), self.way)
         start, end = ends.those(slice(1)), ends.those(slice(1, 2))
         known = places.those(places.order)
-        return known, End(self.rules.start[k], start), at_the_end(end)
+        side = 0 if start.own[0] else self.rules.start[k]
+        return known, End(side, start), at_the_end(end)
 
     def _decided(self, k: int, known: Places, start: End, end: End) -> Decision:
         """What happened of an event up to an end."""
