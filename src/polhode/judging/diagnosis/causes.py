@@ -27,6 +27,7 @@ from polhode.common.text_tables import few
 from polhode.judging.diagnosis.motion_in_double import integrated
 from polhode.judging.tables.reading import GAIN, WRONG, TimeChange
 from polhode.judging.tables.table import Table
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles
@@ -216,7 +217,7 @@ def _candidates(scene: Scene) -> Iterator[_Candidate]:
 
 def _of_clock(scene: Scene) -> Iterator[_Candidate]:
     """Times that begin elsewhere; a clock of another pace."""
-    unit = 2.0**scene.time_unit
+    unit = float(Frame.of(scene).unit)
 
     def later(x: Fraction) -> tuple[Scene, TimeChange]:
         return scene, TimeChange(shift=-Fraction(float(x) * unit))
