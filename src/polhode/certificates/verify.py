@@ -324,16 +324,17 @@ def _inverse(inertia: Sequence[Sequence[arb]]) -> list[tuple[int, int, arb]]:
 
 
 class Algebra(NamedTuple):
-    """Numbers with several parts: the product of parts i and j is part k, for each (i, j, k).
+    """Numbers of several parts: a part of a product is a sum over pairs of the factors' parts.
 
-    ``shifts``: by how many bits a part counts less than the first.
+    ``factors``: of each part these pairs, none of a part behind it; ``shifts``: by how many bits it
+    counts less than the first.
     """
 
-    products: Sequence[tuple[int, int, int]]
+    factors: Sequence[Sequence[tuple[int, int]]]
     shifts: Sequence[int]
 
 
-NUMBERS = Algebra([(0, 0, 0)], [0])
+NUMBERS = Algebra([[(0, 0)]], [0])
 
 
 def taylor(body: Body, centre: Sequence[arb], h: arb, bits: int) -> list[list[arb]]:
@@ -355,24 +356,26 @@ def taylor_over(
     pairs = {(a, b) for (_, a, b), _ in quadratic}
     pairs |= {(3 + a, b) for a in range(3) for b in range(3) if a != b}
     for k in range(bits + 20):
-        products = {pair: [0] * len(algebra.shifts) for pair in pairs}
-        for (a, b), parts in products.items():
-            for i, j, m in algebra.products:
-                parts[m] += sum(map(mul, rows[a][i], reversed(rows[b][j])))
-            parts[:] = [x >> fine for x in parts]
         size = 0
-        for m, shift in enumerate(algebra.shifts):
+        for m, shift in reversed([*enumerate(algebra.shifts)]):  # those before m are as long as it
+            products = {
+                (a, b): sum(
+                    [sum(map(mul, rows[a][i], reversed(rows[b][j]))) for i, j in algebra.factors[m]]
+                )
+                >> fine
+                for a, b in pairs
+            }
             rates = [0] * 6
             for (i, a, b), x in quadratic:
-                rates[i] += x * products[a, b][m]
+                rates[i] += x * products[a, b]
             for (i, j), x in linear:
                 rates[i] += x * rows[3 + j][m][k]
             for i in range(3):
                 a, b = (i + 1) % 3, (i + 2) % 3
-                rates[3 + i] = (products[3 + a, b][m] - products[3 + b, a][m]) << fine
+                rates[3 + i] = (products[3 + a, b] - products[3 + b, a]) << fine
             for row, rate in zip(rows, rates, strict=True):
                 row[m].append((rate * length >> 2 * fine) // (k + 1))
-                size = max(size, abs(row[m][-1]) >> shift)
+            size = max(size, *(abs(row[m][-1]) >> shift for row in rows))
         small = small + 1 if size >> SPARE == 0 else 0
         if small == 2 or size >> 4 * fine:
             break
@@ -1370,11 +1373,13 @@ def in_full(x: Fraction) -> str:
 #: (I w, gamma) is (dg x gamma).dG' - (dg' x gamma).dG + f gamma.(dg x dg') where |gamma| = 1.
 DEGREE = 3
 MONOMIALS = [(d - n, n) for d in range(DEGREE + 1) for n in range(d + 1)]
-PRODUCTS = [
-    (i, j, MONOMIALS.index((a + c, b + d)))
-    for i, (a, b) in enumerate(MONOMIALS)
-    for j, (c, d) in enumerate(MONOMIALS)
-    if a + b + c + d <= DEGREE
+FACTORS = [
+    [
+        (MONOMIALS.index((i, j)), MONOMIALS.index((a - i, b - j)))
+        for i in range(a + 1)
+        for j in range(b + 1)
+    ]
+    for a, b in MONOMIALS
 ]
 MOST_WEIGHT = 200  # bits of 1/rho
 OF_JETS = 6  # steps that cost as much as one of jets
@@ -1395,10 +1400,10 @@ class Jet(Generic[Y]):
     def __mul__(self, other: Jet[Y] | Y | arb) -> Jet[Y]:
         if not isinstance(other, Jet):
             return Jet(x * other for x in self.parts)
-        parts = [self.parts[0] * arb(0)] * len(MONOMIALS)
-        for i, j, k in PRODUCTS:
-            parts[k] = parts[k] + self.parts[i] * other.parts[j]
-        return Jet(parts)
+        zero = self.parts[0] * arb(0)
+        return Jet(
+            sum((self.parts[i] * other.parts[j] for i, j in pairs), zero) for pairs in FACTORS
+        )
 
     def at(self, origin: Y) -> Jet[Y]:
         """The jet with another constant term."""
@@ -1421,7 +1426,7 @@ class Norm:
     """The norm of six jets: Q, rho, and bounds between |z| and the coefficients of z."""
 
     def __init__(self, run: Run, weight_bits: int) -> None:
-        self.algebra = Algebra(PRODUCTS, [weight_bits * (a + b) for a, b in MONOMIALS])
+        self.algebra = Algebra(FACTORS, [weight_bits * (a + b) for a, b in MONOMIALS])
         self.weights = [arb(2) ** -n for n in self.algebra.shifts]
         self.q = arb_mat(_frame_of(run))
         self.inverse = self.q.inv()

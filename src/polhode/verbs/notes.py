@@ -26,7 +26,10 @@ if TYPE_CHECKING:
     from polhode.motion.outcomes import EventTimes
     from polhode.proofs.chaos.proved_chaos import ProvedChaos
     from polhode.proofs.proved_orbit import ProvedOrbit
+    from polhode.proofs.proved_stability import ProvedStability
     from polhode.runs.trajectory import Trajectory
+
+_PROOFS = ("prove orbit", "prove stability", "prove chaos")  # with a certificate
 
 #: A result of any kind: each function knows that of its verb.
 AnyResult = Any
@@ -36,7 +39,7 @@ def of(verb: str, result: AnyResult, paths: Sequence[Path], namespace: Namespace
     """The lines about a result of a verb."""
     yield from _NOTES.get(verb, _itself)(result, namespace)
     own = [x for x in paths if x.suffix.lower() == ".json" or is_stdout(x)]
-    if verb in ("certify", "prove orbit", "prove chaos") and own and getattr(result, "times", True):
+    if verb in ("certify", *_PROOFS) and own and getattr(result, "times", True):
         yield _certificate(result.scene.name, own[0])
 
 
@@ -251,7 +254,7 @@ def _frequencies(result: Frequencies, namespace: Namespace) -> Iterator[str]:
         yield f"{result.name}: {kind}: {rates}"
 
 
-def _proved_orbit(result: ProvedOrbit, namespace: Namespace) -> Iterator[str]:
+def _proved_orbit(result: ProvedOrbit | ProvedStability, namespace: Namespace) -> Iterator[str]:
     from polhode.certificates.verdict import trusted_base
 
     yield (
@@ -281,6 +284,6 @@ _NOTES: dict[str, Callable[[AnyResult, Namespace], Iterator[str]]] = {
     "orbits": _search,
     "prove orbits": _search,
     "frequencies": _frequencies,
-    "prove orbit": _proved_orbit,
+    **dict.fromkeys(("prove orbit", "prove stability"), _proved_orbit),
     "prove chaos": _proved_chaos,
 }
