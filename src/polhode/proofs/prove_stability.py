@@ -30,7 +30,8 @@ _TRIES = 5
 _DIGITS = 8  # of the twist
 _SPARE = 8  # bits
 _MORE = 5  # digits of the orbit beyond those that its twist lacks
-_TOO_FAST = "the condition of the step"
+_UNKNOWN = 17  # digits that are taken to lack where there are none
+_TOO_FAST, _FOURTH = "the condition of the step", "resonance of the fourth order"
 
 #: An orbit, proved with so many digits.
 Prover = Callable[[int], ProvedOrbit]
@@ -109,8 +110,9 @@ def near(orbit: ProvedOrbit) -> Prover:
     """What proves an orbit anew, with more digits."""
     p, q, r = (x.centre for x in orbit.omega)
     a, b, c = (x.centre for x in orbit.gamma)
-    scene = replace(orbit.scene, omega=(p, q, r), gamma=(a, b, c)).at([orbit.period.centre])
-    return lambda places: prove_orbit(orbit.scene, scene, places, orbit.h, orbit.f)
+    scene = replace(orbit.scene, omega=(p, q, r), gamma=(a, b, c), normalise=True)
+    guess = scene.at([orbit.period.centre])
+    return lambda places: prove_orbit(orbit.scene, guess, places, orbit.h, orbit.f)
 
 
 def of_orbit(orbit: ProvedOrbit, prove: Prover, progress: Message | None = None) -> ProvedStability:
@@ -119,7 +121,7 @@ def of_orbit(orbit: ProvedOrbit, prove: Prover, progress: Message | None = None)
     if orbit.tolerance:
         raise BadInput(name, "tolerance", orbit.tolerance, "none: an orbit of the one body")
     _refuse_unstable(orbit)
-    orbit, proof, runs = _proved(orbit, prove, progress)
+    orbit, proof, runs = _proof_of(orbit, prove, progress)
     rotation, twist = ball_of(proof.twist.rotation), ball_of(proof.twist.twist)
     statement: Made = {"rotation": [*rotation.decimals], "twist": [*twist.decimals]}
     held = json.loads(orbit.certificate)
@@ -145,23 +147,26 @@ class _Proof(NamedTuple):
 
 def _refuse_unstable(orbit: ProvedOrbit) -> None:
     """Raise NotProved where the multipliers forbid the theorem."""
-    name, residue = orbit.scene.name, orbit.residue
+    name = orbit.scene.name
     if orbit.kind != "elliptic":
         multiplier = max((x for x, _ in orbit.multipliers), key=lambda x: abs(x.centre))
         raise NotProved(
             f"{name}: the orbit is {orbit.kind} (multiplier {multiplier}): it is not stable"
         )
-    if abs(residue.centre - Fraction(3, 4)) <= Fraction(residue.radius):
+    if _may_be(orbit, Fraction(3, 4)):
         raise NotProved(
-            f"{name}: a multiplier may be a third root of unity (residue {residue}): such orbits "
-            "are stable only by exception, and nothing is decided"
+            f"{name}: a multiplier may be a third root of unity (residue {orbit.residue}): such "
+            "orbits are stable only by exception, and nothing is decided"
         )
 
 
-def _proved(
+def _proof_of(
     orbit: ProvedOrbit, prove: Prover, progress: Message | None
 ) -> tuple[ProvedOrbit, _Proof, int]:
-    """The orbit, perhaps with more digits, its twist, and after how many runs of jets."""
+    """The orbit, perhaps with more digits, its twist, and after how many runs of jets.
+
+    Of the start's ball and the jets' rounding the wider one is made narrower.
+    """
     guide, best, why = _GUIDE, None, ""
     zero = stability_certificate.zero_of(json.loads(orbit.certificate))
     for run in range(1, _TRIES + 1):
@@ -169,36 +174,35 @@ def _proved(
             progress(f"return map {run}, {guide.jet_bits} bits")
         try:
             proof = _Proof(guide, stability_certificate.twist_of(zero, guide))
+            best, missing = (orbit, proof), _DIGITS - proof.digits
         except verify.NotProved as fault:
-            why = str(fault)
-            if "1/2" in why and abs(orbit.residue.centre - Fraction(1, 2)) <= Fraction(
-                orbit.residue.radius
-            ):
-                break
-            heavier = _HEAVIER if run > 1 else guide.weight_bits
-            guide = verify.Guide(guide.jet_bits + verify.COARSE, heavier)
-            continue
-        gain = proof.digits - (best.digits if best else -math.inf)
-        missing = _DIGITS - proof.digits
-        best = proof if gain > 0 else best
-        if missing <= 0:
+            why, missing = str(fault), _UNKNOWN
+            if run > 1:
+                guide = guide._replace(weight_bits=_HEAVIER)
+        resonant = _FOURTH in why and _may_be(orbit, Fraction(1, 2))
+        if missing <= 0 or resonant or run == _TRIES:
             break
-        more = math.ceil(missing)
-        if gain < missing and orbit.digits + more + _MORE <= MOST_DIGITS:
-            orbit = prove(math.ceil(orbit.digits) + more + _MORE)  # whose start is too wide
+        digits = math.ceil(orbit.digits + missing) + _MORE
+        if BITS_A_DIGIT * orbit.digits < guide.jet_bits and digits <= MOST_DIGITS:
+            orbit = prove(digits)
             zero = stability_certificate.zero_of(json.loads(orbit.certificate))
-        bits = guide.jet_bits + math.ceil(BITS_A_DIGIT * missing) + _SPARE
-        guide = guide._replace(jet_bits=bits)
+        else:
+            bits = guide.jet_bits + math.ceil(BITS_A_DIGIT * missing) + _SPARE
+            guide = guide._replace(jet_bits=bits)
     if best is None:
         raise NotProved(f"{orbit.scene.name}: {_advice(orbit, why, guide)}")
-    return orbit, best, run
+    return *best, run
+
+
+def _may_be(orbit: ProvedOrbit, residue: Fraction) -> bool:
+    return abs(orbit.residue.centre - residue) <= Fraction(orbit.residue.radius)
 
 
 def _advice(orbit: ProvedOrbit, why: str, guide: verify.Guide) -> str:
     """What the checker refused, and what may be done about it."""
     if _TOO_FAST in why:
         return f"the jets grow too fast for {guide.jet_bits} bits ({why}): try a shorter orbit"
-    if "1/2" in why:
+    if _FOURTH in why:
         return (
             f"a multiplier may be i (residue {orbit.residue}), and the term of that resonance may "
             "be as large as the twist: nothing is decided"
