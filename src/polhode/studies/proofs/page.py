@@ -14,6 +14,11 @@ _ORBITS = (
     Column("level", lambda one: f"h = {one['h']}, f = {one['f']}"),
     Column("proved", "share", meaning="orbits proved to exist, of those that the search found"),
     Column("kinds", "kinds"),
+    Column(
+        "stable",
+        "stable",
+        meaning="elliptic orbits that are proved to be stable for all time, of those proved",
+    ),
     Column("periods", "periods", meaning="least and largest period of the proved orbits"),
     Column("fewest digits", "digits", ".1f", "the fewest proven digits of an orbit"),
     Column("s", "seconds", ">", "processor seconds of a proof, the median"),
@@ -111,12 +116,14 @@ def _kinds(proved: list[JsonObject]) -> str:
 def _proved(one: JsonObject) -> JsonObject:
     """A row of all orbits that were found of a top."""
     proved = [row for row in one["orbits"] if row["proved"]]
+    stable = [row["stable"] for row in proved if "stable" in row]
     checked = [row["verify_seconds"] for row in proved if row["verified"]]
     return {
         **one,
         "top": f"orbits: {one['what']}",
         "share": share(row["proved"] for row in one["orbits"]),
         "kinds": _kinds(proved) or None,
+        "stable": share(stable) if stable else None,
         "periods": between([row["period"] for row in proved], ".3g", DASH),
         "digits": min((row["digits"] for row in proved), default=None),
         "seconds": median([row["seconds"] for row in proved], ".2f"),
