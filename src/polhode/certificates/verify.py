@@ -1340,21 +1340,24 @@ def in_full(x: Fraction) -> str:
 #:
 #: *Theorem.*  If beta != 0, the orbit is stable: for each d > 0 what starts near enough to it, on
 #: any level, stays within d of it for all time, forward and back.  For mu is not 1, so the fixed
-#: point goes on to all c near the orbit's, and all above depends continuously on c.  With |w|^2 =
-#: s^2 (1 + r) the ring 0 <= r <= 1 has the map angle -> angle + theta + s^2 beta (1 + r) + O(s^3),
-#: r -> r + O(s^3), and a curve around 0 meets its image, which encloses the same area.  So for all
-#: small s the ring contains an invariant curve, for c near the orbit's (J. Moser, Nachr. Akad.
-#: Wiss. Goettingen II (1962) 1; C. L. Siegel and J. K. Moser, Lectures on Celestial Mechanics
-#: (1971), 31-34).  P_c and its inverse map what it encloses onto itself; between two returns, which
-#: take about a period, a motion stays near the orbit if it starts near x0.
+#: point goes on to all c near the orbit's, and all above is analytic in c.  With |w|^2 =
+#: s^2 (1 + r) the map of the ring 0 <= r <= 1 is angle -> angle + theta + s^2 beta (1 + r) +
+#: O(s^3), r -> r + O(s^3), in a complex neighbourhood that does not depend on s and c.  A curve
+#: around 0 meets its image, which encloses the same area; and O(s^3) is as small a part of
+#: s^2 beta as one likes.  So, for all small s, the ring contains an invariant curve, for all c near
+#: the orbit's (J. Moser, Nachr. Akad. Wiss. Goettingen II (1962) 1; C. L. Siegel and J. K. Moser,
+#: Lectures on Celestial Mechanics (1971), 31-34).  P_c and its inverse map what it encloses onto
+#: itself; between two returns, which take about a period, a motion stays near the orbit if it
+#: starts near x0.
 #:
 #: *mu = i.*  Then d w*^3 stands beside c1 w^2 w*, with
 #:
 #:     d = f03 + f11 f02/(mu*^2 - mu) + 2 f02 f20*/(mu*^2 - mu*),
 #:
-#: and P^4 = 1 + 4 V + O(|w|^4), V the field of K = beta |w|^4/2 - Re(d w*^4)/2.  If |d| < |beta|,
-#: then K = kappa j^2 with kappa != 0 in its own action j and angle, which P^4 turns by 8 kappa j +
-#: O(j^(3/2)); Moser's theorem holds for P^4, on levels near by because its condition is open.
+#: and |d|/|beta| is that in the coordinates X, Y.  There P^4 = 1 + 4 V + O(|w|^4), V the field of
+#: K = beta |w|^4/2 - Re(d w*^4)/2.  If |d| < |beta|, K = kappa j^2 with kappa != 0 in its own
+#: action j and angle, which P^4 turns by 8 kappa j + O(j^(3/2)); so Moser's theorem holds for P^4,
+#: and, its condition being open, for P_c^4 on the levels near by.
 #:
 #: *Jets.*  P is computed with polynomials of xi whose terms above the third degree are forgotten:
 #: an algebra, in which the equations and the expansion f(x + z) = f(x) + f'(x) z + B(z, z) hold as
@@ -1370,7 +1373,7 @@ def in_full(x: Fraction) -> str:
 #:
 #: *The numbers.*  The rotation is theta/(2 pi), 0 < theta < pi.  The twist is the derivative of the
 #: angle by the action, the canonical area over 2 pi; the canonical area of two changes of
-#: (I w, gamma) is (dg x gamma).dG' - (dg' x gamma).dG + f gamma.(dg x dg') where |gamma| = 1.
+#: G = I w and g = gamma is (dg x g).dG'/|g|^2 - (dg' x g).dG/|g|^2 + f g.(dg x dg')/|g|^4.
 DEGREE = 3
 MONOMIALS = [(d - n, n) for d in range(DEGREE + 1) for n in range(d + 1)]
 FACTORS = [
