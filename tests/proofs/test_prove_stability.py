@@ -156,7 +156,7 @@ def test_what_the_checker_refuses_is_told_with_what_to_try(fault, monkeypatch):
         runs.append(guide)
         raise verify.NotProved(fault)
 
-    monkeypatch.setattr(module.stability_certificate, "twist_of", refused)
+    monkeypatch.setattr(verify, "twist_of", refused)
     given = orbit()
     if "1/2" in fault:
         given = replace(given, residue=Ball(Fraction(1, 2), 1e-15))
@@ -168,7 +168,7 @@ def test_what_the_checker_refuses_is_told_with_what_to_try(fault, monkeypatch):
 
 def test_a_twist_that_may_be_0_is_none(monkeypatch):
     with_0 = verify.Twist(verify.arb("0.3"), verify.arb(0, "1e-3"))
-    monkeypatch.setattr(module.stability_certificate, "twist_of", lambda *_: with_0)
+    monkeypatch.setattr(verify, "twist_of", lambda *_: with_0)
     monkeypatch.setattr(module, "_TRIES", 1)
     assert "the twist [+/- 1.0" in refusal(orbit())
     assert refusal(orbit()).endswith("may be 0")

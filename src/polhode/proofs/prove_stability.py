@@ -11,11 +11,12 @@ from fractions import Fraction
 from pathlib import Path
 from typing import NamedTuple
 
-from polhode.certificates import stability_certificate, verify
-from polhode.certificates.certificate_file import Made
+from polhode.certificates import verify
+from polhode.certificates.certificate_file import Made, by_checker
 from polhode.common.errors import BadInput
 from polhode.common.progress import Message
 from polhode.dynamics.periodic_orbits.orbit import Orbit
+from polhode.numbers.flint_context import ctx
 from polhode.numbers.scalars import AnyNumber
 from polhode.proofs.certified_orbit import BITS_A_DIGIT
 from polhode.proofs.prove_orbit import DIGITS, MOST_DIGITS, prove_orbit
@@ -123,15 +124,19 @@ def of_orbit(orbit: ProvedOrbit, prove: Prover, progress: Message | None = None)
     _refuse_unstable(orbit)
     orbit, proof, runs = _proof_of(orbit, prove, progress)
     rotation, twist = ball_of(proof.twist.rotation), ball_of(proof.twist.twist)
-    statement: Made = {"rotation": [*rotation.decimals], "twist": [*twist.decimals]}
-    held = json.loads(orbit.certificate)
+    held: Made = json.loads(orbit.certificate)
+    claim = held["statement"]
+    assert isinstance(claim, dict)
+    balls = {"rotation": [*rotation.decimals], "twist": [*twist.decimals]}
+    statement = {**claim, **balls}
     try:
-        made = stability_certificate.stated(held, proof.guide, proof.twist, statement)
+        with ctx.workprec(proof.guide.jet_bits + verify.COARSE):
+            verify.check_twist(verify.read_stability(statement)[1], proof.twist)
     except verify.NotProved:
         raise NotProved(f"{name}: the twist {proof.twist.twist.str(3)} may be 0") from None
+    text = json.dumps(held | proof.guide._asdict() | {"kind": "stability", "statement": statement})
     seconds = orbit.seconds + time.process_time() - began
-    bits, text = proof.guide.jet_bits, json.dumps(made)
-    return ProvedStability(orbit, rotation, twist, bits, runs, seconds, text)
+    return ProvedStability(orbit, rotation, twist, proof.guide.jet_bits, runs, seconds, text)
 
 
 class _Proof(NamedTuple):
@@ -168,12 +173,12 @@ def _proof_of(
     Of the start's ball and the jets' rounding the wider one is made narrower.
     """
     guide, best, why = _GUIDE, None, ""
-    zero = stability_certificate.zero_of(json.loads(orbit.certificate))
+    zero = by_checker(verify.zero_near, json.loads(orbit.certificate))
     for run in range(1, _TRIES + 1):
         if progress is not None:
             progress(f"return map {run}, {guide.jet_bits} bits")
         try:
-            proof = _Proof(guide, stability_certificate.twist_of(zero, guide))
+            proof = _Proof(guide, by_checker(verify.twist_of, zero, guide))
             best, missing = (orbit, proof), _DIGITS - proof.digits
         except verify.NotProved as fault:
             why, missing = str(fault), _UNKNOWN
@@ -185,7 +190,7 @@ def _proof_of(
         digits = math.ceil(orbit.digits + missing) + _MORE
         if BITS_A_DIGIT * orbit.digits < guide.jet_bits and digits <= MOST_DIGITS:
             orbit = prove(digits)
-            zero = stability_certificate.zero_of(json.loads(orbit.certificate))
+            zero = by_checker(verify.zero_near, json.loads(orbit.certificate))
         else:
             bits = guide.jet_bits + math.ceil(BITS_A_DIGIT * missing) + _SPARE
             guide = guide._replace(jet_bits=bits)
