@@ -240,3 +240,11 @@ def matrix_of(body, state, m):
     if m:
         rows[:3, 3:] = 0
     return rows
+
+
+def test_a_step_from_a_start_that_is_too_wide_is_refused():
+    body, norm = body_of(*TOP), norm_of(*TOP, [1, 1, 1, 0, 0, 1], RHO)
+    _, begin = drawn(0)
+    step(body, begin, 1e-4, 2**-7, norm)
+    with pytest.raises(verify.NotProved, match="the condition of the step"):
+        step(body, begin, 1, 2**-7, norm)
