@@ -247,4 +247,4 @@ def test_a_step_from_a_start_that_is_too_wide_is_refused():
     _, begin = drawn(0)
     step(body, begin, 1e-4, 2**-7, norm)
     with pytest.raises(verify.NotProved, match="the condition of the step"):
-        step(body, begin, 1, 2**-7, norm)
+        step(body, begin, 100, 2**-7, norm)
