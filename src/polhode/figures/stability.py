@@ -50,7 +50,8 @@ def draw(plt: Any, proof: Storable, axes: Any = None) -> Figure:
     figure: Figure
     figure, ((left, right),) = canvas.panels(plt, axes, 1, 2, figsize=(9.2, 4.2))
     for points in curves.points:
-        left.plot(*points.T, ".", ms=1.5, mew=0, color=canvas.series(1)[0], gid="curve")
+        look: dict[str, Any] = {"ms": 1.5, "mew": 0, "rasterized": True, "gid": "curve"}
+        left.plot(*points.T, ".", color=canvas.series(1)[0], **look)
     left.plot(*curves.centre, "+", ms=7, color=canvas.ink(), gid="orbit")
     left.set(xlabel="l (rad)", ylabel="L")
     left.set_title("returns to a maximum of |G|, in double", size=9)
