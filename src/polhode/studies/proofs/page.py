@@ -14,11 +14,6 @@ _ORBITS = (
     Column("level", lambda one: f"h = {one['h']}, f = {one['f']}"),
     Column("proved", "share", meaning="orbits proved to exist, of those that the search found"),
     Column("kinds", "kinds"),
-    Column(
-        "stable",
-        "stable",
-        meaning="elliptic orbits that are proved to be stable for all time, of those proved",
-    ),
     Column("periods", "periods", meaning="least and largest period of the proved orbits"),
     Column("fewest digits", "digits", ".1f", "the fewest proven digits of an orbit"),
     Column("s", "seconds", ">", "processor seconds of a proof, the median"),
@@ -30,6 +25,11 @@ _ORBITS = (
         "certificates",
     ),
     Column("check, s", "verify_seconds", ">", "processor seconds of such a check, the median"),
+)
+_STABLE = Column(
+    "stable",
+    "stable",
+    meaning="elliptic orbits that are stable for all time by J. Moser's theorem, of those proved",
 )
 _REFUSED = (
     Column("top", "top"),
@@ -79,9 +79,11 @@ which lie in planes of their own."""
 
 
 def tables(found: JsonObject) -> dict[str, PageTable]:
-    """The page's tables from the study's JSON object."""
+    """The page's tables from the study's JSON object, of 0.3 too, which tells of no stability."""
+    proved = [*map(_proved, found["orbits"])]
+    stable = [_STABLE] if any(row["stable"] for row in proved) else []
     return {
-        "orbits": table(map(_proved, found["orbits"]), _ORBITS, _AGAIN),
+        "orbits": table(proved, [*_ORBITS[:4], *stable, *_ORBITS[4:]], _AGAIN),
         "refused": table(_refused(found["orbits"]), _REFUSED, _AGAIN),
         "chaos": table(found["chaos"], _CHAOS, _AGAIN),
     }
