@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 from flint import fmpz
 
-from polhode.enclosures.fixed_point_problem import CLOCK, CYCLE, Problem, Refused
+from polhode.enclosures.fixed_point_problem import CLOCK, Problem, Refused
 from polhode.enclosures.kronecker_substitution import UNPACKED, packing, words_of
 from polhode.enclosures.taylor_polynomials import Pieces
+from polhode.equations.terms import ROWS, product
 
 
 @dataclass(frozen=True)
@@ -36,19 +37,18 @@ def defects(problem: Problem, pieces: Pieces) -> Defects:
     words = _words(problem, pieces)
     packs = packing(used, words)
     x = pieces.packed(packs)
-    constants = [[fmpz(c) for c in problem.constants[i::3]] for i in range(3)]
-    below = [fmpz(n) << (CLOCK + level) for n in problem.denominators]
+    constants = [fmpz(c) for c in problem.constants]
+    below = [fmpz(n) << (CLOCK + level) for n in (*problem.denominators, 1, 1, 1)]
     numbers = []
     for n in range(pieces.count):
         length = fmpz(pieces.times[n + 1] - pieces.times[n])
         row = x[6 * n : 6 * n + 6]
-        for i, (a, b) in enumerate(CYCLE):
-            bend, pull, push = constants[i]
-            turned = ((row[3 + a] * pull + row[3 + b] * push) << level) + row[a] * row[b] * bend
-            numbers.append(packs.slope(row[i]) * below[i] - turned * length)
-        for i, (a, b) in enumerate(CYCLE):
-            turned = row[3 + a] * row[b] - row[3 + b] * row[a]
-            numbers.append((packs.slope(row[3 + i]) << (CLOCK + level)) - turned * length)
+        for i, terms in enumerate(ROWS):
+            rate = fmpz(0)
+            for term in terms:
+                part = product(row, term.factors) * term.of(constants)
+                rate += part if len(term.factors) == 2 else part << level
+            numbers.append(packs.slope(row[i]) * below[i] - rate * length)
     whole = problem.noise - 2 * level - CLOCK
     twos = [(n & -n).bit_length() - 1 for n in problem.denominators]
     powers = np.tile([whole - two for two in (*twos, 0, 0, 0)], pieces.count)
@@ -67,10 +67,10 @@ def _words(problem: Problem, pieces: Pieces) -> int:
     """
     most, longest = pieces.most, pieces.longest
     steep = pieces.near.shape[1] * most << CLOCK
-    largest = steep + 2 * longest * most * most
-    for i, n in enumerate(problem.denominators):
-        bend, pull, push = (abs(c) for c in problem.constants[i::3])
-        largest = max(largest, n * steep + longest * most * (bend * most + pull + push))
+    largest = 0
+    for terms, n in zip(ROWS, (*problem.denominators, 1, 1, 1), strict=True):
+        rate = sum(abs(term.of(problem.constants)) * most ** len(term.factors) for term in terms)
+        largest = max(largest, n * steep + longest * rate)
     return words_of(largest << (2 * pieces.level))
 
 

@@ -66,7 +66,10 @@ TRUSTED = (
             *("given_numbers", "classification"),
         )
     ),
-    *(f"equations/{name}" for name in ("kinematics", "pole_passage", "column", "integrals")),
+    *(
+        f"equations/{name}"
+        for name in ("kinematics", "pole_passage", "column", "integrals", "terms")
+    ),
     "equations/forms/matrices",
     "equations/hodographs",
     *_room("equations/columns"),
