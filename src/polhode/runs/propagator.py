@@ -446,12 +446,7 @@ def propagator(
     >>> go(start, t=[1, 2, 3]).shape, go.outcome.done
     ((3, 6), True)
     """
-    scene = library.load(scene)
-    for key, given in (("outputs", scene.outputs), ("events", [x.name for x in scene.events])):
-        if given:
-            raise BadInput(scene.name, key, ", ".join(given), "none, or polhode.integrate")
-    if scene.form != "principal":
-        raise BadInput(scene.name, "run.form", scene.form, "principal, or polhode.integrate")
+    scene = library.load(scene, takes=())
     kind = choose_number(scene, number, None)
     if not kind.flat:
         raise BadInput(scene.name, "number", kind.name, "double or extended")

@@ -40,6 +40,7 @@ from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of
+from polhode.scenes.vocabulary import REQUESTS
 from polhode.taylor.variations.equations import Variations
 from polhode.taylor.variations.reference_trajectory import pendulum, six
 
@@ -159,7 +160,7 @@ def lyapunov(
     >>> [round(abs(x), 1) for x in found.spectrum]
     [0.1, 0.0, 0.0, 0.0, 0.0, 0.1]
     """
-    scene = library.load(scene)
+    scene = library.load(scene, takes=REQUESTS)
     unit = 2.0**scene.time_unit
     slow = max(1.0, 1 / pendulum(scene))  # a radian of the spin takes 1
     last = DEFAULT_LENGTH * slow

@@ -23,7 +23,7 @@ from polhode.judging.diagnosis.ways import Right
 from polhode.judging.tables.reading import TimeChange
 from polhode.numbers.exact import Exact
 from polhode.numbers.vectors import Matrix
-from polhode.scenes.body import Body, exact_vector
+from polhode.scenes.body import exact_vector
 from polhode.scenes.scene import Scene
 
 _FARTHEST = (1e4, 1e5)  # radians or so, to which motions at other times are followed
@@ -98,8 +98,7 @@ def _other_scenes(scene: Scene) -> Iterator[tuple[str, Scene]]:
 
 
 def _with_body(scene: Scene, inertia: Matrix, weight: Exact) -> Scene:
-    body = Body(inertia, scene.body.centre, weight)
-    return replace(scene, body=body)
+    return replace(scene, body=scene.body.replaced(inertia=inertia, weight=weight))
 
 
 def _with_attitude(scene: Scene, given: Sequence[float]) -> Scene:
