@@ -71,8 +71,10 @@ def problem(scene: Scene, bits: int, backward: bool) -> Problem:
     numbers = [rational(form.coefficients.get(name, exact.ZERO), bits) for name in NAMES]
     state = [rational(x, bits) for x in form.start]
     state += [Fraction(0)] * (6 - len(state))
-    if backward:
+    if backward:  # time and w change sign, and coefficients with an odd power of time
         state[:3] = [-x for x in state[:3]]
+        pairs = zip(COEFFICIENTS, numbers, strict=True)
+        numbers = [-x if kind.power % 2 else x for kind, x in pairs]
     return Problem(tuple(numbers), tuple(state))
 
 

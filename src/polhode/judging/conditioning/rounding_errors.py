@@ -137,7 +137,7 @@ def kappa(along: Passage) -> Iterator[float]:
             for name, unit in zip(NAMES, along.units, strict=True)
         ]
     )
-    tangents = Scaled(np.hstack([np.diag(start), np.zeros((6, 6))]), 0)
+    tangents = Scaled(np.hstack([np.diag(start), np.zeros((len(start), len(by)))]), 0)
     scale = along.rate_scale
     for stretch in along.stretches:
         values = stretch.carried @ tangents.values
