@@ -5,7 +5,7 @@ their coefficients k in the order of ``NAMES``.
 
 Four functions of one node each, all of them times the length H of the node's interval.  The body's
 constants are parameters, so that one compiled set serves every body.  heyoka neither simplifies
-``(x + c) - c`` nor reassociates; :mod:`polhode.refined.self_test` sees to it that it is so here.
+``(x + c) - c`` nor reassociates; tests compare the field with integers, to the bit.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from polhode.equations.terms import NAMES, ROWS, SLOPES, Term
+from polhode.refined.errors import CannotRefine
 from polhode.refined.expansions import Levels, Limbs, product
 from polhode.taylor.backend.engine import hy
 
@@ -43,8 +44,14 @@ class Kernels(NamedTuple):
 
 @cache
 def kernels(limbs: Limbs) -> Kernels:
-    """The compiled set for numbers of this kind; from heyoka's cache on the disk where it can."""
-    return Kernels(_field(limbs), _push(), _costate(), _gather())
+    """The compiled set for numbers of this kind; from heyoka's cache on the disk where it can.
+
+    Raises CannotRefine where it cannot be compiled.
+    """
+    try:
+        return Kernels(_field(limbs), _push(), _costate(), _gather())
+    except (RuntimeError, ValueError) as fault:
+        raise CannotRefine(f"the field cannot be compiled: {fault}") from None
 
 
 def _field(kind: Limbs) -> Any:
