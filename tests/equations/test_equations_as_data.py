@@ -75,7 +75,7 @@ def test_derivatives_by_the_body_are_those_of_the_coefficients() -> None:
     for numbers, _ in bodies():
         for place, x in enumerate(numbers):
             found = terms.derivatives_of(numbers, place)
-            for n, (name, _, below) in enumerate(terms.COEFFICIENTS):
+            for n, (name, _, below, _) in enumerate(terms.COEFFICIENTS):
                 other = [*numbers]
                 other[place] = 2 * x
                 moved, at = (terms.coefficients_of(y)[n] for y in (other, numbers))

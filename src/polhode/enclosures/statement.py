@@ -172,7 +172,7 @@ def _exactly(value: Exact | Vector) -> str:
 def assumed(scene: Scene, times: Sequence[Exact]) -> tuple[str, ...]:
     """What is decided by the rule for *equal* alone."""
     found = []
-    text = scene_file.text_read(scene)  # whose reading decides more than what is written
+    text = scene_file.source_text(scene)  # whose reading decides more than what is written
     with noted() as met:
         _read(scene, {} if text is None else text.tables)
     if met:

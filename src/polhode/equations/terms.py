@@ -38,11 +38,12 @@ class Coefficient(NamedTuple):
     name: str
     above: tuple[tuple[int, int], ...]
     below: int
+    power: int
 
-    @property
-    def power(self) -> int:
-        """Which power of 1/time it has."""
-        return TIMES[self.above[0][1]]
+    @classmethod
+    def of(cls, name: str, above: tuple[tuple[int, int], ...], below: int) -> Coefficient:
+        """A coefficient, with the power of its numbers."""
+        return cls(name, above, below, TIMES[above[0][1]])
 
 
 class Term(NamedTuple):
@@ -68,19 +69,19 @@ _OfOmega: TypeAlias = tuple[Coefficient, int, tuple[int, ...]]
 def _products() -> list[_OfOmega]:
     """The gyroscopic terms."""
     return [
-        (Coefficient(f"{STATE[i]}.{STATE[a]}{STATE[b]}", ((1, a), (-1, b)), i), i, (a, b))
+        (Coefficient.of(f"{STATE[i]}.{STATE[a]}{STATE[b]}", ((1, a), (-1, b)), i), i, (a, b))
         for i, (a, b) in enumerate(CYCLE)
     ]
 
 
 def _weights() -> list[_OfOmega]:
     """The terms of the weight, row by row."""
-    found: list[_OfOmega] = []
+    weights: list[_OfOmega] = []
     for i, (a, b) in enumerate(CYCLE):
         for sign, arm, gamma in ((1, b, 3 + a), (-1, a, 3 + b)):
             name = f"{STATE[i]}.{STATE[gamma]}"
-            found.append((Coefficient(name, ((sign, _TORQUE + arm),), i), i, (gamma,)))
-    return found
+            weights.append((Coefficient.of(name, ((sign, _TORQUE + arm),), i), i, (gamma,)))
+    return weights
 
 
 _OF_OMEGA = [*_products(), *_weights()]
@@ -191,13 +192,13 @@ def numbers_of(body: Body, unit: Fraction = Fraction(1)) -> list[Exact]:
 
 def coefficients_of(numbers: Sequence[Scalar]) -> list[Scalar]:
     """All coefficients of a body's numbers, for any scalars."""
-    found = []
-    for _, ((sign, first), *others), below in COEFFICIENTS:
+    coefficients = []
+    for _, ((sign, first), *others), below, _ in COEFFICIENTS:
         above = numbers[first] if sign > 0 else -numbers[first]
         for sign, n in others:
             above = above + numbers[n] if sign > 0 else above - numbers[n]
-        found.append(above / numbers[below])
-    return found
+        coefficients.append(above / numbers[below])
+    return coefficients
 
 
 def derivatives_of(numbers: Sequence[Exact], place: int) -> Mapping[str, Exact]:
@@ -205,15 +206,15 @@ def derivatives_of(numbers: Sequence[Exact], place: int) -> Mapping[str, Exact]:
 
     Those that the number does not enter are left out.
     """
-    found: dict[str, Exact] = {}
+    derivatives: dict[str, Exact] = {}
     values = coefficients_of(numbers)
-    for (name, above, below), value in zip(COEFFICIENTS, values, strict=True):
+    for (name, above, below, _), value in zip(COEFFICIENTS, values, strict=True):
         for sign, n in above:
             if n == place:
-                found[name] = sign * numbers[n] / numbers[below]
+                derivatives[name] = sign * numbers[n] / numbers[below]
         if below == place:
-            found[name] = -value
-    return found
+            derivatives[name] = -value
+    return derivatives
 
 
 def product(state: Sequence[Scalar], factors: Sequence[int]) -> Scalar:

@@ -92,7 +92,7 @@ def parse(text: str, name: str = "scene") -> Scene:
     return _File(name, tables(text, name)).scene(text)
 
 
-def text_read(scene: Scene) -> SceneText | None:
+def source_text(scene: Scene) -> SceneText | None:
     """A scene's text with what was read from it; None of a scene without; raises BadInput.
 
     A text that was given to the scene, or written from numbers, is read when this is first asked.

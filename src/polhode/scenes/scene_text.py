@@ -64,7 +64,7 @@ def as_toml(scene: Scene) -> str:
     <BLANKLINE>
     """
     of_kind("as_toml", "scene", scene, Scene, "a Scene")
-    text = scene_file.text_read(scene)
+    text = scene_file.source_text(scene)
     if text is not None and text.tells(scene):
         return str(text)
     data: dict[str, Any] = {key: _plainly(getattr(scene, key)) for key in _TITLES}
@@ -197,7 +197,7 @@ def _plainly(value: str | Sequence[str]) -> Any:
 def _times(scene: Scene) -> dict[str, Any]:
     """The file's own words for the times; end and samples where they are even; else the times."""
     times, count = scene.times, len(scene.times)
-    text = scene_file.text_read(scene)
+    text = scene_file.source_text(scene)
     if text is not None and text.tells(scene, "times"):
         written_there = text.tables.get("run", {})
         return {key: written_there[key] for key in _OF_TIMES if key in written_there}

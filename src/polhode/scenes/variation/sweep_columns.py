@@ -115,7 +115,7 @@ class Blocks:
         )
         if any(key.startswith("body.") for key in self.keys) and not rational:
             return False
-        return not self._has("start.gamma") or self._plain_gamma or self._array("start.gamma")
+        return not self._has("start.gamma") or self._array("start.gamma") or self._plain_gamma
 
     @property
     def _plain_gamma(self) -> bool:

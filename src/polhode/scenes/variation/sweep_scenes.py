@@ -169,7 +169,7 @@ def label(name: str, varied: Grid, index: int) -> str:
 
 def tables_of(scene: Scene) -> dict[str, Any]:
     """The tables of body and start: those of the scene's file, if they still say what it is."""
-    text = scene_file.text_read(scene)
+    text = scene_file.source_text(scene)
     if text is not None and text.tells(scene, "body", "omega", "gamma", "psi"):
         return {name: dict(text.tables[name]) for name in _SECTIONS}
     body = scene.body
