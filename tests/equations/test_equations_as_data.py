@@ -10,7 +10,14 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.enclosures import fixed_point_problem, step_bound
+from polhode.enclosures import (
+    defect,
+    fixed_point_problem,
+    proof_loop,
+    step_bound,
+    taylor_polynomials,
+    zonotope,
+)
 from polhode.equations import terms
 from polhode.numbers.conversion import to_double
 from polhode.scenes import scene_file
@@ -195,3 +202,23 @@ def test_the_text_of_a_changed_scene_tells_the_change() -> None:
     again = scene_file.parse(polhode.as_toml(other))
     assert (again.omega, again.title, again.body) == (other.omega, "another", scene.body)
     assert to_double(again.omega[2]) == 3.0
+
+
+def test_a_sum_in_the_derivative_is_not_proven(monkeypatch: pytest.MonkeyPatch) -> None:
+    # A term in q beside that in q r: an entry would be rounded once more than is bounded.
+    beside = terms.Slope(0, 1, terms.Term(0, (1,), 0), None)
+    motion = fixed_point_problem.motion(polhode.load("general/asymmetric-regular"))
+    problem = fixed_point_problem.problem(motion, 60)
+    state = zonotope.beginning(problem)
+    window = proof_loop.HONEST.window(problem, state, 1 << 12, 1, 1.0)
+    assert window is not None
+    pieces = taylor_polynomials.of_doubles(window.times, window.series)
+    known = defect.defects(problem, pieces)
+    given = np.zeros(pieces.near.shape), np.eye(6)[None, None].repeat(pieces.count, 0)
+    assert np.all(np.isfinite(step_bound.bounds(problem, known, *given).alpha))
+    monkeypatch.setattr(step_bound, "SLOPES", (*terms.SLOPES, beside))
+    with pytest.raises(fixed_point_problem.Refused, match="entries are sums"):
+        step_bound.bounds(problem, known, *given)
+    spared = replace(problem, factors=(0.0, *problem.factors[1:]))
+    spared = replace(spared, factor_slack=(0.0, *problem.factor_slack[1:]))
+    assert np.all(np.isfinite(step_bound.bounds(spared, known, *given).alpha))

@@ -81,8 +81,6 @@ def _most(which: Callable[[Slope], bool]) -> int:
 _VARYING = _most(lambda x: x.other is not None)
 _OF_THE_BODY = _most(lambda x: x.other is not None and x.term.coefficient is not None)
 _CONSTANT = _most(lambda x: x.other is None)
-#: Whether two parts are added in one entry, which rounds once more than is bounded here.
-_ADDED = len({(x.row, x.column) for x in SLOPES}) < len(SLOPES)
 
 
 def check_arithmetic() -> None:
@@ -164,7 +162,7 @@ def bounds(problem: Problem, known: Defects, correction: Any, matrices: Any) -> 
     pieces = known.pieces
     steps, count = pieces.near.shape[:2]
     correction, matrices = np.array(correction, dtype=float), np.array(matrices, dtype=float)
-    if _ADDED:
+    if _adds(problem):
         raise Refused("a derivative whose entries are sums is not bounded")
     fits = matrices.ndim == 4 and matrices.shape[::2] == (steps, 6) == matrices.shape[::3]
     if correction.shape != pieces.near.shape or not (fits and matrices.shape[1]):
@@ -202,6 +200,13 @@ def bounds(problem: Problem, known: Defects, correction: Any, matrices: Any) -> 
         np.sum(matrices, axis=1),
         sizes,
     )
+
+
+def _adds(problem: Problem) -> bool:
+    """Whether two parts of the derivative are added, which rounds once more than is bounded."""
+    constants = problem.factors, problem.factor_slack
+    places = [(x.row, x.column) for x in SLOPES if any(x.term.of(c) for c in constants)]
+    return len({*places}) < len(places)
 
 
 def _delta(
