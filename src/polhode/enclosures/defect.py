@@ -6,6 +6,7 @@ the very end, so that they are right relatively.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +16,12 @@ from flint import fmpz
 from polhode.enclosures.fixed_point_problem import CLOCK, Problem, Refused
 from polhode.enclosures.kronecker_substitution import UNPACKED, packing, words_of
 from polhode.enclosures.taylor_polynomials import Pieces
-from polhode.equations.terms import ROWS, product
+from polhode.equations.terms import ROWS, Term, product
+
+#: Of each row the terms of two variables, and those of one.
+_KINDS = tuple(
+    tuple([term for term in row if len(term.factors) == count] for count in (2, 1)) for row in ROWS
+)
 
 
 @dataclass(frozen=True)
@@ -38,17 +44,18 @@ def defects(problem: Problem, pieces: Pieces) -> Defects:
     packs = packing(used, words)
     x = pieces.packed(packs)
     constants = [fmpz(c) for c in problem.constants]
-    below = [fmpz(n) << (CLOCK + level) for n in (*problem.denominators, 1, 1, 1)]
+    shift = CLOCK + level
+    below = [fmpz(n) << shift for n in problem.denominators]
     numbers = []
     for n in range(pieces.count):
         length = fmpz(pieces.times[n + 1] - pieces.times[n])
         row = x[6 * n : 6 * n + 6]
-        for i, terms in enumerate(ROWS):
-            rate = fmpz(0)
-            for term in terms:
-                part = product(row, term.factors) * term.of(constants)
-                rate += part if len(term.factors) == 2 else part << level
-            numbers.append(packs.slope(row[i]) * below[i] - rate * length)
+        for i, kinds in enumerate(_KINDS):
+            pairs, singles = (_sum(terms, row, constants) for terms in kinds)
+            rate = pairs if singles is None else (singles << level) + pairs
+            slope = packs.slope(row[i])
+            slope = slope << shift if i >= len(below) else slope * below[i]
+            numbers.append(slope - rate * length)
     whole = problem.noise - 2 * level - CLOCK
     twos = [(n & -n).bit_length() - 1 for n in problem.denominators]
     powers = np.tile([whole - two for two in (*twos, 0, 0, 0)], pieces.count)
@@ -58,6 +65,17 @@ def defects(problem: Problem, pieces: Pieces) -> Defects:
     values = np.zeros((pieces.count, 2 * pieces.near.shape[1] - 1, 6))
     values[:, : 2 * used - 1] = found.transpose(0, 2, 1)
     return Defects(pieces, values, UNPACKED + 1)
+
+
+def _sum(terms: Sequence[Term], row: Sequence[Any], constants: Sequence[Any]) -> Any:
+    """The sum of terms, of which the first one's sign is 1; None of none."""
+    total = None
+    for _, factors, place, sign in terms:
+        part = product(row, factors)
+        if place is not None:
+            part = part * constants[place]
+        total = part if total is None else total + part if sign > 0 else total - part
+    return total
 
 
 def _words(problem: Problem, pieces: Pieces) -> int:

@@ -121,9 +121,10 @@ class Layer(NamedTuple):
     factors: list[list[int]]
     columns: slice | None
 
-    def coefficients(self, of: Sequence[Scalar]) -> list[Scalar]:
-        """Its three coefficients among those of a body."""
-        return [term.of(of) for term in self.terms]
+    def coefficients(self, of: Sequence[Scalar]) -> list[Scalar] | None:
+        """Its three coefficients among those of a body; None where they are the terms' sign."""
+        places = [term.coefficient for term in self.terms]
+        return None if None in places else [of[n] for n in places if n is not None]
 
 
 def _layers() -> Iterator[Layer]:
@@ -143,6 +144,26 @@ LAYERS = tuple(_layers())
 LEFT, RIGHT = (
     [n for layer in LAYERS if layer.columns for n in layer.factors[side]] for side in (0, 1)
 )
+
+
+def layered(
+    products: Scalar, variables: Scalar, coefficients: Sequence[Scalar | None]
+) -> list[Scalar]:
+    """The rates of w and of gamma, arrays (3, n), of many states at once.
+
+    ``products``: of the variables ``LEFT`` and ``RIGHT``, or of series in their place, (9, n);
+    ``variables``: (6, n); ``coefficients``: (3, 1) of each layer that has any.
+    """
+    rates: dict[int, Scalar] = {}
+    for layer, factor in zip(LAYERS, coefficients, strict=True):
+        part = variables[layer.factors[0]] if layer.columns is None else products[layer.columns]
+        part = part if factor is None else factor * part
+        row = layer.rows.start
+        if row not in rates:  # of the first terms the sign is 1
+            rates[row] = part
+        else:
+            rates[row] = rates[row] + part if layer.terms[0].sign > 0 else rates[row] - part
+    return [*rates.values()]
 
 
 class Slope(NamedTuple):

@@ -18,7 +18,7 @@ from polhode.enclosures.fixed_point_problem import CLOCK, Motion, Problem
 from polhode.enclosures.step_bound import jacobian
 from polhode.enclosures.zonotope import State
 from polhode.equations.system import system
-from polhode.equations.terms import LAYERS, LEFT, RIGHT
+from polhode.equations.terms import LAYERS, LEFT, RIGHT, layered
 from polhode.numbers.conversion import to_double
 from polhode.taylor.variations import double_trajectory
 from polhode.taylor.variations.equations import Variations
@@ -112,7 +112,8 @@ def _speeds(problem: Problem, states: Any) -> Any:
 
 def _series(problem: Problem, states: Any, lengths: Any, count: int) -> Any:
     """Taylor coefficients in tau of the motions through the states, to degree ``count``."""
-    factors = [np.array(layer.coefficients(problem.factors)) for layer in LAYERS]
+    of_layers = [layer.coefficients(problem.factors) for layer in LAYERS]
+    coefficients = [None if c is None else np.array(c)[:, None] for c in of_layers]
     found = np.zeros((len(states), count + 1, 6))
     found[:, 0] = states
     h = lengths[:, None]
@@ -120,10 +121,8 @@ def _series(problem: Problem, states: Any, lengths: Any, count: int) -> Any:
         products = np.einsum(
             "wki,wki->wi", found[:, : k + 1][:, :, LEFT], found[:, k::-1][:, :, RIGHT]
         )
-        for layer, factor in zip(LAYERS, factors, strict=True):
-            single = layer.columns is None
-            values = found[:, k, layer.factors[0]] if single else products[:, layer.columns]
-            found[:, k + 1, layer.rows] += factor * values
+        omega, gamma = layered(products.T, found[:, k].T, coefficients)
+        found[:, k + 1, :3], found[:, k + 1, 3:] = omega.T, gamma.T
         found[:, k + 1] *= h / (k + 1)
     return found
 

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode.enclosures.fixed_point_problem import Motion
-from polhode.equations.terms import LAYERS, LEFT, RIGHT
+from polhode.equations.terms import LAYERS, LEFT, RIGHT, layered
 from polhode.numbers.conversion import to_double
 from polhode.numbers.rows import Doubles
 from polhode.numbers.vectors import cross
@@ -54,7 +54,8 @@ class Lanes:
 
     def series(self, states: Doubles, degree: int = _DEGREE) -> Doubles:
         """Taylor coefficients by the time, (degree + 1, 6, n)."""
-        factors = [np.array(layer.coefficients(self.constants))[:, None] for layer in LAYERS]
+        of_layers = [layer.coefficients(self.constants) for layer in LAYERS]
+        coefficients = [None if c is None else np.array(c)[:, None] for c in of_layers]
         found = np.zeros((degree + 1, *states.shape))
         left = np.zeros((degree + 1, len(LEFT), states.shape[1]))
         right = np.zeros_like(left)
@@ -62,10 +63,7 @@ class Lanes:
         for k in range(degree):
             left[k], right[k] = found[k][LEFT], found[k][RIGHT]
             products = np.einsum("kin,kin->in", left[: k + 1], right[k::-1])
-            for layer, factor in zip(LAYERS, factors, strict=True):
-                single = layer.columns is None
-                values = found[k, layer.factors[0]] if single else products[layer.columns]
-                found[k + 1, layer.rows] += factor * values
+            found[k + 1, :3], found[k + 1, 3:] = layered(products, found[k], coefficients)
             found[k + 1] /= k + 1
         return found
 
