@@ -1628,13 +1628,15 @@ def _crossed(body: Body, a: Sequence[arb], start: Sequence[Jet[arb]]) -> list[Je
     return [at_tau(rows) for rows in zip(*series, strict=True)]
 
 
-def _canonical_area(run: Run, x0: Sequence[arb], one: Sequence[arb], other: Sequence[arb]) -> arb:
+def _canonical_area(
+    run: Run, x0: Sequence[arb], first: Sequence[arb], second: Sequence[arb]
+) -> arb:
     """Of two changes of the state x0 along its level."""
     gamma, square = x0[3:], _product(x0[3:], x0[3:])
-    turned = _product(_cross(one[3:], gamma), _momentum(run, other[:3]))
-    turned -= _product(_cross(other[3:], gamma), _momentum(run, one[:3]))
+    turned = _product(_cross(first[3:], gamma), _momentum(run, second[:3]))
+    turned -= _product(_cross(second[3:], gamma), _momentum(run, first[:3]))
     f = _product(_momentum(run, x0[:3]), gamma)
-    return turned / square + f * _product(gamma, _cross(one[3:], other[3:])) / square**2
+    return turned / square + f * _product(gamma, _cross(first[3:], second[3:])) / square**2
 
 
 def _cross(x: Sequence[arb], y: Sequence[arb]) -> list[arb]:
