@@ -8,8 +8,8 @@ from dataclasses import replace
 import pytest
 
 import polhode
-from polhode.equations.system import system
 from polhode.judging.conditioning.known_stability import known_stability
+from polhode.taylor.integrator.system import system
 
 ENDS = [1, 3, 10, 20, 30, 100]
 

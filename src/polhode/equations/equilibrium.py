@@ -11,14 +11,13 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from polhode.equations import kinematics
+from polhode.equations.form import equations
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact
 from polhode.numbers.vectors import (
     Vector,
-    cross,
     dot,
     is_zero,
-    minus,
     parallel,
     quaternion_product,
     scaled,
@@ -42,10 +41,7 @@ def at_rest(scene: Scene) -> Rest:
     along = gamma is None or parallel(gamma, omega)  # gamma' = gamma × w
     if not along and not body.torque_free:
         return Rest(False, False)
-    gyroscopic = cross(omega, body.momentum(omega))
-    if gamma is not None and not body.torque_free:
-        gyroscopic = minus(gyroscopic, cross(gamma, body.torque))
-    still = is_zero(gyroscopic)
+    still = is_zero(body.moment(omega, gamma))
     return Rest(still, still and along)
 
 
@@ -57,21 +53,19 @@ def name(scene: Scene) -> str | None:
 
 
 def variables(scene: Scene, t: Fraction) -> list[Exact]:
-    """State in principal axes and the run's time unit, quaternion, psi and phi, at time t.
+    """State in principal form, inside its frame, quaternion, psi and phi, at time t.
 
     As far as the scene asks for them; no psi and phi at a pole.  The quaternion is
     q(0) ⊗ (cos |w|t/2, sin |w|t/2 w/|w|); psi' = w·gamma.
     """
-    unit, axes, gamma = Fraction(2) ** scene.time_unit, scene.body.axes, scene.gamma
-    found: list[Exact] = [unit * w for w in axes.components(scene.omega)]
+    values, gamma = [*equations(scene).start], scene.gamma
     if gamma is None:
-        return found
-    found += axes.components(gamma)
+        return values
     if scene.modelled:
-        found += _turned(kinematics.starting_attitude(gamma, scene.psi), scene.omega, t)
+        values += _turned(kinematics.starting_attitude(gamma, scene.psi), scene.omega, t)
     if "angles" in scene.modelled and not scene.starts_at_pole:
-        found += [scene.psi + dot(scene.omega, gamma) * t, kinematics.starting_phi(gamma)]
-    return found
+        values += [scene.psi + dot(scene.omega, gamma) * t, kinematics.starting_phi(gamma)]
+    return values
 
 
 def _turned(quaternion: tuple[Exact, ...], omega: Vector, t: Fraction) -> tuple[Exact, ...]:

@@ -21,6 +21,7 @@ from polhode.dynamics.frequencies.spacing import Spacing, spacing
 from polhode.judging.references.reference import Reference, reference
 from polhode.judging.tables.table import Table
 from polhode.judging.tables.table_file import is_table, read_table
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.decimals import brief
 from polhode.numbers.exact import Exact, sign
@@ -39,7 +40,7 @@ from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.output_times import even_times
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, text_column
-from polhode.scenes.vocabulary import ATTITUDE, STATE
+from polhode.scenes.vocabulary import ATTITUDE, REQUESTS, STATE
 
 LINES = 6
 LENGTH = 200  # units of time, where neither the caller nor the scene says an end
@@ -215,7 +216,7 @@ def frequencies(
         if table.run is None:
             return _of_table(table, of, count)
         return _of_run(table.run, _names(table.name, of, table.run.scene), count)
-    scene = library.load(source)
+    scene = library.load(source, takes=REQUESTS)
     names = _names(scene.name, of, scene)
     last: Exact = Fraction(LENGTH) if sign(scene.end) == 0 else scene.end
     if end is not None:
@@ -255,14 +256,15 @@ def _names(source: str, of: Sequence[str] | None, scene: Scene | None) -> tuple[
 
 def _fastest(scene: Scene) -> float:
     """A rate that |w| hardly exceeds: its bound by the energy."""
-    body, unit = scene.body, Fraction(2) ** scene.time_unit
+    frame = Frame.of(scene)
+    body, unit = scene.body, frame.unit
     largest = max(body.moments)  # and the run's unit of time: all numbers are of order one
     torque = math.sqrt(sum(to_double(unit * unit * x / largest) ** 2 for x in body.torque))
     least = to_double(min(body.moments) / largest)
     energy = to_double(unit * unit * scene.integrals.energy / largest)
     energy += torque if scene.gamma is not None else 0.0
     fastest = max(math.sqrt(max(0.0, 2 * energy / least)), math.sqrt(torque))
-    return math.ldexp(fastest, -scene.time_unit) or 1.0
+    return math.ldexp(fastest, -frame.exponent) or 1.0
 
 
 def _of_run(run: Trajectory, names: tuple[str, ...], count: int) -> Frequencies:

@@ -22,6 +22,7 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Stack, kind_of
 from polhode.numbers.scalars import AnyNumber
 from polhode.results.table import Column, Fact, Table
+from polhode.runs.sweep.array_starts import varied_of
 from polhode.runs.sweep.endings import SweepResult
 from polhode.runs.sweep.plan import planned
 from polhode.scenes import library
@@ -35,6 +36,7 @@ from polhode.scenes.scene_facts import (
 )
 from polhode.scenes.variation import vary
 from polhode.scenes.variation.sweep_scenes import Members
+from polhode.scenes.vocabulary import REQUESTS
 
 MOST_AT_ONCE = 1 << 22  # numbers of states that one job may hold: 32 MB of doubles
 _JOBS = 256  # at most, but for that
@@ -121,16 +123,17 @@ class Reductions(SweepResult):
 
 def reduce_many(
     scene: Scene | str | Path,
-    vary: vary.Vary,
-    keep: Sequence[str] | str,
+    vary: vary.Vary | None = None,
+    keep: Sequence[str] | str = (),
     *,
+    starts: npt.ArrayLike | None = None,
     number: str | NumberType | None = None,
     at: Iterable[AnyNumber] | None = None,
     tol: AnyNumber | None = None,
     max_steps: int | None = None,
     executor: Executor | None = None,
     workers: int | None = None,
-    parts: Path | None = None,
+    parts: str | Path | None = None,
     progress: Progress | bool | None = None,
 ) -> Reductions:
     """Integrate many variants of a scene and keep some numbers of each.
@@ -143,13 +146,16 @@ def reduce_many(
     scene : Scene, str or Path
         A scene, a path, or the name of a case.
     vary : mapping or list of mappings
-        Numbers of the scene file by key, as in :func:`polhode.integrate_many`.
+        Numbers of the scene file by key, as in :func:`polhode.integrate_many`; beside ``starts``
+        arrays of the body's numbers alone.
     keep : str or sequence of str
         "final" (the last state); "largest X" and "smallest X", X an expression in p q r gamma1
         gamma2 gamma3 t theta: its extreme over the output times, and the first of them at which it
         is reached; "first NAME": time and state of the first zero after 0 of an event of the scene,
         or of nutation or equator, also between output times; "lyapunov": the largest exponent to
         the last time, its uncertainty and growth, as in :func:`polhode.lyapunov`.
+    starts : array_like, shape (N, 6) or (N, 3), optional
+        A start in each row, as in :func:`polhode.integrate_many`.
     number : str or NumberType, optional
         double or extended; events and exponents in double only.
     at : iterable of numbers, optional
@@ -162,7 +168,7 @@ def reduce_many(
         An executor of ``concurrent.futures`` instead of threads.
     workers : int, optional
         Threads; as many as there are cores unless given.
-    parts : Path, optional
+    parts : str or Path, optional
         A folder for finished jobs, from which the same call continues after a kill.
     progress : callable or bool, optional
         Called with the fraction of members done and how many; True for a bar.
@@ -184,6 +190,9 @@ def reduce_many(
     >>> found = polhode.reduce_many("lagrange/nutation", {"body.weight": [1, 2]}, "smallest gamma3")
     >>> found["smallest gamma3"].round(3).tolist()
     [0.213, -0.212]
+    >>> starts = [[0, 0, k, 0.6, 0, 0.8] for k in (2.0, 3.0, 4.0)]  # any array (N, 6)
+    >>> polhode.reduce_many("lagrange/nutation", starts=starts, keep="final")["final r"]
+    array([2., 3., 4.])
     """
     if isinstance(progress, bool):
         asked_for = {key: value for key, value in locals().items() if key != "progress"}
@@ -191,10 +200,11 @@ def reduce_many(
             return reduce_many(**asked_for)
         with bar(library.load(scene).name) as tell:
             return reduce_many(**asked_for, progress=tell)
-    scene = library.load(scene)
+    scene = library.load(scene, takes=REQUESTS)
     if at is not None:
         scene = scene.at(at)
     which = asked(scene, keep)
+    scene, vary = varied_of(scene, starts, vary)
     plan = planned(
         replace(scene, events=()),
         vary,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -18,6 +17,7 @@ from polhode.dynamics.levels.regions import least_energy
 from polhode.dynamics.sections import coordinates as geometry
 from polhode.dynamics.sections.coordinates import Ground
 from polhode.equations.section_functions import HEIGHT, MOMENTUM
+from polhode.motion.frame import Frame
 from polhode.numbers import expression
 from polhode.numbers.conversion import exact_number, to_double
 from polhode.numbers.decimals import shown
@@ -156,9 +156,8 @@ def _own(asked: Asked, on: Ground) -> Doubles:
     assert scene.gamma is not None
     if asked.h != scene.integrals.energy or asked.f != scene.integrals.area:
         raise BadInput(scene.name, "starts", OWN, "the scene's own h and f")
-    axes, unit = scene.body.axes, Fraction(2) ** scene.time_unit
-    parts = [*(unit * w for w in axes.components(scene.omega)), *axes.components(scene.gamma)]
-    return _moving(asked, on, "starts", OWN, np.array([to_double(x) for x in parts]))
+    inside = Frame.of(scene).inside(scene)
+    return _moving(asked, on, "starts", OWN, np.array([to_double(x) for x in inside.start]))
 
 
 def _momentum_start(asked: Asked, on: Ground, key: str, row: Sequence[float]) -> Doubles:
@@ -208,7 +207,7 @@ def _height_start(asked: Asked, on: Ground, key: str, row: Sequence[float]) -> D
         if least > on.h:
             body = asked.scene.body
             unit = to_double(max(body.moments)) / on.moments.max()
-            least = math.ldexp(least * unit, -2 * asked.scene.time_unit)
+            least = math.ldexp(least * unit, -2 * Frame.of(asked.scene).exponent)
             expected = f"a gamma that the level allows: h is at least {least:.12g} there"
         else:
             expected = "a gamma that is not along the centre of mass"

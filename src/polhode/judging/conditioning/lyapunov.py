@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +22,6 @@ import numpy as np
 from polhode.common.arguments import each, steps
 from polhode.common.errors import BadInput
 from polhode.equations.equilibrium import at_rest
-from polhode.equations.system import System, system
 from polhode.judging.conditioning import motion_kinds
 from polhode.judging.conditioning.known_stability import Known, growth_about, known_stability
 from polhode.judging.conditioning.motion_kinds import (
@@ -34,6 +33,7 @@ from polhode.judging.conditioning.motion_kinds import (
     UNSTABLE_GROWTH,
 )
 from polhode.judging.references.reference import reference
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import sign
 from polhode.numbers.rows import Doubles
@@ -44,6 +44,8 @@ from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of
+from polhode.scenes.vocabulary import REQUESTS
+from polhode.taylor.integrator.system import System, principal_system
 from polhode.taylor.variations.equations import Variations
 from polhode.taylor.variations.reference_trajectory import pendulum, six
 
@@ -163,9 +165,10 @@ def lyapunov(
     >>> [round(abs(x), 1) for x in found.spectrum]
     [0.1, 0.0, 0.0, 0.0, 0.0, 0.1]
     """
-    scene = library.load(scene)
-    unit = 2.0**scene.time_unit
-    slow = max(1.0, 1 / pendulum(scene))  # a radian of the spin takes 1
+    scene = library.load(scene, takes=REQUESTS)
+    frame = Frame.of(scene)
+    unit = float(frame.unit)
+    slow = max(1.0, 1 / pendulum(frame.inside(scene)))  # a radian of the spin takes 1
     last = DEFAULT_LENGTH * slow
     max_steps = steps(scene.name, max_steps)
     if end is not None:
@@ -177,7 +180,7 @@ def lyapunov(
         last = to_double(scene.end) / unit
     elif sign(scene.end) < 0:
         last = -last
-    plain = system(replace(scene, form="principal"), ())
+    plain = principal_system(scene)
     start = six(plain.start)
     tangent = np.array(TANGENT)[:, None]
     if len(plain.start) == 3:

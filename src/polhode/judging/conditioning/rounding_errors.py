@@ -44,6 +44,7 @@ import numpy.typing as npt
 from polhode.equations.equilibrium import at_rest
 from polhode.equations.forms import principal
 from polhode.equations.integrals import first_integrals
+from polhode.equations.terms import NAMES
 from polhode.numbers import exact
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import ZERO, Exact, sign
@@ -129,14 +130,14 @@ def kappa(along: Passage) -> Iterator[float]:
     The start and each number of the body, changed by one unit of itself.
     """
     start = six(along.plain.start)
-    by = principal.sensitivities(along.scene.body, along.scene.time_unit)
+    by = principal.sensitivities(along.inside.body)
     chain = np.array(
         [
             [to_double(d.get(name, 0)) / (unit or 1.0) for d in by]
-            for name, unit in zip(principal.NAMES, along.units, strict=True)
+            for name, unit in zip(NAMES, along.units, strict=True)
         ]
     )
-    tangents = Scaled(np.hstack([np.diag(start), np.zeros((6, 6))]), 0)
+    tangents = Scaled(np.hstack([np.diag(start), np.zeros((len(start), len(by)))]), 0)
     scale = along.rate_scale
     for stretch in along.stretches:
         values = stretch.carried @ tangents.values
@@ -160,7 +161,7 @@ def rounding(along: Passage, number: NumberType, every: int = 0) -> Iterator[Rou
     drive = np.array(
         [
             _off(k.get(name, ZERO), number) / (unit or 1.0)
-            for name, unit in zip(principal.NAMES, along.units, strict=True)
+            for name, unit in zip(NAMES, along.units, strict=True)
         ]
     )
     clear, rests = _Clearing(along, every), _Rests(along, v.values)
@@ -240,7 +241,7 @@ class _Clearing:
     def __init__(self, along: Passage, every: int) -> None:
         self._every, self._left = every, float(every)
         self._columns = len(along.plain.start)
-        self._known = first_integrals(along.scene)
+        self._known = first_integrals(along.inside)
         self._k = {name: to_double(x) for name, x in self._known.coefficients.items()}
 
     def made(self, steps: float) -> int:
