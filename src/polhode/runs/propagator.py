@@ -19,7 +19,7 @@ from polhode.common.memory import refuse_too_much
 from polhode.motion.outcomes import OUTCOMES, Outcome, code
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
-from polhode.numbers.number_types import EXTENDED, NumberType
+from polhode.numbers.number_types import EXTENDED
 from polhode.numbers.rows import Doubles, Extendeds, Flat, double_array, flat
 from polhode.numbers.scalars import AnyNumber, numbers_given
 from polhode.runs.methods.taylor import system_of
