@@ -1475,17 +1475,19 @@ class Norm:
 def _frame_of(run: Run) -> Table:
     """Q, exact; any regular matrix would do.
 
-    Of omega a multiple of Cholesky's factor of the inertia, so that a turn keeps the norm.
+    Of omega a multiple of Cholesky's factor of the inertia, so that a turn keeps the norm.  The
+    largest moment is the unit of mass.
     """
-    inertia = [[float(x) for x in row] for row in run.inertia]
+    unit_of_mass = largest(run.inertia[i][i] for i in range(3))
+    inertia = [[float(x / unit_of_mass) for x in row] for row in run.inertia]
     root = [[0.0] * 3 for _ in range(3)]
     for i in range(3):
         for j in range(i + 1):
             left = inertia[i][j] - sum(map(mul, root[i], root[j]))
             root[i][j] = max(left, 1e-9) ** 0.5 if i == j else left / root[j][j]
-    swing = max(abs(float(x)) for x in run.torque)
+    swing = max(abs(float(x / unit_of_mass)) for x in run.torque)
     rate = max(abs(float(x)) for row in run.centres for x in row[:3]) / 8
-    unit = max(swing, max(inertia[i][i] for i in range(3)) * rate**2, 1e-9) ** -0.5
+    unit = max(swing, rate**2, 1e-9) ** -0.5
     rows = [[arb(unit * root[j][i]) for j in range(3)] + [arb(0)] * 3 for i in range(3)]
     return rows + _unit()[3:]
 
