@@ -1347,8 +1347,9 @@ def in_full(x: Fraction) -> str:
 #: s^2 beta as one likes.  So, for all small s, the ring contains an invariant curve, for all c near
 #: the orbit's (J. Moser, Nachr. Akad. Wiss. Goettingen II (1962) 1; C. L. Siegel and J. K. Moser,
 #: Lectures on Celestial Mechanics (1971), 31-34).  P_c and its inverse map what it encloses onto
-#: itself; between two returns, which take about a period, a motion stays near the orbit if it
-#: starts near x0.
+#: itself.  What starts near the orbit reaches the plane near x0, inside that curve on its own
+#: level; between two returns, which take about a period, it stays near the orbit, as it starts
+#: near x0.
 #:
 #: *mu = i.*  Then d w*^3 stands beside c1 w^2 w*, with
 #:
