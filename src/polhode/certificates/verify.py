@@ -1390,7 +1390,7 @@ FACTORS = [
     for a, b in MONOMIALS
 ]
 MOST_WEIGHT = 200  # bits of 1/rho
-OF_JETS = 6  # steps that cost as much as one of jets
+OF_JETS = 6  # steps, with their sets, that cost as much as one of jets at 96 bits
 
 
 class Jet(Generic[Y]):
@@ -1718,7 +1718,8 @@ def read_guide(held: Mapping[str, object]) -> Guide:
     """How the jets of a certificate are computed; raises Damaged."""
     jet_bits = _whole(held["jet_bits"], LEAST_BITS, MOST_BITS, "jet_bits")
     weight_bits = _whole(held["weight_bits"], 0, MOST_WEIGHT, "weight_bits")
-    check_work(OF_JETS * len(_list(held["grid"], None, "grid")), jet_bits)
+    products = sum(map(len, FACTORS))  # of numbers, in one of jets
+    check_work(products * len(_list(held["grid"], None, "grid")), jet_bits)
     return Guide(jet_bits, weight_bits)
 
 
