@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import overload
+from math import isfinite
+from typing import NamedTuple, overload
 
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
@@ -15,6 +16,7 @@ from polhode.numbers.rows import Flat, Numbers, flat
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
+from polhode.taylor.backend.types import HeyokaNumber
 
 _FEW = 64  # times: the exact ones of so few are all made at the first question, and kept
 
@@ -120,6 +122,40 @@ class Times(Sequence[Fraction]):
         small = rest - low
         found: Flat = near + small
         return found
+
+
+class Grid(NamedTuple):
+    """Times that lead away from 0, in the form in which heyoka reads them fastest; immutable.
+
+    ``times``: inside a run's frame, and how many they are.  ``ahead``: the same from 0 on, in a
+    list: heyoka reads an array one number after the other, which takes longer.  ``square``: of the
+    last one in the scene's unit.
+    """
+
+    times: Flat
+    size: int
+    ahead: list[HeyokaNumber]
+    square: float
+
+    @classmethod
+    def of(cls, outside: Flat, unit: float) -> Grid | None:
+        """Times in the scene's unit, an array (n,), times the ``unit``, a power of two.
+
+        None where they do not lead away from 0, or are not inside what they are outside: too large
+        for the type, or too small.
+        """
+        import numpy as np
+
+        last = outside.item(-1)
+        if not isfinite(last * unit):
+            return None
+        times: Flat = outside * unit
+        first = int(outside[0] == 0)
+        ahead = times if first else np.concatenate([np.zeros(1, times.dtype), times])
+        ways = np.diff(ahead if last > 0 else -ahead)
+        if len(ways) == 0 or not (ways > 0).all() or ahead[1] / unit != outside[first]:
+            return None
+        return cls(times, len(times), ahead.tolist(), float(last) * float(last))
 
 
 def rounded_times(scene: Scene, number: NumberType) -> ExactNumbers[Fraction]:
