@@ -58,7 +58,9 @@ from polhode.proofs.chaos.prove_chaos import prove_chaos as prove_chaos
 from polhode.proofs.prove_orbit import prove_orbit as prove_orbit
 from polhode.proofs.prove_orbits import ProvedOrbits as ProvedOrbits
 from polhode.proofs.prove_orbits import prove_orbits as prove_orbits
+from polhode.proofs.prove_stability import prove_stability as prove_stability
 from polhode.proofs.proved_orbit import ProvedOrbit as ProvedOrbit
+from polhode.proofs.proved_stability import ProvedStability as ProvedStability
 from polhode.proofs.refusals import NotProved as NotProved
 from polhode.results.result import Result as Result
 from polhode.runs.propagator import Propagator as Propagator

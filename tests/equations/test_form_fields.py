@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 
 import polhode
 from polhode.equations.form import equations
+from polhode.motion.frame import along
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.exact import sign
 from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.numbers.vectors import cross, dot, inverse
-from polhode.scenes.frame import along
 from polhode.scenes.vocabulary import FORMS
 from shared.examples import examples
 from shared.form_trials import (

@@ -1,7 +1,7 @@
 """Forms of the equations of motion: one file per form, each field written once for any scalar.
 
 A form works in axes of its own and in its own variables: it is made of the scene inside its frame
-(:mod:`polhode.scenes.frame`), whose axes are the principal ones but for forms whose file has a
+(:mod:`polhode.motion.frame`), whose axes are the principal ones but for forms whose file has a
 function ``axes``.  Its ``field`` and its way back to omega and gamma take the variables, the exact
 non-zero coefficients by name as the run's numbers, and the scalar's own functions: the same lines
 feed floats, mpmath numbers and heyoka expressions.
@@ -17,8 +17,8 @@ from types import ModuleType
 from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
 from polhode.common.recent import Recent
+from polhode.motion.frame import NO_CHANGE, Frame
 from polhode.numbers.scalars import Functions, Scalar
-from polhode.scenes.frame import NO_CHANGE, Frame
 
 if TYPE_CHECKING:
     from polhode.numbers.exact import Exact

@@ -22,6 +22,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
+from polhode.motion.frame import Frame
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_extended, to_mpf
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
@@ -29,7 +30,6 @@ from polhode.numbers.rows import Flat, Rows
 from polhode.numbers.scalars import Scalar, combination
 from polhode.numbers.vectors import Vector, dot
 from polhode.scenes import classification
-from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 
 if TYPE_CHECKING:

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 from polhode.common.cached_property import cached_property
 from polhode.equations.form import equations
 from polhode.equations.kinematics import AngleFunctions, angles, starting_attitude
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import exactly, number_value, to_double, to_extended, to_mpf
 from polhode.numbers.number_types import EXTENDED, NumberType
 from polhode.numbers.rows import Booleans, Extendeds, Flat, Gapped, Given, GivenRow, Rows, flat
 from polhode.numbers.scalars import Real, Scalar, of_extended, of_mpmath
 from polhode.numbers.vectors import upright
-from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 
 if TYPE_CHECKING:

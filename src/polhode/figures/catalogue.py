@@ -48,6 +48,7 @@ FIGURES: Mapping[str, Mapping[str, tuple[str, str]]] = {
     "OrbitSearch": {"residue": ("results", "residues")},
     "ProvedChaos": {"chaos-proof": ("chaos_proof", "draw")},
     "ProvedOrbit": _PERIOD,
+    "ProvedStability": {"curves": ("stability", "draw")},
     "Reductions": {"kept": ("results", "reductions")},
     "Reference": _ROWS,
     "ReferenceTable": _ROWS,

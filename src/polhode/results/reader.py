@@ -49,6 +49,7 @@ KINDS = (
         "ProvedChaos",
         "ProvedOrbit",
         "ProvedOrbits",
+        "ProvedStability",
         "Reductions",
         "ReferenceTable",
         "Section",

@@ -37,6 +37,7 @@ from polhode.common.value_semantics import ByValue
 from polhode.dynamics.chaos import map_motions
 from polhode.dynamics.sections.initial_tangents import tangents_of
 from polhode.judging.conditioning.motion_kinds import SHORTEST, UNSTABLE, UNSTABLE_GROWTH
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles, Integers
@@ -46,11 +47,11 @@ from polhode.results.table import Column, Fact, Table
 from polhode.runs.sweep import starts_file
 from polhode.runs.sweep.array_starts import from_starts
 from polhode.scenes import library
-from polhode.scenes.frame import Frame
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, text_column, unit_of
 from polhode.scenes.variation import vary
+from polhode.scenes.vocabulary import REQUESTS
 
 END = 1000  # units of the inner time
 TOLERANCE = 1e-8  # no verdict of 2000 was another at eps
@@ -251,7 +252,7 @@ def chaos_map(
     """
     from polhode.taylor.variations import tangent_batches
 
-    scene = library.load(scene)
+    scene = library.load(scene, takes=REQUESTS)
     frame = Frame.of(scene)
     unit, default = float(frame.unit), frame.time_outside(Fraction(END))
     wanted = default if end is None else end

@@ -25,12 +25,12 @@ from flint import arb, arb_poly, fmpq_poly
 
 from polhode.dynamics.levels.rational_body import BITS, RationalBody
 from polhode.equations.integrals import exact_values, first_integrals
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.polynomials import Polynomial, middle, rational, real_roots
 from polhode.scenes import classification
-from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 
 

@@ -17,13 +17,13 @@ import numpy as np
 from polhode.common.cached_property import cached_property
 from polhode.common.value_semantics import ByValue
 from polhode.equations.forms import principal
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles, GivenRow
 from polhode.numbers.scalars import FLOATS, Scalar
 from polhode.numbers.vectors import dot
-from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 from polhode.taylor.variations.flow_map import Flow
 

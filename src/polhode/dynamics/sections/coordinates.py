@@ -24,6 +24,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polhode.common.errors import BadInput
+from polhode.motion.frame import Frame
 from polhode.numbers import exact
 from polhode.numbers.conversion import to_double, to_extended
 from polhode.numbers.decimals import shown
@@ -31,7 +32,6 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles, Indices
 from polhode.numbers.vectors import dot
-from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 
 _BLOCK = 5000  # points whose roots numpy is asked for at once: a tenth of a second

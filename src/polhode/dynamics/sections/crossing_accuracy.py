@@ -24,11 +24,11 @@ import numpy as np
 from polhode.dynamics.sections.initial_tangents import tangents_of
 from polhode.equations.forms import principal
 from polhode.equations.section_functions import SectionZero
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles, Integers
 from polhode.scenes.body import Body
-from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 
 EPS = 2.0**-52

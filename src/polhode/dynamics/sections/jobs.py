@@ -13,11 +13,11 @@ from polhode.dynamics.sections.starts import Asked
 from polhode.equations.forms import principal
 from polhode.equations.integrals import first_integrals
 from polhode.equations.section_functions import HEIGHT, MOMENTUM, SectionZero
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double, to_extended
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import odd_part
 from polhode.numbers.rows import Doubles, double_array
-from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
 

@@ -27,6 +27,7 @@ from polhode.dynamics.sections import jobs as section_jobs
 from polhode.dynamics.sections.starts import MAXIMA, Asked, asked_of, starts_of
 from polhode.equations.forms import principal
 from polhode.equations.section_functions import HEIGHT, MOMENTUM, SectionZero
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE
@@ -36,7 +37,6 @@ from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.runs.problem.options import refuse_other_rounding
 from polhode.scenes import library
-from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import (
     provenance_fact,
@@ -45,7 +45,7 @@ from polhode.scenes.scene_facts import (
     text_column,
     time_column,
 )
-from polhode.scenes.vocabulary import STATE
+from polhode.scenes.vocabulary import REQUESTS, STATE
 
 if TYPE_CHECKING:
     from polhode.dynamics.sections.coordinates import Ground
@@ -262,7 +262,7 @@ def section(
     """
     from polhode.taylor.events import batch_search
 
-    scene = library.load(scene)
+    scene = library.load(scene, takes=REQUESTS)
     refuse_other_rounding(scene)
     plan, asked = scene.section, asked_of(scene, by, extremum, h, f)
     count = plan.crossings if crossings is None else crossings

@@ -17,6 +17,7 @@ from polhode.dynamics.levels.regions import least_energy
 from polhode.dynamics.sections import coordinates as geometry
 from polhode.dynamics.sections.coordinates import Ground
 from polhode.equations.section_functions import HEIGHT, MOMENTUM
+from polhode.motion.frame import Frame
 from polhode.numbers import expression
 from polhode.numbers.conversion import exact_number, to_double
 from polhode.numbers.decimals import shown
@@ -26,7 +27,6 @@ from polhode.numbers.polynomials import fraction_near
 from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes.column_expressions import check
-from polhode.scenes.frame import Frame
 from polhode.scenes.given_numbers import AREA, ENERGY, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE

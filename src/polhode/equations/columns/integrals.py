@@ -7,10 +7,10 @@ from typing import Final
 
 from polhode.equations.column import Column
 from polhode.equations.integrals import AREA, ENERGY, along
+from polhode.motion.frame import Frame
 from polhode.numbers.exact import Exact
 from polhode.numbers.row_formulas import RowFormula
 from polhode.numbers.scalars import Functions, Scalar
-from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 
 

@@ -25,6 +25,7 @@ from polhode.equations.equilibrium import at_rest
 from polhode.equations.forms import principal
 from polhode.judging.conditioning.motion_kinds import is_integrable
 from polhode.judging.references.reference import Reference, reference
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.rows import Doubles
@@ -66,7 +67,7 @@ def known_stability(scene: Scene, plain: System, most: int) -> Known:
     if (is_integrable(scene.body) and rates & _TORI) or "u" in rates:
         return Known(0.0, "the torus that it lies on")
     if motion.period is not None:
-        rate = _growth_of_period(plain, float(motion.period) / 2.0**scene.time_unit, most)
+        rate = _growth_of_period(plain, float(motion.period) / float(Frame.of(scene).unit), most)
         return Known(rate, "the residue of its period")
     return Known(None, "", not rates & _ANY_TORI and "quasi-periodic" not in motion.regime)
 

@@ -27,6 +27,7 @@ from polhode.common.text_tables import few
 from polhode.judging.diagnosis.motion_in_double import integrated
 from polhode.judging.tables.reading import GAIN, WRONG, TimeChange
 from polhode.judging.tables.table import Table
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles
@@ -216,7 +217,7 @@ def _candidates(scene: Scene) -> Iterator[_Candidate]:
 
 def _of_clock(scene: Scene) -> Iterator[_Candidate]:
     """Times that begin elsewhere; a clock of another pace."""
-    unit = 2.0**scene.time_unit
+    unit = float(Frame.of(scene).unit)
 
     def later(x: Fraction) -> tuple[Scene, TimeChange]:
         return scene, TimeChange(shift=-Fraction(float(x) * unit))
@@ -270,19 +271,18 @@ def _other_inertia(
         for row, column in {(i, j), (j, i)}:
             inertia[row] = _moved(inertia[row], column, x * _unit(body, i, j))
     a, b, c = inertia
-    return replace(scene, body=Body((a, b, c), body.centre, body.weight)), TimeChange()
+    return replace(scene, body=body.replaced(inertia=(a, b, c))), TimeChange()
 
 
 def _other_weight(scene: Scene, x: Fraction) -> tuple[Scene, TimeChange]:
-    body = scene.body
-    other = Body(body.inertia, body.centre, body.weight * (1 + x))
+    other = scene.body.replaced(weight=scene.body.weight * (1 + x))
     return replace(scene, body=other), TimeChange()
 
 
 def _other_centre(scene: Scene, place: int, x: Fraction) -> tuple[Scene, TimeChange]:
     body = scene.body
     centre = _moved(body.centre, place, x * max(map(abs, body.centre)))
-    return replace(scene, body=Body(body.inertia, centre, body.weight)), TimeChange()
+    return replace(scene, body=body.replaced(centre=centre)), TimeChange()
 
 
 def _other_start(scene: Scene, place: int, rate: float, x: Fraction) -> tuple[Scene, TimeChange]:

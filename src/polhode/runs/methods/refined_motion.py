@@ -12,6 +12,7 @@ import numpy as np
 from polhode.common.progress import Progress
 from polhode.equations import kinematics
 from polhode.equations.readout import Readout
+from polhode.motion.frame import Frame
 from polhode.motion.outcomes import EventTimes, Outcome, Projection
 from polhode.numbers.conversion import exactly, number_value, to_double, to_mpf
 from polhode.numbers.exact import ZERO
@@ -29,7 +30,6 @@ from polhode.refined.refinement import (
     refine,
 )
 from polhode.runs.problem.options import USUAL, Options
-from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 from polhode.taylor.integrator.system import System
 

@@ -97,7 +97,8 @@ class TaylorMotion:
             return [*self._rows_at_rest(times)], Outcome.REACHED_END, self.reached
         if not any(times):
             return [first[0] for _ in times], Outcome.REACHED_END, self.reached
-        rows, path = list[Row](), self._with_anchors
+        rows: list[Row] = []
+        path = self._with_anchors
         for t in times:
             inside = self.system.frame.time(t)
             if abs(t) > abs(path.reached):
@@ -276,11 +277,11 @@ class TaylorMotion:
 
         of, scene = self.system, self.scene
 
-        def made() -> Rules:
+        def rules_of_events() -> Rules:
             return Rules(scene, of.number, of.tolerance, of.rests)
 
         timed = any(event.timed for event in scene.events)  # t in one is as large as the end
-        rules = _rules.get(of, of.times(scene).outside[-1] if timed else None, made)
+        rules = _rules.get(of, of.times(scene).outside[-1] if timed else None, rules_of_events)
         return Watch(scene, self.number, rules)
 
     @property
@@ -359,12 +360,12 @@ def system_of(
     refuse_other_rounding(scene)
     key = (number, tolerance, inputs)
 
-    def made() -> System:
+    def new_system() -> System:
         from polhode.taylor.integrator.system import system
 
         return system(scene.apart(), scene.modelled, *key)
 
-    return _systems.get(scene.identity, key, made)
+    return _systems.get(scene.identity, key, new_system)
 
 
 def _moved(row: Row, by: Fraction, what: System) -> Row:

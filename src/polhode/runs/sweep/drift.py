@@ -26,12 +26,12 @@ from polhode.equations.integrals import (
     coefficients,
     first_integrals,
 )
+from polhode.motion.frame import Frame
 from polhode.numbers.double_double import Pairs, pairs, sqrt
 from polhode.numbers.exact import Irrational, sign
 from polhode.numbers.rationals import Rationals
 from polhode.numbers.rows import Doubles
 from polhode.runs.sweep.columns import blocks
-from polhode.scenes.frame import Frame
 
 if TYPE_CHECKING:
     from polhode.numbers.rows import Stack

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from polhode.common.progress import Stop
 from polhode.equations.readout import Readout
+from polhode.motion.frame import Frame
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Stack, flat
 from polhode.runs.sweep.plan import Plan
-from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 
 if TYPE_CHECKING:

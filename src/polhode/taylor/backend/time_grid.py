@@ -9,12 +9,12 @@ from typing import NamedTuple, overload
 
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import exactly, to_double, to_extended
 from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Flat, Numbers, flat
 from polhode.numbers.scalars import Scalar
-from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend.types import HeyokaNumber
 
@@ -59,9 +59,11 @@ class Times(Sequence[Fraction]):
             sizes = np.frexp(grid[1:] if grid[0] == 0 else grid)[1]
             if grid.dtype == kind and np.all(np.abs(sizes) < most):
                 inside = cls.of_grid(grid, number)
+        if inside is None and exponent:
+            by = 1 / frame.unit
+            inside = cls([t * by for t in times], number)
         if inside is None:
-            unit = Fraction(2) ** exponent
-            inside = cls([t * unit for t in times] if exponent else times, number)
+            inside = cls(times, number)
         inside.outside = times
         return inside
 

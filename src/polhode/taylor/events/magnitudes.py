@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 
 from polhode.common.errors import BadInput
+from polhode.motion.frame import Frame
 from polhode.numbers import exact, expression
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.exact import ZERO, sign
@@ -13,7 +14,6 @@ from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.scalars import Scalar
 from polhode.numbers.vectors import dot
 from polhode.scenes.event import Event
-from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import FLIP
 

@@ -13,10 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from polhode.motion.frame import Frame
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Booleans, Flat, Indices
 from polhode.numbers.scalars import Scalar
-from polhode.scenes.frame import Frame
 from polhode.taylor.backend.heyoka_numbers import array, as_fraction, scalar
 from polhode.taylor.events.jets import Jet, Marks, joined_marks
 from polhode.taylor.events.roundoff import BAND, OWN

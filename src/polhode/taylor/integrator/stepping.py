@@ -48,8 +48,14 @@ class Anchor(NamedTuple):
 class Integrator:
     """An integrator of one autonomous system from its start at time ``origin``.
 
-    Time is kept as an exact offset plus heyoka's own time, which is put back to 0 at
-    each chunk's end: output times are rounded relative to the chunk's start, never to zero.
+    ``advance`` goes chunk by chunk; between two of them it tells the progress, gives up what has no
+    hope and hears Ctrl-C.  ``chunk`` puts heyoka's clock back to 0, then goes from pause to pause;
+    at a pause it sets cyclic variables back and corrects the state.  In the steps from a pause to
+    the next, heyoka tells the watcher of events, and anchors are noted.
+
+    Time is kept as an exact offset plus heyoka's own time since the chunk's start: output times
+    are rounded relative to that, never to zero.
+
     ``watcher`` gives heyoka events and may end the run.  ``corrector`` corrects the state every so
     many steps.  ``engine``: stands at the start; one from the pool where none is given.
     ``anchored``: steps between two ``anchors``, which are noted where that is not 0.
@@ -112,12 +118,12 @@ class Integrator:
                 if steps <= 0:
                     outcome = Outcome.STEP_LIMIT
                     break
-                found, outcome = self.chunk(times[done:] if done else times, steps)
+                more, outcome = self.chunk(times[done:] if done else times, steps)
                 if outcome is Outcome.NON_FINITE:
-                    finite = [k for k, row in enumerate(found) if all(x - x == 0 for x in row)]
-                    found = [found[k] for k in finite] if isinstance(found, list) else found[finite]
-                parts.append(found)
-                done += len(found)
+                    finite = [k for k, row in enumerate(more) if all(x - x == 0 for x in row)]
+                    more = [more[k] for k in finite] if isinstance(more, list) else more[finite]
+                parts.append(more)
+                done += len(more)
                 if outcome is not Outcome.STEP_LIMIT:
                     break
                 passed = abs(self.time - self.offset)
@@ -140,10 +146,6 @@ class Integrator:
 
         ``times``: ahead of the current time, monotone.  Returns rows of the run's numbers, and how
         the steps ended: STEP_LIMIT where they were taken and the last time lies ahead.
-
-        First heyoka's clock is put back to 0.  Then steps are taken up to where something is due:
-        cyclic variables are set back, the state is corrected.  Events are noted in the steps, by
-        the watcher, and anchors between them.
         """
         if self.heyoka.time:
             self.offset = self.time
@@ -151,7 +153,8 @@ class Integrator:
         if self.watcher is not None:
             self.watcher.counts_from(self.offset, self.heyoka)
         ahead = _with_room(Times.of(times, self.number).since(self.offset))
-        parts, passed, last = list[Array](), 0, self.steps + steps
+        parts: list[Array] = []
+        passed, last = 0, self.steps + steps
         while True:
             rows, ended = self._to_pause(ahead, passed, self._pause(last) - self.steps)
             if len(rows):
@@ -195,12 +198,12 @@ class Integrator:
             self.watcher.counts_from(self.offset, self.heyoka)
         ahead = scalar(self.number.rounded(t - anchor.offset), self.number)
         self.heyoka.propagate_until(ahead, **self._options)
-        row = self.state[None].copy()
+        part = self.state[None].copy()
         if self._cyclic is not None:
             self._cyclic.stand_at(anchor.grown)
-            row = self._cyclic.completed(row)
-        found: Row = self._rows([row])[0]
-        return found, self.time
+            part = self._cyclic.completed(part)
+        row: Row = self._rows([part])[0]
+        return row, self.time
 
     def _correct(self, corrector: Corrector) -> bool:
         done = corrector.correct(self.state)
@@ -309,8 +312,8 @@ class Integrator:
 
     def _rows(self, parts: Sequence[Array]) -> Rows:
         if self.number.flat:
-            found: Rows = joined(parts or [self.state[None][:0]], self.number)
-            return found
+            rows: Rows = joined(parts or [self.state[None][:0]], self.number)
+            return rows
         return [as_mpf(row, self.number) for part in parts for row in part]
 
     def _exactly(self, value: HeyokaNumber) -> Fraction:

@@ -13,13 +13,13 @@ from polhode.common.cached_property import cached_property
 from polhode.equations import equilibrium, kinematics
 from polhode.equations.form import Form, equations
 from polhode.equations.readout import Readout
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import number_value
 from polhode.numbers.exact import Exact
 from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import DOUBLE, NumberType
 from polhode.numbers.rows import Array, Row, Rows, flat
 from polhode.numbers.scalars import EXACT, Functions, Scalar
-from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ANGLE_VARIABLES, ATTITUDE
 from polhode.taylor.backend.heyoka_numbers import OutOfRange, array, scalars
@@ -36,9 +36,9 @@ from polhode.taylor.integrator.specification import CLOCK, Equations, built
 class System:
     """What is integrated of a scene in one number type, shared by threads.
 
-    ``scene``: the one asked for.  ``names``, ``coefficients``, ``start``: the variables, and
-    exactly what they begin with, inside the form's frame; but quaternion and angles, which
-    ``outputs`` add, are those of the scene's axes, and the quaternion is there for the angles, too.
+    ``scene``: the one outside the frame.  ``names``, ``coefficients``, ``start``: the variables,
+    and exactly what they begin with, inside; but quaternion and angles, which ``outputs`` add, are
+    those of the scene's axes, and the quaternion is there for the angles, too.
     ``tolerance``: of a step, the type's eps where it is None.  ``inputs``: the narrower type that
     start and coefficients were rounded to first, if any.  ``still``: no rate but zero.
     """
@@ -160,17 +160,16 @@ class System:
 
         The last two are kept.  Raises BadInput for times that the type does not tell apart.
         """
-        asked, kept = scene.output_times, self._times
-        for before, times in kept:
-            if before is asked:
+        outside, last = scene.output_times, self._last_times
+        for before, times in last:
+            if before is outside:
                 return times
-        exact = rounded_times(scene, self.number)
-        times = Times.inside(exact, self.frame, self.number)
-        kept[:] = [(asked, times), *kept[:1]]
+        times = Times.inside(rounded_times(scene, self.number), self.frame, self.number)
+        last[:] = [(outside, times), *last[:1]]
         return times
 
     @cached_property
-    def _times(self) -> list[tuple[ExactNumbers[Exact], Times]]:
+    def _last_times(self) -> list[tuple[ExactNumbers[Exact], Times]]:
         return []
 
     def engine(self, watcher: Watcher | None = None) -> Engine:
@@ -183,8 +182,8 @@ class System:
         engine = lent(key, lambda: built(equations, Engine, self, watcher), wait=False)
         if watcher is not None:
             damping = array(scalars(watcher.damping, self.number), self.number)
-            asked = engine.parameters[CLOCK : engine.first]  # as many as the events need
-            asked[:] = damping[: len(asked)]
+            factors = engine.parameters[CLOCK : engine.first]  # as many as the events need
+            factors[:] = damping[: len(factors)]
         engine.stand(start, parameters)
         return engine
 

@@ -25,9 +25,9 @@ from typing import NamedTuple
 import numpy as np
 
 from polhode.equations.equilibrium import at_rest
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
-from polhode.scenes.frame import Frame
 from polhode.scenes.scene import Scene
 from polhode.taylor.corrections.integral_projection import kept_at_zero
 from polhode.taylor.integrator.system import principal_system

@@ -11,11 +11,11 @@ import pytest
 import polhode
 from polhode.equations.form import equations
 from polhode.equations.kinematics import starting_attitude
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.exact import sign
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.vectors import rotation
-from polhode.scenes.frame import Frame
 
 BITS = 200
 #: Along its own axes, and along others; fast and slow.
