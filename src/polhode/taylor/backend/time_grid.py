@@ -35,11 +35,6 @@ class Times(Sequence[Fraction]):
         self.number = number
 
     @classmethod
-    def of(cls, times: Sequence[Fraction], number: NumberType) -> Times:
-        """Such times of any sequence."""
-        return times if isinstance(times, cls) else cls(times, number)
-
-    @classmethod
     def of_grid(cls, grid: Numbers, number: NumberType) -> Times:
         """The times of an array of heyoka's numbers; exact ones are made where they are asked."""
         found = cls.__new__(cls)
@@ -66,16 +61,6 @@ class Times(Sequence[Fraction]):
             inside = cls(times, number)
         inside.outside = times
         return inside
-
-    @cached_property
-    def now(self) -> int:
-        """How many of them are no way ahead: 1 where the first is 0, else 0."""
-        return int(self[0] == 0)
-
-    @cached_property
-    def end(self) -> Fraction:
-        """The last of them."""
-        return self[-1]
 
     def __len__(self) -> int:
         return len(self._exact if "_exact" in self.__dict__ else self.grid)
@@ -108,22 +93,27 @@ class Times(Sequence[Fraction]):
         found = scalars(self._exact, self.number)
         return array(found, self.number) if self.number.flat else found
 
-    def since(self, offset: Fraction) -> Numbers:
-        """What has passed at each time since ``offset``, as heyoka's numbers.
+    def ahead(self, offset: Fraction) -> Numbers:
+        """A place to spare, and what has passed at each time since ``offset``, as heyoka's numbers.
 
         Each is rounded once; in double and extended the offset is the sum of two such numbers.
         """
-        if not offset:
-            return self.grid
         if not self.number.flat:
-            return Times([t - offset for t in self._exact], self.number).grid
+            passed = Times([t - offset for t in self._exact], self.number) if offset else self
+            return [passed.grid[0], *passed.grid]
+        import numpy as np
+
+        grid = flat(self.grid)
+        ahead: Flat = np.empty(len(grid) + 1, grid.dtype)
+        if not offset:
+            ahead[1:] = grid
+            return ahead
         nearest = to_double if self.number.name == "double" else to_extended
         high = nearest(offset)
         low = nearest(offset - exactly(high))
-        near, rest = exact_sum(flat(self.grid), -high)
-        small = rest - low
-        found: Flat = near + small
-        return found
+        near, rest = exact_sum(grid, -high)
+        ahead[1:] = near + (rest - low)
+        return ahead
 
 
 class Grid(NamedTuple):
