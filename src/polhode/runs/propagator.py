@@ -249,12 +249,12 @@ class Propagator:
         what = f"{len(rows)} starts at {len(times)} times"
         refuse_too_much(name, "start", what, rows.size * len(times), _BYTES, _SPLIT)
         if not self._long and self._every is None:
-            inside = double_array(rows if self._plain else self._inside(rows))
+            inside = rows if self._plain else self._inside(rows)
             motions = Columns(self._job.motions.coefficients, inside)
             job = self._job._replace(max_steps=self._most, times=times, motions=motions)
             fastest = lanes.rates(inside, self._bound)
             inner, ended = lanes.states(job, fastest, workers)
-            states = self._read(flat(inner))
+            states = self._read(inner)
         else:
             states = np.empty((len(rows), len(times), width), self._kind)
             ended = np.empty(len(rows), dtype=np.uint8)
