@@ -18,6 +18,7 @@ from polhode.judging.conditioning.conditioning import conditioning
 from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.correct_digits import log10_rate
 from polhode.judging.diagnosis import error_budget
+from polhode.motion.frame import Frame
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, QUAD, mp
 from polhode.scenes.body import Body

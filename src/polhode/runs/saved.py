@@ -110,7 +110,7 @@ def load_result(path: str | Path) -> Trajectory | Saved:
     ----------
     path : str or Path
         A file ``.csv``, ``.json``, ``.npz`` or ``.parquet``; of a CSV file the facts are read from
-        the file beside it.  Of polhode 0.2, a ``.json`` file that a result saved.
+        the file beside it.
 
     Returns
     -------

@@ -30,7 +30,7 @@ def read(path: Path, scene: Scene, extended: bool = False) -> npt.NDArray[Any]:
     section, a family of orbits.
     """
     ending = path.suffix.lower()
-    if is_result(path) or (ending == ".json" and path.is_file()):  # of 0.2, too
+    if is_result(path) or (ending == ".json" and path.is_file()):
         return _of_result(path, scene, extended)
     if ending not in (".csv", ".npy") and path.exists():
         expected = "a file .csv or .npy, or a result that polhode saved"
