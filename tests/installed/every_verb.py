@@ -58,7 +58,7 @@ BARE = (
     (0, "benchmark --only staude-unstable -o benchmark"),
     (0, "study accuracy --quick --only euler/sphere"),
     (2, "study events --quick"),
-    (2, "report --quick"),
+    (2, "study all --quick"),
     (2, "plot cone.toml --what angles -o cone.svg"),
 )
 #: Commands that draw.
@@ -68,7 +68,7 @@ WITH_FIGURES = (
     (0, "plot cone.toml --what motion --size 200 --fps 5 --end '0.1 s' -o cone.gif"),
     (0, "levels grioli/precession -o levels.svg"),
     (0, "section general/section --grid 2x2 --crossings 2 -o section.svg"),
-    (130, "report --quick"),
+    (130, "study all --quick"),
 )
 #: A process that ends by itself is not waited for where its parent is interrupted.
 WARNINGS = "default,ignore::ResourceWarning"
