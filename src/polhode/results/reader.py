@@ -51,6 +51,7 @@ KINDS = (
         "ProvedOrbits",
         "Reductions",
         "ReferenceTable",
+        "Report",
         "Section",
     ),
     *("Trajectory", "Verdict"),

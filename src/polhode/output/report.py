@@ -1,0 +1,473 @@
+"""``polhode report``: an accuracy report of somebody's own scenes and files."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from polhode.common.arguments import of_kind
+from polhode.common.cached_property import cached_property
+from polhode.common.errors import BadInput
+from polhode.common.files import check_writable, is_stream, make_folder, write_whole
+from polhode.common.progress import Message
+from polhode.common.provenance import provenance
+from polhode.common.text_tables import aligned, counted
+from polhode.common.value_semantics import ByValue
+from polhode.judging.score.judgement import Judgement
+from polhode.judging.tables.table_file import is_table
+from polhode.numbers.conversion import to_double
+from polhode.numbers.scalars import AnyNumber
+from polhode.output import accuracy
+from polhode.output.accuracy import Asked, FileLine, Given, Line, Section
+from polhode.results import places, shown
+from polhode.results.cells import DOUBLE, INTEGER, TEXT
+from polhode.results.result import Result
+from polhode.results.table import Fact, Table, table_of_rows
+from polhode.results.writer import ENDINGS
+from polhode.runs.saved import load_result
+from polhode.runs.trajectory import Trajectory
+from polhode.scenes import library
+from polhode.scenes.output_times import even_times
+from polhode.scenes.scene import Scene
+from polhode.scenes.scene_facts import provenance_fact, scene_facts
+
+PAGES = (".html", ".md")
+#: ``mine.csv=0.8s,h=0.01``: a table, what it cost, and its method's step.
+_TOLD = re.compile(
+    r"(?P<file>.+?)=(?:(?P<cost>[\d.]+(?:e[+-]?\d+)?)\s*(?P<unit>ms|s|min))?"
+    r"(?:(?(cost),)h=(?P<step>[^,=]+))?"
+)
+_UNITS = {"ms": 1e-3, "s": 1.0, "min": 60.0}
+#: What a report of a scene takes, roughly: seconds at least, and for each radian of the motion.
+_LEAST, _RADIAN = 2.0, 4e-3
+
+
+def _unsaid(text: str) -> None:
+    """A message for nobody."""
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Report(Result, ByValue):
+    """What :func:`polhode.report` measured: ``tables`` of numbers, and a page of them.
+
+    ``sections``: one for each scene.  ``tables`` by name: overview, runs, digits, drift, events,
+    work, files, orders; in each the first column is the scene.
+
+    >>> import polhode
+    >>> found = polhode.report("lagrange/nutation", at=[1, 2], number="double")
+    >>> found.tables["runs"].rows, 14 < found.column("digits_double")[0] < 16
+    (1, True)
+    """
+
+    sections: Sequence[Section]
+
+    def __repr__(self) -> str:
+        return f"<Report: {counted(len(self.sections), 'scene')}>"
+
+    def __str__(self) -> str:
+        header, rows = shown.cells(self.table())
+        lines = aligned(header, rows)
+        files = (f"{x.given.name}: {told_of(x)}" for one in self.sections for x in one.files)
+        return "\n".join([*lines, *files])
+
+    @cached_property
+    def tables(self) -> Mapping[str, Table]:
+        """All numbers, by the names of their tables."""
+        makers = {
+            "overview": (_OVERVIEW, _overview),
+            "runs": (_RUNS, _runs),
+            "digits": (_DIGITS, _digits),
+            "drift": (_DRIFT, _drift),
+            "events": (_EVENTS, _events),
+            "work": (_WORK, _work),
+            "files": (_FILES, _files),
+            "orders": (_ORDERS, _orders),
+        }
+        return {
+            name: table_of_rows(
+                types, [(x.scene.name, *row) for x in self.sections for row in rows(x)]
+            )
+            for name, (types, rows) in makers.items()
+        }
+
+    def table(self) -> Table:
+        """A row for each scene: what it is, the fewest correct digits, and what limits them."""
+        return self.tables["overview"]
+
+    def facts(self) -> list[Fact]:
+        """The other tables, the text of each scene, and the provenance."""
+        texts = [(x.scene.name, scene_facts(x.scene)[1].value) for x in self.sections]
+        scenes = table_of_rows({"scene": TEXT, "scene_text": TEXT}, texts)
+        others = (Fact(name, x) for name, x in self.tables.items() if name != "overview")
+        return [
+            *others,
+            Fact("scenes", scenes, "each as the text of a file"),
+            provenance_fact(provenance("\n".join(text for _, text in texts))),
+        ]
+
+    def files(self, path: Path) -> Mapping[Path, str | bytes]:
+        """What stands in the files of a page or of numbers, by their places."""
+        from polhode.output import report_page
+        from polhode.results import writer
+
+        suffix = path.suffix.lower()
+        if suffix == ".md":
+            folder = _figure_folder(path)
+            figures = {folder / name: svg for name, svg in report_page.figures(self).items()}
+            return {path: report_page.markdown(self, folder.name), **figures}
+        if suffix == ".html" or is_stream(path):
+            return {path: report_page.html(self)}
+        return writer.files(self.content(), path)
+
+    def save(self, path: str | Path) -> None:
+        """Write it: .html, one page; .md, with its figures in a folder beside it; or as a result.
+
+        Parameters
+        ----------
+        path : str or Path
+            Its ending says what: ``.html``, ``.md``, or what every result can be written as.
+
+        Raises
+        ------
+        BadInput
+            Another ending, or a place that cannot be written to.
+        """
+        of_kind("save", "path", path, (str, Path), "the path of a file")
+        check_place(Path(path))
+        write(self, [Path(path)])
+
+
+def check_place(path: Path, inputs: Iterable[Path | None] = ()) -> None:
+    """Refuse a path to which no report can be written; raises BadInput."""
+    check_writable(path, (*PAGES, *ENDINGS), inputs)
+    if path.suffix.lower() in ENDINGS:
+        places.check_place(path, "Report", inputs)
+
+
+def write(of: Report, paths: Iterable[Path]) -> Sequence[Path]:
+    """Write a report in several ways, all files or none; their places."""
+    texts = {place: text for path in paths for place, text in of.files(path).items()}
+    for path in paths:
+        if _figure_folder(path) in (place.parent for place in texts):
+            make_folder(_figure_folder(path))
+    write_whole(texts)
+    return [*texts]
+
+
+def _figure_folder(path: Path) -> Path:
+    """Where the figures of a page in Markdown are."""
+    return path.with_name(f"{path.stem}-figures")
+
+
+def report(
+    *what: Any,
+    number: str | None = None,
+    digits: int | None = None,
+    end: AnyNumber | None = None,
+    at: Iterable[AnyNumber] | None = None,
+    columns: Sequence[str] | None = None,
+    read: str | None = None,
+    max_seconds: float = 20.0,
+    progress: Message | None = None,
+    forecast: Message | None = None,
+) -> Report:
+    """Make an accuracy report of scenes, and of other programs' tables of their motions.
+
+    Parameters
+    ----------
+    *what : Scene, str, Path, Trajectory, mapping, DataFrame or Dataset
+        Scenes, by name, path or object; and tables as for :func:`polhode.compare`, each judged
+        against the scene named before it, or, if none was, against the scene that a run of
+        polhode's holds itself.  ``"mine.csv=0.8s,h=0.01"`` tells what a file cost and its method's
+        step; files whose names differ in digits alone are one method's.
+    number : str, optional
+        One number type, instead of double, extended and quad.
+    digits : int, optional
+        Correct digits wanted: a run that has them is made too, and verdicts go by them.
+    end : number, optional
+        The last time, instead of each scene's own.
+    at : iterable of numbers, optional
+        Output times, instead of each scene's own.
+    columns : sequence of str, optional
+        The columns of the tables, as for :func:`polhode.compare`.
+    read : str, optional
+        Readings to apply to the tables, as for :func:`polhode.compare`.
+    max_seconds : float
+        A limit on each proof that judges where there is no closed form; digits are then measured as
+        far in time as one goes.
+    progress : callable, optional
+        Told what is being done, in words.
+    forecast : callable, optional
+        Told once, in words, how long all will take, roughly.
+
+    Returns
+    -------
+    Report
+        A result with ``tables`` of all numbers; it saves itself as .html, .md or .json.
+
+    Raises
+    ------
+    BadInput
+        A scene or a table that cannot be read, or a table without a scene.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> mine = polhode.integrate("euler/largest-axis", at=[1, 2])
+    >>> found = polhode.report("euler/largest-axis", mine, end=2, number="double")
+    >>> found
+    <Report: 1 scene>
+    >>> [round(x) for x in found.fact("files").columns[4].values]
+    [15]
+    """
+    asked = Asked(number, digits, max_seconds, columns, read)
+    say = progress or _unsaid
+    groups = _grouped(what)
+    scenes = [_timed(scene, end, at) for scene, _ in groups]
+    if forecast is not None:
+        forecast(_foretold(scenes, groups))
+    judged = []
+    for scene, tables in groups:  # what cannot be read is refused before the work
+        say(f"{scene.name}: {counted(len(tables), 'table')}")
+        judged.append([accuracy.file_line(x, scene, asked) for x in tables])
+    sections = []
+    for k, (scene, files) in enumerate(zip(scenes, judged, strict=True), 1):
+
+        def tell(text: str, which: str = f"{k} of {len(scenes)}") -> None:
+            say(f"{which}: {text}")
+
+        sections.append(accuracy.section(scene, files, asked, tell))
+    return Report(tuple(sections))
+
+
+def _grouped(what: Sequence[Any]) -> list[tuple[Scene, list[Given]]]:
+    """The scenes, each with the tables that are judged against it; raises BadInput."""
+    groups: list[tuple[Scene, list[Given]]] = []
+    for k, one in enumerate(what, 1):
+        if isinstance(one, Scene):
+            groups.append((one, []))
+            continue
+        given = _given(one, k)
+        if given is None:
+            groups.append((library.load(one), []))
+            continue
+        if not groups:
+            scene = _own_scene(given.table)
+            if scene is None:
+                expected = "a scene before it: polhode report SCENE FILE"
+                raise BadInput(given.name, "scene", None, expected)
+            groups.append((scene, []))
+        groups[-1][1].append(given)
+    if not groups:
+        expected = "scenes, and files of them (polhode's own studies: polhode study all)"
+        raise BadInput("report", "WHAT", None, expected)
+    names = [scene.name for scene, _ in groups]
+    for name in names:
+        if names.count(name) > 1:
+            raise BadInput(
+                "report", "WHAT", name, "each scene once, with all of its files after it"
+            )
+    return groups
+
+
+def _given(one: Any, place: int) -> Given | None:
+    """A table; None for what is to be read as a scene."""
+    if isinstance(one, Trajectory):
+        return Given(f"run of {one.scene.name}", one)
+    if not isinstance(one, (str, Path)):
+        return Given(f"table {place}", one)
+    told = None if Path(one).exists() else _TOLD.fullmatch(str(one))
+    name = file_of(str(one))
+    if not is_table(name):
+        return None
+    if told is None:
+        return Given(name, name)
+    cost = float(told["cost"]) * _UNITS[told["unit"]] if told["cost"] else None
+    return Given(name, name, cost, told["step"])
+
+
+def file_of(text: str) -> str:
+    """The name of a file, without what is told of it after it."""
+    told = None if Path(text).exists() else _TOLD.fullmatch(text)
+    return told["file"] if told else text
+
+
+def _own_scene(table: Any) -> Scene | None:
+    """The scene of a run that polhode made; None of any other table."""
+    if isinstance(table, str):
+        try:
+            table = load_result(table)
+        except BadInput:
+            return None
+    return table.scene if isinstance(table, Trajectory) else None
+
+
+def _timed(scene: Scene, end: AnyNumber | None, at: Iterable[AnyNumber] | None) -> Scene:
+    """The scene at other times, where some are asked for."""
+    if end is not None and at is not None:
+        raise BadInput("report", "end", end, "no value together with at")
+    if at is not None:
+        return scene.at(at)
+    if end is None:
+        return scene
+    (last,) = scene.at([end]).times
+    if not last:
+        raise BadInput(scene.name, "end", end, "a time other than 0")
+    return scene.at(even_times(last, max(2, len(scene.times))))
+
+
+def _foretold(scenes: Sequence[Scene], groups: Sequence[tuple[Scene, Sequence[Given]]]) -> str:
+    seconds = sum(_LEAST + _RADIAN * min(1e5, 10.0**x.log10_angle) for x in scenes)
+    tables = sum(len(tables) for _, tables in groups)
+    also = f" and {counted(tables, 'table')}" if tables else ""
+    return f"{counted(len(scenes), 'scene')}{also}: about {seconds + tables:.0f} s"
+
+
+# -- tables ---------------------------------------------------------------------------------------
+
+_OVERVIEW = {
+    **{"scene": TEXT, "reference": TEXT, "regime": TEXT, "motion": TEXT},
+    **{"digits_double": DOUBLE, "digits_extended": DOUBLE, "digits_quad": DOUBLE},
+    **{"limit": TEXT, "files": INTEGER, "digits_files": DOUBLE, "verdict": TEXT},
+}
+_RUNS = {
+    **{
+        "scene": TEXT,
+        "run": TEXT,
+        "number": TEXT,
+        "method": TEXT,
+        "steps": DOUBLE,
+        "digits": DOUBLE,
+    },
+    **{"t_of_digits": DOUBLE, "digits_end": DOUBLE, "judged_until": DOUBLE, "limit": TEXT},
+    **{"half_lost_after": DOUBLE, "lost_after": DOUBLE, "remark": TEXT},
+}
+_DIGITS = {
+    **{"scene": TEXT, "of": TEXT, "t": DOUBLE, "correct_digits": DOUBLE},
+    **{"digits_expected_least": DOUBLE, "digits_expected_most": DOUBLE},
+}
+_DRIFT = {"scene": TEXT, "of": TEXT, **dict.fromkeys(("h", "f", "gamma", "fourth"), DOUBLE)}
+_EVENTS = {
+    **{"scene": TEXT, "run": TEXT, "event": TEXT, "count": INTEGER, "t": TEXT, "sign": INTEGER},
+    **{"uncertainty": DOUBLE, "depth": DOUBLE},
+}
+_WORK = {"scene": TEXT, "of": TEXT, "tolerance": DOUBLE, "digits": DOUBLE, "seconds": DOUBLE}
+_FILES = {
+    **{"scene": TEXT, "file": TEXT, "verdict": TEXT, "part": TEXT, "digits": DOUBLE},
+    **{"t_of_digits": DOUBLE, "digits_end": DOUBLE, "half_lost_after": DOUBLE},
+    **{"lost_after": DOUBLE, "limit": TEXT, "reading": TEXT, "seconds": DOUBLE, "told": TEXT},
+}
+_ORDERS = {"scene": TEXT, "files": TEXT, "order": DOUBLE, "least": DOUBLE, "most": DOUBLE}
+
+_Row = tuple[Any, ...]
+
+
+def _overview(of: Section) -> Iterator[_Row]:
+    by_name = {line.name: line.judgement for line in of.lines}
+    digits = [_fewest(by_name.get(name)) for name in accuracy.NUMBERS]
+    judged = [x for x in by_name.values() if x is not None]
+    limit = judged[0].limit if judged else ""
+    files = [d for x in of.files if (d := _fewest(x.judgement)) is not None]
+    lowest = min(files, default=None)
+    kind = of.reference.kind, of.reference.regime, of.motion.verdict
+    yield (*kind, *digits, limit, len(of.files), lowest, of.verdict)
+
+
+def _fewest(judgement: Judgement | None) -> float | None:
+    return None if judgement is None else accuracy.fewest(judgement)
+
+
+def _runs(of: Section) -> Iterator[_Row]:
+    for line in of.lines:
+        run, judgement = line.run, line.judgement
+        own = ("", "", None) if run is None else (run.number.name, run.method, run.steps)
+        digits, t, limit = None, None, ""
+        if judgement is not None:
+            digits, t = judgement.worst, to_double(judgement.worst_time)
+            limit = judgement.limit
+        until = None if line.until is None else to_double(line.until)
+        yield (line.name, *own, digits, t, line.at_end, until, limit, *of.reach(line), line.why)
+
+
+def _digits(of: Section) -> Iterator[_Row]:
+    for name, judgement in _judgements(of):
+        rows = [x for x in (judgement.digits, *judgement.part_digits.values()) if x]
+        bands = judgement.expected or (None,) * len(judgement.times)
+        for k, (t, band) in enumerate(zip(judgement.times, bands, strict=True)):
+            correct = min((row[k] for row in rows if row[k] is not None), default=None)
+            edges = (None, None) if band is None else (band.least, band.most)
+            yield (name, to_double(t), correct, *edges)
+
+
+def _judgements(of: Section) -> Iterator[tuple[str, Judgement]]:
+    """All that was judged, by name."""
+    lines: list[tuple[str, Line | FileLine]] = [(x.name, x) for x in of.lines]
+    lines += [(x.given.name, x) for x in of.files]
+    yield from ((name, x.judgement) for name, x in lines if x.judgement is not None)
+
+
+def _drift(of: Section) -> Iterator[_Row]:
+    if of.unprojected is not None and of.unprojected.times:
+        yield (f"{of.unprojected.number.name}, not projected", *of.unprojected.drift)
+    for line in of.lines:
+        if line.run is not None and line.run.times:
+            yield (line.name, *line.run.drift)
+    for file in of.files:
+        if file.judgement is not None and file.judgement.drift is not None:
+            yield (file.given.name, *file.judgement.drift)
+
+
+def _events(of: Section) -> Iterator[_Row]:
+    for line in of.lines:
+        for event in line.run.events if line.run else ():
+            for k, (sign, *rest) in enumerate(
+                zip(event.signs, event.uncertainty, event.depths, strict=True)
+            ):
+                yield (line.name, event.name, k + 1, event.shown(k), sign, *rest)
+
+
+def _work(of: Section) -> Iterator[_Row]:
+    yield from of.work
+    for file in of.files:
+        if file.judgement is not None and file.given.seconds is not None:
+            yield (file.given.name, None, accuracy.last_of(file.judgement), file.given.seconds)
+
+
+def _files(of: Section) -> Iterator[_Row]:
+    for file in of.files:
+        judgement = file.judgement
+        mark, cost = of.mark(judgement), file.given.seconds
+        if judgement is None or _fewest(judgement) is None:
+            yield (file.given.name, mark, "", *(None,) * 5, "", "", cost, told_of(file))
+            continue
+        worst = judgement.worst_part, judgement.worst, to_double(judgement.worst_time)
+        later = _first_below(judgement, judgement.subject.held / 2), _first_below(judgement, 1.0)
+        ends = accuracy.last_of(judgement), *later, judgement.limit, judgement.reading or ""
+        yield (file.given.name, mark, *worst, *ends, cost, told_of(file))
+
+
+def _first_below(judgement: Judgement, digits: float) -> float | None:
+    """The first time at which fewer digits than these are right; None where that is never."""
+    rows = [x for x in (judgement.digits, *judgement.part_digits.values()) if x]
+    for k, t in enumerate(judgement.times):
+        if any(d is not None and d < digits for d in (row[k] for row in rows)):
+            return to_double(t)
+    return None
+
+
+def told_of(file: FileLine) -> str:
+    """What is said of a table in a sentence."""
+    if file.judgement is None:
+        return f"not judged: {file.why}"
+    if _fewest(file.judgement) is None:
+        return "nothing could be judged"
+    return file.judgement.verdict
+
+
+def _orders(of: Section) -> Iterator[_Row]:
+    for order in of.orders:
+        if not isinstance(order, str):
+            yield (", ".join(order.names), order.order, order.least, order.most)
