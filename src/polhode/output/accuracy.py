@@ -32,7 +32,7 @@ from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
 
 NUMBERS = ("double", "extended", "quad")
-#: Tolerances of a step beside the type's own; quad has that alone.
+#: Tolerances of a step beside the type's own; of other types that alone.
 TOLERANCES: Mapping[str, Sequence[str]] = {
     "double": ("1e-4", "1e-6", "1e-8", "1e-10", "1e-12", "1e-14"),
     "extended": ("1e-8", "1e-12", "1e-16"),
@@ -40,7 +40,7 @@ TOLERANCES: Mapping[str, Sequence[str]] = {
 MOST_TIMES = 401  # of a scene with more so many are looked at
 MOTION_STEPS = 100_000  # of the tangent that tells the exponent
 REPEATS, PATIENCE = 5, 0.2  # calls that are timed, and the seconds beyond which one is enough
-GOOD, FAIR, BAD, UNKNOWN = "good", "fair", "bad", "unknown"
+VERDICTS = GOOD, FAIR, BAD, UNKNOWN = "good", "fair", "bad", "unknown"
 
 
 @dataclass(frozen=True)
@@ -52,6 +52,15 @@ class Asked:
     max_seconds: float = 20.0
     columns: Sequence[str] | None = None
     read: str | None = None
+
+    def limits(self, scene: Scene) -> dict[str, Any]:
+        """What limits a comparison's proofs: one foretold to take longer is not begun."""
+
+        def foretold(seconds: float) -> None:
+            if seconds > self.max_seconds:
+                raise BadInput(scene.name, "max_seconds", seconds, "earlier times, more seconds")
+
+        return {"max_seconds": self.max_seconds, "forecast": foretold}
 
 
 class Given(NamedTuple):
@@ -67,30 +76,58 @@ class Given(NamedTuple):
 
 
 class Line(NamedTuple):
-    """A run in one number type: how many digits are right, as far as a reference goes.
+    """A run or a table, and how many of its digits are right.
 
-    ``judgement``: None where there is none, and ``why`` says why.  ``until``: the last time that
-    was judged, where that is not the run's.
+    ``judgement``: None where there is none, and ``why`` says why.  ``run``, ``until``: of a run,
+    and the last time that was judged, where that is not its own.  ``given``: of a table.
     """
 
     name: str
-    run: Trajectory | None
     judgement: Judgement | None
-    until: Exact | None = None
     why: str = ""
+    run: Trajectory | None = None
+    until: Exact | None = None
+    given: Given | None = None
 
     @property
-    def at_end(self) -> float | None:
-        """The correct digits at the last time that was judged."""
-        return None if self.judgement is None else last_of(self.judgement)
+    def parts(self) -> list[Sequence[float | None]]:
+        """The digits of all that was judged, by parts, at each time."""
+        if self.judgement is None:
+            return []
+        return [x for x in (self.judgement.digits, *self.judgement.part_digits.values()) if x]
 
+    @property
+    def digits(self) -> list[float | None]:
+        """The fewest correct digits of any part at each time."""
+        rows = zip(*self.parts, strict=True)
+        return [min((d for d in row if d is not None), default=None) for row in rows]
 
-class FileLine(NamedTuple):
-    """A table that was judged; ``judgement`` None where that was not possible, and why."""
+    @property
+    def fewest(self) -> float | None:
+        """The fewest of them."""
+        return min((d for d in self.digits if d is not None), default=None)
 
-    given: Given
-    judgement: Judgement | None
-    why: str = ""
+    @property
+    def sentence(self) -> str:
+        """What is said of it."""
+        if self.judgement is None or self.fewest is None:
+            return self.why or "nothing could be judged"
+        return self.judgement.verdict
+
+    def below(self, digits: float) -> float | None:
+        """The first time with fewer digits than these; None where that is never."""
+        if self.judgement is None:
+            return None
+        rows = zip(self.judgement.times, self.digits, strict=True)
+        return next((float(t) for t, d in rows if d is not None and d < digits), None)
+
+    def mark(self, wanted: int | None) -> str:
+        """Good: as many digits as are wanted, or half of those held; fair: one or more; or bad."""
+        if self.judgement is None or self.fewest is None:
+            return UNKNOWN
+        subject = self.judgement.subject
+        enough = min(subject.held, subject.number.most_digits) / 2 if wanted is None else wanted
+        return GOOD if self.fewest >= enough else FAIR if self.fewest >= 1 else BAD
 
 
 class Work(NamedTuple):
@@ -104,13 +141,18 @@ class Work(NamedTuple):
 
 @dataclass(frozen=True)
 class Section:
-    """All that is measured of a scene, and of the files beside it."""
+    """All that is measured of a scene, and of the files beside it.
+
+    ``times``: how many the scene has, of which as many are looked at as ``scene`` has here.
+    ``growth``: the conditioning at the end.  ``unprojected``: a run that shows how the integrals
+    drift.  ``wanted``: the digits asked for.
+    """
 
     scene: Scene
-    thinned: int  # how many times the scene has, where not all are looked at; else 0
+    times: int
     reference: AnyReference
     lines: Sequence[Line]
-    files: Sequence[FileLine]
+    files: Sequence[Line]
     orders: Sequence[ObservedOrder | str]
     motion: Lyapunov
     growth: Conditioning
@@ -120,105 +162,58 @@ class Section:
 
     @property
     def verdict(self) -> str:
-        """Good, fair or bad: the worst of the files, or the best of the runs where there are none.
-
-        Good: as many digits as were asked for, or half of the number type's; fair: one or more.
-        """
-        words = [GOOD, FAIR, BAD]
-        if self.files:
-            known = [self.mark(x.judgement) for x in self.files]
-            return max(known, key=[*words, UNKNOWN].index)
-        known = [self.mark(x.judgement) for x in self.lines]
-        return min(known, key=[*words, UNKNOWN].index)
-
-    def mark(self, judgement: Judgement | None) -> str:
-        """The word for the fewest digits of a judgement."""
-        if judgement is None:
-            return UNKNOWN
-        worst = fewest(judgement)
-        if worst is None:
-            return UNKNOWN
-        held = min(judgement.subject.held, judgement.subject.number.most_digits)
-        enough = held / 2 if self.wanted is None else self.wanted
-        return GOOD if worst >= enough else FAIR if worst >= 1 else BAD
+        """That of the worst file; of the best run where there are no files."""
+        marks = [x.mark(self.wanted) for x in self.files or self.lines]
+        return (max if self.files else min)(marks, key=VERDICTS.index)
 
     def reach(self, line: Line) -> tuple[float | None, float | None]:
         """The times after which half of the digits and all of them are lost; None: not by the end.
 
-        Beyond the end by the exponent of a motion in which nearby ones separate exponentially.
+        Of a table as measured.  Of a run as expected; beyond the end by the exponent of a motion on
+        which nearby ones separate exponentially.
         """
         if line.run is None:
-            return None, None
-        expected = line.run.expected
-        held, end = line.run.number.most_digits, to_double(self.scene.end)
+            held = 0.0 if line.judgement is None else line.judgement.subject.held
+            return line.below(held / 2), line.below(1.0)
+        expected, end = line.run.expected, to_double(self.scene.end)
         rate = self.motion.exponent / math.log(10)
-        growing = self.motion.verdict in ("chaotic", "unstable") and rate > 0
-        times = []
-        for after, least in ((expected.halved_after, held / 2), (expected.lost_after, 0.0)):
-            if after is None and growing and expected.digits:
-                after = end + math.copysign((expected.digits[-1] - least) / rate, end)
-            times.append(after)
-        return times[0], times[1]
+        separates = self.motion.verdict in ("chaotic", "unstable") and rate > 0
+        half = line.run.number.most_digits / 2
+
+        def beyond(after: float | None, least: float) -> float | None:
+            if after is not None or not (separates and expected.digits):
+                return after
+            return end + math.copysign((expected.digits[-1] - least) / rate, end)
+
+        return beyond(expected.halved_after, half), beyond(expected.lost_after, 0.0)
 
 
-def fewest(judgement: Judgement) -> float | None:
-    """The fewest correct digits of all that was judged; None where nothing was."""
-    try:
-        return judgement.worst
-    except BadInput:
-        return None
-
-
-def last_of(judgement: Judgement) -> float | None:
-    """The fewest correct digits of any part at the last time."""
-    rows = [judgement.digits, *judgement.part_digits.values()]
-    return min((row[-1] for row in rows if row and row[-1] is not None), default=None)
-
-
-def section(scene: Scene, files: Sequence[FileLine], asked: Asked, say: Message) -> Section:
+def section(scene: Scene, files: Sequence[Line], asked: Asked, say: Message) -> Section:
     """Measure a scene's runs in every number type, their cost, and the motion itself."""
-    count = len(scene.times)
-    if count > MOST_TIMES:
-        scene = scene.at([scene.times[k] for k in few(count, MOST_TIMES)])
+    times = len(scene.times)
+    if times > MOST_TIMES:
+        scene = scene.at([scene.times[k] for k in few(times, MOST_TIMES)])
     lines, faults = [], []
     for name, options in _kinds(asked):
         say(f"{scene.name}: {name}")
         try:
-            run = integrate(scene, **options)
+            lines.append(_judged(name, integrate(scene, **options), asked, options))
         except BadInput as fault:
             faults.append(fault)
-            lines.append(Line(name, None, None, why=str(fault)))
-            continue
-        if run.outcome is Outcome.INTERRUPTED:
-            raise KeyboardInterrupt
-        lines.append(_judged(name, run, asked, options))
-        end_if_interrupted()
+            lines.append(Line(name, None, str(fault)))
     if len(faults) == len(lines):
         raise faults[0]
     say(f"{scene.name}: what the motion does to errors")
-    motion = lyapunov(scene, max_steps=MOTION_STEPS)
-    growth = conditioning(scene, [scene.end])
+    motion, growth = lyapunov(scene, max_steps=MOTION_STEPS), conditioning(scene, [scene.end])
     unprojected = None
     with suppress(BadInput):
-        unprojected = integrate(scene, asked.number or "double", project=False)
-    end_if_interrupted()
+        unprojected = _run(scene, {"number": asked.number or "double", "project": False})
     say(f"{scene.name}: speed against error")
     until = min((x.until for x in lines if x.until is not None), key=abs, default=scene.end)
     work = _work(scene, until, asked) if any(x.judgement for x in lines) else []
-    end_if_interrupted()
-    return Section(
-        scene,
-        count if count > MOST_TIMES else 0,
-        reference(scene),
-        lines,
-        files,
-        [*_orders(files)],
-        motion,
-        growth,
-        work,
-        unprojected,
-        asked.digits,
-    )
+    orders, against = _orders(files), reference(scene)
+    parts = against, lines, files, orders, motion, growth, work, unprojected, asked.digits
+    return Section(scene, times, *parts)
 
 
 def _kinds(asked: Asked) -> list[tuple[str, dict[str, Any]]]:
@@ -231,70 +226,64 @@ def _kinds(asked: Asked) -> list[tuple[str, dict[str, Any]]]:
     return kinds
 
 
+def _run(scene: Scene, options: Mapping[str, Any]) -> Trajectory:
+    """A run; Ctrl-C, which ends it early without an exception, ends all."""
+    run = integrate(scene, **options)
+    if run.outcome is Outcome.INTERRUPTED or heard.came:
+        raise KeyboardInterrupt
+    return run
+
+
 def _judged(name: str, run: Trajectory, asked: Asked, options: Mapping[str, Any]) -> Line:
     """A run held against its reference, as far as a proof goes in the time that it may take."""
-    times = run.times
     part, why = run, "" if run.outcome.done else f"the run ended early: {run.cause}"
-    while len(part.times):
+    while any(part.times):
         try:
-            judgement = compare(part, **_limits(asked, part.scene))
+            judgement = compare(part, **asked.limits(run.scene))
             _ = judgement.worst
         except BadInput as fault:
             if fault.key not in ("max_seconds", "at"):
-                return Line(name, run, None, why=str(fault))
-            seconds = fault.value if isinstance(fault.value, float) else math.inf
-            share = min(0.5, asked.max_seconds / seconds if seconds > 0 else 0.5)
-            count = int(len(part.times) * share)
-            why = "no reference to these digits within the time that a proof may take"
-            if not any(part.times[:count]):
-                break
-            part = integrate(run.scene.at(run.scene.times[:count]), **options)
+                return Line(name, None, str(fault), run)
+            why = "no reference to these digits beyond, within the time that a proof may take"
+            seconds = fault.value if isinstance(fault.value, float) else 0.0
+            share = min(0.5, asked.max_seconds / max(seconds, 1e-9))
+            part = _run(run.scene.at(run.scene.times[: int(len(part.times) * share)]), options)
             continue
-        until = part.times[-1] if len(part.times) < len(times) else None
-        return Line(name, run, judgement, until, why)
-    return Line(name, run, None, why=why or "no output time was reached")
+        until = part.times[-1] if len(part.times) < len(run.times) else None
+        return Line(name, judgement, why, run, until)
+    return Line(name, None, why or "no output time was reached", run)
 
 
-def _limits(asked: Asked, scene: Scene) -> dict[str, Any]:
-    """What limits the proofs of a comparison: one foretold to take longer is not begun."""
-
-    def foretold(seconds: float) -> None:
-        if seconds > asked.max_seconds:
-            raise BadInput(scene.name, "max_seconds", seconds, "earlier times, or more seconds")
-
-    return {"max_seconds": asked.max_seconds, "forecast": foretold}
-
-
-def file_line(given: Given, scene: Scene, asked: Asked) -> FileLine:
+def of_table(given: Given, scene: Scene, asked: Asked) -> Line:
     """A table held against a scene; raises BadInput for one that cannot be read."""
     how: dict[str, Any] = {"columns": asked.columns, "read": asked.read}
     if isinstance(given.table, Trajectory):
         how = {}
     try:
-        judgement = compare(given.table, scene, **how, **_limits(asked, scene))
-        _ = judgement.worst
+        judgement = compare(given.table, scene, **how, **asked.limits(scene))
     except BadInput as fault:
         if fault.key != "max_seconds":
             raise
-        return FileLine(given, None, "no reference within the time that a proof may take")
-    return FileLine(given, judgement)
+        why = "not judged: no reference within the time that a proof may take"
+        return Line(given.name, None, why, given=given)
+    return Line(given.name, judgement, given=given)
 
 
-def _orders(files: Sequence[FileLine]) -> Sequence[ObservedOrder | str]:
+def _orders(files: Sequence[Line]) -> Sequence[ObservedOrder | str]:
     """The order of each method of which there are several files: names equal but for digits."""
 
-    def method(line: FileLine) -> str:
-        return re.sub(r"[\d.]+", "", line.given.name)
+    def method(line: Line) -> str:
+        return re.sub(r"[\d.]+", "", line.name)
 
     orders: list[ObservedOrder | str] = []
     for _, group in groupby(sorted(files, key=method), method):
-        lines = [line for line in group if line.judgement is not None]
-        steps = [line.given.step for line in lines]
-        if len(lines) < 2:
+        lines = [*group]
+        judgements = [x.judgement for x in lines if x.judgement is not None]
+        steps = [x.given.step for x in lines if x.judgement and x.given and x.given.step]
+        if len(judgements) < 2:
             continue
         try:
-            told = None if None in steps else steps
-            orders.append(order_between([x.judgement for x in lines if x.judgement], told))
+            orders.append(order_between(judgements, steps if len(steps) == len(lines) else None))
         except BadInput as fault:
             orders.append(f"no order of convergence: {fault}")
     return orders
@@ -305,15 +294,12 @@ def _work(scene: Scene, end: Exact, asked: Asked) -> list[Work]:
     plain = replace(scene, outputs=(), events=(), form="principal").at((end,))
     against = reference(plain)
     if isinstance(against, Certified):
-        against = Certified(plain, **_limits(asked, plain))
+        against = Certified(plain, **asked.limits(plain))
     rows = []
-    for name in NUMBERS if asked.number is None else [asked.number]:
-        for tolerance in (None, *TOLERANCES.get(name, ())):
-            try:
-                rows.append(_costed(plain, against, name, tolerance))
-            except BadInput:  # which the table of runs tells of
-                break
-            end_if_interrupted()
+    for number in NUMBERS if asked.number is None else [asked.number]:
+        with suppress(BadInput):  # of which the table of runs tells
+            for tolerance in (None, *TOLERANCES.get(number, ())):
+                rows.append(_costed(plain, against, number, tolerance))
     return rows
 
 
@@ -323,11 +309,11 @@ def _costed(scene: Scene, against: AnyReference, number: str, tolerance: str | N
     if number in TOLERANCES:
         go = propagator(scene, number=number, tol=tolerance)
         end = go.number.rounded(scene.end)
-        t = to_double(end) if number == "double" else end
-        call, held = partial(go, t=t), float(tolerance or go.number.eps)
+        call = partial(go, t=to_double(end) if number == "double" else end)
+        step = float(tolerance or go.number.eps)
     else:
-        run = integrate(scene, number)
-        end, held = run.times[-1], run.tolerance
+        run = _run(scene, {"number": number})
+        end, step = run.times[-1], run.tolerance
         call = partial(_last_state, scene, number)
     row = call()
     seconds: list[float] = []
@@ -336,14 +322,8 @@ def _costed(scene: Scene, against: AnyReference, number: str, tolerance: str | N
         row = call()
         seconds.append(time.process_time() - began)
     judgement = compare([row], against, at=[end], number=number, as_it_stands=True)
-    return Work(number, held, judgement.worst, min(seconds))
+    return Work(number, step, judgement.worst, min(seconds))
 
 
 def _last_state(scene: Scene, number: str) -> Any:
-    return integrate(scene, number).states[-1]
-
-
-def end_if_interrupted() -> None:
-    """Ctrl-C during a run ends the run early, without an exception."""
-    if heard.came:
-        raise KeyboardInterrupt
+    return _run(scene, {"number": number}).states[-1]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,19 +11,19 @@ from typing import Any
 from polhode.common.arguments import of_kind
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
-from polhode.common.files import check_writable, is_stream, make_folder, write_whole
+from polhode.common.files import check_writable, make_folder, write_whole
 from polhode.common.progress import Message
 from polhode.common.provenance import provenance
 from polhode.common.text_tables import aligned, counted
 from polhode.common.value_semantics import ByValue
-from polhode.judging.score.judgement import Judgement
+from polhode.judging.references.certified import Certified
+from polhode.judging.references.reference import reference
 from polhode.judging.tables.table_file import is_table
-from polhode.numbers.conversion import to_double
 from polhode.numbers.scalars import AnyNumber
-from polhode.output import accuracy
-from polhode.output.accuracy import Asked, FileLine, Given, Line, Section
+from polhode.output import accuracy, report_tables
+from polhode.output.accuracy import Asked, Given, Section
 from polhode.results import places, shown
-from polhode.results.cells import DOUBLE, INTEGER, TEXT
+from polhode.results.cells import TEXT
 from polhode.results.result import Result
 from polhode.results.table import Fact, Table, table_of_rows
 from polhode.results.writer import ENDINGS
@@ -41,8 +41,9 @@ _TOLD = re.compile(
     r"(?:(?(cost),)h=(?P<step>[^,=]+))?"
 )
 _UNITS = {"ms": 1e-3, "s": 1.0, "min": 60.0}
-#: What a report of a scene takes, roughly: seconds at least, and for each radian of the motion.
-_LEAST, _RADIAN = 2.0, 4e-3
+#: What a report of a scene takes, roughly: seconds at least, and for each radian of the motion
+#: where there is a closed form, and where a proof judges; the radians that are followed at most.
+_LEAST, _RADIAN, _PROOF, _FOLLOWED = 2.0, 4e-4, 0.04, 3e5
 
 
 def _unsaid(text: str) -> None:
@@ -70,28 +71,20 @@ class Report(Result, ByValue):
     def __str__(self) -> str:
         header, rows = shown.cells(self.table())
         lines = aligned(header, rows)
-        files = (f"{x.given.name}: {told_of(x)}" for one in self.sections for x in one.files)
+        files = (f"{x.name}: {x.sentence}" for one in self.sections for x in one.files)
         return "\n".join([*lines, *files])
 
     @cached_property
     def tables(self) -> Mapping[str, Table]:
         """All numbers, by the names of their tables."""
-        makers = {
-            "overview": (_OVERVIEW, _overview),
-            "runs": (_RUNS, _runs),
-            "digits": (_DIGITS, _digits),
-            "drift": (_DRIFT, _drift),
-            "events": (_EVENTS, _events),
-            "work": (_WORK, _work),
-            "files": (_FILES, _files),
-            "orders": (_ORDERS, _orders),
-        }
-        return {
-            name: table_of_rows(
-                types, [(x.scene.name, *row) for x in self.sections for row in rows(x)]
-            )
-            for name, (types, rows) in makers.items()
-        }
+        return report_tables.tables(self.sections)
+
+    @cached_property
+    def figures(self) -> Mapping[str, str]:
+        """The figures of the page as SVG, by the names of their files; none without matplotlib."""
+        from polhode.output import report_page
+
+        return report_page.figures(self.sections, self.tables)
 
     def table(self) -> Table:
         """A row for each scene: what it is, the fewest correct digits, and what limits them."""
@@ -114,13 +107,14 @@ class Report(Result, ByValue):
         from polhode.results import writer
 
         suffix = path.suffix.lower()
+        if suffix in writer.ENDINGS:
+            return writer.files(self.content(), path)
+        blocks = [*report_page.blocks(self.sections, self.tables, bool(self.figures))]
         if suffix == ".md":
             folder = _figure_folder(path)
-            figures = {folder / name: svg for name, svg in report_page.figures(self).items()}
-            return {path: report_page.markdown(self, folder.name), **figures}
-        if suffix == ".html" or is_stream(path):
-            return {path: report_page.html(self)}
-        return writer.files(self.content(), path)
+            figures = {folder / name: svg for name, svg in self.figures.items()}
+            return {path: report_page.markdown(blocks, folder.name), **figures}
+        return {path: report_page.html(blocks, self.figures)}
 
     def save(self, path: str | Path) -> None:
         """Write it: .html, one page; .md, with its figures in a folder beside it; or as a result.
@@ -220,7 +214,7 @@ def report(
     >>> found = polhode.report("euler/largest-axis", mine, end=2, number="double")
     >>> found
     <Report: 1 scene>
-    >>> [round(x) for x in found.fact("files").columns[4].values]
+    >>> [round(x) for x in found.tables["files"].columns[6].values]
     [15]
     """
     asked = Asked(number, digits, max_seconds, columns, read)
@@ -232,7 +226,7 @@ def report(
     judged = []
     for scene, tables in groups:  # what cannot be read is refused before the work
         say(f"{scene.name}: {counted(len(tables), 'table')}")
-        judged.append([accuracy.file_line(x, scene, asked) for x in tables])
+        judged.append([accuracy.of_table(x, scene, asked) for x in tables])
     sections = []
     for k, (scene, files) in enumerate(zip(scenes, judged, strict=True), 1):
 
@@ -320,154 +314,10 @@ def _timed(scene: Scene, end: AnyNumber | None, at: Iterable[AnyNumber] | None) 
 
 
 def _foretold(scenes: Sequence[Scene], groups: Sequence[tuple[Scene, Sequence[Given]]]) -> str:
-    seconds = sum(_LEAST + _RADIAN * min(1e5, 10.0**x.log10_angle) for x in scenes)
+    proofs = [isinstance(reference(scene), Certified) for scene in scenes]
+    costs = [_PROOF if proof else _RADIAN for proof in proofs]
+    each = zip(costs, scenes, strict=True)
+    seconds = sum(_LEAST + cost * min(_FOLLOWED, 10.0**scene.log10_angle) for cost, scene in each)
     tables = sum(len(tables) for _, tables in groups)
     also = f" and {counted(tables, 'table')}" if tables else ""
     return f"{counted(len(scenes), 'scene')}{also}: about {seconds + tables:.0f} s"
-
-
-# -- tables ---------------------------------------------------------------------------------------
-
-_OVERVIEW = {
-    **{"scene": TEXT, "reference": TEXT, "regime": TEXT, "motion": TEXT},
-    **{"digits_double": DOUBLE, "digits_extended": DOUBLE, "digits_quad": DOUBLE},
-    **{"limit": TEXT, "files": INTEGER, "digits_files": DOUBLE, "verdict": TEXT},
-}
-_RUNS = {
-    **{
-        "scene": TEXT,
-        "run": TEXT,
-        "number": TEXT,
-        "method": TEXT,
-        "steps": DOUBLE,
-        "digits": DOUBLE,
-    },
-    **{"t_of_digits": DOUBLE, "digits_end": DOUBLE, "judged_until": DOUBLE, "limit": TEXT},
-    **{"half_lost_after": DOUBLE, "lost_after": DOUBLE, "remark": TEXT},
-}
-_DIGITS = {
-    **{"scene": TEXT, "of": TEXT, "t": DOUBLE, "correct_digits": DOUBLE},
-    **{"digits_expected_least": DOUBLE, "digits_expected_most": DOUBLE},
-}
-_DRIFT = {"scene": TEXT, "of": TEXT, **dict.fromkeys(("h", "f", "gamma", "fourth"), DOUBLE)}
-_EVENTS = {
-    **{"scene": TEXT, "run": TEXT, "event": TEXT, "count": INTEGER, "t": TEXT, "sign": INTEGER},
-    **{"uncertainty": DOUBLE, "depth": DOUBLE},
-}
-_WORK = {"scene": TEXT, "of": TEXT, "tolerance": DOUBLE, "digits": DOUBLE, "seconds": DOUBLE}
-_FILES = {
-    **{"scene": TEXT, "file": TEXT, "verdict": TEXT, "part": TEXT, "digits": DOUBLE},
-    **{"t_of_digits": DOUBLE, "digits_end": DOUBLE, "half_lost_after": DOUBLE},
-    **{"lost_after": DOUBLE, "limit": TEXT, "reading": TEXT, "seconds": DOUBLE, "told": TEXT},
-}
-_ORDERS = {"scene": TEXT, "files": TEXT, "order": DOUBLE, "least": DOUBLE, "most": DOUBLE}
-
-_Row = tuple[Any, ...]
-
-
-def _overview(of: Section) -> Iterator[_Row]:
-    by_name = {line.name: line.judgement for line in of.lines}
-    digits = [_fewest(by_name.get(name)) for name in accuracy.NUMBERS]
-    judged = [x for x in by_name.values() if x is not None]
-    limit = judged[0].limit if judged else ""
-    files = [d for x in of.files if (d := _fewest(x.judgement)) is not None]
-    lowest = min(files, default=None)
-    kind = of.reference.kind, of.reference.regime, of.motion.verdict
-    yield (*kind, *digits, limit, len(of.files), lowest, of.verdict)
-
-
-def _fewest(judgement: Judgement | None) -> float | None:
-    return None if judgement is None else accuracy.fewest(judgement)
-
-
-def _runs(of: Section) -> Iterator[_Row]:
-    for line in of.lines:
-        run, judgement = line.run, line.judgement
-        own = ("", "", None) if run is None else (run.number.name, run.method, run.steps)
-        digits, t, limit = None, None, ""
-        if judgement is not None:
-            digits, t = judgement.worst, to_double(judgement.worst_time)
-            limit = judgement.limit
-        until = None if line.until is None else to_double(line.until)
-        yield (line.name, *own, digits, t, line.at_end, until, limit, *of.reach(line), line.why)
-
-
-def _digits(of: Section) -> Iterator[_Row]:
-    for name, judgement in _judgements(of):
-        rows = [x for x in (judgement.digits, *judgement.part_digits.values()) if x]
-        bands = judgement.expected or (None,) * len(judgement.times)
-        for k, (t, band) in enumerate(zip(judgement.times, bands, strict=True)):
-            correct = min((row[k] for row in rows if row[k] is not None), default=None)
-            edges = (None, None) if band is None else (band.least, band.most)
-            yield (name, to_double(t), correct, *edges)
-
-
-def _judgements(of: Section) -> Iterator[tuple[str, Judgement]]:
-    """All that was judged, by name."""
-    lines: list[tuple[str, Line | FileLine]] = [(x.name, x) for x in of.lines]
-    lines += [(x.given.name, x) for x in of.files]
-    yield from ((name, x.judgement) for name, x in lines if x.judgement is not None)
-
-
-def _drift(of: Section) -> Iterator[_Row]:
-    if of.unprojected is not None and of.unprojected.times:
-        yield (f"{of.unprojected.number.name}, not projected", *of.unprojected.drift)
-    for line in of.lines:
-        if line.run is not None and line.run.times:
-            yield (line.name, *line.run.drift)
-    for file in of.files:
-        if file.judgement is not None and file.judgement.drift is not None:
-            yield (file.given.name, *file.judgement.drift)
-
-
-def _events(of: Section) -> Iterator[_Row]:
-    for line in of.lines:
-        for event in line.run.events if line.run else ():
-            for k, (sign, *rest) in enumerate(
-                zip(event.signs, event.uncertainty, event.depths, strict=True)
-            ):
-                yield (line.name, event.name, k + 1, event.shown(k), sign, *rest)
-
-
-def _work(of: Section) -> Iterator[_Row]:
-    yield from of.work
-    for file in of.files:
-        if file.judgement is not None and file.given.seconds is not None:
-            yield (file.given.name, None, accuracy.last_of(file.judgement), file.given.seconds)
-
-
-def _files(of: Section) -> Iterator[_Row]:
-    for file in of.files:
-        judgement = file.judgement
-        mark, cost = of.mark(judgement), file.given.seconds
-        if judgement is None or _fewest(judgement) is None:
-            yield (file.given.name, mark, "", *(None,) * 5, "", "", cost, told_of(file))
-            continue
-        worst = judgement.worst_part, judgement.worst, to_double(judgement.worst_time)
-        later = _first_below(judgement, judgement.subject.held / 2), _first_below(judgement, 1.0)
-        ends = accuracy.last_of(judgement), *later, judgement.limit, judgement.reading or ""
-        yield (file.given.name, mark, *worst, *ends, cost, told_of(file))
-
-
-def _first_below(judgement: Judgement, digits: float) -> float | None:
-    """The first time at which fewer digits than these are right; None where that is never."""
-    rows = [x for x in (judgement.digits, *judgement.part_digits.values()) if x]
-    for k, t in enumerate(judgement.times):
-        if any(d is not None and d < digits for d in (row[k] for row in rows)):
-            return to_double(t)
-    return None
-
-
-def told_of(file: FileLine) -> str:
-    """What is said of a table in a sentence."""
-    if file.judgement is None:
-        return f"not judged: {file.why}"
-    if _fewest(file.judgement) is None:
-        return "nothing could be judged"
-    return file.judgement.verdict
-
-
-def _orders(of: Section) -> Iterator[_Row]:
-    for order in of.orders:
-        if not isinstance(order, str):
-            yield (", ".join(order.names), order.order, order.least, order.most)

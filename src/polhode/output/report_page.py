@@ -1,20 +1,20 @@
-"""The page of an accuracy report: blocks, written as Markdown or as HTML that needs nothing else."""
+"""The page of an accuracy report: blocks, written as Markdown or as one page of HTML."""
 
 from __future__ import annotations
 
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from html import escape
 from importlib.resources import files
 from string import Template
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from polhode.common.errors import BadInput
 from polhode.common.provenance import cpu, versions
 from polhode.common.text_tables import few, one_line, printable
-from polhode.figures import accuracy as figures_of
-from polhode.figures.accuracy import Curve, Point
+from polhode.figures import accuracy
 from polhode.figures.canvas import canvas
 from polhode.numbers.decimals import brief
 from polhode.output.accuracy import BAD, FAIR, GOOD, UNKNOWN, Section
@@ -24,8 +24,8 @@ from polhode.results.cells import doubles, word_of
 from polhode.results.table import Table, Value
 from polhode.scenes.scene_facts import scene_facts
 
-if TYPE_CHECKING:
-    from polhode.output.report import Report
+#: All numbers by the names of their tables.
+Tables: TypeAlias = Mapping[str, Table]
 
 TITLE = "Accuracy report"
 ROWS = 13  # of times, on a page; JSON has all
@@ -42,6 +42,11 @@ _LEGEND = (
     "numbers hold; fair: one or more; bad: none; unknown: nothing could be judged. Correct digits "
     "are -log10 of the relative error, the fewest of state, angles and attitude."
 )
+_ALTS = {
+    "body": "ellipsoid of inertia; an arrow to the centre of mass",
+    "digits": "correct digits over time; shaded: expected",
+    "work": "processor time over correct digits at the end",
+}
 _NO_FIGURES = "The figures need matplotlib, which is not installed: pip install 'polhode[figures]'."
 
 
@@ -84,69 +89,63 @@ class Picture(NamedTuple):
 Block: TypeAlias = Heading | Words | Verbatim | Grid | Picture
 
 
-def html(of: Report) -> str:
-    """The report as one page."""
-    svgs = figures(of)
-    parts = [_in_html(block, svgs) for block in blocks(of, bool(svgs))]
-    page = (files(__package__) / "report_page.html").read_text(encoding="utf-8")
-    return Template(page).substitute(title=TITLE, parts="\n".join(parts))
+def html(page: Sequence[Block], svgs: Mapping[str, str]) -> str:
+    """A page that needs nothing else, with figures by name in it."""
+    parts = "\n".join(_in_html(block, svgs) for block in page)
+    template = (files(__package__) / "report_page.html").read_text(encoding="utf-8")
+    return Template(template).substitute(title=TITLE, parts=parts)
 
 
-def markdown(of: Report, folder: str) -> str:
-    """The report as Markdown, its figures in a folder beside it."""
-    is_drawn = bool(figures(of))
-    return "\n\n".join(_in_markdown(block, folder) for block in blocks(of, is_drawn)) + "\n"
+def markdown(page: Sequence[Block], folder: str) -> str:
+    """The page as Markdown, its figures in a folder beside it."""
+    return "\n\n".join(_in_markdown(block, folder) for block in page) + "\n"
 
 
-def figures(of: Report) -> Mapping[str, str]:
+def figures(sections: Sequence[Section], of: Tables) -> Mapping[str, str]:
     """All figures as SVG by the names of their files; none where matplotlib is not installed."""
     try:
         canvas.require()
     except BadInput:
         return {}
     drawn = {}
-    for k, one in enumerate(of.sections, 1):
-        name = one.scene.name
-        curves, points = _curves(of, one), _points(of, one)
-        makers = {
-            "body": (figures_of.body, (one.scene.body,), f"{name}: principal moments, centre"),
-            "digits": (figures_of.digits, (one.scene, curves), f"{name}: digits over time"),
-            "work": (figures_of.work, (points,), f"{name}: processor time over digits"),
+    for k, one in enumerate(sections, 1):
+        draws = {
+            "body": partial(accuracy.body, of=one.scene.body),
+            "digits": partial(accuracy.digits, scene=one.scene, rows=_own(of, one, "digits")),
+            "work": partial(accuracy.work, rows=_own(of, one, "work")),
         }
-        for word, (draw, what, title) in makers.items():
-            if what[-1]:
-                drawn[f"{k}-{word}.svg"] = figures_of.drawn(draw, *what, title=title)
+        for word, draw in draws.items():
+            if word == "body" or draw.keywords["rows"]:
+                title = f"{one.scene.name}: {_ALTS[word]}"
+                drawn[f"{k}-{word}.svg"] = accuracy.drawn(draw, title)
     return drawn
 
 
-def blocks(of: Report, is_drawn: bool) -> Iterator[Block]:
+def blocks(sections: Sequence[Section], of: Tables, is_drawn: bool) -> Iterator[Block]:
     """The page: a row for each scene, then a section each."""
     yield Heading(1, TITLE)
-    yield from _first(of)
+    yield from _first(sections, of)
     if not is_drawn:
         yield Words(_NO_FIGURES)
-    for k, one in enumerate(of.sections, 1):
+    for k, one in enumerate(sections, 1):
         yield from _scene(of, one, k, is_drawn)
     packages = ", ".join(f"{name} {version}" for name, version in versions().items())
     yield Heading(2, "Provenance")
     yield Words(f"{packages}; {cpu()}. Seconds are processor seconds on this machine.")
 
 
-def _first(of: Report) -> Iterator[Block]:
+def _first(sections: Sequence[Section], of: Tables) -> Iterator[Block]:
     rows = []
-    for one, row in zip(of.sections, _rows(of.table()), strict=True):
-        name, _, regime, motion, *digits, limit, _, fewest, verdict = row
-        runs = [x for x in (_digits(d) for d in digits) if x]
+    for name, verdict, limit, _, regime, motion, *digits, _, fewest in _rows(of["overview"]):
+        runs = " / ".join(filter(None, map(_digits, digits)))
         mark = f"{_MARKS[verdict]} {verdict}"
-        rows.append([name, regime, motion, " / ".join(runs), limit, _digits(fewest), mark])
-    header = ["scene", "regime", "motion", "digits of the runs", "limit", "of the files", "verdict"]
-    anchors = [f"scene-{k}" for k in range(1, len(rows) + 1)]
-    yield Grid(header, rows, anchors)
-    types = ", ".join(line.name for line in of.sections[0].lines)
-    yield Words(f"Digits of the runs: {types}. {_LEGEND}")
+        rows.append([name, mark, runs, _digits(fewest), limit, motion, regime])
+    header = ["scene", "verdict", "digits of the runs", "of the files", "limit", "motion", "regime"]
+    yield Grid(header, rows, [f"scene-{k}" for k in range(1, len(rows) + 1)])
+    yield Words(f"Digits of the runs: {', '.join(x.name for x in sections[0].lines)}. {_LEGEND}")
 
 
-def _scene(of: Report, one: Section, k: int, is_drawn: bool) -> Iterator[Block]:
+def _scene(of: Tables, one: Section, k: int, is_drawn: bool) -> Iterator[Block]:
     scene = one.scene
     title = f"{scene.name}: {one_line(scene.title)}" if scene.title else scene.name
     yield Heading(2, title, f"scene-{k}")
@@ -159,13 +158,12 @@ def _scene(of: Report, one: Section, k: int, is_drawn: bool) -> Iterator[Block]:
         )
     yield Heading(3, "Correct digits over time")
     yield Words(_measured_against(one))
-    if is_drawn and of.tables["digits"].rows:
-        yield Picture(f"{k}-digits.svg", "correct digits over time; shaded: expected")
+    if is_drawn and _own(of, one, "digits"):
+        yield Picture(f"{k}-digits.svg", _ALTS["digits"])
     yield from _digits_table(of, one)
     for line in one.lines:
-        told_line = line.why if line.judgement is None else line.judgement.verdict
-        until = f"; {line.why}, judged to t = {brief(line.until)}" if line.until is not None else ""
-        yield Words(f"*{line.name}*: {told_line}{until}")
+        until = f"; {line.why} t = {brief(line.until)}" if line.until is not None else ""
+        yield Words(f"*{line.name}*: {line.sentence}{until}.")
     yield from _limits(of, one)
     yield from _files(of, one)
     yield from _table(of, one, "drift", "Drift of the integrals", _DRIFT_MEANS)
@@ -175,8 +173,8 @@ def _scene(of: Report, one: Section, k: int, is_drawn: bool) -> Iterator[Block]:
         "Each row is a prepared run to the end of the scene, the least processor time of up to "
         "five calls, and its correct digits there."
     )
-    if is_drawn and _points(of, one):
-        yield Picture(f"{k}-work.svg", "processor time over correct digits at the end")
+    if is_drawn and _own(of, one, "work"):
+        yield Picture(f"{k}-work.svg", _ALTS["work"])
     yield from _table(of, one, "work")
     text = str(scene_facts(scene)[1].value).rstrip()
     yield Verbatim(text, f"The scene; fingerprint {scene.provenance()['case']}")
@@ -191,11 +189,11 @@ _DRIFT_MEANS = (
 def _measured_against(one: Section) -> str:
     against, times = one.reference, len(one.scene.times)
     how = "the closed form in balls" if against.is_closed_form else "a proven enclosure"
-    thinned = f" ({times} of the scene's {one.thinned} times)" if one.thinned else ""
-    return f"Measured against {how} ({against.kind}: {against.regime}) at {times} times{thinned}."
+    thinned = f" of the scene's {one.times}" if one.times > times else ""
+    return f"Measured against {how} ({against.kind}: {against.regime}) at {times}{thinned} times."
 
 
-def _digits_table(of: Report, one: Section) -> Iterator[Block]:
+def _digits_table(of: Tables, one: Section) -> Iterator[Block]:
     """Times down, runs and files across: the digits, and in brackets the band expected."""
     rows = _own(of, one, "digits")
     names = [*dict.fromkeys(row[1] for row in rows)]
@@ -203,8 +201,8 @@ def _digits_table(of: Report, one: Section) -> Iterator[Block]:
     times = [*dict.fromkeys(time for _, time in sorted(cells, key=lambda x: abs(float(x[1]))))]
     shown_rows = []
     for t in (times[k] for k in few(len(times), ROWS)):
-        own = [cells.get((name, t)) for name in names]
-        shown_rows.append([t, *("" if x is None else _with_band(*x) for x in own)])
+        own = [cells.get((name, t), ()) for name in names]
+        shown_rows.append([t, *("" if not x else _with_band(*x) for x in own)])
     if shown_rows:
         yield Grid(["t", *names], shown_rows)
 
@@ -212,14 +210,14 @@ def _digits_table(of: Report, one: Section) -> Iterator[Block]:
 def _with_band(digits: float, least: float, most: float) -> str:
     """Digits, and in brackets the band that is expected."""
     text = _digits(digits)
-    return text if math.isnan(least) else f"{text} ({least:.1f} to {most:.1f})"
+    return text if math.isnan(least) else f"{text} ({least:.1f}–{most:.1f})"
 
 
 def _digits(x: float) -> str:
     return "" if math.isnan(x) else f"{x:.2f}"
 
 
-def _limits(of: Report, one: Section) -> Iterator[Block]:
+def _limits(of: Tables, one: Section) -> Iterator[Block]:
     yield Heading(3, "What limits them, and how far each number type reaches")
     header, rows = _shown(of, one, "runs")
     kept = ("run", "digits", "t_of_digits", "digits_end", "limit", "half_lost_after", "lost_after")
@@ -237,13 +235,13 @@ def _limits(of: Report, one: Section) -> Iterator[Block]:
     yield Words(f"The motion is {one.motion}.{told + '.' if told else ''} {beyond}")
 
 
-def _files(of: Report, one: Section) -> Iterator[Block]:
-    for file, row in zip(one.files, _own(of, one, "files"), strict=True):
-        yield Heading(3, f"File {file.given.name}: {row[2]}")
-        yield Verbatim(str(file.judgement) if file.judgement is not None else str(row[-1]))
-        half, lost = row[7], row[8]
-        places = {"half of the digits are": half, "no digit is": lost}
-        first = [f"from t = {t:.6g} on {x} left" for x, t in places.items() if not math.isnan(t)]
+def _files(of: Tables, one: Section) -> Iterator[Block]:
+    for line in one.files:
+        yield Heading(3, f"File {line.name}: {line.mark(one.wanted)}")
+        yield Verbatim(line.sentence if line.judgement is None else str(line.judgement))
+        words = "fewer than half of the digits are right", "none is"
+        places = zip(words, one.reach(line), strict=True)
+        first = [f"{x} from t = {t:.6g} on" for x, t in places if t is not None]
         if first:
             yield Words(f"Where it goes wrong: {'; '.join(first)}.")
     for order in one.orders:
@@ -251,7 +249,7 @@ def _files(of: Report, one: Section) -> Iterator[Block]:
         yield Verbatim(str(order))
 
 
-def _events(of: Report, one: Section) -> Iterator[Block]:
+def _events(of: Tables, one: Section) -> Iterator[Block]:
     header, rows = _shown(of, one, "events")
     if not rows:
         return
@@ -265,7 +263,7 @@ def _events(of: Report, one: Section) -> Iterator[Block]:
     yield Grid(header, kept)
 
 
-def _table(of: Report, one: Section, name: str, title: str = "", text: str = "") -> Iterator[Block]:
+def _table(of: Tables, one: Section, name: str, title: str = "", text: str = "") -> Iterator[Block]:
     header, rows = _shown(of, one, name)
     if not rows:
         return
@@ -288,35 +286,17 @@ def _rows(table: Table) -> list[tuple[Value, ...]]:
     return [*zip(*columns, strict=True)] if table.rows else []
 
 
-def _own(of: Report, one: Section, name: str) -> list[tuple[Value, ...]]:
+def _own(of: Tables, one: Section, name: str) -> list[tuple[Value, ...]]:
     """The rows of a scene."""
-    return [row for row in _rows(of.tables[name]) if row[0] == one.scene.name]
+    return [row for row in _rows(of[name]) if row[0] == one.scene.name]
 
 
-def _shown(of: Report, one: Section, name: str) -> tuple[list[str], list[list[str]]]:
+def _shown(of: Tables, one: Section, name: str) -> tuple[list[str], list[list[str]]]:
     """Header and rows of a scene as people read them, without the scene's name."""
-    table = of.tables[name]
+    table = of[name]
     columns = [x._replace(digits=4) for x in table.columns]
     header, rows = shown.cells(table._replace(columns=columns)) if table.rows else ([], [])
     return header[1:], [row[1:] for row in rows if row[0] == one.scene.name]
-
-
-def _curves(of: Report, one: Section) -> list[Curve]:
-    rows = _own(of, one, "digits")
-    types = {x.name: x.run.number.name for x in one.lines if x.run is not None}
-    types = {name: kind for name, kind in types.items() if name == kind}
-    curves = []
-    for name in dict.fromkeys(row[1] for row in rows):
-        t, digits, least, most = zip(*(row[2:] for row in rows if row[1] == name), strict=True)
-        is_run = name in types
-        curves.append(Curve(name, types.get(name, ""), t, digits, *((least, most) * is_run)))
-    return curves
-
-
-def _points(of: Report, one: Section) -> list[Point]:
-    names = {x.name for x in one.lines}
-    rows = _own(of, one, "work")
-    return [Point(name, name * (name in names), d, s) for _, name, _, d, s in rows]
 
 
 # -- blocks as text -------------------------------------------------------------------------------
@@ -361,14 +341,16 @@ def _in_html(block: Block, svgs: Mapping[str, str]) -> str:
             )
         case Picture(name, alt):
             caption = f"<figcaption>{_escaped(alt)}</figcaption>"
-            return f"<figure>{svgs[name]}{caption}</figure>" if name in svgs else ""
+            word = name.partition("-")[2].removesuffix(".svg")
+            return f'<figure class="{word}">{svgs[name]}{caption}</figure>' if name in svgs else ""
         case Grid(header, rows, anchors):
             head = "".join(f"<th>{_escaped(x)}</th>" for x in header)
             lines = []
             for k, row in enumerate(rows):
                 cells = [_escaped(x) for x in row]
                 if anchors:
-                    cells[0] = f'<a href="#{anchors[k]}">{cells[0]}</a>'
+                    name = cells[0].replace("/", "/<wbr>")
+                    cells[0] = f'<a href="#{anchors[k]}">{name}</a>'
                 lines.append("<tr>" + "".join(map(_cell, cells)) + "</tr>")
             body = "\n".join(lines)
             return f'<div class="wide"><table><tr>{head}</tr>\n{body}\n</table></div>'

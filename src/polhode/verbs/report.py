@@ -31,8 +31,8 @@ def options(parser: ArgumentParser) -> None:
     """The verb's own options."""
     parser.add_argument("what", type=word, nargs="*", metavar="SCENE|FILE", help=_WHAT)
     endings = (
-        ".html, a page that needs nothing else; .md, with its figures in a folder beside it; .json, "
-        "all numbers; .csv, .npz, .parquet; may be repeated"
+        ".html, a page that needs nothing else; .md, with its figures in a folder beside it; "
+        ".json, all numbers; .csv, .npz, .parquet; may be repeated"
     )
     parser.add_argument(
         "-o", dest="places", type=word, metavar="FILE", action="append", default=[], help=endings
