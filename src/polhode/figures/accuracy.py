@@ -28,7 +28,7 @@ _DARK = "@media (prefers-color-scheme: dark) { svg { color: #e8e8e8 } }"
 _SEEN_FROM = np.array([[-0.64, 0.77, 0.0], [-0.3, -0.25, 0.92]])  # across and up, of the body axes
 
 
-def digits(plt: Any, scene: Scene, rows: Sequence[Row]) -> Any:
+def digits(plt: Any, scene: Scene | None, rows: Sequence[Row]) -> Any:
     """Correct digits over time of runs and files, over the bands that are expected of the runs.
 
     ``rows``: scene, name, t, digits, and the band's edges, nan where unknown.

@@ -11,7 +11,7 @@ from typing import Any
 from polhode.common.arguments import of_kind
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
-from polhode.common.files import check_writable, make_folder, write_whole
+from polhode.common.files import check_writable
 from polhode.common.progress import Message
 from polhode.common.provenance import provenance
 from polhode.common.text_tables import aligned, counted
@@ -20,9 +20,9 @@ from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import reference
 from polhode.judging.tables.table_file import is_table
 from polhode.numbers.scalars import AnyNumber
-from polhode.output import accuracy, report_tables
+from polhode.output import accuracy, report_page, report_tables
 from polhode.output.accuracy import Asked, Given, Section
-from polhode.results import places, shown
+from polhode.results import places, shown, writer
 from polhode.results.cells import TEXT
 from polhode.results.result import Result
 from polhode.results.table import Fact, Table, table_of_rows
@@ -34,7 +34,6 @@ from polhode.scenes.output_times import even_times
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts
 
-PAGES = (".html", ".md")
 #: ``mine.csv=0.8s,h=0.01``: a table, what it cost, and its method's step.
 _TOLD = re.compile(
     r"(?P<file>.+?)=(?:(?P<cost>[\d.]+(?:e[+-]?\d+)?)\s*(?P<unit>ms|s|min))?"
@@ -82,8 +81,6 @@ class Report(Result, ByValue):
     @cached_property
     def figures(self) -> Mapping[str, str]:
         """The figures of the page as SVG, by the names of their files; none without matplotlib."""
-        from polhode.output import report_page
-
         return report_page.figures(self.sections, self.tables)
 
     def table(self) -> Table:
@@ -103,18 +100,10 @@ class Report(Result, ByValue):
 
     def files(self, path: Path) -> Mapping[Path, str | bytes]:
         """What stands in the files of a page or of numbers, by their places."""
-        from polhode.output import report_page
-        from polhode.results import writer
-
-        suffix = path.suffix.lower()
-        if suffix in writer.ENDINGS:
+        if path.suffix.lower() in ENDINGS:
             return writer.files(self.content(), path)
-        blocks = [*report_page.blocks(self.sections, self.tables, bool(self.figures))]
-        if suffix == ".md":
-            folder = _figure_folder(path)
-            figures = {folder / name: svg for name, svg in self.figures.items()}
-            return {path: report_page.markdown(blocks, folder.name), **figures}
-        return {path: report_page.html(blocks, self.figures)}
+        blocks = report_page.blocks(self.sections, self.tables, bool(self.figures))
+        return report_page.files(path, [*blocks], self.figures)
 
     def save(self, path: str | Path) -> None:
         """Write it: .html, one page; .md, with its figures in a folder beside it; or as a result.
@@ -136,24 +125,14 @@ class Report(Result, ByValue):
 
 def check_place(path: Path, inputs: Iterable[Path | None] = ()) -> None:
     """Refuse a path to which no report can be written; raises BadInput."""
-    check_writable(path, (*PAGES, *ENDINGS), inputs)
+    check_writable(path, (*report_page.ENDINGS, *ENDINGS), inputs)
     if path.suffix.lower() in ENDINGS:
         places.check_place(path, "Report", inputs)
 
 
-def write(of: Report, paths: Iterable[Path]) -> Sequence[Path]:
-    """Write a report in several ways, all files or none; their places."""
-    texts = {place: text for path in paths for place, text in of.files(path).items()}
-    for path in paths:
-        if _figure_folder(path) in (place.parent for place in texts):
-            make_folder(_figure_folder(path))
-    write_whole(texts)
-    return [*texts]
-
-
-def _figure_folder(path: Path) -> Path:
-    """Where the figures of a page in Markdown are."""
-    return path.with_name(f"{path.stem}-figures")
+def write(of: Report, paths: Iterable[Path]) -> None:
+    """Write a report in several ways, all files or none."""
+    report_page.write({place: text for path in paths for place, text in of.files(path).items()})
 
 
 def report(

@@ -5,13 +5,17 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 from html import escape
-from importlib.resources import files
+from importlib import resources
+from pathlib import Path
 from string import Template
 from typing import NamedTuple, TypeAlias
 
 from polhode.common.errors import BadInput
+from polhode.common.files import make_folder, write_whole
+from polhode.common.json_text import JsonObject
 from polhode.common.provenance import cpu, versions
 from polhode.common.text_tables import few, one_line, printable
 from polhode.figures import accuracy
@@ -28,6 +32,7 @@ from polhode.scenes.scene_facts import scene_facts
 Tables: TypeAlias = Mapping[str, Table]
 
 TITLE = "Accuracy report"
+ENDINGS = (".html", ".md")
 ROWS = 13  # of times, on a page; JSON has all
 EVENTS = 12
 #: What a scene's first lines tell, of what ``polhode show`` does.
@@ -43,7 +48,7 @@ _LEGEND = (
     "are -log10 of the relative error, the fewest of state, angles and attitude."
 )
 _ALTS = {
-    "body": "ellipsoid of inertia; an arrow to the centre of mass",
+    "body": "ellipsoid of inertia; an arrow along Mg r0",
     "digits": "correct digits over time; shaded: expected",
     "work": "processor time over correct digits at the end",
 }
@@ -89,16 +94,23 @@ class Picture(NamedTuple):
 Block: TypeAlias = Heading | Words | Verbatim | Grid | Picture
 
 
-def html(page: Sequence[Block], svgs: Mapping[str, str]) -> str:
-    """A page that needs nothing else, with figures by name in it."""
-    parts = "\n".join(_in_html(block, svgs) for block in page)
-    template = (files(__package__) / "report_page.html").read_text(encoding="utf-8")
-    return Template(template).substitute(title=TITLE, parts=parts)
+def files(path: Path, page: Sequence[Block], svgs: Mapping[str, str]) -> Mapping[Path, str | bytes]:
+    """The files of a page: .md with its figures in a folder beside it, or all in one of HTML."""
+    if path.suffix.lower() != ".md":
+        parts = "\n".join(_in_html(block, svgs) for block in page)
+        template = (resources.files(__package__) / "report_page.html").read_text(encoding="utf-8")
+        return {path: Template(template).substitute(title=TITLE, parts=parts)}
+    folder = path.with_name(f"{path.stem}-figures")
+    text = "\n\n".join(_in_markdown(block, folder.name) for block in page) + "\n"
+    return {path: text, **{folder / name: svg for name, svg in svgs.items()}}
 
 
-def markdown(page: Sequence[Block], folder: str) -> str:
-    """The page as Markdown, its figures in a folder beside it."""
-    return "\n\n".join(_in_markdown(block, folder) for block in page) + "\n"
+def write(texts: Mapping[Path, str | bytes]) -> None:
+    """Write the files of pages, all or none, in folders that are made where they are not there."""
+    for path in texts:
+        if path.parent.name.endswith("-figures"):
+            make_folder(path.parent)
+    write_whole(texts)
 
 
 def figures(sections: Sequence[Section], of: Tables) -> Mapping[str, str]:
@@ -153,9 +165,7 @@ def _scene(of: Tables, one: Section, k: int, is_drawn: bool) -> Iterator[Block]:
     rows = [line.split(None, 1) for line in told if line.split(None, 1)[0] in _TOLD]
     yield Grid(["what it is", ""], [row for row in rows if len(row) == 2])
     if is_drawn:
-        yield Picture(
-            f"{k}-body.svg", "ellipsoid of inertia; the arrow leads to the centre of mass"
-        )
+        yield Picture(f"{k}-body.svg", _ALTS["body"])
     yield Heading(3, "Correct digits over time")
     yield Words(_measured_against(one))
     if is_drawn and _own(of, one, "digits"):
@@ -176,7 +186,7 @@ def _scene(of: Tables, one: Section, k: int, is_drawn: bool) -> Iterator[Block]:
     if is_drawn and _own(of, one, "work"):
         yield Picture(f"{k}-work.svg", _ALTS["work"])
     yield from _table(of, one, "work")
-    text = str(scene_facts(scene)[1].value).rstrip()
+    text = (scene.source or str(scene_facts(scene)[1].value)).strip()
     yield Verbatim(text, f"The scene; fingerprint {scene.provenance()['case']}")
 
 
@@ -275,6 +285,34 @@ def _table(of: Tables, one: Section, name: str, title: str = "", text: str = "")
     yield Grid([header[k] for k in used], [[row[k] for k in used] for row in rows])
 
 
+def of_tests(rows: Sequence[JsonObject]) -> tuple[list[Block], Mapping[str, str]]:
+    """The page of a test suite's judgements, and its figures.
+
+    ``rows``: of each judgement the test and whether it passed, the scene, the times, the digits,
+    and the verdict.
+    """
+    header = ["test", "verdict", "digits", "scene", "what they mean"]
+    marks = {True: f"{_MARKS[GOOD]} passed", False: f"{_MARKS[BAD]} failed"}
+    cells = [
+        (x["test"], marks[x["passed"]], f"{x['worst']:.2f}", x["scene"], x["verdict"]) for x in rows
+    ]
+    page: list[Block] = [Heading(1, TITLE), Grid(header, cells)]
+    svgs = {}
+    for k, scene in enumerate(dict.fromkeys(row["scene"] for row in rows), 1):
+        curves = [
+            (scene, x["test"].rpartition("::")[2], *pair, math.nan, math.nan)
+            for x in rows
+            if x["scene"] == scene
+            for pair in zip(x["t"], x["digits"], strict=True)
+        ]
+        with suppress(BadInput):  # without matplotlib there are no figures
+            canvas.require()
+            draw = partial(accuracy.digits, scene=None, rows=curves)
+            svgs[f"{k}-digits.svg"] = accuracy.drawn(draw, f"{scene}: {_ALTS['digits']}")
+            page += [Heading(2, scene), Picture(f"{k}-digits.svg", "correct digits over time")]
+    return page, svgs
+
+
 # -- rows of the tables ---------------------------------------------------------------------------
 
 
@@ -335,7 +373,7 @@ def _in_html(block: Block, svgs: Mapping[str, str]) -> str:
         case Verbatim(text, summary):
             pre = f"<pre>{_escaped(text)}</pre>"
             return (
-                f"<details><summary>{_escaped(summary)}</summary>{pre}</details>"
+                f"<details open><summary>{_escaped(summary)}</summary>{pre}</details>"
                 if summary
                 else pre
             )
@@ -359,8 +397,8 @@ def _in_html(block: Block, svgs: Mapping[str, str]) -> str:
 def _cell(text: str) -> str:
     """A cell of a table, with the colour of a verdict where it is one."""
     mark, _, word = text.partition(" ")
-    verdict = f' class="{word}"' if _MARKS.get(word) == mark else ""
-    return f"<td{verdict}>{text}</td>"
+    named = {x: name for name, x in _MARKS.items()}.get(mark) if word else None
+    return f'<td class="{named}">{text}</td>' if named else f"<td>{text}</td>"
 
 
 def _escaped(text: str) -> str:

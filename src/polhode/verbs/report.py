@@ -77,12 +77,12 @@ def main(options: Namespace) -> int:
             forecast=lambda text: note(f"report: {text}"),
         )
         line.say("pages")
-        written = report.write(found, paths)
+        report.write(found, paths)
     if options.json:
         write_stdout(found.to_json())
     else:
         (note if any(map(is_stdout, paths)) else say)(str(found))
-    if written:
+    if paths:
         note(f"report: written: {', '.join(str(x) for x in paths if not is_stdout(x))}")
     return DONE
 
