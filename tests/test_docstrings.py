@@ -31,6 +31,7 @@ LONG = (
     *("dynamics.periodic_orbits.orbit", "dynamics.chaos.chaos_map", "dynamics.sections.section"),
     *("dynamics.frequencies.frequencies", "judging.conditioning.lyapunov", "judging.rolling_cones"),
     *("proofs.chaos.prove_chaos", "proofs.prove_orbit", "proofs.prove_orbits", "proofs.refusals"),
+    *("proofs.prove_stability", "proofs.proved_stability"),
 )
 
 

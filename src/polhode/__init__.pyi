@@ -39,6 +39,8 @@ from polhode.judging.conditioning.conditioning import Conditioning as Conditioni
 from polhode.judging.conditioning.conditioning import conditioning as conditioning
 from polhode.judging.conditioning.lyapunov import Lyapunov as Lyapunov
 from polhode.judging.conditioning.lyapunov import lyapunov as lyapunov
+from polhode.judging.field_terms import FieldComparison as FieldComparison
+from polhode.judging.field_terms import compare_field as compare_field
 from polhode.judging.references.certified import Certified as Certified
 from polhode.judging.references.reference import Reference as Reference
 from polhode.judging.references.reference import reference as reference
@@ -58,7 +60,9 @@ from polhode.proofs.chaos.prove_chaos import prove_chaos as prove_chaos
 from polhode.proofs.prove_orbit import prove_orbit as prove_orbit
 from polhode.proofs.prove_orbits import ProvedOrbits as ProvedOrbits
 from polhode.proofs.prove_orbits import prove_orbits as prove_orbits
+from polhode.proofs.prove_stability import prove_stability as prove_stability
 from polhode.proofs.proved_orbit import ProvedOrbit as ProvedOrbit
+from polhode.proofs.proved_stability import ProvedStability as ProvedStability
 from polhode.proofs.refusals import NotProved as NotProved
 from polhode.results.result import Result as Result
 from polhode.runs.propagator import Propagator as Propagator

@@ -45,11 +45,12 @@ def _lowest_limit_of_digits():
 
 @pytest.fixture(scope="module")
 def certificates(tmp_path_factory):
-    """Of states, with their attitude too; in other axes; of an orbit; of chaos."""
+    """Of states, with their attitude too; in other axes; of an orbit, stability, chaos."""
     path = tmp_path_factory.mktemp("certificates") / "attitude.json"
     scene = replace(polhode.load("general/asymmetric-regular"), outputs=("attitude",))
     polhode.certify(scene, at=["1/2", 1], digits=16).save(path)
     files = {word: STORED / f"{word}.json" for word in ("turned-axes", "elliptic", "chaos")}
+    files["stability"] = STORED / "grioli-stability.json"
     files["attitude"] = path
     return {word: json.loads(file.read_text()) for word, file in files.items()}
 
@@ -90,7 +91,11 @@ def named(at):
 
 @pytest.mark.sample(1, slow=3)
 @pytest.mark.parametrize(
-    "word", ["turned-axes", "elliptic", "attitude", pytest.param("chaos", marks=pytest.mark.slow)]
+    "word",
+    [
+        *("turned-axes", "elliptic", "stability", "attitude"),
+        pytest.param("chaos", marks=pytest.mark.slow),
+    ],
 )
 def test_a_wrong_value_at_any_place_is_told_with_its_place(word, certificates):
     given = certificates[word]

@@ -26,6 +26,7 @@ SCENES = {
     "dzhanibekov": "euler/dzhanibekov",
     "elliptic": "general/asymmetric-chaotic",
     "grioli": "grioli/precession",
+    "grioli-stability": "grioli/precession",
     "grioli-turned-axes": "grioli/turned-axes",
     "hyperbolic": "general/asymmetric-chaotic",
     "irrational": "euler/irrational",

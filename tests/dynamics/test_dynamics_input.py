@@ -103,8 +103,8 @@ VERBS = {
     "section euler/prolate --h 1e-130 --f 0": "h = 1.0000000000000000e-130: expected of a",
     "orbit R --period 1e-300": "period = 1e-300: expected one near 0.89 or longer",
     "levels R --f-range 1e300:1e301 --h-range 1e300:1e301 -o l.svg": "f = 1.000000000000000",
-    "section R --f 1e300 --h 1e300": "f = 1.0000000000000000e+300: expected of a size with",
-    "map R --f 1e-300 --h 3": "f = 1.0000000000000000e-300: expected of a size within",
+    "section R --f 1e300 --h 1e300": "h = 1.0000000000000000e+300: expected above",
+    "map R --f 1e300 --h 3": "h = 3: expected above 2.5000000000000000e+599, below which",
     "section R --grid 5x5 --crossings 999999": "expected at most 10000000 crossings in all",
     # the parts of a section that is refused at its end go
     "section R --by p+9 --grid 2x2 --crossings 3 -o x.npz": "an expression that becomes zero",

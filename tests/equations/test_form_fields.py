@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import polhode
 from polhode.equations.form import equations
-from polhode.equations.forms import matrices
+from polhode.motion.frame import along
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.exact import sign
 from polhode.numbers.mpmath_context import mpf, mpmath
@@ -58,8 +58,9 @@ CASES = [(name, "") for name in FORMS if name != "routhian"] + [("routhian", x) 
 @few
 def test_start_and_field_are_those_of_the_vector_equations(name, kind, data):
     """And psi', where a form has it; the distance of the start from the singular set."""
-    form = formed(name, data.draw(scenes(kind or data.draw(st.sampled_from(KINDS)))))
-    scene, unit = form.scene, mpf(2) ** form.scene.time_unit
+    scene = data.draw(scenes(kind or data.draw(st.sampled_from(KINDS))))
+    form = formed(name, scene)
+    unit = mpf(2) ** scene.time_unit
     with mpmath.workdps(WORKING):
         values, k = numbers(form)
         row, rates = state(form, values, k), form.field(values, k, MP)
@@ -106,13 +107,14 @@ def test_what_holds_the_length_of_gamma_is_an_integral_off_its_value_too(name, p
 def test_axes_go_through_the_centre_of_mass_and_leave_out_one_product(name, scene):
     """Right-handed orthonormal, z along Mg r0 (unless 0), I12 or A12 = 0, all of it exactly."""
     form, body = equations(replace(scene, form=name)), scene.body
-    x, y, z = form.axes.directions
+    axes = form.frame.axes
+    x, y, z = axes.directions
     assert [sign(dot(a, b)) for a, b in ((x, y), (y, z), (z, x))] == [0, 0, 0]
     assert sign(dot(cross(x, y), z)) > 0
-    assert all(dot(u, u) == n for u, n in zip((x, y, z), form.axes.squares, strict=True))
+    assert all(dot(u, u) == n for u, n in zip((x, y, z), axes.squares, strict=True))
     matrix = body.inertia if name == "inertia-axes" else inverse(body.inertia)
-    assert matrices.along(form.axes, matrix)[0][1] == 0
-    across = [sign(t) for t in form.axes.components(body.torque)]
+    assert along(axes, matrix)[0][1] == 0
+    across = [sign(t) for t in axes.components(body.torque)]
     assert across == [0, 0, not body.torque_free]
     assert not {k for k in form.coefficients if k.endswith(".gamma3")}
 

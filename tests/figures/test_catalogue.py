@@ -53,7 +53,7 @@ def test_a_file_is_drawn_as_the_result_was(tmp_path, name):
     found = result_of_kind(name)
     found.save(tmp_path / "x.csv")
     again = polhode.load_result(tmp_path / "x.csv")
-    for what in catalogue.words(again.kind):
+    for what in catalogue.words(again.result):
         one = catalogue.drawn(found, ".svg", "x", what)
         assert one == catalogue.drawn(again, ".svg", "x", what)
         assert len(one) > 5000

@@ -246,6 +246,11 @@ CALLS: dict[str, tuple[Callable[..., Any], list[Any], dict[str, Any]]] = {
         {"name": "x", "zero": "p", "direction": "any", "stop": False},
     ),
     "rolling": (polhode.rolling, [None], {}),
+    "compare_field": (
+        polhode.compare_field,
+        [lambda t, y: 0 * y, "top.toml"],
+        {"variables": "omega"},
+    ),
     "conditioning": (polhode.conditioning, ["top.toml", [0]], {"number": "double"}),
     "lyapunov": (polhode.lyapunov, ["top.toml"], {"end": 1, "max_steps": 10}),
     "trajectory": (lambda t: polhode.integrate(top(), at=[0])(t), [0], {}),

@@ -54,6 +54,8 @@ BARE = (
     (0, "family grioli/precession --by h --to 0.84 -o family.json"),
     (0, "prove orbit grioli/precession -o orbit.json"),
     (0, "verify orbit.json"),
+    (0, "prove stability general/asymmetric-regular -o stability.json"),
+    (0, "verify stability.json"),
     (0, "frequencies lagrange/nutation --end 20"),
     (0, "benchmark --only staude-unstable -o benchmark"),
     (0, "study accuracy --quick --only euler/sphere"),

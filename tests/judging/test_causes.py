@@ -12,7 +12,9 @@ import pytest
 
 import polhode
 from polhode.cli import main
+from polhode.judging.diagnosis import causes
 from polhode.scenes.body import Body
+from polhode.scenes.vocabulary import STATE
 from shared.rough_methods import euler, midpoint, rk4
 from shared.tables import of_run, text
 
@@ -213,3 +215,55 @@ def test_a_cause_is_printed_and_in_json(tmp_path, capsys):
     told = json.loads(capsys.readouterr().out)["causes"]
     assert told["cause"][0] == "the moment C = 0.51 (the scene's is 0.5)"
     assert told["digits"][0] == pytest.approx(15.0, abs=0.05)
+
+
+# -- equations, of which no number is another ------------------------------------------------
+
+
+def of_equations(name, change):
+    """Rows of a program that integrates other equations well enough."""
+    f = polhode.field(scene(name))
+    y, rows = np.array(f.start), [f.start]
+    for _ in range(16):
+        for _ in range(40):
+            y = rk4(lambda t, y: change(f, y), y, 0.25 / 40)
+        rows.append(y)
+    rows = np.array(rows)
+    return {"t": np.arange(17) / 4, **dict(zip(STATE, rows.T, strict=True))}
+
+
+def constant(f, y):
+    return np.concatenate([np.zeros(3), np.cross(y[3:], y[:3])])
+
+
+@pytest.mark.parametrize("parts", [STATE, STATE[:3]])
+@pytest.mark.parametrize("name", ["lagrange/nutation", "general/asymmetric-regular"])
+def test_an_omega_that_stays_is_no_clock(name, parts):
+    """It was a clock of 0 times the pace."""
+    table = of_equations(name, constant)
+    found = polhode.compare({n: table[n] for n in ("t", *parts)}, scene(name))
+    (cause,) = found.causes
+    assert cause.words == causes.CONSTANT
+    assert cause.digits > 7
+    assert "explained by omega that stays as it is at t = 0, without the terms" in str(found)
+
+
+@pytest.mark.parametrize(
+    "pace", [Fraction(9, 10), Fraction(1, 8), Fraction(1, 12), Fraction(1, 50)]
+)
+def test_no_clock_is_slower_than_a_tenth(pace):
+    own, times = scene("lagrange/nutation"), [Fraction(k, 40) for k in range(21)]
+    slow = table(own, [pace * t for t in times], times)
+    told = [one.words for one in polhode.compare(slow, own).causes]
+    assert any("times the pace" in words for words in told) == (pace > 0.1)
+
+
+def test_other_equations_are_told_where_to_look():
+    name = "lagrange/nutation"
+    wrong = of_equations(name, lambda f, y: f(0, y) * np.repeat([1, -1], 3))
+    found = polhode.compare(wrong, scene(name))
+    last = str(found).splitlines()[-1]
+    words = "of a program's own equations polhode.compare_field(f, 'lagrange/nutation') names"
+    assert last.startswith(words)
+    right = of_equations(name, lambda f, y: f(0, y))
+    assert "compare_field" not in str(polhode.compare(right, scene(name)))

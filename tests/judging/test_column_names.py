@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 
 import mpmath
@@ -11,7 +12,7 @@ import pytest
 import polhode
 from polhode.judging.tables.column_aliases import columns
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
-from shared.tables import right, through
+from shared.tables import right, text, through
 
 SCENE = "lagrange/nutation"
 TIMES = [Fraction(3 * k, 4) for k in range(1, 14)]
@@ -191,3 +192,23 @@ def test_a_small_error_of_length_is_an_error():
     found = polhode.compare({"t": t} | dict(zip(ATTITUDE, q.T * (1 + 1e-7), strict=True)), SCENE)
     assert found.reading is None
     assert 6.9 < found.worst < 7.5
+
+
+def test_gx_beside_a_quaternion_is_what_its_length_says(tmp_path):
+    """A gyroscope's rates were read as gamma, and wrong in the first digit."""
+    scene = polhode.load("lagrange/nutation")
+    run = polhode.integrate(replace(scene, outputs=("attitude",)), at=[0, 0.5, 1, 2])
+    quaternion = dict(zip(("qw", "qx", "qy", "qz"), np.array(run.attitude).T, strict=True))
+    rates, gamma = (
+        dict(zip(("gx", "gy", "gz"), x.T, strict=True)) for x in np.split(run.states, 2, 1)
+    )
+    table = {"t": np.array(run.t), **quaternion}
+    found = polhode.compare(table | rates, scene)
+    assert found.worst > 14
+    assert {"omega", "attitude"} == {*found.part_digits}
+    assert "gx gy gz were read as rates, for they are no unit vector" in str(found)
+    (tmp_path / "x.csv").write_text(text(table | rates))
+    assert polhode.compare(tmp_path / "x.csv", scene).worst > 14
+    noisy = {name: x + 0.01 * np.sin(9 * table["t"]) for name, x in gamma.items()}
+    for vertical in (gamma, noisy):
+        assert {"gamma", "attitude"} == {*polhode.compare(table | vertical, scene).part_digits}

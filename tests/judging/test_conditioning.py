@@ -14,7 +14,6 @@ from hypothesis import strategies as st
 import polhode
 from polhode import cli
 from polhode.equations.forms import principal
-from polhode.equations.system import System, system
 from polhode.judging.conditioning.conditioning import conditioning
 from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.correct_digits import log10_rate
@@ -23,8 +22,8 @@ from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, QUAD, mp
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
-from polhode.taylor.integrator.prepared_system import PreparedSystem
 from polhode.taylor.integrator.stepping import Integrator
+from polhode.taylor.integrator.system import system
 from shared.answers import judged
 from shared.examples import examples
 from shared.motions import asymmetric, in_other_units
@@ -36,8 +35,8 @@ from shared.tables import of_run, through
 def states(scene: Scene, coefficients: dict, start: list, number) -> np.ndarray:
     """States in scene axes and units from coefficients and a start, in a wide type."""
     plain, unit = system(scene, ()), Fraction(2) ** scene.time_unit
-    what = System(plain.form, plain.names, (), coefficients, tuple(start))
-    rows, _ = Integrator(PreparedSystem(what, number)).chunk([t / unit for t in scene.times], 10**6)
+    what = replace(plain, coefficients=coefficients, start=tuple(start), number=number)
+    rows, _ = Integrator(what).chunk([t / unit for t in scene.times], 10**6)
     turn = np.array([[number_of(x) for x in row] for row in scene.body.axes.rows])
     rows = np.array(rows)
     return np.hstack([rows[:, :3] @ turn / number_of(unit), rows[:, 3:] @ turn])

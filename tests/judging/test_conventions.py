@@ -14,6 +14,7 @@ from polhode.cli import main
 from polhode.closed_forms.euler.top import EulerTop
 from polhode.common.errors import BadInput
 from polhode.judging.diagnosis import worlds
+from polhode.scenes.body import Body
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 from shared import drifting_files as files
 from shared.tables import of_run, right, text
@@ -318,6 +319,76 @@ def test_a_weight_of_the_other_sign_is_told_and_not_applied():
     assert found.worst < 1
     assert {one.convention for one in found.readings} == {"a weight of the other sign"}
     assert found.reading is None
+
+
+def other_body(inertia, weight):
+    """A change of a scene's body by signs of its products of inertia and of its weight."""
+
+    def changed(scene):
+        body = scene.body
+        rows = [
+            tuple(x * sign for x, sign in zip(row, signs, strict=True))
+            for row, signs in zip(body.inertia, inertia, strict=True)
+        ]
+        return replace(scene, body=Body(tuple(rows), body.centre, body.weight * weight))
+
+    return changed
+
+
+def full(**others):
+    numbers = {"omega": ["0.5", "1.2", "-0.7"], "quaternion": ["0.8", "0.2", "-0.4", "0.4"]}
+    inertia = [["1.3", "0.1", "-0.2"], ["0.1", "1.1", "0.15"], ["-0.2", "0.15", "0.9"]]
+    given = {"inertia": inertia, "centre": ["0.1", "0.2", "0.3"], "weight": "1.5"}
+    return polhode.top(**(given | numbers | others), outputs=["attitude"])
+
+
+SAME = ((1, 1, 1), (1, 1, 1), (1, 1, 1))
+ALL = ((1, -1, -1), (-1, 1, -1), (-1, -1, 1))
+XZ = ((1, 1, -1), (1, 1, 1), (-1, 1, 1))
+YZ = ((1, 1, 1), (1, 1, -1), (1, -1, 1))
+LIGHT = {"weight": "0.02", "omega": [1, "0.3", 2]}
+
+#: Scenes of which a table is the motion, changed so; and the words.
+OTHER_SCENES = {
+    "lagrange": ("lagrange/nutation", other_body(SAME, -1), "a weight"),
+    "kovalevskaya": ("kovalevskaya/generic", other_body(SAME, -1), "a weight"),
+    "chaotic": ("general/asymmetric-chaotic", other_body(SAME, -1), "a weight"),
+    "full, weight": (full(), other_body(SAME, -1), "a weight"),
+    "light": (full(**LIGHT), other_body(SAME, -1), "a weight"),
+    "products": (full(), other_body(ALL, 1), "products of inertia"),
+    "free": (full(weight=0), other_body(ALL, 1), "products of inertia"),
+    "Ixz": (full(), other_body(XZ, 1), "products of inertia of the other sign (Ixz)"),
+    "Iyz": (full(**LIGHT), other_body(YZ, 1), "products of inertia of the other sign (Iyz)"),
+    "quaternion": (
+        full(quaternion=["0.2", "-0.4", "0.4", "0.8"]),
+        lambda _: full(),
+        "the scene's quaternion taken as scalar-last",
+    ),
+}
+
+
+QUICK = ("lagrange", "free")
+
+
+@pytest.mark.parametrize(
+    "which",
+    [pytest.param(x, marks=() if x in QUICK else pytest.mark.slow) for x in OTHER_SCENES],
+)
+def test_the_digits_under_a_reading_are_those_under_it(which):
+    """They were those of the file as it stands, under the right words."""
+    own, change, words = OTHER_SCENES[which]
+    own = replace(polhode.load(own), outputs=("attitude",), events=())
+    run = polhode.integrate(change(own), at=[Fraction(k, 4) for k in range(25)])
+    table = of_run(run) | dict(zip(ATTITUDE, np.array(run.attitude).T, strict=True))
+    found = polhode.compare(some(table, OMEGA if which == "chaotic" else WHOLE), own)
+    assert found.worst < 3
+    assert found.readings
+    told = {x.name: x.values for x in found.fact("readings").columns}
+    for one, digits in zip(found.readings, told["digits"], strict=True):
+        assert words in one.convention
+        assert one.as_it_stands < 3 < 13.5 < one.digits == digits
+        assert f"; right with {one.convention}: {one.digits:.1f} digits" in str(found)
+        assert one.as_it_stands == pytest.approx(min(found.part_digits[one.part]), abs=1)
 
 
 # -- conventions that somebody tells ----------------------------------------------------------

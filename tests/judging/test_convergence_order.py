@@ -42,6 +42,26 @@ def test_the_order_of_a_method_is_seen(method, order):
     assert repr(found).startswith(f"<ObservedOrder {found.order:.2f}, ")
 
 
+def test_a_time_at_which_a_step_has_no_numbers_is_told():
+    """It was left out of all steps, and nobody was told."""
+
+    def mine(h):
+        y, rows = np.array(F.start), []
+        for _ in range(2):
+            for _ in range(round(1 / h)):
+                y = rk4(F, y, h)
+            rows.append(y)
+        return [rows[0], rows[1] * (np.nan if h > 0.1 else 1)]
+
+    found = order_of(mine, SCENE, [1 / 8, 1 / 16, 1 / 32, 1 / 64], at=[1, 2])
+    assert np.isnan(found.digits).tolist() == [[False, True]] + 3 * [[False, False]]
+    first, *others, last = str(found).splitlines()
+    assert first.endswith(f"{found.digits[0][0]:.2f} digits, no numbers at 1 of 2 times")
+    assert not any("no numbers" in line for line in others)
+    assert "at 2 of 2 times" in last
+    assert abs(found.order - 4) < 0.1
+
+
 @pytest.mark.slow
 def test_a_wrong_weight_has_no_order_and_steps_at_which_rounding_rules_do_not_count():
     broken = with_step(lambda f, y, h: rk4(f, y, h, 6.006))

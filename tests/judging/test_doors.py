@@ -15,7 +15,7 @@ import polhode
 from polhode import BadInput, cli
 from polhode.numbers import number_types
 from polhode.numbers.number_types import EXTENDED, extended_here
-from polhode.scenes.vocabulary import ATTITUDE, STATE
+from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 from shared.answers import judged
 from shared.tables import DOORS, of_run, right, text, through
 
@@ -383,16 +383,98 @@ def test_a_time_without_numbers_has_no_digits(count):
         mine[name][4:8] = np.nan
     mine["p"][8:] = np.nan  # of omega q and r are left
     found = polhode.compare(mine, "euler/largest-axis")
-    for digits in (found.digits, found.part_digits["omega"], found.part_digits["gamma"]):
+    for digits in (found.digits, found.part_digits["gamma"]):
         assert [k for k, d in enumerate(digits) if d is None] == [4, 5, 6, 7]
+    assert {*found.part_digits["omega"][4:]} == {None}  # a vector without p is none
     assert found.worst > 15
+
+
+def without(names, rows):
+    """Columns of three rows of a right table, of which some cells are none."""
+
+    def table():
+        columns = right(CASE, [0, 1, 2], "at", "attitude", "angles")
+        for name in names:
+            columns[name][rows] = np.nan
+        return columns
+
+    return table
+
+
+def masked():
+    table = {n: np.ma.array(x) for n, x in right(CASE, [0, 1, 2]).items()}
+    for name in STATE:
+        table[name][1:] = np.ma.masked
+    return table
+
+
+def nullable():
+    frame = pytest.importorskip("pandas").DataFrame(right(CASE, [0, 1, 2])).astype("Float64")
+    frame.loc[1:, "p"] = None
+    return frame
+
+
+WHOLE = (*STATE, *ATTITUDE, *ANGLES)
+NUMBERLESS = [
+    # columns, their cells, what the verdict says, whether the table goes to its end
+    (without(WHOLE, slice(1, 3)), "no numbers from t = 1 on (2 of 3 rows); ", False),
+    (without([n for n in WHOLE if n not in ("r", "q0", "phi")], slice(1, 3)), None, False),
+    (without(WHOLE, 0), "no numbers at t = 0 (1 of 3 rows); ", True),
+    (without(WHOLE, slice(0, 3, 2)), "no numbers in 2 of 3 rows, the first at t = 0; ", False),
+    (without(["gamma1"], 2), "no numbers of gamma at t = 2 (1 of 3 rows); ", True),
+    (without(["q1"], slice(1, 3)), "no numbers of attitude from t = 1 on (2 of 3 rows); ", True),
+    (without(["psi"], 1), "no numbers of angles at t = 1 (1 of 3 rows); ", True),
+    (without(["p", "theta"], 1), "no numbers of omega and angles at t = 1 (1 of 3 rows); ", True),
+    (without(WHOLE, slice(0, 3)), "nothing was judged: no numbers in any row", False),
+    (masked, "no numbers from t = 1 on (2 of 3 rows); ", False),
+    (nullable, "no numbers of omega from t = 1 on (2 of 3 rows); ", True),
+]
+
+
+@pytest.mark.parametrize(("table", "words", "complete"), NUMBERLESS)
+def test_rows_without_numbers_are_never_right(table, words, complete, tmp_path, capsys):
+    """A run that turned nan, with one column that stays, had as many digits as there are."""
+    words = words or "no numbers from t = 1 on (2 of 3 rows); "
+    columns = table()
+    found = polhode.compare(columns, CASE)
+    (verdict,) = [line for line in str(found).splitlines() if "no numbers" in line]
+    assert verdict.startswith(words)
+    assert words.strip("; ").split(": ")[-1] in repr(found)
+    assert found.complete is complete
+    for part, rows in found.gaps.items():
+        digits = found.part_digits.get(part, [None] * 3)
+        assert [k for k, d in enumerate(digits) if d is None] == [*rows]
+    with pytest.raises(BadInput, match="expected a number in each cell that is judged"):
+        polhode.testing.assert_digits(columns, CASE, at_least=3)
+    path = tmp_path / "x.csv"
+    path.write_text(text({n: np.array(np.ma.filled(x, np.nan), float) for n, x in columns.items()}))
+    assert cli.main(["compare", str(path), CASE]) == (0 if complete else 3)
+    assert words in capsys.readouterr().out
+    assert cli.main(["compare", str(path), CASE, "--at-least", "3"]) == 2
+
+
+def test_a_pole_has_no_psi_and_phi_to_lack():
+    times = [0, 1, 2]
+    table = right("lagrange/sleeping-stable", times, "angles")
+    assert np.isnan(table["psi"]).all()
+    assert polhode.compare(table, "lagrange/sleeping-stable").gaps == {}
+
+
+def test_a_run_that_ended_early_is_not_right():
+    run = polhode.integrate(CASE, at=[1, 20], max_steps=40)
+    found = polhode.compare(run)
+    words = "the run ended early, with 1 of 2 rows: the end needs more steps than the limit allows"
+    assert words in str(found)
+    assert not found.complete
+    with pytest.raises(BadInput, match=words):
+        polhode.testing.assert_digits(run, CASE, at_least=3)
 
 
 @pytest.mark.parametrize("names", ["p,q,r", "p,q,r,psi,theta,phi", "gamma1"])
 def test_a_table_without_numbers_has_no_digits(names, tmp_path, capsys):
     path = tmp_path / "x.csv"
     path.write_text(f"t,{names}\n1{',' * len(names.split(','))}\n")
-    answer = verdict(path, capsys)
+    answer = verdict(path, capsys, code=3)
     assert (answer["worst"], "correct_digits" in answer) == (None, False)
     assert [*answer["parts"].values()] == [[None]] * len(answer["parts"])
     assert "correct digits" not in str(polhode.compare(path, CASE))

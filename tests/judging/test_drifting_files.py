@@ -10,8 +10,10 @@ import pytest
 
 import polhode
 from polhode.common.errors import BadInput
+from polhode.scenes.vocabulary import ATTITUDE, STATE
 from shared import drifting_files as files
 
+PARTS = {"omega": STATE[:3], "gamma": STATE[3:], "attitude": ATTITUDE}
 STARTS_RIGHT = 3.0  # digits of the first rows of an exact program
 
 
@@ -40,6 +42,21 @@ def is_named(file, found):
 def plainly(convention):
     """A convention without the numbers of a rotation."""
     return re.sub(r"rotation of .* in", "rotation in", convention)
+
+
+def right_digits(file, part):
+    """Digits of a program that drifts, by one that does not, in the first rows: of vectors by
+    components, of attitudes by elements of R."""
+    theirs, exact = (
+        np.array([one[name][: files.EXACT_ROWS] for name in PARTS[part]]).T
+        for one in (file.columns, file.exact)
+    )
+    if part == "attitude":
+        order = [3, 0, 1, 2] if file.words[part] == "scalar-last" else [0, 1, 2, 3]
+        theirs, exact = (files.matrix(q[:, order]).reshape(-1, 9) for q in (theirs, exact))
+    size = np.linalg.norm(exact, axis=1).max() if part == "omega" else 1
+    with np.errstate(divide="ignore"):
+        return -np.log10(np.abs(theirs - exact).max(axis=1) / size)
 
 
 def is_wrong(file, reading):
@@ -71,6 +88,9 @@ def test_a_drifting_file_is_told_its_convention(name):
         first, *_, last = reading.rows
         assert 12 > first[1] > 2 > last[1] or first[1] > 12 > 3 > last[1]
         assert f"{last[1]:.1f} at t = 4" in str(reading)
+        for t, digits in reading.rows[1:-1]:
+            known = right_digits(file, part)[list(file.columns["t"]).index(float(t))]
+            assert digits == pytest.approx(known, abs=0.4)
         exact = "turned" not in name  # where the first row tells the rotation
         assert ("exact at t = 0, " in str(reading)) == exact
 

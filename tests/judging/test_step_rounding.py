@@ -8,15 +8,14 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from polhode.equations.system import system
 from polhode.judging.conditioning.rounding_errors import spacing, variances
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, extended_here
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.studies.ensembles import random_scene
-from polhode.taylor.integrator.prepared_system import PreparedSystem
 from polhode.taylor.integrator.stepping import Integrator
+from polhode.taylor.integrator.system import system
 from polhode.taylor.variations.flow_map import Flow
 from polhode.taylor.variations.state_transition import passage
 
@@ -75,8 +74,8 @@ def test_steps_that_are_taken_round_so_much(number, wide, kind):
     if number is EXTENDED and not extended_here():
         pytest.skip("no extended numbers here")
     scene = random_scene(kind, 16, [F(60)])
-    plain = system(replace(scene, form="principal"), ())
-    run, along = Integrator(PreparedSystem(plain, number)), passage(scene)
+    plain = system(replace(scene, form="principal"), number=number)
+    run, along = Integrator(plain), passage(scene)
     flow = Flow({name: number.rounded(x) for name, x in plain.coefficients.items()}, wide)
     squares, expected = np.zeros(6), np.zeros(6)
     for _ in range(100):

@@ -20,17 +20,16 @@ import numpy as np
 
 import polhode
 from polhode.common.provenance import cpu, versions
-from polhode.equations.system import system
 from polhode.judging.correct_digits import log10_errors, log10_rate
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly
-from polhode.runs.methods.taylor import TaylorMotion
+from polhode.runs.methods.taylor import TaylorMotion, system_of
 from polhode.runs.problem.options import Options
-from polhode.runs.problem.problem import problem
 from polhode.scenes import library, scene_file
 from polhode.studies.long_run import rows as long_run
 from polhode.taylor.backend import defaults, heyoka_numbers
 from polhode.taylor.batches import compiled_batch
+from polhode.taylor.integrator.system import system
 
 SCENE = (
     "schema = 1\n[body]\nmoments = [2, 3, 4]\ncentre = [0.3, 0.2, 0.5]\nweight = 1\n[start]\n"
@@ -102,11 +101,11 @@ def tolerances() -> None:
     scenes = [heavy(1000, f"1.{k}1") for k in range(7)]
     true = []
     for scene in scenes:
-        made = problem(scene, number_types.QUAD, inputs=number_types.DOUBLE)
+        made = system_of(scene, number_types.QUAD, inputs=number_types.DOUBLE)
         true.append(
-            TaylorMotion(made, scene, options=Options(project=False)).advance(
-                made.schedule(scene).inside
-            )[0][-1]
+            TaylorMotion(made, scene, options=Options(project=False)).advance(made.times(scene))[0][
+                -1
+            ]
         )
     rows = []
     for name, tol in [
@@ -121,12 +120,12 @@ def tolerances() -> None:
     ]:
         best, errors = float("inf"), []
         for scene, exact in [*zip(scenes, true, strict=True), *[(scenes[0], true[0])] * 14]:
-            made = problem(scene, number_types.DOUBLE, tol)
+            made = system_of(scene, number_types.DOUBLE, tol)
             motion, began = (
                 TaylorMotion(made, scene, options=Options(project=False)),
                 time.perf_counter(),
             )
-            row = motion.advance(made.schedule(scene).inside)[0][-1]
+            row = motion.advance(made.times(scene))[0][-1]
             taken = time.perf_counter() - began
             pairs = zip(row, exact, strict=True)
             errors.append(max(abs(float(exactly(a) - exactly(b))) for a, b in pairs))

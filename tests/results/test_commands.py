@@ -71,6 +71,7 @@ SAME: dict[str, Callable[[], Any]] = {
     f"prove orbits {GENERAL} --grid 4x4 --crossings 1": lambda: polhode.prove_orbits(
         GENERAL, (4, 4), crossings=1
     ),
+    f"prove stability {GENERAL}": lambda: polhode.prove_stability(GENERAL),
 }
 #: Those that draw their results.
 WITHOUT_FIGURE = ("list", "show", "about", "check", "order", "orbits", "verify", "prove orbits")
@@ -78,7 +79,7 @@ DRAWN = [
     *(f"{command} -o x.svg" for command in SAME if not command.startswith(WITHOUT_FIGURE)),
     pytest.param("prove chaos general/asymmetric-chaotic -o x.svg", marks=pytest.mark.campaign),
 ]
-CERTIFICATES = ("certify", "prove orbit grioli")
+CERTIFICATES = ("certify", "prove orbit grioli", "prove stability")
 
 
 def verb_of(command: str) -> Verb:

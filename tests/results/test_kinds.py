@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import json
+import pickle
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
@@ -64,8 +66,14 @@ def test_a_result_is_read_and_written_again_to_the_same_bytes(
     again = load_result(path)
     assert files(again.content(), path) == made
     if isinstance(again, Saved):
-        assert again.kind == content.kind
-        assert repr(again) == content.title
+        assert again.result == content.kind
+        assert repr(again) == f"<Saved {content.title[1:]}"
+        facts = {x.name for x in content.facts}
+        columns = {x.name for x in content.table.columns} - facts
+        assert facts | columns <= {*dir(again)}
+        for names, value in ((facts, again.fact), (columns, again.column)):
+            for name_of in names - {*dir(Saved)}:
+                assert same(getattr(again, name_of), value(name_of))
     else:
         assert again == told(name)
     alike = zip(again.content().table.columns, content.table.columns, strict=True)
@@ -115,6 +123,28 @@ def test_json_of_a_result_is_that_of_its_file(name: str, tmp_path: Path) -> None
     assert {*answer["about"]["facts"]} == {*answer} - {*RESERVED}
 
 
+@pytest.mark.parametrize("ending", [".json", ".csv", ".npz"])
+def test_a_loaded_orbit_has_what_an_orbit_has(ending: str, tmp_path: Path) -> None:
+    """It was called <Orbit ...>, was of the kind "Orbit", and had no period."""
+    live, path = told("Orbit"), tmp_path / f"x{ending}"
+    live.save(path)
+    again = load_result(path)
+    assert repr(again) == repr(live).replace("<", "<Saved ")
+    assert (again.result, again.kind) == ("Orbit", live.kind) == ("Orbit", "elliptic")
+    for name in ("period", "h", "f"):
+        assert getattr(again, name) == getattr(live, name)
+    assert again.residue == again.fact("residue") == pytest.approx(float(live.residue), rel=1e-15)
+    with pytest.raises(AttributeError, match=r"has no perod: .*'period'"):
+        _ = again.perod
+    assert pickle.loads(pickle.dumps(again)) == copy.copy(again) == again
+
+
+def test_the_class_s_name_is_still_the_kind_of_what_has_none(tmp_path: Path) -> None:
+    told("Levels").save(tmp_path / "x.json")
+    with pytest.warns(DeprecationWarning, match="result"):
+        assert load_result(tmp_path / "x.json").kind == "Levels"
+
+
 def test_the_kinds_that_are_read_are_those_that_there_are() -> None:
     for name in polhode.__all__:  # all rooms are imported
         getattr(polhode, name)
@@ -125,7 +155,7 @@ def test_the_kinds_that_are_read_are_those_that_there_are() -> None:
             yield from all_of(below)
 
     ours = {x.__name__ for x in all_of(Result) if x.__module__.startswith("polhode")}
-    assert ours - {"SweepResult", "Saved"} == {*reader.KINDS}
+    assert ours - {"SweepResult", "ProvedResult", "Saved"} == {*reader.KINDS}
 
 
 SCENE = replace(watched(), outputs=("angles", "attitude", "hodographs"))

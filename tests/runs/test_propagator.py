@@ -7,6 +7,7 @@ import math
 import pickle
 import signal
 import threading
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -150,7 +151,6 @@ def test_what_is_no_time_is_refused(t):
     [
         (lambda: polhode.propagator(scene(), number="quad"), "number"),
         (lambda: polhode.propagator(scene(), number="mp"), "number"),
-        (lambda: polhode.propagator(scene(outputs=["angles"])), "outputs"),
         (lambda: polhode.propagator(scene(events=[polhode.Event("nutation")])), "events"),
         (lambda: polhode.propagator(scene(form="momentum")), "run.form"),
         (lambda: polhode.propagator(scene(), tol=0), "tol"),
@@ -322,3 +322,27 @@ def test_an_array_of_times_that_lead_nowhere_is_refused(times, start):
         with pytest.raises(polhode.BadInput, match=r"monotone|finite|sign"):
             go(start, t=given)
     assert go(t=np.array([1.0])).shape == (1, 6)  # and it is usable
+
+
+@pytest.mark.parametrize("number", ["double", "extended"])
+def test_numbers_of_any_plain_kind_go_the_quick_way_to_the_same_bits(number, monkeypatch):
+    """A loop over np.linspace gives np.float64, a user types 1 for 1.0 and a list for a start."""
+    go = polhode.propagator("general/asymmetric-regular", number=number)
+    plain = [0.5, -0.25, 2.0, 0.0, 0.0, 1.0]
+    usual = go(np.array(plain, go(t=0.0).dtype), t=2.0)
+    monkeypatch.setattr(type(go), "_at_times", None)
+    for t in (2, 2.0, np.float64(2)):
+        for start in (plain, tuple(plain), [np.float64(x) for x in plain]):
+            assert np.array_equal(go(start, t=t), usual)
+    assert np.array_equal(go([0, 1, 0, 0, 0, 1], t=1), go([0.0, 1.0, 0.0, 0.0, 0.0, 1.0], t=1.0))
+    for start in ([2**53 + 1, 0, 0, 0, 0, 1], [True] * 6):  # not as they are in doubles
+        if number == "double":
+            with pytest.raises(polhode.BadInput):
+                go(start, t=1.0)
+
+
+def test_a_scenes_outputs_are_left_out():
+    case = polhode.load("lagrange/nutation")
+    assert case.outputs
+    go = polhode.propagator(case)
+    assert np.array_equal(go(t=1.0), polhode.propagator(replace(case, outputs=()))(t=1.0))

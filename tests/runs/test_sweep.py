@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import ctypes
 import math
 import pickle
+import platform
 import time
 from collections.abc import Iterable
 from dataclasses import replace
@@ -238,7 +240,7 @@ def test_the_unit_of_time_next_to_a_power_of_two():
     assert len({member.time_unit for member in many.members}) == 2
     assert_own_runs(many)
     plan = sweep_plan.planned(scene, {"start.omega[1]": rates}, None, None, None, None)
-    assert plan.time_units.tolist() == [m.time_unit for m in plan.members]
+    assert plan.exponents.tolist() == [m.time_unit for m in plan.members]
 
 
 @pytest.mark.parametrize("number", ["double", "extended"])
@@ -251,7 +253,7 @@ def test_what_cancels_along_turned_axes_is_exactly_nothing(number):
     exact = [member.body.axes.components(member.omega) for member in plan.members]
     assert [[x == 0 for x in row] for row in exact] == (plan.motions.starts == 0).tolist()
     assert (plan.motions.starts[0] == 0).any()
-    units = [Fraction(2) ** int(n) for n in plan.time_units]
+    units = [Fraction(2) ** int(n) for n in plan.exponents]
     near = [[float(x * unit) for x in row] for row, unit in zip(exact, units, strict=True)]
     assert np.array_equal(plan.motions.starts.astype(float), near)
 
@@ -455,3 +457,47 @@ def test_an_ensemble_is_a_value():
     assert many != polhode.integrate_many("lagrange/nutation", {"start.omega[3]": "3:4:3"}, at=[1])
     assert many.projected is False
     assert "States are *not* projected" in " ".join(polhode.integrate_many.__doc__.split())
+
+
+def test_a_long_sweep_is_printed_by_its_ends():
+    many = polhode.integrate_many("lagrange/nutation", {"start.omega[3]": "2:4:3000"}, at=["0.1"])
+    rows = str(many).splitlines()
+    assert len(rows) == 42
+    assert [rows[k].split()[0] for k in (1, 20, 21, 22, -1)] == ["1", "20", "...", "2981", "3000"]
+    assert "2960 more of 3000 members" in rows[21]
+    few = polhode.integrate_many("lagrange/nutation", {"start.omega[3]": "2:4:60"}, at=["0.1"])
+    assert len(str(few).splitlines()) == 61
+
+
+def test_parts_are_kept_in_a_folder_named_by_text(tmp_path):
+    folder = tmp_path / "parts"
+    again = [
+        polhode.integrate_many("lagrange/nutation", {"body.weight": [1, 2]}, at=[1], parts=parts)
+        for parts in (str(folder), folder)
+    ]
+    assert np.array_equal(again[0].states, again[1].states)
+    assert again[0].kept.folder == again[1].kept.folder == folder
+    with pytest.raises(polhode.BadInput, match="parts"):
+        polhode.reduce_many("lagrange/nutation", {"body.weight": [1]}, "final", parts=3)
+
+
+@pytest.mark.parametrize("mode", [0x400, 0x800, 0xC00])
+def test_a_rounding_mode_that_a_library_left_is_refused(mode):
+    libm = ctypes.CDLL(None)
+    if not hasattr(libm, "fesetround") or platform.machine() != "x86_64":
+        pytest.skip("no rounding mode to set")
+    case, vary_one = polhode.load("lagrange/nutation"), {"body.weight": [1, 2]}
+    ways = [
+        lambda: polhode.integrate(case),
+        lambda: polhode.propagator(case),
+        lambda: polhode.integrate_many(case, vary_one),
+        lambda: polhode.reduce_many(case, vary_one, "final"),
+        lambda: polhode.section(case, starts=[[1, 0.2]], crossings=1),
+    ]
+    for way in ways:
+        libm.fesetround(mode)
+        try:
+            with pytest.raises(polhode.BadInput, match="rounding mode"):
+                way()
+        finally:
+            libm.fesetround(0)

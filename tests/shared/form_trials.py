@@ -96,8 +96,8 @@ def along(axes, vector):
 def state(form, values, k):
     """w and gamma in the scene's axes and its own unit of time."""
     omega, gamma = form.state(values, k, MP)
-    unit = mpf(2) ** form.scene.time_unit
-    return [x / unit for x in along(form.axes, omega)] + along(form.axes, gamma)
+    axes, unit = form.frame.axes, mpf(2) ** form.frame.exponent
+    return [x / unit for x in along(axes, omega)] + along(axes, gamma)
 
 
 def vector_field(scene, row):

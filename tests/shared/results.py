@@ -61,6 +61,7 @@ MAKERS: dict[str, Callable[[], Storable]] = {
     "Orbit": lambda: polhode.orbit("grioli/precession", digits=20),
     "ProvedOrbit": lambda: polhode.prove_orbit("grioli/precession"),
     "ProvedOrbits": lambda: polhode.prove_orbits("general/asymmetric-regular", (4, 4), crossings=1),
+    "ProvedStability": lambda: polhode.prove_stability("general/asymmetric-regular"),
     "ProvedChaos": lambda: polhode.prove_chaos("general/asymmetric-chaotic"),
     "Verdict": lambda: polhode.Verdict(False, "not proved: the condition of the step"),
     "Lyapunov": lambda: polhode.lyapunov("euler/largest-axis", 200),
@@ -71,7 +72,7 @@ MAKERS: dict[str, Callable[[], Storable]] = {
     "OrbitFamily": lambda: polhode.orbit_family("grioli/precession", "h", "0.752"),
 }
 #: Whose JSON is its certificate.
-CERTIFIED = ("Certified", "Enclosure", "ProvedChaos", "ProvedOrbit")
+CERTIFIED = ("Certified", "Enclosure", "ProvedChaos", "ProvedOrbit", "ProvedStability")
 
 
 @functools.cache

@@ -38,3 +38,29 @@ def test_page_and_figures_follow_from_the_rows():
         row.pop("drawn", None)
     assert "manifolds.svg" not in report.page(found)
     assert [*figure.svgs(found)] == ["proofs"]
+
+
+def test_the_column_of_stable_orbits_counts_the_elliptic_ones():
+    found = committed("proofs")
+    assert "stable" not in page.tables(found)["orbits"].header
+    for one in found["orbits"]:
+        elliptic = [row for row in one["orbits"] if row.get("kind") == "elliptic"]
+        for n, row in enumerate(elliptic):
+            row["stable"] = n > 0
+    table = page.tables(found)["orbits"]
+    place = table.header.index("stable")
+    for one, cells in zip(found["orbits"], table.rows, strict=True):
+        count = sum("stable" in row for row in one["orbits"])
+        assert cells[place] == (f"{count - 1} of {count}" if count else "–")
+
+
+@pytest.mark.slow
+def test_elliptic_orbits_of_a_search_are_proved_to_be_stable():
+    found = rows.rows(True, lambda text: None, lambda name: True)
+    orbits = [row for one in found["orbits"] for row in one["orbits"] if row["proved"]]
+    stable = [row for row in orbits if row.get("stable")]
+    assert stable
+    assert all(row["kind"] == "elliptic" and row["twist"] for row in stable)
+    assert {row["kind"] for row in orbits if "stable" not in row} <= {
+        *("hyperbolic", "inverse hyperbolic")
+    }

@@ -116,7 +116,7 @@ REFUSED = {
     "check --propose": "--propose: expected SCENEs to propose bands for",
     "study acuracy": "did you mean 'accuracy'?",
     "study needs": "accuracy",
-    f"prove orbitz {CASE}": "WHAT = orbitz: expected orbit, orbits, chaos (did you mean 'orbit",
+    f"prove orbitz {CASE}": "WHAT = orbitz: expected orbit, orbits, stability, chaos (did you",
     "prove": "WHAT",
     f"reference {CASE} --digits 0": "digits = 0",
     f"reference {GENERAL} --at 1": "closed form",

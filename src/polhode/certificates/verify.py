@@ -3,10 +3,10 @@
     python verify.py CERT.json
 
 A certificate states balls that contain the state of a heavy rigid body at certain times, or that
-the body has a periodic orbit, or that its motion is chaotic (each theorem is written before its
-part of the code).  This file imports nothing of the program that wrote the certificate, and takes
-from it only the body and the statement to be proved: grids, centres, charts, sets and numbers of
-bits are guesses, and need not be right.
+the body has a periodic orbit, or that such an orbit is stable for all time, or that its motion is
+chaotic (each theorem is written before its part of the code).  This file imports nothing of the
+program that wrote the certificate, and takes from it only the body and the statement to be proved:
+grids, centres, charts, sets and numbers of bits are guesses, and need not be right.
 
 The equations, in body axes, O fixed, omega = w, upward vertical gamma, k = weight * centre:
 
@@ -42,12 +42,13 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
-from itertools import accumulate, pairwise, zip_longest
+from functools import cache
+from itertools import accumulate, chain, combinations, pairwise, zip_longest
 from operator import mul
-from typing import NamedTuple, TypeAlias, TypeVar
+from typing import Generic, NamedTuple, TypeAlias, TypeVar
 
 try:
-    from flint import arb, arb_mat, arb_poly, ctx, fmpq, fmpz
+    from flint import acb, arb, arb_mat, arb_poly, ctx, fmpq, fmpz
 except ImportError:
     if __name__ != "__main__":
         raise
@@ -74,6 +75,8 @@ Claim = tuple[Fraction, list[Interval]]  # a time and six balls; of the attitude
 Table: TypeAlias = list[list[arb]]
 Tell: TypeAlias = Callable[[float, int], None]  # the part of the steps that is done, and how many
 X = TypeVar("X", arb, arb_poly)
+Y = TypeVar("Y", arb, arb_poly, acb)  # coefficients of jets
+Z = TypeVar("Z", "arb", "arb_poly", "Jet[arb]", "Jet[arb_poly]")
 
 
 class NotProved(Exception):
@@ -276,7 +279,7 @@ class Body:
         if not (found.is_exact() and found == 0):
             table[key] = found
 
-    def field(self, x: Sequence[X], product: Callable[[int, int], X]) -> list[X]:
+    def field(self, x: Sequence[Z], product: Callable[[int, int], Z]) -> list[Z]:
         """The six rates: ``x`` its six values, ``product(i, j)`` that of two of them."""
         found = []
         for i in range(3):
@@ -320,34 +323,63 @@ def _inverse(inertia: Sequence[Sequence[arb]]) -> list[tuple[int, int, arb]]:
 # -- guesses, which nothing rests on ------------------------------------------------------------
 
 
+class Algebra(NamedTuple):
+    """Numbers of several parts: a part of a product is a sum over pairs of the factors' parts.
+
+    ``factors``: of each part these pairs, none of a part behind it; ``shifts``: by how many bits it
+    counts less than the first.
+    """
+
+    factors: Sequence[Sequence[tuple[int, int]]]
+    shifts: Sequence[int]
+
+
+NUMBERS = Algebra([[(0, 0)]], [0])
+
+
 def taylor(body: Body, centre: Sequence[arb], h: arb, bits: int) -> list[list[arb]]:
-    """Exact coefficients, but for the first, of polynomials near the motion from a centre.
+    """Exact coefficients, but for the first, of polynomials near the motion from a centre."""
+    return [row for (row,) in taylor_over(NUMBERS, body, [[x] for x in centre], h, bits)]
+
+
+def taylor_over(
+    algebra: Algebra, body: Body, centre: Sequence[Sequence[arb]], h: arb, bits: int
+) -> list[list[list[arb]]]:
+    """The same of each part of the numbers of an algebra.
 
     They are whole multiples of 2^-fine, as is all below.
     """
     fine, small = bits + SPARE, 0
     quadratic = [(place, _fixed(k, fine)) for place, k in body.quadratic.items()]
     linear = [(place, _fixed(k, fine)) for place, k in body.linear.items()]
-    rows, length = [[_fixed(x, fine)] for x in centre], _fixed(h, fine)
+    rows, length = [[[_fixed(x, fine)] for x in parts] for parts in centre], _fixed(h, fine)
     pairs = {(a, b) for (_, a, b), _ in quadratic}
     pairs |= {(3 + a, b) for a in range(3) for b in range(3) if a != b}
     for k in range(bits + 20):
-        products = {(a, b): sum(map(mul, rows[a], reversed(rows[b]))) >> fine for a, b in pairs}
-        rates = [0] * 6
-        for (i, a, b), x in quadratic:
-            rates[i] += x * products[a, b]
-        for (i, j), x in linear:
-            rates[i] += x * rows[3 + j][k]
-        for i in range(3):
-            a, b = (i + 1) % 3, (i + 2) % 3
-            rates[3 + i] = (products[3 + a, b] - products[3 + b, a]) << fine
-        for row, rate in zip(rows, rates, strict=True):
-            row.append((rate * length >> 2 * fine) // (k + 1))
-        size = max(abs(row[-1]) for row in rows)
+        size = 0
+        for m, shift in reversed([*enumerate(algebra.shifts)]):  # those before m are as long as it
+            products = {
+                (a, b): sum(
+                    [sum(map(mul, rows[a][i], reversed(rows[b][j]))) for i, j in algebra.factors[m]]
+                )
+                >> fine
+                for a, b in pairs
+            }
+            rates = [0] * 6
+            for (i, a, b), x in quadratic:
+                rates[i] += x * products[a, b]
+            for (i, j), x in linear:
+                rates[i] += x * rows[3 + j][m][k]
+            for i in range(3):
+                a, b = (i + 1) % 3, (i + 2) % 3
+                rates[3 + i] = (products[3 + a, b] - products[3 + b, a]) << fine
+            for row, rate in zip(rows, rates, strict=True):
+                row[m].append((rate * length >> 2 * fine) // (k + 1))
+            size = max(size, *(abs(row[m][-1]) >> shift for row in rows))
         small = small + 1 if size >> SPARE == 0 else 0
         if small == 2 or size >> 4 * fine:
             break
-    return [[arb((n, -fine)) for n in row[1:]] for row in rows]
+    return [[[arb((n, -fine)) for n in row[1:]] for row in parts] for parts in rows]
 
 
 def _fixed(x: arb, fine: int) -> int:
@@ -1034,7 +1066,7 @@ class Zero(NamedTuple):
     """The zero of F: state, period and residue as balls, in the scene's units.
 
     ``alone``: how far in omega, gamma and period no other orbit passes; ``repeated``: why the
-    period may not be the least one, empty where it is.
+    period may not be the least one, empty where it is; ``run``: what proved it.
     """
 
     start: list[arb]
@@ -1042,6 +1074,7 @@ class Zero(NamedTuple):
     residue: arb
     alone: list[arb]
     repeated: str
+    run: Run
 
 
 def zero_near(held: Mapping[str, object], tell: Tell | None = None) -> Zero:
@@ -1165,6 +1198,7 @@ def _closed(
         -summed(df[i, i] for i in range(6)) / 4,
         [near / unit, near, (4 * r - upper(moved[6])) * unit],
         "",
+        run,
     ), reached
 
 
@@ -1283,6 +1317,409 @@ def about(interval: Interval) -> str:
 def in_full(x: Fraction) -> str:
     """A fraction of any size, which Python itself may refuse to print."""
     return str(fmpz(x.numerator)) + (f"/{fmpz(x.denominator)}" if x.denominator > 1 else "")
+
+
+# -- a claim: stability -------------------------------------------------------------------------
+
+#: *The return map.*  Let x0 be the point of an elliptic orbit in the plane a.(x - x0) = 0, where
+#: a.f(x0) != 0, and xi two components of x - x0 for which the matrix [xi; a; DH](x0) is regular.
+#: Then xi and c = H(x) are coordinates of the plane near x0, and what starts there returns after
+#: about the period: xi -> P_c(xi), analytic in xi and c.  f has no divergence and H is constant, so
+#: the flow preserves the form eta of each level for which eta dH_1 dH_2 dH_3 = dx, and P_c the form
+#: b = i_f eta, as b is closed and i_f b = 0.  b is nowhere 0 on the plane, which f crosses: with
+#: X = xi_1 and Y an integral of b's density over xi_2, P_c preserves the area dX dY, analytic in c.
+#:
+#: *Its normal form.*  Let mu, mu* = 1/mu be the eigenvalues of P', at xi = 0 and the orbit's c, and
+#: q a complex eigenvector; xi = q z + q* z*; z -> mu z + sum f_jk z^j z*^k.  If mu^k != 1 for
+#: k = 1, 2, 3, 4, new coordinates w = z + ... give mu w + c1 w^2 w* + O(|w|^4), with
+#:
+#:     c1 = f21 + f20 f11 (1 - 2 mu)/(mu^2 - mu) + |f11|^2/(1 - mu*) + 2 |f02|^2/(mu^2 - mu*).
+#:
+#: No further change alters c1, and a factor s of z alters it by |s|^2.  In the coordinates X, Y it
+#: is i beta mu with beta real; so mu* c1 = i beta here, too, but for a positive factor of beta.
+#:
+#: *Theorem.*  If beta != 0, the orbit is stable: for each d > 0 what starts near enough to it, on
+#: any level, stays within d of it for all time, forward and back.  For mu is not 1, so the fixed
+#: point goes on to all c near the orbit's, and all above is analytic in c.  With |w|^2 =
+#: s^2 (1 + r) the map of the ring 0 <= r <= 1 is angle -> angle + theta + s^2 beta (1 + r) +
+#: O(s^3), r -> r + O(s^3), in a complex neighbourhood that does not depend on s and c.  A curve
+#: around 0 meets its image, which encloses the same area; and O(s^3) is as small a part of
+#: s^2 beta as one likes.  So, for all small s, the ring contains an invariant curve, for all c near
+#: the orbit's (J. Moser, Nachr. Akad. Wiss. Goettingen II (1962) 1; C. L. Siegel and J. K. Moser,
+#: Lectures on Celestial Mechanics (1971), 31-34).  P_c and its inverse map what it encloses onto
+#: itself; between two returns, which take about a period, a motion stays near the orbit if it
+#: starts near x0.
+#:
+#: *mu = i.*  Then d w*^3 stands beside c1 w^2 w*, with
+#:
+#:     d = f03 + f11 f02/(mu*^2 - mu) + 2 f02 f20*/(mu*^2 - mu*),
+#:
+#: and |d|/|beta| is that in the coordinates X, Y.  There P^4 = 1 + 4 V + O(|w|^4), V the field of
+#: K = beta |w|^4/2 - Re(d w*^4)/2.  If |d| < |beta|, K = kappa j^2 with kappa != 0 in its own
+#: action j and angle, which P^4 turns by 8 kappa j + O(j^(3/2)); so Moser's theorem holds for P^4,
+#: and, its condition being open, for P_c^4 on the levels near by.
+#:
+#: *Jets.*  P is computed with polynomials of xi whose terms above the third degree are forgotten:
+#: an algebra, in which the equations and the expansion f(x + z) = f(x) + f'(x) z + B(z, z) hold as
+#: they do for numbers.  Let z_m be the six coefficients of xi^m, |z| = sum_m rho^|m| |Q z_m|
+#: (Euclid's norm), Q regular, A_m those of A, S the symmetric part of Q A_0 Q^-1.  On a step
+#:
+#:     |z|' <= (|S| + n) |z| + |h| beta' |z|^2 + |d|,    n = sum_(m != 0) rho^|m| |Q A_m Q^-1|,
+#:
+#: where |S| (Frobenius) is above the largest eigenvalue of S, and beta' = beta u v^2, u the sum of
+#: |Q_ij| and v the largest row sum of |Q^-1|.  So, with g = exp int (|S| + n), delta >= int |d| and
+#: g (eps + delta + |h| beta' r^2) < r, |z(0)| <= eps gives |z| < r on the whole step.  The last one
+#: ends at the period, a ball; there the orbit itself is in x0.
+#:
+#: *The numbers.*  The rotation is theta/(2 pi), 0 < theta < pi.  The twist is the derivative of the
+#: angle by the action, the canonical area over 2 pi; the canonical area of two changes of
+#: G = I w and g = gamma is (dg x g).dG'/|g|^2 - (dg' x g).dG/|g|^2 + f g.(dg x dg')/|g|^4.
+DEGREE = 3
+MONOMIALS = [(d - n, n) for d in range(DEGREE + 1) for n in range(d + 1)]
+FACTORS = [
+    [
+        (MONOMIALS.index((i, j)), MONOMIALS.index((a - i, b - j)))
+        for i in range(a + 1)
+        for j in range(b + 1)
+    ]
+    for a, b in MONOMIALS
+]
+MOST_WEIGHT = 200  # bits of 1/rho
+OF_JETS = 6  # steps that cost as much as one of jets
+
+
+class Jet(Generic[Y]):
+    """A polynomial of two variables, by its coefficients in the order of MONOMIALS."""
+
+    def __init__(self, parts: Iterable[Y]) -> None:
+        self.parts = [*parts]
+
+    def __add__(self, other: Jet[Y]) -> Jet[Y]:
+        return Jet(x + y for x, y in zip(self.parts, other.parts, strict=True))
+
+    def __sub__(self, other: Jet[Y]) -> Jet[Y]:
+        return Jet(x - y for x, y in zip(self.parts, other.parts, strict=True))
+
+    def __mul__(self, other: Jet[Y] | Y | arb) -> Jet[Y]:
+        if not isinstance(other, Jet):
+            return Jet(x * other for x in self.parts)
+        zero = self.parts[0] * arb(0)
+        return Jet(
+            sum((self.parts[i] * other.parts[j] for i, j in pairs), zero) for pairs in FACTORS
+        )
+
+    def at(self, origin: Y) -> Jet[Y]:
+        """The jet with another constant term."""
+        jet = Jet(self.parts)
+        jet.parts[0] = origin
+        return jet
+
+
+def jet(*parts: Y) -> Jet[Y]:
+    """The jet of some first coefficients; the others are 0."""
+    zeros = [parts[0] * arb(0) for _ in MONOMIALS[len(parts) :]]
+    return Jet(chain(parts, zeros))
+
+
+def _dot(row: Iterable[Jet[arb]], column: Iterable[Jet[arb] | arb]) -> Jet[arb]:
+    return sum((x * y for x, y in zip(row, column, strict=True)), jet(arb(0)))
+
+
+class Norm:
+    """The norm of six jets: Q, rho, and bounds between |z| and the coefficients of z."""
+
+    def __init__(self, run: Run, weight_bits: int) -> None:
+        self.algebra = Algebra(FACTORS, [weight_bits * (a + b) for a, b in MONOMIALS])
+        self.weights = [arb(2) ** -n for n in self.algebra.shifts]
+        self.q = arb_mat(_frame_of(run))
+        self.inverse = self.q.inv()
+        self.into = [upper(summed(map(upper, x))) for x in self.q.transpose().table()]
+        self.out_of = [upper(summed(map(upper, x))) for x in self.inverse.table()]
+
+    def of(self, rows: Sequence[Sequence[arb]]) -> arb:
+        """A bound of |z|, from bounds of its coefficients."""
+        sizes = [summed(map(mul, row, self.weights)) for row in rows]
+        return upper(summed(map(mul, sizes, self.into)))
+
+    def around(self, rows: Sequence[Jet[arb]], eps: arb) -> list[Jet[arb]]:
+        """All jets within eps of some."""
+        return [
+            Jet(
+                x + arb(0, upper(by * eps / weight))
+                for x, weight in zip(row.parts, self.weights, strict=True)
+            )
+            for row, by in zip(rows, self.out_of, strict=True)
+        ]
+
+    def growth(self, body: Body, p: Sequence[Jet[arb_poly]], h: arb) -> arb:
+        """A bound of g, the exponential of int (|S| + n)."""
+        slopes = [body.derivative([row.parts[m] for row in p]) for m in range(len(MONOMIALS))]
+        entries = {place: (x * h).coeffs() for place, x in slopes[0].items()}
+        sizes = []
+        for k in range(max(map(len, entries.values()))):
+            a = arb_mat(6, 6)
+            for place, x in entries.items():
+                a[place] = _entry(x, k)
+            turned = self.q * a * self.inverse
+            s = (turned + turned.transpose()) / 2
+            sizes.append(upper((s * s.transpose()).trace()).sqrt())
+        rest = summed(
+            integral(map(upper, (x * h).coeffs())) * weight * self.into[i] * self.out_of[j]
+            for weight, slope_of_m in zip(self.weights[1:], slopes[1:], strict=True)
+            for (i, j), x in slope_of_m.items()
+            if not i < 3 <= j  # the torque's entries, which are constant
+        )
+        return upper((integral(sizes) + rest).exp())
+
+
+def _frame_of(run: Run) -> Table:
+    """Q, exact; any regular matrix would do.
+
+    Of omega a multiple of Cholesky's factor of the inertia, so that a turn keeps the norm.
+    """
+    inertia = [[float(x) for x in row] for row in run.inertia]
+    root = [[0.0] * 3 for _ in range(3)]
+    for i in range(3):
+        for j in range(i + 1):
+            left = inertia[i][j] - sum(map(mul, root[i], root[j]))
+            root[i][j] = max(left, 1e-9) ** 0.5 if i == j else left / root[j][j]
+    swing = max(abs(float(x)) for x in run.torque)
+    rate = max(abs(float(x)) for row in run.centres for x in row[:3]) / 8
+    unit = max(swing, max(inertia[i][i] for i in range(3)) * rate**2, 1e-9) ** -0.5
+    rows = [[arb(unit * root[j][i]) for j in range(3)] + [arb(0)] * 3 for i in range(3)]
+    return rows + _unit()[3:]
+
+
+def jet_step(
+    body: Body, centre: Sequence[Jet[arb]], eps: arb, time: tuple[arb, arb], norm: Norm, bits: int
+) -> tuple[list[Jet[arb]], arb]:
+    """Exact jets, and how far from them a step may take all that is within eps of a centre.
+
+    ``time``: the step's length, and a ball of the part of it that passes.  Raises NotProved.
+    """
+    ctx.prec, (h, tau) = bits, time
+    guess = taylor_over(norm.algebra, body, [row.parts for row in centre], h, bits)
+    p = [
+        Jet(arb_poly([x, *more]) for x, more in zip(row.parts, rows, strict=True))
+        for row, rows in zip(centre, guess, strict=True)
+    ]
+    rates = body.field(p, cache(lambda i, j: p[i] * p[j]))
+    defect = [
+        [(x.derivative() - rate * h).coeffs() for x, rate in zip(*pair, strict=True)]
+        for pair in zip([row.parts for row in p], [row.parts for row in rates], strict=True)
+    ]
+    there = [[x(tau) for x in row.parts] for row in p]
+    ctx.prec = COARSE
+    delta = norm.of([[integral(map(upper, x)) for x in row] for row in defect])
+    growth = norm.growth(body, p, h)
+    beta = upper(h) * body.beta * summed(norm.into) * largest(norm.out_of) ** 2
+    r = upper(2 * growth * (eps + delta)) + arb(2) ** -100_000
+    reach = upper(growth * (eps + delta + beta * r * r))
+    certainly(reach < r, "the condition of the step")
+    rounded = norm.of([[upper(x.rad()) for x in row] for row in there])
+    return [Jet(x.mid() for x in row) for row in there], upper(reach + rounded)
+
+
+class Guide(NamedTuple):
+    """How jets are computed: their bits, and those of 1/rho."""
+
+    jet_bits: int
+    weight_bits: int
+
+
+class Twist(NamedTuple):
+    """Of the return map: its angle at the orbit, in turns, and that angle's slope by the action."""
+
+    rotation: arb
+    twist: arb
+
+
+def twist_of(zero: Zero, guide: Guide, tell: Tell | None = None) -> Twist:
+    """What the return map of an orbit is to the third degree; raises NotProved."""
+    run, count = zero.run, len(zero.run.centres)
+    ctx.prec = fine = max(run.bits, guide.jet_bits) + COARSE
+    x0 = [x * rate for x, rate in zip(zero.start, run.rates, strict=True)]
+    period = zero.period / run.rates[0]
+    a = [x.mid() for x in rates(run.body, run.centres[0])]
+    places, begin = _chart_at(run, x0, a)
+    centre = [Jet(x.mid() for x in row.parts) for row in begin]
+    ctx.prec = COARSE
+    norm = Norm(run, guide.weight_bits)
+    eps = norm.of([[upper(x.rad()) for x in row.parts] for row in begin])
+    for n, (first, last) in enumerate(pairwise(run.grid)):
+        if tell is not None:
+            tell(n / count, n)
+        ctx.prec = fine
+        h, tau = dyadic(last - first, run.shift - run.time_bits), arb(1)
+        if n + 1 == count:
+            left = period - dyadic(first, run.shift - run.time_bits)
+            certainly(left > 0, "the last step is no longer than the period's ball")
+            h, tau = left.upper(), left / left.upper()
+        try:
+            centre, eps = jet_step(run.body, centre, eps, (h, tau), norm, guide.jet_bits)
+        except NotProved as fault:
+            raise NotProved(f"jets, step {n + 1} of {count}: {fault}") from None
+    ctx.prec = fine
+    end = [row.at(x) for row, x in zip(norm.around(centre, eps), x0, strict=True)]
+    image = _crossed(run.body, a, end)
+    mu, q, beta = normal_form([image[n].parts for n in places])
+    area = _canonical_area(run, x0, *([row.parts[m] for row in begin] for m in (1, 2)))
+    action = 2 * abs(area * (q[0] * q[1].conjugate()).imag) / run.rates[0]  # of |z| = 1
+    certainly(action > 0, "the action has no bound")
+    return Twist(mu.real.acos() / (2 * arb.pi()), beta / action)
+
+
+def _chart_at(
+    run: Run, x0: Sequence[arb], a: Sequence[arb]
+) -> tuple[tuple[int, ...], list[Jet[arb]]]:
+    """Which components xi are, and x(xi) on the plane and the level; raises NotProved.
+
+    H(x0 + u) - H(x0) is DH u and what is quadratic in u.
+    """
+    fixed, unit = [a, *gradients(run, x0)], _unit()
+    frames = {
+        pair: arb_mat([*(unit[n] for n in pair), *fixed]) for pair in combinations(range(6), 2)
+    }
+    places = max(frames, key=lambda pair: abs(float(frames[pair].det().mid())))
+    try:
+        inverse = frames[places].inv().table()
+    except ZeroDivisionError:
+        raise NotProved("the plane of the start may touch the motion") from None
+    zero, one = arb(0), arb(1)
+    u = [jet(zero)] * 6
+    for _ in range(DEGREE):  # each time right to one degree more
+        momentum = [_dot(u[:3], row) for row in run.inertia]
+        pairs = (momentum, u[:3]), (momentum, u[3:]), (u[3:], u[3:])
+        curved = [_dot(*pair) * -one for pair in pairs]
+        values = [jet(zero, one), jet(zero, zero, one), jet(zero), *curved]
+        u = [_dot(values, row) for row in inverse]
+    return places, [row.at(x) for row, x in zip(u, x0, strict=True)]
+
+
+def _crossed(body: Body, a: Sequence[arb], start: Sequence[Jet[arb]]) -> list[Jet[arb]]:
+    """Where what starts near x0 meets the plane through it, less x0, the constant terms of start.
+
+    Raises NotProved.
+    """
+    series = [[*start]]
+    for k in range(DEGREE):
+
+        def product(i: int, j: int, k: int = k) -> Jet[arb]:
+            return _dot([row[i] for row in series], [series[k - n][j] for n in range(k + 1)])
+
+        series.append([x * (arb(1) / (k + 1)) for x in body.field(series[k], product)])
+    series[0] = [x.at(arb(0)) for x in start]
+    off = [_dot(row, a) for row in series]
+    speed, tau = off[1].parts[0], jet(arb(0))
+    certainly(abs(speed) > 0, "the plane of the start may touch the motion")
+
+    def at_tau(rows: Sequence[Jet[arb]]) -> Jet[arb]:
+        value = rows[-1]
+        for row in rows[-2::-1]:
+            value = row + value * tau
+        return value
+
+    for _ in range(DEGREE):  # each time right to one degree more
+        tau = tau - at_tau(off) * (1 / speed)
+    return [at_tau(rows) for rows in zip(*series, strict=True)]
+
+
+def _canonical_area(run: Run, x0: Sequence[arb], one: Sequence[arb], other: Sequence[arb]) -> arb:
+    """Of two changes of the state x0 along its level."""
+    gamma, square = x0[3:], _product(x0[3:], x0[3:])
+    turned = _product(_cross(one[3:], gamma), _momentum(run, other[:3]))
+    turned -= _product(_cross(other[3:], gamma), _momentum(run, one[:3]))
+    f = _product(_momentum(run, x0[:3]), gamma)
+    return turned / square + f * _product(gamma, _cross(one[3:], other[3:])) / square**2
+
+
+def _cross(x: Sequence[arb], y: Sequence[arb]) -> list[arb]:
+    return [x[i - 2] * y[i - 1] - x[i - 1] * y[i - 2] for i in range(3)]
+
+
+def normal_form(p: Sequence[Sequence[arb]]) -> tuple[acb, list[acb], arb]:
+    """mu, q and beta of a map from the coefficients of its two components; raises NotProved."""
+    (a, b), (c, d) = (row[1:3] for row in p)
+    trace = a + d
+    certainly(abs(trace) < 2, "that the orbit is elliptic")
+    certainly(abs(trace + 1) > 0, "the residue may be 3/4: a resonance of the third order")
+    mu = acb(trace / 2, (1 - trace * trace / 4).sqrt())
+    bar, q = mu.conjugate(), [acb(b), mu - a]  # b c = -|mu - a|^2 < 0
+    q_bar = [x.conjugate() for x in q]
+    f = _in_eigenvectors(p, q, q_bar)
+    f20, f11, f02, f02_bar = f[2, 0], f[1, 1], f[0, 2], f[0, 2].conjugate()
+    c1 = f[2, 1] + f20 * f11 * (1 - 2 * mu) / (mu * mu - mu) + f11 * f11.conjugate() / (1 - bar)
+    c1 += 2 * f02 * f02_bar / (mu * mu - bar)
+    i_beta = bar * c1
+    if not ((a * d - b * c).contains(1) and i_beta.real.contains(0)):
+        raise NotProved("the return map preserves no area")  # which would be this file's fault
+    if not abs(trace) > 0:
+        resonant = f[0, 3] + f11 * f02 / (bar * bar - mu)
+        resonant += 2 * f02 * f20.conjugate() / (bar * bar - bar)
+        line = "the residue may be 1/2: a resonance of the fourth order, of which a term is large"
+        certainly(abs(resonant) < abs(i_beta.imag), line)
+    return mu, q, i_beta.imag
+
+
+def _in_eigenvectors(
+    p: Sequence[Sequence[arb]], q: Sequence[acb], q_bar: Sequence[acb]
+) -> dict[tuple[int, int], acb]:
+    """The coefficients of z^j z*^k in the map of z, where xi = q z + q* z*."""
+    xi = [jet(acb(0), *pair) for pair in zip(q, q_bar, strict=True)]
+    powers = {(0, 0): jet(acb(1))}
+    for i, j in MONOMIALS[1:]:
+        powers[i, j] = powers[i - 1, j] * xi[0] if i else powers[i, j - 1] * xi[1]
+    size = q[0] * q_bar[1] - q[1] * q_bar[0]
+    terms = zip(MONOMIALS, *p, strict=True)
+    image = [powers[m] * ((x * q_bar[1] - y * q_bar[0]) / size) for m, x, y in terms]
+    return dict(zip(MONOMIALS, sum(image, jet(acb(0))).parts, strict=True))
+
+
+def stability(certificate: object, tell: Tell | None = None) -> list[str]:
+    """What a certificate of stability proves; raises NotProved, Damaged."""
+    held = _held(certificate, ("radius_bits", "divided_to", *Guide._fields))
+    claim, balls = read_stability(held["statement"])
+    guide = read_guide(held)
+    zero = zero_near(held, tell and (lambda part, steps: tell(part / OF_JETS, steps)))
+    check_orbit(claim, zero)
+    rest = 1 - 1 / OF_JETS
+    check_twist(balls, twist_of(zero, guide, tell and (lambda x, n: tell(1 - rest + rest * x, n))))
+    far = [rounded_up(radius) for _, radius in balls]
+    return [
+        *_told(claim, read_body(held["scene"], ("level",))[2]),
+        "it is stable for all time, forward and back: for each d > 0 a motion of omega and gamma "
+        "of this body that starts near enough to the orbit, on its level or another, stays within "
+        f"d of it; its rotation lies within {far[0]} of {about(balls[0])} of a turn, its twist "
+        f"within {far[1]} of {about(balls[1])}",
+    ]
+
+
+def read_stability(statement: object) -> tuple[Orbit, list[Interval]]:
+    """What is stated of the orbit, and the balls of rotation and twist; raises Damaged."""
+    names = (*Orbit._fields, *Twist._fields)
+    values = dict(zip(names, _keys(statement, names, "statement"), strict=True))
+    balls = [_interval(values.pop(name), f"statement.{name}") for name in Twist._fields]
+    claim = read_orbit(values)
+    if claim.kind != "elliptic":
+        raise Damaged("statement.kind: expected elliptic")
+    return claim, balls
+
+
+def read_guide(held: Mapping[str, object]) -> Guide:
+    """How the jets of a certificate are computed; raises Damaged."""
+    jet_bits = _whole(held["jet_bits"], LEAST_BITS, MOST_BITS, "jet_bits")
+    weight_bits = _whole(held["weight_bits"], 0, MOST_WEIGHT, "weight_bits")
+    check_work(OF_JETS * len(_list(held["grid"], None, "grid")), jet_bits)
+    return Guide(jet_bits, weight_bits)
+
+
+def check_twist(claim: Sequence[Interval], twist: Twist) -> None:
+    """Whether rotation and twist are those stated, and the twist is not 0; raises NotProved."""
+    certainly(abs(twist.twist) > 0, "the twist may be 0")
+    _inside(twist.rotation, claim[0], "the rotation")
+    _inside(twist.twist, claim[1], "the twist")
+    middle, radius = claim[1]
+    certainly(abs(middle) > radius, "the stated twist may be 0")
 
 
 # -- a claim: chaos -----------------------------------------------------------------------------
@@ -1714,6 +2151,7 @@ def covers(image: Image, source: Rectangle, target: Rectangle, eta: arb, where: 
 KINDS: dict[str, Callable[[object, Tell | None], list[str]]] = {
     "state": state,
     "orbit": orbit,
+    "stability": stability,
     "chaos": chaos,
 }
 

@@ -145,6 +145,11 @@ class ClosedForm(Turning, Generic[S]):
         period = self._period_ball()
         return {} if period is None else {self._body: 2 * arb.pi() / period}
 
+    @property
+    def rates_of(self) -> Mapping[str, str]:
+        """Of which axis about which a frequency is, by its name, where the name leaves it open."""
+        return {}
+
     def curve(self, digits: int) -> dict[str, object] | None:
         """The algebraic curve on which the motion is linear, where the family tells it."""
         del digits

@@ -45,12 +45,14 @@ class Checkpoint:
     BadInput where the folder holds anything else, or another process works in it.
     """
 
-    def __init__(self, folder: Path, manifest: Mapping[str, str], words: tuple[str, str]) -> None:
-        of_kind("polhode", "parts", folder, Path, "a pathlib.Path, of a folder")
-        self.folder, self._words = folder, words
+    def __init__(
+        self, folder: str | Path, manifest: Mapping[str, str], words: tuple[str, str]
+    ) -> None:
+        of_kind("polhode", "parts", folder, (str, Path), "a folder")
+        self.folder, self._words = Path(folder), words
         self._manifest = {**manifest, "versions": {name: versions()[name] for name in _SAME}}
         self._lock: BinaryIO | None = None
-        if folder.exists():
+        if self.folder.exists():
             self._check()
             self._hold()
 
@@ -158,7 +160,7 @@ class JobCheckpoint(Checkpoint):
     ``what``: the verb.  ``key``: all that decides the results; arrays count by their bytes.  Jobs
     are written about once a second: a command that ends sooner makes no folder."""
 
-    def __init__(self, folder: Path, what: str, *key: object) -> None:
+    def __init__(self, folder: str | Path, what: str, *key: object) -> None:
         import numpy as np
 
         parts = [x.tobytes() if isinstance(x, np.ndarray) else x for x in key]
@@ -168,7 +170,7 @@ class JobCheckpoint(Checkpoint):
         self._last = time.monotonic()
 
     @classmethod
-    def at(cls, folder: Path | None, what: str, *key: object) -> Self | None:
+    def at(cls, folder: str | Path | None, what: str, *key: object) -> Self | None:
         """That of a folder, if there is one."""
         return None if folder is None else cls(folder, what, *key)
 

@@ -11,6 +11,7 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from polhode.equations import kinematics
+from polhode.equations.form import equations
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact
 from polhode.numbers.vectors import (
@@ -57,21 +58,19 @@ def name(scene: Scene) -> str | None:
 
 
 def variables(scene: Scene, t: Fraction) -> list[Exact]:
-    """State in principal axes and the run's time unit, quaternion, psi and phi, at time t.
+    """State in principal form, inside its frame, quaternion, psi and phi, at time t.
 
     As far as the scene asks for them; no psi and phi at a pole.  The quaternion is
     q(0) ⊗ (cos |w|t/2, sin |w|t/2 w/|w|); psi' = w·gamma.
     """
-    unit, axes, gamma = Fraction(2) ** scene.time_unit, scene.body.axes, scene.gamma
-    found: list[Exact] = [unit * w for w in axes.components(scene.omega)]
+    values, gamma = [*equations(scene).start], scene.gamma
     if gamma is None:
-        return found
-    found += axes.components(gamma)
+        return values
     if scene.modelled:
-        found += _turned(kinematics.starting_attitude(gamma, scene.psi), scene.omega, t)
+        values += _turned(kinematics.starting_attitude(gamma, scene.psi), scene.omega, t)
     if "angles" in scene.modelled and not scene.starts_at_pole:
-        found += [scene.psi + dot(scene.omega, gamma) * t, kinematics.starting_phi(gamma)]
-    return found
+        values += [scene.psi + dot(scene.omega, gamma) * t, kinematics.starting_phi(gamma)]
+    return values
 
 
 def _turned(quaternion: tuple[Exact, ...], omega: Vector, t: Fraction) -> tuple[Exact, ...]:

@@ -20,15 +20,15 @@ import math
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
+from polhode.motion.frame import Frame
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_extended, to_mpf
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.rows import Flat, Rows
 from polhode.numbers.scalars import Scalar, combination
-from polhode.numbers.vectors import Vector, dot, scaled
+from polhode.numbers.vectors import Vector, dot
 from polhode.scenes import classification
 from polhode.scenes.scene import Scene
 
@@ -76,7 +76,7 @@ def _told(drift: float) -> str:
 
 @dataclass(frozen=True)
 class FirstIntegrals:
-    """The first integrals of one scene, in principal axes and the time unit of a run.
+    """The first integrals of one scene, inside its frame.
 
     h is doubled, and inertia and torque are divided by the largest moment, so that values,
     coefficients and rates are of order 1.  ``onto``: their names.  ``order``: the principal axes
@@ -148,10 +148,9 @@ _FOURTH_OF = {
 }
 
 
-def first_integrals(scene: Scene, slower: int = 0) -> FirstIntegrals:
-    """The first integrals that the exact scene has, in a unit of time 2**``slower`` as long."""
-    body, unit = scene.body, Fraction(2) ** (scene.time_unit + slower)
-    torque = scaled(unit * unit, body.axes.components(body.torque))
+def first_integrals(scene: Scene) -> FirstIntegrals:
+    """The first integrals that an exact scene has, one that is inside its frame."""
+    body, torque = scene.body, scene.body.torque
     onto = [ENERGY] if scene.gamma is None else [ENERGY, AREA, LENGTH]
     name, order = _fourth(scene, torque)
     if name is not None:
@@ -197,12 +196,8 @@ def _fourth(scene: Scene, torque: Vector) -> tuple[str | None, tuple[int, int, i
 
 
 def exact_values(scene: Scene, found: FirstIntegrals) -> list[Exact]:
-    """The exact scene's values of its first integrals, in the units of FirstIntegrals."""
-    axes, unit = scene.body.axes, Fraction(2) ** scene.time_unit
-    start = [unit * w for w in axes.components(scene.omega)]
-    if scene.gamma is not None:
-        start += axes.components(scene.gamma)
-    return [exact.exact(x) for x in found.values(start, found.coefficients, ZERO)]
+    """The values of its first integrals of an exact scene that is inside its frame."""
+    return [exact.exact(x) for x in found.values(scene.start, found.coefficients, ZERO)]
 
 
 def drift(scene: Scene, states: Rows, bits: int) -> Drift:
@@ -226,7 +221,7 @@ def departures(scene: Scene, states: Rows, bits: int = 53) -> dict[str, Any]:
     """
     import numpy as np
 
-    names = first_integrals(scene).onto
+    names = first_integrals(Frame.of(scene).inside(scene)).onto
     if isinstance(states, np.ndarray) and states.dtype == np.float64:
         columns = list(states.astype(np.longdouble).T)
         found = _departures(scene, [columns], to_extended)[0]
@@ -281,16 +276,18 @@ def along(scene: Scene) -> tuple[Along, Mapping[str, Exact]]:
 
     Beside it its coefficients; its values are in the units of FirstIntegrals.
     """
-    found, axes = first_integrals(scene), scene.body.axes
+    frame = Frame.of(scene)
+    axes, inside = frame.axes, frame.inside(scene)
+    found = first_integrals(inside)
     onto, turn = found.onto, range(0 if axes.trivial else 3)
     targets = [f"{name} at the start" for name in onto]
     measures = [f"scale of {name}" for name in onto]
     coefficients: dict[str, Exact] = {
         **found.coefficients,
-        **dict(zip(targets, exact_values(scene, found), strict=True)),
-        **dict(zip(measures, _scales(scene, found), strict=True)),
+        **dict(zip(targets, exact_values(inside, found), strict=True)),
+        **dict(zip(measures, _scales(inside, found), strict=True)),
         **{f"axis {i}{j}": axes.rows[i][j] for i in turn for j in turn},
-        "unit": Fraction(2) ** scene.time_unit,
+        "unit": frame.unit,
     }
 
     def formula(
@@ -322,19 +319,19 @@ def scales(scene: Scene) -> tuple[Exact, Exact]:
 
 
 def _scales(scene: Scene, found: FirstIntegrals) -> list[Exact]:
-    """The scales of Drift, in the units of FirstIntegrals."""
-    unit, largest = Fraction(2) ** scene.time_unit, max(scene.body.moments)
+    """The scales of Drift of a scene inside its frame, in the units of FirstIntegrals."""
+    largest = max(scene.body.moments)
     energy, area = scales(scene)
     whole: dict[str, Exact] = {
-        ENERGY: 2 * unit * unit * energy / largest,
-        AREA: unit * area / largest,
+        ENERGY: 2 * energy / largest,
+        AREA: area / largest,
         LENGTH: ONE,
     }
     name = found.onto[-1]
     if name == MOMENTUM:
         whole[name] = whole[AREA] * whole[AREA]
     elif name not in whole:
-        square = unit * unit * max(dot(scene.omega, scene.omega), scene.pendulum_rate_squared)
+        square = max(dot(scene.omega, scene.omega), scene.pendulum_rate_squared)
         rate, k = exact.sqrt(square), found.coefficients
         c0, c1 = k.get("c0", ZERO), k.get("c1", ZERO)
         around = square + exact.sqrt(c0 * c0 + c1 * c1)

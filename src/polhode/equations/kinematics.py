@@ -19,7 +19,6 @@ from polhode.numbers.exact import ONE, Exact, sign
 from polhode.numbers.rows import GivenRow
 from polhode.numbers.scalars import Scalar, combination
 from polhode.numbers.vectors import Triple, Vector
-from polhode.scenes.body import PrincipalAxes
 
 
 def starting_attitude(gamma: Vector, psi: Exact) -> tuple[Exact, ...]:
@@ -54,20 +53,8 @@ def starting_phi(gamma: Vector) -> Exact:
     return exact.ZERO if at_pole else exact.arctan2(gamma[0], gamma[1])
 
 
-def turn_coefficients(axes: PrincipalAxes) -> dict[str, Exact]:
-    """The non-zero entries of the turn from these axes to the scene's, where there is one."""
-    if axes.trivial:
-        return {}
-    return {
-        f"turn{i}{j}": axes.rows[i][j]
-        for i in range(3)
-        for j in range(3)
-        if sign(axes.rows[i][j]) != 0
-    }
-
-
 def in_scene_axes(vector: Sequence[Scalar], k: Mapping[str, Scalar], zero: Scalar) -> list[Scalar]:
-    """A vector of components in a form's axes along the scene's."""
+    """A vector inside a frame along the scene's axes, by the coefficients of the frame's turn."""
     if not any(name.startswith("turn") for name in k):
         return list(vector)
     return [combination(k, zero, *((f"turn{i}{j}", vector[i]) for i in range(3))) for j in range(3)]

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 from polhode.common.cached_property import cached_property
 from polhode.equations.form import equations
 from polhode.equations.kinematics import AngleFunctions, angles, starting_attitude
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import exactly, number_value, to_double, to_extended, to_mpf
-from polhode.numbers.number_types import NumberType
+from polhode.numbers.number_types import EXTENDED, NumberType
 from polhode.numbers.rows import Booleans, Extendeds, Flat, Gapped, Given, GivenRow, Rows, flat
 from polhode.numbers.scalars import Real, Scalar, of_extended, of_mpmath
 from polhode.numbers.vectors import upright
@@ -26,20 +27,22 @@ _MOST_SPIN = 32.0  # about the third axis, beside the other rates
 class Readout:
     """Reads rows of one run: the form's variables, then the quaternion, then psi and phi.
 
+    ``frame``: another than the scene's own, of the same axes.
     Omega and gamma are computed from the variables with more bits than those have.  Above extended
     those of the start, where a run begins with its row, are the scene's own, rounded once: what is
     0 there is 0.
     """
 
-    def __init__(self, scene: Scene, number: NumberType) -> None:
+    def __init__(self, scene: Scene, number: NumberType, frame: Frame | None = None) -> None:
         self.scene, self.number = scene, number
         self.form, self.columns = equations(scene), len(scene.columns)
+        self.frame = frame or self.form.frame
 
     def states(self, rows: Given) -> Rows:
         """p q r [gamma1 gamma2 gamma3] in scene axes: an ndarray, or rows of mpf above extended."""
         if len(rows) == 0:
             return self._kept([]).reshape(0, self.columns) if self.number.flat else []
-        exponent = -self.scene.time_unit
+        exponent = -self.frame.exponent
         if self.number.flat:
             import numpy as np
 
@@ -63,7 +66,7 @@ class Readout:
 
     def _begins_with_the_start(self, row: GivenRow) -> bool:
         """Whether a row is that of the start, to the bit, and omega and gamma no copies of it."""
-        if self.form.plain and self.form.axes.trivial:
+        if self.form.plain and self.frame.axes.trivial:
             return False
         variables = zip(row[: len(self.form.variables)], self.form.start, strict=True)
         return all(exactly(x) == self.number.rounded(y) for x, y in variables)
@@ -211,7 +214,7 @@ class Readout:
 
     def _flat(self, rows: Flat) -> Flat:
         """The same of an array, as a new array."""
-        if self.form.plain and self.form.axes.trivial:
+        if self.form.plain and self.frame.axes.trivial:
             return rows[:, : self.columns].copy()
         if self.number.name == "double":
             return self._in_extended(rows)
@@ -219,7 +222,7 @@ class Readout:
         return self._kept(wide).reshape(len(rows), self.columns)
 
     def _vectors(self, rows: Given) -> list[list[Scalar]]:
-        """Rows of omega and gamma in scene axes and the run's unit, rounded once at the end."""
+        """Rows of omega and gamma in scene axes and the frame's unit, rounded once at the end."""
         from polhode.numbers.mpmath_context import mpmath
 
         bits = self.number.bits + GUARD_BITS
@@ -235,7 +238,7 @@ class Readout:
         """Pairs of omega and gamma, one after the other, turned and rounded to the run's type."""
         from polhode.numbers.mpmath_context import mpmath
 
-        axes = self.form.axes
+        axes = self.frame.axes
         with mpmath.workprec(self.number.bits):
             if axes.trivial:
                 return [[+x for vector in pair for x in vector] for pair in found]
@@ -263,7 +266,7 @@ class Readout:
                 for vector in self.form.state(list(wide.T), self._extended, of_extended())
                 if vector
             ]
-        if not self.form.axes.trivial:
+        if not self.frame.axes.trivial:
             vectors = [vector @ self._turn for vector in vectors]
         return np.hstack(vectors).astype(self._kind)
 
@@ -273,8 +276,6 @@ class Readout:
         return {name: to_extended(x) for name, x in self.form.coefficients.items()}
 
     @cached_property
-    def _turn(self) -> Extendeds:
-        """The turn from the form's axes to the scene's in extended."""
-        import numpy as np
-
-        return np.array([[to_extended(x) for x in row] for row in self.form.axes.rows])
+    def _turn(self) -> Flat:
+        """The turn from the frame's axes to the scene's in extended."""
+        return self.frame.matrix(EXTENDED)

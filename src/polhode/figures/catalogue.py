@@ -48,6 +48,7 @@ FIGURES: Mapping[str, Mapping[str, tuple[str, str]]] = {
     "OrbitSearch": {"residue": ("results", "residues")},
     "ProvedChaos": {"chaos-proof": ("chaos_proof", "draw")},
     "ProvedOrbit": _PERIOD,
+    "ProvedStability": {"curves": ("stability", "draw")},
     "Reductions": {"kept": ("results", "reductions")},
     "Reference": _ROWS,
     "ReferenceTable": _ROWS,
@@ -60,7 +61,7 @@ def kind_of(subject: Storable | Samples) -> str:
     """The kind of a result, by whose name its figures are listed; samples are a run's."""
     if isinstance(subject, Samples):
         return "Trajectory"
-    return subject.kind if isinstance(subject, Saved) else type(subject).__name__
+    return subject.result if isinstance(subject, Saved) else type(subject).__name__
 
 
 def words(kind: str) -> tuple[str, ...]:

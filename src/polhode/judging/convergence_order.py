@@ -35,13 +35,13 @@ _NEAR = 0.5  # digits by which errors of rounding may lie below what they amount
 class ObservedOrder(Result):
     """The order p of a method, error ~ step**p, from correct digits at several steps and times.
 
-    ``digits``: a row for each of ``steps``, correct ones at each of ``times``; ``names``: of the
-    tables, where they are some.  At a step counts what is above the first digits and below
-    ``rounding``, the digits from which on rounding rules, unless it is ``limited`` by rounding all
-    the same: a row for each step, whether it is at each time.  ``orders``: at each time that of the
-    least squares through log errors at the steps that count, None where these are too few.
-    ``order``: the median of them; ``least``, ``most``: between any two neighbours of the steps that
-    count, at any time.
+    ``digits``: a row for each of ``steps``, correct ones at each of ``times``, nan where a table
+    lacks a number; ``names``: of the tables, where they are some. At a step counts what is above
+    the first digits and below ``rounding``, the digits from which on rounding rules, unless it is
+    ``limited`` by rounding all the same: a row for each step, whether it is at each time.
+    ``orders``: at each time that of the least squares through log errors at the steps that count,
+    None where these are too few.  ``order``: the median of them; ``least``, ``most``: between any
+    two neighbours of the steps that count, at any time.
     """
 
     steps: tuple[float, ...]
@@ -157,13 +157,25 @@ class ObservedOrder(Result):
         names = [f", {name}" for name in self.names] or [""] * len(self.steps)
         rows = zip(self.steps, self.digits, self.counted, names, strict=True)
         lines = [
-            f"step {h:<10.4g} {min(d):6.2f} digits{'' if counts else self._why_not(h)}{name}"
+            f"step {h:<10.4g} {_least(d):6.2f} digits{_gaps(d)}"
+            f"{'' if counts else self._why_not(h)}{name}"
             for h, d, counts, name in rows
         ]
         return "\n".join([*lines, f"order {self.order:.2f}; {self._summary}"])
 
     def _why_not(self, step: float) -> str:
         return f", left out{': rounding limits it' if step in self.left_out else ''}"
+
+
+def _least(digits: Sequence[float]) -> float:
+    """The fewest, of those that are there."""
+    return min((d for d in digits if not math.isnan(d)), default=math.nan)
+
+
+def _gaps(digits: Sequence[float]) -> str:
+    """At how many times there are none, in words."""
+    count = sum(map(math.isnan, digits))
+    return f", no numbers at {count} of {len(digits)} times" if count else ""
 
 
 def observed_order(
@@ -225,6 +237,7 @@ def _order(
     """What judgements tell at those times that all of them have, but t = 0; raises BadInput."""
     digits = [
         {_label(t): d for t, d in zip(one.times, _fewest(one), strict=True) if d is not None}
+        | {_label(one.times[k]): math.nan for rows in one.gaps.values() for k in rows}
         for one in judged
     ]
     times = judged[0].times
@@ -235,7 +248,7 @@ def _order(
     found = ObservedOrder(steps, common, rows, rounding, names, limited)
     if all(x is None for x in found.orders):
         both = zip(steps, rows, strict=True)
-        told = ", ".join(f"{h:.3g}: {min(row):.1f} to {max(row):.1f}" for h, row in both if row)
+        told = ", ".join(f"{h:.3g}: {_least(row):.1f} to {max(row):.1f}" for h, row in both if row)
         count, window = found.fewest_steps, f"{_LEAST:g} to {rounding:.1f} digits"
         expected = f"{count} or more that give {window} at a time that all have"
         if found.left_out:

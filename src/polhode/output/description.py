@@ -134,7 +134,7 @@ def described(scene: Scene) -> JsonObject:
         "coefficients": sorted(equations(scene).coefficients),
         "times": len(scene.times),
         "end": shown(scene.end),
-        "time_unit": f"2**{scene.time_unit}",
+        "time_unit": f"2**{equations(scene).frame.exponent}",
     }
     return facts
 
@@ -157,6 +157,8 @@ def _frequencies(reference: Reference) -> JsonObject:
     try:
         with within(SECONDS):
             texts["frequencies"] = frequencies(reference)
+            if reference.rates_of:
+                texts["rates_of"] = reference.rates_of
             if reference.curve is not None:
                 texts["curve"] = _curve(reference.curve)
             if (rate := reference.approach) is not None:

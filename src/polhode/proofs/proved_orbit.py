@@ -8,12 +8,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from fractions import Fraction
-from pathlib import Path
 from typing import NamedTuple
 
 from flint import arb
 
-from polhode.certificates import certificate_file, orbit_certificate, verify
+from polhode.certificates import orbit_certificate, verify
 from polhode.certificates.certificate_file import Made
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.periodic_orbits.level_set import Surface
@@ -26,9 +25,9 @@ from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.polynomials import middle
 from polhode.proofs import certified_orbit
+from polhode.proofs.proved_result import ProvedResult
 from polhode.proofs.refusals import NotProved
 from polhode.results.cells import EXACT
-from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.scenes.body import PrincipalAxes
 from polhode.scenes.scene import Scene
@@ -49,7 +48,7 @@ class Within(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ProvedOrbit(Result, ByValue):
+class ProvedOrbit(ProvedResult, ByValue):
     """A periodic orbit of (omega, gamma) that exists: a theorem about the exact level.
 
     ``scene``, ``h``, ``f``: the body and the level, exact.  ``period``: the least one; ``omega``,
@@ -142,25 +141,6 @@ class ProvedOrbit(Result, ByValue):
             Fact("runs", self.runs, "of the checker"),
             provenance_fact(self.provenance),
         ]
-
-    def save(self, path: str | Path) -> None:
-        """Write the theorem, or as .json its certificate, which ``polhode verify`` checks.
-
-        Parameters
-        ----------
-        path : str or Path
-            ``.json``: the certificate.  Other endings as of any result; those load again by
-            :func:`polhode.load_result`.
-
-        Raises
-        ------
-        BadInput
-            A file that cannot be written.
-        """
-        if Path(path).suffix.lower() not in (".json", ""):  # "-" is stdout
-            super().save(path)
-            return
-        certificate_file.write(path, self.certificate)
 
     def __repr__(self) -> str:
         name, period = self.scene.name, float(self.period)

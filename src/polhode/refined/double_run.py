@@ -15,7 +15,7 @@ from polhode.numbers.rows import Doubles
 from polhode.refined.collocation_tables import LARGEST_FIELD
 from polhode.refined.errors import CannotRefine
 from polhode.refined.expansions import rounded
-from polhode.refined.scaled_problem import Problem, in_unit
+from polhode.refined.scaled_problem import RationalSystem, with_rates
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.integrator.engine import Engine
 from polhode.taylor.integrator.specification import Equations, principal_engine
@@ -33,8 +33,8 @@ _NEIGHBOUR = 1.5  # and a step that much longer than the shortest of a neighbour
 class Base:
     """A run in double from an exact state at an exact time.
 
-    Its clock starts at 0 and ticks in units of 2**-unit of the scene's own; ``origin`` is its
-    start in the scene's unit.  ``edges``: of the intervals, doubles, the first one 0.
+    Its clock starts at 0 and ticks in units of 2**-unit of the frame's; ``origin`` is its
+    start by the frame's.  ``edges``: of the intervals, doubles, the first one 0.
     ``polynomials``: the states at any time passed, as heyoka gives them.  ``final``: it reaches
     the end of the whole run; the last edge is then left out, what follows it is for outputs alone.
     """
@@ -52,61 +52,63 @@ class Base:
         return np.ascontiguousarray(flat.T).reshape(6, *times.shape)
 
     def clock(self, t: Fraction) -> Fraction:
-        """A time in the scene's unit by this clock."""
+        """A time inside the frame by this clock."""
         return (t - self.origin) * Fraction(2) ** self.unit
 
     def time(self, clock: float) -> Fraction:
-        """The time in the scene's unit that the clock shows."""
+        """The time inside the frame that the clock shows."""
         return self.origin + Fraction(clock) / Fraction(2) ** self.unit
 
 
 def base(
-    problem: Problem,
+    system: RationalSystem,
     state: tuple[Fraction, ...],
     origin: Fraction,
     end: Fraction,
     m: int,
     most: int = STEPS,
 ) -> Base:
-    """Run in double from ``state`` at ``origin`` towards ``end`` (scene's unit), m steps a group.
+    """Run in double from ``state`` at ``origin`` towards ``end``, m steps a group.
 
     ``most``: steps to take.  Raises CannotRefine where the run does not succeed.
     """
     with principal_engine(Equations(STATE, principal.NAMES), Engine) as ready:
-        unit = _first_guess(ready, problem, state, end - origin)
+        unit = _first_guess(ready, system, state, end - origin)
         for _ in range(4):
-            found, fastest = _run(ready, problem, state, origin, end, unit, m, most)
-            fit = problem.unit(fastest * 2.0**unit)
+            found, fastest = _run(ready, system, state, origin, end, unit, m, most)
+            fit = system.unit(fastest * 2.0**unit)
             if unit - 1 <= fit <= unit:
                 return found
             unit = fit
     raise CannotRefine("no unit of time suits the motion")
 
 
-def _begin(ta: Engine, problem: Problem, state: tuple[Fraction, ...], unit: int) -> None:
-    ta.parameters[: len(principal.NAMES)] = [float(x) for x in problem.coefficients_in(unit)]
-    ta.stand([float(x) for x in in_unit(state, unit)])
+def _begin(ta: Engine, system: RationalSystem, state: tuple[Fraction, ...], unit: int) -> None:
+    ta.parameters[: len(principal.NAMES)] = [float(x) for x in system.coefficients_in(unit)]
+    ta.stand([float(x) for x in with_rates(state, -unit)])
 
 
 def _length(span: Fraction, unit: int) -> float:
     return float(min(span * Fraction(2) ** unit, Fraction(_LONGEST)))
 
 
-def _first_guess(ta: Engine, problem: Problem, state: tuple[Fraction, ...], span: Fraction) -> int:
+def _first_guess(
+    ta: Engine, system: RationalSystem, state: tuple[Fraction, ...], span: Fraction
+) -> int:
     """The unit of time that the fastest |w| of the first steps asks for."""
     fastest = math.hypot(*map(float, state[:3]))
-    unit = problem.unit(fastest)
-    _begin(ta, problem, state, unit)
+    unit = system.unit(fastest)
+    _begin(ta, system, state, unit)
     end = _length(span, unit)
     for _ in range(_LOOKS):
         ta.until(end, _PER_LOOK, _PER_LOOK)
         fastest = max(fastest, 2.0**unit * math.hypot(*ta.state[:3]))
-    return problem.unit(fastest) if math.isfinite(fastest) else unit
+    return system.unit(fastest) if math.isfinite(fastest) else unit
 
 
 def _run(
     ta: Engine,
-    problem: Problem,
+    system: RationalSystem,
     state: tuple[Fraction, ...],
     origin: Fraction,
     end: Fraction,
@@ -115,7 +117,7 @@ def _run(
     most: int,
 ) -> tuple[Base, float]:
     """One run in one unit of time, and the largest |w| in it."""
-    _begin(ta, problem, state, unit)
+    _begin(ta, system, state, unit)
     last = _length(end - origin, unit)
     outcome, polynomials = ta.polynomials(last, most)
     whole = outcome is Outcome.REACHED_END
@@ -126,7 +128,7 @@ def _run(
     speeds = np.append(speeds, math.hypot(*ta.state[:3]))
     if not np.isfinite(speeds).all():
         raise CannotRefine("the run in double failed")
-    weight = max(abs(float(x)) for x in problem.coefficients_in(unit)[3:]) ** 0.5
+    weight = max(abs(float(x)) for x in system.coefficients_in(unit)[3:]) ** 0.5
     edges = intervals(times, speeds, weight, m, whole)
     final = whole and last < _LONGEST
     if final:

@@ -25,7 +25,7 @@ from polhode.refined.error_estimate import Estimate, Side, Stretch, estimate, ma
 from polhode.refined.errors import CannotRefine, TooFarOff, TooLong
 from polhode.refined.expansions import Limbs
 from polhode.refined.interval_blocks import WIDTH, Block, cut
-from polhode.refined.scaled_problem import Problem, in_unit, out_of_unit, problem
+from polhode.refined.scaled_problem import RationalSystem, rational_system, with_rates
 from polhode.refined.self_test import trusted_kernels, trusted_tables
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend.process_settings import one_blas_thread, one_thread
@@ -116,7 +116,7 @@ def refine(
     max_steps: int | None = None,
     following: Following | None = None,
 ) -> Motion:
-    """The motion of a scene at times (its own unit), of one sign, away from 0, exact rationals.
+    """The motion of a scene at times (inside its frame), of one sign, away from 0, exact rationals.
 
     ``m``: steps of the run in double to an interval; another one gives a run to compare with.
     ``max_steps``: of the run in double.  ``following``: the attitude at the start.  Ctrl-C stops
@@ -124,7 +124,7 @@ def refine(
     for another form than the principal one.
     """
     backward = times[-1] < 0
-    exact = problem(scene, wanted.limbs.finest + 64, backward)
+    exact = rational_system(scene, wanted.limbs.finest + 64, backward)
     run = _Run(exact, [abs(t) for t in times], wanted, m, following)
     with one_thread(), one_blas_thread():
         stopped = run.to_the_end(progress, max_steps)
@@ -153,14 +153,14 @@ class _Run:
 
     def __init__(
         self,
-        exact: Problem,
+        exact: RationalSystem,
         times: Sequence[Fraction],
         wanted: Accuracy,
         m: int,
         following: Following | None = None,
     ) -> None:
         self.following, self.attitudes = following, list[Attitude]()
-        self.problem, self.wanted, self.m = exact, wanted, m
+        self.system, self.wanted, self.m = exact, wanted, m
         self.times = list(times)
         self.found: list[list[int]] = []
         self.stretches: list[Stretch] = []
@@ -180,17 +180,17 @@ class _Run:
                     return STEP_LIMIT
                 most = min(STEPS, STEPS if max_steps is None else max_steps - self.steps)
                 end = self.times[-1]
-                now = base(self.problem, self._state, self.origin, end, self.m, most)
+                now = base(self.system, self._state, self.origin, end, self.m, most)
                 self.steps += now.steps
-                self._constants = self._in_unit(now.unit)
+                self._constants = self._constants_in(now.unit)
                 self._through(now, progress)
         except KeyboardInterrupt:
             return INTERRUPTED
         return None
 
-    def _in_unit(self, unit: int) -> Constants:
+    def _constants_in(self, unit: int) -> Constants:
         limbs = self.wanted.limbs
-        split = np.array([limbs.split(k) for k in self.problem.coefficients_in(unit)])
+        split = np.array([limbs.split(k) for k in self.system.coefficients_in(unit)])
         return Constants(
             limbs,
             trusted_kernels(limbs),
@@ -203,7 +203,7 @@ class _Run:
     def _through(self, now: Base, progress: Progress | None) -> None:
         """The blocks of one base, until its end or until it has drifted too far."""
         limbs = self.wanted.limbs
-        state = np.array([limbs.split(x) for x in in_unit(self._state, now.unit)])
+        state = np.array([limbs.split(x) for x in with_rates(self._state, -now.unit)])
         clocks = [now.clock(t) for t in self.times[len(self.found) :]]
         edges, at, redos = now.edges, 0, 0
         while clocks:
@@ -221,7 +221,7 @@ class _Run:
                 edges = np.insert(edges, *block.halves(long.which, at))
             except _TooFewNodes:
                 self._nodes += _MORE_NODES
-                self._constants = self._in_unit(now.unit)
+                self._constants = self._constants_in(now.unit)
             else:
                 redos = -1
                 self._keep(block, solved, now.unit)
@@ -243,7 +243,7 @@ class _Run:
     def _advance(self, now: Base, clock: float, state: Doubles) -> None:
         """Go on from an exact state at a time of the base's clock."""
         limbs = self.wanted.limbs
-        self._state = out_of_unit([limbs.value(x) for x in state], now.unit)
+        self._state = with_rates([limbs.value(x) for x in state], now.unit)
         self.origin = now.time(clock)
 
     def _turn(self, work: Intervals, solved: Solved) -> None:

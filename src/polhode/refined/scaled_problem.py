@@ -1,4 +1,4 @@
-"""The exact problem: coefficients, start, and the unit of time in which all of it is small."""
+"""The exact system: coefficients, start, and the unit of time in which all of it is small."""
 
 from __future__ import annotations
 
@@ -20,25 +20,24 @@ _LEAST = -64  # of units; the scene's own is near 1 but for bodies almost at res
 
 
 @dataclass(frozen=True)
-class Problem:
+class RationalSystem:
     """Rationals near the scene's numbers: coefficients k1 ... k9 (order of NAMES) and the state.
 
-    ``state``: w1 w2 w3 g1 g2 g3, gamma zero where the scene leaves it out.  Time is measured in
-    the scene's own unit, 2**scene.time_unit, and runs forward: a motion backwards in time is the
-    one with -w forwards.
+    ``state``: w1 w2 w3 g1 g2 g3, gamma zero where the scene leaves it out.  All of it is inside the
+    scene's frame, and time runs forward: a motion backwards in time is the one with -w forwards.
     """
 
     coefficients: tuple[Fraction, ...]
     state: tuple[Fraction, ...]
 
     def coefficients_in(self, unit: int) -> list[Fraction]:
-        """The coefficients with time in units of 2**-unit of the scene's."""
+        """The coefficients with time in units of 2**-unit of the frame's."""
         scale = Fraction(4) ** -unit
         weight = [x * scale for x in self.coefficients[GYROSCOPIC:]]
         return [*self.coefficients[:GYROSCOPIC], *weight]
 
     def unit(self, fastest: float) -> int:
-        """The least unit in which the coefficients and the fastest |w| (scene's) are below 1."""
+        """The least unit in which the coefficients and the fastest |w| are below 1."""
         largest = max(abs(float(x)) for x in self.coefficients[GYROSCOPIC:]) ** 0.5
         needed = max(largest, _ROOM * fastest)
         unit = _LEAST
@@ -47,20 +46,14 @@ class Problem:
         return unit if needed else 0
 
 
-def in_unit(state: Sequence[Fraction], unit: int) -> list[Fraction]:
-    """A state with time in units of 2**-unit of the scene's."""
-    scale = Fraction(2) ** -unit
-    return [x * scale for x in state[:3]] + list(state[3:])
-
-
-def out_of_unit(state: Sequence[Fraction], unit: int) -> tuple[Fraction, ...]:
-    """A state with time in units of 2**-unit, in the scene's unit."""
-    scale = Fraction(2) ** unit
+def with_rates(state: Sequence[Fraction], exponent: int) -> tuple[Fraction, ...]:
+    """A state whose rates are multiplied by 2**exponent: time in a unit that is as long."""
+    scale = Fraction(2) ** exponent
     return (*(x * scale for x in state[:3]), *state[3:])
 
 
-def problem(scene: Scene, bits: int, backward: bool) -> Problem:
-    """The problem of a scene in the principal form, irrational numbers to so many bits.
+def rational_system(scene: Scene, bits: int, backward: bool) -> RationalSystem:
+    """The system of a scene in the principal form, irrational numbers to so many bits.
 
     Raises BadInput for another form.
     """
@@ -72,7 +65,7 @@ def problem(scene: Scene, bits: int, backward: bool) -> Problem:
     state += [Fraction(0)] * (6 - len(state))
     if backward:
         state[:3] = [-x for x in state[:3]]
-    return Problem(tuple(numbers), tuple(state))
+    return RationalSystem(tuple(numbers), tuple(state))
 
 
 def rational(x: Exact, bits: int) -> Fraction:

@@ -42,13 +42,14 @@ _HEAD = 4096  # bytes of a JSON file that tell its kind
 #: The kinds of results, by the names of their classes.
 KINDS = (
     *("About", "Cases", "CertifiedEvents", "ChaosMap", "CheckReport", "Conditioning"),
-    *("Description", "Enclosure", "Ensemble", "EventTimes"),
+    *("Description", "Enclosure", "Ensemble", "EventTimes", "FieldComparison"),
     *("Frequencies", "Judgement", "Levels", "Lyapunov", "ObservedOrder", "Orbit", "OrbitFamily"),
     *(
         "OrbitSearch",
         "ProvedChaos",
         "ProvedOrbit",
         "ProvedOrbits",
+        "ProvedStability",
         "Reductions",
         "ReferenceTable",
         "Report",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from fractions import Fraction
+from dataclasses import replace
 from math import isfinite
 from pathlib import Path
 from threading import get_ident
@@ -16,16 +16,14 @@ from polhode.common.arguments import not_taken, rows_of, unit_rows, whole
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, plain
 from polhode.common.memory import refuse_too_much
-from polhode.equations.forms import principal
 from polhode.motion.outcomes import OUTCOMES, Outcome, code
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
-from polhode.numbers.number_types import NumberType
+from polhode.numbers.number_types import EXTENDED, NumberType
 from polhode.numbers.rows import Doubles, Extendeds, Flat, double_array, flat
 from polhode.numbers.scalars import AnyNumber, numbers_given
-from polhode.numbers.vectors import scaled
+from polhode.runs.methods.taylor import system_of
 from polhode.runs.problem.options import cadence, choose_number, corrections, rounded_tolerance
-from polhode.runs.problem.problem import Problem, problem
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.taylor import lanes
@@ -35,6 +33,7 @@ from polhode.taylor.backend.step_outcomes import TIME_LIMIT
 from polhode.taylor.batches.jobs import BatchJob, Columns
 from polhode.taylor.corrections.integral_projection import Projector, StartTarget
 from polhode.taylor.integrator.stepping import Integrator
+from polhode.taylor.integrator.system import System
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -43,6 +42,8 @@ _REACHED_END = Outcome.REACHED_END
 _REACHED = code(_REACHED_END)
 _THERE = TIME_LIMIT.value
 _UNIT = 8  # |gamma|² is 1 to so many eps
+_SINGLE = frozenset({float, int, np.float64})  # kinds of numbers that are doubles,
+_WHOLE = 2**53  # integers of at most this size among them
 _BYTES = 24  # of a number of the states of many starts, while they are put in order
 _SPLIT = "numbers of states; fewer times, or starts in parts"
 
@@ -89,13 +90,13 @@ class Propagator:
 
     steps: int | None
 
-    def __init__(self, problem: Problem, every: int | None) -> None:
-        self.scene, self.number = problem.scene, problem.number
+    def __init__(self, system: System, every: int | None) -> None:
+        self.scene, self.number = system.scene, system.number
         self.outcome, self.steps = _REACHED_END, 0
         self._ended: npt.NDArray[np.uint8] | None = None  # how the last array's starts did
-        self._problem, self._every = problem, every
+        self._system, self._every = system, every
         self._owner = get_ident()
-        self._engine = problem.prepared().engine()
+        self._engine = system.engine()
         finalize(self, self._engine.release).atexit = False  # another body's from then on
         self._state, self._until = self._engine.state, self._engine.heyoka.propagate_until
         self._begin = self._engine.begin
@@ -104,8 +105,9 @@ class Propagator:
         self._kind, self._shape = self._first.dtype, self._first.shape
         self._long = self.number.name == "extended"
         self._slack = _UNIT * float(self.number.eps)
-        self._turn: Extendeds | None = problem.turn
-        unit = np.ldexp(self._kind.type(1), self.scene.time_unit)
+        frame = system.frame
+        self._turn = None if frame.axes.trivial else frame.matrix(EXTENDED)
+        unit = np.ldexp(self._kind.type(1), frame.exponent)
         self._scale = np.ones(self._shape, self._kind)
         self._scale[:3] = unit
         self._back = 1 / self._scale
@@ -174,9 +176,10 @@ class Propagator:
                 self._state[...] = self._first
             else:
                 if type(start) is not np.ndarray:
-                    if _rows_given(start):
+                    row = self._row(start)
+                    if row is None and _rows_given(start):
                         return self._many(start, t, workers)
-                    start = self._array(start)
+                    start = self._array(start) if row is None else row
                 try:
                     self._memory[:] = start
                 except (ValueError, NotImplementedError):  # of another type or shape
@@ -194,6 +197,8 @@ class Propagator:
                 if not self._plain:
                     self._state[...] = self._inside(start)
             self._begin()
+            if type(t) is not float and type(t) in _SINGLE and _whole(cast(float, t)):
+                t = float(cast(float, t))
             if type(t) is float:
                 if t * t * rate < self._sure:  # not where any of them is not finite
                     ended, _, _, self.steps, _, _ = self._until(t * self._unit)
@@ -253,18 +258,17 @@ class Propagator:
     @cached_property
     def _job(self) -> BatchJob:
         """What the motions of an array have in common."""
-        k = principal.coefficients(self.scene.body, self.scene.time_unit)
+        k = self._system.coefficients
         numbers = {name: to_double(k[name]) for name in sorted(k)}
         motions = Columns(np.array([[*numbers.values()]]), np.empty((0, self._shape[0])))
-        asked = (*numbers,), self.number, self._problem.tolerance, self._most, np.zeros(1)
-        return BatchJob(*asked, self.scene.time_unit, motions)
+        asked = (*numbers,), self.number, self._system.tolerance, self._most, np.zeros(1)
+        return BatchJob(*asked, self._system.frame.unit, motions)
 
     @cached_property
     def _bound(self) -> lanes.Bound:
         """What bounds the rates of motions, in principal axes and the run's own unit of time."""
-        torque = self._problem.form.axes.components(self.scene.body.torque)
-        moment = _doubles(scaled(Fraction(4) ** self.scene.time_unit, torque))
-        return lanes.Bound.of(_doubles(self.scene.body.moments), moment)
+        body = self._system.form.scene.body
+        return lanes.Bound.of(_doubles(body.moments), _doubles(body.torque))
 
     def _times(self, t: AnyNumber | npt.ArrayLike) -> tuple[Flat, bool]:
         """Times in the run's own unit as an array, and whether several were given."""
@@ -276,7 +280,7 @@ class Propagator:
         several = numbers_given(t)[1]  # other numbers; or what is wrong with them is told
         try:
             scene = self.scene.at(cast(Sequence[AnyNumber], t if several else [t]))
-            return flat(self._problem.schedule(scene).inside.grid), several
+            return flat(self._system.times(scene).grid), several
         except OutOfRange as fault:
             raise _too_wide(self.scene, self.number, fault) from None
 
@@ -316,10 +320,10 @@ class Propagator:
         return flat(rows) if self._plain else self._read(flat(rows))
 
     def __copy__(self) -> Propagator:
-        return Propagator(self._problem, self._every)
+        return Propagator(self._system, self._every)
 
     def __reduce__(self) -> tuple[object, ...]:
-        return Propagator, (self._problem, self._every)
+        return Propagator, (self._system, self._every)
 
     def __repr__(self) -> str:
         return f"<Propagator of {self.scene.name}: {self.number.name}>"
@@ -335,8 +339,19 @@ class Propagator:
         """Rows of any shape back in the scene's axes and units."""
         if self._turn is None:
             return rows * self._back  # exact: powers of two
-        found = flat(self._problem.read.states(rows.reshape(-1, len(self._scale))))
+        found = flat(self._system.read.states(rows.reshape(-1, len(self._scale))))
         return found.reshape(rows.shape)
+
+    def _row(self, start: npt.ArrayLike) -> Flat | None:
+        """A list of plain numbers that doubles hold as an array; None of all else."""
+        if not isinstance(start, (list, tuple)) or len(start) != self._shape[0]:
+            return None
+        if not _SINGLE.issuperset(map(type, start)):
+            return None
+        if not all(map(_whole, cast(Sequence[float], start))):
+            return None
+        row: Flat = np.array(start, self._kind)
+        return row
 
     def _array(self, start: npt.ArrayLike) -> Flat:
         """A start as an array of the propagator's type and shape; raises BadInput."""
@@ -362,12 +377,12 @@ class Propagator:
         self._state[...] = self._first if start is None else self._inside(start)
         self._begin()
         scene = self.scene.at(given)
-        times = self._problem.schedule(scene).inside
+        times = self._system.times(scene)
         corrector = None
         if self._every is not None:
-            onto = StartTarget(self._problem.target, self._state.copy())
+            onto = StartTarget(self._system.target, self._state.copy())
             corrector = Projector(onto, self._every)
-        integrator = Integrator(self._problem.prepared(), corrector=corrector, engine=self._engine)
+        integrator = Integrator(self._system, corrector=corrector, engine=self._engine)
         rows = self._state[None].copy()[: times[0] == 0]
         try:
             found, self.outcome = integrator.advance(times, rows, self._most)
@@ -381,7 +396,7 @@ class Propagator:
         return states
 
 
-def turned(rows: Flat, turn: Extendeds) -> Flat:
+def turned(rows: Flat, turn: Flat) -> Flat:
     """Rows in principal axes, each number rounded once."""
     wide = rows.astype(np.longdouble).reshape(-1, 3)
     principal_rows = (wide @ turn.T).reshape(rows.shape)
@@ -391,6 +406,11 @@ def turned(rows: Flat, turn: Extendeds) -> Flat:
 def _doubles(values: Iterable[Exact]) -> Doubles:
     """The nearest doubles."""
     return np.array([to_double(x) for x in values])
+
+
+def _whole(x: float) -> bool:
+    """Whether a number is a double, if it is an integer, too."""
+    return -_WHOLE <= x <= _WHOLE
 
 
 def _rows_given(start: npt.ArrayLike) -> bool:
@@ -416,7 +436,8 @@ def propagator(
     Parameters
     ----------
     scene : Scene, str or Path
-        A scene, a path, or the name of a case: in the principal form, without outputs and events.
+        A scene, a path, or the name of a case: in the principal form, without events.  Its outputs
+        are left out, as in a sweep.
     number : {"double", "extended"}
         The number type.
     tol : number, optional
@@ -434,7 +455,7 @@ def propagator(
     Raises
     ------
     BadInput
-        A scene with outputs or events or in another form, a wider number type.
+        A scene with events or in another form, a wider number type.
 
     Examples
     --------
@@ -447,9 +468,11 @@ def propagator(
     ((3, 6), True)
     """
     scene = library.load(scene)
-    for key, given in (("outputs", scene.outputs), ("events", [x.name for x in scene.events])):
-        if given:
-            raise BadInput(scene.name, key, ", ".join(given), "none, or polhode.integrate")
+    if scene.events:
+        names = ", ".join(event.name for event in scene.events)
+        raise BadInput(scene.name, "events", names, "none, or polhode.integrate")
+    if scene.outputs:
+        scene = replace(scene, outputs=())
     if scene.form != "principal":
         raise BadInput(scene.name, "run.form", scene.form, "principal, or polhode.integrate")
     kind = choose_number(scene, number, None)
@@ -460,7 +483,7 @@ def propagator(
     tolerance = rounded_tolerance(scene, kind, tol)
     every = cadence(scene, kind, tolerance, corrections(scene, project))
     try:
-        return Propagator(problem(scene, kind, tolerance), every)
+        return Propagator(system_of(scene, kind, tolerance), every)
     except OutOfRange as fault:
         raise _too_wide(scene, kind, fault) from None
 

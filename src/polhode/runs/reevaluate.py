@@ -16,9 +16,8 @@ from polhode.numbers.exact import sign
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Given, GivenRow, Reread, Row
 from polhode.numbers.scalars import AnyNumber, numbers_given
-from polhode.runs.methods.taylor import TaylorMotion
+from polhode.runs.methods.taylor import TaylorMotion, system_of
 from polhode.runs.problem.options import Options
-from polhode.runs.problem.problem import problem
 from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.given_numbers import TIME, reader
@@ -103,7 +102,8 @@ def _motion(run: Trajectory, what: str) -> Interpolant:
         return run.dense
     if what not in run.others:
         scene, options = _asked(run, what, run.times), _options(run)
-        motion = TaylorMotion(problem(scene, run.number, options.tolerance), scene, options)
+        system = system_of(scene, run.number, options.tolerance)
+        motion = TaylorMotion(system, scene, options)
         motion.reached = run.reached
         run.others[what] = motion
     return run.others[what]

@@ -12,7 +12,7 @@ from typing import Any
 
 from polhode.common.arguments import of_kind
 from polhode.common.cached_property import cached_property
-from polhode.common.errors import BadInput
+from polhode.common.errors import BadInput, nearest
 from polhode.common.value_semantics import same
 from polhode.equations.integrals import Drift
 from polhode.motion.outcomes import Events, EventTimes, Outcome, Projection
@@ -32,16 +32,20 @@ from polhode.scenes.vocabulary import ANGLES, ATTITUDE
 
 
 class Saved(Result):
-    """A result that was read from a file: its columns and facts, under the same names.
+    """A result that was read from a file: its columns and facts, as attributes by their names.
 
-    ``kind``: the name of its class.  ``scene``: the scene that it is of.
+    ``result``: the name of the class that it was made as.  ``scene``: the scene that it is of.  A
+    fact that is a table, such as the orbits of a section, is a
+    :class:`polhode.results.table.Table`.
 
     >>> import os, tempfile, polhode
     >>> found = polhode.levels("general/asymmetric-chaotic")
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     found.save(os.path.join(folder, "levels.npz"))
     ...     again = polhode.load_result(os.path.join(folder, "levels.npz"))
-    >>> again.kind, again.fact("h") == found.here.h
+    >>> again
+    <Saved Levels of general/asymmetric-chaotic: 8 curves, 2 cusps>
+    >>> again.result, again.h == found.here.h
     ('Levels', True)
     """
 
@@ -49,9 +53,30 @@ class Saved(Result):
         self._content = content
 
     @property
-    def kind(self) -> str:
+    def result(self) -> str:
         """The name of the class that it was made as."""
         return self._content.kind
+
+    def __getattr__(self, name: str) -> Any:
+        """A fact or a column by its name: what is no attribute else."""
+        if name.startswith("_"):
+            raise AttributeError(name)
+        held = self._named
+        if name in held:
+            return held[name]
+        if name == "kind":
+            warnings.warn("kind of a loaded result is result", DeprecationWarning, stacklevel=2)
+            return self.result
+        words = nearest(name, [*held])
+        raise AttributeError(f"a {self.result} from a file has no {name}: expected {words}")
+
+    @cached_property
+    def _named(self) -> dict[str, Any]:
+        columns = {x.name: x.values for x in self._content.table.columns}
+        return columns | {x.name: x.value for x in self._content.facts}
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self._named]
 
     @cached_property
     def scene(self) -> Scene:
@@ -71,7 +96,7 @@ class Saved(Result):
         return self._content.facts
 
     def __repr__(self) -> str:
-        return self._content.title
+        return f"<Saved {self._content.title.removeprefix('<').removesuffix('>')}>"
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Saved) and same(self._content, other._content)
@@ -92,7 +117,7 @@ def load_result(path: str | Path) -> Trajectory | Saved:
     -------
     Trajectory or Saved
         A run is equal to what was saved, and callable; any other result has the columns and facts
-        that it had.
+        that it had, as attributes, too: ``load_result("orbit.json").period``.
 
     Raises
     ------
@@ -150,7 +175,7 @@ def load_run(path: str | Path) -> Trajectory:
     """
     found = load_result(path)
     if not isinstance(found, Trajectory):
-        expected = f"a run that polhode saved (it holds a result {found.kind})"
+        expected = f"a run that polhode saved (it holds a result {found.result})"
         raise BadInput(str(path), "file", None, expected)
     return found
 

@@ -15,9 +15,8 @@ from polhode.motion.protocols import CannotSolve
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import read_only
 from polhode.runs.methods import refined
-from polhode.runs.methods.taylor import TaylorMotion
+from polhode.runs.methods.taylor import TaylorMotion, system_of
 from polhode.runs.problem.options import USUAL, Options
-from polhode.runs.problem.problem import problem
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ATTITUDE
@@ -25,7 +24,7 @@ from polhode.scenes.vocabulary import ATTITUDE
 if TYPE_CHECKING:
     from polhode.runs.methods.refined_motion import RefinedMotion
 
-#: What begins a motion of a problem: see :class:`polhode.runs.methods.taylor.TaylorMotion`.
+#: What begins a motion of a system: see :class:`polhode.runs.methods.taylor.TaylorMotion`.
 Method: TypeAlias = "type[TaylorMotion] | type[RefinedMotion]"
 
 _LOG = logging.getLogger("polhode")
@@ -45,14 +44,14 @@ def solve(
     way to something else, not ``interruptible``, it goes on as KeyboardInterrupt.  Raises BadInput
     for what cannot be integrated.
     """
-    ready = problem(scene, number, options.tolerance, options.inputs)
-    schedule = ready.schedule(scene)
+    system = system_of(scene, number, options.tolerance, options.inputs)
+    ahead = system.times(scene)
     failed: dict[str, str] = {}
     for method in _methods(scene, number, options):
         began = time.perf_counter()
-        motion = method(ready, scene, options)
+        motion = method(system, scene, options)
         try:
-            rows, outcome = motion.advance(schedule.inside, progress)
+            rows, outcome = motion.advance(ahead, progress)
         except CannotSolve as fault:
             _LOG.info("%s: not %s: %s", scene.name, motion.method, fault)
             failed[f"not {motion.method}"] = str(fault)
@@ -67,7 +66,7 @@ def solve(
                 *(seconds, building),
             )
         parts = {"build": building, "run": seconds - building}
-        read, times = motion.read, schedule.exact
+        read, times = motion.read, ahead.outside
         states = read.states(rows)
         attitude, angles = read.attitude(rows, states), read.angles(rows, states)
         return Trajectory(

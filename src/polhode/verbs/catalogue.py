@@ -173,6 +173,12 @@ ROWS = (
         figure_options=None,
     ),
     Verb(
+        *("prove stability", "polhode.proofs.prove_stability", "prove_stability"),
+        "ProvedStability",
+        "that a periodic orbit is stable for all time",
+        own=".json",
+    ),
+    Verb(
         *("prove chaos", "polhode.proofs.chaos.prove_chaos", "prove_chaos", "ProvedChaos"),
         "that the motion on a level is chaotic",
         own=".json",
@@ -182,7 +188,9 @@ ROWS = (
 VERBS = {verb.name: verb for verb in ROWS}
 
 #: Verbs of several words by the first one, and what that is about.
-GROUPS = {"prove": "proofs: that a periodic orbit exists, where; that a level is chaotic"}
+GROUPS = {
+    "prove": "proofs: periodic orbits, where they are, which are stable; that a level is chaotic"
+}
 
 #: Options of 0.2 that are now elsewhere.
 MOVED = {

@@ -26,7 +26,11 @@ if TYPE_CHECKING:
     from polhode.motion.outcomes import EventTimes
     from polhode.proofs.chaos.proved_chaos import ProvedChaos
     from polhode.proofs.proved_orbit import ProvedOrbit
+    from polhode.proofs.proved_stability import ProvedStability
     from polhode.runs.trajectory import Trajectory
+
+_ROUNDED = 1e-14  # of the step between samples: more is told
+_PROOFS = ("prove orbit", "prove stability", "prove chaos")  # with a certificate
 
 #: A result of any kind: each function knows that of its verb.
 AnyResult = Any
@@ -38,7 +42,7 @@ def of(
     """The lines about a result of a verb, and what was ``written`` of it."""
     yield from _NOTES.get(verb, _itself)(result, namespace)
     proofs: list[Path] = []
-    if verb in ("certify", "prove orbit", "prove chaos"):
+    if verb in ("certify", *_PROOFS):
         asked = [x for x in map(Path, namespace.places or ()) if x in written]
         proofs = [x for x in asked if x.suffix.lower() == ".json" or is_stdout(x)][:1]
     if files := [str(x) for x in written if x not in proofs and not is_stdout(x)]:
@@ -252,12 +256,19 @@ def _frequencies(result: Frequencies, namespace: Namespace) -> Iterator[str]:
     for signal, lines in result.lines.items():
         if not lines:
             yield f"{result.name}: {signal} has no line above rounding"
+    if result.step_error > _ROUNDED * abs(result.step):
+        yield (
+            f"{result.name}: the times are rounded: spacing {result.step:.12g} ± "
+            f"{result.step_error:.1g} fits them all, and the errors include it"
+        )
     kind = "closed form" if result.closed_form else "basis"
-    if rates := ", ".join(f"{name} = {value:.15g}" for name, value in result.known.items()):
-        yield f"{result.name}: {kind}: {rates}"
+    words = {name: f" {words}" for name, words in result.rates_of.items()}
+    rates = [f"{name}{words.get(name, '')} = {x:.15g}" for name, x in result.known.items()]
+    if rates:
+        yield f"{result.name}: {kind}: {', '.join(rates)}"
 
 
-def _proved_orbit(result: ProvedOrbit, namespace: Namespace) -> Iterator[str]:
+def _proved_orbit(result: ProvedOrbit | ProvedStability, namespace: Namespace) -> Iterator[str]:
     from polhode.certificates.verdict import trusted_base
 
     yield (
@@ -287,6 +298,6 @@ _NOTES: dict[str, Callable[[AnyResult, Namespace], Iterator[str]]] = {
     "orbits": _search,
     "prove orbits": _search,
     "frequencies": _frequencies,
-    "prove orbit": _proved_orbit,
+    **dict.fromkeys(("prove orbit", "prove stability"), _proved_orbit),
     "prove chaos": _proved_chaos,
 }

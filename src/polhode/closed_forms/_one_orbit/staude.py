@@ -61,6 +61,11 @@ class Staude(PlacedMotion):
     def _motion(self) -> NormalMotion:
         return Permanent([ball(x) for x in (*self.normal.omega, *self.normal.gamma)])
 
+    @property
+    def rates_of(self) -> Mapping[str, str]:
+        """Of no axis by itself."""
+        return {"precession": "of the body about the vertical"}
+
     def _rate_balls(self) -> Mapping[str, arb]:
         """ "precession": psi', the rate about the vertical; none at rest."""
         if is_zero(self._omega):

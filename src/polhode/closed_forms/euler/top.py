@@ -48,6 +48,7 @@ class EulerTop(ClosedForm[EulerMotion]):
             if self._known_gamma is not None:
                 self._turning = OneAxis(self._omega, self._known_gamma)
             return
+        self._order = order
         a, b, c = (moments[i] for i in order)
         self._frame = Frame.signed(order, (1, -1 if order in _ODD else 1, 1), axes)
         self._numbers = numbers((a, b, c), self._frame.into(self._omega))
@@ -73,6 +74,15 @@ class EulerTop(ClosedForm[EulerMotion]):
         if isinstance(motion, PermanentRotation) or motion.elliptic.limit:
             return None
         return 4 * motion.elliptic.K / motion.rate
+
+    @property
+    def rates_of(self) -> Mapping[str, str]:
+        """Of the axis that the polhode circles, the third of the motion's."""
+        if self._permanent:
+            return {"precession": "of the body about omega"}
+        which = "largest" if self._numbers.sense > 0 else "smallest"
+        axis = f"principal axis {self._order[2] + 1} (of the {which} moment)"
+        return {"precession": f"of {axis} about the angular momentum"}
 
     def _rate_balls(self) -> Mapping[str, arb]:
         """Mean rates in radians a unit of time.

@@ -79,6 +79,15 @@ class LagrangeTop(ClosedForm[LagrangeMotion]):
             return None
         return 2 * motion.elliptic.K / motion.rate
 
+    @property
+    def rates_of(self) -> Mapping[str, str]:
+        """Of the axis of symmetry, which of a sphere is that through its centre of mass."""
+        axis = "the axis of symmetry through the centre of mass"
+        return {
+            "precession": f"of {axis} about the vertical",
+            "proper rotation": f"of the body about {axis}",
+        }
+
     def _rate_balls(self) -> Mapping[str, arb]:
         """Mean rates in radians a unit of time.
 

@@ -36,7 +36,8 @@ from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.chaos import map_motions
 from polhode.dynamics.sections.initial_tangents import tangents_of
-from polhode.judging.conditioning.motion_kinds import UNSTABLE, UNSTABLE_GROWTH
+from polhode.judging.conditioning.motion_kinds import SHORTEST, UNSTABLE, UNSTABLE_GROWTH
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles, Integers
@@ -53,7 +54,7 @@ from polhode.scenes.variation import vary
 
 END = 1000  # units of the inner time
 TOLERANCE = 1e-8  # no verdict of 2000 was another at eps
-REGULAR_GROWTH, REGULAR_MEGNO, SHORTEST = 2.5, 2.2, 1000.0
+REGULAR_GROWTH, REGULAR_MEGNO = 2.5, 2.2
 _BYTES = 24  # of a look: ln|u|, and what it is judged by
 LOOK, LEAST_LOOKS = 8.0, 16  # units of time between two looks, at most; looks, a multiple of this
 LANES = 256
@@ -105,7 +106,7 @@ class ChaosMap(Result, ByValue):
     @property
     def enough(self) -> float:
         """The least end at which a motion can be called regular; before, it stays undecided."""
-        return SHORTEST * 2.0**self.scene.time_unit
+        return SHORTEST * float(Frame.of(self.scene).unit)
 
     @property
     def too_short(self) -> bool:
@@ -185,7 +186,7 @@ def chaos_map(
     tol: float | None = TOLERANCE,
     workers: int | None = None,
     executor: Executor | None = None,
-    parts: Path | None = None,
+    parts: str | Path | None = None,
     progress: Progress | None = None,
     starts: npt.ArrayLike | str | Path | None = None,
 ) -> ChaosMap:
@@ -217,7 +218,7 @@ def chaos_map(
         Threads, as many as there are cores unless given.
     executor : Executor, optional
         An executor of ``concurrent.futures`` instead of threads.
-    parts : Path, optional
+    parts : str or Path, optional
         A folder for finished jobs, from which the same call continues after a kill.
     progress : callable, optional
         Called with the fraction done and the motions done.
@@ -251,8 +252,8 @@ def chaos_map(
     from polhode.taylor.variations import tangent_batches
 
     scene = library.load(scene)
-    unit = 2.0**scene.time_unit
-    default = Fraction(END) * Fraction(2) ** scene.time_unit
+    frame = Frame.of(scene)
+    unit, default = float(frame.unit), frame.time_outside(Fraction(END))
     wanted = default if end is None else end
     (last,) = each(scene.name, "end", (wanted,), reader(scene.units, TIME), "a time")
     length = to_double(last) / unit

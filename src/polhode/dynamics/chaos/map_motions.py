@@ -15,6 +15,7 @@ from polhode.equations.forms import principal
 from polhode.equations.section_functions import HEIGHT, MOMENTUM
 from polhode.judging.conditioning.lyapunov import is_known
 from polhode.judging.conditioning.motion_kinds import is_integrable
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles, Integers
@@ -79,7 +80,8 @@ def on_section(
     points = starts_of(plan, on, None, (first, second), foretold)
     of = points.of // 2 if plan.by == HEIGHT else points.of
     angle, cosine = geometry.cells(first, second)
-    k = {n: to_double(x) for n, x in principal.coefficients(scene.body, scene.time_unit).items()}
+    inside = Frame.of(scene).inside(scene)
+    k = {n: to_double(x) for n, x in principal.coefficients(inside.body).items()}
     many = (len(points.states), 1)
     return Motions(
         scene,
@@ -113,7 +115,7 @@ def of_varied(scene: Scene, varied: vary.Vary, foretold: Callable[[int], object]
         raise BadInput(scene.name, "start.gamma", None, "a unit vector, for a map")
     foretold(len(grid.rows))
     members = Members(scene, grid)
-    unit = 2.0**scene.time_unit
+    exponent = Frame.of(scene).exponent  # of all members
     rows = np.array([[to_double(x) for x in row] for row in grid.rows])
     shape: tuple[int, ...] = (len(rows),)
     cell = np.arange(len(rows))
@@ -124,13 +126,11 @@ def of_varied(scene: Scene, varied: vary.Vary, foretold: Callable[[int], object]
         cell = first * len(axes[1]) + second
     starts, moments, torques, every = [], [], [], []
     for member in members:
-        turned = member.body.axes.components
-        assert member.gamma is not None
-        starts.append([unit * to_double(x) for x in turned(member.omega)])
-        starts[-1] += [to_double(x) for x in turned(member.gamma)]
-        moments.append([to_double(a) for a in member.body.moments])
-        torques.append([unit**2 * to_double(x) for x in turned(member.body.torque)])
-        every.append(principal.coefficients(member.body, scene.time_unit))
+        inside = Frame(member.body.axes, exponent).inside(member)
+        starts.append([to_double(x) for x in inside.start])
+        moments.append([to_double(a) for a in inside.body.moments])
+        torques.append([to_double(x) for x in inside.body.torque])
+        every.append(principal.coefficients(inside.body))
     names = tuple(name for name in principal.NAMES if any(name in k for k in every))
     values = np.array([[to_double(k.get(name, 0)) for name in names] for k in every])
     return Motions(

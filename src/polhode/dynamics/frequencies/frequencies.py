@@ -17,9 +17,11 @@ from polhode.common.errors import BadInput, nearest
 from polhode.common.provenance import provenance
 from polhode.common.value_semantics import ByValue
 from polhode.dynamics.frequencies import naff
-from polhode.judging.references.reference import reference
+from polhode.dynamics.frequencies.spacing import Spacing, spacing
+from polhode.judging.references.reference import Reference, reference
 from polhode.judging.tables.table import Table
 from polhode.judging.tables.table_file import is_table, read_table
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import DOUBLE
@@ -74,8 +76,11 @@ class Frequencies(Result, ByValue):
     """The lines of each signal, strongest first, in radians per unit of time.
 
     ``known``: frequencies by name that the lines are combinations of: a closed form's where
-    ``closed_form``, else lines that are no combination of those before.  The mean of a real signal
-    is taken away.  ``scene``: with the times of the samples; None of a table or of listed times.
+    ``closed_form``, else lines that are no combination of those before.  ``rates_of``:
+    of which axis about which they are, where the name leaves it open.  The mean of a real signal is
+    taken away.  ``step``: the time between two samples, and ``step_error`` what it may be off
+    where the times are rounded, which the errors of the lines include.  ``scene``: with the times
+    of the samples; None of a table or of listed times.
 
     >>> import polhode
     >>> found = polhode.frequencies("lagrange/nutation", of=["gamma3"], end=200)
@@ -91,8 +96,10 @@ class Frequencies(Result, ByValue):
     lines: Mapping[str, tuple[Line, ...]]
     known: Mapping[str, float]
     closed_form: bool
+    rates_of: Mapping[str, str] = field(default_factory=dict)
     signals: Mapping[str, Doubles | Complexes] = field(default_factory=dict)
     step: float = 0.0
+    step_error: float = 0.0
     scene: Scene | None = None
     provenance: Mapping[str, object] = field(default_factory=dict)
 
@@ -122,12 +129,18 @@ class Frequencies(Result, ByValue):
 
     def facts(self) -> list[Fact]:
         """Of what motion, how long it was followed, and which frequencies are known."""
-        columns = [text_column("name", [*self.known]), Column("frequency", [*self.known.values()])]
+        columns = [
+            text_column("name", [*self.known]),
+            Column("frequency", [*self.known.values()]),
+            text_column("of", [self.rates_of.get(name, "") for name in self.known]),
+        ]
         source = [Fact("scene", self.name, "a scene's name, or a file")]
         return [
             *(source if self.scene is None else scene_facts(self.scene)),
             Fact("end", self.end, "the last time"),
             Fact("samples", self.samples),
+            Fact("step", self.step, "time between two samples"),
+            Fact("step_error", self.step_error, "what the step may be off by the times' rounding"),
             Fact("known", ResultTable(columns), "of which lines are combinations"),
             Fact("closed_form", self.closed_form, "whether a closed form tells them"),
             provenance_fact(self.provenance),
@@ -154,14 +167,17 @@ def frequencies(
     ----------
     source : Scene, Trajectory, str or Path
         A scene, a run, or the file of one, or of a table with a column t, as for
-        :func:`polhode.compare`; the times of a run or file are equally spaced.
+        :func:`polhode.compare`; the times of a run or file are equally spaced, those of a file
+        within half a unit of their last printed decimal.
     of : sequence of str, optional
         Among "p+iq", "gamma1+i gamma2", "p", "q", "r", "gamma1", "gamma2", "gamma3" and "axis", the
         third body axis in space; "p+iq" and "gamma3" unless given.
     end : number, optional
         The last time of a scene's run; by default its own end, or 200 if it has none.
     lines : int
-        The number of lines of each signal.
+        The most lines of each signal: N of a real one are N frequencies above 0, for +f and -f are
+        one line, and its mean is none; of a complex one such as "p+iq" f and -f are two, and a
+        constant is a line at 0.
 
     Returns
     -------
@@ -239,19 +255,20 @@ def _names(source: str, of: Sequence[str] | None, scene: Scene | None) -> tuple[
 
 def _fastest(scene: Scene) -> float:
     """A rate that |w| hardly exceeds: its bound by the energy."""
-    body, unit = scene.body, Fraction(2) ** scene.time_unit
+    frame = Frame.of(scene)
+    body, unit = scene.body, frame.unit
     largest = max(body.moments)  # and the run's unit of time: all numbers are of order one
     torque = math.sqrt(sum(to_double(unit * unit * x / largest) ** 2 for x in body.torque))
     least = to_double(min(body.moments) / largest)
     energy = to_double(unit * unit * scene.integrals.energy / largest)
     energy += torque if scene.gamma is not None else 0.0
     fastest = max(math.sqrt(max(0.0, 2 * energy / least)), math.sqrt(torque))
-    return math.ldexp(fastest, -scene.time_unit) or 1.0
+    return math.ldexp(fastest, -frame.exponent) or 1.0
 
 
 def _of_run(run: Trajectory, names: tuple[str, ...], count: int) -> Frequencies:
     scene = run.scene
-    step = _step(scene.name, run.times)
+    step = spacing(scene.name, run.times)
     columns = dict(zip(run.columns, doubles(run.states).T, strict=True))
     if run.attitude is not None:
         columns |= zip(ATTITUDE, doubles(run.attitude).T, strict=True)
@@ -263,12 +280,14 @@ def _of_run(run: Trajectory, names: tuple[str, ...], count: int) -> Frequencies:
             known |= {f"{name}/2": float(x) / 2} if name in half else {name: float(x)}
     signals = {name: _signal(scene.name, name, columns, scene) for name in names}
     found = _found(scene.name, signals, step, count, known, scene.provenance())
+    if isinstance(closed, Reference):
+        found = replace(found, rates_of=closed.rates_of)
     listed = scene.output_times.floats is not None  # which a text would hold one by one
     return found if listed else replace(found, scene=scene)
 
 
 def _of_table(table: Table, of: Sequence[str] | None, count: int) -> Frequencies:
-    step = _step(table.name, table.times)
+    step = spacing(table.name, table.times, table.time_errors)
     columns = {}
     for name, column in table.columns.items():
         if None not in column:
@@ -285,17 +304,6 @@ def _columns(name: str) -> tuple[str, ...]:
     if name == AXIS:
         return ATTITUDE
     return tuple(column for column in SIGNALS[name] if column)
-
-
-def _step(name: str, times: Sequence[Fraction]) -> float:
-    """The time between two samples; raises BadInput unless they are equally spaced."""
-    if len(times) < 64:
-        raise BadInput(name, "times", len(times), "64 samples or more")
-    step = (times[-1] - times[0]) / (len(times) - 1)
-    off = max(abs(t - times[0] - k * step) for k, t in enumerate(times))
-    if off > abs(step) / 10**9:
-        raise BadInput(name, "times", None, "equally spaced times, to a billionth of their step")
-    return float(step)
 
 
 def _signal(source: str, name: str, columns: Mapping[str, Any], scene: Scene | None) -> Any:
@@ -333,7 +341,7 @@ def _axis(columns: Mapping[str, Any], scene: Scene | None) -> Any:
 def _found(
     name: str,
     signals: Mapping[str, Any],
-    step: float,
+    step: Spacing,
     count: int,
     known: dict[str, float],
     origin: Mapping[str, Any],
@@ -341,13 +349,10 @@ def _found(
     closed = bool(known)
     found: dict[str, tuple[Line, ...]] = {}
     for signal, samples in signals.items():
-        real = not np.any(samples.imag)
-        centred = samples - _mean(samples) if real else samples
-        bin_width = 2 * math.pi / abs(step * (len(samples) - 1))
+        bin_width = 2 * math.pi / abs(step.step * (len(samples) - 1))
         parts = []
-        for line in naff.lines(centred, step, count, naff.size_of(samples)):
-            if real and line.frequency < 0:
-                continue  # the mirror image of a real signal's line
+        for line in naff.lines(samples, step.step, count):
+            line = line._replace(error=line.error + abs(line.frequency * step.relative_error))
             sharp = line.error < _SHARP * bin_width
             combination = combined(line.frequency, line.error, known) if sharp else {}
             zero = abs(line.frequency) < 10 * line.error
@@ -357,17 +362,19 @@ def _found(
                 combination = {label: 1}
             parts.append(Line(*line, combination))
         found[signal] = tuple(parts)
-    length = step * (len(next(iter(signals.values()))) - 1)
     n = len(next(iter(signals.values())))
     return Frequencies(
-        name, length, n, found, known, closed, dict(signals), step, provenance=origin
+        name,
+        step.step * (n - 1),
+        n,
+        found,
+        known,
+        closed,
+        signals=dict(signals),
+        step=step.step,
+        step_error=step.error,
+        provenance=origin,
     )
-
-
-def _mean(samples: Any) -> complex:
-    """The mean of a quasi-periodic signal, by the same window."""
-    window = (1 + np.cos(np.pi * np.linspace(-1, 1, len(samples)))) ** naff.POWER
-    return complex((samples @ window) / window.sum())
 
 
 def combined(frequency: float, error: float, known: Mapping[str, float]) -> dict[str, int]:

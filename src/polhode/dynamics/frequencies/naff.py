@@ -8,6 +8,10 @@ has its largest modulus next to the strongest line: the nearest point of a fast 
 padded, is refined by Newton's method on |F|^2.  The line is subtracted, then the next is looked
 for.  A line at a distance d leaks by (d T)^-(2n + 1).
 
+A real signal is m + sum of 2 Re a exp(i om t), om > 0: +om and -om are one line, looked for among
+om > 0 and subtracted together with its mirror image; the constant m is no line.  A constant part of
+a complex signal is a line at 0.
+
 The error of a frequency is judged by what did not make it (:func:`_errors`): a second window, and
 what the lines leave of the signal.
 """
@@ -42,6 +46,8 @@ _Wave: TypeAlias = tuple[float, complex]  # frequency and amplitude
 class Line(NamedTuple):
     """One line: amplitude·exp(i frequency t), t from the first sample on.
 
+    Of a real signal also its mirror image, which makes both 2 |amplitude| cos(frequency t + phase).
+
     ``error``: an estimate of the frequency's, see :func:`_errors`.
     ``half``: what half the samples give less what all give: of a chaotic signal it is no smaller.
     """
@@ -53,9 +59,12 @@ class Line(NamedTuple):
 
 
 class _Window:
-    """Samples under the window of power POWER: their transform, and its maxima."""
+    """Samples under the window of power POWER: their transform, and its maxima.
 
-    def __init__(self, n: int, step: float, padded: int) -> None:
+    ``real``: whether a line is one with its mirror image, and a constant is none.
+    """
+
+    def __init__(self, n: int, step: float, padded: int, real: bool = False) -> None:
         window = (1 + np.cos(np.pi * np.linspace(-1, 1, n))) ** POWER
         weight = np.ones(n)
         weight[[0, -1]] = 0.5
@@ -65,6 +74,7 @@ class _Window:
         self.padded = padded * 2 ** math.ceil(math.log2(n))
         self.grid = 2 * np.pi * np.fft.fftfreq(self.padded, step)
         self.bin = 2 * math.pi / float(self.time[-1])
+        self.real = real
 
     def moduli(self, z: Complexes) -> Doubles:
         """|F| at the points of the grid."""
@@ -77,9 +87,23 @@ class _Window:
         return frequency, complex(weighted @ np.exp(-1j * frequency * self.time))
 
     def wave(self, line: _Wave) -> Complexes:
-        """A line's part of the signal."""
+        """A line's part of the signal, without its mirror image."""
         found: Complexes = line[1] * np.exp(1j * line[0] * self.time)
         return found
+
+    def without(self, rest: Complexes, wave: Complexes) -> Complexes:
+        """What is left where a line's wave is taken away; of a real signal no constant, either."""
+        if not self.real:
+            return rest - wave
+        left = rest - 2 * wave.real
+        without_constant: Complexes = left - self.weights @ left
+        return without_constant
+
+    def again(self, line: _Wave, rest: Complexes) -> tuple[_Wave, Complexes]:
+        """A line anew, with all others and its mirror image taken away; and what is then left."""
+        wave = self.wave(line)
+        found = self.line(rest + wave, line[0], _AGAIN)
+        return found, self.without(self.without(rest, -wave), self.wave(found))
 
     def beside_each_other(
         self, found: list[_Wave], rest: Complexes
@@ -88,54 +112,58 @@ class _Window:
         lines = list(found)
         for _ in range(_SWEEPS):
             for k, line in enumerate(lines):
-                alone = rest + self.wave(line)
-                lines[k] = self.line(alone, line[0], _AGAIN)
-                rest = alone - self.wave(lines[k])
+                lines[k], rest = self.again(line, rest)
         return lines, rest
 
     def lines(self, z: Complexes, count: int, least: float) -> tuple[list[_Wave], Complexes]:
         """The strongest lines, none below ``least``, and what they leave of z."""
-        rest, found = z.copy(), list[_Wave]()
+        rest, found = self.without(z, 0 * z), list[_Wave]()
         for _ in range(count):
             moduli = self.moduli(rest)
             for other, _amplitude in found:
                 moduli[np.abs(self.grid - other) < _SEPARATE * self.bin] = 0
+            if self.real:
+                moduli[self.grid < _SEPARATE * self.bin] = 0
             k = int(np.argmax(moduli))
             if moduli[k] <= least:
                 break
-            found.append(self.line(rest, float(self.grid[k])))
-            rest = rest - self.wave(found[-1])
+            line = self.line(rest, float(self.grid[k]))
+            rest = self.without(rest, self.wave(line))
+            for _ in range(_SWEEPS if self.real else 0):
+                line, rest = self.again(line, rest)
+            found.append(line)
         return found, rest
 
 
-def lines(
-    samples: Doubles | Complexes, step: float, count: int, size: float | None = None
-) -> list[Line]:
-    """The strongest lines of equally spaced complex samples, strongest first; fewer if they end.
+def lines(samples: Doubles | Complexes, step: float, count: int) -> list[Line]:
+    """The strongest lines of equally spaced samples, strongest first; fewer if they end.
 
-    ``step``: the time between two, negative where time falls; pi/step more than twice the fastest
-    line's frequency.  ``size``: of what the samples were rounded at, theirs unless given.
+    Samples without any imaginary part are a real signal's.  ``step``: the time between two,
+    negative where time falls; pi/step more than twice the fastest line's frequency.
     """
     z = np.asarray(samples, dtype=complex)
-    size = size_of(z) if size is None else size
+    real = not z.imag.any()
+    size = size_of(z)
     if size == 0:
         return []
     # powers of two: numbers of order one, and no bit of an answer depends on the units
     unit, large = math.frexp(step)[1], math.frexp(size)[1]
     z = np.ldexp(z.real, -large) + 1j * np.ldexp(z.imag, -large)
     size, pace = math.ldexp(size, -large), abs(math.ldexp(step, -unit))
-    window = _Window(len(z), pace, _PADDED)
+    window = _Window(len(z), pace, _PADDED, real)
     whole, rest = window.lines(z, count, _SMALLEST * size)
     errors = _errors(window, z, whole, rest, size)
     middle = z[: (len(z) + 1) // 2]
-    half, _ = _Window(len(middle), pace, _PADDED).lines(middle, count, _SMALLEST * size)
+    half, _ = _Window(len(middle), pace, _PADDED, real).lines(middle, count, _SMALLEST * size)
     found = []
     for (frequency, amplitude), error in zip(whole, errors, strict=True):
         told = [frequency, error, _off(frequency, half, 2 * window.bin)]
         told = [math.ldexp(x, -unit) for x in told]
+        amplitude = complex(math.ldexp(amplitude.real, large), math.ldexp(amplitude.imag, large))
         if step < 0:  # the samples as time rises have each line's mirror image
             told[0] = -told[0]
-        amplitude = complex(math.ldexp(amplitude.real, large), math.ldexp(amplitude.imag, large))
+        if real and told[0] < 0:  # of both images the one above 0
+            told[0], amplitude = -told[0], amplitude.conjugate()
         found.append(Line(told[0], amplitude, told[1], told[2]))
     return found
 
@@ -157,16 +185,19 @@ def _errors(
     again beside all others, which takes their leakage away, and what is then left of the signal
     leaks as the window does.  Where a rest or a line stays as near as the window sees, a neighbour
     is not resolved: two lines d bins apart (d < 1) leave d^2, so the line may be off by the root.
-    Two that leave less than _UNRESOLVED count as one.
+    Two that leave less than _UNRESOLVED count as one.  Of a real signal the mirror images are such
+    neighbours, and what is not resolved within the window's main lobe about 0 may be constant.
     """
     n, step = len(z), float(window.time[1])
-    second = _Window(n - n // _SECOND_LEFT_OUT, step, _SECOND_PADDED)
+    second = _Window(n - n // _SECOND_LEFT_OUT, step, _SECOND_PADDED, window.real)
     later = z[n - len(second.time) :]
     others, _ = second.lines(later, len(found) + _SECOND_MORE, _SMALLEST * size)
     beside, rest = window.beside_each_other(list(found), rest)
-    more, rest = window.lines(rest, _MORE, _SMALLEST * size)
-    beside, rest = window.beside_each_other(beside + more, rest)
+    for _ in range(_MORE):  # one by one: strong ones hide each other's neighbours
+        more, rest = window.lines(rest, 1, _SMALLEST * size)
+        beside, rest = window.beside_each_other(beside + more, rest)
     left = window.moduli(rest)
+    images = [(-place, other) for place, other in beside] if window.real else []
     errors = []
     for k, (frequency, amplitude) in enumerate(found):
         refined = beside[k][0]
@@ -177,14 +208,16 @@ def _errors(
             [float(np.max(relative[away < _REST_NEAR]))]
             + [
                 abs(other / amplitude)
-                for j, (place, other) in enumerate(beside)
+                for j, (place, other) in enumerate(beside + images)
                 if j != k and abs(place - refined) < _LINE_NEAR * window.bin
             ]
         )
         again = _off(frequency, others, window.bin)
         error = _SURE * max(again, abs(frequency - refined) + leaked)
         if near > _UNRESOLVED:
-            error += _SURE * math.sqrt(min(near, 1.0)) * window.bin
+            slow = window.real and abs(frequency) < (POWER + 1) * window.bin
+            reach = max(window.bin, abs(frequency) / _SURE) if slow else window.bin
+            error += _SURE * math.sqrt(min(near, 1.0)) * reach
         rounding = _ROUNDING * abs(frequency) + (_WANDER + size / abs(amplitude)) * window.bin
         errors.append(max(error, 2.0**-53 * rounding))
     return errors

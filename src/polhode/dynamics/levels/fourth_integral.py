@@ -25,6 +25,7 @@ from flint import arb, arb_poly, fmpq_poly
 
 from polhode.dynamics.levels.rational_body import BITS, RationalBody
 from polhode.equations.integrals import exact_values, first_integrals
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.flint_context import ctx
@@ -73,9 +74,10 @@ def fourth_integral(
 
 def _own(scene: Scene, name: str, axis: int) -> float:
     """The scene's value, in its own units."""
-    known = first_integrals(scene)
-    found: Exact = exact_values(scene, known)[-1]
-    unit, largest = Fraction(2) ** scene.time_unit, max(scene.body.moments)
+    frame = Frame.of(scene)
+    inside = frame.inside(scene)
+    found: Exact = exact_values(inside, first_integrals(inside))[-1]
+    unit, largest = frame.unit, max(scene.body.moments)
     if name == "|G|^2":
         return to_double(found * (largest / unit) * (largest / unit))
     if name == "L":

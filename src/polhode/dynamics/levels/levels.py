@@ -16,7 +16,13 @@ from polhode.common.value_semantics import ByValue
 from polhode.dynamics.levels import permanent_rotations, regions
 from polhode.dynamics.levels.fourth_integral import FourthIntegral, fourth_integral
 from polhode.dynamics.levels.permanent_rotations import POLE, START, End, Family, Piece
-from polhode.dynamics.levels.rational_body import BITS, BODY_BITS, RationalBody, refuse_far
+from polhode.dynamics.levels.rational_body import (
+    BITS,
+    BODY_BITS,
+    RationalBody,
+    refuse_far,
+    simplest,
+)
 from polhode.dynamics.levels.regions import Region, Undecided
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
@@ -34,7 +40,6 @@ from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, text_column
 
 DIGIT_BITS = 128  # of what is isolated exactly: 38 digits
-_SHORT_BITS = 256  # of the denominator of a level's rational number
 _MORSE = "directions on the sphere that lower the potential"
 COLUMNS = 48  # of the regions of a diagram
 
@@ -326,14 +331,3 @@ def _here(scene: Scene, body: RationalBody, families: Sequence[Family]) -> tuple
     least = regions.least_energy(body, families, f)
     fourth = fourth_integral(scene, body, h, f)
     return Here(area, energy, least, region, remark, fourth), h_exact and f_exact
-
-
-def simplest(x: Exact) -> Exact:
-    """A rational number that x is by the rule for *equal*, if it is a short one; else x.
-
-    A start on a rational level has an irrational omega, from which h and f are computed.
-    """
-    if isinstance(x, Fraction):
-        return x
-    near = fraction_near(x, BODY_BITS)[0].limit_denominator(2**_SHORT_BITS)
-    return near if x == near else x

@@ -72,7 +72,7 @@ def job_of(
     scene: Scene, plan: Plan, which: tuple[Reduction, ...], group: npt.NDArray[np.int64]
 ) -> Job:
     """The job of some members that have a unit of time in common."""
-    read, n = reader(plan, group), int(plan.time_units[group[0]])
+    read, n = reader(plan, group), int(plan.exponents[group[0]])
     motions, told = plan.motions.some(group), {what.kind for what in which}
     states = flat_members.job_of(plan, group) if told - {FIRST, LYAPUNOV} else None
     end = float(plan.times[-1] / Fraction(2) ** n)
@@ -99,7 +99,7 @@ def _of_event(
     job = SearchJob(
         *(watched, _DIRECTIONS[event.direction], 1, end, STRETCH),
         *(double_array(motions.coefficients), double_array(motions.starts)),
-        *(int(plan.time_units[group[0]]), turns),
+        *(int(plan.exponents[group[0]]), turns),
         max_steps=plan.max_steps,
     )
     stopping = event._replace(stop=True)
@@ -151,7 +151,8 @@ class Job(NamedTuple):
     """Members and all that is asked of them: plain data.
 
     ``states``: for what states tell, if anything; ``firsts``: a job an event, and the members'
-    scenes by which those are done that lanes are not sure of.  ``time_unit``: the exponent of two.
+    scenes by which those are done that lanes are not sure of.  ``time_exponent``: of two, that of
+    their unit of time.
     """
 
     which: tuple[Reduction, ...]
@@ -159,7 +160,7 @@ class Job(NamedTuple):
     states: FlatJob | None
     firsts: tuple[tuple[Reduction, SearchJob, Singles, Reader], ...]
     exponents: Exponents | None
-    time_unit: int
+    time_exponent: int
 
 
 class Exponents(NamedTuple):
@@ -203,7 +204,7 @@ def _parts(job: Job, stop: Stop | None) -> Iterator[Reduced]:
     """What is told by states, by events and by tangents."""
     if job.states is not None:
         steps = job.states.steps
-        times = np.ldexp(steps.times, steps.time_unit)
+        times = np.ldexp(steps.times, job.time_exponent)
         solved = job.states.solved(stop)
         told = [what for what in job.which if what.kind not in (FIRST, LYAPUNOV)]
         numbers = extremes(told, solved.states, times, job.columns, steps.number)
@@ -211,7 +212,7 @@ def _parts(job: Job, stop: Stop | None) -> Iterator[Reduced]:
     for what, first, singles, read in job.firsts:
         yield _first(what, first, singles, read, stop)
     if job.exponents is not None:
-        yield _exponents(job.exponents, job.time_unit, stop)
+        yield _exponents(job.exponents, job.time_exponent, stop)
 
 
 def _first(
@@ -223,7 +224,7 @@ def _first(
 ) -> Reduced:
 
     found = batch_search.solve(job, stop)
-    times = np.ldexp(found.times[:, 0], job.time_unit)
+    times = np.ldexp(found.times[:, 0], job.exponent)
     states = read.states(found.states)[:, 0]
     ended, steps = np.array(found.outcomes), found.steps.copy()
     not_run, reached = code(Outcome.NOT_RUN), code(Outcome.REACHED_END)
@@ -248,7 +249,7 @@ def _first(
     return Reduced(outcomes, steps, dict(zip(names, (times, *states.T), strict=True)))
 
 
-def _exponents(of: Exponents, time_unit: int, stop: Stop | None) -> Reduced:
+def _exponents(of: Exponents, time_exponent: int, stop: Stop | None) -> Reduced:
     """As :func:`polhode.lyapunov` tells them: those of chaotic members with their neighbours'."""
 
     job = of.job
@@ -264,7 +265,7 @@ def _exponents(of: Exponents, time_unit: int, stop: Stop | None) -> Reduced:
     ]
     if chaotic:
         told[1, chaotic] = _scatter(job, np.array(chaotic), told[0, chaotic], stop)
-    told[:2] = np.ldexp(told[:2], -time_unit)
+    told[:2] = np.ldexp(told[:2], -time_exponent)
     outcomes = np.where(whole, code(Outcome.REACHED_END), code(Outcome.NON_FINITE))
     names = Reduction(LYAPUNOV).names(())
     return Reduced(outcomes, np.zeros(len(whole), np.int64), dict(zip(names, told, strict=True)))

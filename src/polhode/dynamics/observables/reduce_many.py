@@ -22,6 +22,7 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Stack, kind_of
 from polhode.numbers.scalars import AnyNumber
 from polhode.results.table import Column, Fact, Table
+from polhode.runs.sweep.array_starts import varied_of
 from polhode.runs.sweep.endings import SweepResult
 from polhode.runs.sweep.plan import planned
 from polhode.scenes import library
@@ -121,16 +122,17 @@ class Reductions(SweepResult):
 
 def reduce_many(
     scene: Scene | str | Path,
-    vary: vary.Vary,
-    keep: Sequence[str] | str,
+    vary: vary.Vary | None = None,
+    keep: Sequence[str] | str = (),
     *,
+    starts: npt.ArrayLike | None = None,
     number: str | NumberType | None = None,
     at: Iterable[AnyNumber] | None = None,
     tol: AnyNumber | None = None,
     max_steps: int | None = None,
     executor: Executor | None = None,
     workers: int | None = None,
-    parts: Path | None = None,
+    parts: str | Path | None = None,
     progress: Progress | bool | None = None,
 ) -> Reductions:
     """Integrate many variants of a scene and keep some numbers of each.
@@ -143,13 +145,16 @@ def reduce_many(
     scene : Scene, str or Path
         A scene, a path, or the name of a case.
     vary : mapping or list of mappings
-        Numbers of the scene file by key, as in :func:`polhode.integrate_many`.
+        Numbers of the scene file by key, as in :func:`polhode.integrate_many`; beside ``starts``
+        arrays of the body's numbers alone.
     keep : str or sequence of str
         "final" (the last state); "largest X" and "smallest X", X an expression in p q r gamma1
         gamma2 gamma3 t theta: its extreme over the output times, and the first of them at which it
         is reached; "first NAME": time and state of the first zero after 0 of an event of the scene,
         or of nutation or equator, also between output times; "lyapunov": the largest exponent to
         the last time, its uncertainty and growth, as in :func:`polhode.lyapunov`.
+    starts : array_like, shape (N, 6) or (N, 3), optional
+        A start in each row, as in :func:`polhode.integrate_many`.
     number : str or NumberType, optional
         double or extended; events and exponents in double only.
     at : iterable of numbers, optional
@@ -162,7 +167,7 @@ def reduce_many(
         An executor of ``concurrent.futures`` instead of threads.
     workers : int, optional
         Threads; as many as there are cores unless given.
-    parts : Path, optional
+    parts : str or Path, optional
         A folder for finished jobs, from which the same call continues after a kill.
     progress : callable or bool, optional
         Called with the fraction of members done and how many; True for a bar.
@@ -184,6 +189,9 @@ def reduce_many(
     >>> found = polhode.reduce_many("lagrange/nutation", {"body.weight": [1, 2]}, "smallest gamma3")
     >>> found["smallest gamma3"].round(3).tolist()
     [0.213, -0.212]
+    >>> starts = [[0, 0, k, 0.6, 0, 0.8] for k in (2.0, 3.0, 4.0)]  # any array (N, 6)
+    >>> polhode.reduce_many("lagrange/nutation", starts=starts, keep="final")["final r"]
+    array([2., 3., 4.])
     """
     if isinstance(progress, bool):
         asked_for = {key: value for key, value in locals().items() if key != "progress"}
@@ -195,6 +203,7 @@ def reduce_many(
     if at is not None:
         scene = scene.at(at)
     which = asked(scene, keep)
+    scene, vary = varied_of(scene, starts, vary)
     plan = planned(
         replace(scene, events=()),
         vary,

@@ -17,6 +17,7 @@ import numpy as np
 from polhode.common.cached_property import cached_property
 from polhode.common.value_semantics import ByValue
 from polhode.equations.forms import principal
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE
@@ -36,9 +37,14 @@ class Surface(ByValue):
     f: Exact
 
     @cached_property
+    def inside(self) -> Scene:
+        """The scene inside its frame."""
+        return Frame.of(self.scene).inside(self.scene)
+
+    @cached_property
     def unit(self) -> Fraction:
         """The run's unit of time in the scene's."""
-        return Fraction(2) ** self.scene.time_unit
+        return Frame.of(self.scene).unit
 
     @cached_property
     def exact_moments(self) -> tuple[Exact, ...]:
@@ -49,8 +55,8 @@ class Surface(ByValue):
     @cached_property
     def exact_torque(self) -> tuple[Exact, ...]:
         """Mg r0 over the largest moment."""
-        body, factor = self.scene.body, self.unit * self.unit / max(self.scene.body.moments)
-        return tuple(factor * x for x in body.axes.components(body.torque))
+        body = self.inside.body
+        return tuple(x / max(body.moments) for x in body.torque)
 
     @cached_property
     def exact_level(self) -> tuple[Exact, Exact]:
@@ -61,15 +67,12 @@ class Surface(ByValue):
     @cached_property
     def exact_start(self) -> tuple[Exact, ...]:
         """The scene's own start."""
-        axes, scene = self.scene.body.axes, self.scene
-        assert scene.gamma is not None
-        turned = (self.unit * w for w in axes.components(scene.omega))
-        return (*turned, *axes.components(scene.gamma))
+        return self.inside.start
 
     @cached_property
     def coefficients(self) -> dict[str, Exact]:
         """Of the equations."""
-        return principal.coefficients(self.scene.body, self.scene.time_unit)
+        return principal.coefficients(self.inside.body)
 
     @cached_property
     def moments(self) -> Doubles:

@@ -24,10 +24,12 @@ from typing import NamedTuple
 import numpy as np
 
 from polhode.common.errors import BadInput
+from polhode.motion.frame import Frame
 from polhode.numbers import exact
 from polhode.numbers.conversion import to_double, to_extended
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
+from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles, Indices
 from polhode.numbers.vectors import dot
 from polhode.scenes.scene import Scene
@@ -80,7 +82,7 @@ class Ground(NamedTuple):
 
 def ground(scene: Scene, h: Exact, f: Exact) -> Ground:
     """Of a scene's body on the level (h, f); raises BadInput for an h that doubles cannot hold."""
-    body, unit = scene.body, Fraction(2) ** scene.time_unit
+    body, unit = scene.body, Frame.of(scene).unit
     mantissa, exponent = exact.rounded(max(body.moments), 8)
     mass = Fraction(2) ** -(64 * round((exponent + mantissa.bit_length()) / 64))
     moments = np.array([to_double(mass * a) for a in body.moments])
@@ -257,8 +259,8 @@ def height_coordinates(on: Ground, states: Doubles) -> tuple[Doubles, Doubles]:
 
 def turned(scene: Scene, states: Doubles, back: bool = False) -> Doubles:
     """States (..., 6) from principal axes and the run's unit of time into the scene's; or back."""
-    rows = np.array([[to_double(x) for x in row] for row in scene.body.axes.rows])
-    unit = 2.0**scene.time_unit
+    frame = Frame.of(scene)
+    rows, unit = frame.matrix(DOUBLE), float(frame.unit)
     if back:
         rows, unit = rows.T, 1 / unit
     return np.concatenate([states[..., :3] @ rows / unit, states[..., 3:] @ rows], axis=-1)

@@ -24,9 +24,11 @@ import numpy as np
 from polhode.dynamics.sections.initial_tangents import tangents_of
 from polhode.equations.forms import principal
 from polhode.equations.section_functions import SectionZero
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles, Integers
+from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 
 EPS = 2.0**-52
@@ -56,14 +58,14 @@ def digits(
     orbits = orbits[last[orbits] > 0]
     if len(orbits) == 0:
         return digits_left
-    moments = np.array([to_double(a) for a in scene.body.moments])
-    weight = np.array([to_double(x) for x in scene.body.axes.components(scene.body.torque)])
-    slower = _slowness(starts, 4.0**scene.time_unit * weight, moments)
+    frame = Frame.of(scene)
+    moments, torque = _numbers_of(frame.inside(scene).body)
+    slower = _slowness(starts, torque, moments)
     starts, times = starts * np.repeat([2.0**slower, 1.0], 3), times * 2.0**-slower
     last *= 2.0**-slower
-    time_unit = scene.time_unit + slower
-    k = {n: to_double(x) for n, x in principal.coefficients(scene.body, time_unit).items()}
-    torque = 4.0**time_unit * weight
+    body = frame.slower(slower).inside(scene).body
+    moments, torque = _numbers_of(body)
+    k = {n: to_double(x) for n, x in principal.coefficients(body).items()}
     groups = [orbits[first : first + LANES] for first in range(0, len(orbits), LANES)]
     jobs, spans = [], []
     for group in groups:
@@ -102,7 +104,8 @@ def slant(scene: Scene, zero: SectionZero, states: Doubles, fastest: float) -> D
     """
     from polhode.taylor.corrections.level_projection import ARRAYS, TINY
 
-    k = {n: to_double(x) for n, x in principal.coefficients(scene.body, scene.time_unit).items()}
+    body = Frame.of(scene).inside(scene).body
+    k = {n: to_double(x) for n, x in principal.coefficients(body).items()}
     scales = np.array([fastest or 1.0] * 3 + [1.0] * 3)
     x = np.moveaxis(states, -1, 0)
     steps = TINY * 1j * np.diag(scales)[:, :, None, None]
@@ -116,6 +119,12 @@ def slant(scene: Scene, zero: SectionZero, states: Doubles, fastest: float) -> D
             speed = speed + (rate / scale) ** 2
         slants: Doubles = np.sqrt(across * speed) / np.abs(slope)
     return slants
+
+
+def _numbers_of(body: Body) -> tuple[Doubles, Doubles]:
+    """Moments and Mg r0 of a body inside its frame."""
+    moments, torque = (np.array([to_double(x) for x in v]) for v in (body.moments, body.torque))
+    return moments, torque
 
 
 def _slowness(starts: Doubles, torque: Doubles, moments: Doubles) -> int:

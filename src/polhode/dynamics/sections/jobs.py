@@ -13,6 +13,7 @@ from polhode.dynamics.sections.starts import Asked
 from polhode.equations.forms import principal
 from polhode.equations.integrals import first_integrals
 from polhode.equations.section_functions import HEIGHT, MOMENTUM, SectionZero
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double, to_extended
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import odd_part
@@ -42,14 +43,14 @@ def jobs_of(
     from polhode.taylor.events.batch_zeros import Watched
 
     scene = asked.scene
-    unit, slower = scene.time_unit + on.slower, 2.0**on.slower
-    level = level_of(scene, asked.h, asked.f, on.slower)
-    k = principal.coefficients(scene.body, unit)
+    frame, slower = Frame.of(scene).slower(on.slower), 2.0**on.slower
+    level = level_of(scene, asked.h, asked.f, frame)
+    k = principal.coefficients(frame.inside(scene).body)
     constants = tuple(map(to_double, k.values()))
     own = np.tile(constants, (len(states), 1))
     x, y, z = zero.arm
     arm = (x / slower, y / slower, z / slower)
-    own_zero = zero._replace(arm=arm, unit=2.0**unit)
+    own_zero = zero._replace(arm=arm, unit=float(frame.unit))
     watched = Watched((*k,), STATE, own_zero, constants=constants)
     states = states * np.repeat([slower, 1.0], 3)
     chunk = 2.0 ** round(np.log2(CHUNK / (on.fastest * slower or 1.0)))
@@ -65,15 +66,15 @@ def jobs_of(
     ]
 
 
-def level_of(scene: Scene, h: Exact, f: Exact, slower: int) -> Level:
-    """The integrals of a level, as those of a scene on it, in its own unit of time."""
+def level_of(scene: Scene, h: Exact, f: Exact, frame: Frame) -> Level:
+    """The integrals of a level, as those of a scene on it, inside a frame."""
     from polhode.equations import integrals
     from polhode.taylor.corrections.level_projection import Level
 
-    known = first_integrals(scene, slower)
+    known = first_integrals(frame.inside(scene))
     if integrals.CHAPLYGIN in known.onto and f != 0:
         known = integrals.FirstIntegrals(known.onto[:-1], known.order, known.coefficients)
-    unit, largest = Fraction(2) ** (scene.time_unit + slower), max(scene.body.moments)
+    unit, largest = frame.unit, max(scene.body.moments)
     targets = (2 * h * unit * unit / largest, f * unit / largest, Fraction(1))
     coefficients = {name: to_extended(x) for name, x in known.coefficients.items()}
     return Level(known, coefficients, tuple(to_extended(x) for x in targets))
@@ -87,8 +88,9 @@ def zero_of(scene: Scene, on: Ground, by: str) -> SectionZero:
     side = -1.0 if on.weight < 0 and by != HEIGHT else 1.0
     size = on.largest_momentum if by == MOMENTUM else on.fastest
     arm = tuple(float(side * x / (size or 1.0)) for x in on.frame[2])
-    rows = tuple(tuple(to_double(x) for x in row) for row in scene.body.axes.rows)
-    return SectionZero(odd_part(by), moments, arm, rows, 2.0**scene.time_unit)  # type: ignore[arg-type]
+    frame = Frame.of(scene)
+    rows = tuple(tuple(to_double(x) for x in row) for row in frame.axes.rows)
+    return SectionZero(odd_part(by), moments, arm, rows, float(frame.unit))  # type: ignore[arg-type]
 
 
 def worker_count(jobs: int, crossings: int) -> int:

@@ -27,6 +27,7 @@ from polhode.dynamics.sections import jobs as section_jobs
 from polhode.dynamics.sections.starts import MAXIMA, Asked, asked_of, starts_of
 from polhode.equations.forms import principal
 from polhode.equations.section_functions import HEIGHT, MOMENTUM, SectionZero
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE
@@ -34,6 +35,7 @@ from polhode.numbers.rows import Doubles, Integers
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
+from polhode.runs.problem.options import refuse_other_rounding
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import (
@@ -124,7 +126,8 @@ class Section(Result, ByValue):
         on = geometry.ground(scene, self.h, self.f)
         zero = section_jobs.zero_of(scene, on, self.by)
         slants = crossing_accuracy.slant(scene, zero, states, on.fastest)
-        return crossing_accuracy.digits(scene, starts, self.times / 2.0**scene.time_unit, slants)
+        times = self.times / float(Frame.of(scene).unit)
+        return crossing_accuracy.digits(scene, starts, times, slants)
 
     @property
     def none_left_from(self) -> Integers:
@@ -198,7 +201,7 @@ def section(
     f: AnyNumber | None = None,
     workers: int | None = None,
     executor: Executor | None = None,
-    parts: Path | None = None,
+    parts: str | Path | None = None,
     progress: Progress | None = None,
     accuracy: bool = True,
 ) -> Section:
@@ -230,7 +233,7 @@ def section(
         Processes, as many as there are cores unless given.
     executor : Executor, optional
         An executor of ``concurrent.futures`` instead.
-    parts : Path, optional
+    parts : str or Path, optional
         A folder for finished jobs, from which the same call continues after a kill.
     progress : callable, optional
         Called with the fraction done and the orbits done.
@@ -260,6 +263,7 @@ def section(
     from polhode.taylor.events import batch_search
 
     scene = library.load(scene)
+    refuse_other_rounding(scene)
     plan, asked = scene.section, asked_of(scene, by, extremum, h, f)
     count = plan.crossings if crossings is None else crossings
     count = whole(scene.name, "crossings", count, 1, MOST_CROSSINGS)
@@ -303,7 +307,7 @@ def section(
     states = begun.states[finished.rows]
     angles = geometry.height_coordinates if asked.by == HEIGHT else geometry.coordinates
     l, ratio = geometry.coordinates(on, crossed.states)
-    unit = 2.0 ** (scene.time_unit + on.slower)
+    unit = float(Frame.of(scene).slower(on.slower).unit)
     result = Section(
         scene,
         asked.h,
@@ -336,10 +340,8 @@ def _refuse_constant(asked: Asked, on: Ground, zero: SectionZero, states: Double
 
     if asked.by in (MOMENTUM, HEIGHT):
         return
-    k = {
-        name: to_double(x)
-        for name, x in principal.coefficients(asked.scene.body, asked.scene.time_unit).items()
-    }
+    inside = Frame.of(asked.scene).inside(asked.scene)
+    k = {name: to_double(x) for name, x in principal.coefficients(inside.body).items()}
     moved = states.T + 1e-3 * np.random.default_rng(0).normal(size=states.T.shape)
     try:
         with np.errstate(all="ignore"):
@@ -376,7 +378,7 @@ def _refused(asked: Asked, on: Ground, kept: JobCheckpoint | None) -> Iterator[N
 def _not_finite(asked: Asked, on: Ground, start: Sequence[float], time: float) -> BadInput:
     """The refusal of an expression that has no finite value on an orbit, at a time of the run."""
     l, ratio = (float(x) for x in geometry.coordinates(on, np.array(start)))
-    t = math.ldexp(time, asked.scene.time_unit + on.slower)
+    t = math.ldexp(time, Frame.of(asked.scene).exponent + on.slower)
     expected = (
         "an expression that is real and finite on all orbits; on the one from "
         f"l = {l:.6g}, L/G = {ratio:.6g} it has a pole or stops being real at t = {t:.6g}"

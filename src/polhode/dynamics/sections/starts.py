@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -13,11 +12,12 @@ import numpy as np
 from polhode.common.arguments import cells, each, of_kind
 from polhode.common.errors import BadInput
 from polhode.dynamics.levels.permanent_rotations import families
-from polhode.dynamics.levels.rational_body import BODY_BITS, RationalBody, refuse_far
+from polhode.dynamics.levels.rational_body import BODY_BITS, RationalBody, Reach, simplest
 from polhode.dynamics.levels.regions import least_energy
 from polhode.dynamics.sections import coordinates as geometry
 from polhode.dynamics.sections.coordinates import Ground
 from polhode.equations.section_functions import HEIGHT, MOMENTUM
+from polhode.motion.frame import Frame
 from polhode.numbers import expression
 from polhode.numbers.conversion import exact_number, to_double
 from polhode.numbers.decimals import shown
@@ -80,17 +80,22 @@ def asked_of(
         if given is None
         else each(scene.name, key, (given,), reader(scene.units, unit), "a number")[0]
         for key, given, default, unit in (
-            ("h", h, own.energy, ENERGY),
-            ("f", f, own.area, AREA),
+            ("h", h, simplest(own.energy), ENERGY),
+            ("f", f, simplest(own.area), AREA),
         )
     ]
     plan = Asked(scene, level[0], level[1], by, extremum)
     body = RationalBody.of(scene.body)
     near = fraction_near(plan.f, BODY_BITS)[0]
-    refuse_far(scene.name, "f", body, near)
-    least = least_energy(body, families(body), near)
-    if to_double(plan.h) <= least:
-        expected = f"above {least:.12g}, the least energy at f = {shown(plan.f)}"
+    expected = ""
+    if near in Reach.of(body):
+        least = least_energy(body, families(body), near)
+        if to_double(plan.h) <= least:
+            expected = f"above {least:.12g}, the least energy at f = {shown(plan.f)}"
+    elif plan.h <= body.below_all(near):  # what is not that low, the starts tell
+        low = shown(body.below_all(near))
+        expected = f"above {low}, below which there is no motion at f = {shown(plan.f)}"
+    if expected:
         raise BadInput(scene.name, "h", shown(plan.h), expected)
     return plan
 
@@ -118,7 +123,7 @@ def starts_of(
             foretold(sure * len(angle) // _FEW)
         points = _in_cells(asked, on, angle, cosine)
         if len(points.states) == 0:
-            expected = "a finer grid: no cell's centre is on the level"
+            expected = "a finer grid, or another level: no cell's centre is on it"
             raise BadInput(name, "grid", f"{first}x{second}", expected)
         return points
     if isinstance(starts, str) and starts == OWN:
@@ -151,9 +156,8 @@ def _own(asked: Asked, on: Ground) -> Doubles:
     assert scene.gamma is not None
     if asked.h != scene.integrals.energy or asked.f != scene.integrals.area:
         raise BadInput(scene.name, "starts", OWN, "the scene's own h and f")
-    axes, unit = scene.body.axes, Fraction(2) ** scene.time_unit
-    parts = [*(unit * w for w in axes.components(scene.omega)), *axes.components(scene.gamma)]
-    return _moving(asked, on, "starts", OWN, np.array([to_double(x) for x in parts]))
+    inside = Frame.of(scene).inside(scene)
+    return _moving(asked, on, "starts", OWN, np.array([to_double(x) for x in inside.start]))
 
 
 def _momentum_start(asked: Asked, on: Ground, key: str, row: Sequence[float]) -> Doubles:
@@ -203,7 +207,7 @@ def _height_start(asked: Asked, on: Ground, key: str, row: Sequence[float]) -> D
         if least > on.h:
             body = asked.scene.body
             unit = to_double(max(body.moments)) / on.moments.max()
-            least = math.ldexp(least * unit, -2 * asked.scene.time_unit)
+            least = math.ldexp(least * unit, -2 * Frame.of(asked.scene).exponent)
             expected = f"a gamma that the level allows: h is at least {least:.12g} there"
         else:
             expected = "a gamma that is not along the centre of mass"

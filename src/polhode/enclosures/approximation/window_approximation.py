@@ -8,7 +8,6 @@ latter decides, fewer terms than p are enough.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,8 +16,9 @@ from polhode.common.deadline import NONE, Deadline
 from polhode.enclosures.fixed_point_problem import CLOCK, CYCLE, Motion, Problem
 from polhode.enclosures.step_bound import jacobian
 from polhode.enclosures.zonotope import State
-from polhode.equations.system import system
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
+from polhode.taylor.integrator.system import principal_system
 from polhode.taylor.variations import double_trajectory
 from polhode.taylor.variations.equations import Variations
 
@@ -138,14 +138,15 @@ def tangents(
     the steps are those of double to the last time, if it goes on as it went.
     """
     scene = what.scene
-    plain = system(replace(scene, form="principal", events=(), outputs=()), ())
+    plain = principal_system(scene)
     values = [to_double(x) for x in plain.start]
     start = np.array(values + [0.0] * (6 - len(values)))
     tangent = np.linspace(0.6, 1.4, 6)[:, None]
     if scene.gamma is None:
         tangent[3:] = 0.0
     flow = Variations(plain.coefficients, start, tangent)
-    end = last / 2.0**scene.time_unit
+    frame = Frame.of(scene)
+    end = last / float(frame.unit)
     logs = [math.log2(float(np.max(np.abs(tangent))))]
     fastest = float(np.linalg.norm(start[:3]))
     for k in range(1, _LOOKS + 1):
@@ -163,4 +164,4 @@ def tangents(
         straight.to(end, _MOST_STEPS)
         steps = max(1, straight.steps)
         straight.release()
-    return logs, fastest * 2.0 ** (what.unit - scene.time_unit), steps
+    return logs, fastest * 2.0 ** (what.unit - frame.exponent), steps

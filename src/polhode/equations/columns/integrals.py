@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from fractions import Fraction
 from typing import Final
 
 from polhode.equations.column import Column
 from polhode.equations.integrals import AREA, ENERGY, along
+from polhode.motion.frame import Frame
 from polhode.numbers.exact import Exact
 from polhode.numbers.row_formulas import RowFormula
 from polhode.numbers.scalars import Functions, Scalar
@@ -16,7 +16,7 @@ from polhode.scenes.scene import Scene
 
 def _of_scene(scene: Scene) -> tuple[RowFormula, Mapping[str, Exact]]:
     formula, coefficients = along(scene)
-    largest, unit = max(scene.body.moments), Fraction(2) ** scene.time_unit
+    largest, unit = max(scene.body.moments), Frame.of(scene).unit
     units = {ENERGY: largest / (2 * unit * unit), AREA: largest / unit}
 
     def values(x: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> list[Scalar]:

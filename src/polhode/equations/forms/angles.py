@@ -18,9 +18,9 @@ from polhode.common.errors import BadInput
 from polhode.equations.form import Coefficients, Form, Values
 from polhode.equations.forms.natural_units import PRINCIPAL, OwnUnits
 from polhode.numbers import exact
-from polhode.numbers.exact import ONE, ZERO, Exact, sign
+from polhode.numbers.exact import sign
 from polhode.numbers.scalars import Functions, Scalar, combination
-from polhode.numbers.vectors import Vector, cross, dot
+from polhode.numbers.vectors import Vector
 from polhode.scenes.scene import Scene
 
 #: Variables' names, other than those of the psi and phi that an output may add.
@@ -81,11 +81,7 @@ class Start(NamedTuple):
 
 
 def start(scene: Scene, own: OwnUnits, form: str) -> Start:
-    """Angles and rates at t = 0; raises BadInput where sin theta = 0.
-
-    psi is that of the scene where the scene's axes are principal; else that of the principal axes
-    in the same attitude.
-    """
+    """Angles and rates at t = 0; raises BadInput where sin theta = 0."""
     (g1, g2, g3), (p, q, r) = own.gamma, own.omega
     square = g1 * g1 + g2 * g2
     if sign(square) == 0:
@@ -93,20 +89,5 @@ def start(scene: Scene, own: OwnUnits, form: str) -> Start:
         raise BadInput(scene.name, "form", form, expected)
     across = exact.sqrt(square)
     psi1 = (p * g1 + q * g2) / square
-    angles = _psi(scene), exact.arctan2(across, g3), exact.arctan2(g1, g2)
+    angles = scene.psi, exact.arctan2(across, g3), exact.arctan2(g1, g2)
     return Start(angles, (psi1, (p * g2 - q * g1) / across, r - psi1 * g3))
-
-
-def _psi(scene: Scene) -> Exact:
-    """psi of the principal axes: their third one leans towards -y of space turned by psi about z.
-
-    The scene's own line of nodes is at psi, and at a pole (phi = 0) along its first axis.
-    """
-    axes = scene.body.axes
-    if axes.trivial:
-        return scene.psi
-    assert scene.gamma is not None
-    g1, g2, _ = scene.gamma
-    nodes: Vector = (ONE, ZERO, ZERO) if scene.starts_at_pole else (g2, -g1, ZERO)
-    third = axes.directions[2]
-    return scene.psi + exact.arctan2(dot(third, nodes), -dot(third, cross(scene.gamma, nodes)))

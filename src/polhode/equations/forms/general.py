@@ -22,7 +22,7 @@ SOURCE = "3.16–3.17"
 
 
 class General(Form):
-    """The equations of one scene in some axes."""
+    """The equations of one scene in its own axes."""
 
     def field(self, values: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
         """The rates of p q r [gamma1 gamma2 gamma3]."""
@@ -37,17 +37,17 @@ class General(Form):
         return list(values[:3]), list(values[3:6])
 
 
+def axes(_: Scene) -> PrincipalAxes:
+    """The scene's own."""
+    return OWN_AXES
+
+
 def for_scene(scene: Scene) -> General:
-    """The equations of a scene in its own axes."""
-    return in_axes(scene, OWN_AXES)
-
-
-def in_axes(scene: Scene, axes: PrincipalAxes) -> General:
-    """The equations of a scene in these axes."""
+    """The equations of a scene."""
     inertia = scene.body.inertia
-    solved = matrices.along(axes, inverse(inertia))
-    spin = matrices.product(solved, matrices.turning(matrices.along(axes, inertia)))
+    solved = inverse(inertia)
+    spin = matrices.product(solved, matrices.turning(inertia))
     k = matrices.named(OMEGA, matrices.product_names(OMEGA), [[-x for x in row] for row in spin])
-    weight = matrices.product(solved, matrices.across(matrices.torque(scene, axes)))
+    weight = matrices.product(solved, matrices.across(scene.body.torque))
     k |= matrices.named(OMEGA, GAMMA, weight)
-    return General(scene, axes, scene.columns, k, matrices.omega_and_gamma(scene, axes))
+    return General(scene, scene.columns, k, scene.start)

@@ -7,13 +7,16 @@ without torque is given in its principal axes.
 from __future__ import annotations
 
 from polhode.equations.forms.centre_axes import centre_axes
-from polhode.equations.forms.momentum import Momentum, in_axes
+from polhode.equations.forms.momentum import for_scene
 from polhode.numbers.vectors import inverse
+from polhode.scenes.body import PrincipalAxes
 from polhode.scenes.scene import Scene
+
+__all__ = ["SOURCE", "axes", "for_scene"]
 
 SOURCE = "3.38–3.42"
 
 
-def for_scene(scene: Scene) -> Momentum:
-    """The equations of a scene."""
-    return in_axes(scene, centre_axes(scene.body, inverse(scene.body.inertia)))
+def axes(scene: Scene) -> PrincipalAxes:
+    """Those in which the equations are the ones in the momentum."""
+    return centre_axes(scene.body, inverse(scene.body.inertia))

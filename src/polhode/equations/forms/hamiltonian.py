@@ -74,4 +74,4 @@ def for_scene(scene: Scene) -> Hamiltonian:
     p_theta = (G1 * g2 - G2 * g1) / exact.sqrt(g1 * g1 + g2 * g2)
     k = own.coefficients() | {"1/A": 1 / A, "1/B": 1 / B, "1/C": 1 / C, "1/B-1/A": 1 / B - 1 / A}
     start = (*angles, own.area, p_theta, G3)
-    return Hamiltonian(scene, scene.body.axes, VARIABLES, present(k), start)
+    return Hamiltonian(scene, VARIABLES, present(k), start)

@@ -7,12 +7,15 @@ axes are found exactly from any body; one without torque is given in its princip
 from __future__ import annotations
 
 from polhode.equations.forms.centre_axes import centre_axes
-from polhode.equations.forms.general import General, in_axes
+from polhode.equations.forms.general import for_scene
+from polhode.scenes.body import PrincipalAxes
 from polhode.scenes.scene import Scene
+
+__all__ = ["SOURCE", "axes", "for_scene"]
 
 SOURCE = "3.24–3.27"
 
 
-def for_scene(scene: Scene) -> General:
-    """The equations of a scene."""
-    return in_axes(scene, centre_axes(scene.body, scene.body.inertia))
+def axes(scene: Scene) -> PrincipalAxes:
+    """Those in which the equations are the general ones."""
+    return centre_axes(scene.body, scene.body.inertia)

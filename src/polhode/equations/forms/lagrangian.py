@@ -55,5 +55,5 @@ def for_scene(scene: Scene) -> Lagrangian:
     """The form; raises BadInput at sin theta = 0."""
     own = own_units(scene, NAME)
     start = angles.start(scene, own, NAME)
-    k = principal.coefficients(scene.body, scene.time_unit) | present(own.coefficients())
-    return Lagrangian(scene, scene.body.axes, VARIABLES, k, (*start.angles, *start.rates))
+    k = principal.coefficients(scene.body) | present(own.coefficients())
+    return Lagrangian(scene, VARIABLES, k, (*start.angles, *start.rates))

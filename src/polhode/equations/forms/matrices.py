@@ -1,46 +1,17 @@
-"""Exact matrices of the forms with full inertia: turned, inverted, and as products with vectors."""
+"""Exact matrices of the forms with full inertia, as products with vectors."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from fractions import Fraction
 
-from polhode.numbers import exact
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.scalars import Scalar, combination
-from polhode.numbers.vectors import Matrix, Vector, apply, dot, scaled
-from polhode.scenes.body import PrincipalAxes
-from polhode.scenes.scene import Scene
+from polhode.numbers.vectors import Matrix, Vector
 
 OMEGA = ("p", "q", "r")
 GAMMA = ("gamma1", "gamma2", "gamma3")
 _PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1))
 _CYCLE = ((1, 2), (2, 0), (0, 1))
-
-
-def omega_and_gamma(scene: Scene, axes: PrincipalAxes) -> tuple[Exact, ...]:
-    """The scene's start along these axes, time in the scene's own unit: omega [gamma]."""
-    unit = Fraction(2) ** scene.time_unit
-    omega = tuple(unit * w for w in axes.components(scene.omega))
-    return omega if scene.gamma is None else (*omega, *axes.components(scene.gamma))
-
-
-def torque(scene: Scene, axes: PrincipalAxes) -> Vector:
-    """Mg r0 along these axes, time in the scene's own unit."""
-    return scaled(Fraction(4) ** scene.time_unit, axes.components(scene.body.torque))
-
-
-def along(axes: PrincipalAxes, matrix: Matrix) -> Matrix:
-    """A symmetric matrix, given in body axes, along these axes."""
-    if axes.trivial:
-        return matrix
-    images = [apply(matrix, u) for u in axes.directions]
-    entry = {}
-    for i, j in _PAIRS:
-        size = exact.sqrt(axes.squares[i] * axes.squares[j]) if i != j else axes.squares[i]
-        entry[i, j] = entry[j, i] = _cleared(dot(axes.directions[i], images[j])) / size
-    a, b, c = ((entry[i, 0], entry[i, 1], entry[i, 2]) for i in range(3))
-    return a, b, c
 
 
 def product(left: Matrix, right: Sequence[Sequence[Exact]]) -> list[list[Exact]]:
@@ -113,7 +84,3 @@ def turning_rates(vector: Sequence[Scalar], omega: Sequence[Scalar]) -> list[Sca
     """vector × omega, the rates in body axes of what is fixed in space, as gamma is."""
     (p, q, r), (g1, g2, g3) = omega, vector
     return [r * g2 - q * g3, p * g3 - r * g1, q * g1 - p * g2]
-
-
-def _cleared(x: Exact) -> Exact:
-    return ZERO if sign(x) == 0 else x

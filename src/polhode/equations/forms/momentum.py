@@ -25,7 +25,7 @@ MOMENTUM = ("P", "Q", "R")
 
 
 class Momentum(Form):
-    """The equations of one scene in some axes."""
+    """The equations of one scene in its own axes."""
 
     def field(self, values: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
         """The rates of P Q R [gamma1 gamma2 gamma3]."""
@@ -42,26 +42,24 @@ class Momentum(Form):
         return matrices.rates(OMEGA, momentum, k, fn.zero), list(values[3:6])
 
 
+def axes(_: Scene) -> PrincipalAxes:
+    """The scene's own."""
+    return OWN_AXES
+
+
 def for_scene(scene: Scene) -> Momentum:
-    """The equations of a scene in its own axes."""
-    return in_axes(scene, OWN_AXES)
-
-
-def in_axes(scene: Scene, axes: PrincipalAxes) -> Momentum:
-    """The equations of a scene in these axes."""
+    """The equations of a scene."""
     body = scene.body
     unit = _unit(sum((body.inertia[i][i] for i in (1, 2)), body.inertia[0][0]))
-    gyration = [scaled(unit, row) for row in matrices.along(axes, inverse(body.inertia))]
+    gyration = [scaled(unit, row) for row in inverse(body.inertia)]
     a, b, c = gyration
     k = matrices.named(MOMENTUM, matrices.product_names(MOMENTUM), matrices.turning((a, b, c)))
-    weight = scaled(1 / unit, matrices.torque(scene, axes))
+    weight = scaled(1 / unit, body.torque)
     k |= matrices.named(MOMENTUM, GAMMA, matrices.across(weight))
     k |= matrices.named(OMEGA, MOMENTUM, gyration)
-    time = Fraction(2) ** scene.time_unit
-    momentum = axes.components(scaled(time / unit, body.momentum(scene.omega)))
-    gamma = () if scene.gamma is None else axes.components(scene.gamma)
+    momentum = scaled(1 / unit, body.momentum(scene.omega))
     names = (*MOMENTUM, *scene.columns[3:])
-    return Momentum(scene, axes, names, k, (*momentum, *gamma))
+    return Momentum(scene, names, k, (*momentum, *scene.start[3:]))
 
 
 def _unit(size: Exact) -> Fraction:

@@ -33,4 +33,4 @@ class MomentumOnly(WithoutGamma):
 def for_scene(scene: Scene) -> MomentumOnly:
     """The form; raises BadInput where the weight has no moment or G is parallel to r0."""
     own, k = without_gamma.starting(scene, NAME)
-    return MomentumOnly(scene, scene.body.axes, VARIABLES, k, (*own.momentum, own.swing))
+    return MomentumOnly(scene, VARIABLES, k, (*own.momentum, own.swing))

@@ -1,8 +1,7 @@
-"""A scene in principal axes and in the units of an integration: what several forms start from.
+"""A scene in principal axes and in a unit of mass of its own: what several forms start from.
 
-Time is measured in the scene's own unit, mass in a power of two near the largest moment, so that
-momenta are of the order of the rates whatever the units of the scene, and scaling a scene by powers
-of two changes no bit.
+That is a power of two near the largest moment, so that momenta are of the order of the rates
+whatever the units of the scene, and scaling a scene by powers of two changes no bit.
 """
 
 from __future__ import annotations
@@ -11,8 +10,6 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from polhode.common.errors import BadInput
-from polhode.equations.forms.matrices import omega_and_gamma
-from polhode.equations.forms.matrices import torque as torque_along
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.vectors import Vector, cross, dot, momentum, scaled
@@ -63,9 +60,7 @@ def own_units(scene: Scene, form: str) -> OwnUnits:
     mantissa, exponent = exact.rounded(max(body.moments), 8)
     mass = Fraction(2) ** (exponent + mantissa.bit_length() - 1)
     a, b, c = (moment / mass for moment in body.moments)
-    p, q, r, *gamma = omega_and_gamma(scene, body.axes)
-    torque = scaled(1 / mass, torque_along(scene, body.axes))
-    return OwnUnits((a, b, c), torque, (p, q, r), (gamma[0], gamma[1], gamma[2]), mass)
+    return OwnUnits((a, b, c), scaled(1 / mass, body.torque), scene.omega, scene.gamma, mass)
 
 
 def present(coefficients: dict[str, Exact]) -> dict[str, Exact]:

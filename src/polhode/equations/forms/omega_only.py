@@ -33,4 +33,4 @@ class OmegaOnly(WithoutGamma):
 def for_scene(scene: Scene) -> OmegaOnly:
     """The form; raises BadInput where the weight has no moment or I w is parallel to r0."""
     own, k = without_gamma.starting(scene, NAME)
-    return OmegaOnly(scene, scene.body.axes, VARIABLES, k, (*own.omega, own.swing))
+    return OmegaOnly(scene, VARIABLES, k, (*own.omega, own.swing))

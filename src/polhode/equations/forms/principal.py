@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
 from polhode.equations.form import Coefficients, Form, OmegaAndGamma, Values
-from polhode.equations.forms.matrices import omega_and_gamma, turning_rates
+from polhode.equations.forms.matrices import turning_rates
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.scalars import Functions, Scalar, combination
 from polhode.numbers.vectors import scaled
@@ -38,9 +38,7 @@ class Principal(Form):
 
 def for_scene(scene: Scene) -> Principal:
     """The equations of a scene."""
-    axes = scene.body.axes
-    k = coefficients(scene.body, scene.time_unit)
-    return Principal(scene, axes, scene.columns, k, omega_and_gamma(scene, axes))
+    return Principal(scene, scene.columns, coefficients(scene.body), scene.start)
 
 
 #: Every coefficient that a body can have.

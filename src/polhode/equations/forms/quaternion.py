@@ -13,7 +13,6 @@ from polhode.common.errors import BadInput
 from polhode.equations import kinematics
 from polhode.equations.form import Coefficients, Form, OmegaAndGamma, Values
 from polhode.equations.forms import principal
-from polhode.equations.forms.matrices import omega_and_gamma
 from polhode.numbers.scalars import Functions, Scalar
 from polhode.numbers.vectors import vertical
 from polhode.scenes.scene import Scene
@@ -44,11 +43,9 @@ def for_scene(scene: Scene) -> Quaternion:
     if scene.gamma is None:
         expected = "another form, or a start.gamma: the attitude begins from it"
         raise BadInput(scene.name, "form", NAME, expected)
-    axes = scene.body.axes
-    start = omega_and_gamma(scene, axes)
-    attitude = kinematics.starting_attitude(axes.components(scene.gamma), scene.psi)
-    k = principal.coefficients(scene.body, scene.time_unit)
-    return Quaternion(scene, axes, (*scene.columns[:3], *_NAMES), k, (*start[:3], *attitude))
+    start = (*scene.omega, *kinematics.starting_attitude(scene.gamma, scene.psi))
+    k = principal.coefficients(scene.body)
+    return Quaternion(scene, (*scene.columns[:3], *_NAMES), k, start)
 
 
 #: Apart from the names of the attitude's own variables, which an output may add.

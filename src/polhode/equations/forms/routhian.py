@@ -150,6 +150,6 @@ def for_scene(scene: Scene) -> Routhian:
         k |= {"e": e, "e.x/B": e * x / B, "e.z/B": e * z / B}
     else:
         reduced = general
-        k |= principal.coefficients(scene.body, scene.time_unit)
+        k |= principal.coefficients(scene.body)
     first = (*start.angles[1:], *start.rates[1:])
-    return Routhian(scene, scene.body.axes, VARIABLES, present(k), first, reduced)
+    return Routhian(scene, VARIABLES, present(k), first, reduced)

@@ -17,7 +17,7 @@ from polhode.judging.correct_digits import largest, log10_differences, log10_rat
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import Reference
 from polhode.judging.score.answers import Answers
-from polhode.judging.tables.table import Table
+from polhode.judging.tables.table import PARTS, Table
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, mpf_row, to_double
 from polhode.numbers.double_double import Pairs
@@ -46,6 +46,8 @@ def errors(table: Table, reference: Reference | Certified, number: NumberType | 
     states = table.numbers(scene.columns, in_pairs=isinstance(true, Pairs))
     found = scaled(log10_differences(states, true), log10_rate(true, scene))
     parts = {"omega": largest(found[:, :3]), "gamma": largest(found[:, 3:])}
+    for name, logs in parts.items():
+        logs[table.gaps(PARTS[name])] = math.nan  # of no whole vector
     judged = {name: logs for name, logs in parts.items() if not np.isnan(logs).all()}
     shown = {name: np.where(np.isinf(logs), math.nan, logs) for name, logs in judged.items()}
     return _samples(table, shown, scene, number)

@@ -32,6 +32,7 @@ from polhode.common.cached_property import cached_property
 from polhode.common.value_semantics import ByValue
 from polhode.judging.conditioning import rounding_errors
 from polhode.judging.conditioning.rounding_errors import Band, Rounding
+from polhode.motion.frame import Frame
 from polhode.numbers import number_types
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
@@ -154,7 +155,7 @@ class Conditioning(Result, ByValue):
     def lost_after(self) -> float | None:
         """The time at which kappa·eps of ``number`` reaches 1; None where it does not."""
         times = tuple(stretch.time for stretch in self.along.stretches)
-        grown = Growth(times, tuple(self._kappas), math.inf, 0, self.scene.time_unit)
+        grown = Growth(times, tuple(self._kappas), math.inf, 0, Frame.of(self.scene).exponent)
         return grown.reaches(_limit(self.number))
 
     @property
@@ -250,7 +251,7 @@ class Conditioning(Result, ByValue):
     def _gone(self, own: float) -> bool:
         """Whether no digits are left at a time of the scene's own unit."""
         after = self.lost_after
-        return after is not None and abs(own) * 2.0**self.scene.time_unit >= abs(after)
+        return after is not None and abs(own) * float(Frame.of(self.scene).unit) >= abs(after)
 
     @cached_property
     def _kappas(self) -> list[float]:

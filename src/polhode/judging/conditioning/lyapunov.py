@@ -3,16 +3,18 @@
 Between the middle and the end of a regular motion a tangent grows like a power of time, by 2 to 4;
 on a chaotic one it grows exponentially.  So it does on an unstable periodic or asymptotic one: no
 growth rate tells it from chaos, a closed form or a fixed point does; the kinds are defined in
-:mod:`polhode.judging.conditioning.motion_kinds`.  The motion is integrated in double: beyond the
-time at which its digits are lost it is a neighbour's, which has the same exponent where the motion
-is chaotic.
+:mod:`polhode.judging.conditioning.motion_kinds`.  An exponential exp(lambda t) and a power of t
+are told apart once lambda T/2 passes 6, the power's growth being 3 at most: a short T decides
+nothing, unless the motion is known (:mod:`polhode.judging.conditioning.known_stability`).  The
+motion is integrated in double: beyond the time at which its digits are lost it is a neighbour's,
+which has the same exponent where the motion is chaotic.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -20,16 +22,18 @@ import numpy as np
 from polhode.common.arguments import each, steps
 from polhode.common.errors import BadInput
 from polhode.equations.equilibrium import at_rest
-from polhode.equations.system import system
 from polhode.judging.conditioning import motion_kinds
+from polhode.judging.conditioning.known_stability import Known, growth_about, known_stability
 from polhode.judging.conditioning.motion_kinds import (
     CHAOTIC,
     REGULAR,
     REGULAR_GROWTH,
+    SHORTEST,
     UNDECIDED,
     UNSTABLE_GROWTH,
 )
 from polhode.judging.references.reference import reference
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import sign
 from polhode.numbers.rows import Doubles
@@ -40,17 +44,18 @@ from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of
+from polhode.taylor.integrator.system import System, principal_system
 from polhode.taylor.variations.equations import Variations
 from polhode.taylor.variations.reference_trajectory import pendulum, six
 
 MAX_STEPS = 1_000_000  # of 3 µs
 DEFAULT_LENGTH = 2000  # in the motion's slowest unit of time
-SHORTEST = 100  # below this no verdict rests on growth
 BLOCKS, LOOKS = 32, 8  # blocks over the whole time, looks at the tangent in each
 NEIGHBOURS, APART = 7, 1e-6  # of a chaotic motion: their number, their relative distance
 MOVED = tuple(1 + APART * k for k in range(1, NEIGHBOURS + 1))  # times the start: neighbours
 CLOSE = 8.0  # units of time at most between two looks at all tangents together
 TANGENT = 0.6, -0.5, 0.4, 0.3, 0.2, -0.3  # along no axis
+_POWER = "nearby motions separate no faster than a power of t"
 _DOUBLES_TRUE = 12 * math.log(10)  # ln of the growth up to which a double follows the motion
 
 
@@ -160,8 +165,9 @@ def lyapunov(
     [0.1, 0.0, 0.0, 0.0, 0.0, 0.1]
     """
     scene = library.load(scene)
-    unit = 2.0**scene.time_unit
-    slow = max(1.0, 1 / pendulum(scene))  # a radian of the spin takes 1
+    frame = Frame.of(scene)
+    unit = float(frame.unit)
+    slow = max(1.0, 1 / pendulum(frame.inside(scene)))  # a radian of the spin takes 1
     last = DEFAULT_LENGTH * slow
     max_steps = steps(scene.name, max_steps)
     if end is not None:
@@ -173,15 +179,17 @@ def lyapunov(
         last = to_double(scene.end) / unit
     elif sign(scene.end) < 0:
         last = -last
-    plain = system(replace(scene, form="principal"), ())
+    plain = principal_system(scene)
     start = six(plain.start)
     tangent = np.array(TANGENT)[:, None]
     if len(plain.start) == 3:
         tangent[3:] = 0
     still, closed = at_rest(scene).state, reference(scene).is_closed_form
+    state = start
 
     def followed(start: Doubles, last: float) -> Iterator[float]:
         """The tangent's size at each look."""
+        nonlocal state
         flow = Variations(plain.coefficients, start, tangent)
         yield _size(flow)
         for k in range(1, BLOCKS * LOOKS + 1):
@@ -190,6 +198,7 @@ def lyapunov(
             if still:
                 flow.state = start
             flow.rescale()
+            state = flow.state.copy()
             yield _size(flow)
         flow.release()
 
@@ -202,7 +211,12 @@ def lyapunov(
             return lyapunov(scene, last * looks / (BLOCKS * LOOKS) * unit, max_steps, spectrum)
     reached = abs(last) * (len(sizes) - 1) / (BLOCKS * LOOKS)
     exponent, error, growth = fitted(sizes, reached)
-    verdict, reason = _judged(still, closed, growth, exponent, error, reached / slow)
+    known, length = known_stability(scene, plain, max_steps), reached / slow
+    about = "a fixed point; " if still else "a closed form is known; " if closed else ""
+    verdict, reason = _judged(known, about, growth, exponent, error, length, unit)
+    if verdict == UNDECIDED:
+        later = _deciding(known, plain, state, reached, slow) * unit
+        reason = f"{about}an end of {later:.2g} may decide"
     if verdict == CHAOTIC:
         moved = (start * by for by in MOVED)
         ends = [fitted([*followed(x, math.copysign(reached, last))], reached)[0] for x in moved]
@@ -240,17 +254,38 @@ def _all_exponents(flow: Variations, last: float, still: Doubles | None, most: i
 
 
 def _judged(
-    still: bool, closed: bool, growth: float, exponent: float, error: float, length: float
+    known: Known,
+    about: str,
+    growth: float,
+    exponent: float,
+    error: float,
+    length: float,
+    unit: float,
 ) -> tuple[str, str]:
-    grows = _grows(growth, exponent, error)
-    known = "a fixed point; " if still else "a closed form is known; " if closed else ""
-    if grows:
-        return motion_kinds.of_growing(bool(known)), f"{known}nearby motions separate exponentially"
-    if growth < REGULAR_GROWTH and (known or length >= SHORTEST):
-        return REGULAR, f"{known}nearby motions separate no faster than a power of t"
-    if known:
-        return REGULAR, f"{known}nearby motions separate at no clear rate"
-    return UNDECIDED, "a later end may decide"
+    """The verdict and why: by what is known, else by the growth over so many units of time."""
+    if known.rate == 0:
+        return (
+            REGULAR,
+            f"{about}nearby motions separate no faster than a power of t, by {known.words}",
+        )
+    if _grows(growth, exponent, error):
+        return motion_kinds.of_growing(bool(about)), f"{about}nearby motions separate exponentially"
+    if known.rate:
+        pace = f"like exp({known.rate / unit:.3g} t), by {known.words}"
+        return motion_kinds.of_growing(bool(about)), f"{about}nearby motions separate {pace}"
+    if growth < REGULAR_GROWTH and length >= SHORTEST and not known.tends:
+        return REGULAR, f"{about}{_POWER}"
+    return UNDECIDED, about
+
+
+def _deciding(known: Known, plain: System, state: Doubles, reached: float, slow: float) -> float:
+    """An end that may decide.
+
+    Of a motion that tends to another one, which stands still, by the rate there.
+    """
+    rate = growth_about(plain, state[: len(plain.start)]) if known.tends else 0.0
+    sure = 2 * (UNSTABLE_GROWTH + 1) / rate if rate > 0 else SHORTEST * slow
+    return sure if sure > reached else 2 * reached
 
 
 def _grows(growth: float, exponent: float, error: float) -> bool:

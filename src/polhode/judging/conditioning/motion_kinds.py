@@ -14,6 +14,8 @@ from polhode.scenes.body import Body
 from polhode.scenes.classification import EULER, KOVALEVSKAYA, LAGRANGE, SPHERE, kind_of_body
 
 REGULAR, UNSTABLE, CHAOTIC, UNDECIDED = "regular", "unstable", "chaotic", "undecided"
+#: Units of time, about a radian, before which no motion is called regular by its growth.
+SHORTEST = 1000.0
 #: Of ln |tangent| in the second half of the time: below the first regular, above the second not.
 REGULAR_GROWTH, UNSTABLE_GROWTH = 2.0, 6.0
 

@@ -129,7 +129,7 @@ def kappa(along: Passage) -> Iterator[float]:
     The start and each number of the body, changed by one unit of itself.
     """
     start = six(along.plain.start)
-    by = principal.sensitivities(along.scene.body, along.scene.time_unit)
+    by = principal.sensitivities(along.inside.body)
     chain = np.array(
         [
             [to_double(d.get(name, 0)) / (unit or 1.0) for d in by]
@@ -240,7 +240,7 @@ class _Clearing:
     def __init__(self, along: Passage, every: int) -> None:
         self._every, self._left = every, float(every)
         self._columns = len(along.plain.start)
-        self._known = first_integrals(along.scene)
+        self._known = first_integrals(along.inside)
         self._k = {name: to_double(x) for name, x in self._known.coefficients.items()}
 
     def made(self, steps: float) -> int:

@@ -27,6 +27,7 @@ from polhode.common.text_tables import few
 from polhode.judging.diagnosis.motion_in_double import integrated
 from polhode.judging.tables.reading import GAIN, WRONG, TimeChange
 from polhode.judging.tables.table import Table
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.rows import Doubles
@@ -37,6 +38,7 @@ from polhode.scenes.vocabulary import STATE
 
 LEAST = 1e-5  # of a number: below it a method's error may look like it
 _CLOCK, _CLOCK_IF_SURE, _SURE = 1e-4, 1e-7, 9.0  # of a clock's pace, and digits of a sure one
+_SLOWEST = 0.1  # pace of a clock
 _ROWS = 40
 _FIRST = 6  # rows that are fitted first; then twice as many, and so on
 _STEPS, _HALVINGS = 8, 5  # of Gauss and Newton; of a step that leads nowhere
@@ -45,6 +47,8 @@ _LEADS = 0.5  # of the square of what is left of the first rows, at least, is al
 _FARTHEST = 3e3  # radians or so
 _ALIKE = 1.0  # digits: causes that explain as much
 _TOLD = 3  # causes at most
+
+CONSTANT = "omega that stays as it is at t = 0, without the terms omega x I omega and of the torque"
 
 #: The scene where the number is so much larger, and its times; raises ValueError for no body.
 Change: TypeAlias = Callable[[Fraction], tuple[Scene, TimeChange]]
@@ -64,6 +68,7 @@ class _Candidate(NamedTuple):
     """A number that may be another, ``origin`` and ``unit`` times a change.
 
     ``least``: the least change that is told; ``least_if_sure``: of a table that it makes right.
+    ``smallest``: the smallest number that is told.
     """
 
     words: str
@@ -72,6 +77,7 @@ class _Candidate(NamedTuple):
     unit: float
     least: float = LEAST
     least_if_sure: float = LEAST
+    smallest: float = -math.inf
 
 
 def causes(subject: Table, scene: Scene) -> tuple[Cause, ...]:
@@ -85,6 +91,8 @@ def causes(subject: Table, scene: Scene) -> tuple[Cause, ...]:
     if not cells or abs(to_double(times[-1])) * speed > _FARTHEST:
         return ()
     fit = Fit(doubles(cells), times, columns, scene)
+    if (still := fit.constant()) is not None:
+        return (still,)
     found = [cause for one in _candidates(scene) if (cause := fit.cause(one)) is not None]
     found.sort(key=lambda one: -one.digits)
     return tuple(one for one in found if one.digits >= found[0].digits - _ALIKE)[:_TOLD]
@@ -96,7 +104,7 @@ class Fit:
     def __init__(
         self, table: Doubles, times: list[Fraction], columns: list[int], scene: Scene
     ) -> None:
-        self.table, self.times, self.columns = table, times, columns
+        self.table, self.times, self.columns, self.scene = table, times, columns, scene
         plain = integrated(scene, times, attitude=False)
         self.plain = None if plain is None else plain.states
         self.scale = np.ones(len(columns))
@@ -125,6 +133,23 @@ class Fit:
             found: Doubles = (off / self.scale).ravel()
             return found if math.isfinite(found @ found) else None
 
+    def constant(self) -> Cause | None:
+        """That omega stays as it is at t = 0, where that makes the table right.
+
+        It does so of a body of equal moments without weight.
+        """
+        if self.plain is None or not {*self.columns} & {0, 1, 2}:
+            return None
+        one, none = Fraction(1), Fraction(0)
+        sphere = Body(((one, none, none), (none, one, none), (none, none, one)), (none,) * 3, none)
+        free = integrated(replace(self.scene, body=sphere), self.times, attitude=False)
+        if free is None:
+            return None
+        digits = self._digits((free.states[:, self.columns] - self.table) / self.scale)
+        if digits < max(WRONG, self.before + GAIN):
+            return None
+        return Cause(CONSTANT, min(digits, 15.0))
+
     def cause(self, one: _Candidate) -> Cause | None:
         """The number, fitted, where it explains the table."""
         x, slope, count = 0.0, 0.0, min(_FIRST, len(self.times))
@@ -140,9 +165,11 @@ class Fit:
             count = min(2 * count, len(self.times))
         digits = self._digits(error)
         least = one.least_if_sure if digits >= _SURE else one.least
+        value = one.origin + one.unit * x
         if digits < max(WRONG, self.before + GAIN) or abs(x) < least or not slope:
             return None
-        value = one.origin + one.unit * x
+        if value < one.smallest:
+            return None
         sure = 10.0**-digits / slope * abs(one.unit) / max(abs(value), 1e-300)
         places = max(1, min(15, math.floor(-math.log10(sure)) if sure > 0 else 15))
         words = one.words.format(f"{value:.{places}g}").replace("+ -", "- ")
@@ -190,7 +217,7 @@ def _candidates(scene: Scene) -> Iterator[_Candidate]:
 
 def _of_clock(scene: Scene) -> Iterator[_Candidate]:
     """Times that begin elsewhere; a clock of another pace."""
-    unit = 2.0**scene.time_unit
+    unit = float(Frame.of(scene).unit)
 
     def later(x: Fraction) -> tuple[Scene, TimeChange]:
         return scene, TimeChange(shift=-Fraction(float(x) * unit))
@@ -198,7 +225,7 @@ def _of_clock(scene: Scene) -> Iterator[_Candidate]:
     yield _Candidate("rows that belong to t + {}", later, 0.0, unit)
     words = "a clock of {} times the pace"
     yield _Candidate(
-        words, lambda x: (scene, TimeChange(unit=1 + x)), 1.0, 1.0, _CLOCK, _CLOCK_IF_SURE
+        words, lambda x: (scene, TimeChange(unit=1 + x)), 1.0, 1.0, _CLOCK, _CLOCK_IF_SURE, _SLOWEST
     )
 
 

@@ -95,15 +95,19 @@ class View(NamedTuple):
     @property
     def readings(self) -> list[Reading]:
         """Of each part that is wrong the convention that makes its first rows right, if any."""
-        return [_reading(k, one, self.times) for k, one in self.parts.items() if one.is_told]
+        return [
+            _reading(k, one.plain, one.way, self.times)
+            for k, one in self.parts.items()
+            if one.is_told
+        ]
 
     def readings_in(self, world: World) -> list[Reading]:
         """Of each part that is wrong its convention in another scene's world."""
         return [
-            _reading(k, there._replace(plain=here.plain), self.times, world.words)
+            _reading(k, here.plain, there.way, self.times, world.words)
             for k, there in _parts(self.values, world.right, world.words).items()
             if (here := self.parts[k]).plain.digits < WRONG
-            and (there.is_told or not is_alike(here.course, there.course))
+            and (there.is_told or not is_alike(here.course, there.way_course))
         ]
 
 
@@ -234,13 +238,15 @@ def _is_better_world(found: Mapping[str, _Part], other: Mapping[str, _Part]) -> 
     )
 
 
-def _reading(part: str, seen: _Part, times: Sequence[Fraction], world: str = "") -> Reading:
-    """A part as it is read; ``world``: the words of another scene, if it is that one's."""
-    way = seen.way
+def _reading(
+    part: str, plain: Way, way: Way, times: Sequence[Fraction], world: str = ""
+) -> Reading:
+    """A part as it is read; ``plain``: as it stands.  ``world``: the words of another scene, if
+    ``way`` is one of that scene's motion."""
     words = ", ".join(filter(None, (world, way.words)))
     change, how = (None, "right with") if world else (way.change, "read as")
     rows = shown_rows(way, times)
-    return Reading(part, seen.plain.digits, words, way.digits, change, rows, how)
+    return Reading(part, plain.digits, words, way.digits, change, rows, how)
 
 
 def shown_rows(way: Way, times: Sequence[Fraction]) -> tuple[tuple[Fraction, float], ...]:

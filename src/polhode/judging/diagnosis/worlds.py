@@ -49,7 +49,7 @@ def other_worlds(
 ) -> Iterator[World]:
     """The motion at other times, and those of other scenes that may be meant."""
     yield from at_times(other_times(all_times), times, scene)
-    for words, other in _other_scenes(scene):
+    for words, other in other_scenes(scene):
         right = integrated(other, times)
         if right is not None:
             yield World(words, right)
@@ -73,11 +73,11 @@ def at_times(
             yield World(words, right, changes[words])
 
 
-def _other_scenes(scene: Scene) -> Iterator[tuple[str, Scene]]:
+def other_scenes(scene: Scene) -> Iterator[tuple[str, Scene]]:
     """Scenes with a sign or an order of numbers that is often another."""
     body = scene.body
     if body.weight:
-        yield "a weight of the other sign", _with_body(scene, body.inertia, -body.weight)
+        yield "a weight of the other sign", with_body(scene, body.inertia, -body.weight)
     products = [(i, j) for i in range(3) for j in range(i) if body.inertia[i][j] != 0]
     some = [products, *([one] for one in products)] if len(products) > 1 else [products]
     for signs in filter(None, some):
@@ -88,7 +88,7 @@ def _other_scenes(scene: Scene) -> Iterator[tuple[str, Scene]]:
         names = ", ".join("I" + "xyz"[j] + "xyz"[i] for i, j in signs)
         words = f"products of inertia of the other sign ({names})"
         with suppress(BadInput, ValueError):  # moments of no body
-            yield words, _with_body(scene, (x, y, z), body.weight)
+            yield words, with_body(scene, (x, y, z), body.weight)
     if scene.columns[3:] and "quaternion" in scene.source:
         start = integrated(scene, [Fraction(0)])
         if start is not None and start.attitude is not None:
@@ -97,8 +97,9 @@ def _other_scenes(scene: Scene) -> Iterator[tuple[str, Scene]]:
             yield "the scene's quaternion taken as scalar-last", turned
 
 
-def _with_body(scene: Scene, inertia: Matrix, weight: Exact) -> Scene:
-    body = Body(inertia, scene.body.centre, weight)
+def with_body(scene: Scene, inertia: Matrix, weight: Exact | None = None) -> Scene:
+    """The scene of another inertia, and of another weight unless it is None."""
+    body = Body(inertia, scene.body.centre, scene.body.weight if weight is None else weight)
     return replace(scene, body=body)
 
 

@@ -248,6 +248,16 @@ class Reference(Storable):
         found: dict[str, Real] = self._told(lambda: self._motion.frequencies(50))
         return found
 
+    @property
+    def rates_of(self) -> dict[str, str]:
+        """Of which axis about which a frequency is, by its name, where the name leaves it open.
+
+        >>> import polhode
+        >>> polhode.reference("euler/attitude").rates_of["precession"]
+        'of principal axis 3 (of the largest moment) about the angular momentum'
+        """
+        return {k: words for k, words in self._motion.rates_of.items() if k in self.frequencies}
+
 
 #: Anything that a table or a run can be held against.
 AnyReference: TypeAlias = Reference | Certified

@@ -2,17 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from polhode.common.errors import BadInput
 from polhode.judging.score.judgement import Judgement
-from polhode.judging.score.part_digits import principal_angles
 from polhode.judging.tables.table import Table
 from polhode.numbers.decimals import brief
-from polhode.numbers.number_types import DOUBLE
-from polhode.scenes.vocabulary import ANGLES, ATTITUDE
-
-_DIGITS = 15  # of the angles that are asked for where a table has none
+from polhode.scenes.vocabulary import ATTITUDE
 
 
 def refuse_incomplete(judged: Judgement) -> None:
@@ -22,6 +16,8 @@ def refuse_incomplete(judged: Judgement) -> None:
     angle may be missing where the motion has none: psi and phi at a pole.
     """
     table = judged.subject
+    if table.early:
+        raise BadInput(table.name, "rows", len(table.times), f"all of them ({table.early})")
     if table.run is None:
         _refuse_parts(judged, table)
         _refuse_gaps(judged, table)
@@ -41,24 +37,9 @@ def _refuse_parts(judged: Judgement, table: Table) -> None:
 
 
 def _refuse_gaps(judged: Judgement, table: Table) -> None:
-    gaps = [gap for name in table.columns for gap in _gaps(judged, table, name)]
-    if gaps:
-        row, name = min(gaps, key=lambda gap: gap[0])
+    if judged.missing:
+        name = min(judged.missing, key=lambda name: judged.missing[name][0])
+        row = judged.missing[name][0]
         place = f"{name} in row {row + 1}, t = {brief(table.times[row])}"
         expected = "a number in each cell that is judged (it is empty or not a number)"
         raise BadInput(table.name, place, None, expected)
-
-
-def _gaps(judged: Judgement, table: Table, name: str) -> Iterator[tuple[int, str]]:
-    """The first row of a column that has no number, though the motion has one there."""
-    missing = [k for k, x in enumerate(table.columns[name]) if x is None]
-    if missing and name in ANGLES:
-        times, column = [judged.times[k] for k in missing], ANGLES.index(name)
-        try:
-            attitude = judged.reference.attitude(times, _DIGITS)
-        except ValueError:  # what the motion has there is not known
-            pass
-        else:
-            pairs = zip(missing, principal_angles(attitude, DOUBLE.bits), strict=True)
-            missing = [k for k, row in pairs if row[column] is not None]
-    yield from ((k, name) for k in missing[:1])

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
 from polhode.common.text_tables import few
@@ -30,13 +32,17 @@ from polhode.judging.score.report_text import (
     ELSEWHERE,
     EXPLAINED,
     NOTHING,
+    OWN_EQUATIONS,
+    WHITE,
     WRONG_AT_ONCE,
     meaning,
+    residual_text,
     table,
+    without_numbers,
 )
 from polhode.judging.score.score import STATE_PART, Scores
 from polhode.judging.tables.reading import WRONG, Reading
-from polhode.numbers.conversion import doubles
+from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.decimals import brief
 from polhode.numbers.number_types import DIGITS_HELD
 from polhode.results.cells import DOUBLE, EXACT, TEXT
@@ -46,6 +52,8 @@ from polhode.results.table import Table as ResultTable
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of
 from polhode.taylor.backend import engine
 
+PRINTED = "rounding (of the printed digits)"
+_ROUGH = 6.0  # digits of an attitude of which an angle says more
 RARE = 1e-4  # a share of runs of which nobody judges so many
 MOTION_STEPS = 100_000  # a moment's work on whether the motion is chaotic
 
@@ -150,6 +158,8 @@ class Judgement(Result, Scores):
         if not self.digits:
             return ""
         found = self._limit
+        if self._may_be_noise(found):
+            return WHITE
         blamed = self.subject.run is None and found.startswith("method")
         return "" if blamed and (self.state_worst < LAST or self.offers) else found
 
@@ -157,7 +167,7 @@ class Judgement(Result, Scores):
     def _limit(self) -> str:
         about, agreement, worst = self.subject, self.reference.agreement, self.state_worst
         if about.run is None and worst >= about.printed - 1:
-            return "rounding (of the printed digits)"
+            return PRINTED
         held, steps = min(about.held, about.number.most_digits), about.steps
         cheap = limit(worst, held, None, None, agreement, steps)
         if cheap in ("rounding", "reference"):  # needs nothing of the motion
@@ -193,6 +203,50 @@ class Judgement(Result, Scores):
             [about.held if (e := self.expected[k]) is None else e.least - worst for k in states],
         )
 
+    @property
+    def rotation_angles(self) -> list[float | None]:
+        """The angle in degrees between the true attitude and the subject's at each time, None where
+        the attitude was not judged; empty where it nowhere was."""
+        angles = np.linalg.norm(self.rotation_errors, axis=1).tolist()
+        return [None if math.isnan(x) else x for x in angles]
+
+    @property
+    def _most_rotated(self) -> float | None:
+        return max((x for x in self.rotation_angles if x is not None), default=None)
+
+    @cached_property
+    def attitude_limit(self) -> str:
+        """What limits the digits of the attitude; empty where it was not judged.
+
+        The rate at which an attitude goes wrong is the error of omega, and that of the state is
+        what it was expected to be: so it is expected to lose the digits of the state, and those of
+        the angle that was turned until then.
+        """
+        digits, about = self._others.get("attitude", ()), self.subject
+        there = [d for d in digits if d is not None]
+        if not there:
+            return ""
+        worst = min(there)
+        at = digits.index(worst)
+        if about.run is None and worst >= about.printed - 1:
+            return PRINTED
+        held, agreement = min(about.held, about.number.most_digits), self.reference.agreement
+        cheap = limit(worst, held, None, None, agreement, about.steps)
+        if cheap in ("rounding", "reference"):
+            return cheap
+        band = self._expectation.bands[at]
+        if band is not None:
+            turned = 10.0**self.reference.scene.log10_rate * abs(to_double(self.times[at]))
+            band = band._replace(least=max(0.0, band.least - math.log10(1 + turned)))
+        thin = is_thin(self.reference.scene.body)
+        found = limit(worst, held, band, None, agreement, about.steps, len(there), thin)
+        return WHITE if self._may_be_noise(found) else found
+
+    def _may_be_noise(self, limit: str) -> bool:
+        """Whether what is blamed on a method of which nothing is known may be white noise."""
+        blamed = self.subject.run is None and limit.startswith("method")
+        return blamed and not self.offers and self.is_noisy
+
     @cached_property
     def chance(self) -> float | None:
         """The share of runs that have so few digits by chance alone; None unless the limit is the
@@ -217,6 +271,15 @@ class Judgement(Result, Scores):
         return (*self.subject.notes, *unjudged)
 
     @property
+    def complete(self) -> bool:
+        """False of a table whose last row has no numbers, and of a run that ended early."""
+        if self.subject.run is not None:
+            return not self.subject.early
+        parts = {*self._halves, *self._judged_parts}
+        last = len(self.times) - 1
+        return not all(last in self.gaps.get(part, ()) for part in parts)
+
+    @property
     def readings(self) -> tuple[Reading, ...]:
         """Conventions in which parts of a table that is wrong as it stands are right: those that
         were applied, and those in which parts still wrong would be."""
@@ -234,7 +297,7 @@ class Judgement(Result, Scores):
     def causes(self) -> tuple[Cause, ...]:
         """Numbers of which one, if it were another, would make a table right that is not: constants
         of the body, the start, a clock; the best first, fitted, and changed nowhere."""
-        if self.subject.run is not None or not self.digits or self.offers:
+        if self.subject.run is not None or not self.digits or self.offers or self.limit == WHITE:
             return ()
         if self.state_worst >= LAST and not self.limit.startswith("method"):
             return ()
@@ -256,6 +319,9 @@ class Judgement(Result, Scores):
             columns += (Column(k, x, type=DOUBLE, digits=4) for k, x in told.items())
         for name, digits in self.part_digits.items():
             columns.append(Column(f"correct_digits_{name}", digits, type=DOUBLE, digits=4))
+        if len(self.rotation_errors):
+            angles = self.rotation_angles
+            columns.append(Column("attitude_error", angles, "angle of rotation", "deg", DOUBLE, 4))
         return ResultTable(columns)
 
     @property
@@ -274,6 +340,10 @@ class Judgement(Result, Scores):
             [(x.part, x.convention, x.digits) for x in self.readings],
             labels=0,
         )
+        left = table_of_rows(
+            {"column": TEXT, "rms": DOUBLE, "bias": DOUBLE, "bias_error": DOUBLE},
+            [*self.residuals] if self.subject.run is None else [],
+        )
         causes = table_of_rows({"cause": TEXT, "digits": DOUBLE}, [*self.causes], labels=0)
         departures = table_of_rows(
             {"part": TEXT, "until": EXACT, "since": EXACT},
@@ -290,10 +360,16 @@ class Judgement(Result, Scores):
             Fact("reference_digits", agreement, "of the reference"),
             Fact("judged", [*subject.state, *self.parts], "columns and outputs", type=TEXT),
             Fact("rows_judged", self.rows_judged),
+            Fact("rows_lacking", len({k for rows in self.gaps.values() for k in rows})),
             Fact("worst", self.worst if told and not self.lost else None, "fewest digits"),
             Fact("worst_time", self.worst_time if told else None, "where they are"),
             Fact("worst_part", self.worst_part if told else None, "of what they are"),
             Fact("limit", self.limit or None, "what limits the digits of the state"),
+            Fact("attitude_error", self._most_rotated, "largest angle of rotation", "deg"),
+            Fact(
+                "attitude_limit", self.attitude_limit or None, "what limits the attitude's digits"
+            ),
+            Fact("residuals", left, "what is left of columns, in rows that are whole"),
             Fact("chance", self.chance, "the share of runs that have so few by chance alone"),
             Fact("lost_after", self.lost_after if self.lost else None, "no digits are left then"),
             Fact("reading", self.reading, "the convention that was applied"),
@@ -313,7 +389,7 @@ class Judgement(Result, Scores):
     def __str__(self) -> str:
         """The verdict: the digits at a few times, the fewest of all, what makes them more."""
         if not self.digits and not self._others:
-            return "\n".join([NOTHING, *self._unread])
+            return "\n".join([self._nothing, *self._unread])
         lines = [*self._digits(self._worst.row), self.verdict, *self._why, *self._unread]
         return "\n".join([*self._other_start, *lines])
 
@@ -334,12 +410,17 @@ class Judgement(Result, Scores):
             how = ""
         scene = f"{against.scene.name} ({against.regime})"
         lines = [f"{self.subject.name} against {against.kind} of {scene}{how}"]
-        lines += [*self._digits(None), self.verdict] if self.digits or self._others else [NOTHING]
+        lines += (
+            [*self._digits(None), self.verdict] if self.digits or self._others else [self._nothing]
+        )
         if self.limit and not self._is_foreign:
             lines.append(f"limit {self.limit}")
         if self.motion is not None:
             lines.append(f"motion {self.motion}")
         lines += [f"{name}: {digits:.2f} correct digits" for name, digits in self.parts.items()]
+        if "attitude" in self.parts:
+            lines.append(f"limit of the attitude {self.attitude_limit}")
+            lines += [self._rotation] if self.parts["attitude"] >= _ROUGH else []
         lines += self._why
         if self.drift is not None:
             lines.append(f"drift {self.drift}")
@@ -365,7 +446,48 @@ class Judgement(Result, Scores):
     def _why(self) -> list[str]:
         """Where parts leave the motion, and what would make them right."""
         told = [f"{name}: {where}" for name, where in self.departures.items()]
-        return [*told, *map(str, self.readings), *map(str, self.causes)]
+        if self.parts.get("attitude", _ROUGH) < _ROUGH:
+            told.append(self._rotation)
+        if (self.limit or self.attitude_limit) == WHITE:
+            told.append(residual_text(self.residuals))
+        why = [*map(str, self.readings), *map(str, self.causes)]
+        if not why and self._leaves_its_start:
+            why = [OWN_EQUATIONS.format(scene=self.reference.scene.name)]
+        return [*told, *why]
+
+    @property
+    def _rotation(self) -> str:
+        """By which angles the attitude is off."""
+        angles = [-1.0 if x is None else x for x in self.rotation_angles]
+        most = max(angles, default=-1.0)
+        if most < 0:
+            return "attitude: its angle of rotation is not known"
+        square = [x * x for x in angles if x >= 0]
+        rms = math.sqrt(sum(square) / len(square))
+        when = brief(self.times[angles.index(most)])
+        return f"attitude off by {most:.3g}° at worst (t = {when}), {rms:.3g}° rms"
+
+    @property
+    def _leaves_its_start(self) -> bool:
+        """Whether a table begins right at t = 0, and is then wrong in the first digit."""
+        if self.subject.run is not None or not self.digits or self.state_worst >= LAST:
+            return False
+        return any(
+            not t and (d or 0) >= WRONG for t, d in zip(self.times, self.digits, strict=True)
+        )
+
+    @property
+    def _without_numbers(self) -> str:
+        """In which rows numbers are missing; empty where none is."""
+        parts = {*self._halves, *self._judged_parts}
+        return without_numbers(
+            {k: x for k, x in self.gaps.items() if k in parts}, parts, self.times
+        )
+
+    @property
+    def _nothing(self) -> str:
+        """That nothing was judged, and why."""
+        return ": ".join(filter(None, [NOTHING, self._without_numbers]))
 
     @property
     def _unread(self) -> list[str]:
@@ -390,9 +512,24 @@ class Judgement(Result, Scores):
         return told
 
     @property
+    def _meaning_alone(self) -> list[str]:
+        """What the fewest digits mean where there is no state: of an attitude its limit."""
+        if self.worst < LAST and self.attitude_limit != WHITE:
+            return [WRONG_AT_ONCE]
+        if self.worst_part != "attitude" or self.offers:
+            return []
+        name, number = self.attitude_limit, self.subject.number
+        return [meaning(name, number, self.subject.run is None and name.startswith("method"))]
+
+    @property
     def verdict(self) -> str:
         """The fewest digits of all, and what those of the state mean; BadInput where none was
         judged."""
+        return "; ".join(filter(None, [self._without_numbers, self._verdict]))
+
+    @property
+    def _verdict(self) -> str:
+        """The verdict on the numbers that are there."""
         read = f"; read as {self.reading}" if self.reading else ""
         if self.digits and self.lost:
             return f"{self.lost}: {self._meaning}{read}"
@@ -402,7 +539,7 @@ class Judgement(Result, Scores):
         if self.worst_part != STATE_PART:
             told += f", of {self.worst_part}"
             if not self.digits:
-                return f"{told}{f', {WRONG_AT_ONCE}' * (self.worst < LAST)}{read}"
+                return ", ".join([told, *self._meaning_alone]) + read
             time = brief(self.times[self._lowest])
             told += f"; of the state {self.state_worst:.2f} (t = {time})"
         return f"{told}, {self._meaning}{read}"
@@ -411,7 +548,8 @@ class Judgement(Result, Scores):
         try:
             told = f"worst {self.worst:.2f} correct digits at t = {brief(self.worst_time)}"
             told += f", limited by {self.limit}" if self.limit else ""
+            told += f", {self._without_numbers}" if self.gaps else ""
             told += f", read as {self.reading}" if self.reading else ""
         except BadInput:
-            told = NOTHING
+            told = self._nothing
         return f"<Judgement of {self.subject.name} against {self.reference.kind}: {told}>"

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from fractions import Fraction
 
 from polhode.common.text_tables import aligned, few
 from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.diagnosis.error_budget import shown_digits
+from polhode.judging.score.residuals import Residual
 from polhode.numbers.decimals import brief, in_full, shortest
 from polhode.numbers.number_types import NumberType
 
@@ -21,15 +22,20 @@ LIMITS = {
     "inputs": "as many as the scene's numbers, rounded to {number}, allow",
     "reference": "as many as the reference can tell",
     "method": "fewer than {number} precision allows: {how}",
+    "noise": "fewer than {number} precision allows: noise that is {how} at this level",
     "unknown": "{how}",
 }
 ROUNDED = "as many as rounding {how} leaves"
 FOREIGN = "the program's steps, noise, or another motion"
+WHITE = "noise (white)"
 BY_CHANCE = "; or by chance: one run in {runs:.0f} has so few"
 EXPLAINED = "another number explains the error"
 ELSEWHERE = "another convention gives more digits"
 WRONG_AT_ONCE = "wrong in the first digit"
 NOTHING = "nothing was judged"
+OWN_EQUATIONS = (
+    "of a program's own equations polhode.compare_field(f, {scene!r}) names the terms that differ"
+)
 
 
 def meaning(limit: str, number: NumberType, foreign: bool) -> str:
@@ -39,6 +45,35 @@ def meaning(limit: str, number: NumberType, foreign: bool) -> str:
         how = FOREIGN
     words = ROUNDED if name == "rounding" and how else LIMITS[name]
     return words.format(number=number.name, how=how)
+
+
+def without_numbers(
+    gaps: Mapping[str, Sequence[int]], parts: Collection[str], times: Sequence[Fraction]
+) -> str:
+    """In which rows which of the parts have no numbers; empty where all have them everywhere."""
+    alike: dict[tuple[int, ...], list[str]] = {}
+    for part, rows in gaps.items():
+        alike.setdefault(tuple(rows), []).append(part)
+    told = []
+    for rows, names in alike.items():
+        of = "" if len(names) == len(parts) else f" of {' and '.join(names)}"
+        count, share, first = len(times), f"{len(rows)} of {len(times)} rows", brief(times[rows[0]])
+        if len(rows) == count:
+            where = "in any row"
+        elif len(rows) == 1:
+            where = f"at t = {first} ({share})"
+        elif rows == (*range(rows[0], count),):
+            where = f"from t = {first} on ({share})"
+        else:
+            where = f"in {share}, the first at t = {first}"
+        told.append(f"no numbers{of} {where}")
+    return ", ".join(told)
+
+
+def residual_text(left: Sequence[Residual]) -> str:
+    """Residuals in words: of each column the root mean square and the bias."""
+    told = [f"{x.column} {x.rms:.2g} ({x.bias:+.1g} ± {x.bias_error:.1g})" for x in left]
+    return f"noise, rms (and bias): {', '.join(told)}"
 
 
 def table(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -24,17 +24,30 @@ from polhode.judging.score.part_digits import (
     RowDigits,
     fewest,
     part_digits,
+    principal_angles,
     row_digits,
 )
+from polhode.judging.score.residuals import (
+    FEWEST,
+    Residual,
+    are_white,
+    differences,
+    residuals,
+    rotations,
+)
 from polhode.judging.score.row_selection import RowSelection, selection
-from polhode.judging.tables.table import Table
+from polhode.judging.tables.table import PARTS, Table
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.double_double import Pairs
+from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles
-from polhode.scenes.vocabulary import COLUMNS, STATE
+from polhode.scenes.vocabulary import ANGLES, ATTITUDE, COLUMNS, STATE
 
 FIRST_ASKED = 100  # digits of a reference, before it is known that more of them are needed
 SPARE_DIGITS = 6  # of a reference beyond those that can be told
+_DIGITS = 15  # of the angles that are asked for where a table has none
+_NOISY, _RADIAN = 0.1, 57.3  # of a column's size: noise that leaves digits; degrees
+ROTATION = ("rotation_x", "rotation_y", "rotation_z")
 NEAR_POLE = 20  # of its attitude, which psi and phi lose near a pole
 
 T = TypeVar("T")
@@ -95,8 +108,9 @@ class Scores(ByValue):
         """Correct digits of the state at each time; empty where no number of it is there."""
         if not self.subject.state:
             return ()
-        found = row_digits(self._errors, self.subject.held)
-        return () if all(d is None for d in found) else self._everywhere(found)
+        rows = zip(*self._halves.values(), strict=True)
+        found = tuple(min((d for d in row if d is not None), default=None) for row in rows)
+        return () if all(d is None for d in found) else found
 
     @cached_property
     def _halves(self) -> dict[str, RowDigits]:
@@ -105,8 +119,45 @@ class Scores(ByValue):
         for name, half in (("omega", slice(0, 3)), ("gamma", slice(3, 6))):
             if {*STATE[half]} & {*self.subject.state}:
                 digits = row_digits(self._errors[:, half], self.subject.held)
-                found[name] = self._everywhere(digits)
+                found[name] = self._of_whole(name, self._everywhere(digits))
         return found
+
+    @cached_property
+    def gaps(self) -> dict[str, tuple[int, ...]]:
+        """The rows in which a part lacks a number that the motion has there, of each that does.
+
+        A vector that lacks a component is none, and has no digits.
+        """
+        parts = PARTS | {word: x.names for word, x in COLUMNS.items()}
+        rows = {
+            part: sorted({k for name in names for k in self.missing.get(name, ())})
+            for part, names in parts.items()
+        }
+        return {part: tuple(lacking) for part, lacking in rows.items() if lacking}
+
+    @cached_property
+    def missing(self) -> dict[str, tuple[int, ...]]:
+        """The rows in which a column lacks a number that the motion has there, of each that does.
+
+        An angle may be missing where the motion has none: psi and phi at a pole.
+        """
+        columns = self.subject.columns
+        found = {name: self.subject.gaps([name]) for name in columns}
+        if rows := self.subject.gaps(ANGLES):
+            with suppress(ValueError):  # what the motion has there is not known
+                attitude = self.reference.attitude([self.times[k] for k in rows], _DIGITS)
+                true = dict(zip(rows, principal_angles(attitude, DOUBLE.bits), strict=True))
+                for place, name in enumerate(ANGLES):
+                    here = found.get(name, [])
+                    found[name] = [k for k in here if true[k][place] is not None]
+        return {name: tuple(lacking) for name, lacking in found.items() if lacking}
+
+    def _of_whole(self, part: str, digits: RowDigits) -> RowDigits:
+        """Digits of a part, None in rows that lack a number of it."""
+        lacking = {*self.gaps.get(part, ())}
+        if not lacking:
+            return digits
+        return tuple(None if k in lacking else d for k, d in enumerate(digits))
 
     @cached_property
     def _judged_parts(self) -> dict[str, RowDigits | str]:
@@ -139,7 +190,7 @@ class Scores(ByValue):
             return part_digits(name, own, true, held, self._bits)
 
         found = self._told(word, judged, lambda digits: fewest(digits, held), more)
-        return self._everywhere(found)
+        return self._of_whole(name, self._everywhere(found))
 
     @cached_property
     def _errors(self) -> Doubles:
@@ -243,6 +294,71 @@ class Scores(ByValue):
     def _others(self) -> dict[str, RowDigits]:
         """Digits of what is no column of the state; of angles psi and phi up to whole turns."""
         return {k: part for k, part in self._judged_parts.items() if not isinstance(part, str)}
+
+    @cached_property
+    def rotation_errors(self) -> Doubles:
+        """Rotations from the true attitudes to the subject's, vectors along body axes in degrees,
+        shape (rows, 3); not a number where the attitude was not judged, no rows where nowhere."""
+        if "attitude" not in self._others:
+            return np.zeros((0, 3))
+        try:
+            found = self._left("attitude", ATTITUDE, rotations)
+        except ValueError:  # a proof judged it, and its digits alone are known
+            return np.zeros((0, 3))
+        found[[k for k, d in enumerate(self._others["attitude"]) if d is None]] = math.nan
+        return found
+
+    def _left(
+        self, word: str, names: Sequence[str], difference: Callable[[Answer, Answer], Doubles]
+    ) -> Doubles:
+        """What is left of columns beside the reference at all times; raises ValueError."""
+        true = self.known_answers.rows(word, min(self._wanted, FIRST_ASKED))
+        own = self._judged.numbers(names, in_pairs=isinstance(true, Pairs))
+        found = difference(own, true)
+        if self._selected is None:
+            return found
+        everywhere = np.full((len(self.times), found.shape[1]), math.nan)
+        everywhere[list(self._selected.rows)] = found
+        return everywhere
+
+    @cached_property
+    def _residual_rows(self) -> tuple[tuple[str, ...], Doubles]:
+        """Names of what is left of a table's state and attitude, and its whole rows in time."""
+        names: list[str] = []
+        parts = []
+        if self.digits:
+            columns = self.reference.scene.columns
+            there = [k for k, name in enumerate(columns) if name in self.subject.state]
+            names += [columns[k] for k in there]
+            parts.append(self._left("at", columns, differences)[:, there])
+        if len(self.rotation_errors):
+            names += ROTATION
+            parts.append(self.rotation_errors)
+        if not parts:
+            return (), np.zeros((0, 0))
+        order = sorted(range(len(self.times)), key=lambda k: self.times[k])
+        rows = np.hstack(parts)[order]
+        return tuple(names), rows[np.all(np.isfinite(rows), axis=1)]
+
+    @cached_property
+    def residuals(self) -> tuple[Residual, ...]:
+        """What is left of each column of the state, and of the attitude as a rotation in degrees:
+        root mean square, bias, and the bias's standard error, over rows that are whole."""
+        return residuals(*self._residual_rows)
+
+    @cached_property
+    def is_noisy(self) -> bool:
+        """Whether what is left of a table may be white noise, of a tenth of its size or less."""
+        names, rows = self._residual_rows
+        if self.subject.run is not None or len(rows) < FEWEST:
+            return False
+        rate = 1.0
+        if self.digits:
+            true = self.known_answers.rows("at", min(self._wanted, FIRST_ASKED))
+            rate = 10.0 ** log10_rate(true, self.reference.scene)
+        sizes = [rate if n in STATE[:3] else _RADIAN if n in ROTATION else 1.0 for n in names]
+        level = np.sqrt(np.mean(rows**2, axis=0)) / sizes
+        return bool(np.all(level < _NOISY)) and are_white(rows)
 
     @property
     def reading(self) -> str | None:

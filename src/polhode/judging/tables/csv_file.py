@@ -272,7 +272,7 @@ def _table(path: Path, sheet: _Sheet, named: list[Column], number: NumberType | 
     return replace(
         found,
         name=called(path),
-        remarks=remarks,
+        remarks=(*remarks, *found.remarks),
         time_errors=_time_errors(found.times, named[clock], texts[clock], of_times, shown),
     )
 

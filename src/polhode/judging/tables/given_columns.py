@@ -16,6 +16,7 @@ from polhode.judging.tables.column_aliases import (
     Column,
     Naming,
     by_clock,
+    columns,
     known,
     not_judged,
     twice,
@@ -23,12 +24,15 @@ from polhode.judging.tables.column_aliases import (
 from polhode.judging.tables.reading import degree
 from polhode.judging.tables.table import Table
 from polhode.judging.tables.type_inference import of_decimals, of_type, type_of
-from polhode.numbers.conversion import exact_number, exactly
+from polhode.numbers.conversion import exact_number, exactly, to_double
 from polhode.numbers.number_types import DOUBLE, NumberType, bits_for, mp
 from polhode.numbers.scalars import AnyNumber, AnyVector
+from polhode.scenes.vocabulary import ATTITUDE, STATE
 
 NAMING = "--columns 'NAME=COLUMN, ...' (in Python columns=[...])"
+_OFF = 0.05  # of 1: a length in most rows that no noise of a unit vector has
 MOST_PRINTED = 60  # digits that rows of exact numbers are counted as
+_MISSING = ("MaskedConstant", "NAType")  # of NumPy's masked arrays, of pandas
 MOST_DIGITS = 1000.0  # that are told of a table
 
 
@@ -109,7 +113,7 @@ def table_of_columns(
     found = table_of_cells(source, header, named, cells, printed, number)
     errors = _errors(found.times, held[header[clock]], named[clock].factor)
     name = "columns" if source == "compare" else source
-    return replace(found, name=name, remarks=remarks, time_errors=errors)
+    return replace(found, name=name, remarks=(*remarks, *found.remarks), time_errors=errors)
 
 
 def _with_whole_stamps(
@@ -161,7 +165,29 @@ def table_of_cells(
     yardstick = number or (DOUBLE if printed <= DOUBLE.printed_digits else mp(printed))
     told = number.most_digits if number else min(printed + 2.0, MOST_DIGITS)
     held = min(told, yardstick.most_digits)
-    return Table(source, tuple(times), found, yardstick, held, printed, ignored=ignored)
+    found, remarks = _with_rates(found, header)
+    return Table(
+        source, tuple(times), found, yardstick, held, printed, ignored=ignored, remarks=remarks
+    )
+
+
+def _with_rates(
+    found: dict[str, Cells], header: Sequence[str]
+) -> tuple[dict[str, Cells], tuple[str, ...]]:
+    """Columns in which ``gx gy gz`` beside a quaternion are rates, where they are not of length 1;
+    and that they are, in words."""
+    omega, gamma = STATE[:3], STATE[3:]
+    beside = columns([*header, "ax"])  # what they are beside accelerations
+    if not {*gamma, *ATTITUDE} <= found.keys() or {*omega} & found.keys():
+        return found, ()
+    if not {*omega} <= {one.name for one in beside}:
+        return found, ()
+    rows = zip(*(found[name] for name in gamma), strict=True)
+    sizes = [math.hypot(*(to_double(exactly(x)) for x in row)) for row in rows if None not in row]
+    if 2 * sum(abs(size - 1) > _OFF for size in sizes) <= len(sizes):
+        return found, ()
+    rates = {omega[gamma.index(name)] if name in gamma else name: x for name, x in found.items()}
+    return rates, ("gx gy gz were read as rates, for they are no unit vector",)
 
 
 def refuse_names(source: str, key: str, header: Sequence[str], named: Sequence[Column]) -> None:
@@ -188,7 +214,7 @@ def _errors(times: Sequence[Fraction], given: Any, factor: Fraction) -> tuple[fl
 
 def _cell(value: Any) -> float | Fraction | None:
     """A cell's exact number, None where it is empty."""
-    if value is None or value != value:
+    if value is None or type(value).__name__ in _MISSING or value != value:
         return None
     if isinstance(value, float) and math.isfinite(value):
         return float(value)

@@ -86,6 +86,15 @@ class Table(ByValue):
         return tuple(name for name in STATE if name in self.columns)
 
     @property
+    def early(self) -> str:
+        """That a run ended before its last time, in words; empty where it did not."""
+        run = self.run
+        if run is None or run.outcome.done or len(run.times) >= len(run.scene.times):
+            return ""
+        rows = f"{len(run.times)} of {len(run.scene.times)} rows"
+        return f"the run ended early, with {rows}: {run.outcome.cause}"
+
+    @property
     def steps(self) -> str:
         """What is to blame where the method is."""
         if self.run is None:
@@ -126,6 +135,11 @@ class Table(ByValue):
             return []
         gaps = {k for name in names for k, x in enumerate(self.columns[name]) if x is None}
         return [k for k in range(len(self.times)) if k not in gaps]
+
+    def gaps(self, names: Sequence[str]) -> list[int]:
+        """The rows in which one of these columns that are there has no number."""
+        there = [self.columns[name] for name in names if name in self.columns]
+        return sorted({k for cells in there for k, x in enumerate(cells) if x is None})
 
     def some(self, which: Sequence[int]) -> Table:
         """Some of the rows."""
@@ -191,7 +205,7 @@ def of_run(run: Trajectory) -> Table:
         cells = rows.tolist() if isinstance(rows, np.ndarray) else rows
         columns |= dict(zip(names, zip(*cells, strict=True), strict=True))
     columns = {name: cells for name, cells in columns.items() if name not in not_judged()}
-    return Table(
+    found = Table(
         f"{run.scene.name}: {run.number.name} ({run.number.bits} bits)",
         tuple(run.times),
         columns,
@@ -201,6 +215,7 @@ def of_run(run: Trajectory) -> Table:
         projected=run.projected,
         run=run,
     )
+    return replace(found, remarks=(found.early,)) if found.early else found
 
 
 def as_judged(table: Table, scene: Scene) -> Table:

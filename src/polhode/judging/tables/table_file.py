@@ -73,7 +73,8 @@ def _of_result(path: Path, number: NumberType | None, names: Naming) -> Table:
         if names is PLAIN and number in (None, found.number):
             its = f"{found.number.name} ({found.number.bits} bits)"
             told = f"polhode's own run of {found.scene.name} in {its}"
-            return replace(of_run(replace(found)), name=called(path), remarks=(told,))
+            table = of_run(replace(found))
+            return replace(table, name=called(path), remarks=(told, *table.remarks))
         number = number or found.number
     columns = {x.name: x.values for x in found.table().columns}
     return replace(table_of_columns(columns, number, str(path), names), name=called(path))

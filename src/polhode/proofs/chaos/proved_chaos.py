@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import NamedTuple
 
-from polhode.certificates import certificate_file, verify
+from polhode.certificates import verify
 from polhode.certificates.chaos_certificate import Chart, Rectangle
 from polhode.common.text_tables import counted
 from polhode.common.value_semantics import ByValue
@@ -15,7 +14,7 @@ from polhode.numbers.exact import Exact
 from polhode.proofs.chaos.homoclinic import Saddle
 from polhode.proofs.chaos.lanes import Lanes
 from polhode.proofs.proved_orbit import ProvedOrbit, down, up
-from polhode.results.result import Result
+from polhode.proofs.proved_result import ProvedResult
 from polhode.results.table import Fact, Table
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of
@@ -35,7 +34,7 @@ class Guess(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ProvedChaos(Result, ByValue):
+class ProvedChaos(ProvedResult, ByValue):
     """A level on which the motion is chaotic: a theorem.
 
     ``orbit``: the proved unstable periodic orbit whose manifolds meet.  ``sets``, ``coverings``:
@@ -99,25 +98,6 @@ class ProvedChaos(Result, ByValue):
             *(x for x in self.orbit.facts() if x.name in ("kind", "multipliers", "digits_proven")),
             provenance_fact(self.provenance),
         ]
-
-    def save(self, path: str | Path) -> None:
-        """Write the theorem, or as .json its certificate, which ``polhode verify`` checks.
-
-        Parameters
-        ----------
-        path : str or Path
-            ``.json``: the certificate.  Other endings as of any result; those load again by
-            :func:`polhode.load_result`.
-
-        Raises
-        ------
-        BadInput
-            A file that cannot be written.
-        """
-        if Path(path).suffix.lower() not in (".json", ""):  # "-" is stdout
-            super().save(path)
-            return
-        certificate_file.write(path, self.certificate)
 
     def __repr__(self) -> str:
         coverings = counted(self.coverings, "covering")

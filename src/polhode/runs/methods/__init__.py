@@ -1,1 +1,1 @@
-"""The methods that integrate a problem: Taylor steps, and refined ones."""
+"""The methods that integrate a system: Taylor steps, and refined ones."""

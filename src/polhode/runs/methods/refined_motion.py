@@ -11,8 +11,8 @@ import numpy as np
 
 from polhode.common.progress import Progress
 from polhode.equations import kinematics
-from polhode.equations.form import equations
 from polhode.equations.readout import Readout
+from polhode.motion.frame import Frame
 from polhode.motion.outcomes import EventTimes, Outcome, Projection
 from polhode.numbers.conversion import exactly, number_value, to_double, to_mpf
 from polhode.numbers.exact import ZERO
@@ -30,8 +30,8 @@ from polhode.refined.refinement import (
     refine,
 )
 from polhode.runs.problem.options import USUAL, Options
-from polhode.runs.problem.problem import Problem
 from polhode.scenes.scene import Scene
+from polhode.taylor.integrator.system import System
 
 _MORE_DIGITS, _OTHER_INTERVALS = 10, 5  # of a second run, which tells the error of the first
 _PARTED = 1e-2  # so far apart two runs say nothing of each other
@@ -40,7 +40,7 @@ _TRIES = 3  # with more digits each, until the estimate holds those asked for
 
 
 class RefinedMotion:
-    """A problem on its way by refinement, in the principal form.
+    """A motion on its way by refinement, in the principal form.
 
     What the scene wants beside the state is refined with it; it has no events.  ``errors``: largest
     error over the columns of each state, absolute, its rounding to the number type included; None
@@ -50,11 +50,11 @@ class RefinedMotion:
     method = "refined"
     projection: Projection | None = None
 
-    def __init__(self, problem: Problem, scene: Scene, options: Options = USUAL) -> None:
+    def __init__(self, system: System, scene: Scene, options: Options = USUAL) -> None:
         plain = scene if scene.form == "principal" else replace(scene, form="principal")
-        self.scene, self.number = plain, problem.number
+        self.scene, self.number = plain, system.number
         self.options = options
-        self.read = Readout(plain, problem.number)
+        self.read = Readout(plain, system.number)
         self.steps, self.reached, self.build_seconds = 0, ZERO, 0.0
         self.events: tuple[EventTimes, ...] = ()
         self.errors: tuple[float | None, ...] | None = None
@@ -87,10 +87,10 @@ class RefinedMotion:
             wanted += lacking
         outcome = Outcome(found.stopped) if found.stopped else Outcome.REACHED_END
         self._accuracy, self.steps = accuracy(wanted), found.steps
-        self.reached = found.reached * Fraction(2) ** scene.time_unit
+        self.reached = self.read.frame.time_outside(found.reached)
         rows = [found.exactly(i) for i in range(len(found.states))]
-        self.errors = _errors(scene, number, told, rows)
-        count = len(equations(scene).variables)
+        self.errors = _errors(self.read.frame, number, told, rows)
+        count = len(self.read.form.variables)
         turned: list[list[Real]] = [[]] * len(rows)
         if found.attitudes is not None:
             turned = _turned(scene, number, found.attitudes)
@@ -104,11 +104,12 @@ class RefinedMotion:
 
         None of the attitude and the angles.  Raises CannotRefine.
         """
-        unit, count = Fraction(2) ** self.scene.time_unit, len(equations(self.scene).variables)
-        again = refine(self.scene, [t / unit for t in times], self._accuracy)
+        inside = [*map(self.read.frame.time, times)]
+        again = refine(self.scene, inside, self._accuracy)
         if again.stopped:
             raise KeyboardInterrupt
-        rows: list[list[Scalar]] = [[*again.exactly(i)[:count]] for i in range(len(times))]
+        width = self.read.columns
+        rows: list[list[Scalar]] = [[*again.exactly(i)[:width]] for i in range(len(times))]
         return rows, Outcome.REACHED_END, self.reached
 
     def _run(self, times: Sequence[Fraction], wanted: int, progress: Progress | None) -> Motion:
@@ -192,11 +193,11 @@ def _lacking(found: Motion, errors: Doubles, digits: int) -> int:
 
 
 def _errors(
-    scene: Scene, number: NumberType, told: Doubles, rows: list[list[Fraction]]
+    frame: Frame, number: NumberType, told: Doubles, rows: list[list[Fraction]]
 ) -> tuple[float | None, ...]:
-    """The estimate of each row in the scene's axes and units, rounded to its type."""
-    turned = 1.0 if scene.body.axes.trivial else math.sqrt(3.0)  # of a vector's largest component
-    scale, half_eps = 2.0**-scene.time_unit, float(number.eps) / 2
+    """The estimate of each row outside its frame, rounded to its type."""
+    turned = 1.0 if frame.axes.trivial else math.sqrt(3.0)  # of a vector's largest component
+    scale, half_eps = 2.0**-frame.exponent, float(number.eps) / 2
     errors: list[float | None] = []
     for row, (omega, gamma) in zip(rows, told.tolist(), strict=True):
         w, g = (float(max(map(abs, part))) for part in (row[:3], row[3:]))

@@ -1,4 +1,4 @@
-"""Taylor steps: state, attitude and angles in one system, marched from time to time."""
+"""A motion on its way by Taylor steps."""
 
 from __future__ import annotations
 
@@ -7,41 +7,52 @@ from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
 from polhode.common.progress import Progress
+from polhode.common.recent import Recent
 from polhode.equations import equilibrium, kinematics
 from polhode.equations.form import Form
 from polhode.equations.pole_passage import phi_leaving_the_pole
-from polhode.equations.system import System, system
 from polhode.motion.outcomes import EventTimes, Outcome, Projection
-from polhode.numbers.conversion import exactly, number_value
+from polhode.numbers.conversion import exactly, number_value, to_extended
 from polhode.numbers.exact import ZERO
 from polhode.numbers.expression import ExpressionError
-from polhode.numbers.rows import Row, Rows
-from polhode.runs.methods.dense_output import Leg, Path, spacing
-from polhode.runs.problem.options import USUAL, Options, cadence
-from polhode.runs.problem.problem import Problem
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.rows import Flat, Row, Rows, flat
+from polhode.numbers.scalars import of_extended, of_mpmath
+from polhode.runs.problem.options import USUAL, Options, cadence, refuse_other_rounding
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
+from polhode.taylor.backend.protocols import Corrector
 from polhode.taylor.backend.time_grid import Times
-from polhode.taylor.integrator.protocols import Corrector
 
 if TYPE_CHECKING:
+    from polhode.taylor.events.rules import Rules
     from polhode.taylor.events.watch import Watch
-    from polhode.taylor.integrator.prepared_system import PreparedSystem
-    from polhode.taylor.integrator.stepping import Integrator
+    from polhode.taylor.integrator.stepping import Anchor, Integrator
+    from polhode.taylor.integrator.system import System
 
-#: Where a start at a pole is left, in the scene's own unit of time: a fraction of a radian on.
+#: Where a start at a pole is left, inside the run's frame: a fraction of a radian on.
 _OFF_THE_POLE = Fraction(1, 2)
+_PART = 800  # of the steps that take a fifth of a second: a quarter of a millisecond for a row
+_systems: Recent[System] = Recent(16)
+_rules: Recent[Rules] = Recent(1)
+
+
+class Leg(NamedTuple):
+    """One integrator's part of a motion: its system, and its anchors."""
+
+    system: System
+    anchors: list[Anchor]
 
 
 class TaylorMotion:
-    """A problem on its way by Taylor steps in one number type.
+    """A motion on its way by Taylor steps in one number type.
 
-    ``scene``: the problem's own, with the times of this run.  What its outputs need is integrated
+    ``scene``: the system's own, with the times of this run.  What its outputs need is integrated
     with the state, and its events are looked for as steps are taken.  ``steps``: those taken.
     ``reached``: the exact time come to, in the scene's unit.  ``build_seconds``: the time that
     compiling took.  ``remarks``: for the provenance.
@@ -51,14 +62,15 @@ class TaylorMotion:
     errors: tuple[float | None, ...] | None = None
     remarks: Mapping[str, str] = {}
 
-    def __init__(self, problem: Problem, scene: Scene, options: Options = USUAL) -> None:
-        self.problem, self.number, self.scene = problem, problem.number, scene
-        self.options, self.read = options, problem.read
+    def __init__(self, system: System, scene: Scene, options: Options = USUAL) -> None:
+        self.system, self.number, self.scene = system, system.number, scene
+        self.options, self.read = options, system.read
         self.steps = 0
         self.reached = ZERO
         self.build_seconds = 0.0
         self.events: tuple[EventTimes, ...] = ()
         self.projection: Projection | None = None
+        self.outcome = Outcome.NOT_RUN
         self._watch: Watch | None = None
         self._working: Integrator | None = None
         self._legs: list[Leg] = []
@@ -66,73 +78,80 @@ class TaylorMotion:
 
     def __getstate__(self) -> dict[str, object]:
         """What ``at`` needs."""
-        kept = "problem", "scene", "options", "reached"
+        kept = "system", "scene", "options", "reached"
         return {name: getattr(self, name) for name in kept}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__init__(state["problem"], state["scene"], state["options"])  # type: ignore[misc]
+        self.__init__(state["system"], state["scene"], state["options"])  # type: ignore[misc]
         self.reached = state["reached"]
 
     def at(self, times: Sequence[Fraction]) -> tuple[Sequence[Row], Outcome, Fraction]:
         """Rows at exact times in the scene's unit up to ``reached``, in the order of the motion.
 
-        As many as are reached; how the motion ended, and when.
+        As many as are reached; how the motion ended, and when.  Each is integrated from the anchor
+        before it, by the steps of the run, of which only the last is shorter: as accurate as the
+        run's own.
         """
-        unit, first = self.problem.unit, self._prepared.first
-        if self.problem.still:
-            return [*self._at_rest(times)], Outcome.REACHED_END, self.reached
+        first = self.system.first
+        if self.system.rests:
+            return [*self._rows_at_rest(times)], Outcome.REACHED_END, self.reached
         if not any(times):
             return [first[0] for _ in times], Outcome.REACHED_END, self.reached
-        rows, path = list[Row](), self._path
+        rows, path = list[Row](), self._with_anchors
         for t in times:
-            inside = t / unit
-            if abs(inside) > abs(path.reached):
+            inside = self.system.frame.time(t)
+            if abs(t) > abs(path.reached):
                 break
             if not t:
                 rows.append(first[0])
                 continue
-            leg, row = path.row(inside, self._stepping)
-            if "angles" in self.scene.modelled and leg is not path.legs[-1]:
+            leg, anchor = path._anchor(inside)
+            integrator = path._integrator(leg.system, ZERO, None, anchored=0)
+            row, nearest = integrator.at(anchor, inside)
+            integrator.release()
+            row = row if inside == nearest else _moved(row, inside - nearest, leg.system)
+            if "angles" in self.scene.modelled and leg is not path._legs[-1]:
                 numbers = [number_value(x, self.number) for x in self._off_pole(row, inside)]
-                row = self._prepared.rows([numbers])[0]
+                row = self.system.rows([numbers])[0]
             rows.append(row)
-        return rows, path.outcome, path.reached * unit
+        return rows, path.outcome, path.reached
+
+    def _anchor(self, t: Fraction) -> tuple[Leg, Anchor]:
+        """The last anchor before a time inside the frame, and its leg."""
+        anchors, begun = self._anchors
+        return anchors[bisect_right(begun, abs(t)) - 1]
 
     @cached_property
-    def _path(self) -> Path:
-        """The same steps once more, with anchors."""
-        again = TaylorMotion(self.problem, self.scene, self.options)
-        again._anchored = spacing(self.number)
-        again._watch = self._muted_watch
-        end = self.reached / self.problem.unit
-        _, outcome = again._to(Times([end], self.number), None)
-        if outcome is Outcome.INTERRUPTED:
+    def _anchors(self) -> tuple[list[tuple[Leg, Anchor]], list[Fraction]]:
+        """All anchors of a motion that is over, and |t| of each."""
+        anchors = [(leg, anchor) for leg in self._legs for anchor in leg.anchors]
+        return anchors, [abs(anchor.time) for _, anchor in anchors]
+
+    @cached_property
+    def _with_anchors(self) -> TaylorMotion:
+        """The same steps once more, with anchors; events are there, and nobody looks for them."""
+        again = TaylorMotion(self.system, self.scene, self.options)
+        again._anchored = max(1, defaults.of(self.number).chunk // _PART)
+        again._watch = self._new_watch()
+        if again._watch is not None:
+            again._watch.muted = True
+        end = Times([self.system.frame.time(self.reached)], self.number)
+        _, again.outcome = again._move(end, None)
+        if again.outcome is Outcome.INTERRUPTED:
             raise KeyboardInterrupt
-        reached = end if outcome is Outcome.REACHED_END else again.reached / self.problem.unit
-        again._release(outcome)
-        return Path(again._legs, self.number, outcome, reached)
-
-    def _stepping(self, leg: Leg) -> Integrator:
-        """An integrator that takes a leg's steps again."""
-        return self._built(leg.system, leg.origin, self._muted_watch, None)
-
-    @cached_property
-    def _muted_watch(self) -> Watch | None:
-        """What makes the steps those of a run with events, and looks for none."""
-        watch = self._new_watch()
-        if watch is not None:
-            watch.muted = True
-        return watch
+        again._release(again.outcome)
+        return again
 
     def advance(
         self, times: Sequence[Fraction], progress: Progress | None = None
     ) -> tuple[Rows, Outcome]:
-        """Rows at the times, in the run's own unit, as far as they were reached; the outcome."""
+        """Rows at the times, inside the frame, as far as they were reached; the outcome."""
         from polhode.taylor.backend.heyoka_numbers import OutOfRange
 
+        ahead = Times.of(times, self.number)
         try:
             watch = self._watch = self._new_watch() if self.scene.events else None
-            rows, outcome = self._to(Times.of(times, self.number), progress)
+            rows, outcome = (self._rest if self.system.rests else self._move)(ahead, progress)
         except (OutOfRange, ExpressionError) as fault:  # of the system, of an event's number
             expected = f"a type of wider range ({fault})"
             raise BadInput(self.scene.name, "number", self.number.name, expected) from None
@@ -150,28 +169,20 @@ class TaylorMotion:
             self._working.release()
         self._working = None
 
-    @cached_property
-    def _prepared(self) -> PreparedSystem:
-        return self.problem.prepared(self.scene.modelled)
-
-    def _to(self, times: Times, progress: Progress | None) -> tuple[Rows, Outcome]:
-        problem = self.problem
-        if problem.still:
-            return self._stand_still(times, progress)
+    def _move(self, times: Times, progress: Progress | None) -> tuple[Rows, Outcome]:
+        """Rows of a state that moves."""
         began = time.perf_counter()
-        prepared = self._prepared
-        whole, rows = prepared.system, prepared.first[: times.now]
+        what, origin, rows = self.system, ZERO, self.system.first[: times.now]
         self.build_seconds += time.perf_counter() - began
         if len(rows) == len(times):
             return rows, Outcome.REACHED_END
-        if problem.singular:
+        if what.singular:
             return rows, Outcome.SINGULAR
-        origin = ZERO
         if "angles" in self.scene.modelled and self.scene.starts_at_pole:
-            whole, origin = self._off_the_pole(whole)
+            what, origin = self._off_the_pole(what)
             if not isinstance(rows, list):  # a motion that stays at the pole has no angles
-                rows = rows[:, : len(whole.start)]
-        rows, outcome = self._advanced(whole, origin, times, rows, progress)
+                rows = rows[:, : len(what.start)]
+        rows, outcome = self._integrate(what, origin, times, rows, progress)
         if self._watch is not None:
             rows = rows[: self._before_stop(times, len(rows))]
         return rows, outcome
@@ -180,22 +191,23 @@ class TaylorMotion:
         """How many of the first times are not beyond an event that ended the run."""
         if not self._stopped:
             return count
-        return bisect_right(times, abs(self.reached / self.problem.unit), hi=count, key=abs)
+        reached = self.system.frame.time(self.reached)
+        return bisect_right(times, abs(reached), hi=count, key=abs)
 
-    def _advanced(
+    def _integrate(
         self,
-        whole: System,
+        what: System,
         origin: Fraction,
         times: Times,
         rows: Rows,
         progress: Progress | None,
     ) -> tuple[Rows, Outcome]:
         """Integrate a system that stands at time ``origin``; ``rows`` and those to come."""
-        problem = self.problem
+        frame = self.system.frame
         watch, outcome = self._watch, Outcome.STOPPED_AT_EVENT
         if watch is None or watch.stop is None:
-            corrector = self._corrector(whole.form, watch)
-            integrator = self._built(whole, origin, watch, corrector)
+            corrector = self._corrector(what.form, watch)
+            integrator = self._integrator(what, origin, corrector, self._anchored)
             if watch is not None:
                 self._refuse_what_never_moves(watch)
             most = self.options.max_steps
@@ -208,31 +220,38 @@ class TaylorMotion:
             # the end itself, not its rounding relative to where the last chunk began
             done = outcome is Outcome.REACHED_END
             last = times.end if done else integrator.time
-            self.reached = last * problem.unit if self.scene.time_unit else last
+            self.reached = frame.time_outside(last)
             if watch is not None:
                 self._working = integrator  # its events are told first
             elif outcome.done or outcome is Outcome.SINGULAR:
                 integrator.release()
         if watch is not None and watch.stop is not None:
-            self.reached = self.number.rounded(watch.stop) * problem.unit
+            self.reached = frame.time_outside(self.number.rounded(watch.stop))
         return rows, outcome
 
-    def _stand_still(self, times: Times, progress: Progress | None) -> tuple[Rows, Outcome]:
+    def _rest(self, times: Times, progress: Progress | None) -> tuple[Rows, Outcome]:
         """Rows of a state that never changes; only its events, those of t, need an integrator."""
-        unit, prepared = self.problem.unit, self._prepared
-        rows = self._at_rest([t * unit for t in times])
-        outcome, self.reached = Outcome.REACHED_END, times.end * unit
+        outside = [*map(self.system.frame.time_outside, times)]
+        rows = self._rows_at_rest(outside)
+        outcome, self.reached = Outcome.REACHED_END, outside[-1]
         if self._watch is None or self.reached == 0:
             return rows, outcome
-        whole = replace(system(self.scene, ()), still=True)
-        passed = [row[: len(whole.start)] for row in rows[: times.now]]
-        watched, outcome = self._advanced(whole, ZERO, times, prepared.rows(passed), progress)
+        what = replace(self._with_outputs(()), still=True)
+        passed = what.rows([row[: len(what.start)] for row in rows[: times.now]])
+        watched, outcome = self._integrate(what, ZERO, times, passed, progress)
         return rows[: self._before_stop(times, len(watched))], outcome
 
-    def _at_rest(self, times: Sequence[Fraction]) -> Rows:
+    def _with_outputs(self, outputs: tuple[str, ...]) -> System:
+        """The system with these outputs alone."""
+        from polhode.taylor.integrator.system import system
+
+        of = self.system
+        return system(of.scene, outputs, of.number, of.tolerance, of.inputs)
+
+    def _rows_at_rest(self, times: Sequence[Fraction]) -> Rows:
         """Rows of a state that never changes, at times in the scene's unit."""
         exact = (equilibrium.variables(self.scene, t) for t in times)
-        return self._prepared.rows([[number_value(x, self.number) for x in row] for row in exact])
+        return self.system.rows([[number_value(x, self.number) for x in row] for row in exact])
 
     def _corrector(self, form: Form, watch: Watch | None) -> Corrector | None:
         """What corrects the state now and then; None where nothing does."""
@@ -240,21 +259,29 @@ class TaylorMotion:
             from polhode.taylor.corrections.quaternion_norm import UnitNorm
 
             return UnitNorm(form.unit, self.number)
-        problem = self.problem
-        every = cadence(self.scene, self.number, problem.tolerance, self.options.project)
-        if every is None or problem.inputs is not None or problem.still:
+        system = self.system
+        every = cadence(self.scene, self.number, system.tolerance, self.options.project)
+        if every is None or system.inputs is not None or system.rests:
             return None
         from polhode.taylor.corrections.integral_projection import Projector
 
-        return Projector(problem.target, every, watch)
+        return Projector(system.target, every, watch)
 
     def _new_watch(self) -> Watch | None:
         """What looks for the scene's events; None where they are not watched."""
         if not self.scene.events:
             return None
+        from polhode.taylor.events.rules import Rules
         from polhode.taylor.events.watch import Watch
 
-        return Watch(self.scene, self.number, self.problem.rules(self.scene))
+        of, scene = self.system, self.scene
+
+        def rules_of_events() -> Rules:
+            return Rules(scene, of.number, of.tolerance, of.rests)
+
+        timed = any(event.timed for event in scene.events)  # t in one is as large as the end
+        rules = _rules.get(of, of.times(scene).outside[-1] if timed else None, rules_of_events)
+        return Watch(scene, self.number, rules)
 
     @property
     def _stopped(self) -> bool:
@@ -268,51 +295,44 @@ class TaylorMotion:
             expected = "an expression that is not zero at all times of the motion, to rounding"
             raise BadInput(self.scene.name, key, text, expected)
 
-    def _built(
-        self,
-        what: System,
-        origin: Fraction,
-        watch: Watch | None,
-        corrector: Corrector | None,
+    def _integrator(
+        self, what: System, origin: Fraction, corrector: Corrector | None, anchored: int
     ) -> Integrator:
         """The integrator of the next leg, at the start of its system."""
-        from polhode.taylor.integrator.prepared_system import PreparedSystem
         from polhode.taylor.integrator.stepping import Integrator
 
-        began, prepared = time.perf_counter(), self._prepared
-        if what is not prepared.system:
-            prepared = PreparedSystem(what, self.number, self.problem.tolerance)
-        built = Integrator(prepared, origin, watch, corrector, anchored=self._anchored)
-        if self._anchored:
-            self._legs.append(Leg(what, origin, built.anchors))
+        began = time.perf_counter()
+        integrator = Integrator(what, origin, self._watch, corrector, anchored=anchored)
+        if anchored:
+            self._legs.append(Leg(what, integrator.anchors))
         self.build_seconds += time.perf_counter() - began
-        return built
+        return integrator
 
-    def _off_the_pole(self, whole: System) -> tuple[System, Fraction]:
+    def _off_the_pole(self, what: System) -> tuple[System, Fraction]:
         """The system a moment after a start at a pole, where psi' is 0/0, and that moment.
 
         The attitude leads over the pole, to before the first output.  A motion that stays at the
         pole has no psi and phi at all.
         """
-        first = next(t for t in self.problem.schedule(self.scene).inside if t)
+        first = next(t for t in self.system.times(self.scene) if t)
         moment = max(-_OFF_THE_POLE, min(_OFF_THE_POLE, first / 2))
-        bridge = self.problem.system(("attitude",))
-        leading = self._built(bridge, Fraction(0), self._watch, None)
+        bridge = self._with_outputs(("attitude",))
+        leading = self._integrator(bridge, ZERO, None, self._anchored)
         if self._watch is not None:
             self._refuse_what_never_moves(self._watch)
-        found, outcome = leading.chunk([moment], 10**6)
+        rows, outcome = leading.chunk([moment], 10**6)
         self.steps += leading.steps
         if self._watch is None and outcome.done:
             leading.release()
         if self._stopped:
-            return whole, moment
-        gamma = self.read.states(found)[0][3:]
+            return what, moment
+        gamma = self.read.states(rows)[0][3:]
         if all(x == 0 for x in gamma[:2]):
             self._legs.clear()
-            outputs = tuple(name for name in whole.outputs if name != "angles")
-            names, start = whole.names[:-2], whole.start[:-2]
-            return replace(whole, names=names, outputs=outputs, start=start), Fraction(0)
-        return replace(whole, start=tuple(self._off_pole(found[0], moment))), moment
+            outputs = tuple(name for name in what.outputs if name != "angles")
+            names, start = what.names[:-2], what.start[:-2]
+            return replace(what, names=names, outputs=outputs, start=start), ZERO
+        return replace(what, start=tuple(self._off_pole(rows[0], moment))), moment
 
     def _off_pole(self, row: Row, t: Fraction) -> list[Fraction]:
         """A row of the state and the attitude soon after a pole, as one with psi and phi.
@@ -320,10 +340,49 @@ class TaylorMotion:
         Those begin at their one-sided limits, the one of psi ± phi that has a meaning at the pole
         staying continuous.
         """
-        variables = len(self.problem.form.variables)
+        variables = len(self.system.form.variables)
         leaving = phi_leaving_the_pole(self.scene, 1 if t > 0 else -1)
         gamma = self.read.states([row])[0][3:]
         psi, phi = kinematics.angles_off_the_pole(
             [*row[variables:]], gamma, self.scene.psi, leaving, self.number.bits
         )
         return [*(exactly(x) for x in row), psi, phi]
+
+
+def system_of(
+    scene: Scene,
+    number: NumberType,
+    tolerance: Fraction | None = None,
+    inputs: NumberType | None = None,
+) -> System:
+    """The system of such runs, shared by scenes that differ in their times alone."""
+    refuse_other_rounding(scene)
+    key = (number, tolerance, inputs)
+
+    def new_system() -> System:
+        from polhode.taylor.integrator.system import system
+
+        return system(scene.apart(), scene.modelled, *key)
+
+    return _systems.get(scene.identity, key, new_system)
+
+
+def _moved(row: Row, by: Fraction, what: System) -> Row:
+    """A row moved on by less than the last bit of its time."""
+    if what.number.flat:
+        import numpy as np
+
+        known = {name: to_extended(x) for name, x in what.coefficients.items()}
+        wide = flat(row).astype(np.longdouble)
+        slopes = np.array(what.field([*wide], known, of_extended()), dtype=np.longdouble)
+        moved: Flat = (wide + to_extended(by) * slopes).astype(flat(row).dtype)
+        return moved
+    from polhode.numbers.mpmath_context import mpmath, ordinary, own
+
+    with mpmath.workprec(what.number.bits):
+        k = {name: own(number_value(x, what.number)) for name, x in what.coefficients.items()}
+        zero, step = (own(number_value(x, what.number)) for x in (Fraction(0), by))
+        fn = of_mpmath()._replace(zero=zero)
+        state = [own(x) for x in row]
+        rates = what.field(state, k, fn)
+        return [ordinary(x + step * rate) for x, rate in zip(state, rates, strict=True)]

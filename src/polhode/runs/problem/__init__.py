@@ -1,1 +1,1 @@
-"""A scene prepared for one number type, and the options of its run."""
+"""The options of a run."""

@@ -9,8 +9,8 @@ from polhode.common.arguments import of_kind, steps, whole
 from polhode.common.errors import BadInput, nearest, plain
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exact_number
-from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import NumberType
+from polhode.numbers.rounding import rounds_to_nearest
 from polhode.numbers.scalars import AnyNumber
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
@@ -65,6 +65,13 @@ def corrections(scene: Scene, project: bool | int | None) -> bool | int | None:
     return whole(scene.name, "project", project, 1)
 
 
+def refuse_other_rounding(scene: Scene) -> None:
+    """Raise BadInput where a library has left this thread another rounding mode than nearest."""
+    if not rounds_to_nearest():
+        expected = "nearest: a library has set another one in this thread (fesetround)"
+        raise BadInput(scene.name, "rounding mode", "not to nearest", expected)
+
+
 def choose_number(
     scene: Scene, number: str | NumberType | None, digits: int | None, lost: float = 0.0
 ) -> NumberType:
@@ -94,18 +101,6 @@ def choose_number(
     if number_types.named(number).bits < chosen.bits:
         raise BadInput(scene.name, "digits", digits, f"fewer in {number}; {chosen.name} holds them")
     return number_types.named(number)
-
-
-def rounded_times(scene: Scene, number: NumberType) -> ExactNumbers[Fraction]:
-    """The output times as numbers of the run's type."""
-    if not scene.times:
-        raise BadInput(scene.name, "run.end", None, "a time, or times given with --at")
-    times = scene.output_times.rounded(number)
-    k = times.misplaced()
-    if k is not None:
-        expected = f"times that differ when rounded to {number.name}"
-        raise BadInput(scene.name, f"run.at[{k + 1}]", str(float(times[k])), expected)
-    return times
 
 
 def rounded_tolerance(scene: Scene, number: NumberType, tol: AnyNumber | None) -> Fraction | None:

@@ -38,3 +38,14 @@ def from_starts(
     if "omega" not in own or ("gamma" in own) != (scene.gamma is not None):  # angles, a level
         scene = replace(scene, source="")
     return scene, varied
+
+
+def varied_of(
+    scene: Scene, starts: npt.ArrayLike | None, others: vary.Vary | None
+) -> tuple[Scene, vary.Vary]:
+    """The scene of a sweep and what is varied of it, by keys or by starts; raises BadInput."""
+    if starts is not None:
+        return from_starts(scene, starts, others)
+    if others is None:
+        raise BadInput(scene.name, "vary", None, "numbers to vary, or starts")
+    return scene, others

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from polhode.common.errors import BadInput
 from polhode.equations.forms import principal
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import number_value, to_double
 from polhode.numbers.exact import ZERO, Exact
 from polhode.numbers.number_types import NumberType
@@ -72,14 +73,14 @@ def columns_of(
         left = made.fill(block)
         for k in np.flatnonzero(left):
             made.one(block, int(k))
-    for unit, first in zip(*np.unique(made.units, return_index=True), strict=True):
-        own = [t / Fraction(2) ** int(unit) for t in ends]
+    for exponent, first in zip(*np.unique(made.exponents, return_index=True), strict=True):
+        own = [t / Fraction(2) ** int(exponent) for t in ends]
         refuse_out_of_range(members, int(first), number, own)
     there = [i for i in range(len(principal.NAMES)) if np.any(made.coefficients[:, i] != 0)]
     there.sort(key=lambda i: principal.NAMES[i])
     names = tuple(principal.NAMES[i] for i in there)
     coefficients = made.coefficients[:, there].copy()
-    return names, Columns(coefficients, made.starts), made.units, made.rates
+    return names, Columns(coefficients, made.starts), made.exponents, made.rates
 
 
 class Fastest:
@@ -112,7 +113,7 @@ class _Made:
         self.members, self.number = members, number
         self.coefficients: Flat = np.zeros((count, len(principal.NAMES)), kind)
         self.starts: Flat = np.zeros((count, len(members.scene.columns)), kind)
-        self.units = np.zeros(count, dtype=np.int64)
+        self.exponents = np.zeros(count, dtype=np.int64)
         self.rates = np.zeros(count)
 
     def fill(self, block: Block) -> npt.NDArray[np.bool_]:
@@ -123,7 +124,7 @@ class _Made:
         starts, coefficients = self.starts[here], self.coefficients[here]
         with np.errstate(all="ignore"):
             try:
-                units, unsure = _time_units(block)
+                exponents, unsure = _exponents(block)
                 torque, *start = (
                     _along(vector, block.axes, unsure)
                     for vector in (block.torque, block.omega, block.gamma)
@@ -134,10 +135,10 @@ class _Made:
                 self.rates[here] = _rates(block, torque, starts)
             except (OverflowError, ZeroDivisionError):  # beyond doubles, here or on the way
                 return np.ones(len(block), dtype=bool)
-            starts[:, :3] = np.ldexp(starts[:, :3], units[:, None])
-            coefficients[:, 3:] = np.ldexp(coefficients[:, 3:], 2 * units[:, None])
+            starts[:, :3] = np.ldexp(starts[:, :3], exponents[:, None])
+            coefficients[:, 3:] = np.ldexp(coefficients[:, 3:], 2 * exponents[:, None])
             left: npt.NDArray[np.bool_] = block.left | unsure | _out_of_range(starts, coefficients)
-        self.units[here] = units
+        self.exponents[here] = exponents
         return left
 
     def _put(self, table: Flat, columns: Sequence[Numbers]) -> None:
@@ -164,7 +165,7 @@ class _Made:
         member = self.members[index]
         start, coefficients = exact_numbers(member, block.given_gamma(k))
         refuse_out_of_range(self.members, index, self.number, [*start, *coefficients.values()])
-        self.units[index] = member.time_unit
+        self.exponents[index] = Frame.of(member).exponent
         self.starts[index] = [number_value(x, self.number) for x in start]
         self.rates[index] = _rate(member, self.starts[index])
         self.coefficients[index] = [
@@ -175,15 +176,13 @@ class _Made:
 def exact_numbers(
     member: Scene, gamma: tuple[Exact, Exact, Exact] | None = None
 ) -> tuple[list[Exact], dict[str, Exact]]:
-    """Start and coefficients of a member in principal axes and its unit of time.
-
-    ``gamma``: in the place of its own.
-    """
-    n, axes = member.time_unit, member.body.axes
-    start = [Fraction(2) ** n * w for w in axes.components(member.omega)]
-    if member.gamma is not None:
-        start += axes.components(gamma or member.gamma)
-    return start, principal.coefficients(member.body, n)
+    """Start and coefficients of a member inside its frame; ``gamma``: in the place of its own."""
+    frame = Frame.of(member)
+    inside = frame.inside(member)
+    start = [*inside.start]
+    if gamma is not None:
+        start[3:] = frame.axes.components(gamma)
+    return start, principal.coefficients(inside.body)
 
 
 def refuse_out_of_range(
@@ -291,17 +290,18 @@ def _rate(member: Scene, start: Flat) -> float:
 
     from polhode.taylor import lanes
 
-    body, unit = member.body, member.time_unit
+    frame = Frame.of(member)
+    body = frame.inside(member).body
     part = 1 / max(body.moments)
     inertia, moment = (
         np.array([to_double(x) for x in scaled(size, vector)])
         for size, vector in (
             (part, body.moments),
-            (Fraction(4) ** unit * part, body.axes.components(body.torque)),
+            (part, body.torque),
         )
     )
     with np.errstate(all="ignore"):
-        rate = np.ldexp(lanes.rates(start[None], lanes.Bound.of(inertia, moment)), -unit)
+        rate = np.ldexp(lanes.rates(start[None], lanes.Bound.of(inertia, moment)), -frame.exponent)
         least, largest = _SIZES
         return float(np.fmin(np.maximum(rate, least), largest)[0])
 
@@ -344,7 +344,7 @@ def _fourth(block: Block) -> Doubles:
     return found
 
 
-def _time_units(block: Block) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.bool_]]:
+def _exponents(block: Block) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.bool_]]:
     """The exponents of :attr:`Scene.time_unit`, and where doubles do not tell them."""
     import numpy as np
 

@@ -26,6 +26,7 @@ from polhode.equations.integrals import (
     coefficients,
     first_integrals,
 )
+from polhode.motion.frame import Frame
 from polhode.numbers.double_double import Pairs, pairs, sqrt
 from polhode.numbers.exact import Irrational, sign
 from polhode.numbers.rationals import Rationals
@@ -54,7 +55,8 @@ def drifts(members: Members, states: Stack, one: Callable[[int], Drift]) -> Doub
         for which in _alike(block, ~alone) if not alone.all() else []:
             at = block.first + which
             with np.errstate(all="ignore"):
-                known = first_integrals(members[block.first + int(which[0])])
+                member = members[block.first + int(which[0])]
+                known = first_integrals(Frame.of(member).inside(member))
                 try:
                     rows = _block_drifts(known, block, which, states[at], there[at], unit)
                 except OverflowError:  # numbers beyond doubles: exactly, one by one

@@ -38,6 +38,8 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
+_SHOWN = 20  # members at either end of a long sweep, in text
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Ensemble(SweepResult):
@@ -86,25 +88,36 @@ class Ensemble(SweepResult):
         )
 
     def __str__(self) -> str:
-        """One line per member: what is varied, how it ended, its last state."""
+        """One line per member: what is varied, how it ended, its last state.
+
+        Of many members the first and last ones, and how many are between them.
+        """
         import numpy as np
 
-        member = np.arange(len(self))
-        last = (self.states[:, :, 0] == self.states[:, :, 0]).sum(axis=1) - 1
+        count = len(self)
+        between = count - 2 * _SHOWN if count > 3 * _SHOWN else 0
+        member = np.delete(np.arange(count), slice(_SHOWN, _SHOWN + between))
+        there = self.states[member, :, 0]
+        last = (there == there).sum(axis=1) - 1
         scene, place = self.scene, np.maximum(last, 0)
         t = time_column(scene, self.times, self.number)
         columns = [
             Column("member", member + 1),
             *varied_columns(self.varied, member),
-            text_column("outcome", [x.value for x in self.outcomes]),
-            Column("steps", self.counts),
+            text_column("outcome", [self.outcome(k).value for k in member.tolist()]),
+            Column("steps", self.counts[member]),
             t._replace(values=[None if k < 0 else t.values[k] for k in last.tolist()]),
             *row_columns(scene, scene.columns, self.states[member, place], self.number),
         ]
         for word, rows in self.outputs.items():
             names = COLUMNS[word].names
             columns += row_columns(scene, names, rows[member, place], self.number)
-        return "\n".join(lines(Table(columns)))
+        text = lines(Table(columns))
+        if between:
+            text.insert(
+                1 + _SHOWN, f"... {between} more of {count} members: a file (-o) has all ..."
+            )
+        return "\n".join(text)
 
     def __iter__(self) -> Iterator[Trajectory]:
         return (self[k] for k in range(len(self)))

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import TYPE_CHECKING, NamedTuple
 
 from polhode.common.progress import Stop
 from polhode.equations.readout import Readout
+from polhode.motion.frame import Frame
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Stack, flat
 from polhode.runs.sweep.plan import Plan
@@ -24,30 +26,29 @@ class Reader:
     """Reads rows of some members in scene axes and units: plain data, to be sent anywhere.
 
     ``bodies``: members that have principal axes in common, with a scene of such; none where axes
-    need no turn.  ``unit``: the exponent of the unit of time that all of them have.
+    need no turn.  ``exponent``: of the unit of time that all of them have.
     """
 
     number: NumberType
-    unit: int
+    exponent: int
     bodies: tuple[tuple[npt.NDArray[np.int64], Scene], ...]
 
     def states(self, rows: Stack) -> Stack:
         """States, not a number where a member did not come; of flat types, where rows were.
 
-        ``rows``: (members, times, columns) in principal axes and the run's units.
+        ``rows``: (members, times, columns) inside the members' frames.
         """
         import numpy as np
 
         states = flat(rows)
         for alike, one in self.bodies:  # one readout reads all of them
+            frame = Frame(one.body.axes, self.exponent)
             at = np.zeros(rows.shape[:2], dtype=bool)
             at[alike] = ~np.isnan(rows[alike, :, 0])
             if at.any():
-                read = flat(Readout(one, self.number).states(flat(rows[at])))
-                read[:, :3] = np.ldexp(read[:, :3], one.time_unit)
-                states[at] = read
-        if self.unit:
-            states[:, :, :3] = np.ldexp(states[:, :, :3], -self.unit)
+                states[at] = flat(Readout(one, self.number, frame).states(flat(rows[at])))
+        if self.exponent and not self.bodies:
+            states[:, :, :3] = np.ldexp(states[:, :, :3], -self.exponent)
         return states
 
 
@@ -55,7 +56,7 @@ def reader(plan: Plan, members: npt.NDArray[np.int64]) -> Reader:
     """What reads the rows of some members of a sweep that have a unit of time in common."""
     import numpy as np
 
-    unit, base = int(plan.time_units[members[0]]), plan.members.scene
+    exponent, base = int(plan.exponents[members[0]]), plan.members.scene
     if not plan.members.axes_stay:
         _, first, alike = np.unique(
             np.stack(plan.bodies(members), axis=1), axis=0, return_index=True, return_inverse=True
@@ -65,7 +66,7 @@ def reader(plan: Plan, members: npt.NDArray[np.int64]) -> Reader:
     else:  # a reading knows the axes alone
         sets = [] if base.body.axes.trivial else [(np.arange(len(members)), base)]
     bodies = tuple((these, replace(one, form="principal")) for these, one in sets)
-    return Reader(plan.number, unit, bodies)
+    return Reader(plan.number, exponent, bodies)
 
 
 class FlatJob(NamedTuple):
@@ -89,11 +90,11 @@ def job_of(plan: Plan, group: npt.NDArray[np.int64]) -> FlatJob:
     from polhode.taylor import lanes
     from polhode.taylor.batches.jobs import BatchJob
 
-    unit, motions = int(plan.time_units[group[0]]), plan.motions.some(group)
-    times = np.ldexp(plan.grid, -unit)
+    exponent, motions = int(plan.exponents[group[0]]), plan.motions.some(group)
+    times = np.ldexp(plan.grid, -exponent)
     asked = plan.names, plan.number, plan.tolerance, plan.max_steps, times
-    job = BatchJob(*asked, unit, motions)
+    job = BatchJob(*asked, Fraction(2) ** exponent, motions)
     with np.errstate(over="ignore"):  # of a rate that is only known to be so small
-        fastest = float(np.ldexp(plan.rates[group].max(), unit))
+        fastest = float(np.ldexp(plan.rates[group].max(), exponent))
     sure = lanes.surely(job, fastest)
     return FlatJob(job._replace(sure=sure), reader(plan, group))

@@ -19,7 +19,7 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber
 from polhode.runs.problem.options import check_method
 from polhode.runs.sweep import flat_members, results, wide_members
-from polhode.runs.sweep.array_starts import from_starts
+from polhode.runs.sweep.array_starts import varied_of
 from polhode.runs.sweep.ensemble import Ensemble
 from polhode.runs.sweep.flat_members import FlatJob
 from polhode.runs.sweep.plan import Plan, planned
@@ -53,7 +53,7 @@ def integrate_many(
     max_steps: int | None = None,
     executor: Executor | None = None,
     workers: int | None = None,
-    parts: Path | None = None,
+    parts: str | Path | None = None,
     method: str = "auto",
     progress: Progress | bool | None = None,
 ) -> Ensemble:
@@ -93,7 +93,7 @@ def integrate_many(
         those lost with a worker are run again here.
     workers : int, optional
         Threads; by default as many as there are cores.
-    parts : Path, optional
+    parts : str or Path, optional
         A folder to which finished jobs are written about once a second, so that the same call
         continues from there after a kill, with the same results to the bit.  It is made if the
         sweep takes longer than that, and kept until ``ensemble.kept.remove()``.
@@ -155,10 +155,7 @@ def integrate_many(
     if workers is not None:
         workers = whole(scene.name, "workers", workers, 1)
     check_method(scene, method)
-    if starts is not None:
-        scene, vary = from_starts(scene, starts, vary)
-    elif vary is None:
-        raise BadInput(scene.name, "vary", None, "numbers to vary, or starts")
+    scene, vary = varied_of(scene, starts, vary)
     from polhode.taylor.batches.compiled_batch import LANES
 
     plan = planned(scene, vary, number, digits, tol, max_steps)

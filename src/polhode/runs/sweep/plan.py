@@ -16,12 +16,17 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Flat, kind_of
 from polhode.numbers.scalars import AnyNumber
-from polhode.runs.problem.options import choose_number, rounded_times, rounded_tolerance
+from polhode.runs.problem.options import (
+    choose_number,
+    refuse_other_rounding,
+    rounded_tolerance,
+)
 from polhode.runs.sweep.columns import Fastest, columns_of
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation import vary
 from polhode.scenes.variation.sweep_scenes import Members
 from polhode.taylor.backend import defaults
+from polhode.taylor.backend.time_grid import rounded_times
 
 if TYPE_CHECKING:
     import numpy as np
@@ -36,9 +41,9 @@ _BYTES = 40  # of a number of the states, while they are gathered and written
 class Plan:
     """A sweep, checked: what there is to integrate.
 
-    ``motions``: the members in numbers, none above extended.  ``time_units``: the exponent n of
-    each member's unit of time 2**n; ``rates``: its fastest rate at most, radians for each unit of
-    the scene's time; both 0 above extended.
+    ``motions``: the members in numbers, none above extended.  ``exponents``: of each
+    member's unit of time, a power of two; ``rates``: its fastest rate at most, radians for each
+    unit of the scene's time; both 0 above extended.
     """
 
     varied: vary.Grid
@@ -50,7 +55,7 @@ class Plan:
     asked: Sequence[Exact]
     names: tuple[str, ...]
     motions: Columns
-    time_units: npt.NDArray[np.int64]
+    exponents: npt.NDArray[np.int64]
     rates: npt.NDArray[np.float64]
 
     @cached_property
@@ -75,8 +80,8 @@ class Plan:
         import numpy as np
 
         size *= max(1, -(-len(self.rates) // (size * most)))
-        order = np.lexsort((-self.rates, self.time_units))
-        ends = np.flatnonzero(np.diff(self.time_units[order])) + 1
+        order = np.lexsort((-self.rates, self.exponents))
+        ends = np.flatnonzero(np.diff(self.exponents[order])) + 1
         for alike in np.split(order, ends):
             yield from (alike[i : i + size] for i in range(0, len(alike), size))
 
@@ -98,6 +103,7 @@ def planned(
 
     from polhode.taylor.batches.jobs import Columns
 
+    refuse_other_rounding(scene)
     if scene.events:
         expected = "none in a sweep: a step size of its own for each event; run members singly"
         raise BadInput(scene.name, "events", scene.events[0].name, expected)

@@ -26,6 +26,11 @@ _ORBITS = (
     ),
     Column("check, s", "verify_seconds", ">", "processor seconds of such a check, the median"),
 )
+_STABLE = Column(
+    "stable",
+    "stable",
+    meaning="elliptic orbits that are stable for all time by J. Moser's theorem, of those proved",
+)
 _REFUSED = (
     Column("top", "top"),
     Column("period", "period", ">", "about that of all these orbits"),
@@ -74,9 +79,11 @@ which lie in planes of their own."""
 
 
 def tables(found: JsonObject) -> dict[str, PageTable]:
-    """The page's tables from the study's JSON object."""
+    """The page's tables from the study's JSON object, of 0.3 too, which tells of no stability."""
+    proved = [*map(_proved, found["orbits"])]
+    stable = [_STABLE] if any(row["stable"] for row in proved) else []
     return {
-        "orbits": table(map(_proved, found["orbits"]), _ORBITS, _AGAIN),
+        "orbits": table(proved, [*_ORBITS[:4], *stable, *_ORBITS[4:]], _AGAIN),
         "refused": table(_refused(found["orbits"]), _REFUSED, _AGAIN),
         "chaos": table(found["chaos"], _CHAOS, _AGAIN),
     }
@@ -111,12 +118,14 @@ def _kinds(proved: list[JsonObject]) -> str:
 def _proved(one: JsonObject) -> JsonObject:
     """A row of all orbits that were found of a top."""
     proved = [row for row in one["orbits"] if row["proved"]]
+    stable = [row["stable"] for row in proved if "stable" in row]
     checked = [row["verify_seconds"] for row in proved if row["verified"]]
     return {
         **one,
         "top": f"orbits: {one['what']}",
         "share": share(row["proved"] for row in one["orbits"]),
         "kinds": _kinds(proved) or None,
+        "stable": share(stable) if stable else None,
         "periods": between([row["period"] for row in proved], ".3g", DASH),
         "digits": min((row["digits"] for row in proved), default=None),
         "seconds": median([row["seconds"] for row in proved], ".2f"),

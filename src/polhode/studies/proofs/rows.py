@@ -1,4 +1,4 @@
-"""Study ``proofs``: periodic orbits of seven tops and chaos of five, proved or refused with cause.
+"""Study ``proofs``: periodic orbits of seven tops, their stability, and chaos of five tops.
 
 Each proof is made by the checker of certificates, which imports nothing of polhode, and is read
 again by it from the certificate that was written.
@@ -23,6 +23,7 @@ from polhode.numbers.decimals import brief
 from polhode.proofs.chaos.prove_chaos import prove_chaos
 from polhode.proofs.chaos.proved_chaos import ProvedChaos
 from polhode.proofs.prove_orbit import prove_all
+from polhode.proofs.prove_stability import prove_stability
 from polhode.proofs.proved_orbit import ProvedOrbit
 from polhode.proofs.refusals import NotProved
 from polhode.scenes import library
@@ -121,7 +122,7 @@ def _orbits(what: str, grid: tuple[int, int]) -> Row:
         period, radius = proof.period.decimals
         row |= {"proved": True, "kind": proof.kind, "least_period": period, "within": radius}
         row |= {"digits": round(proof.digits, 1), "seconds": round(proof.seconds, 3)}
-        found.append(row | _checked(proof))
+        found.append(row | _checked(proof) | _stable(proof))
     return {
         "what": what,
         "scene": None if ORBITS[what] is None else scene.name,
@@ -129,6 +130,22 @@ def _orbits(what: str, grid: tuple[int, int]) -> Row:
         "f": brief(search.surface.f),
         "search_seconds": round(searched, 2),
         "orbits": sorted(found, key=lambda row: row["period"]),
+    }
+
+
+def _stable(proof: ProvedOrbit) -> Row:
+    """Whether an elliptic orbit is proved to be stable for all time, and how long that takes."""
+    if proof.kind != "elliptic":
+        return {}
+    began = time.process_time()
+    try:
+        twist = str(prove_stability(proof).twist)
+    except NotProved as why:
+        return {"stable": False, "why_not_stable": str(why).partition(": ")[2]}
+    return {
+        "stable": True,
+        "twist": twist,
+        "stability_seconds": round(time.process_time() - began, 2),
     }
 
 

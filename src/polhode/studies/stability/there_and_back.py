@@ -8,7 +8,6 @@ from fractions import Fraction
 from typing import Any
 
 from polhode.equations.readout import Readout
-from polhode.equations.system import system
 from polhode.judging.correct_digits import log10_errors, log10_rate
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, number_value, to_double, to_mpf
@@ -17,6 +16,7 @@ from polhode.numbers.rows import Row, Rows
 from polhode.numbers.vectors import dot, scaled
 from polhode.scenes.scene import Scene
 from polhode.taylor.integrator.stepping import Integrator
+from polhode.taylor.integrator.system import system
 
 
 def error(scene: Scene, number: NumberType) -> float:
@@ -24,12 +24,10 @@ def error(scene: Scene, number: NumberType) -> float:
 
     Relative as in *correct digits*, to |w| at 0; against the start as the type rounds it.
     """
-    from polhode.taylor.integrator.prepared_system import PreparedSystem
-
     plain = replace(scene, outputs=(), events=())
-    what = system(plain, ())
-    integrator = Integrator(PreparedSystem(what, number))
-    unit = Fraction(2) ** scene.time_unit
+    what = system(plain, number=number)
+    integrator = Integrator(what)
+    unit = what.frame.unit
     row: Any = None
     for t in (number.rounded(number.rounded(scene.end) / unit), Fraction(0)):
         row = _led(integrator, t)

@@ -7,20 +7,26 @@ from fractions import Fraction
 from typing import overload
 
 from polhode.common.cached_property import cached_property
+from polhode.common.errors import BadInput
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import exactly, to_double, to_extended
 from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Flat, Numbers, flat
 from polhode.numbers.scalars import Scalar
+from polhode.scenes.scene import Scene
 
 _FEW = 64  # times: the exact ones of so few are all made at the first question, and kept
 
 
 class Times(Sequence[Fraction]):
-    """Monotone times in a run's own unit, immutable; a slice of them is of the same kind.
+    """Monotone times inside a run's frame, immutable; a slice of them is of the same kind.
 
-    Raises OutOfRange, when they are asked for as numbers, for what the type cannot hold.
+    ``outside``: those of which they are made, in the scene's unit.  Raises OutOfRange, when they
+    are asked for as numbers, for what the type cannot hold.
     """
+
+    outside: ExactNumbers[Fraction]
 
     def __init__(self, exact: Sequence[Fraction], number: NumberType) -> None:
         self.__dict__["_exact"] = tuple(exact)
@@ -40,20 +46,22 @@ class Times(Sequence[Fraction]):
         return found
 
     @classmethod
-    def scaled(cls, times: ExactNumbers[Fraction], exponent: int, number: NumberType) -> Times:
-        """Times of this type, in another unit: multiplied by 2**exponent."""
+    def inside(cls, times: ExactNumbers[Fraction], frame: Frame, number: NumberType) -> Times:
+        """Times of this type in a scene's unit, as they are in its frame."""
         import numpy as np
 
+        inside, exponent = None, -frame.exponent
         if times.floats is not None and number.flat:
             kind, most = (np.float64, 1000) if number.bits == 53 else (np.longdouble, 16000)
             grid = np.ldexp(times.floats, exponent) if exponent else times.floats
             sizes = np.frexp(grid[1:] if grid[0] == 0 else grid)[1]
             if grid.dtype == kind and np.all(np.abs(sizes) < most):
-                return cls.of_grid(grid, number)
-        if not exponent:
-            return cls(times, number)
-        unit = Fraction(2) ** exponent
-        return cls([t * unit for t in times], number)
+                inside = cls.of_grid(grid, number)
+        if inside is None:
+            unit = Fraction(2) ** exponent
+            inside = cls([t * unit for t in times] if exponent else times, number)
+        inside.outside = times
+        return inside
 
     @cached_property
     def now(self) -> int:
@@ -112,6 +120,18 @@ class Times(Sequence[Fraction]):
         small = rest - low
         found: Flat = near + small
         return found
+
+
+def rounded_times(scene: Scene, number: NumberType) -> ExactNumbers[Fraction]:
+    """The output times as numbers of the run's type."""
+    if not scene.times:
+        raise BadInput(scene.name, "run.end", None, "a time, or times given with --at")
+    times = scene.output_times.rounded(number)
+    k = times.misplaced()
+    if k is not None:
+        expected = f"times that differ when rounded to {number.name}"
+        raise BadInput(scene.name, f"run.at[{k + 1}]", str(float(times[k])), expected)
+    return times
 
 
 def exact_sum(a: Scalar, b: Scalar) -> tuple[Scalar, Scalar]:

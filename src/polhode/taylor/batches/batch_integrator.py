@@ -128,7 +128,7 @@ def _one_by_one(
 
 def _note(job: BatchJob, there: Booleans, found: Solved) -> None:
     """Which motions arrived; of the others nothing is known."""
-    end = exactly(job.times[-1]) * Fraction(2) ** job.time_unit
+    end = exactly(job.times[-1]) * job.unit
     found.outcomes[there], found.reached[there] = _THERE, end
     if not there.all():
         found.states[~there], found.steps[~there] = np.nan, 0
@@ -278,7 +278,7 @@ class _Way:
         found.outcomes[k], found.steps[k] = code(outcome), _most(steps)
         end = self.job.times[-1]
         part = end if outcome is Outcome.REACHED_END else math.copysign(reached, end)
-        found.reached[k] = exactly(part) * Fraction(2) ** self.job.time_unit
+        found.reached[k] = exactly(part) * self.job.unit
 
     def _in_blocks(
         self, stretch: _Stretch, limit: int, alike: bool

@@ -39,9 +39,9 @@ class Columns(NamedTuple):
 class BatchJob(NamedTuple):
     """Systems of the same equations, to be integrated to the same times, in their own unit of time.
 
-    ``names``: of the coefficients.  ``times``: away from 0, numbers of the type.  ``time_unit``:
-    the exponent n of that unit 2**n.  ``sure``: whether all of them arrive in so few steps that
-    nobody need look.
+    ``names``: of the coefficients.  ``times``: away from 0, numbers of the type.  ``unit``: that of
+    time, by which what is reached is told.  ``sure``: whether all of them arrive in so few steps
+    that nobody need look.
     """
 
     names: tuple[str, ...]
@@ -49,7 +49,7 @@ class BatchJob(NamedTuple):
     tolerance: Fraction | None
     max_steps: int
     times: Flat
-    time_unit: int
+    unit: Fraction
     motions: Columns
     sure: bool = False
 

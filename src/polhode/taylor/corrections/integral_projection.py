@@ -30,6 +30,7 @@ from functools import lru_cache
 from polhode.common.cached_property import cached_property
 from polhode.equations.forms import principal
 from polhode.equations.integrals import CHAPLYGIN, FirstIntegrals, exact_values, first_integrals
+from polhode.motion.frame import Frame
 from polhode.motion.outcomes import Projection
 from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import ZERO, Exact, Number, sign
@@ -40,9 +41,9 @@ from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import heyoka_numbers
 from polhode.taylor.backend.engine import hy
+from polhode.taylor.backend.protocols import Watcher
 from polhode.taylor.backend.types import CompiledFunction, Expression, HeyokaNumber
 from polhode.taylor.backend.wider_type import Conversions, conversions, wider
-from polhode.taylor.integrator.protocols import Watcher
 
 #: Numbers among which nothing cancels by accident.
 _GENERIC = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47)
@@ -291,10 +292,9 @@ def _sum(terms: Iterable[Scalar], zero: Scalar) -> Scalar:
 
 
 def kept_at_zero(scene: Scene) -> set[int]:
-    """Components of a scene's start, in principal axes, that vanish and stay zero."""
-    axes = scene.body.axes
-    gamma = () if scene.gamma is None else axes.components(scene.gamma)
-    return staying_zero(scene.body, [*axes.components(scene.omega), *gamma])
+    """Components of a scene's start that vanish and stay zero, inside its frame."""
+    inside = Frame.of(scene).inside(scene)
+    return staying_zero(inside.body, inside.start)
 
 
 def staying_zero(body: Body, state: Sequence[Exact]) -> set[int]:

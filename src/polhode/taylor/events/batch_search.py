@@ -29,7 +29,7 @@ from polhode.common.progress import Stop
 from polhode.equations.section_functions import SectionZero
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.rows import Booleans, Doubles, Indices
+from polhode.numbers.rows import Booleans, Doubles, Indices, double_array
 from polhode.taylor.backend.defaults import first_step_offset
 from polhode.taylor.backend.types import HeyokaIntegrator
 from polhode.taylor.batches import step_blocks
@@ -37,7 +37,7 @@ from polhode.taylor.batches.compiled_batch import CompiledBatch
 from polhode.taylor.batches.lane_queue import LaneQueue
 from polhode.taylor.corrections.level_projection import Level, Put
 from polhode.taylor.events.batch_zeros import ORIGIN, TINY, Watched, built
-from polhode.taylor.events.decision import Decision, End, at_the_end, located, plain_lanes
+from polhode.taylor.events.decision import ULPS, Decision, End, at_the_end, located, plain_lanes
 from polhode.taylor.events.jets import Jet, Marks, joined_marks
 from polhode.taylor.events.polishing import Places, joined_places, polished
 from polhode.taylor.events.probe import Probe
@@ -47,8 +47,6 @@ from polhode.taylor.integrator.specification import DESK, Equations, principal_e
 DONE, NONE_LEFT, NON_FINITE = "all crossings", "no more crossings", "not finite"
 STOPPED, UNSURE = "stopped", "not certain of a crossing"
 
-_BEGIN = 1e-9  # of a stretch: a crossing before it is the start itself, where that is on a section
-_AT_START = 2.0**-46  # of the unit of time: the same for a start at zero, exactly
 _BLOCK = 2048  # crossings whose arrays fit into a processor's own memory
 
 
@@ -67,7 +65,7 @@ class SearchJob(NamedTuple):
     ``patience``: stretches without a zero until a motion is given up; ``max_steps``: of each.
     ``level``: for a section, on which the starts lie: the states are put back on these integrals.
     ``coefficients`` (n, names) and ``starts`` (n, columns) in principal axes and the unit of time
-    2**``time_unit``, which times are in.  ``turns``: (n, 9), from principal axes to the scene's,
+    2**``exponent``, which times are in.  ``turns``: (n, 9), from principal axes to the scene's,
     row by row; None where there is no turn.
     """
 
@@ -78,7 +76,7 @@ class SearchJob(NamedTuple):
     stretch: float
     coefficients: Doubles
     starts: Doubles
-    time_unit: int = 0
+    exponent: int = 0
     turns: Doubles | None = None
     patience: float = math.inf
     max_steps: int | None = None
@@ -143,7 +141,7 @@ class _Search:
 
     def __init__(self, job: SearchJob, batch: CompiledBatch) -> None:
         self.job, self.batch, n = job, batch, len(job.starts)
-        self.numbers = job.watched.numbers(job.time_unit, job.coefficients, job.turns)
+        self.numbers = job.watched.numbers(job.exponent, job.coefficients, job.turns)
         stretches = max(1.0, np.ceil(abs(job.end) / job.stretch))
         self.length = job.stretch if stretches == math.inf else job.end / stretches
         self.way = 1 if self.length > 0 else -1
@@ -260,17 +258,14 @@ class _Search:
     def _begun(self, new: Booleans, starts: Places) -> Doubles:
         """Note the sides on which motions begin, 0 where that is not certain.
 
-        Of each lane up to when a crossing is the start itself.
+        Of each lane up to when a zero is the start itself.
         """
         value, slope = starts.values[:2]
-        spared, on_it = _AT_START, new & (value == 0)
-        if self.put is not None:
-            spared = _BEGIN * abs(self.length)
-            on_it = new & (np.abs(value) <= spared * np.abs(slope))
-        sides = np.where(on_it, np.sign(slope) * self.way, np.sign(value))
-        sides[~(on_it | ~starts.near) | np.isnan(sides)] = 0.0
+        own = new & starts.own
+        sides = np.where(own, np.sign(slope) * self.way, np.sign(value))
+        sides[starts.near & ~(own & starts.steep) | np.isnan(sides)] = 0.0
         self.side = np.where(new, sides, self.side)
-        return np.where(on_it, spared, -1.0)
+        return np.where(own, 2 * double_array(starts.reach) + ULPS * float(DOUBLE.eps), -1.0)
 
     def _onwards(
         self, batch: CompiledBatch, which: Booleans, stop: Stop | None

@@ -18,12 +18,12 @@ from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import Functions, Scalar
 from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS, compact_beyond
+from polhode.taylor.backend.protocols import Desk
 from polhode.taylor.batches.compiled_batch import LANES, CompiledBatch
 from polhode.taylor.events.callbacks import Callback
 from polhode.taylor.events.functions import TIME, in_columns, rate, typed_constant
 from polhode.taylor.events.jets import Formulas, jet_of
 from polhode.taylor.events.roundoff import BAND
-from polhode.taylor.integrator.protocols import Desk
 from polhode.taylor.integrator.specification import DESK, integrator
 
 #: The parameters of a batch, and of its jet: when the stretch began, what the first step adds to
@@ -60,9 +60,9 @@ class Watched(NamedTuple):
         named = {n: hy.par[i] for i, n in enumerate((*_UNITS, *self.names, *turn), DESK)}
         return Formulas(self.value, principal.field, lambda _: named)
 
-    def numbers(self, time_unit: int, coefficients: Doubles, turns: Doubles | None) -> Doubles:
+    def numbers(self, exponent: int, coefficients: Doubles, turns: Doubles | None) -> Doubles:
         """The numbers of motions, a column each: 1 / unit of time, unit, coefficients, turn."""
-        unit = np.full((len(coefficients), 1), 2.0**time_unit)
+        unit = np.full((len(coefficients), 1), 2.0**exponent)
         parts = [1 / unit, unit, coefficients]
         return np.hstack([*parts, turns] if turns is not None else parts).T
 

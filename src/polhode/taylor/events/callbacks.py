@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 from polhode.numbers.number_types import NumberType
 from polhode.taylor.backend import heyoka_numbers
+from polhode.taylor.backend.protocols import Desk
 from polhode.taylor.backend.types import HeyokaIntegrator, HeyokaNumber
-from polhode.taylor.integrator.protocols import Desk
 
 _PATIENCE = 8  # steps in a row that do not change the time; the last one before an end may be such
 

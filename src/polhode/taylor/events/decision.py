@@ -3,6 +3,9 @@
 Within its noise, the rounding error of its terms there, an expression is neither positive nor
 negative.  A *crossing* changes the side; a *contact* comes that near to zero and leaves on the side
 that it came from.  Zeros and extrema witness the sides, and each kind repairs a loss of the other.
+
+A zero that may be at the very state of an end, but for the rounding of that state's numbers, is at
+this end: the end of one run has it, and the start of the next, which goes on from there, has not.
 """
 
 from __future__ import annotations
@@ -15,13 +18,13 @@ import numpy as np
 from polhode.numbers.rows import Booleans, Flat, Indices
 from polhode.taylor.events.polishing import Places, joined_places
 
-_ULPS = 64  # so near together two zeros of one slope are one, found twice
+ULPS = 64  # so near together two zeros of one slope are one, found twice
 
 
 class End(NamedTuple):
     """The expression at an end of the motion: ``side``, its sign there, and as a polished place.
 
-    At the start the side is that of the exact scene.
+    At the start the side is that of the exact scene, or 0 where the start may have a zero itself.
     """
 
     side: int
@@ -36,6 +39,11 @@ class End(NamedTuple):
     def near(self) -> bool:
         """Whether it is within its noise of zero."""
         return bool(self.place.near[0])
+
+    @property
+    def own(self) -> bool:
+        """Whether a zero may be at this very end."""
+        return bool(self.place.own[0])
 
 
 def at_the_end(place: Places) -> End:
@@ -135,9 +143,8 @@ class Decision:
         """Whether from a place on nothing is left to be decided; its zeros are crossings then."""
         rest = self.places.those(slice(i, None))
         one = np.zeros(len(rest.ahead), dtype=int)
-        plain, sides = plain_lanes(
-            rest, one, np.array([self.side]), np.array([self.end.side]), self.way
-        )
+        last = 0 if self.end.own else self.end.side
+        plain, sides = plain_lanes(rest, one, np.array([self.side]), np.array([last]), self.way)
         if plain[0]:
             roots = np.flatnonzero(rest.root)
             self.found += map(Happening, (i + roots).tolist(), sides[roots].astype(int).tolist())
@@ -150,8 +157,8 @@ class Decision:
         width = self.places.reach[i]
         ahead = float(self.places.ahead[i])
         if self.starting and not self.inside and ahead <= 2 * width + self._ulps(i):
-            if self.side == -side:  # the start's own side, by the exact scene
-                self._happens(0, side, own=self.start.place)
+            if self.side == -side:  # a side for certain, and left soon after the start
+                self._happens(i, side)
             self._stands(i, side)
             self.last = i
             return
@@ -183,7 +190,7 @@ class Decision:
             self._happens_inside(0)
         elif self.side and self.end.place.steep[0] and not self.starting:
             side = int(np.sign(self.end.place.values[1, 0])) * self.way
-            if side == -self.side and self.end.value * side >= 0:
+            if side == -self.side and (self.end.own or self.end.value * side >= 0):
                 self._happens(count, side, own=self.end.place)
 
     def _stands(self, i: int, side: int) -> None:
@@ -201,9 +208,6 @@ class Decision:
 
     def _lost(self, side: int, before: int) -> None:
         """A crossing to a side that was not noted."""
-        if self.starting:
-            self._happens(0, side, own=self.start.place)
-            return
         found = self.search(side, self.since, before)
         if found is None:
             self.complete = False
@@ -220,7 +224,7 @@ class Decision:
         return apart <= 2 * float(self.places.reach[i] + self.places.reach[j]) + self._ulps(j)
 
     def _ulps(self, i: int) -> float:
-        return _ULPS * self.alike * max(1.0, abs(float(self.places.ahead[i])))
+        return ULPS * self.alike * max(1.0, abs(float(self.places.ahead[i])))
 
 
 def located(found: list[Happening], places: Places) -> Places:

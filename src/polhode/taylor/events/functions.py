@@ -37,22 +37,23 @@ def value_of(
     constant: Callable[[Number], Scalar],
     fn: Functions,
 ) -> Scalar:
-    """An event's expression for any scalar, at a form's variables and a time, in the run's unit.
+    """An event's expression for any scalar, at a form's variables and a time, inside its frame.
 
-    ``numbers``: the form's coefficients, and the turn from its axes to the scene's.  ``constant``:
+    ``numbers``: the form's coefficients, and the turn of its frame.  ``constant``:
     a number as such a scalar.
     """
-    vectors = equations(scene).state(variables, numbers, fn)
+    form = equations(scene)
+    vectors = form.state(variables, numbers, fn)
     if event.expression is None:
-        return _along_the_middle_axis(scene, vectors[0], constant)
+        return _along_the_middle_axis(form.scene, vectors[0], constant)
     columns = [
         x
         for vector in vectors
         if vector
         for x in kinematics.in_scene_axes(vector, numbers, fn.zero)
     ]
-    if scene.time_unit:
-        unit = Fraction(2) ** scene.time_unit
+    if form.frame.exponent:
+        unit = form.frame.unit
         columns[:3] = [constant(1 / unit) * x for x in columns[:3]]
         clock = constant(unit) * clock
     return in_columns(event.expression, scene.columns, columns, clock, constant, fn)
@@ -98,11 +99,10 @@ def derivatives(
 def _along_the_middle_axis(
     scene: Scene, omega: Sequence[Scalar], constant: Callable[[Number], Scalar]
 ) -> Scalar:
-    """The component of omega along the middle principal axis."""
+    """The component of omega along the middle principal axis, of a scene inside its frame."""
     axes, middle = scene.body.axes, middle_axis(scene)
-    form = equations(scene)
-    if form.axes is axes:
+    if axes.trivial:
         return omega[middle]
-    direction = form.axes.components(axes.rows[middle])
+    direction = axes.rows[middle]
     terms = [constant(x) * w for x, w in zip(direction, omega, strict=True) if sign(x) != 0]
     return sum(terms[1:], terms[0])

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 
 from polhode.common.errors import BadInput
+from polhode.motion.frame import Frame
 from polhode.numbers import exact, expression
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.exact import ZERO, sign
@@ -110,10 +111,10 @@ def middle_axis(scene: Scene) -> int:
 
 
 def size_of(scene: Scene, event: Event) -> Size:
-    """How large an event's expression and its rate, per unit of the run's time, can be."""
+    """How large an event's expression and its rate, per unit of time inside, can be."""
     from polhode.numbers.mpmath_context import mpmath
 
-    unit = Fraction(2) ** scene.time_unit
+    unit = Frame.of(scene).unit
     spin2 = dot(scene.omega, scene.omega) + 4 * scene.pendulum_rate_squared
     spin = to_mpf(exact.sqrt(spin2), 53) or mpmath.mpf(1)
     turn, one = spin * to_mpf(unit, 53), mpmath.mpf(1)

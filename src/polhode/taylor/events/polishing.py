@@ -13,11 +13,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from polhode.motion.frame import Frame
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Booleans, Flat, Indices
 from polhode.numbers.scalars import Scalar
 from polhode.taylor.backend.heyoka_numbers import array, as_fraction, scalar
 from polhode.taylor.events.jets import Jet, Marks, joined_marks
+from polhode.taylor.events.roundoff import BAND, OWN
 
 #: How far a zero may be from where heyoka met it, in the run's unit.
 _NEAR = Fraction(1, 1000)
@@ -36,8 +38,9 @@ class Places(NamedTuple):
     ``ahead``: the time since the start in the direction of the run, numbers of the run's type.
     ``values`` (4, n): the expression and its derivatives divided by BAND u, plain numbers of numpy;
     ``noise``: what rounding makes of the first of them.  ``steep``: where a zero would be one for
-    certain.  ``reach``: the half width of the band there, in time; ``width``: how far off the time
-    may be.
+    certain.  ``own``: where the expression may be zero at this very state, but for the rounding of
+    its numbers.  ``reach``: the half width of the band there, in time; ``width``: how far off the
+    time may be.
     """
 
     marks: Marks
@@ -46,6 +49,7 @@ class Places(NamedTuple):
     noise: Flat
     root: Booleans
     steep: Booleans
+    own: Booleans
     reach: Flat
     width: Flat
 
@@ -110,10 +114,12 @@ def places(jet: Jet, marks: Marks, way: int, root: Booleans) -> Places:
         reach = 2 * _half_width(values, error)
         width = 4 * _half_width(values, error + value)
         certain = error / rate / 16
+        own = value <= OWN / BAND * error
     flat = np.flatnonzero(~steep & ~(width < 4 * _FLAT) & ~(value > error))
     if len(flat):
         width[flat] = _sought(jet.those(flat), marks.those(flat), error[flat])
-    return Places(marks, ahead, values, error, root, steep, reach, np.where(steep, certain, width))
+    width = np.where(steep, certain, width)
+    return Places(marks, ahead, values, error, root, steep, own, reach, width)
 
 
 def _half_width(values: Flat, height: Flat) -> Flat:
@@ -151,7 +157,6 @@ def joined_places(parts: Sequence[Places]) -> Places:
     return Places._make([marks, *more])
 
 
-def exact_times(times: Scalar, time_unit: int, number: NumberType) -> tuple[Fraction, ...]:
-    """Times in a run's unit 2**time_unit as exact numbers in the scene's."""
-    unit = Fraction(2) ** time_unit
-    return tuple(as_fraction(t, number) * unit for t in times.tolist())
+def exact_times(times: Scalar, frame: Frame, number: NumberType) -> tuple[Fraction, ...]:
+    """Times inside a frame as exact numbers in the scene's unit."""
+    return tuple(frame.time_outside(as_fraction(t, number)) for t in times.tolist())

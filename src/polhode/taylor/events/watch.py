@@ -8,7 +8,7 @@ event takes no part in choosing the steps: a run with events takes the steps of 
 unless an expression varies far faster than the motion, or a step would be longer than the run's
 unit of time.  Last bits may differ, where an event shares terms with the equations.
 
-A zero at t = 0, by the exact scene, is not an event of the run.
+A zero at t = 0, to the rounding of the start's numbers, is not an event of the run.
 """
 
 from __future__ import annotations
@@ -22,7 +22,6 @@ from typing import NamedTuple
 import numpy as np
 
 from polhode.common.value_semantics import waiting
-from polhode.equations import kinematics
 from polhode.equations.form import equations
 from polhode.equations.readout import Readout
 from polhode.motion.outcomes import EventTimes
@@ -34,6 +33,7 @@ from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import heyoka_numbers
 from polhode.taylor.backend.engine import hy
+from polhode.taylor.backend.protocols import Desk
 from polhode.taylor.backend.types import Expression, HeyokaEvent, HeyokaIntegrator, HeyokaNumber
 from polhode.taylor.events.callbacks import AfterStep, Callback
 from polhode.taylor.events.decision import (
@@ -50,7 +50,6 @@ from polhode.taylor.events.magnitudes import middle_axis
 from polhode.taylor.events.polishing import Places, exact_times, polished
 from polhode.taylor.events.probe import Probe, mark, stays
 from polhode.taylor.events.rules import Rules
-from polhode.taylor.integrator.protocols import Desk
 from polhode.taylor.integrator.specification import CLOCK, TINY
 
 
@@ -129,10 +128,11 @@ class Watch:
     @property
     def key(self) -> tuple[object, ...]:
         """What tells the events from others along the same equations."""
-        axes, events = equations(self.scene).axes.rows, self.scene.events
-        turn = tuple(str(heyoka_numbers.scalar(x, self.number)) for row in axes for x in row)
+        frame, events = equations(self.scene).frame, self.scene.events
+        rows = frame.axes.rows
+        turn = tuple(str(heyoka_numbers.scalar(x, self.number)) for row in rows for x in row)
         zeros = tuple(event.expression or middle_axis(self.scene) for event in events)
-        return zeros, self.scene.time_unit, turn
+        return zeros, frame.exponent, turn
 
     @property
     def damping(self) -> list[Fraction]:
@@ -177,7 +177,7 @@ class Watch:
             return [fn.zero] * self.width if self.rules.still else form.field(state, k, fn)
 
         def numbers(constant: Callable[[Number], Expression]) -> Mapping[str, Expression]:
-            exact = {**form.coefficients, **kinematics.turn_coefficients(form.axes)}
+            exact = {**form.coefficients, **form.frame.turn}
             return {**{name: constant(x) for name, x in exact.items()}, **pattern}
 
         return Formulas(partial(value_of, scene, event), field, numbers)
@@ -279,7 +279,7 @@ class Watch:
         return tuple(self._found(k, last, read) for k in range(len(self.scene.events)))
 
     def _found(self, k: int, last: Marks, read: Readout) -> EventTimes:
-        event, unit = self.scene.events[k], 2.0**self.scene.time_unit
+        event, unit = self.scene.events[k], float(read.frame.unit)
         known, start, end = self._polished(k, last)
         if self._stop is not None:
             known = known.those(known.ahead <= end.place.ahead)
@@ -301,7 +301,7 @@ class Watch:
             rows = [heyoka_numbers.numbers(row, self.number) for row in rows.tolist()]
         return EventTimes(
             event.name,
-            waiting(partial(exact_times, times, self.scene.time_unit, self.number)),
+            waiting(partial(exact_times, times, read.frame, self.number)),
             read_only(read.states(rows), read.columns),
             tuple(one.sign * self.way for one in found),
             tuple((widths * unit).astype(float).tolist()),
@@ -316,7 +316,8 @@ class Watch:
         places, ends = polished(self.jets[k], met, joined_marks([self._first, last]), self.way)
         start, end = ends.those(slice(1)), ends.those(slice(1, 2))
         known = places.those(places.order)
-        return known, End(self.rules.start[k], start), at_the_end(end)
+        side = 0 if start.own[0] else self.rules.start[k]
+        return known, End(side, start), at_the_end(end)
 
     def _decided(self, k: int, known: Places, start: End, end: End) -> Decision:
         """What happened of an event up to an end."""

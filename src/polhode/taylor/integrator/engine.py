@@ -17,9 +17,9 @@ from polhode.numbers.number_types import DOUBLE, NumberType
 from polhode.numbers.rows import Array, Numbers
 from polhode.taylor.backend.heyoka_numbers import array, scalar
 from polhode.taylor.backend.integrator_pool import POOL
+from polhode.taylor.backend.protocols import Desk
 from polhode.taylor.backend.step_outcomes import ending
 from polhode.taylor.backend.types import HeyokaIntegrator, HeyokaNumber, HeyokaOutput
-from polhode.taylor.integrator.protocols import Desk
 
 _COMPILING = Lock(Place.COMPILING)
 

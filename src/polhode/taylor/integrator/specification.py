@@ -21,9 +21,7 @@ import numpy as np
 
 from polhode.common.cached_property import cached_property
 from polhode.equations.forms import principal
-from polhode.equations.system import System
 from polhode.numbers.number_types import DOUBLE, NumberType
-from polhode.scenes.vocabulary import ANGLE_VARIABLES
 from polhode.taylor.backend.engine import hy
 from polhode.taylor.backend.heyoka_numbers import (
     EXPRESSIONS,
@@ -33,10 +31,10 @@ from polhode.taylor.backend.heyoka_numbers import (
     scalar,
     type_options,
 )
+from polhode.taylor.backend.protocols import Rates, Watcher
 from polhode.taylor.backend.types import Expression, HeyokaIntegrator
 from polhode.taylor.integrator.angle_variables import slowed
 from polhode.taylor.integrator.engine import Engine, lent
-from polhode.taylor.integrator.protocols import Watcher
 from polhode.taylor.integrator.singularities import terminal_event
 
 #: Rates of variables, by the coefficients.
@@ -79,22 +77,6 @@ class Equations:
     tangents: int = 0
     driven: int = 0
 
-    @classmethod
-    def of(cls, system: System, number: NumberType, tolerance: Fraction | None) -> Equations:
-        """The equations of one motion of a system."""
-        form, known = system.form.scene.form, system.coefficients
-        plain = form == "principal"  # what is left of it is among the columns
-        return cls(
-            system.names,
-            tuple(known) if plain else (),
-            number,
-            tolerance,
-            form,
-            () if plain else tuple((name, number.rounded(x)) for name, x in known.items()),
-            system.still,
-            len(ANGLE_VARIABLES) if "angles" in system.outputs else 0,
-        )
-
     def __hash__(self) -> int:
         return self._hash
 
@@ -118,7 +100,7 @@ def principal_engine(equations: Equations, kind: type[E]) -> E:
 def built(
     equations: Equations,
     kind: type[E],
-    system: System | None = None,
+    system: Rates | None = None,
     watcher: Watcher | None = None,
 ) -> E:
     """An engine of equations, ``system``'s where they are not the principal form alone."""

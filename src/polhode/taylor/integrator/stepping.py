@@ -18,13 +18,13 @@ from polhode.numbers.rows import Array, Numbers, Row, Rows
 from polhode.taylor.backend import defaults
 from polhode.taylor.backend.defaults import first_step_offset
 from polhode.taylor.backend.heyoka_numbers import array, as_fraction, as_mpf, scalar
+from polhode.taylor.backend.protocols import Corrector, Watcher
 from polhode.taylor.backend.step_outcomes import ending
 from polhode.taylor.backend.time_grid import Times
 from polhode.taylor.backend.types import HeyokaNumber, HeyokaOutcome
 from polhode.taylor.integrator.engine import Engine
-from polhode.taylor.integrator.prepared_system import PreparedSystem
-from polhode.taylor.integrator.protocols import Corrector, Watcher
 from polhode.taylor.integrator.specification import TINY
+from polhode.taylor.integrator.system import System
 
 #: The longest step, in the run's unit, of a run with events.  Where all that moves is small beside
 #: what rests, steps are long by that, and products of small things have no polynomial over them.
@@ -48,8 +48,14 @@ class Anchor(NamedTuple):
 class Integrator:
     """An integrator of one autonomous system from its start at time ``origin``.
 
-    Time is kept as an exact offset plus heyoka's own time, which is put back to 0 at
-    each chunk's end: output times are rounded relative to the chunk's start, never to zero.
+    ``advance`` goes chunk by chunk; between two of them it tells the progress, gives up what has no
+    hope and hears Ctrl-C.  ``chunk`` puts heyoka's clock back to 0, then goes from pause to pause;
+    at a pause it sets cyclic variables back and corrects the state.  In the steps from a pause to
+    the next, heyoka tells the watcher of events, and anchors are noted.
+
+    Time is kept as an exact offset plus heyoka's own time since the chunk's start: output times
+    are rounded relative to that, never to zero.
+
     ``watcher`` gives heyoka events and may end the run.  ``corrector`` corrects the state every so
     many steps.  ``engine``: stands at the start; one from the pool where none is given.
     ``anchored``: steps between two ``anchors``, which are noted where that is not 0.
@@ -57,7 +63,7 @@ class Integrator:
 
     def __init__(
         self,
-        what: PreparedSystem,
+        what: System,
         origin: Fraction = Fraction(0),
         watcher: Watcher | None = None,
         corrector: Corrector | None = None,
@@ -80,7 +86,7 @@ class Integrator:
         self.heyoka, self.state = self.engine.heyoka, self.engine.state
         if watcher is not None and self.engine.desk is not None:
             count = len(what.equations.pattern)
-            watcher.sit_down(self.engine.desk, what.coefficients[:count])
+            watcher.sit_down(self.engine.desk, what.parameters[:count])
             watcher.counts_from(origin, self.heyoka)
 
     def release(self) -> None:
@@ -112,12 +118,12 @@ class Integrator:
                 if steps <= 0:
                     outcome = Outcome.STEP_LIMIT
                     break
-                found, outcome = self.chunk(times[done:] if done else times, steps)
+                more, outcome = self.chunk(times[done:] if done else times, steps)
                 if outcome is Outcome.NON_FINITE:
-                    finite = [k for k, row in enumerate(found) if all(x - x == 0 for x in row)]
-                    found = [found[k] for k in finite] if isinstance(found, list) else found[finite]
-                parts.append(found)
-                done += len(found)
+                    finite = [k for k, row in enumerate(more) if all(x - x == 0 for x in row)]
+                    more = [more[k] for k in finite] if isinstance(more, list) else more[finite]
+                parts.append(more)
+                done += len(more)
                 if outcome is not Outcome.STEP_LIMIT:
                     break
                 passed = abs(self.time - self.offset)
@@ -146,14 +152,37 @@ class Integrator:
             self.heyoka.time = scalar(0, self.number)
         if self.watcher is not None:
             self.watcher.counts_from(self.offset, self.heyoka)
-        rows, ended = self._through(Times.of(times, self.number).since(self.offset), steps)
+        ahead = _with_room(Times.of(times, self.number).since(self.offset))
+        parts, passed, last = list[Array](), 0, self.steps + steps
+        while True:
+            rows, ended = self._to_pause(ahead, passed, self._pause(last) - self.steps)
+            if len(rows):
+                parts.append(rows if self._cyclic is None else self._cyclic.completed(rows))
+                passed += len(rows)
+            # the last step may be the last one allowed, too: heyoka then reports the latter
+            if ended is not Outcome.STEP_LIMIT or passed == len(times):
+                break
+            if self._cyclic is not None and self.steps % self._cyclic.every == 0:
+                self._cyclic.set_back(self.state)
+            if self.corrector is not None and self.steps == self._due:
+                self._due += self.corrector.every if self._correct(self.corrector) else 1
+            if self.steps == last:
+                break
         if self.watcher is not None:
             if self.watcher.stop is None:
                 if ended is Outcome.STOPPED_AT_EVENT:
                     ended = Outcome.NON_FINITE  # steps stand still: an expression has a pole
             elif ended not in (Outcome.NON_FINITE, Outcome.SINGULAR):
                 ended = Outcome.STOPPED_AT_EVENT
-        return rows, ended
+        return self._rows(parts), ended
+
+    def _pause(self, last: int) -> int:
+        """The step after which something is due; the last one at most."""
+        pause = last if self.corrector is None else min(self._due, last)
+        if self._cyclic is not None:
+            every = self._cyclic.every
+            pause = min(pause, (self.steps // every + 1) * every)
+        return pause
 
     def at(self, anchor: Anchor, t: Fraction) -> tuple[Row, Fraction]:
         """The row at the time of the type nearest to t, by the steps from the anchor before it.
@@ -168,51 +197,20 @@ class Integrator:
             self.watcher.counts_from(self.offset, self.heyoka)
         ahead = scalar(self.number.rounded(t - anchor.offset), self.number)
         self.heyoka.propagate_until(ahead, **self._options)
-        row = self.state[None].copy()
+        part = self.state[None].copy()
         if self._cyclic is not None:
             self._cyclic.stand_at(anchor.grown)
-            row = self._cyclic.completed(row)
-        found: Row = self._rows([row])[0]
-        return found, self.time
-
-    def _through(self, grid: Numbers, steps: int) -> tuple[Rows, Outcome]:
-        """A chunk's steps, with its corrections; rows of the run's numbers, and how it ended."""
-        if isinstance(grid, list):
-            ahead: Numbers = [grid[0], *grid]
-        else:
-            ahead = np.empty(len(grid) + 1, grid.dtype)
-            ahead[1:] = grid
-        if self.corrector is None and self._cyclic is None:
-            rows, ended = self._onwards(ahead, steps)
-            return self._rows([rows]), ended
-        found, done, last = [], 0, self.steps + steps
-        while True:
-            pause = last if self.corrector is None else min(self._due, last)
-            if self._cyclic is not None:
-                every = self._cyclic.every
-                pause = min(pause, (self.steps // every + 1) * every)
-            rows, ended = self._advance(ahead, done, pause - self.steps)
-            if len(rows):
-                found.append(rows if self._cyclic is None else self._cyclic.completed(rows))
-                done += len(rows)
-            # the last step may be the last one allowed, too: heyoka then reports the latter
-            if ended is not Outcome.STEP_LIMIT or done == len(grid):
-                break
-            if self._cyclic is not None and self.steps % self._cyclic.every == 0:
-                self._cyclic.set_back(self.state)
-            if self.corrector is not None and self.steps == self._due:
-                self._due += self.corrector.every if self._correct(self.corrector) else 1
-            if self.steps == last:
-                break
-        return self._rows(found), ended
+            part = self._cyclic.completed(part)
+        row: Row = self._rows([part])[0]
+        return row, self.time
 
     def _correct(self, corrector: Corrector) -> bool:
         done = corrector.correct(self.state)
         self.engine.tell_kept()
         return done
 
-    def _advance(self, ahead: Numbers, done: int, steps: int) -> tuple[Array, Outcome]:
-        """Up to ``steps`` steps; output times that are out of reach are not looked at.
+    def _to_pause(self, ahead: Numbers, done: int, steps: int) -> tuple[Array, Outcome]:
+        """Up to ``steps`` steps; before a pause no output times are looked at that it comes before.
 
         ``ahead``: the chunk's times, after one place to spare; ``done`` of them are passed.  Reach
         is some times the longest advance so far: heyoka takes longer for a grid, the more times it
@@ -220,8 +218,11 @@ class Integrator:
         with an eye on all of them.
         """
         ta, count = self.heyoka, len(ahead) - 1
-        if done == count - 1:
-            return self._onwards(ahead[-2:], steps)
+        take = self._steps
+        if self.watcher is not None and not self.heyoka.time and not self.offset:
+            take = self._first_step
+        if done == count - 1 or (self.corrector is None and self._cyclic is None):
+            return take(ahead[done:], steps)
         begun, kept, before = ta.dtime, self.state.copy(), self.steps
         marks = None if self.watcher is None else self.watcher.marks()
         reach = abs(float(begun[0])) + self._reach
@@ -230,40 +231,23 @@ class Integrator:
         if short:
             near, last = ahead[done:beyond], ahead[-1:]
             parts = [*near, *last] if isinstance(ahead, list) else np.concatenate([near, last])
-            rows, ended = self._onwards(parts, steps)
+            rows, ended = take(parts, steps)
         if short and abs(ta.time) > abs(ahead[beyond]):
             self.state[:], ta.dtime, self.steps, short = kept, begun, before, False
             if self.watcher is not None and marks is not None:
                 self.watcher.take_back(marks)
         if not short:
-            rows, ended = self._onwards(ahead[done:], steps)
+            rows, ended = take(ahead[done:], steps)
         advance = _REACH * float(abs(ta.time) - abs(begun[0]))
         if advance > self._reach or self._reach == math.inf:
             self._reach = advance
         return rows, ended
 
-    def _onwards(self, ahead: Numbers, steps: int) -> tuple[Array, Outcome]:
+    def _steps(self, ahead: Numbers, steps: int) -> tuple[Array, Outcome]:
         """Up to ``steps`` steps towards the last time; rows at the times passed and outcome.
 
         ``ahead``: a place for the time at which it begins, then the times.
         """
-        if self.watcher is None or self.heyoka.time or self.offset:
-            return self._steps(ahead, steps)
-        self._add(first_step_offset(self.number))
-        rows, ended = self._steps(ahead, 1)
-        self._add(ZERO)
-        count = len(rows)
-        if ended is not Outcome.STEP_LIMIT or steps == 1 or count == len(ahead) - 1:
-            return rows, ended
-        more, ended = self._steps(ahead[count:].copy(), steps - 1)
-        return np.concatenate([rows, more]), ended
-
-    def _add(self, tiny: Fraction) -> None:
-        """Add a number to all that heyoka watches."""
-        self.heyoka.pars[TINY : TINY + 1] = array([scalar(tiny, self.number)], self.number)
-
-    def _steps(self, ahead: Numbers, steps: int) -> tuple[Array, Outcome]:
-        """The same, as a single advance of heyoka."""
         ta = self.heyoka
         begun, now = ta.dtime, ta.time
         if ahead[1] == now:  # a step ended there: heyoka has not given that row
@@ -296,6 +280,21 @@ class Integrator:
             ta.dtime = begun  # a step of no length: nothing is known after it began
         return rows, ended
 
+    def _first_step(self, ahead: Numbers, steps: int) -> tuple[Array, Outcome]:
+        """The same where a run with events begins: a step with a number added, then others."""
+        self._add(first_step_offset(self.number))
+        rows, ended = self._steps(ahead, 1)
+        self._add(ZERO)
+        count = len(rows)
+        if ended is not Outcome.STEP_LIMIT or steps == 1 or count == len(ahead) - 1:
+            return rows, ended
+        more, ended = self._steps(ahead[count:].copy(), steps - 1)
+        return np.concatenate([rows, more]), ended
+
+    def _add(self, tiny: Fraction) -> None:
+        """Add a number to all that heyoka watches."""
+        self.heyoka.pars[TINY : TINY + 1] = array([scalar(tiny, self.number)], self.number)
+
     def _anchoring(
         self, end: HeyokaNumber, max_steps: int, **options: Any
     ) -> tuple[HeyokaOutcome, HeyokaNumber, HeyokaNumber, int]:
@@ -312,9 +311,18 @@ class Integrator:
 
     def _rows(self, parts: Sequence[Array]) -> Rows:
         if self.number.flat:
-            found: Rows = joined(parts or [self.state[None][:0]], self.number)
-            return found
+            rows: Rows = joined(parts or [self.state[None][:0]], self.number)
+            return rows
         return [as_mpf(row, self.number) for part in parts for row in part]
 
     def _exactly(self, value: HeyokaNumber) -> Fraction:
         return as_fraction(value, self.number)
+
+
+def _with_room(times: Numbers) -> Numbers:
+    """Times after a place for the one at which heyoka begins."""
+    if isinstance(times, list):
+        return [times[0], *times]
+    ahead = np.empty(len(times) + 1, times.dtype)
+    ahead[1:] = times
+    return ahead

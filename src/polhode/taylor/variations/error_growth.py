@@ -19,18 +19,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
 
 from polhode.equations.equilibrium import at_rest
-from polhode.equations.system import system
+from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.scenes.scene import Scene
 from polhode.taylor.corrections.integral_projection import kept_at_zero
+from polhode.taylor.integrator.system import principal_system
 from polhode.taylor.variations.equations import Variations
 from polhode.taylor.variations.reference_trajectory import Leader, pendulum, six
 
@@ -95,17 +95,17 @@ def growth(
     everywhere with inf, the tangent may be that of a neighbour's motion.  ``every``: the steps
     between two projections of an integrable top onto all its integrals, 0 without.
     """
-    end = to_double(scene.end / Fraction(2) ** scene.time_unit)
-    end = max(-_LATEST, min(_LATEST, end))
-    principal = scene.form == "principal"
-    if end == 0 or (principal and at_rest(scene).state):  # nothing is rounded on the way
-        return Growth((0.0,), (0.0,), end, 0, scene.time_unit)
-    plain = system(replace(scene, form="principal"), ())
+    frame = Frame.of(scene)
+    inside, principal = frame.inside(scene), scene.form == "principal"
+    end = max(-_LATEST, min(_LATEST, to_double(frame.time(scene.end))))
+    if end == 0 or (principal and at_rest(inside).state):  # nothing is rounded on the way
+        return Growth((0.0,), (0.0,), end, 0, frame.exponent)
+    plain = principal_system(inside)
     start = six(plain.start)
     tangent = np.array(_DIRECTION)
     tangent[:3] *= float(np.linalg.norm(start[:3])) or 1.0
     if principal:
-        tangent[list(kept_at_zero(scene))] = 0
+        tangent[list(kept_at_zero(inside))] = 0
     tangent[len(plain.start) :] = 0
     flow = Variations(plain.coefficients, start, tangent[:, None])
     leader = Leader(plain) if led else None
@@ -116,7 +116,7 @@ def growth(
             break
         flow.rescale()
         looks.append(_look(flow))
-        passed = _grown(looks, scene)[-1]
+        passed = _grown(looks, inside)[-1]
         if not arrived or passed > limit * math.log(10):
             break
         if leader is None and passed > trusted * math.log(10):
@@ -124,7 +124,7 @@ def growth(
         if leader is not None and passed > LED_FROM * math.log(10):
             flow.state = leader.at(t, passed / math.log(10))
     flow.release()
-    return _continued(looks, _grown(looks, scene), end, scene.time_unit, every)
+    return _continued(looks, _grown(looks, inside), end, frame.exponent, every)
 
 
 class _Look(NamedTuple):

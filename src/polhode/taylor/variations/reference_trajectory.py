@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
 
-from polhode.equations.system import System
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact, number_types
 from polhode.numbers.conversion import doubles, to_double
@@ -16,8 +16,8 @@ from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, NumberType
 from polhode.numbers.rows import Doubles
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend import defaults
-from polhode.taylor.integrator.prepared_system import PreparedSystem
 from polhode.taylor.integrator.stepping import Integrator
+from polhode.taylor.integrator.system import System
 
 _DOUBLES_TRUE = 8.0  # log10 of the growth up to which a run in double is the motion to 7 digits
 _SPARE_DIGITS = 10  # of wider types: of a state as doubles, and of what is lost until the next one
@@ -45,7 +45,7 @@ class Leader:
             enough = (kind for kind in ready if _is_enough(kind, log10_growth))
             wide = number_types.mp(2 * (log10_growth + _SPARE_DIGITS))
             self._number = next(enough, wide)
-            self._run = Integrator(PreparedSystem(self._plain, self._number))
+            self._run = Integrator(replace(self._plain, number=self._number))
         found, done, ended = np.full((len(times), 6), np.nan), 0, Outcome.STEP_LIMIT
         ahead = [Fraction(t) for t in times]
         while ended is Outcome.STEP_LIMIT and done < len(times):
@@ -81,6 +81,6 @@ def six(state: Sequence[Exact]) -> Doubles:
 
 
 def pendulum(scene: Scene) -> float:
-    """The scale of w for a body at rest, in the scene's own unit of time."""
+    """The scale of w for a body at rest; of a scene inside its frame."""
     square = scene.pendulum_rate_squared
-    return to_double(exact.sqrt(square * Fraction(4) ** scene.time_unit)) if sign(square) else 1.0
+    return to_double(exact.sqrt(square)) if sign(square) else 1.0

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from itertools import islice
 from typing import NamedTuple
@@ -24,18 +24,18 @@ import numpy as np
 from polhode.common.cached_property import cached_property
 from polhode.equations.equilibrium import at_rest
 from polhode.equations.forms import principal
-from polhode.equations.system import System, system
+from polhode.motion.frame import Frame
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.rows import Doubles
+from polhode.numbers.rows import Doubles, double_array
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.backend import defaults
 from polhode.taylor.batches.compiled_batch import LANES, CompiledBatch, in_lanes
-from polhode.taylor.integrator.prepared_system import PreparedSystem
 from polhode.taylor.integrator.specification import Equations, principal_engine
 from polhode.taylor.integrator.stepping import Integrator
+from polhode.taylor.integrator.system import System, principal_system
 from polhode.taylor.variations.reference_trajectory import Leader, pendulum, six
 
 STRIDES = (1.0, 8.0)  # units of the scene's own time a stretch: at least, at most
@@ -73,26 +73,31 @@ class Passage:
     note: str
 
     @cached_property
+    def inside(self) -> Scene:
+        """The scene inside its frame."""
+        return Frame.of(self.scene).inside(self.scene)
+
+    @cached_property
     def plain(self) -> System:
         """The equations in principal axes."""
-        return system(replace(self.scene, form="principal"), ())
+        return principal_system(self.inside)
 
     @cached_property
     def units(self) -> tuple[float, ...]:
         """The units u of the coefficients, in the order of the columns of U."""
-        return coefficient_units(self.scene)
+        return coefficient_units(self.inside)
 
     @cached_property
     def turn(self) -> Doubles:
         """From principal axes to the scene's, as a matrix."""
-        return np.array([[to_double(x) for x in row] for row in self.scene.body.axes.rows]).T
+        return double_array(Frame.of(self.scene).matrix(DOUBLE).T)
 
     @cached_property
     def rate_scale(self) -> float:
         """What changes of w are relative to: the largest |w| at the outputs, as in the digits."""
         asked = set(self.outputs)
         speeds = (float(np.linalg.norm(s.state[:3])) for s in self.stretches if s.time in asked)
-        return max(speeds, default=0.0) or pendulum(self.scene)
+        return max(speeds, default=0.0) or pendulum(self.inside)
 
 
 def passage(scene: Scene, max_steps: int = 400_000, until: float = math.inf) -> Passage:
@@ -103,14 +108,15 @@ def passage(scene: Scene, max_steps: int = 400_000, until: float = math.inf) -> 
     output is within them, some are taken.  ``until``: log10 of |Phi| of the whole way beyond which
     nothing is wanted; the passage ends there without a note.
     """
-    unit = 2.0**scene.time_unit
-    outputs = tuple(to_double(t / Fraction(2) ** scene.time_unit) for t in scene.times)
-    plain = system(replace(scene, form="principal"), ())
+    frame = Frame.of(scene)
+    inside = frame.inside(scene)
+    outputs = tuple(to_double(frame.time(t)) for t in scene.times)
+    plain = principal_system(inside)
     time, state = 0.0, six(plain.start)
-    w = float(np.linalg.norm(state[:3])) or pendulum(scene)
+    w = float(np.linalg.norm(state[:3])) or pendulum(inside)
     sizes = np.array([w, w, w, 1.0, 1.0, 1.0])
-    leader, tangents = Leader(plain), _Tangents(plain, sizes, np.array(coefficient_units(scene)))
-    still = at_rest(scene).state
+    leader, tangents = Leader(plain), _Tangents(plain, sizes, np.array(coefficient_units(inside)))
+    still = at_rest(inside).state
     found: list[Stretch] = []
     whole, height, steps, note = np.eye(6), 0.0, 0.0, ""
     nearest = min((abs(t) for t in outputs if t), default=0.0)
@@ -126,7 +132,7 @@ def passage(scene: Scene, max_steps: int = 400_000, until: float = math.inf) -> 
             if steps + taken > max_steps or not np.isfinite(carried).all():
                 more = steps + taken > max_steps
                 why = f"more than {max_steps} steps" if more else "not finite in double"
-                note = f"not followed beyond t = {time * unit:.3g}: {why}"
+                note = f"not followed beyond t = {time * float(frame.unit):.3g}: {why}"
                 break
             time, state, steps = t, reached, steps + taken
             found.append(Stretch(t, reached, taken, carried, driven))
@@ -200,7 +206,7 @@ def _with_plain_steps(found: list[Stretch], plain: System) -> list[Stretch]:
     tangents_steps = sum(s.steps for s in found)
     if not tangents_steps:
         return found
-    run, outcome = Integrator(PreparedSystem(plain, DOUBLE)), Outcome.STEP_LIMIT
+    run, outcome = Integrator(plain), Outcome.STEP_LIMIT
     while outcome is Outcome.STEP_LIMIT:
         _, outcome = run.chunk([Fraction(found[-1].time)], defaults.of(DOUBLE).chunk)
     share = run.steps / tangents_steps
@@ -209,9 +215,12 @@ def _with_plain_steps(found: list[Stretch], plain: System) -> list[Stretch]:
 
 
 def coefficient_units(scene: Scene) -> tuple[float, ...]:
-    """The unit of each coefficient: what it changes by where an input changes by itself."""
+    """The unit of each coefficient: what it changes by where an input changes by itself.
+
+    Of a scene inside its frame.
+    """
     found = dict.fromkeys(principal.NAMES, 0.0)
-    for by in principal.sensitivities(scene.body, scene.time_unit):
+    for by in principal.sensitivities(scene.body):
         for name, x in by.items():
             found[name] = max(found[name], abs(to_double(x)))
     return tuple(found.values())

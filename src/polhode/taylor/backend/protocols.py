@@ -10,8 +10,10 @@ from collections.abc import Callable, Hashable, Mapping, Sequence
 from fractions import Fraction
 from typing import Protocol
 
+from polhode.equations.form import Form
 from polhode.motion.outcomes import Projection
 from polhode.numbers.rows import Array
+from polhode.numbers.scalars import Functions, Scalar
 from polhode.taylor.backend.types import (
     CompiledFunction,
     Expression,
@@ -19,6 +21,19 @@ from polhode.taylor.backend.types import (
     HeyokaIntegrator,
     HeyokaNumber,
 )
+
+
+class Rates(Protocol):
+    """What gives rates to variables (polhode.taylor.integrator.system.System)."""
+
+    @property
+    def form(self) -> Form:
+        """The form of the equations."""
+
+    def field(
+        self, state: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
+    ) -> list[Scalar]:
+        """The rates, by the coefficients' names."""
 
 
 class Listener(Protocol):

@@ -1,0 +1,218 @@
+"""The system that a run integrates: a form of the equations and what its outputs add, in a type."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+import numpy as np
+
+from polhode.common.cached_property import cached_property
+from polhode.equations import equilibrium, kinematics
+from polhode.equations.form import Form, equations
+from polhode.equations.readout import Readout
+from polhode.motion.frame import Frame
+from polhode.numbers.conversion import number_value
+from polhode.numbers.exact import Exact
+from polhode.numbers.exact_sequences import ExactNumbers
+from polhode.numbers.number_types import DOUBLE, NumberType
+from polhode.numbers.rows import Array, Row, Rows, flat
+from polhode.numbers.scalars import EXACT, Functions, Scalar
+from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import ANGLE_VARIABLES, ATTITUDE
+from polhode.taylor.backend.heyoka_numbers import OutOfRange, array, scalars
+from polhode.taylor.backend.protocols import Watcher
+from polhode.taylor.backend.time_grid import Times, rounded_times
+from polhode.taylor.corrections.integral_projection import Target
+from polhode.taylor.integrator.angle_variables import Cyclic
+from polhode.taylor.integrator.engine import Engine, lent
+from polhode.taylor.integrator.singularities import nearest
+from polhode.taylor.integrator.specification import CLOCK, Equations, built
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """What is integrated of a scene in one number type, shared by threads.
+
+    ``scene``: the one outside the frame.  ``names``, ``coefficients``, ``start``: the variables,
+    and exactly what they begin with, inside; but quaternion and angles, which ``outputs`` add, are
+    those of the scene's axes, and the quaternion is there for the angles, too.
+    ``tolerance``: of a step, the type's eps where it is None.  ``inputs``: the narrower type that
+    start and coefficients were rounded to first, if any.  ``still``: no rate but zero.
+    """
+
+    scene: Scene
+    form: Form
+    names: tuple[str, ...]
+    outputs: tuple[str, ...]
+    coefficients: Mapping[str, Exact]
+    start: tuple[Exact, ...]
+    number: NumberType = DOUBLE
+    tolerance: Fraction | None = None
+    inputs: NumberType | None = None
+    still: bool = False
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """What it is made of: the rest is made again."""
+        return system, (self.scene, self.outputs, self.number, self.tolerance, self.inputs)
+
+    @cached_property
+    def frame(self) -> Frame:
+        """Between the scene's axes and unit of time and those of the run."""
+        return self.form.frame
+
+    def field(
+        self, state: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
+    ) -> list[Scalar]:
+        """Rates of the state and of what the outputs ask for."""
+        n = len(self.form.variables)
+        if self.still:
+            return [fn.zero] * n
+        rates = self.form.field(state[:n], k, fn)
+        if not self.outputs:
+            return rates
+        vectors = self.form.state(state[:n], k, fn)
+        omega, gamma = (kinematics.in_scene_axes(vector, k, fn.zero) for vector in vectors)
+        rates += kinematics.attitude_rates(state[n : n + 4], omega)
+        if "angles" in self.outputs:
+            rates += kinematics.angle_rates(omega, gamma)
+        return rates
+
+    @cached_property
+    def rests(self) -> bool:
+        """Whether the state need not be integrated: it is that of a relative equilibrium."""
+        principal_form = self.scene.form == "principal" and self.inputs is None
+        return principal_form and equilibrium.at_rest(self.scene).state
+
+    @cached_property
+    def singular(self) -> bool:
+        """Whether the start is too near to the singular set of the form."""
+        away = self.form.distance(self.form.start, self.form.coefficients, EXACT)
+        return away is not None and bool(away <= nearest(self.number))
+
+    @cached_property
+    def read(self) -> Readout:
+        """Reads the run's rows."""
+        return Readout(self.scene, self.number)
+
+    @cached_property
+    def target(self) -> Target:
+        """The integrals that runs are put back on."""
+        return Target(self.form.scene, self.number)
+
+    @cached_property
+    def equations(self) -> Equations:
+        """What compiled code is found by."""
+        plain = self.scene.form == "principal"  # what is left of it is among the columns
+        return Equations(
+            self.names,
+            tuple(self.coefficients) if plain else (),
+            self.number,
+            self.tolerance,
+            self.scene.form,
+            () if plain else tuple(self._rounded.items()),
+            self.still,
+            len(ANGLE_VARIABLES) if "angles" in self.outputs else 0,
+        )
+
+    @property
+    def _rounded(self) -> dict[str, Fraction]:
+        return {name: self.number.rounded(x) for name, x in self.coefficients.items()}
+
+    @cached_property
+    def state(self) -> Array:
+        """The start as heyoka's numbers, cyclic variables at zero; raises OutOfRange."""
+        start, cyclic = self.start, self.equations.cyclic
+        values = [*start[: len(start) - cyclic], *[Fraction(0)] * cyclic]
+        return array(scalars(values, self.number), self.number)
+
+    @cached_property
+    def parameters(self) -> Array:
+        """The coefficients as heyoka's numbers; raises OutOfRange."""
+        return array(scalars([*self.coefficients.values()], self.number), self.number)
+
+    @cached_property
+    def cyclic(self) -> Cyclic | None:
+        """The cyclic variables at the start, for runs to copy; None without any."""
+        start, count = self.start, self.equations.cyclic
+        return Cyclic(start[len(start) - count :], self.number) if count else None
+
+    @cached_property
+    def first(self) -> Rows:
+        """The start as the one row of a run; not to be written to."""
+        if self.number.flat and not self.equations.cyclic:
+            with suppress(OutOfRange):  # whoever integrates says so
+                return flat(self.state)[None]
+        return self.rows([[number_value(x, self.number) for x in self.start]])
+
+    def rows(self, rows: Sequence[Row]) -> Rows:
+        """Rows of the run's numbers, as a run holds them: an array, or a list above extended."""
+        if not self.number.flat:
+            return [[*row] for row in rows]
+        width = len(rows[0]) if rows else len(self.start)
+        wide = np.array(rows, dtype=np.longdouble).reshape(-1, width)
+        return wide if self.number.name == "extended" else wide.astype(np.float64)
+
+    def times(self, scene: Scene) -> Times:
+        """The output times of its scene, or of that one at other times, inside the frame.
+
+        The last two are kept.  Raises BadInput for times that the type does not tell apart.
+        """
+        outside, last = scene.output_times, self._last_times
+        for before, times in last:
+            if before is outside:
+                return times
+        times = Times.inside(rounded_times(scene, self.number), self.frame, self.number)
+        last[:] = [(outside, times), *last[:1]]
+        return times
+
+    @cached_property
+    def _last_times(self) -> list[tuple[ExactNumbers[Exact], Times]]:
+        return []
+
+    def engine(self, watcher: Watcher | None = None) -> Engine:
+        """An engine that stands at the start at time 0, and looks for a watcher's events.
+
+        Raises OutOfRange for numbers that the type cannot hold, before anything is compiled.
+        """
+        start, parameters, equations = self.state, self.parameters, self.equations
+        key = equations if watcher is None else (equations, watcher.key)
+        engine = lent(key, lambda: built(equations, Engine, self, watcher), wait=False)
+        if watcher is not None:
+            damping = array(scalars(watcher.damping, self.number), self.number)
+            factors = engine.parameters[CLOCK : engine.first]  # as many as the events need
+            factors[:] = damping[: len(factors)]
+        engine.stand(start, parameters)
+        return engine
+
+
+def system(
+    scene: Scene,
+    outputs: Sequence[str] = (),
+    number: NumberType = DOUBLE,
+    tolerance: Fraction | None = None,
+    inputs: NumberType | None = None,
+) -> System:
+    """The equations of a scene with these outputs and nothing else."""
+    form = equations(scene)
+    names, start, k = [*form.variables], [*form.start], dict(form.coefficients)
+    if scene.gamma is not None:
+        if outputs:
+            k |= form.frame.turn
+            names += ATTITUDE
+            start += kinematics.starting_attitude(scene.gamma, scene.psi)
+        if "angles" in outputs:
+            names += ANGLE_VARIABLES
+            start += [scene.psi, kinematics.starting_phi(scene.gamma)]
+    if inputs is not None:
+        k = {name: inputs.rounded(x) for name, x in k.items()}
+        start = [inputs.rounded(x) for x in start]
+    what = scene, form, tuple(names), tuple(outputs), k, tuple(start)
+    return System(*what, number, tolerance, inputs)
+
+
+def principal_system(scene: Scene) -> System:
+    """The equations of a scene's state in the principal form."""
+    return system(scene if scene.form == "principal" else replace(scene, form="principal"))

@@ -1,0 +1,250 @@
+"""The checker's bounds of jets beside what they bound: a step, the norm, a start, a period's ball.
+
+Each holds as it stands, and not without one of its terms; ``test_stability_certificate`` has what
+an ordinary orbit notices.
+"""
+
+from __future__ import annotations
+
+import random
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from flint import arb, arb_mat
+
+from polhode.certificates import verify
+from polhode.numbers.flint_context import ctx
+from shared.mutation import without
+
+RHO = 3  # bits
+
+
+@pytest.fixture(autouse=True)
+def precision():
+    with ctx.workprec(64):
+        yield
+
+
+def body_of(moments, torque=(0, 0, 0)):
+    rows = [[arb(x if i == j else 0) for j in range(3)] for i, x in enumerate(moments)]
+    return verify.Body(rows, [arb(x) for x in torque])
+
+
+def norm_of(moments, torque, state, weight_bits):
+    """The norm that the checker chooses near a state."""
+    inertia = [[arb(x if i == j else 0) for j in range(3)] for i, x in enumerate(moments)]
+    centres = [[arb(x) for x in state]]
+    run = SimpleNamespace(inertia=inertia, torque=[arb(x) for x in torque], centres=centres)
+    return verify.Norm(run, weight_bits)
+
+
+def jets_of(*columns):
+    """Six jets by their coefficients: numbers of each monomial."""
+    return [verify.Jet([arb(x) for x in row]) for row in zip(*columns, strict=True)]
+
+
+def still(state, *more):
+    """Jets of a state, with some further coefficients."""
+    zeros = [[0.0] * 6] * (len(verify.MONOMIALS) - 1 - len(more))
+    return jets_of(state, *more, *zeros)
+
+
+def size_of(norm, jets):
+    """|z| of jets that are known, not a bound."""
+    q = np.array([[float(x) for x in row] for row in norm.q.table()])
+    columns = np.array([[float(x.mid()) for x in row.parts] for row in jets])
+    weights = [float(x) for x in norm.weights]
+    return float(np.linalg.norm(q @ columns, axis=0) @ weights)
+
+
+def moved(body, jets, h, bits=300):
+    """Where jets go, by one long series."""
+    with ctx.workprec(bits):
+        algebra = verify.Algebra(verify.FACTORS, [0] * len(verify.MONOMIALS))
+        series = verify.taylor_over(algebra, body, [row.parts for row in jets], arb(h), bits)
+        return [
+            verify.Jet(x + sum(more, arb(0)) for x, more in zip(row.parts, rows, strict=True))
+            for row, rows in zip(jets, series, strict=True)
+        ]
+
+
+def step(body, jets, eps, h, norm, bits=128):
+    """Where a step takes the jets within eps of these, and how far it may be off."""
+    with ctx.workprec(64):
+        end, off = verify.jet_step(body, jets, arb(eps), (arb(h), arb(1)), norm, bits)
+    return end, float(off)
+
+
+def difference(some, others):
+    with ctx.workprec(300):
+        return [x - y for x, y in zip(some, others, strict=True)]
+
+
+# -- one step -------------------------------------------------------------------------------------
+
+THIN, MIDDLE = (1, 0.99, 0.01), (0, 1, 0, 0, 0, 0)
+
+
+def farthest(body, norm, state, h, eps):
+    """|z(1)| of a z(0) with |z(0)| = eps that is stretched most, of those without xi."""
+    q = arb_mat(norm.q)
+    flow = (arb_mat(verify.slope(body, [arb(x) for x in state])) * arb(h)).exp()
+    turned = np.array([[float(x) for x in row] for row in (q * flow * norm.inverse).table()])
+    direction = np.linalg.svd(turned)[2][0]
+    z = (norm.inverse * arb_mat([[arb(x * eps)] for x in direction])).entries()
+    begin = still([arb(x) + y.mid() for x, y in zip(state, z, strict=True)])
+    return size_of(norm, difference(moved(body, begin, h), moved(body, still(state), h)))
+
+
+def test_a_step_stretches_by_the_symmetric_part_at_most():
+    """Steady rotation about the middle axis of a thin body, whose neighbours leave it."""
+    body, norm = body_of(THIN), norm_of(THIN, (0, 0, 0), MIDDLE, RHO)
+    truth = farthest(body, norm, MIDDLE, 2**-4, 1e-9)
+    assert truth > 1.3e-9
+    assert truth <= step(body, still(MIDDLE), 1e-9, 2**-4, norm)[1] < 1.3 * truth
+    for old, new in (("/ 2\n", "/ 4\n"), ("integral(sizes) + rest", "rest")):
+        with without(verify, "Norm.growth", old, new):
+            assert step(body, still(MIDDLE), 1e-9, 2**-4, norm)[1] < truth
+
+
+def test_a_step_stretches_by_what_depends_on_xi_at_most():
+    """A ball at rest but for w_1 = s xi_1: A_0 is 0, and gamma turns."""
+    spin, rest = [1.0, 0, 0, 0, 0, 0], [0.0] * 6
+    body, norm = body_of((1, 1, 1)), norm_of((1, 1, 1), (0, 0, 0), spin, 0)
+    begin = still(rest, spin)
+    off = still([0, 0, 0, 0, 1e-9, 0])
+    near = [x + y for x, y in zip(begin, off, strict=True)]
+    truth = size_of(norm, difference(moved(body, near, 0.5), moved(body, begin, 0.5)))
+    assert truth > 1.6e-9  # exp(1/2) but for a term of the fourth degree
+    assert truth <= step(body, begin, 1e-9, 0.5, norm)[1] < 2 * truth
+    with without(verify, "Norm.growth", "integral(sizes) + rest", "integral(sizes)"):
+        assert step(body, begin, 1e-9, 0.5, norm)[1] < truth
+
+
+def test_a_guess_that_does_not_move_is_off_by_the_motion(monkeypatch):
+    state, moments, torque = [0.3, 0.2, 1.0, 0.6, 0.0, 0.8], (2, 1.5, 1), (0.3, 0.2, 0.5)
+    body, norm = body_of(moments, torque), norm_of(moments, torque, state, RHO)
+    begin = still(state, [1.0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 1.0, 0])
+    truth = size_of(norm, difference(moved(body, begin, 2**-7), begin))
+    parts = len(verify.MONOMIALS)
+    monkeypatch.setattr(verify, "taylor_over", lambda *_: [[[] for _ in range(parts)]] * 6)
+    assert truth <= step(body, begin, 0, 2**-7, norm)[1] < 3 * truth
+    with without(
+        verify,
+        "jet_step",
+        "for x in row] for row in defect])",
+        "for x in row] for row in defect]) * 0",
+    ):
+        assert step(body, begin, 0, 2**-7, norm)[1] < truth
+
+
+def test_what_is_quadratic_in_a_wide_start_is_bounded(monkeypatch):
+    """Euler's top at rest, A = 0, in a norm that it does not keep."""
+    monkeypatch.setattr(verify, "_frame_of", lambda run: verify._unit())
+    body, norm = body_of((3, 2, 1)), norm_of((3, 2, 1), (0, 0, 0), [0] * 6, RHO)
+    near = still([0.005, 0.005, 0.005, 0, 0, 0])
+    eps = size_of(norm, near)
+    truth = size_of(norm, moved(body, near, 1))
+    assert truth > eps * (1 + 1e-4)
+    assert truth <= step(body, still([0] * 6), eps, 1, norm)[1] < 2 * truth
+    with without(verify, "jet_step", "beta * r * r", "0 * beta * r * r"):
+        assert step(body, still([0] * 6), eps, 1, norm)[1] < truth
+
+
+TOP = (2, 1.5, 1), (0.3, 0.2, 0.5)
+
+
+def drawn(seed):
+    """A state, and jets around it."""
+    chance = random.Random(seed)
+    rows = [[chance.uniform(-1, 1) for _ in range(6)] for _ in verify.MONOMIALS]
+    return rows[0], still(*rows)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_what_is_rounded_at_the_end_of_a_step_is_told(seed):
+    """At ten bits, of a step so short that all else is less."""
+    state, begin = drawn(seed)
+    body, norm, few = body_of(*TOP), norm_of(*TOP, state, RHO), 10
+    end, off = step(body, begin, 0, 2**-10, norm, few)
+    truth = size_of(norm, difference(end, moved(body, begin, 2**-10)))
+    assert truth <= off < 20 * truth
+    with without(verify, "jet_step", "reach + rounded", "reach"):
+        assert step(body, begin, 0, 2**-10, norm, few)[1] < truth
+
+
+def test_all_jets_within_a_distance_are_held_with_their_weights():
+    """For each coefficient there is one that is as far off as the bound, but for a factor."""
+    norm = norm_of(*TOP, [1, 1, 1, 0, 0, 1], RHO)
+    for m in range(len(verify.MONOMIALS)):
+        for i in range(6):
+            columns = [[0.0] * 6 for _ in verify.MONOMIALS]
+            columns[m][i] = 1.0
+            unit = jets_of(*columns)
+            far = 1 / size_of(norm, unit)
+            held = norm.around(still([0] * 6), arb(1))[i].parts[m]
+            assert far <= float(held.rad()) < 6 * far
+            assert held.contains(arb(0.999 * far))
+    with without(verify, "Norm.around", "by * eps / weight", "by * eps"):
+        narrow = norm.around(still([0] * 6), arb(1))
+    assert float(narrow[0].parts[-1].rad()) * 2 ** (RHO * verify.DEGREE - 1) < float(
+        norm.around(still([0] * 6), arb(1))[0].parts[-1].rad()
+    )
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_growth_and_defect_are_not_much_above_their_integrals(seed):
+    """Both by sums over the step, beside the checker's; p is a rough one, so the defect shows."""
+    state, begin = drawn(seed)
+    body, norm, h, parts = (
+        body_of(*TOP),
+        norm_of(*TOP, state, RHO),
+        0.1,
+        range(len(verify.MONOMIALS)),
+    )
+    with ctx.workprec(400):
+        series = verify.taylor_over(norm.algebra, body, [x.parts for x in begin], arb(h), 40)
+        rows = [
+            [[x, *more[:3]] for x, more in zip(row.parts, tails, strict=True)]
+            for row, tails in zip(begin, series, strict=True)
+        ]
+    p = [verify.Jet(verify.arb_poly(row) for row in jet) for jet in rows]
+    q, back = (np.array([[float(x) for x in r] for r in m.table()]) for m in (norm.q, norm.inverse))
+    weights, count = [float(x) for x in norm.weights], 200
+    grown = missed = 0.0
+    for k in range(count):
+        tau = arb((k + 0.5) / count)
+        matrices = [matrix_of(body, [row.parts[m](tau) for row in p], m) * h for m in parts]
+        turned = [q @ a @ back for a in matrices]
+        s = (turned[0] + turned[0].T) / 2
+        rest = sum(w * np.linalg.norm(a, 2) for w, a in zip(weights[1:], turned[1:], strict=True))
+        grown += (np.linalg.norm(s) + rest) / count
+        there = [verify.Jet(x(tau) for x in row.parts) for row in p]
+        rates = body.field(there, lambda i, j, there=there: there[i] * there[j])
+        slopes = [verify.Jet(x.derivative()(tau) for x in row.parts) for row in p]
+        off = [x - y * arb(h) for x, y in zip(slopes, rates, strict=True)]
+        missed += size_of(norm, off) / count
+    claimed = float(norm.growth(body, p, arb(h)).log())
+    assert grown <= claimed < 6 * grown
+    with pytest.MonkeyPatch.context() as patch:
+        short = [[row[1:] for row in jet] for jet in rows]
+        patch.setattr(verify, "taylor_over", lambda *_: short)
+        off = step(body, begin, 0, h, norm)[1]
+    assert missed <= off < 6 * missed * np.exp(claimed)
+
+
+def matrix_of(body, state, m):
+    """The part of f' that belongs to a monomial: the torque's is constant."""
+    rows = np.array([[float(x) for x in row] for row in verify.slope(body, state)])
+    if m:
+        rows[:3, 3:] = 0
+    return rows
+
+
+def test_a_step_from_a_start_that_is_too_wide_is_refused():
+    body, norm = body_of(*TOP), norm_of(*TOP, [1, 1, 1, 0, 0, 1], RHO)
+    _, begin = drawn(0)
+    step(body, begin, 1e-4, 2**-7, norm)
+    with pytest.raises(verify.NotProved, match="the condition of the step"):
+        step(body, begin, 100, 2**-7, norm)

@@ -1,0 +1,423 @@
+"""Certificates of stability: what is proved stays so, nothing false is, each fault is noticed."""
+
+from __future__ import annotations
+
+import json
+import random
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+from flint import acb, arb
+
+import polhode
+from polhode.certificates import verify
+from polhode.numbers.flint_context import ctx
+from shared.mutation import altered, without
+from shared.stable_orbits import certificate, stability
+
+STORED = Path(__file__).parents[2] / "cases" / "certificates"
+
+
+@pytest.fixture(scope="module")
+def given():
+    return certificate()
+
+
+def answer(held):
+    """What is proved, or why nothing is."""
+    with ctx.workprec(64):
+        try:
+            return "\n".join(verify.verify(json.dumps(held).encode()))
+        except (verify.NotProved, verify.Damaged) as fault:
+            return f"refused: {fault}"
+
+
+@pytest.fixture(scope="module")
+def flow():
+    """Where the jets of the orbit are after each step."""
+    steps, honest = [], verify.jet_step
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(verify, "jet_step", lambda *x: steps.append(honest(*x)) or steps[-1])
+        assert "it is stable for all time" in answer(certificate())
+    return steps
+
+
+@pytest.fixture
+def computed(flow, monkeypatch):
+    """The flow's jets are not computed again."""
+    rest = iter(flow * 10)
+    monkeypatch.setattr(verify, "jet_step", lambda *_: next(rest))
+
+
+def test_what_is_proved_is_proved_by_the_file_alone(tmp_path):
+    path = tmp_path / "stability.json"
+    stability().save(path)
+    verdict = polhode.verify(path)
+    assert verdict.proved
+    assert "it is elliptic on its level" in verdict.text
+    assert "it is stable for all time, forward and back" in verdict.text
+    assert "of -0.36800654953258" in verdict.text
+
+
+# -- what is false, or no certificate -------------------------------------------------------------
+
+
+def off(ball):
+    """A ball moved by two of its radii."""
+    return [str(Fraction(ball[0]) + 2 * Fraction(ball[1])), ball[1]]
+
+
+def opposite(ball):
+    return [str(-Fraction(ball[0])), ball[1]]
+
+
+MOVED = "is not shown to lie in its ball"
+#: A place of the certificate, what stands there then or is made of it, and what is said.
+FALSE = [
+    ("statement twist", off, f"the twist {MOVED}"),
+    ("statement twist", opposite, f"the twist {MOVED}"),
+    ("statement twist", lambda ball: ball[0], f"the twist {MOVED}"),
+    ("statement twist", ["0", "10"], "the stated twist may be 0"),
+    ("statement rotation", off, f"the rotation {MOVED}"),
+    ("statement rotation", lambda x: [str(1 - Fraction(x[0])), x[1]], f"the rotation {MOVED}"),
+    ("statement kind", "hyperbolic", "statement.kind: expected elliptic"),
+    ("statement kind", "stable", "statement.kind: expected hyperbolic or"),
+    ("statement residue", off, "the residue is not shown"),
+    ("kind", "orbit", "the certificate: expected the keys"),
+    ("jet_bits", 31, "jet_bits: expected a whole number from 32 to 4000"),
+    ("jet_bits", 10**9, "jet_bits: expected a whole number from 32 to 4000"),
+    ("weight_bits", -1, "weight_bits: expected a whole number from 0 to 200"),
+    ("weight_bits", 201, "weight_bits: expected a whole number from 0 to 200"),
+    ("weight_bits", "10", "weight_bits: expected a whole number from 0 to 200"),
+    ("grid", 3, "grid: expected a list"),
+]
+
+
+@pytest.mark.parametrize(("place", "value", "said"), FALSE)
+def test_what_is_false_is_refused_and_why(place, value, said, given, computed):
+    text = answer(altered(given, place, value))
+    assert text.startswith("refused")
+    assert said in text
+
+
+def test_keys_are_those_of_the_statement_and_no_others(given):
+    said = (
+        "statement: expected the keys kind, start, period, residue, least, alone, rotation, twist"
+    )
+    more, less = (altered(given, "statement", dict) for _ in range(2))
+    more["statement"]["stable"] = True
+    del less["statement"]["twist"]
+    assert said in answer(more)
+    assert said in answer(less)
+    assert "the certificate: expected the keys" in answer({**given, "stable": True})
+
+
+#: Guesses, and what is said with them: anything true, or nothing.
+GUESSES = [
+    ({"jet_bits": 40}, "refused"),
+    ({"jet_bits": 130}, "it is stable"),
+    ({"weight_bits": 0}, "jets, step 1 of"),
+    ({"weight_bits": 200}, "refused"),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("change", "said"), GUESSES)
+def test_guesses_prove_nothing_false(change, said, given):
+    assert said in answer(given | change)
+
+
+def test_a_hyperbolic_orbit_is_refused_before_any_jet(monkeypatch):
+    monkeypatch.setattr(verify, "twist_of", None)
+    held = json.loads((STORED / "hyperbolic.json").read_text())
+    held |= {"kind": "stability", "jet_bits": 96, "weight_bits": 10}
+    held["statement"] |= {"kind": "elliptic", "rotation": [".1", "1"], "twist": ["1", ".5"]}
+    assert "that the orbit is elliptic" in answer(held)
+
+
+def test_a_long_computation_is_refused_before_it_begins(given):
+    steps = 200_000
+    held = given | {"jet_bits": 3000, "grid": [*range(steps + 1)]}
+    assert "steps and states at 3000 bits are too many" in answer(held)
+
+
+def numbers(value, at=()):
+    """The place of each number of a scene."""
+    if isinstance(value, dict):
+        for key in value:
+            yield from numbers(value[key], (*at, key))
+    elif isinstance(value, list):
+        for n, part in enumerate(value):
+            yield from numbers(part, (*at, str(n)))
+    else:
+        yield " ".join(at)
+
+
+CHANGES = {
+    "1e-9": lambda x: str(Fraction(x) * (1 + Fraction(1, 10**9))),
+    "sign": lambda x: str(-Fraction(x)),
+    "2": lambda x: "2",
+    "0": lambda x: "0",
+}
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_another_scene_is_not_proved_by_these_guesses(change, given):
+    """None of them is refused late, either: a periodic orbit has to be near all the same."""
+    for place in numbers(given["scene"], ("scene",)):
+        held = altered(given, place, lambda x: CHANGES[change](x))
+        if Fraction(held_at(held, place)) != Fraction(held_at(given, place)):
+            assert answer(held).startswith("refused"), place
+
+
+def held_at(value, place):
+    for key in place.split():
+        value = value[int(key) if key.isdigit() else key]
+    return value
+
+
+@pytest.mark.slow
+def test_drawn_changes_of_a_certificate_prove_nothing_false(given):
+    """Every number in turn, changed as chance has it: refused, or the statement is true."""
+    chance = random.Random(65)
+    places = [place for place in numbers(given) if place.split()[0] not in ("format", "kind")]
+    truth = stability()
+    for _ in range(500):
+        place = chance.choice(places)
+        held = altered(given, place, lambda x: drawn(x, chance))
+        text = answer(held)
+        if not text.startswith("refused"):
+            assert held["scene"] == given["scene"], place
+            for name in ("rotation", "twist"):
+                middle, radius = map(Fraction, held["statement"][name])
+                assert abs(middle - getattr(truth, name).centre) <= radius + Fraction(1, 10**9)
+
+
+def drawn(x, chance):
+    if isinstance(x, bool) or not isinstance(x, (int, str)):
+        return not x
+    if isinstance(x, int):
+        return chance.choice([x + 1, -x, 0, 2, x + chance.randrange(1 << 40), x * 3 // 2])
+    try:
+        value = Fraction(x)
+    except ValueError:
+        return "2"
+    return str(chance.choice([-value, value * 2, 0, 2, value + Fraction(1, 10**9), value / 3]))
+
+
+# -- faults of the code ---------------------------------------------------------------------------
+
+_C1 = "normal_form"
+#: Of the code after the flow: the function, what stands there, and what stands there then.
+LATER = [
+    ("_crossed", "for _ in range(DEGREE):  # each", "for _ in range(DEGREE - 1):  # each"),
+    ("_crossed", "for k in range(DEGREE):", "for k in range(DEGREE - 1):"),
+    ("_crossed", "x * (arb(1) / (k + 1))", "x * arb(1)"),
+    ("Norm.around", "upper(by * eps / weight)", "arb(0)"),
+    (_C1, "(1 - 2 * mu)", "(1 + 2 * mu)"),
+    (_C1, "f11 * f11.conjugate()", "f11 * f11"),
+    (_C1, "/ (1 - bar)", "/ (1 - mu)"),
+    (_C1, "c1 += 2 * f02", "c1 += f02"),
+    (_C1, "f02_bar / (mu * mu - bar)", "f02_bar / (mu * mu - mu)"),
+    (_C1, "i_beta = bar * c1", "i_beta = mu * c1"),
+    (_C1, "mu - a]", "mu - d]"),
+    ("_canonical_area", "turned / square + f", "turned / square - f"),
+    ("_canonical_area", "f * _product(gamma", "0 * _product(gamma"),
+    ("twist_of", "action = 2 * abs", "action = abs"),
+    ("twist_of", "(2 * arb.pi())", "arb.pi()"),
+]
+
+
+@pytest.mark.parametrize(("function", "old", "new"), LATER)
+def test_a_fault_after_the_flow_is_noticed(function, old, new, given, computed):
+    assert "it is stable" in answer(given)
+    with without(verify, function, old, new):
+        assert answer(given).startswith("refused")
+
+
+def test_a_product_of_jets_that_lacks_a_term_is_noticed(given, computed, monkeypatch):
+    factors = [[*pairs] for pairs in verify.FACTORS]
+    factors[verify.MONOMIALS.index((2, 1))].remove((1, verify.MONOMIALS.index((1, 1))))
+    monkeypatch.setattr(verify, "FACTORS", factors)
+    assert "preserves no area" in answer(given)
+
+
+#: Of the chart, from which the flow begins.
+EARLIER = [
+    ("_chart_at", "for _ in range(DEGREE):", "for _ in range(DEGREE - 1):"),
+    ("_chart_at", "_dot(*pair) * -one", "_dot(*pair) * one"),
+    ("_chart_at", "(momentum, u[3:]), (u[3:]", "(momentum, u[:3]), (u[3:]"),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("function", "old", "new"), EARLIER)
+def test_a_fault_of_the_chart_is_noticed(function, old, new, given):
+    with without(verify, function, old, new):
+        assert "preserves no area" in answer(given)
+
+
+def test_the_unit_of_time_is_that_of_the_scene(given, computed):
+    """The run's unit is another one here, so a twist in it is noticed."""
+    with without(verify, "twist_of", ".imag) / run.rates[0]", ".imag)"):
+        assert "the twist is not shown" in answer(given)
+
+
+# -- a start and a period that are known badly ----------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def zero(given):
+    with ctx.workprec(64):
+        return verify.zero_near(given)
+
+
+def twist_of(zero, bits=96):
+    with ctx.workprec(64):
+        return verify.twist_of(zero, verify.Guide(bits, 10))
+
+
+def holds(zero, truth):
+    twist = twist_of(zero)
+    with ctx.workprec(200):
+        return twist.twist.contains(truth.twist) and twist.rotation.contains(truth.rotation)
+
+
+def is_noticed(zero, truth):
+    """Whether a fault shows: by another twist, or by a map that preserves no area."""
+    try:
+        return not holds(zero, truth)
+    except verify.NotProved as fault:
+        return "preserves no area" in str(fault)
+
+
+class Begun(Exception):
+    """The first step of jets, which is not made."""
+
+
+def test_a_start_that_is_known_badly_is_followed_whole(zero, monkeypatch):
+    with ctx.workprec(200):
+        wide = zero._replace(start=[x + arb(0, "1e-18") for x in zero.start])
+
+    def begun(body, centre, eps, time, norm, bits):
+        raise Begun(norm.around(centre, eps))
+
+    def is_held():
+        with pytest.raises(Begun) as first:
+            twist_of(wide)
+        jets = first.value.args[0]
+        pairs = zip(wide.start, wide.run.rates, jets, strict=True)
+        with ctx.workprec(200):
+            return all(row.parts[0].contains(x * rate) for x, rate, row in pairs)
+
+    monkeypatch.setattr(verify, "jet_step", begun)
+    assert is_held()
+    line = "    eps = norm.of([[upper(x.rad()) for x in row.parts] for row in begin])"
+    with without(verify, "twist_of", line, "    eps = arb(0)"):
+        assert not is_held()
+
+
+@pytest.mark.slow
+def test_the_last_step_ends_in_all_of_the_period_s_ball(zero):
+    truth = twist_of(zero, 160)
+    with ctx.workprec(200):
+        period = zero.period + arb("1e-10") + arb(0, "2e-10")
+    wide = zero._replace(period=period)
+    assert holds(wide, truth)
+    with without(verify, "twist_of", "left / left.upper()", "arb(1)"):
+        assert is_noticed(wide, truth)
+
+
+def test_a_last_step_that_may_be_none_proves_nothing(zero, monkeypatch):
+    run = zero.run
+    with ctx.workprec(200):
+        before = verify.dyadic(run.grid[-2], -run.time_bits)
+        period = before + arb(0, "1e-9")
+    monkeypatch.setattr(verify, "jet_step", lambda *x: ([*x[1]], x[2]))
+    with pytest.raises(verify.NotProved, match="no longer than the period's ball"):
+        twist_of(zero._replace(period=period))
+
+
+# -- the normal form ------------------------------------------------------------------------------
+
+
+def map_of(beta, delta, mu=1j, bend=0, radius=1e-13):
+    """w -> mu (w + i beta |w|^2 w + delta w*^3), w = (X + i Y)/sqrt 2, in X and Y + bend X^2."""
+    with ctx.workprec(64):
+        half = acb(arb("0.5").sqrt())
+        x, y = verify.jet(acb(0), acb(1)), verify.jet(acb(0), acb(0), acb(1))
+        y = y - x * x * acb(bend)
+        w, bar = (x + y * acb(0, 1)) * half, (x - y * acb(0, 1)) * half
+        image = w + w * w * bar * acb(0, beta) + bar * bar * bar * acb(delta)
+        image = image * (acb(mu) / half)
+        x, y = (verify.Jet(map(part, image.parts)) for part in (lambda z: z.real, lambda z: z.imag))
+        y = y + x * x * arb(bend)
+        return [[part + arb(0, radius) for part in row.parts] for row in (x, y)]
+
+
+@pytest.mark.parametrize("bend", [0, 1])
+@pytest.mark.parametrize(("beta", "delta"), [(1, 0.98), (-1, 0.58 + 0.78j), (2, 0)])
+def test_a_resonance_of_the_fourth_order_whose_term_is_small_leaves_the_twist(beta, delta, bend):
+    mu, q, twist = verify.normal_form(map_of(beta, delta, bend=bend))
+    size = 2 * abs(float((q[0] * q[1].conjugate()).imag))
+    assert float(twist.mid()) / size == pytest.approx(beta, rel=1e-9)
+    assert float(mu.real.mid()) == pytest.approx(0, abs=1e-12)
+
+
+@pytest.mark.parametrize("bend", [0, 1])
+@pytest.mark.parametrize(("beta", "delta"), [(1, 1.02), (0.5, 0.31 + 0.41j), (0, 0.1)])
+def test_a_resonance_of_the_fourth_order_whose_term_is_large_is_refused(beta, delta, bend):
+    line = "the residue may be 1/2: a resonance of the fourth order, of which a term is large"
+    with pytest.raises(verify.NotProved, match=line):
+        verify.normal_form(map_of(beta, delta, bend=bend))
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("+= 2 * f02 * f20", "+= f02 * f20"), ("f11 * f02 / (bar * bar - mu)", "f11 * f02 / mu")],
+)
+def test_each_term_of_that_resonance_is_needed(old, new):
+    """Of a map that is bent: without one the answer is another for one of the two."""
+
+    def answers():
+        told = []
+        for beta, delta in ((1, 0.98), (1, 1.02)):
+            try:
+                verify.normal_form(map_of(beta, delta, bend=1))
+                told.append("small")
+            except verify.NotProved:
+                told.append("large")
+        return told
+
+    assert answers() == ["small", "large"]
+    with without(verify, "normal_form", old, new):
+        assert answers() != ["small", "large"]
+
+
+@pytest.mark.parametrize("angle", [0, 1e-14])
+def test_a_third_root_of_unity_is_refused(angle):
+    import cmath
+
+    mu = cmath.exp(1j * (2 * cmath.pi / 3 + angle))
+    with pytest.raises(verify.NotProved, match="a resonance of the third order"):
+        verify.normal_form(map_of(1, 0, mu))
+    verify.normal_form(map_of(1, 0, cmath.exp(1j * (2 * cmath.pi / 3 + 1e-6))))
+
+
+def test_a_map_that_preserves_no_area_is_refused():
+    with pytest.raises(verify.NotProved, match="preserves no area"):
+        verify.normal_form(map_of(1, 0, 1.001j))
+
+
+@pytest.mark.parametrize("angle", [0.7, 1.3, 2.0])
+def test_the_twist_of_henon_s_map_is_the_known_one(angle):
+    """x' = x c - (y - x^2) s, y' = x s + (y - x^2) c, in which |z|^2 = 2 J."""
+    with ctx.workprec(200):
+        c, s, zero = arb(angle).cos(), arb(angle).sin(), arb(0)
+        rows = [[zero, c, -s, s, *[zero] * 6], [zero, s, c, -c, *[zero] * 6]]
+        assert verify.MONOMIALS[1:4] == [(1, 0), (0, 1), (2, 0)]
+        _, q, beta = verify.normal_form(rows)
+        twist = beta / (2 * abs((q[0] * q[1].conjugate()).imag))
+        known = -(3 * (arb(angle) / 2).cot() + (3 * arb(angle) / 2).cot()) / 8
+        assert abs(twist - known) < arb(10) ** -50

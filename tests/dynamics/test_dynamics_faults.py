@@ -1,0 +1,232 @@
+"""The table of faults of dynamics: what once was wrong, a row each, by users' doors."""
+
+from __future__ import annotations
+
+import json
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode.cli import main
+from polhode.scenes import scene_file
+
+# -- frequencies -----------------------------------------------------------------------------------
+
+FIVE = [0.5, 1.0, 1.7, 2.3, 3.1]
+STEP = 0.1
+
+
+def cosines(rates, t):
+    """Pure cosines of one size, at phases of their own."""
+    return sum(np.cos(rate * t + k) for k, rate in enumerate(rates))
+
+
+def sampled(path, columns, decimals=None):
+    """A CSV file of columns by name; of its times so many decimals, all digits unless given."""
+    rows = [",".join(columns)]
+    for t, *values in zip(*columns.values(), strict=True):
+        first = repr(float(t)) if decimals is None else f"{t:.{decimals}f}"
+        rows.append(",".join([first, *(repr(float(x)) for x in values)]))
+    path.write_text("\n".join(rows) + "\n")
+    return path
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 5])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_so_many_lines_of_a_real_signal_are_so_many_frequencies(count, sign, tmp_path):
+    """+f and -f counted as two: of five cosines three were left, and of one often none."""
+    t = sign * STEP * np.arange(2000)
+    file = sampled(tmp_path / "x.csv", {"t": t, "r": 7 + cosines(FIVE, t)})
+    lines = polhode.frequencies(file, of=["r"], lines=count).lines["r"]
+    found = sorted(line.frequency for line in lines)
+    assert len(found) == count
+    nearest = [min(FIVE, key=lambda rate: abs(rate - x)) for x in found]
+    assert len({*nearest}) == count
+    for line in lines:
+        k = int(np.argmin(np.abs(np.array(FIVE) - line.frequency)))
+        assert abs(line.frequency - FIVE[k]) <= line.error < 1e-9
+        # the phase at the first sample, of the image above 0
+        assert abs(line.amplitude - np.exp(1j * k) / 2) < 1e-6
+
+
+def test_one_line_of_a_pure_cosine_is_its_frequency(tmp_path):
+    t = STEP * np.arange(1000)
+    for rate in np.random.default_rng(5).uniform(0.3, 15, 8):
+        file = sampled(tmp_path / "x.csv", {"t": t, "gamma3": np.cos(rate * t)})
+        (line,) = polhode.frequencies(file, of=["gamma3"], lines=1).lines["gamma3"]
+        assert abs(line.frequency - rate) <= line.error < 1e-9
+
+
+def test_of_a_complex_signal_both_signs_are_lines_and_so_is_a_constant(tmp_path):
+    t = STEP * np.arange(2000)
+    columns = {"t": t, "p": 0.1 + 3 * np.cos(t), "q": np.sin(t)}
+    lines = polhode.frequencies(sampled(tmp_path / "x.csv", columns), of=["p+iq"]).lines["p+iq"]
+    found = [(line.frequency, abs(line.amplitude)) for line in lines[:3]]
+    for (rate, size), wanted in zip(found, [(1, 2), (-1, 1), (0, 0.1)], strict=True):
+        assert rate == pytest.approx(wanted[0], abs=1e-10)
+        assert size == pytest.approx(wanted[1], rel=1e-9)
+    assert all(abs(line.amplitude) < 1e-12 for line in lines[3:])
+
+
+@pytest.mark.parametrize("signal", ["p", "q", "r", "gamma1", "gamma2", "gamma3"])
+@pytest.mark.parametrize("case", ["lagrange/nutation", "euler/attitude"])
+def test_a_real_signal_of_a_top_has_a_line(case, signal):
+    heavy = case == "lagrange/nutation"
+    if "gamma" in signal and not heavy:
+        return
+    (lines,) = polhode.frequencies(case, of=[signal], end=150, lines=2).lines.values()
+    assert len(lines) == (0 if heavy and signal == "r" else 2)  # its spin about its axis
+    assert all(line.frequency > 0 for line in lines)
+
+
+def test_the_verb_tells_a_line_of_each_signal(capsys):
+    command = ["frequencies", "lagrange/nutation", "--of", "gamma3", "--end", "200"]
+    assert main([*command, "--lines", "1", "--json"]) == 0
+    told = capsys.readouterr()
+    assert json.loads(told.out)["columns"]["combination"] == ["nutation"]
+    assert "no line above rounding" not in told.err
+
+
+def test_slow_lines_beside_a_constant_claim_no_digits_that_they_lack():
+    """Within a few 2 pi/T of 0 a line, its mirror image and the constant hide each other."""
+    from polhode.dynamics.frequencies import naff
+
+    rng, factors = np.random.default_rng(3), []
+    for least, most in [(0.05, 1), (1, 2), (2, 6), (0.3, 1), (6, 12)]:
+        for _ in range(12):
+            n = int(rng.integers(600, 1000))
+            bins = np.cumsum(rng.uniform(least, most, int(rng.integers(1, 4))))
+            rates = bins * 2 * np.pi / (STEP * (n - 1))
+            sizes = rng.uniform(0.01, 1, len(rates)) * np.exp(2j * np.pi * rng.random(len(rates)))
+            waves = np.exp(1j * np.outer(STEP * np.arange(n), rates)) @ sizes
+            for line in naff.lines(rng.uniform(-10, 10) + waves.real, STEP, len(rates)):
+                off = float(np.min(np.abs(rates - line.frequency)))
+                assert off <= line.error
+                factors.append(line.error / max(off, 2**-50 * line.frequency))
+    assert np.median(factors) < 100
+
+
+@pytest.mark.parametrize("decimals", [3, 6, 9])
+@pytest.mark.parametrize("rate", [60, 128, 59.94, 240])
+def test_stamps_that_are_rounded_are_equally_spaced(rate, decimals, tmp_path):
+    """60 Hz in 6 decimals was refused; 128 Hz has stamps halfway between two of them."""
+    t = np.arange(1200) / rate
+    wanted = 2 * math.pi * rate / 17.3
+    file = sampled(tmp_path / "x.csv", {"t": t, "r": np.cos(wanted * t)}, decimals)
+    found = polhode.frequencies(file, lines=1)
+    (line,) = found.lines["r"]
+    assert abs(found.step - 1 / rate) <= found.step_error + 2**-50 / rate
+    # halves of two units, over 1200 steps: no spacing farther off fits
+    assert found.step_error <= 10.0**-decimals / 600
+    assert found.fact("step_error") == found.step_error
+    assert abs(line.frequency - wanted) <= line.error
+    assert line.error >= wanted * rate * found.step_error
+    assert line.error < wanted * rate * found.step_error + 1e-9 * wanted
+
+
+@pytest.mark.parametrize("off", [2, 40])
+def test_a_stamp_that_is_off_by_more_than_rounding_is_refused(off, tmp_path):
+    t = np.arange(200) / 60
+    t[120] += off * 1e-6
+    file = sampled(tmp_path / "x.csv", {"t": t, "r": np.cos(t)}, 6)
+    with pytest.raises(polhode.BadInput, match="or their last printed decimal"):
+        polhode.frequencies(file)
+
+
+# -- levels ----------------------------------------------------------------------------------------
+
+LEVEL = """schema = 1
+[body]
+moments = [2, 1.5, 1]
+centre = [0.3, 0.2, 1]
+weight = 1
+[start]
+gamma = ["4/5", "3/5", 0]
+h = 2
+f = "3/10"
+"""
+
+
+def test_a_level_that_the_scene_says_is_not_rounded():
+    """omega is a root there: h and f were computed from it, and were "(rounded)"."""
+    scene = scene_file.parse(LEVEL, "top.toml")
+    here = polhode.levels(scene).here
+    for found in (
+        polhode.orbit(scene, digits=18),
+        polhode.section(scene, starts="scene", crossings=2),
+        polhode.chaos_map(scene, grid=(2, 2), end=5),
+    ):
+        assert (found.fact("h"), found.fact("f")) == (here.h, here.f) == (2, Fraction(3, 10))
+
+
+@pytest.mark.slow
+def test_a_theorem_is_of_the_level_that_the_scene_says():
+    theorem = polhode.prove_orbit(scene_file.parse(LEVEL, "top.toml")).theorem
+    assert "on the level h = 2, f = 3/10 exactly one" in theorem
+
+
+@pytest.mark.parametrize("off", ["1e-22", "-1e-30", "1e-200"])
+def test_a_centre_barely_off_an_axis_needs_no_exact_levels(off):
+    """They were out of reach, and sections, maps and orbits, of doubles alone, were refused."""
+    body = {"moments": [2, "1.5", 1], "weight": 1}
+    start = {"omega": ["0.3", "0.2", 1], "gamma": ["4/5", 0, "3/5"]}
+    near, on = (polhode.top(**body, centre=[x, 0, 1], **start) for x in (off, 0))
+    for more in ({"starts": "scene"}, {"grid": (2, 2)}, {"starts": "scene", "by": "height"}):
+        one, other = (polhode.section(top, crossings=3, **more) for top in (near, on))
+        assert np.abs(one.states - other.states).max() < 1e-12
+    assert polhode.chaos_map(near, grid=(2, 2), end=5).fact("h") == near.integrals.energy
+
+
+def test_of_a_size_beyond_exact_levels_a_level_that_is_none_is_still_refused():
+    with pytest.raises(polhode.BadInput, match=r"above -0\.6164.*, below which"):
+        polhode.section("general/asymmetric-chaotic", h="-0.9", f="1e-60", crossings=2)
+
+
+# -- precession ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("moments", "omega", "axis", "moment"),
+    [
+        ([1, 2, 3], ["0.1", 0, 1], 3, "largest"),
+        ([1, 2, 3], [1, "0.1", "0.1"], 1, "smallest"),
+        ([2, 3, "1.5"], ["0.1", 1, 0], 2, "largest"),
+        ([2, 2, 1], ["0.1", 0, 1], 3, "smallest"),
+        ([3, 2, 2], [1, "0.1", 0], 1, "largest"),
+    ],
+)
+def test_a_precession_says_of_which_axis(moments, omega, axis, moment):
+    """And that axis turns about G at this rate, in space."""
+    body = {"moments": moments, "omega": omega, "gamma": [0, 0, 1]}
+    top = polhode.top(**body, outputs=["attitude"])
+    exact = polhode.reference(top)
+    words = f"of principal axis {axis} (of the {moment} moment) about the angular momentum"
+    assert exact.rates_of == {"precession": words}
+    run = polhode.integrate(top, at=[k / 8 for k in range(801)])
+    turns = np.array(run.attitude, float)
+
+    def in_space(turn, v):
+        scalar, vector = turn[0], turn[1:]
+        return v + 2 * np.cross(vector, np.cross(vector, v) + scalar * v)
+
+    up = in_space(turns[0], np.array(moments, float) * [float(x) for x in omega])
+    up = up / np.linalg.norm(up)
+    first = np.cross(np.eye(3)[int(np.argmin(np.abs(up)))], up)
+    second = np.cross(up, first)
+    axes = [in_space(turn, np.eye(3)[axis - 1]) for turn in turns]
+    angle = np.unwrap([math.atan2(second @ x, first @ x) for x in axes])
+    rate = (angle[-1] - angle[0]) / 100
+    assert rate == pytest.approx(float(exact.frequencies["precession"]), abs=0.03)
+
+
+def test_show_and_frequencies_tell_it(capsys):
+    assert main(["show", "euler/attitude"]) == 0
+    assert "precession = of principal axis 3 (of the largest moment)" in capsys.readouterr().out
+    assert main(["frequencies", "lagrange/nutation", "--end", "100", "--of", "gamma3"]) == 0
+    told = capsys.readouterr().err
+    assert (
+        "precession of the axis of symmetry through the centre of mass about the vertical =" in told
+    )

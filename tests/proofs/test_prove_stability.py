@@ -1,0 +1,202 @@
+"""Stability for all time: what is proved, its numbers beside independent ones, what is refused."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+
+import polhode
+from polhode.certificates import verify
+from polhode.cli import main
+from polhode.common.errors import BadInput
+from polhode.numbers.balls import Ball
+from polhode.proofs import prove_stability as module
+from shared import orbit_proofs as proofs
+from shared.stable_orbits import NAME, PERIOD, START, near, orbit, stability
+
+#: Rotation in turns, and the twist: by true returns in canonical coordinates, of an independent
+#: program with momenta in place of angular velocities, differences in place of jets.
+KNOWN = {
+    "elliptic": ("0.26280535970418", "-0.746179275763117"),
+    "regular": ("0.35849176211669", "-0.368006549532585"),
+    "grioli": ("0.0157568772234", "-23.6474899417368"),
+    "hairer": ("0.32745791395213", "-0.772166817461206"),
+    "goryachev": ("0.25", "1.49118327505051"),
+}
+
+
+def agrees(ball: Ball, text: str, digits: int) -> bool:
+    """Whether a ball holds a decimal but for its last place, and is known to some digits."""
+    known = Fraction(text)
+    last = Fraction(1, 10 ** len(text.partition(".")[2]))
+    near = abs(ball.centre - known) <= last + Fraction(ball.radius)
+    return near and 0 < ball.radius < abs(float(known)) * 10.0**-digits
+
+
+def of(name: str) -> polhode.ProvedStability:
+    if name == "regular":
+        return stability()
+    if name == "elliptic":
+        return polhode.prove_stability(proofs.proved(proofs.ELLIPTIC))
+    if name == "goryachev":
+        case = "goryachev-chaplygin/two-frequencies"
+        return polhode.prove_stability(case, search=(16, 16), returns=3, pick=1)
+    case = {"grioli": "grioli/precession", "hairer": "published/hairer-vilmart"}[name]
+    return polhode.prove_stability(case)
+
+
+@pytest.mark.parametrize(
+    "name", ["regular", *(pytest.param(x, marks=pytest.mark.slow) for x in KNOWN if x != "regular")]
+)
+def test_rotation_and_twist_are_those_of_true_returns(name):
+    proved, (rotation, twist) = of(name), KNOWN[name]
+    assert agrees(proved.rotation, rotation, 12)
+    assert agrees(proved.twist, twist, 8)
+    assert proved.orbit.kind == "elliptic"
+
+
+def test_the_rotation_is_that_of_the_multipliers():
+    proved = stability()
+    real, imaginary = proved.orbit.multipliers[0]
+    turns = math.atan2(abs(float(imaginary)), float(real)) / (2 * math.pi)
+    assert float(proved.rotation) == pytest.approx(turns, rel=1e-12)
+
+
+def test_what_is_told_is_the_theorem_and_its_numbers():
+    lines = str(stability()).splitlines()
+    assert [line.split()[0] for line in lines[:5]] == [
+        *("period", "level", "residue", "rotation", "twist")
+    ]
+    assert lines[3].endswith("of a turn in a period")
+    assert "-0.36800654953" in lines[4]
+    said = ("stable for all time, forward and back", "on its level or another", "J. Moser")
+    assert all(words in lines[5] for words in said)
+    assert stability().fact("theorem") == lines[5]
+
+
+@pytest.mark.slow
+def test_the_twist_is_one_over_the_unit_of_an_action():
+    """In half the unit of time and with three times the mass: the same motions."""
+    rates, gamma = ([Fraction(x) for x in START[k : k + 3]] for k in (0, 3))
+    scene = polhode.top(
+        moments=[3 * x for x in near().body.moments],
+        centre=near().body.centre,
+        weight=12 * near().body.weight,
+        omega=[2 * x for x in rates],
+        gamma=gamma,
+        normalise=True,
+        end=Fraction(PERIOD) / 2,
+    )
+    level = {"h": Fraction(26, 5) * 12, "f": Fraction(69, 25) * 6}
+    proved = polhode.prove_stability(scene, scene, **level)
+    assert float(proved.twist) == pytest.approx(float(stability().twist) / 6, rel=1e-11)
+    assert float(proved.rotation) == pytest.approx(float(stability().rotation), rel=1e-12)
+
+
+@pytest.mark.slow
+def test_axes_that_are_not_principal_ones():
+    """One orbit from two starts, in two frames: one twist."""
+    proved, other = (polhode.prove_stability(f"grioli/{x}") for x in ("turned-axes", "precession"))
+    off = abs(proved.twist.centre - other.twist.centre)
+    assert off <= Fraction(proved.twist.radius) + Fraction(other.twist.radius)
+    assert '"inertia"' in proved.certificate
+
+
+@pytest.mark.slow
+def test_an_orbit_that_is_known_too_badly_is_proved_anew():
+    """Its start's ball, which the return map multiplies, is made narrower."""
+    rough = polhode.prove_orbit(NAME, near(), digits=8)
+    proved = polhode.prove_stability(rough)
+    assert proved.runs == 2
+    assert proved.orbit.digits > rough.digits + 3
+    assert agrees(proved.twist, KNOWN["regular"][1], 8)
+
+
+# -- refusals -------------------------------------------------------------------------------------
+
+
+def refusal(*arguments, **options):
+    with pytest.raises(polhode.NotProved) as why:
+        polhode.prove_stability(*arguments, **options)
+    assert "\n" not in str(why.value)
+    return str(why.value)
+
+
+def test_a_hyperbolic_orbit_is_not_stable():
+    line = refusal(proofs.proved(proofs.HYPERBOLIC))
+    assert "the orbit is hyperbolic (multiplier 5.95122203587" in line
+    assert line.endswith("): it is not stable")
+
+
+def test_a_third_root_of_unity_decides_nothing():
+    third = replace(orbit(), residue=Ball(Fraction(3, 4) + Fraction(1, 10**15), 2e-15))
+    line = refusal(third)
+    assert "a multiplier may be a third root of unity (residue 0.75" in line
+    assert "nothing is decided" in line
+
+
+#: What the checker says of the return map, and what is told.
+SAID = {
+    "jets, step 3 of 9: the condition of the step": "the jets grow too fast for 226 bits",
+    "the residue may be 1/2: a resonance of the fourth order, of which a term is large": (
+        "a multiplier may be i (residue 0.5"
+    ),
+}
+
+
+@pytest.mark.parametrize("fault", SAID)
+def test_what_the_checker_refuses_is_told_with_what_to_try(fault, monkeypatch):
+    runs = []
+
+    def refused(zero, guide):
+        runs.append(guide)
+        raise verify.NotProved(fault)
+
+    monkeypatch.setattr(verify, "twist_of", refused)
+    given = orbit()
+    if "1/2" in fault:
+        given = replace(given, residue=Ball(Fraction(1, 2), 1e-15))
+    assert SAID[fault] in refusal(given)
+    assert len(runs) == (1 if "1/2" in fault else 5)
+    bits = [guide.jet_bits for guide in runs]
+    assert bits == sorted(bits)
+
+
+def test_a_twist_that_may_be_0_is_none(monkeypatch):
+    with_0 = verify.Twist(verify.arb("0.3"), verify.arb(0, "1e-3"))
+    monkeypatch.setattr(verify, "twist_of", lambda *_: with_0)
+    monkeypatch.setattr(module, "_TRIES", 1)
+    assert "the twist [+/- 1.0" in refusal(orbit())
+    assert refusal(orbit()).endswith("may be 0")
+
+
+def test_no_bodies_within_a_tolerance():
+    with pytest.raises(BadInput, match="none: an orbit of the one body"):
+        polhode.prove_stability(replace(orbit(), tolerance=Fraction(1, 10**8)))
+    with pytest.raises(BadInput, match="nothing else with an orbit that is proved"):
+        polhode.prove_stability(orbit(), h=3)
+
+
+@pytest.mark.slow
+def test_a_command_that_is_refused_writes_nothing(tmp_path, capsys):
+    path = tmp_path / "x.json"
+    assert main(["prove", "stability", "kovalevskaya/generic", "-o", str(path)]) == 3
+    assert "it is not stable" in capsys.readouterr().err
+    assert not path.exists()
+    assert main(["prove", "stability", NAME, "-o", str(path), "--tolerance", "1e-8"]) == 2
+    assert "--tolerance" in capsys.readouterr().err
+    assert not path.exists()
+
+
+def test_a_certificate_is_what_the_checker_reads(tmp_path):
+    held = json.loads(stability().certificate)
+    assert held["kind"] == "stability"
+    assert (held["jet_bits"], held["weight_bits"]) == (96, 10)
+    assert {"rotation", "twist"} < {*held["statement"]}
+    stability().save(tmp_path / "x.csv")
+    again = polhode.load_result(tmp_path / "x.csv")
+    assert again.to_json() == stability().to_json()
