@@ -79,6 +79,7 @@ WORKS = ENDING | {
     "film": "plot R --what motion --end 300 -o x.gif",
     "study": "study stability --quick -o out",
     "study-speed": "study speed --quick -o out",
+    "report": "report C --end 300 -o x.html",
     "study-all": "study all --quick -o out",
     "levels": "levels R --f-range=-1e12:1e12 -o x.svg",
     "section": "section C --grid 40x40 --crossings 3000 -o x.npz",

@@ -153,6 +153,17 @@ REFUSED = {
     f"{PROVE} --h x": "h",
     f"{PROVE} --tries 3": "--tries",
     **{f"{PROVE} --tolerance={x}": "tolerance = " for x in ("0", "1", "-1e-9", "x", "nan")},
+    # -- reports
+    "report": "expected scenes, and files of them (polhode's own studies: polhode study all)",
+    "report table.csv -o x.html": "polhode: table.csv: scene: expected a scene before it",
+    "report nowhere.toml -o x.html": "nowhere.toml: SCENE",
+    "report top.toml -o x.txt": "x.txt: -o: expected a name that ends in .html or .md or .csv",
+    "report top.toml -o top.toml": "top.toml",
+    "report top.toml top.toml -o x.html": "each scene once",
+    "report top.toml broken.csv -o x.html": "broken.csv: SCENE",
+    "report top.toml --end 0 -o x.md": "--end = 0: expected a time other than 0",
+    "report top.toml --number doubel -o x.md": "expected double, extended, quad, mp",
+    "report top.toml -o x.html -o y/x.md": "y",
     # -- studies
     **{f"study {name} -o out": f"no more, see {page}" for name, page in report.GONE.items()},
     "study needs --only x": "is a study no more",

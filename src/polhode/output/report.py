@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from polhode.common.arguments import of_kind
 from polhode.common.cached_property import cached_property
@@ -19,7 +19,7 @@ from polhode.common.value_semantics import ByValue
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import reference
 from polhode.judging.tables.table_file import is_table
-from polhode.numbers.scalars import AnyNumber
+from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.output import accuracy, report_page, report_tables
 from polhode.output.accuracy import Asked, Given, Section
 from polhode.results import places, shown, writer
@@ -33,6 +33,10 @@ from polhode.scenes import library
 from polhode.scenes.output_times import even_times
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
 
 #: ``mine.csv=0.8s,h=0.01``: a table, what it cost, and its method's step.
 _TOLD = re.compile(
@@ -81,7 +85,12 @@ class Report(Result, ByValue):
     @cached_property
     def figures(self) -> Mapping[str, str]:
         """The figures of the page as SVG, by the names of their files; none without matplotlib."""
-        return report_page.figures(self.sections, self.tables)
+        return report_page.figures(self.sections, self._parts)
+
+    @cached_property
+    def _parts(self) -> Sequence[Mapping[str, Table]]:
+        """The tables of each section."""
+        return [report_tables.tables([section]) for section in self.sections]
 
     def table(self) -> Table:
         """A row for each scene: what it is, the fewest correct digits, and what limits them."""
@@ -102,7 +111,7 @@ class Report(Result, ByValue):
         """What stands in the files of a page or of numbers, by their places."""
         if path.suffix.lower() in ENDINGS:
             return writer.files(self.content(), path)
-        blocks = report_page.blocks(self.sections, self.tables, bool(self.figures))
+        blocks = report_page.blocks(self.sections, self._parts, bool(self.figures))
         return report_page.files(path, [*blocks], self.figures)
 
     def save(self, path: str | Path) -> None:
@@ -136,7 +145,7 @@ def write(of: Report, paths: Iterable[Path]) -> None:
 
 
 def report(
-    *what: Any,
+    *what: Scene | Trajectory | str | Path | Mapping[str, AnyVector] | pd.DataFrame | xr.Dataset,
     number: str | None = None,
     digits: int | None = None,
     end: AnyNumber | None = None,
@@ -193,8 +202,8 @@ def report(
     >>> found = polhode.report("euler/largest-axis", mine, end=2, number="double")
     >>> found
     <Report: 1 scene>
-    >>> [round(x) for x in found.tables["files"].columns[6].values]
-    [15]
+    >>> 15 < found.column("digits_files")[0] <= 16
+    True
     """
     asked = Asked(number, digits, max_seconds, columns, read)
     say = progress or _unsaid

@@ -96,6 +96,7 @@ Block: TypeAlias = Heading | Words | Verbatim | Grid | Picture
 
 def files(path: Path, page: Sequence[Block], svgs: Mapping[str, str]) -> Mapping[Path, str | bytes]:
     """The files of a page: .md with its figures in a folder beside it, or all in one of HTML."""
+    page = [x for x in page if not isinstance(x, Picture) or x.name in svgs]
     if path.suffix.lower() != ".md":
         parts = "\n".join(_in_html(block, svgs) for block in page)
         template = (resources.files(__package__) / "report_page.html").read_text(encoding="utf-8")
@@ -113,18 +114,18 @@ def write(texts: Mapping[Path, str | bytes]) -> None:
     write_whole(texts)
 
 
-def figures(sections: Sequence[Section], of: Tables) -> Mapping[str, str]:
+def figures(sections: Sequence[Section], parts: Sequence[Tables]) -> Mapping[str, str]:
     """All figures as SVG by the names of their files; none where matplotlib is not installed."""
     try:
         canvas.require()
     except BadInput:
         return {}
     drawn = {}
-    for k, one in enumerate(sections, 1):
+    for k, (one, of) in enumerate(zip(sections, parts, strict=True), 1):
         draws = {
             "body": partial(accuracy.body, of=one.scene.body),
-            "digits": partial(accuracy.digits, scene=one.scene, rows=_own(of, one, "digits")),
-            "work": partial(accuracy.work, rows=_own(of, one, "work")),
+            "digits": partial(accuracy.digits, scene=one.scene, rows=_rows(of["digits"])),
+            "work": partial(accuracy.work, rows=_rows(of["work"])),
         }
         for word, draw in draws.items():
             if word == "body" or draw.keywords["rows"]:
@@ -133,22 +134,23 @@ def figures(sections: Sequence[Section], of: Tables) -> Mapping[str, str]:
     return drawn
 
 
-def blocks(sections: Sequence[Section], of: Tables, is_drawn: bool) -> Iterator[Block]:
-    """The page: a row for each scene, then a section each."""
+def blocks(sections: Sequence[Section], parts: Sequence[Tables], is_drawn: bool) -> Iterator[Block]:
+    """The page: a row for each scene, then a section each; ``parts``: the tables of each."""
     yield Heading(1, TITLE)
-    yield from _first(sections, of)
+    yield from _first(sections, parts)
     if not is_drawn:
         yield Words(_NO_FIGURES)
-    for k, one in enumerate(sections, 1):
-        yield from _scene(of, one, k, is_drawn)
+    for k, (one, of) in enumerate(zip(sections, parts, strict=True), 1):
+        yield from _scene(of, one, k)
     packages = ", ".join(f"{name} {version}" for name, version in versions().items())
     yield Heading(2, "Provenance")
     yield Words(f"{packages}; {cpu()}. Seconds are processor seconds on this machine.")
 
 
-def _first(sections: Sequence[Section], of: Tables) -> Iterator[Block]:
+def _first(sections: Sequence[Section], parts: Sequence[Tables]) -> Iterator[Block]:
     rows = []
-    for name, verdict, limit, _, regime, motion, *digits, _, fewest in _rows(of["overview"]):
+    for of in parts:
+        ((name, verdict, limit, _, regime, motion, *digits, _, fewest),) = _rows(of["overview"])
         runs = " / ".join(filter(None, map(_digits, digits)))
         mark = f"{_MARKS[verdict]} {verdict}"
         rows.append([name, mark, runs, _digits(fewest), limit, motion, regime])
@@ -157,35 +159,32 @@ def _first(sections: Sequence[Section], of: Tables) -> Iterator[Block]:
     yield Words(f"Digits of the runs: {', '.join(x.name for x in sections[0].lines)}. {_LEGEND}")
 
 
-def _scene(of: Tables, one: Section, k: int, is_drawn: bool) -> Iterator[Block]:
+def _scene(of: Tables, one: Section, k: int) -> Iterator[Block]:
     scene = one.scene
     title = f"{scene.name}: {one_line(scene.title)}" if scene.title else scene.name
     yield Heading(2, title, f"scene-{k}")
     told = str(describe(scene)).splitlines()
     rows = [line.split(None, 1) for line in told if line.split(None, 1)[0] in _TOLD]
     yield Grid(["what it is", ""], [row for row in rows if len(row) == 2])
-    if is_drawn:
-        yield Picture(f"{k}-body.svg", _ALTS["body"])
+    yield Picture(f"{k}-body.svg", _ALTS["body"])
     yield Heading(3, "Correct digits over time")
     yield Words(_measured_against(one))
-    if is_drawn and _own(of, one, "digits"):
-        yield Picture(f"{k}-digits.svg", _ALTS["digits"])
-    yield from _digits_table(of, one)
+    yield Picture(f"{k}-digits.svg", _ALTS["digits"])
+    yield from _digits_table(of)
     for line in one.lines:
         until = f"; {line.why} t = {brief(line.until)}" if line.until is not None else ""
         yield Words(f"*{line.name}*: {line.sentence}{until}.")
     yield from _limits(of, one)
-    yield from _files(of, one)
-    yield from _table(of, one, "drift", "Drift of the integrals", _DRIFT_MEANS)
+    yield from _files(one)
+    yield from _table(of, "drift", "Drift of the integrals", _DRIFT_MEANS)
     yield from _events(of, one)
     yield Heading(3, "Speed against error")
     yield Words(
         "Each row is a prepared run to the end of the scene, the least processor time of up to "
         "five calls, and its correct digits there."
     )
-    if is_drawn and _own(of, one, "work"):
-        yield Picture(f"{k}-work.svg", _ALTS["work"])
-    yield from _table(of, one, "work")
+    yield Picture(f"{k}-work.svg", _ALTS["work"])
+    yield from _table(of, "work")
     text = (scene.source or str(scene_facts(scene)[1].value)).strip()
     yield Verbatim(text, f"The scene; fingerprint {scene.provenance()['case']}")
 
@@ -203,9 +202,9 @@ def _measured_against(one: Section) -> str:
     return f"Measured against {how} ({against.kind}: {against.regime}) at {times}{thinned} times."
 
 
-def _digits_table(of: Tables, one: Section) -> Iterator[Block]:
+def _digits_table(of: Tables) -> Iterator[Block]:
     """Times down, runs and files across: the digits, and in brackets the band expected."""
-    rows = _own(of, one, "digits")
+    rows = _rows(of["digits"])
     names = [*dict.fromkeys(row[1] for row in rows)]
     cells = {(row[1], f"{row[2]:.12g}"): row[3:] for row in rows}
     times = [*dict.fromkeys(time for _, time in sorted(cells, key=lambda x: abs(float(x[1]))))]
@@ -229,7 +228,7 @@ def _digits(x: float) -> str:
 
 def _limits(of: Tables, one: Section) -> Iterator[Block]:
     yield Heading(3, "What limits them, and how far each number type reaches")
-    header, rows = _shown(of, one, "runs")
+    header, rows = _shown(of["runs"])
     kept = ("run", "digits", "t_of_digits", "digits_end", "limit", "half_lost_after", "lost_after")
     places = [header.index(name) for name in kept]
     yield Grid(
@@ -245,7 +244,7 @@ def _limits(of: Tables, one: Section) -> Iterator[Block]:
     yield Words(f"The motion is {one.motion}.{told + '.' if told else ''} {beyond}")
 
 
-def _files(of: Tables, one: Section) -> Iterator[Block]:
+def _files(one: Section) -> Iterator[Block]:
     for line in one.files:
         yield Heading(3, f"File {line.name}: {line.mark(one.wanted)}")
         yield Verbatim(line.sentence if line.judgement is None else str(line.judgement))
@@ -260,7 +259,7 @@ def _files(of: Tables, one: Section) -> Iterator[Block]:
 
 
 def _events(of: Tables, one: Section) -> Iterator[Block]:
-    header, rows = _shown(of, one, "events")
+    header, rows = _shown(of["events"])
     if not rows:
         return
     by_run = [[row for row in rows if row[0] == line.name] for line in one.lines]
@@ -273,8 +272,8 @@ def _events(of: Tables, one: Section) -> Iterator[Block]:
     yield Grid(header, kept)
 
 
-def _table(of: Tables, one: Section, name: str, title: str = "", text: str = "") -> Iterator[Block]:
-    header, rows = _shown(of, one, name)
+def _table(of: Tables, name: str, title: str = "", text: str = "") -> Iterator[Block]:
+    header, rows = _shown(of[name])
     if not rows:
         return
     if title:
@@ -324,17 +323,14 @@ def _rows(table: Table) -> list[tuple[Value, ...]]:
     return [*zip(*columns, strict=True)] if table.rows else []
 
 
-def _own(of: Tables, one: Section, name: str) -> list[tuple[Value, ...]]:
-    """The rows of a scene."""
-    return [row for row in _rows(of[name]) if row[0] == one.scene.name]
-
-
-def _shown(of: Tables, one: Section, name: str) -> tuple[list[str], list[list[str]]]:
-    """Header and rows of a scene as people read them, without the scene's name."""
-    table = of[name]
-    columns = [x._replace(digits=4) for x in table.columns]
-    header, rows = shown.cells(table._replace(columns=columns)) if table.rows else ([], [])
-    return header[1:], [row[1:] for row in rows if row[0] == one.scene.name]
+def _shown(table: Table) -> tuple[list[str], list[list[str]]]:
+    """Header and rows as people read them, without the scene's name."""
+    if not table.rows:
+        return [], []
+    header, rows = shown.cells(
+        table._replace(columns=[x._replace(digits=4) for x in table.columns])
+    )
+    return header[1:], [row[1:] for row in rows]
 
 
 # -- blocks as text -------------------------------------------------------------------------------
