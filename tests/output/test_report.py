@@ -245,7 +245,7 @@ def test_thirty_scenes_have_a_row_and_a_section_each(found, monkeypatch):
     (text,) = polhode.Report(many).files(Path("x.md")).values()
     first = text[: text.index("Digits of the runs")].strip().splitlines()[2:]
     assert len(first) == 32
-    assert {len(re.findall(r"(?<!\\)\|", line)) for line in first} == {8}
+    assert {len(re.findall(r"(?<!\\)\|", line)) for line in first} == {8}  # of seven columns
 
 
 # -- the verb --------------------------------------------------------------------------------------

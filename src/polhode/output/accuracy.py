@@ -27,6 +27,7 @@ from polhode.judging.score.judgement import Judgement
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
+from polhode.output.description import Description, describe
 from polhode.runs.propagator import propagator
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
@@ -150,6 +151,7 @@ class Section:
 
     scene: Scene
     times: int
+    description: Description
     reference: AnyReference
     lines: Sequence[Line]
     files: Sequence[Line]
@@ -211,8 +213,8 @@ def section(scene: Scene, files: Sequence[Line], asked: Asked, say: Message) -> 
     say(f"{scene.name}: speed against error")
     until = min((x.until for x in lines if x.until is not None), key=abs, default=scene.end)
     work = _work(scene, until, asked) if any(x.judgement for x in lines) else []
-    orders, against = _orders(files), reference(scene)
-    parts = against, lines, files, orders, motion, growth, work, unprojected, asked.digits
+    orders, about = _orders(files), (describe(scene), reference(scene))
+    parts = *about, lines, files, orders, motion, growth, work, unprojected, asked.digits
     return Section(scene, times, *parts)
 
 

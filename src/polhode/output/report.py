@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from polhode.common.arguments import of_kind
+from polhode.common.arguments import of_kind, whole
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
 from polhode.common.files import check_writable
@@ -19,6 +19,7 @@ from polhode.common.value_semantics import ByValue
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import reference
 from polhode.judging.tables.table_file import is_table
+from polhode.numbers.number_types import MAX_DIGITS
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.output import accuracy, report_page, report_tables
 from polhode.output.accuracy import Asked, Given, Section
@@ -27,6 +28,7 @@ from polhode.results.cells import TEXT
 from polhode.results.result import Result
 from polhode.results.table import Fact, Table, table_of_rows
 from polhode.results.writer import ENDINGS
+from polhode.runs.problem.options import choose_number
 from polhode.runs.saved import load_result
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
@@ -209,12 +211,17 @@ def report(
     say = progress or _unsaid
     groups = _grouped(what)
     scenes = [_timed(scene, end, at) for scene, _ in groups]
-    if forecast is not None:
-        forecast(_foretold(scenes, groups))
+    for scene in scenes:
+        if number is not None:
+            choose_number(scene, number, digits)
+        elif digits is not None:
+            whole(scene.name, "digits", digits, 1, MAX_DIGITS)
     judged = []
     for scene, tables in groups:  # what cannot be read is refused before the work
         say(f"{scene.name}: {counted(len(tables), 'table')}")
         judged.append([accuracy.of_table(x, scene, asked) for x in tables])
+    if forecast is not None:
+        forecast(_foretold(scenes, groups))
     sections = []
     for k, (scene, files) in enumerate(zip(scenes, judged, strict=True), 1):
 

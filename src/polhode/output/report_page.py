@@ -22,7 +22,6 @@ from polhode.figures import accuracy
 from polhode.figures.canvas import canvas
 from polhode.numbers.decimals import brief
 from polhode.output.accuracy import BAD, FAIR, GOOD, UNKNOWN, Section
-from polhode.output.description import describe
 from polhode.results import shown
 from polhode.results.cells import doubles, word_of
 from polhode.results.table import Table, Value
@@ -155,7 +154,7 @@ def _first(sections: Sequence[Section], parts: Sequence[Tables]) -> Iterator[Blo
         mark = f"{_MARKS[verdict]} {verdict}"
         rows.append([name, mark, runs, _digits(fewest), limit, motion, regime])
     header = ["scene", "verdict", "digits of the runs", "of the files", "limit", "motion", "regime"]
-    yield Grid(header, rows, [f"scene-{k}" for k in range(1, len(rows) + 1)])
+    yield _grid(header, rows, [f"scene-{k}" for k in range(1, len(rows) + 1)])
     yield Words(f"Digits of the runs: {', '.join(x.name for x in sections[0].lines)}. {_LEGEND}")
 
 
@@ -163,7 +162,7 @@ def _scene(of: Tables, one: Section, k: int) -> Iterator[Block]:
     scene = one.scene
     title = f"{scene.name}: {one_line(scene.title)}" if scene.title else scene.name
     yield Heading(2, title, f"scene-{k}")
-    told = str(describe(scene)).splitlines()
+    told = str(one.description).splitlines()
     rows = [line.split(None, 1) for line in told if line.split(None, 1)[0] in _TOLD]
     yield Grid(["what it is", ""], [row for row in rows if len(row) == 2])
     yield Picture(f"{k}-body.svg", _ALTS["body"])
@@ -280,8 +279,15 @@ def _table(of: Tables, name: str, title: str = "", text: str = "") -> Iterator[B
         yield Heading(3, title)
     if text:
         yield Words(text)
+    yield _grid(header, rows)
+
+
+def _grid(
+    header: Sequence[str], rows: Sequence[Sequence[str]], anchors: Sequence[str] = ()
+) -> Grid:
+    """A table without its empty columns."""
     used = [k for k in range(len(header)) if any(row[k] for row in rows)]
-    yield Grid([header[k] for k in used], [[row[k] for k in used] for row in rows])
+    return Grid([header[k] for k in used], [[row[k] for k in used] for row in rows], anchors)
 
 
 def of_tests(rows: Sequence[JsonObject]) -> tuple[list[Block], Mapping[str, str]]:
