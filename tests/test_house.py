@@ -306,3 +306,23 @@ def test_every_fault_made_by_hand_stands_once_in_its_file():
     assert len(rows) > 200
     counts = {row["id"]: (TOP / row["file"]).read_text().count(row["old"]) for row in rows}
     assert {name for name, count in counts.items() if count != 1} == set()
+
+
+#: Rooms whose functions are asked with a scene and answer with a motion's numbers.
+_DOORS = ("runs", "dynamics", "judging", "proofs", "equations", "enclosures", "figures", "output")
+
+
+def test_a_door_says_what_of_a_scene_it_takes():
+    """So that what a body gets beyond today's is refused where it is not known, not ignored."""
+    silent = []
+    for room in _DOORS:
+        for path in (TOP / "src/polhode" / room).rglob("*.py"):
+            tree = ast.parse(path.read_text())
+            named = {id(x.value) for x in ast.walk(tree) if isinstance(x, ast.Attribute)}
+            for call in ast.walk(tree):
+                if isinstance(call, ast.Call) and ast.unparse(call.func) == "library.load":
+                    given = ast.unparse(call.args[0])
+                    takes = any(x.arg == "takes" for x in call.keywords)
+                    if not takes and id(call) not in named and given != "name":  # its name alone
+                        silent.append(f"{path.name}: {ast.unparse(call)}")
+    assert not silent

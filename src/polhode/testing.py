@@ -19,6 +19,7 @@ from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import REQUESTS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -97,7 +98,7 @@ def assert_digits(
     at_least = float(at_least) if isinstance(at_least, float) else to_double(at_least)
     if math.isnan(at_least):
         raise BadInput("assert_digits", "at_least", at_least, "a number of digits")
-    scene = library.load(scene)
+    scene = library.load(scene, takes=REQUESTS)
     if callable(mine) and not isinstance(mine, Trajectory):
         times = scene.times if at is None else tuple(at)
         if not times:
@@ -172,4 +173,4 @@ def order_of(
     """
     if not callable(mine):
         raise BadInput("order_of", "mine", mine, "a function from a step to rows")
-    return observed_order(mine, library.load(scene), steps, at, columns)
+    return observed_order(mine, library.load(scene, takes=REQUESTS), steps, at, columns)

@@ -198,18 +198,18 @@ NUMBERS: list[tuple[str, tuple[Any, ...], tuple[Any, ...]]] = [
     (
         "alpha",
         MOVED,
-        (step_bound, "_jacobian_gaps", "4.0 * max(1.0, bend) * pieces.gap", "0.0 * pieces.gap"),
+        (step_bound, "_jacobian_gaps", "_VARYING * steepest * pieces.gap", "0.0 * pieces.gap"),
     ),
     ("alpha", MOVED, (taylor_polynomials, "improved", "old.gap + moved", "old.gap + 0.0 * moved")),
     (
         "alpha",
         (_wrong_factors, _V),
-        (step_bound, "_jacobian_gaps", "found[:, 0] += 2.0 * slack", "pass"),
+        (step_bound, "_jacobian_gaps", "found[:, 0] += _CONSTANT * slack", "pass"),
     ),
     (
         "alpha",
         (_steep, _V, 0.0, DISC),
-        (step_bound, "_jacobian_gaps", "+ 2.0 * slack * largest", ""),
+        (step_bound, "_jacobian_gaps", "+ _OF_THE_BODY * slack * largest", ""),
     ),
 ]
 

@@ -26,6 +26,8 @@ from polhode.enclosures.kronecker_substitution import Packing
 from shared import enclosure_trials as trials
 from shared.mutation import without
 
+CYCLE = ((1, 2), (2, 0), (0, 1))
+
 EDGES = (0, 1, -1, 2**62 - 1, -(2**62), 2**32, -(2**32), 2**32 - 1, 2**63 - 1, -(2**63))
 
 
@@ -128,8 +130,8 @@ def test_defects_are_those_of_exact_polynomials(
             h = Fraction(shape.times[n + 1] - shape.times[n], 1 << fixed_point_problem.CLOCK)
             assert [x(1) for x in row] == shape.ends[n].tolist()
             assert [x[0] for x in row] == shape.starts[n].tolist()
-            for i, (a, b) in enumerate(fixed_point_problem.CYCLE):
-                bend, pull, push = problem.constants[i::3]
+            for i, (a, b) in enumerate(CYCLE):
+                bend, pull, push = (problem.constants[n] for n in (i, 3 + 2 * i, 4 + 2 * i))
                 rate = row[a] * row[b] * bend
                 rate += (row[3 + a] * pull + row[3 + b] * push) * (fmpz(1) << shape.level)
                 turned = row[3 + a] * row[b] - row[3 + b] * row[a]

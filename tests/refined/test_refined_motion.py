@@ -11,13 +11,15 @@ import pytest
 
 import polhode
 from polhode.numbers.conversion import exactly
-from polhode.refined import double_run, refinement, self_test
+from polhode.refined import double_run, refinement
+from polhode.refined.collocation_tables import tables
 from polhode.refined.compiled_field import Kernels, kernels
 from polhode.refined.errors import CannotRefine, TooFarOff
 from polhode.refined.refinement import QUAD, Accuracy, accuracy, refine
 from polhode.scenes import library
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
+from shared import exact_field
 from shared.motions import ASYMMETRIC, asymmetric
 
 
@@ -248,7 +250,23 @@ def test_a_compiler_that_reassociates_is_found_out(monkeypatch):
     compiled = heyoka.cfunc
     monkeypatch.setattr("polhode.refined.compiled_field.hy.cfunc", careless)
     spoilt = kernels.__wrapped__(QUAD.limbs)
-    assert self_test.field_error(spoilt, QUAD.limbs) > 2.0**-QUAD.limbs.bits
+    assert exact_field.field_error(spoilt, QUAD.limbs) > 2.0**-QUAD.limbs.bits
+
+
+@pytest.mark.parametrize("digits", [34, 50, 90])
+def test_products_by_levels_are_those_of_integers(digits):
+    wanted = accuracy(digits)
+    for steps in (5, 6):
+        table = tables(wanted.limbs, wanted.nodes(steps))
+        assert exact_field.products_are_exact(table, wanted.limbs)
+    spoilt = replace(table, levels=tuple(level * (1 + 2.0**-52) for level in table.levels))
+    assert not exact_field.products_are_exact(spoilt, wanted.limbs)
+
+
+@pytest.mark.parametrize("digits", [34, 50, 90])
+def test_the_compiled_field_is_that_of_integers(digits):
+    limbs = accuracy(digits).limbs
+    assert exact_field.field_error(kernels(limbs), limbs) <= 2.0**-limbs.bits
 
 
 @pytest.mark.parametrize("output", range(24))
@@ -260,9 +278,9 @@ def test_a_fault_in_any_limb_of_the_field_is_found_out(output):
         outputs[output] *= 1 + (2.0**-20 if output % 4 == 3 else 2.0**-52)
 
     limbs = QUAD.limbs
-    faulty = self_test.field_error(Kernels(off, *good[1:]), limbs)
-    assert self_test.field_error(good, limbs) < 2.0**-limbs.bits
-    assert faulty > 2 * self_test.field_error(good, limbs)
+    faulty = exact_field.field_error(Kernels(off, *good[1:]), limbs)
+    assert exact_field.field_error(good, limbs) < 2.0**-limbs.bits
+    assert faulty > 2 * exact_field.field_error(good, limbs)
 
 
 def test_threads_do_not_disturb_each_other():

@@ -114,7 +114,7 @@ def _poly(values: Any, scale: Any) -> Any:
 def _rate(x: list[Any], k: list[Any], h: Any, i: int) -> Any:
     a, b = CYCLE[i % 3]
     if i < 3:
-        rate = x[a] * x[b] * k[i] + x[3 + a] * k[3 + i] + x[3 + b] * k[6 + i]
+        rate = x[a] * x[b] * k[i] + x[3 + a] * k[3 + 2 * i] + x[3 + b] * k[4 + 2 * i]
     else:
         rate = x[3 + a] * x[b] - x[3 + b] * x[a]
     return rate * h
@@ -125,7 +125,7 @@ def _jacobian(x: list[Any], k: list[Any], h: Any) -> list[list[Any]]:
     rows = [[zero] * 6 for _ in range(6)]
     for i, (a, b) in enumerate(CYCLE):
         rows[i][a], rows[i][b] = x[b] * (k[i] * h), x[a] * (k[i] * h)
-        rows[i][3 + a], rows[i][3 + b] = fmpq_poly([k[3 + i] * h]), fmpq_poly([k[6 + i] * h])
+        rows[i][3 + a], rows[i][3 + b] = (fmpq_poly([k[n] * h]) for n in (3 + 2 * i, 4 + 2 * i))
         rows[3 + i][3 + a], rows[3 + i][b] = x[b] * h, x[3 + a] * h
         rows[3 + i][3 + b], rows[3 + i][a] = -x[a] * h, -x[3 + b] * h
     return rows

@@ -284,7 +284,7 @@ def test_a_pipe_from_which_nothing_comes_is_refused(capsys, monkeypatch, words, 
 def test_a_fault_of_the_system_is_not_blamed_on_stdout(capsys, monkeypatch):
     from polhode.scenes import library
 
-    def fail(_):
+    def fail(_, takes=None):
         raise OSError(24, "Too many open files", "cases")
 
     monkeypatch.setattr(library, "load", fail)

@@ -355,16 +355,19 @@ def taylor_over(
     rows, length = [[[_fixed(x, fine)] for x in parts] for parts in centre], _fixed(h, fine)
     pairs = {(a, b) for (_, a, b), _ in quadratic}
     pairs |= {(3 + a, b) for a in range(3) for b in range(3) if a != b}
+    operands = [
+        [((a, b), [(rows[a][i], rows[b][j]) for i, j in factors]) for a, b in pairs]
+        for factors in algebra.factors
+    ]
     for k in range(bits + 20):
         size = 0
-        for m, shift in reversed([*enumerate(algebra.shifts)]):  # those before m are as long as it
-            products = {
-                (a, b): sum(
-                    [sum(map(mul, rows[a][i], reversed(rows[b][j]))) for i, j in algebra.factors[m]]
-                )
-                >> fine
-                for a, b in pairs
-            }
+        for m in reversed(range(len(operands))):  # the parts before m are as long as it
+            products = {}
+            for pair, factors in operands[m]:
+                total = 0
+                for left, right in factors:
+                    total += sum(map(mul, left, reversed(right)))
+                products[pair] = total >> fine
             rates = [0] * 6
             for (i, a, b), x in quadratic:
                 rates[i] += x * products[a, b]
@@ -373,9 +376,10 @@ def taylor_over(
             for i in range(3):
                 a, b = (i + 1) % 3, (i + 2) % 3
                 rates[3 + i] = (products[3 + a, b] - products[3 + b, a]) << fine
-            for row, rate in zip(rows, rates, strict=True):
-                row[m].append((rate * length >> 2 * fine) // (k + 1))
-            size = max(size, *(abs(row[m][-1]) >> shift for row in rows))
+            news = [(rate * length >> 2 * fine) // (k + 1) for rate in rates]
+            for row, new in zip(rows, news, strict=True):
+                row[m].append(new)
+            size = max(size, max(map(abs, news)) >> algebra.shifts[m])
         small = small + 1 if size >> SPARE == 0 else 0
         if small == 2 or size >> 4 * fine:
             break
@@ -1624,13 +1628,15 @@ def _crossed(body: Body, a: Sequence[arb], start: Sequence[Jet[arb]]) -> list[Je
     return [at_tau(rows) for rows in zip(*series, strict=True)]
 
 
-def _canonical_area(run: Run, x0: Sequence[arb], one: Sequence[arb], other: Sequence[arb]) -> arb:
+def _canonical_area(
+    run: Run, x0: Sequence[arb], first: Sequence[arb], second: Sequence[arb]
+) -> arb:
     """Of two changes of the state x0 along its level."""
     gamma, square = x0[3:], _product(x0[3:], x0[3:])
-    turned = _product(_cross(one[3:], gamma), _momentum(run, other[:3]))
-    turned -= _product(_cross(other[3:], gamma), _momentum(run, one[:3]))
+    turned = _product(_cross(first[3:], gamma), _momentum(run, second[:3]))
+    turned -= _product(_cross(second[3:], gamma), _momentum(run, first[:3]))
     f = _product(_momentum(run, x0[:3]), gamma)
-    return turned / square + f * _product(gamma, _cross(one[3:], other[3:])) / square**2
+    return turned / square + f * _product(gamma, _cross(first[3:], second[3:])) / square**2
 
 
 def _cross(x: Sequence[arb], y: Sequence[arb]) -> list[arb]:

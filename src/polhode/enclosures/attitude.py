@@ -29,10 +29,14 @@ from polhode.enclosures.winding_number import Followed, Leaving, Pace
 from polhode.enclosures.zonotope import Step, inside, places
 from polhode.equations.kinematics import starting_attitude
 from polhode.equations.pole_passage import departure, phi_leaving_the_pole
+from polhode.equations.terms import LINEAR, PRODUCTS, ROWS
 from polhode.numbers.exact import arctan2
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.rows import Complexes, Doubles
 from polhode.numbers.vectors import quaternion_product
+
+#: Terms of gamma in a row of w.
+_PULLS = float(max(sum(term in LINEAR for term in row) for row in ROWS))
 
 
 class Pose(NamedTuple):
@@ -141,12 +145,17 @@ class Watch:
         return self._followed.step(at, float(pieces.lengths[n]), self._pace(speed), doubt, points)
 
     def _pace(self, speed: float) -> Pace:
-        """From w_i' = b_i w_j w_k + (two terms of gamma): |w'| <= b |w|^2 + pull, b = max |b_i|."""
+        """|w'| <= b |w|^2 + pull from the terms of w' in products of w and in gamma.
+
+        With b the largest coefficient of w_j w_k, of which each row has one.
+        """
         factors = [
             UP * (abs(x) + r)
             for x, r in zip(self.problem.factors, self.problem.factor_slack, strict=True)
         ]
-        return Pace(speed, max(factors[:3]), 1.7321 * 2.0 * max(factors[3:]))
+        bend = max(term.of(factors) for row in ROWS[:3] for term in row if term in PRODUCTS)
+        pull = max(term.of(factors) for term in LINEAR)
+        return Pace(speed, bend, 1.7321 * _PULLS * pull)
 
     def _scene(self, turned: Sequence[Any], radius: float) -> list[Any]:
         """The attitude of the scene from the turn since the start and its distance from that."""

@@ -17,7 +17,6 @@ from polhode.enclosures.approximation import newton_correction, precision_choice
 from polhode.enclosures.derived import derived_balls
 from polhode.enclosures.fixed_point_problem import (
     CLOCK,
-    CYCLE,
     MOST_NOISE,
     Motion,
     Problem,
@@ -29,10 +28,11 @@ from polhode.enclosures.result import Enclosure, Part, digits_of
 from polhode.enclosures.statement import assumed
 from polhode.enclosures.task import MAX_STEPS, Side, Task, task
 from polhode.equations.column import derived_words
+from polhode.equations.terms import LINEAR, ROWS
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact
 from polhode.numbers.decimals import shown
-from polhode.numbers.exact import sign
+from polhode.numbers.exact import ZERO, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.polynomials import middle
 from polhode.numbers.scalars import AnyNumber, AnyVector
@@ -249,6 +249,8 @@ def _at_rest(what: Motion) -> bool:
     """Whether w is zero for ever, zero by the rule for *equal*."""
     if what.radii or any(sign(x) for x in what.start[:3]):
         return False
-    pull, push, gamma = what.constants[3:6], what.constants[6:], what.start[3:]
-    torques = (pull[i] * gamma[a] + push[i] * gamma[b] for i, (a, b) in enumerate(CYCLE))
-    return all(sign(x) == 0 for x in torques)
+    rates = (
+        sum((x.of(what.constants) * what.start[x.factors[0]] for x in row if x in LINEAR), ZERO)
+        for row in ROWS[:3]
+    )
+    return all(sign(x) == 0 for x in rates)

@@ -6,15 +6,22 @@ the very end, so that they are right relatively.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from flint import fmpz
 
-from polhode.enclosures.fixed_point_problem import CLOCK, CYCLE, Problem, Refused
+from polhode.enclosures.fixed_point_problem import CLOCK, Problem, Refused
 from polhode.enclosures.kronecker_substitution import UNPACKED, packing, words_of
 from polhode.enclosures.taylor_polynomials import Pieces
+from polhode.equations.terms import ROWS, Term, product
+
+#: Of each row the terms of two variables, and those of one.
+_KINDS = tuple(
+    tuple([term for term in row if len(term.factors) == count] for count in (2, 1)) for row in ROWS
+)
 
 
 @dataclass(frozen=True)
@@ -36,19 +43,19 @@ def defects(problem: Problem, pieces: Pieces) -> Defects:
     words = _words(problem, pieces)
     packs = packing(used, words)
     x = pieces.packed(packs)
-    constants = [[fmpz(c) for c in problem.constants[i::3]] for i in range(3)]
-    below = [fmpz(n) << (CLOCK + level) for n in problem.denominators]
+    constants = [fmpz(c) for c in problem.constants]
+    shift = CLOCK + level
+    below = [fmpz(n) << shift for n in problem.denominators]
     numbers = []
     for n in range(pieces.count):
         length = fmpz(pieces.times[n + 1] - pieces.times[n])
         row = x[6 * n : 6 * n + 6]
-        for i, (a, b) in enumerate(CYCLE):
-            bend, pull, push = constants[i]
-            turned = ((row[3 + a] * pull + row[3 + b] * push) << level) + row[a] * row[b] * bend
-            numbers.append(packs.slope(row[i]) * below[i] - turned * length)
-        for i, (a, b) in enumerate(CYCLE):
-            turned = row[3 + a] * row[b] - row[3 + b] * row[a]
-            numbers.append((packs.slope(row[3 + i]) << (CLOCK + level)) - turned * length)
+        for i, kinds in enumerate(_KINDS):
+            pairs, singles = (_sum(terms, row, constants) for terms in kinds)
+            rate = pairs if singles is None else (singles << level) + pairs
+            slope = packs.slope(row[i])
+            slope = slope << shift if i >= len(below) else slope * below[i]
+            numbers.append(slope - rate * length)
     whole = problem.noise - 2 * level - CLOCK
     twos = [(n & -n).bit_length() - 1 for n in problem.denominators]
     powers = np.tile([whole - two for two in (*twos, 0, 0, 0)], pieces.count)
@@ -60,6 +67,17 @@ def defects(problem: Problem, pieces: Pieces) -> Defects:
     return Defects(pieces, values, UNPACKED + 1)
 
 
+def _sum(terms: Sequence[Term], row: Sequence[Any], constants: Sequence[Any]) -> Any:
+    """The sum of terms, of which the first one's sign is 1; None of none."""
+    total = None
+    for _, factors, place, sign in terms:
+        part = product(row, factors)
+        if place is not None:
+            part = part * constants[place]
+        total = part if total is None else total + part if sign > 0 else total - part
+    return total
+
+
 def _words(problem: Problem, pieces: Pieces) -> int:
     """Words that hold every coefficient of the integers in ``defects``, and a sign.
 
@@ -67,10 +85,10 @@ def _words(problem: Problem, pieces: Pieces) -> int:
     """
     most, longest = pieces.most, pieces.longest
     steep = pieces.near.shape[1] * most << CLOCK
-    largest = steep + 2 * longest * most * most
-    for i, n in enumerate(problem.denominators):
-        bend, pull, push = (abs(c) for c in problem.constants[i::3])
-        largest = max(largest, n * steep + longest * most * (bend * most + pull + push))
+    largest = 0
+    for terms, n in zip(ROWS, (*problem.denominators, 1, 1, 1), strict=True):
+        rate = sum(abs(term.of(problem.constants)) * most ** len(term.factors) for term in terms)
+        largest = max(largest, n * steep + longest * rate)
     return words_of(largest << (2 * pieces.level))
 
 

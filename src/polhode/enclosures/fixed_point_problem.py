@@ -1,16 +1,11 @@
 """Exact data to integers: the constants, the start and the times of one proof.
 
-Trusted.  With time in a unit 2**n of the scene in which |w| and sqrt(Mg|r0|/smallest moment) are
-at most about 1, in principal axes and with i, a, b cyclic,
-
-    w_i' = bend_i w_a w_b + pull_i gamma_a + push_i gamma_b,
-    gamma_i' = gamma_a w_b - gamma_b w_a,
-    bend_i = (I_a - I_b)/I_i,    pull_i = k_b/I_i,    push_i = -k_a/I_i,    k = Mg r0
-
-The nine constants are kept where they are fractions of a small denominator, and else rounded to
-2**-Q, the start to 2**-S, each with a proven radius (zero for numbers that are exact there).  Every
-small quantity of the proof is a double in units of 2**-P, P the noise level.  A run to negative
-times is one of the start -w, since t -> -t, w -> -w leaves the equations as they are.
+Trusted.  The equations are those of :mod:`polhode.equations.terms`, with time in a unit 2**n of the
+scene in which |w| and sqrt(Mg|r0|/smallest moment) are at most about 1.  Their coefficients are
+kept where they are fractions of a small denominator, and else rounded to 2**-Q, the start to 2**-S,
+each with a proven radius (zero for numbers that are exact there).  Every small quantity of the
+proof is a double in units of 2**-P, P the noise level.  A run to negative times is one of the start
+-w, since t -> -t, w -> -w leaves the equations as they are.
 
 With radii of the start, the set at t = 0 holds every start of the box: a proof is one for each.
 """
@@ -26,6 +21,7 @@ from typing import Any
 from flint import arb
 
 from polhode.enclosures.polynomial import Polynomial, ball, total, variable
+from polhode.equations.terms import PRODUCTS, ROWS, coefficients_of, numbers_of, product
 from polhode.numbers import exact
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact, sign
@@ -64,11 +60,12 @@ class Refused(ArithmeticError):
 class Problem:
     """One motion as integers with radii; see the module for symbols.
 
-    ``constants``: bend, pull, push, three each, as integers over ``denominators``, one for each of
-    the three rows; ``slack``: their radii, in units of 2**-noise.  ``factors``: the same constants
-    as doubles; ``factor_slack``: their radii, absolute.  ``start``: six integers times 2**-fine;
-    ``spread``: their radii in units of 2**-noise.  ``weights``: positive, of a norm in which the
-    motion hardly stretches; any would do.  ``is_box``: whether the start is more than one point.
+    ``constants``: the coefficients in the order of ``terms.NAMES`` as integers over
+    ``denominators``, one for each of the three rows of w; ``slack``: their radii, in units of
+    2**-noise.  ``factors``: the same constants as doubles; ``factor_slack``: their radii, absolute.
+    ``start``: six integers times 2**-fine; ``spread``: their radii in units of 2**-noise.
+    ``weights``: positive, of a norm in which the motion hardly stretches; any would do.
+    ``is_box``: whether the start is more than one point.
     """
 
     noise: int
@@ -85,16 +82,18 @@ class Problem:
 
     @property
     def beta(self) -> float:
-        """A bound of |B(e, e)|/|e|²: max(2, |bend_i|)."""
-        bends = zip(self.factors[:3], self.factor_slack[:3], strict=True)
-        return UP * max(2.0, *(abs(x) + r for x, r in bends))
+        """A bound of |B(e, e)|/|e|²: of each row the sum of what products of two are times."""
+        sizes = [abs(x) + r for x, r in zip(self.factors, self.factor_slack, strict=True)]
+        rows = (sum(abs(term.of(sizes)) for term in row if term in PRODUCTS) for row in ROWS)
+        return UP * float(max(rows))
 
 
 @dataclass(frozen=True)
 class Motion:
     """The exact motion of a scene in principal axes and its proof's unit of time, forward.
 
-    ``constants``: the nine, exact; ``start``: the six, exact, gamma zero where there is none.
+    ``constants``: the coefficients, exact, in the order of ``terms.NAMES``; ``start``: the six,
+    exact, gamma zero where there is none.
     ``unit``: time is measured in 2**unit of the scene's; ``backward``: t and w changed sign.
     ``radii``: of the start, six numbers from 0 on, empty where it is one point.
     """
@@ -117,25 +116,17 @@ class Motion:
             return [x + arb(0, 1) * ball(r, bits) for x, r in zip(found, self.radii, strict=True)]
 
     def balls(self, bits: int) -> list[arb]:
-        """The nine constants, each of radius below 2**-bits; raises Refused."""
+        """The constants, each of radius below 2**-bits; raises Refused."""
         return [_sharp(x, bits) for x in self.constants]
 
     @property
     def field(self) -> list[Polynomial]:
         """The right-hand sides as polynomials."""
         x = [variable(i) for i in range(6)]
-        bend, pull, push = self.constants[:3], self.constants[3:6], self.constants[6:]
-        rows = []
-        for i, (a, b) in enumerate(CYCLE):
-            terms = [x[a] * x[b] * bend[i]]
-            terms += [x[3 + a] * pull[i], x[3 + b] * push[i]]
-            rows.append(total(terms))
-        for a, b in CYCLE:
-            rows.append(x[3 + a] * x[b] - x[3 + b] * x[a])
-        return rows
-
-
-CYCLE = ((1, 2), (2, 0), (0, 1))
+        return [
+            total([product(x, term.factors) * term.of(self.constants) for term in row])
+            for row in ROWS
+        ]
 
 
 def motion(
@@ -146,25 +137,22 @@ def motion(
     ``unit``: of time, the one of the module unless given.  ``radii``: how far each component of
     omega may be from the scene's, in its axes; a box in the principal axes then holds them all.
     """
-    body, axes = scene.body, scene.body.axes
-    moments, torque = body.moments, axes.components(body.torque)
+    axes = scene.body.axes
     if unit is None:
         unit = unit_for(scene.body, scene.omega)
     by = Fraction(2) ** unit
-    k = [by * by * x for x in torque]
-    bends = [(moments[a] - moments[b]) / moments[i] for i, (a, b) in enumerate(CYCLE)]
-    pulls = [k[b] / moments[i] for i, (a, b) in enumerate(CYCLE)]
-    pushes = [-k[a] / moments[i] for i, (a, b) in enumerate(CYCLE)]
-    omega = [(-by if backward else by) * w for w in axes.components(scene.omega)]
+    forward = -by if backward else by
+    numbers = numbers_of(scene.body, forward)
+    omega = [forward * w for w in axes.components(scene.omega)]
     gamma = [exact.ZERO] * 3 if scene.gamma is None else [*axes.components(scene.gamma)]
     return Motion(
         scene,
         unit,
         backward,
-        (*bends, *pulls, *pushes),
+        tuple(coefficients_of(numbers)),
         (*omega, *gamma),
-        tuple(moments),
-        tuple(k),
+        tuple(numbers[:3]),
+        tuple(numbers[3:6]),
         radii=() if radii is None else (*_principal(axes.rows, radii, by), *[exact.ZERO] * 3),
     )
 
@@ -242,19 +230,21 @@ def _whole(
     what: Motion, balls: Sequence[Any], noise: int, bits: int | None
 ) -> tuple[tuple[int, ...], tuple[int, ...], tuple[float, ...]]:
     """The constants as integers over a denominator a row, these, and the radii."""
-    found, slack, below = [0] * 9, [0.0] * 9, []
-    for i in range(3):
-        row = what.constants[i::3]
-        exactly = [x for x in row if isinstance(x, Fraction)]
-        least = math.lcm(*(x.denominator for x in exactly)) if len(exactly) == 3 else 0
+    count, below = len(what.constants), []
+    found, slack = [0] * count, [0.0] * count
+    for row in ROWS[:3]:
+        places = [term.coefficient for term in row if term.coefficient is not None]
+        exactly = [x for k in places if isinstance(x := what.constants[k], Fraction)]
+        whole = len(exactly) == len(places)
+        least = math.lcm(*(x.denominator for x in exactly)) if whole else 0
         if bits is None and 0 < least < _SMALL:
             below.append(least)
-            for k, x in zip(range(i, 9, 3), exactly, strict=True):
+            for k, x in zip(places, exactly, strict=True):
                 found[k] = int(x * least)
             continue
         coarse = noise + _FINER if bits is None else bits
         below.append(1 << coarse)
-        for k in range(i, 9, 3):
+        for k in places:
             found[k], radius = _nearest(balls[k], coarse)
             slack[k] = upper(radius * arb((1, noise)))
     return tuple(found), tuple(below), tuple(slack)

@@ -66,7 +66,10 @@ TRUSTED = (
             *("given_numbers", "classification"),
         )
     ),
-    *(f"equations/{name}" for name in ("kinematics", "pole_passage", "column", "integrals")),
+    *(
+        f"equations/{name}"
+        for name in ("kinematics", "pole_passage", "column", "integrals", "terms")
+    ),
     "equations/forms/matrices",
     "equations/hodographs",
     *_room("equations/columns"),
@@ -169,8 +172,9 @@ def _exactly(value: Exact | Vector) -> str:
 def assumed(scene: Scene, times: Sequence[Exact]) -> tuple[str, ...]:
     """What is decided by the rule for *equal* alone."""
     found = []
+    text = scene_file.source_text(scene)  # whose reading decides more than what is written
     with noted() as met:
-        _read(scene)
+        _read(scene, {} if text is None else text.tables)
     if met:
         found.append(NUMBERS)
     with noted() as met:
@@ -197,12 +201,12 @@ def assumed(scene: Scene, times: Sequence[Exact]) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _read(scene: Scene) -> None:
+def _read(scene: Scene, tables: dict[str, object]) -> None:
     """All that is decided of the numbers as they are written, and of the weight's torque."""
     sign(scene.body.weight)
     for x in scene.body.centre:
         sign(x)
-    waiting: list[object] = [scene_file.tables(scene.source)] if scene.source else []
+    waiting: list[object] = [tables]
     while waiting:
         value = waiting.pop()
         if isinstance(value, dict):

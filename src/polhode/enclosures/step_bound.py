@@ -53,15 +53,16 @@ gamma(5) of the moduli, gamma(5) skew 6**(1/2) |A_k| in all.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from polhode.enclosures.defect import Defects
-from polhode.enclosures.fixed_point_problem import CYCLE, UP, Problem, Refused
+from polhode.enclosures.fixed_point_problem import UP, Problem, Refused
 from polhode.enclosures.taylor_polynomials import Pieces
+from polhode.equations.terms import ROWS, SLOPES, Slope
 from polhode.numbers.rounding import rounds_to_nearest
 
 U = 2.0**-53
@@ -69,6 +70,18 @@ MOST_ALPHA = 1e4
 TINY = 1e-280  # above anything that underflow can have lost
 UNDERFLOW = 1e-150  # above what squares can have lost
 ROUNDINGS = 8  # of a coefficient of a product, over k + 1; see the module
+
+
+def _most(which: Callable[[Slope], bool]) -> int:
+    """How many parts of the derivative a row has at most, of a kind."""
+    return max(sum(which(x) for x in SLOPES if x.row == row) for row in range(len(ROWS)))
+
+
+#: Parts of a row of the derivative: that another variable enters, those of them whose coefficient
+#: is the body's, and those that are constant.
+_VARYING = _most(lambda x: x.other is not None)
+_OF_THE_BODY = _most(lambda x: x.other is not None and x.term.coefficient is not None)
+_CONSTANT = _most(lambda x: x.other is None)
 
 
 def check_arithmetic() -> None:
@@ -110,19 +123,15 @@ class Bounds:
 
 def jacobian(problem: Problem, near: Any, lengths: Any) -> Any:
     """Coefficients of h f'(x~) from doubles near those of x~: (W, p + 1, 6, 6)."""
-    bend, pull, push = (problem.factors[k : k + 3] for k in (0, 3, 6))
     steps, count = near.shape[:2]
     found = np.zeros((steps, count, 6, 6))
     scaled = near * lengths[:, None, None]
-    for i, (a, b) in enumerate(CYCLE):
-        found[:, :, i, a] = bend[i] * scaled[:, :, b]
-        found[:, :, i, b] = bend[i] * scaled[:, :, a]
-        found[:, 0, i, 3 + a] = pull[i] * lengths
-        found[:, 0, i, 3 + b] = push[i] * lengths
-        found[:, :, 3 + i, 3 + a] = scaled[:, :, b]
-        found[:, :, 3 + i, 3 + b] = -scaled[:, :, a]
-        found[:, :, 3 + i, b] = scaled[:, :, 3 + a]
-        found[:, :, 3 + i, a] = -scaled[:, :, 3 + b]
+    for row, column, term, other in SLOPES:
+        coefficient = term.of(problem.factors)
+        if other is None:
+            found[:, 0, row, column] += coefficient * lengths
+        else:
+            found[:, :, row, column] += coefficient * scaled[:, :, other]
     return found
 
 
@@ -153,6 +162,8 @@ def bounds(problem: Problem, known: Defects, correction: Any, matrices: Any) -> 
     pieces = known.pieces
     steps, count = pieces.near.shape[:2]
     correction, matrices = np.array(correction, dtype=float), np.array(matrices, dtype=float)
+    if _adds(problem):
+        raise Refused("a derivative whose entries are sums is not bounded")
     fits = matrices.ndim == 4 and matrices.shape[::2] == (steps, 6) == matrices.shape[::3]
     if correction.shape != pieces.near.shape or not (fits and matrices.shape[1]):
         raise Refused("an approximation does not fit")
@@ -191,6 +202,13 @@ def bounds(problem: Problem, known: Defects, correction: Any, matrices: Any) -> 
     )
 
 
+def _adds(problem: Problem) -> bool:
+    """Whether two parts of the derivative are added, which rounds once more than is bounded."""
+    constants = problem.factors, problem.factor_slack
+    places = [(x.row, x.column) for x in SLOPES if any(x.term.of(c) for c in constants)]
+    return len({*places}) < len(places)
+
+
 def _delta(
     problem: Problem,
     known: Defects,
@@ -212,12 +230,11 @@ def _delta(
     found = found + gamma(2 + known.roundings) * d_sum + a_gap * sigma
     largest = np.sum(np.abs(pieces.near) + pieces.gap[:, :, None], axis=1)  # sup |x~_i|
     missed = np.zeros((pieces.count, 3))
-    for i, (p, q) in enumerate(CYCLE):
-        missed[:, i] = (
-            problem.slack[i] * largest[:, p] * largest[:, q]
-            + problem.slack[3 + i] * largest[:, 3 + p]
-            + problem.slack[6 + i] * largest[:, 3 + q]
-        )
+    for term in (term for row in ROWS[:3] for term in row):
+        part = term.of(problem.slack)
+        for n in term.factors:
+            part = part * largest[:, n]
+        missed[:, term.row] += part
     return UP * (found + pieces.lengths * np.max(missed, axis=1)) + TINY
 
 
@@ -241,10 +258,11 @@ def _matrix_residual(
 
 def _jacobian_gaps(problem: Problem, pieces: Pieces, lengths: Any) -> Any:
     """|A_k - the doubles multiplied exactly|: from the gaps of x~ and of the constants."""
-    bend, slack = max(map(abs, problem.factors[:3])), max(problem.factor_slack)
+    slack = max(problem.factor_slack)
+    steepest = max(abs(x.term.of(problem.factors)) for x in SLOPES if x.other is not None)
     largest = np.max(np.abs(pieces.near), axis=2) + pieces.gap
-    found = 4.0 * max(1.0, bend) * pieces.gap + 2.0 * slack * largest
-    found[:, 0] += 2.0 * slack
+    found = _VARYING * steepest * pieces.gap + _OF_THE_BODY * slack * largest
+    found[:, 0] += _CONSTANT * slack
     return UP * found * lengths[:, None]
 
 

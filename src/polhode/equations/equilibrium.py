@@ -16,10 +16,8 @@ from polhode.numbers import exact
 from polhode.numbers.exact import Exact
 from polhode.numbers.vectors import (
     Vector,
-    cross,
     dot,
     is_zero,
-    minus,
     parallel,
     quaternion_product,
     scaled,
@@ -43,10 +41,7 @@ def at_rest(scene: Scene) -> Rest:
     along = gamma is None or parallel(gamma, omega)  # gamma' = gamma × w
     if not along and not body.torque_free:
         return Rest(False, False)
-    gyroscopic = cross(omega, body.momentum(omega))
-    if gamma is not None and not body.torque_free:
-        gyroscopic = minus(gyroscopic, cross(gamma, body.torque))
-    still = is_zero(gyroscopic)
+    still = is_zero(body.moment(omega, gamma))
     return Rest(still, still and along)
 
 

@@ -14,6 +14,7 @@ from polhode.numbers.rows import Doubles
 from polhode.numbers.vectors import cross, inverse
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import REQUESTS
 
 
 def field(scene: Scene | str | Path) -> Callable[[float, npt.ArrayLike], Doubles]:
@@ -54,7 +55,7 @@ def field(scene: Scene | str | Path) -> Callable[[float, npt.ArrayLike], Doubles
     >>> f(0, f.start).round(12).tolist()
     [0.615, -1.128, 0.0, -0.18, -3.184, 0.24]
     """
-    return _Field(library.load(scene))
+    return _Field(library.load(scene, takes=REQUESTS))
 
 
 class _Field:

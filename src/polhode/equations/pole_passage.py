@@ -20,7 +20,7 @@ import math
 from typing import NamedTuple
 
 from polhode.numbers.exact import sign
-from polhode.numbers.vectors import Vector, apply, cross, inverse, minus
+from polhode.numbers.vectors import Vector, apply, inverse
 from polhode.scenes.scene import Scene
 
 
@@ -49,8 +49,7 @@ def departure(scene: Scene) -> Departure | None:
 def _slope(scene: Scene) -> Vector:
     """w' at the start."""
     assert scene.gamma is not None
-    momentum = apply(scene.body.inertia, scene.omega)
-    moment = minus(cross(scene.gamma, scene.body.torque), cross(scene.omega, momentum))
+    moment = scene.body.moment(scene.omega, scene.gamma)
     return apply(inverse(scene.body.inertia), moment)
 
 

@@ -35,7 +35,7 @@ from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME
 from polhode.scenes.given_numbers import reader as read_times
 from polhode.scenes.scene import Scene
-from polhode.scenes.vocabulary import ANGLES, ATTITUDE, SPACE, STATE
+from polhode.scenes.vocabulary import ANGLES, ATTITUDE, REQUESTS, SPACE, STATE
 
 #: The outputs that a run for a figure of a motion needs; of the others none.
 OUTPUTS = {
@@ -127,7 +127,7 @@ def drawing_of(
         if isinstance(source, Saved) and kind == "Frequencies":
             notes.append(f"{name}: the lines alone, no spectrum: a file has no samples")
         return Drawing(source, catalogue.chosen(kind, what, name), name, tuple(notes))
-    scene = library.load(source)
+    scene = library.load(source, takes=REQUESTS)
     return _of_scene(scene, what or usual, request, None, progress)
 
 
@@ -202,7 +202,7 @@ def _of_table(path: Path, what: str, request: Request) -> Drawing:
     """A table as it is."""
     source = str(path)
     _check(what, source)
-    scene = None if request.scene is None else library.load(request.scene)
+    scene = None if request.scene is None else library.load(request.scene, takes=REQUESTS)
     if what in (*OVER_TIME, "momentum", MOTION) and scene is None:
         raise BadInput(source, "--scene", None, f"the scene that the file belongs to, for {what}")
     request.refuse(source, ("end",), "no --{}: a file is drawn whole")

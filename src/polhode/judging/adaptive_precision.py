@@ -21,6 +21,7 @@ from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import REQUESTS
 from polhode.taylor.backend import defaults
 
 MOST_SECONDS = 600.0  # by which the digits that a motion loses may make a run longer, about
@@ -181,7 +182,7 @@ def integrate(
             return integrate(**asked)
         with bar(library.load(scene).name) as tell:
             return integrate(**asked, progress=tell)
-    scene = library.load(scene)
+    scene = library.load(scene, takes=REQUESTS)
     if at is not None:
         scene = scene.at(at)
     if digits is not None:

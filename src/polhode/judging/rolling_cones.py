@@ -12,7 +12,9 @@ from polhode.numbers.conversion import mpf_row, to_mpf
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.row_formulas import GUARD_BITS
 from polhode.numbers.vectors import cross, dot, minus
+from polhode.scenes import library
 from polhode.scenes.body import Body
+from polhode.scenes.vocabulary import REQUESTS
 
 if TYPE_CHECKING:
     from polhode.runs.trajectory import Trajectory
@@ -87,6 +89,7 @@ def rolling(run: Trajectory) -> Rolling:
     from polhode.runs.trajectory import Trajectory
 
     of_kind("rolling", "run", run, Trajectory, "a Trajectory")
+    library.load(run.scene, takes=REQUESTS)
     curves, width = run.hodographs, 2 * HALF_WINDOW + 1
     attitude = run.attitude
     if curves is None or attitude is None or len(run.times) < width:

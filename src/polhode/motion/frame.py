@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import fields
 from fractions import Fraction
+from functools import lru_cache
 from typing import NamedTuple, TypeVar
 
 from polhode.numbers import exact
@@ -67,7 +68,7 @@ class Frame(NamedTuple):
     @property
     def unit(self) -> Fraction:
         """The unit of time inside, in the scene's."""
-        return Fraction(2) ** self.exponent
+        return _power_of_two(self.exponent)
 
     def time(self, t: Time) -> Time:
         """A time of the scene's as it is inside."""
@@ -144,6 +145,11 @@ class Frame(NamedTuple):
             for first, _, third in (IDENTITY, self.axes.directions)
         )
         return exact.arctan2(dot(cross(nodes, own), gamma), dot(nodes, own))
+
+
+@lru_cache(1024)
+def _power_of_two(exponent: int) -> Fraction:
+    return Fraction(2) ** exponent
 
 
 #: The frame of a scene inside one.

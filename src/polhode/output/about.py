@@ -66,7 +66,7 @@ def about(cite: bool = False) -> About:
             "cpu": cpu(),
             "cases": len(library.names()),
             "cache": _cache(),
-            "refined": _self_test(),
+            "refined": _refinement(),
         }
     )
 
@@ -88,18 +88,20 @@ def _cache() -> Mapping[str, object]:
     return heyoka_numbers.cache()
 
 
-def _self_test() -> str:
+def _refinement() -> str:
     """Whether runs of quad and more digits can be refined here."""
+    from polhode.refined.collocation_tables import tables
     from polhode.refined.errors import CannotRefine
     from polhode.refined.refinement import QUAD
-    from polhode.refined.self_test import trusted_kernels, trusted_tables
     from polhode.taylor.backend import engine
 
     if not engine.installed:
         return "not here: no heyoka"
+    from polhode.refined.compiled_field import kernels
+
     try:
-        trusted_kernels(QUAD.limbs)
-        trusted_tables(QUAD.limbs, QUAD.nodes(6))
+        kernels(QUAD.limbs)
+        tables(QUAD.limbs, QUAD.nodes(6))
     except CannotRefine as fault:
         return f"not here: {fault}"
-    return "self-test passed"
+    return "compiled"

@@ -28,7 +28,7 @@ from polhode.scenes import library
 from polhode.scenes.classification import kind_of_body
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of
-from polhode.scenes.vocabulary import COLUMNS
+from polhode.scenes.vocabulary import COLUMNS, REQUESTS
 
 SECONDS = 1.0  # that frequencies may take
 _BOOK = "Yehia, Rigid Body Dynamics: A Lagrangian Approach"
@@ -83,7 +83,7 @@ def describe(scene: Scene | str | Path) -> Description:
     scene : Scene, str or Path
         A case that ships, or a path.
     """
-    scene = library.load(scene)
+    scene = library.load(scene, takes=REQUESTS)
     return Description(scene, described(scene))
 
 

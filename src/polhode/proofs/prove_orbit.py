@@ -24,6 +24,7 @@ from polhode.proofs.proved_orbit import ProvedOrbit, of_proof
 from polhode.proofs.refusals import NotProved
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import REQUESTS
 
 DIGITS = 30
 MOST_DIGITS = 200
@@ -92,7 +93,7 @@ def prove_orbit(
     >>> print(str(found.period)[:32])  # 2 pi
     6.283185307179586476925286766559
     """
-    scene = library.load(scene)
+    scene = library.load(scene, takes=REQUESTS)
     wanted = whole(scene.name, "digits", digits, 1, MOST_DIGITS)
     bodies = tolerance_of(scene.name, tolerance)
     guess = {"period": period, "returns": returns, "search": search, "pick": pick}
@@ -109,7 +110,7 @@ def prove_orbit(
     if isinstance(orbit, Orbit) and _alike(orbit.surface, on):
         candidate = certified_orbit.of_closed(on, orbit.closed)
     else:
-        near = orbit.scene if isinstance(orbit, Orbit) else library.load(orbit)
+        near = orbit.scene if isinstance(orbit, Orbit) else library.load(orbit, takes=REQUESTS)
         candidate = near_scene(on, near)
     return proved(candidate, wanted, progress, bodies)
 

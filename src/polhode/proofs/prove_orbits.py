@@ -18,6 +18,7 @@ from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import REQUESTS
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -132,7 +133,7 @@ def prove_orbits(
     >>> found.column("proven"), found.proofs[0].kind
     ([True], 'elliptic')
     """
-    scene = library.load(scene)
+    scene = library.load(scene, takes=REQUESTS)
     bodies = tolerance_of(scene.name, tolerance)
     found = orbit_search(scene, grid, crossings, h, f, progress)
     return ProvedOrbits(found, tuple(prove_all(found, digits, bodies)))

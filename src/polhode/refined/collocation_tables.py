@@ -11,6 +11,7 @@ import numpy as np
 
 from polhode.numbers.rows import Doubles
 from polhode.refined.compiled_field import FIELD_SHIFT
+from polhode.refined.errors import CannotRefine
 from polhode.refined.expansions import Limbs
 from polhode.refined.gauss_legendre import Gauss, gauss
 
@@ -72,8 +73,9 @@ class Tables:
 
 
 @cache
+@cache
 def tables(limbs: Limbs, count: int) -> Tables:
-    """The tables for ``count`` fine nodes."""
+    """The tables for ``count`` fine nodes; raises CannotRefine where there are too many."""
     bits = limbs.finest + _TABLE_BITS
     table = gauss(count, bits)
     one = Fraction(1, 1 << bits)
@@ -120,7 +122,9 @@ def _check(split: Doubles, limbs: Limbs) -> None:
             largest = LARGEST_FIELD if j == 1 else 2.0 ** -(field.place(j - 1) + 1)
             bound = bound + np.abs(split[:, :, i - 1]).sum(axis=1).max() * largest
         if bound * 2.0 ** (limbs.width * total) >= 2.0**53:
-            raise ValueError(f"{split.shape[1]} nodes are too many for limbs of {limbs.width} bits")
+            raise CannotRefine(
+                f"{split.shape[1]} nodes are too many for limbs of {limbs.width} bits"
+            )
 
 
 def _middle(table: Gauss, coarse: Gauss) -> tuple[Doubles, Doubles, Doubles]:

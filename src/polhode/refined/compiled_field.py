@@ -1,16 +1,11 @@
 """The field and its derivative as compiled functions of whole arrays: heyoka is the compiler.
 
-The Euler–Poisson equations in principal axes (3.29), with x = (w1, w2, w3, g1, g2, g3):
-
-    w1' = k1 w2 w3 + k4 g2 + k5 g3,
-    w2' = k2 w3 w1 + k6 g3 + k7 g1,
-    w3' = k3 w1 w2 + k8 g1 + k9 g2,    gamma' = gamma × w,
-
-k1 ... k9 in the order of :data:`polhode.equations.forms.principal.NAMES`.
+The equations are those of :mod:`polhode.equations.terms`, with x = (w1, w2, w3, g1, g2, g3) and
+their coefficients k in the order of ``NAMES``.
 
 Four functions of one node each, all of them times the length H of the node's interval.  The body's
 constants are parameters, so that one compiled set serves every body.  heyoka neither simplifies
-``(x + c) - c`` nor reassociates; :mod:`polhode.refined.self_test` sees to it that it is so here.
+``(x + c) - c`` nor reassociates; tests compare the field with integers, to the bit.
 """
 
 from __future__ import annotations
@@ -19,11 +14,13 @@ from collections.abc import Sequence
 from functools import cache
 from typing import Any, NamedTuple
 
+from polhode.equations.terms import NAMES, ROWS, SLOPES, Term
+from polhode.refined.errors import CannotRefine
 from polhode.refined.expansions import Levels, Limbs, product
 from polhode.taylor.backend.engine import hy
 
-VARIABLES = 6
-COEFFICIENTS = 9  # and H after them
+VARIABLES = len(ROWS)
+COEFFICIENTS = len(NAMES)  # and H after them
 
 #: Limbs of H f end two bits higher than those of the state: |H f| <= 4, so the first is as short.
 FIELD_SHIFT = 2
@@ -34,9 +31,9 @@ _COMPACT_FROM = 7  # limbs from which on the kernel is compiled in heyoka's comp
 class Kernels(NamedTuple):
     """Compiled functions; arguments and results are rows, one column per node.
 
-    ``field``: 6 L limbs of x -> 6 L limbs of H f(x); parameters 10 L, limbs of k1 ... k9 and H.
+    ``field``: 6 L limbs of x -> 6 L limbs of H f(x); parameters limbs of the k, and of H.
     ``push``: x, a, b -> H J(x) (a + b) (6).  ``costate``: x, Y - 1 by rows -> -H Y J(x) (36).
-    ``gather``: x, r, Y - 1 -> Y (H J(x) r) (6).  These three in double, parameters k1 ... k9, H.
+    ``gather``: x, r, Y - 1 -> Y (H J(x) r) (6).  These three in double, parameters k, H.
     """
 
     field: Any
@@ -47,27 +44,39 @@ class Kernels(NamedTuple):
 
 @cache
 def kernels(limbs: Limbs) -> Kernels:
-    """The compiled set for numbers of this kind; from heyoka's cache on the disk where it can."""
-    return Kernels(_field(limbs), _push(), _costate(), _gather())
+    """The compiled set for numbers of this kind; from heyoka's cache on the disk where it can.
+
+    Raises CannotRefine where it cannot be compiled.
+    """
+    try:
+        return Kernels(_field(limbs), _push(), _costate(), _gather())
+    except (RuntimeError, ValueError) as fault:
+        raise CannotRefine(f"the field cannot be compiled: {fault}") from None
 
 
 def _field(kind: Limbs) -> Any:
     n = kind.count
     names = [f"x{v}{i}" for v in range(VARIABLES) for i in range(n)]
     x = hy.make_vars(*names)
-    w, g = _grouped(x[: 3 * n], n), _grouped(x[3 * n :], n)
+    limbs = _grouped(x, n)
     k = [[hy.par[c * n + i] for i in range(n)] for c in range(COEFFICIENTS + 1)]
     length = k.pop()
     rates = []
-    for a in range(3):
-        b, c = (a + 1) % 3, (a + 2) % 3
-        turning = product(k[a], product(w[b], w[c]).limbs(kind))
-        rates.append(turning + product(k[3 + 2 * a], g[b]) + product(k[4 + 2 * a], g[c]))
-    for a in range(3):
-        b, c = (a + 1) % 3, (a + 2) % 3
-        rates.append(product(g[b], w[c]) - product(g[c], w[b]))
+    for row in ROWS:
+        first, *others = (_value(term, limbs, k, kind) for term in row)  # whose sign is 1
+        for term, value in zip(row[1:], others, strict=True):
+            first = first + value if term.sign > 0 else first - value
+        rates.append(first)
     found = [_times(rate, length, kind) for rate in rates]
     return hy.cfunc([e for row in found for e in row], x, compact_mode=n >= _COMPACT_FROM)
+
+
+def _value(term: Term, limbs: list[list[Any]], k: list[list[Any]], kind: Limbs) -> Levels:
+    """A term but for its sign."""
+    x, *y = (limbs[n] for n in term.factors)
+    if term.coefficient is None:
+        return product(x, y[0])
+    return product(k[term.coefficient], product(x, y[0]).limbs(kind) if y else x)
 
 
 def _times(rate: Levels, length: list[Any], kind: Limbs) -> list[Any]:
@@ -84,16 +93,16 @@ def _names(letter: str, count: int) -> list[str]:
 
 def _jacobian(x: Sequence[Any]) -> dict[tuple[int, int], Any]:
     """The entries of J that are not zero, without H."""
-    k = [hy.par[c] for c in range(COEFFICIENTS)]
-    w, g = x[:3], x[3:]
-    found = {}
-    for a in range(3):
-        b, c = (a + 1) % 3, (a + 2) % 3
-        found[a, b], found[a, c] = k[a] * w[c], k[a] * w[b]
-        found[a, 3 + b], found[a, 3 + c] = k[3 + 2 * a], k[4 + 2 * a]
-        # g_a' = g_b w_c - g_c w_b
-        found[3 + a, 3 + b], found[3 + a, 3 + c] = w[c], -w[b]
-        found[3 + a, b], found[3 + a, c] = -g[c], g[b]
+    found: dict[tuple[int, int], Any] = {}
+    for row, column, term, other in SLOPES:
+        if term.coefficient is None:
+            assert other is not None
+            value = x[other] if term.sign > 0 else -x[other]
+        else:
+            value = hy.par[term.coefficient]
+            value = value if other is None else value * x[other]
+        at = row, column
+        found[at] = found[at] + value if at in found else value
     return found
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from polhode.equations.forms import principal
+from polhode.equations.terms import NAMES
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.rows import Doubles
 from polhode.refined.collocation_tables import LARGEST_FIELD
@@ -72,7 +72,7 @@ def base(
 
     ``most``: steps to take.  Raises CannotRefine where the run does not succeed.
     """
-    with principal_engine(Equations(STATE, principal.NAMES), Engine) as ready:
+    with principal_engine(Equations(STATE, NAMES), Engine) as ready:
         unit = _first_guess(ready, system, state, end - origin)
         for _ in range(4):
             found, fastest = _run(ready, system, state, origin, end, unit, m, most)
@@ -84,7 +84,7 @@ def base(
 
 
 def _begin(ta: Engine, system: RationalSystem, state: tuple[Fraction, ...], unit: int) -> None:
-    ta.parameters[: len(principal.NAMES)] = [float(x) for x in system.coefficients_in(unit)]
+    ta.parameters[: len(NAMES)] = [float(x) for x in system.coefficients_in(unit)]
     ta.stand([float(x) for x in with_rates(state, -unit)])
 
 
@@ -128,8 +128,7 @@ def _run(
     speeds = np.append(speeds, math.hypot(*ta.state[:3]))
     if not np.isfinite(speeds).all():
         raise CannotRefine("the run in double failed")
-    weight = max(abs(float(x)) for x in system.coefficients_in(unit)[3:]) ** 0.5
-    edges = intervals(times, speeds, weight, m, whole)
+    edges = intervals(times, speeds, system.rate(unit), m, whole)
     final = whole and last < _LONGEST
     if final:
         edges = edges[: max(1, len(edges) - 1)]

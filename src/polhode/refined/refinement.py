@@ -19,6 +19,8 @@ from polhode.common.progress import Progress
 from polhode.numbers.rows import Doubles
 from polhode.refined.attitude import Attitude, Following
 from polhode.refined.attitude_correction import turns
+from polhode.refined.collocation_tables import tables
+from polhode.refined.compiled_field import kernels
 from polhode.refined.deferred_correction import Constants, Intervals, Solved, solve
 from polhode.refined.double_run import STEPS, Base, base
 from polhode.refined.error_estimate import Estimate, Side, Stretch, estimate, made
@@ -26,7 +28,6 @@ from polhode.refined.errors import CannotRefine, TooFarOff, TooLong
 from polhode.refined.expansions import Limbs
 from polhode.refined.interval_blocks import WIDTH, Block, cut
 from polhode.refined.scaled_problem import RationalSystem, rational_system, with_rates
-from polhode.refined.self_test import trusted_kernels, trusted_tables
 from polhode.scenes.scene import Scene
 from polhode.taylor.backend.process_settings import one_blas_thread, one_thread
 
@@ -193,8 +194,8 @@ class _Run:
         split = np.array([limbs.split(k) for k in self.system.coefficients_in(unit)])
         return Constants(
             limbs,
-            trusted_kernels(limbs),
-            trusted_tables(limbs, self._nodes),
+            kernels(limbs),
+            tables(limbs, self._nodes),
             split,
             self.wanted.target,
             self.wanted.sweeps,

@@ -467,14 +467,9 @@ def propagator(
     >>> go(start, t=[1, 2, 3]).shape, go.outcome.done
     ((3, 6), True)
     """
-    scene = library.load(scene)
-    if scene.events:
-        names = ", ".join(event.name for event in scene.events)
-        raise BadInput(scene.name, "events", names, "none, or polhode.integrate")
+    scene = library.load(scene, takes=("outputs",))
     if scene.outputs:
         scene = replace(scene, outputs=())
-    if scene.form != "principal":
-        raise BadInput(scene.name, "run.form", scene.form, "principal, or polhode.integrate")
     kind = choose_number(scene, number, None)
     if not kind.flat:
         raise BadInput(scene.name, "number", kind.name, "double or extended")

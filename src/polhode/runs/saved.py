@@ -246,7 +246,7 @@ def _scene(facts: Mapping[str, Value], times: tuple[Fraction, ...]) -> Scene:
     if not len(scene.times) and times:
         listed = np.array([to_double(t) for t in times])
         scene = scene.at(listed_times(scene.name, "t", listed))
-    return replace(scene, source=text if source is None else _of(str, source))
+    return scene if source is None else replace(scene, source=_of(str, source))
 
 
 def _rows(columns: Mapping[str, Any], names: Sequence[str], number: NumberType) -> States:

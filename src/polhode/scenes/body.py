@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import InitVar, dataclass, field
+from dataclasses import InitVar, dataclass, field, replace
 from fractions import Fraction
-from typing import cast
+from typing import Any, cast
 
 from polhode.common.arguments import each, of_kind
 from polhode.common.cached_property import cached_property
@@ -257,6 +257,23 @@ class Body:
             weight = mass * gravity
         return cls(inertia, centre, weight, solids)  # type: ignore[arg-type]
 
+    def replaced(
+        self,
+        *,
+        inertia: Matrix | None = None,
+        centre: Vector | None = None,
+        weight: Exact | None = None,
+    ) -> Body:
+        """The same body but for what is given; raises UnphysicalBody.
+
+        Its parts go where inertia or centre are no longer theirs.
+        """
+        numbers = {"inertia": inertia, "centre": centre, "weight": weight}
+        changes: dict[str, Any] = {name: x for name, x in numbers.items() if x is not None}
+        if inertia is not None or centre is not None:
+            changes["parts"] = ()
+        return replace(self, **changes)
+
     def _check_parts(self) -> None:
         """Refuse parts that are not this body's."""
         if self.parts:
@@ -299,6 +316,13 @@ class Body:
     def momentum(self, omega: Vector) -> Vector:
         """G = I w in body axes."""
         return apply(self.inertia, omega)
+
+    def moment(self, omega: Vector, gamma: Vector | None) -> Vector:
+        """I w' = Mg gamma × r0 - w × G in body axes; without gamma of a torque-free body."""
+        of_weight: Vector = (ZERO, ZERO, ZERO)
+        if gamma is not None and not self.torque_free:
+            of_weight = cross(gamma, self.torque)
+        return minus(of_weight, cross(omega, self.momentum(omega)))
 
     def omega(self, momentum: Vector) -> Vector:
         """w = I⁻¹ G in body axes."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Collection
 from fnmatch import fnmatchcase
 from pathlib import Path
 
@@ -44,13 +45,16 @@ def ships(name: str) -> bool:
     return True
 
 
-def load(scene: Scene | str | Path) -> Scene:
+def load(scene: Scene | str | Path, *, takes: Collection[str] | None = None) -> Scene:
     """Load a scene by the name of a case that ships, or by a path.
 
     Parameters
     ----------
     scene : Scene, str or Path
         A name such as "lagrange/nutation", a path of a TOML file, or a Scene, which is returned.
+    takes : collection of str, optional
+        The words of what the scene may have beyond a heavy body, a start and times: "outputs",
+        "events", "form"; all of it by default.  A function that would ignore the rest refuses it.
 
     Returns
     -------
@@ -60,7 +64,8 @@ def load(scene: Scene | str | Path) -> Scene:
     Raises
     ------
     BadInput
-        An unknown case or file, or one that is no scene: file, key, value and what was expected.
+        An unknown case or file, or one that is no scene, or has what is not taken: file, key, value
+        and what was expected.
 
     Examples
     --------
@@ -68,13 +73,15 @@ def load(scene: Scene | str | Path) -> Scene:
     >>> polhode.load("lagrange/nutation")
     <Scene lagrange/nutation: moments 1, 1, 1/2, 81 times to t = 40>
     """
-    if isinstance(scene, Scene):
-        return scene
-    from polhode.scenes import scene_file
+    if not isinstance(scene, Scene):
+        from polhode.scenes import scene_file
 
-    found = scene_file.read(*place(scene))
-    found.speak()
-    return found
+        scene = scene_file.read(*place(scene))
+        scene.speak()
+    for word, key, value, usual in scene.extras:
+        if takes is not None and word not in takes:
+            raise BadInput(scene.name, key, value, f"{usual}, or polhode.integrate")
+    return scene
 
 
 def _expected(given: object) -> str:

@@ -7,7 +7,7 @@ as in Yehia, *Rigid Body Dynamics: A Lagrangian Approach*, chapter 3.  The first
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import InitVar, dataclass, field
 from typing import NamedTuple
 
@@ -262,6 +262,19 @@ class Scene:
         And what of them is possible, and hardly meant.
         """
         return tuple(filter(None, (*self.changes, self.doubt)))
+
+    @property
+    def extras(self) -> Iterator[tuple[str, str, object, str]]:
+        """What it has beyond a heavy body, a start and times, of which not every door knows.
+
+        Of each its word, its key, its value, and what a scene without it has there.
+        """
+        if self.outputs:
+            yield "outputs", "outputs", ", ".join(self.outputs), "none"
+        if self.events:
+            yield "events", "events", ", ".join(event.name for event in self.events), "none"
+        if self.form != "principal":
+            yield "form", "run.form", self.form, "principal"
 
     @property
     def changes(self) -> tuple[str, ...]:

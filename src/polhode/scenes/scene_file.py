@@ -7,10 +7,11 @@ import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from polhode.common.errors import UNREADABLE, BadInput, nearest
 from polhode.common.files import called, read_whole
+from polhode.common.value_semantics import waiting
 from polhode.numbers import expression
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.expression import ExpressionError
@@ -43,6 +44,32 @@ _BEGINNING = rf"{_NUMBER}\s*(?:[*/+^-]|[^\W\d_])|\.\d|\d+\.(?!\d)|\(|(?:pi|sqrt|
 _BARE = re.compile(rf"(?:^|[=\[,])\s*([+-]?(?:{_BEGINNING})[^=,\]}}#\"']*)(?=[=,\]}}#]|$)")
 
 
+class SceneText(str):
+    """The text of a scene file, and what the reader had of it.
+
+    ``tables``: those of TOML, not to be written to.  ``values``: what became of them, by the
+    scene's fields.  A scene that was changed since has the text still, and other values.
+    """
+
+    tables: dict[str, Any]
+    values: dict[str, Any]
+
+    @classmethod
+    def of(cls, text: str, tables: dict[str, Any], values: dict[str, Any]) -> SceneText:
+        """A text that was read."""
+        read_text = cls(text)
+        read_text.tables, read_text.values = tables, values
+        return read_text
+
+    def tells(self, scene: Scene, *fields: str) -> bool:
+        """Whether these fields of a scene, by default all, are still what the text says."""
+        names = fields or tuple(self.values)
+        return all(
+            (getattr(scene, name),) == (self.values[name],)  # of the same object without a look
+            for name in names
+        )
+
+
 def read(path: Path, name: str | None = None) -> Scene:
     """The scene in a file, by that name or by the file's; raises BadInput, which tells the path."""
     if name is None:
@@ -65,6 +92,18 @@ def parse(text: str, name: str = "scene") -> Scene:
     return _File(name, tables(text, name)).scene(text)
 
 
+def source_text(scene: Scene) -> SceneText | None:
+    """A scene's text with what was read from it; None of a scene without; raises BadInput.
+
+    A text that was given to the scene, or written from numbers, is read when this is first asked.
+    """
+    text = scene.source
+    if text and not isinstance(text, SceneText):
+        text = parse(text, scene.name).source
+        vars(scene)["_source"] = text  # threads that ask at once may each read it
+    return text if isinstance(text, SceneText) else None
+
+
 def of_tables(data: dict[str, object], name: str, text: Callable[[], str]) -> Scene:
     """The scene in tables that were never a text; ``text`` writes them where it is wanted."""
     return _File(name, data).scene(text)
@@ -84,11 +123,6 @@ def body_and_start(
         body = body_of(reading, reading.table("body"))
     omega, gamma, psi = start_of(reading, reading.table("start"), body)
     return body, omega, gamma, psi, reading.change
-
-
-def times_of(run: dict[str, Any], name: str) -> Sequence[Exact]:
-    """The output times that a table [run] asks for; raises BadInput."""
-    return _File(name, {}).times(run)
 
 
 def exact_value(value: object, key: str, name: str) -> Exact:
@@ -127,7 +161,7 @@ class _File(Reading):
     """A scene file being read."""
 
     def scene(self, text: str | Callable[[], str]) -> Scene:
-        """The scene of the file with this text."""
+        """The scene of the file with this text, or with one that a function writes."""
         data = self.data
         self.known("", data)
         if data.get("schema") != 1 or isinstance(data.get("schema"), bool):
@@ -143,28 +177,26 @@ class _File(Reading):
         times = self.times(run)
         published = tuple(self.published(i, p) for i, p in enumerate(self.tables("published")))
         units = self.read("", data, "units")
-        return Scene(
-            body=body,
-            omega=omega,
-            gamma=gamma,
-            psi=psi,
-            times=times,
-            name=self.name,
-            title=self.read("", data, "title"),
-            tags=self.read("", data, "tags"),
-            cite=self.read("", data, "cite"),
-            form=self.read("run", run, "form"),
-            outputs=self.read("run", run, "outputs"),
-            events=tuple(self.event(i, e) for i, e in enumerate(self.tables("events"))),
-            published=published,
-            reference=kind,
-            expect=self.expect(self.table("expect", required=False)),
-            source=cast(str, text),  # a function may wait there
-            section=self.section(self.table("section", required=False)),
-            units=units or ("SI" if self.in_si else ""),
-            change=self.change,
-            doubt=self.doubt,
-        )
+        values: dict[str, Any] = {
+            "body": body,
+            "omega": omega,
+            "gamma": gamma,
+            "psi": psi,
+            "times": times,
+            "title": self.read("", data, "title"),
+            "tags": self.read("", data, "tags"),
+            "cite": self.read("", data, "cite"),
+            "form": self.read("run", run, "form"),
+            "outputs": self.read("run", run, "outputs"),
+            "events": tuple(self.event(i, e) for i, e in enumerate(self.tables("events"))),
+            "published": published,
+            "reference": kind,
+            "expect": self.expect(self.table("expect", required=False)),
+            "section": self.section(self.table("section", required=False)),
+            "units": units or ("SI" if self.in_si else ""),
+        }
+        source = SceneText.of(text, data, values) if isinstance(text, str) else waiting(text)
+        return Scene(**values, name=self.name, source=source, change=self.change, doubt=self.doubt)
 
     # -- sections -----------------------------------------------------------------------------
 

@@ -64,8 +64,9 @@ def as_toml(scene: Scene) -> str:
     <BLANKLINE>
     """
     of_kind("as_toml", "scene", scene, Scene, "a Scene")
-    if scene.source and scene_file.parse(scene.source, scene.name) == scene:
-        return scene.source
+    text = scene_file.source_text(scene)
+    if text is not None and text.tells(scene):
+        return str(text)
     data: dict[str, Any] = {key: _plainly(getattr(scene, key)) for key in _TITLES}
     data |= tables_of(scene)
     data["run"] = {"form": scene.form, "outputs": list(scene.outputs)} | _times(scene)
@@ -198,10 +199,10 @@ def _plainly(value: str | Sequence[str]) -> Any:
 def _times(scene: Scene) -> dict[str, Any]:
     """The file's own words for the times; end and samples where they are even; else the times."""
     times, count = scene.times, len(scene.times)
-    if scene.source:
-        written_there = scene_file.tables(scene.source, scene.name).get("run", {})
-        if scene_file.times_of(written_there, scene.name) == times:
-            return {key: written_there[key] for key in _OF_TIMES if key in written_there}
+    text = scene_file.source_text(scene)
+    if text is not None and text.tells(scene, "times"):
+        written_there = text.tables.get("run", {})
+        return {key: written_there[key] for key in _OF_TIMES if key in written_there}
     if not times:
         return {}
     even = count > 1 and times[0] == 0

@@ -24,6 +24,7 @@ from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.scenes import library, scene_file
 from polhode.scenes.scene import Scene
 from polhode.scenes.validation import PLUS_MINUS, Literal, Reading
+from polhode.scenes.vocabulary import REQUESTS
 
 KEY = "start.omega"
 _EXPECTED = "a middle and a radius of 0 or more"
@@ -47,14 +48,14 @@ class StartBox(NamedTuple):
 def read(scene: Scene | str | Path) -> StartBox:
     """A scene, and the radii of its start where its file gives intervals; raises BadInput."""
     if isinstance(scene, Scene):
-        return StartBox(scene)
+        return StartBox(library.load(scene, takes=REQUESTS))
     path, name = library.place(scene)
     source = name or str(path)
     text = scene_file.text_of(path, source)
     tables = scene_file.tables(text, source)
     omega = _omega(tables)
     if not any(_mark(x) for x in omega):
-        return StartBox(library.load(scene))
+        return StartBox(library.load(scene, takes=REQUESTS))
     reading, radii = Reading(source, tables), []
     for k, item in enumerate(omega):
         mark = _mark(item)

@@ -23,6 +23,10 @@ FORMS = (
 )
 
 
+#: What a scene may ask for beyond its motion in the principal form; most doors need not know it.
+REQUESTS = ("form", "outputs", "events")
+
+
 STATE = ("p", "q", "r", "gamma1", "gamma2", "gamma3")
 
 

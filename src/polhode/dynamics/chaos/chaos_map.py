@@ -51,6 +51,7 @@ from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, text_column, unit_of
 from polhode.scenes.variation import vary
+from polhode.scenes.vocabulary import REQUESTS
 
 END = 1000  # units of the inner time
 TOLERANCE = 1e-8  # no verdict of 2000 was another at eps
@@ -251,7 +252,7 @@ def chaos_map(
     """
     from polhode.taylor.variations import tangent_batches
 
-    scene = library.load(scene)
+    scene = library.load(scene, takes=REQUESTS)
     frame = Frame.of(scene)
     unit, default = float(frame.unit), frame.time_outside(Fraction(END))
     wanted = default if end is None else end

@@ -13,6 +13,7 @@ from polhode.dynamics.sections import coordinates as geometry
 from polhode.dynamics.sections.starts import asked_of, starts_of
 from polhode.equations.forms import principal
 from polhode.equations.section_functions import HEIGHT, MOMENTUM
+from polhode.equations.terms import NAMES
 from polhode.judging.conditioning.lyapunov import is_known
 from polhode.judging.conditioning.motion_kinds import is_integrable
 from polhode.motion.frame import Frame
@@ -131,7 +132,7 @@ def of_varied(scene: Scene, varied: vary.Vary, foretold: Callable[[int], object]
         moments.append([to_double(a) for a in inside.body.moments])
         torques.append([to_double(x) for x in inside.body.torque])
         every.append(principal.coefficients(inside.body))
-    names = tuple(name for name in principal.NAMES if any(name in k for k in every))
+    names = tuple(name for name in NAMES if any(name in k for k in every))
     values = np.array([[to_double(k.get(name, 0)) for name in names] for k in every])
     return Motions(
         scene,

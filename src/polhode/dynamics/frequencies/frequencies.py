@@ -39,7 +39,7 @@ from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.output_times import even_times
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, text_column
-from polhode.scenes.vocabulary import ATTITUDE, STATE
+from polhode.scenes.vocabulary import ATTITUDE, REQUESTS, STATE
 
 LINES = 6
 LENGTH = 200  # units of time, where neither the caller nor the scene says an end
@@ -215,7 +215,7 @@ def frequencies(
         if table.run is None:
             return _of_table(table, of, count)
         return _of_run(table.run, _names(table.name, of, table.run.scene), count)
-    scene = library.load(source)
+    scene = library.load(source, takes=REQUESTS)
     names = _names(scene.name, of, scene)
     last: Exact = Fraction(LENGTH) if sign(scene.end) == 0 else scene.end
     if end is not None:

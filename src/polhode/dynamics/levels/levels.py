@@ -38,6 +38,7 @@ from polhode.scenes import library
 from polhode.scenes.given_numbers import AREA, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, text_column
+from polhode.scenes.vocabulary import REQUESTS
 
 DIGIT_BITS = 128  # of what is isolated exactly: 38 digits
 _MORSE = "directions on the sphere that lower the potential"
@@ -281,7 +282,7 @@ def levels(scene: Scene | str | Path) -> Levels:
     >>> here.region, here.fourth.name, here.fourth.critical[0]
     ((1,), 'K^2', CriticalValue(value=0.0, what='I'))
     """
-    scene = library.load(scene)
+    scene = library.load(scene, takes=REQUESTS)
     if scene.gamma is None:
         raise BadInput(scene.name, "start.gamma", None, "a unit vector, since a level has h and f")
     body = RationalBody.of(scene.body)

@@ -36,6 +36,7 @@ from polhode.scenes.scene_facts import (
 )
 from polhode.scenes.variation import vary
 from polhode.scenes.variation.sweep_scenes import Members
+from polhode.scenes.vocabulary import REQUESTS
 
 MOST_AT_ONCE = 1 << 22  # numbers of states that one job may hold: 32 MB of doubles
 _JOBS = 256  # at most, but for that
@@ -199,7 +200,7 @@ def reduce_many(
             return reduce_many(**asked_for)
         with bar(library.load(scene).name) as tell:
             return reduce_many(**asked_for, progress=tell)
-    scene = library.load(scene)
+    scene = library.load(scene, takes=REQUESTS)
     if at is not None:
         scene = scene.at(at)
     which = asked(scene, keep)

@@ -49,7 +49,7 @@ from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts
 from polhode.scenes.scene_text import as_toml, written
 from polhode.scenes.validation import Literal
 from polhode.scenes.variation.sweep_scenes import tables_of
-from polhode.scenes.vocabulary import STATE
+from polhode.scenes.vocabulary import REQUESTS, STATE
 from polhode.taylor.variations.flow_map import NotFollowed
 
 DIGITS = 15
@@ -271,7 +271,7 @@ def orbit(
     >>> abs(float(found.period) - 6.283185307179586) < 1e-14, found.kind
     (True, 'elliptic')
     """
-    scene = library.load(scene)
+    scene = library.load(scene, takes=REQUESTS)
     wanted = whole(scene.name, "digits", digits, 1, MAX_DIGITS)
     most = RETURNS if returns is None else whole(scene.name, "returns", returns, 1, MOST_RETURNS)
     if scene.gamma is not None:

@@ -42,6 +42,7 @@ from polhode.results.table import Fact, Table
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts
+from polhode.scenes.vocabulary import REQUESTS
 from polhode.taylor.variations.flow_map import NotFollowed
 
 GRID = (20, 20)
@@ -153,7 +154,7 @@ def orbit_search(
     >>> sorted({one.kind for one in found.orbits})
     ['elliptic', 'hyperbolic']
     """
-    scene = library.load(scene)
+    scene = library.load(scene, takes=REQUESTS)
     most = CROSSINGS if crossings is None else crossings
     most = whole(scene.name, "crossings", most, 1, MOST_CROSSINGS)
     across = cells(scene.name, GRID if grid is None else grid, MOST_STARTS)

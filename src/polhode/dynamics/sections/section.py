@@ -45,7 +45,7 @@ from polhode.scenes.scene_facts import (
     text_column,
     time_column,
 )
-from polhode.scenes.vocabulary import STATE
+from polhode.scenes.vocabulary import REQUESTS, STATE
 
 if TYPE_CHECKING:
     from polhode.dynamics.sections.coordinates import Ground
@@ -262,7 +262,7 @@ def section(
     """
     from polhode.taylor.events import batch_search
 
-    scene = library.load(scene)
+    scene = library.load(scene, takes=REQUESTS)
     refuse_other_rounding(scene)
     plan, asked = scene.section, asked_of(scene, by, extremum, h, f)
     count = plan.crossings if crossings is None else crossings

@@ -13,9 +13,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polhode.common.deadline import NONE, Deadline
-from polhode.enclosures.fixed_point_problem import CLOCK, CYCLE, Motion, Problem
+from polhode.enclosures.fixed_point_problem import CLOCK, Motion, Problem
 from polhode.enclosures.step_bound import jacobian
 from polhode.enclosures.zonotope import State
+from polhode.equations.terms import LAYERS, LEFT, RIGHT, layered
 from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
 from polhode.taylor.integrator.system import principal_system
@@ -111,20 +112,17 @@ def _speeds(problem: Problem, states: Any) -> Any:
 
 def _series(problem: Problem, states: Any, lengths: Any, count: int) -> Any:
     """Taylor coefficients in tau of the motions through the states, to degree ``count``."""
-    bend, pull, push = (np.array(problem.factors[k : k + 3]) for k in (0, 3, 6))
-    nexts, afters = [a for a, _ in CYCLE], [b for _, b in CYCLE]
-    left = [*nexts, *(3 + a for a in nexts), *(3 + b for b in afters)]
-    right = [*afters, *afters, *nexts]
+    of_layers = [layer.coefficients(problem.factors) for layer in LAYERS]
+    coefficients = [None if c is None else np.array(c)[:, None] for c in of_layers]
     found = np.zeros((len(states), count + 1, 6))
     found[:, 0] = states
     h = lengths[:, None]
     for k in range(count):
         products = np.einsum(
-            "wki,wki->wi", found[:, : k + 1][:, :, left], found[:, k::-1][:, :, right]
+            "wki,wki->wi", found[:, : k + 1][:, :, LEFT], found[:, k::-1][:, :, RIGHT]
         )
-        g = found[:, k, 3:]
-        found[:, k + 1, :3] = bend * products[:, :3] + pull * g[:, nexts] + push * g[:, afters]
-        found[:, k + 1, 3:] = products[:, 3:6] - products[:, 6:]
+        omega, gamma = layered(products.T, found[:, k].T, coefficients)
+        found[:, k + 1, :3], found[:, k + 1, 3:] = omega.T, gamma.T
         found[:, k + 1] *= h / (k + 1)
     return found
 

@@ -24,9 +24,10 @@ from polhode.numbers.rows import Doubles, Given
 from polhode.runs.problem.options import Options, choose_number
 from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory
+from polhode.scenes import library
 from polhode.scenes.output_times import even_times
 from polhode.scenes.scene import Scene
-from polhode.scenes.vocabulary import COLUMNS
+from polhode.scenes.vocabulary import COLUMNS, REQUESTS
 
 SAMPLES, MOST_SAMPLES = 2001, 8001
 WINDOW = 100  # radians at the fastest rate of the start: more turns make no clearer curve
@@ -44,6 +45,10 @@ class Samples:
     columns: Mapping[str, Any]
     scene: Scene | None = None
     eps: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.scene is not None:
+            library.load(self.scene, takes=REQUESTS)
 
     def has(self, names: Sequence[str]) -> bool:
         """Whether all of these columns are there."""

@@ -45,6 +45,7 @@ from polhode.runs.problem.options import choose_number
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of
+from polhode.scenes.vocabulary import REQUESTS
 from polhode.taylor.backend import defaults
 from polhode.taylor.variations.error_growth import Growth
 from polhode.taylor.variations.state_transition import Passage, passage
@@ -307,7 +308,7 @@ def conditioning(
     >>> [round(x, 1) for x in found.digits_bound()], [round(x, 1) for x in found.inputs()]
     ([14.0, 12.5], [15.4, 13.8])
     """
-    scene = library.load(scene)
+    scene = library.load(scene, takes=REQUESTS)
     if times is not None:
         scene = scene.at(times)
     kind = number if isinstance(number, NumberType) else choose_number(scene, number, None)

@@ -44,6 +44,7 @@ from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of
+from polhode.scenes.vocabulary import REQUESTS
 from polhode.taylor.integrator.system import System, principal_system
 from polhode.taylor.variations.equations import Variations
 from polhode.taylor.variations.reference_trajectory import pendulum, six
@@ -164,7 +165,7 @@ def lyapunov(
     >>> [round(abs(x), 1) for x in found.spectrum]
     [0.1, 0.0, 0.0, 0.0, 0.0, 0.1]
     """
-    scene = library.load(scene)
+    scene = library.load(scene, takes=REQUESTS)
     frame = Frame.of(scene)
     unit = float(frame.unit)
     slow = max(1.0, 1 / pendulum(frame.inside(scene)))  # a radian of the spin takes 1

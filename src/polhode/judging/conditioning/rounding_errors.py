@@ -44,6 +44,7 @@ import numpy.typing as npt
 from polhode.equations.equilibrium import at_rest
 from polhode.equations.forms import principal
 from polhode.equations.integrals import first_integrals
+from polhode.equations.terms import NAMES
 from polhode.numbers import exact
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import ZERO, Exact, sign
@@ -133,10 +134,10 @@ def kappa(along: Passage) -> Iterator[float]:
     chain = np.array(
         [
             [to_double(d.get(name, 0)) / (unit or 1.0) for d in by]
-            for name, unit in zip(principal.NAMES, along.units, strict=True)
+            for name, unit in zip(NAMES, along.units, strict=True)
         ]
     )
-    tangents = Scaled(np.hstack([np.diag(start), np.zeros((6, 6))]), 0)
+    tangents = Scaled(np.hstack([np.diag(start), np.zeros((len(start), len(by)))]), 0)
     scale = along.rate_scale
     for stretch in along.stretches:
         values = stretch.carried @ tangents.values
@@ -160,7 +161,7 @@ def rounding(along: Passage, number: NumberType, every: int = 0) -> Iterator[Rou
     drive = np.array(
         [
             _off(k.get(name, ZERO), number) / (unit or 1.0)
-            for name, unit in zip(principal.NAMES, along.units, strict=True)
+            for name, unit in zip(NAMES, along.units, strict=True)
         ]
     )
     clear, rests = _Clearing(along, every), _Rests(along, v.values)

@@ -271,19 +271,18 @@ def _other_inertia(
         for row, column in {(i, j), (j, i)}:
             inertia[row] = _moved(inertia[row], column, x * _unit(body, i, j))
     a, b, c = inertia
-    return replace(scene, body=Body((a, b, c), body.centre, body.weight)), TimeChange()
+    return replace(scene, body=body.replaced(inertia=(a, b, c))), TimeChange()
 
 
 def _other_weight(scene: Scene, x: Fraction) -> tuple[Scene, TimeChange]:
-    body = scene.body
-    other = Body(body.inertia, body.centre, body.weight * (1 + x))
+    other = scene.body.replaced(weight=scene.body.weight * (1 + x))
     return replace(scene, body=other), TimeChange()
 
 
 def _other_centre(scene: Scene, place: int, x: Fraction) -> tuple[Scene, TimeChange]:
     body = scene.body
     centre = _moved(body.centre, place, x * max(map(abs, body.centre)))
-    return replace(scene, body=Body(body.inertia, centre, body.weight)), TimeChange()
+    return replace(scene, body=body.replaced(centre=centre)), TimeChange()
 
 
 def _other_start(scene: Scene, place: int, rate: float, x: Fraction) -> tuple[Scene, TimeChange]:

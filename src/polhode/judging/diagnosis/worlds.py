@@ -23,7 +23,7 @@ from polhode.judging.diagnosis.ways import Right
 from polhode.judging.tables.reading import TimeChange
 from polhode.numbers.exact import Exact
 from polhode.numbers.vectors import Matrix
-from polhode.scenes.body import Body, exact_vector
+from polhode.scenes.body import exact_vector
 from polhode.scenes.scene import Scene
 
 _FARTHEST = (1e4, 1e5)  # radians or so, to which motions at other times are followed
@@ -99,8 +99,8 @@ def other_scenes(scene: Scene) -> Iterator[tuple[str, Scene]]:
 
 def with_body(scene: Scene, inertia: Matrix, weight: Exact | None = None) -> Scene:
     """The scene of another inertia, and of another weight unless it is None."""
-    body = Body(inertia, scene.body.centre, scene.body.weight if weight is None else weight)
-    return replace(scene, body=body)
+    weight = scene.body.weight if weight is None else weight
+    return replace(scene, body=scene.body.replaced(inertia=inertia, weight=weight))
 
 
 def _with_attitude(scene: Scene, given: Sequence[float]) -> Scene:

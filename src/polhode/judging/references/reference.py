@@ -29,6 +29,7 @@ from polhode.results.table import Content
 from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import REQUESTS
 
 if TYPE_CHECKING:
     from polhode.judging.references.textbook import Textbook
@@ -309,7 +310,7 @@ def reference(
     >>> polhode.reference(polhode.Scene(body, (1, 0, 0), (0, 0, 1)))
     <Certified of scene: heavy asymmetric body>
     """
-    scene = library.load(scene)
+    scene = library.load(scene, takes=REQUESTS)
     if backend not in BACKENDS:
         raise BadInput(scene.name, "backend", backend, " or ".join(BACKENDS))
     if backend == "mpmath":

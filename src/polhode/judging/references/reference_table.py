@@ -13,6 +13,7 @@ from polhode.judging.references.reference_rows import ReferenceTable, tabulated
 from polhode.numbers.scalars import AnyNumber
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import REQUESTS
 
 
 def reference_table(
@@ -54,7 +55,7 @@ def reference_table(
     >>> found.fact("reference"), found.fact("proven")
     ('lagrange', True)
     """
-    scene = library.load(scene)
+    scene = library.load(scene, takes=REQUESTS)
     if outputs is not None:
         scene = replace(scene, outputs=tuple(outputs))
     if at is not None:

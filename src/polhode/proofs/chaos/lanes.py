@@ -12,9 +12,11 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from polhode.enclosures.fixed_point_problem import CYCLE, Motion
+from polhode.enclosures.fixed_point_problem import Motion
+from polhode.equations.terms import LAYERS, LEFT, RIGHT, layered
 from polhode.numbers.conversion import to_double
 from polhode.numbers.rows import Doubles
+from polhode.numbers.vectors import cross
 
 Whole = npt.NDArray[np.intp]
 
@@ -24,9 +26,6 @@ _ROUGH, _ROUGHLY = 12, 0.22  # degree and step where guesses are looked for: rig
 _LONGEST = 1.0
 _HALVED = 24  # times, of half a step in which a maximum lies
 _BACK = np.array([-1.0, -1.0, -1.0, 1.0, 1.0, 1.0])[:, None]
-_NEXT, _AFTER = [a for a, _ in CYCLE], [b for _, b in CYCLE]
-_LEFT = [*_NEXT, *(3 + a for a in _NEXT), *(3 + b for b in _AFTER)]
-_RIGHT = [*_AFTER, *_AFTER, *_NEXT]
 
 
 class Crossings(NamedTuple):
@@ -55,17 +54,16 @@ class Lanes:
 
     def series(self, states: Doubles, degree: int = _DEGREE) -> Doubles:
         """Taylor coefficients by the time, (degree + 1, 6, n)."""
-        bend, pull, push = (np.array(self.constants[k : k + 3])[:, None] for k in (0, 3, 6))
+        of_layers = [layer.coefficients(self.constants) for layer in LAYERS]
+        coefficients = [None if c is None else np.array(c)[:, None] for c in of_layers]
         found = np.zeros((degree + 1, *states.shape))
-        left = np.zeros((degree + 1, 9, states.shape[1]))
+        left = np.zeros((degree + 1, len(LEFT), states.shape[1]))
         right = np.zeros_like(left)
         found[0] = states
         for k in range(degree):
-            left[k], right[k] = found[k][_LEFT], found[k][_RIGHT]
+            left[k], right[k] = found[k][LEFT], found[k][RIGHT]
             products = np.einsum("kin,kin->in", left[: k + 1], right[k::-1])
-            g = found[k, 3:]
-            found[k + 1, :3] = bend * products[:3] + pull * g[_NEXT] + push * g[_AFTER]
-            found[k + 1, 3:] = products[3:6] - products[6:]
+            found[k + 1, :3], found[k + 1, 3:] = layered(products, found[k], coefficients)
             found[k + 1] /= k + 1
         return found
 
@@ -138,9 +136,8 @@ class Lanes:
 
     def _rise(self, states: Doubles) -> Doubles:
         """The rate of the height."""
-        k, w, g = self.torque, states[:3], states[3:]
-        rates = [g[a] * w[b] - g[b] * w[a] for a, b in CYCLE]
-        return np.asarray(sum(k[i] * rates[i] for i in range(3)))
+        rates = cross(states[3:], states[:3])
+        return np.asarray(sum(k * rate for k, rate in zip(self.torque, rates, strict=True)))
 
 
 def backward(states: Doubles) -> Doubles:

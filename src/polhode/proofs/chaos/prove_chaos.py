@@ -32,6 +32,7 @@ from polhode.proofs.proved_orbit import ProvedOrbit, as_arb, down, up
 from polhode.proofs.refusals import NotProved
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import REQUESTS
 
 TRIES = 12
 MOST_TRIES = 1000
@@ -90,12 +91,12 @@ def prove_chaos(
     ...
     polhode.proofs.refusals.NotProved: lagrange/backward: no transversal homoclinic orbit was ...
     """
-    scene = library.load(scene)
+    scene = library.load(scene, takes=REQUESTS)
     most = whole(scene.name, "tries", tries, 1, MOST_TRIES)
     asked = asked_of(scene, MOMENTUM, MAXIMA, h, f)
     on = Surface(scene, asked.h, asked.f)
     if orbit is not None:
-        near = orbit.scene if isinstance(orbit, Orbit) else library.load(orbit)
+        near = orbit.scene if isinstance(orbit, Orbit) else library.load(orbit, takes=REQUESTS)
         return _Search(on, most, progress).found([near_scene(on, near)])
     if progress is not None:
         progress("unstable periodic orbits of the level")

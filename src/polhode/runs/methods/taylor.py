@@ -97,7 +97,8 @@ class TaylorMotion:
             return [*self._rows_at_rest(times)], Outcome.REACHED_END, self.reached
         if not any(times):
             return [first[0] for _ in times], Outcome.REACHED_END, self.reached
-        rows, path = list[Row](), self._with_anchors
+        rows: list[Row] = []
+        path = self._with_anchors
         for t in times:
             inside = self.system.frame.time(t)
             if abs(t) > abs(path.reached):

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from polhode.common.errors import BadInput
 from polhode.equations.forms import principal
+from polhode.equations.terms import NAMES, coefficients_of
 from polhode.motion.frame import Frame
 from polhode.numbers.conversion import number_value, to_double
 from polhode.numbers.exact import ZERO, Exact
@@ -76,9 +77,9 @@ def columns_of(
     for exponent, first in zip(*np.unique(made.exponents, return_index=True), strict=True):
         own = [t / Fraction(2) ** int(exponent) for t in ends]
         refuse_out_of_range(members, int(first), number, own)
-    there = [i for i in range(len(principal.NAMES)) if np.any(made.coefficients[:, i] != 0)]
-    there.sort(key=lambda i: principal.NAMES[i])
-    names = tuple(principal.NAMES[i] for i in there)
+    there = [i for i in range(len(NAMES)) if np.any(made.coefficients[:, i] != 0)]
+    there.sort(key=lambda i: NAMES[i])
+    names = tuple(NAMES[i] for i in there)
     coefficients = made.coefficients[:, there].copy()
     return names, Columns(coefficients, made.starts), made.exponents, made.rates
 
@@ -111,7 +112,7 @@ class _Made:
 
         count, kind = len(members), kind_of(number)
         self.members, self.number = members, number
-        self.coefficients: Flat = np.zeros((count, len(principal.NAMES)), kind)
+        self.coefficients: Flat = np.zeros((count, len(NAMES)), kind)
         self.starts: Flat = np.zeros((count, len(members.scene.columns)), kind)
         self.exponents = np.zeros(count, dtype=np.int64)
         self.rates = np.zeros(count)
@@ -169,7 +170,7 @@ class _Made:
         self.starts[index] = [number_value(x, self.number) for x in start]
         self.rates[index] = _rate(member, self.starts[index])
         self.coefficients[index] = [
-            number_value(coefficients.get(name, ZERO), self.number) for name in principal.NAMES
+            number_value(coefficients.get(name, ZERO), self.number) for name in NAMES
         ]
 
 
@@ -232,14 +233,14 @@ def _coefficients(
     from polhode.numbers.double_double import pairs
 
     if not any(isinstance(x, np.ndarray) for x in moments):
-        return [*principal.every_coefficient(moments, torque).values()]
+        return coefficients_of([*moments, *torque])
     own, arms = ([pairs(_parted(x)) for x in vector] for vector in (moments, torque))
     for x, y in zip(own, (*own[1:], own[0]), strict=True):
         gap = np.abs((x - y).hi)
         _note(unsure, np.abs(x.hi), (gap < _CANCELLED * np.abs(x.hi)) & (gap != 0))
     for x in arms:
         _note(unsure, np.abs(x.hi))
-    return [*principal.every_coefficient(own, arms).values()]
+    return coefficients_of([*own, *arms])
 
 
 def _parted(x: Numbers) -> Numbers:

@@ -27,6 +27,7 @@ from polhode.runs.sweep.wide_members import WideJob
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation import vary
+from polhode.scenes.vocabulary import REQUESTS
 from polhode.taylor.backend import defaults
 
 if TYPE_CHECKING:
@@ -147,7 +148,7 @@ def integrate_many(
         with bar(library.load(scene).name) as tell:
             return integrate_many(**given, progress=tell)
     asked = time.perf_counter()
-    scene = library.load(scene)
+    scene = library.load(scene, takes=REQUESTS)
     if at is not None:
         scene = scene.at(at)
     if max_steps is not None:

@@ -24,6 +24,7 @@ from polhode.numbers.rationals import Rationals, of_floats, of_fractions
 from polhode.numbers.rows import Flat
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.body import OWN_AXES, PrincipalAxes
+from polhode.scenes.scene_file import exact_value
 from polhode.scenes.variation.sweep_scenes import Members
 
 #: A number that all members have in common (Exact), or one for each: Rationals, or the floats of
@@ -114,12 +115,14 @@ class Blocks:
         )
         if any(key.startswith("body.") for key in self.keys) and not rational:
             return False
-        return not self._has("start.gamma") or self._plain_gamma or self._array("start.gamma")
+        return not self._has("start.gamma") or self._array("start.gamma") or self._plain_gamma
 
     @property
     def _plain_gamma(self) -> bool:
-        start = self.data["start"]
-        return not start.get("normalise") and all(isinstance(x, Fraction) for x in start["gamma"])
+        """Whether gamma is rational as it is given, and is not to be normalised."""
+        start, name = self.data["start"], self.members.scene.name
+        numbers = (exact_value(x, "start.gamma", name) for x in start["gamma"])
+        return not start.get("normalise") and all(isinstance(x, Fraction) for x in numbers)
 
     def _array(self, vector: str) -> bool:
         """Whether all of a vector is given as an array."""

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import re
 import threading
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from functools import lru_cache
-from typing import Any
+from typing import Any, TypeAlias
 
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, FileName, nearest, say_change
@@ -28,6 +27,9 @@ _MAY_BE_ROUNDED = {"body.moments", "body.inertia", "start.gamma", "start.quatern
 
 _SECTIONS = ("body", "start")
 _KEY = re.compile(r"(body|start)\.[a-z_]+(\[[1-9]\d*\](\.[a-z_]+)?)*")
+#: Where a number of the tables stands: in which table or list, and under which key or index.
+Place: TypeAlias = tuple[Any, Any]
+
 _WORDS = keys.words("body") | keys.words("body.parts") | keys.words("start")
 
 
@@ -112,9 +114,9 @@ class Members(LazySequence[Scene]):
 
     @cached_property
     def tables(self) -> dict[str, Any]:
-        """The tables that are varied, numbers exact, none of them varied; not to be written to."""
+        """The tables that are varied, as they were before; not to be written to."""
         data = tables_of(self.scene)
-        _places(data, self.varied.keys, self.scene.name)
+        _places(dict(_leaves(data)), self.varied.keys, self.scene.name)
         return data
 
 
@@ -124,7 +126,10 @@ class _Reading:
     def __init__(self, scene: Scene, varied: Grid) -> None:
         self.scene, self.varied = scene, varied
         self.data = tables_of(scene)
-        self.places = _places(self.data, varied.keys, scene.name)
+        leaves = dict(_leaves(self.data))
+        for key, (table, at) in leaves.items():  # read once for all members
+            table[at] = scene_file.exact_value(table[at], key, scene.name)
+        self.places = _places(leaves, varied.keys, scene.name)
         self.same_body = not any(key.startswith("body.") for key in varied.keys)
         bare = replace(scene, times=(), published=(), expect={}, source="", outputs=())
         self.bare = replace(bare, change="", doubt="")
@@ -164,11 +169,9 @@ def label(name: str, varied: Grid, index: int) -> str:
 
 def tables_of(scene: Scene) -> dict[str, Any]:
     """The tables of body and start: those of the scene's file, if they still say what it is."""
-    held = (scene.body, scene.omega, scene.gamma, scene.psi)
-    if scene.source:
-        data, told = _tables(scene.source, scene.name)
-        if told == held:
-            return {name: dict(data[name]) for name in _SECTIONS}
+    text = scene_file.source_text(scene)
+    if text is not None and text.tells(scene, "body", "omega", "gamma", "psi"):
+        return {name: dict(text.tables[name]) for name in _SECTIONS}
     body = scene.body
     start: dict[str, Any] = {"omega": list(scene.omega)}
     if scene.gamma is not None:
@@ -181,21 +184,11 @@ def tables_of(scene: Scene) -> dict[str, Any]:
     return {"body": {**form, "centre": list(body.centre), "weight": body.weight}, "start": start}
 
 
-@lru_cache(maxsize=8)
-def _tables(source: str, name: str) -> tuple[dict[str, Any], tuple[object, ...]]:
-    """The tables of a scene's file, not to be written to; and the body and start that they are."""
-    data = scene_file.tables(source, name)
-    return data, scene_file.body_and_start(data, name)[:4]
+def _places(known: Mapping[str, Place], keys: Sequence[str], name: str) -> list[list[Place]]:
+    """For each key the places of its number among those known; an inertia's mirror image with it.
 
-
-def _places(data: dict[str, Any], keys: Sequence[str], name: str) -> list[list[tuple[Any, Any]]]:
-    """For each key the containers and indices of its number; an inertia's mirror image with it."""
-    body, start = data["body"], data["start"]
-    if "centre" in body and "g" not in body:
-        body.setdefault("weight", 0)
-    if "gamma" in start:
-        start.setdefault("psi", 0)
-    known = dict(_leaves(data, name))
+    Raises BadInput.
+    """
     places, taken = [], set()
     for key in keys:
         if key not in known or not _KEY.fullmatch(key):
@@ -213,8 +206,13 @@ def _places(data: dict[str, Any], keys: Sequence[str], name: str) -> list[list[t
     return places
 
 
-def _leaves(data: dict[str, Any], name: str) -> Iterable[tuple[str, tuple[Any, Any]]]:
-    """Every number of the tables: its key, and where it stands; read once for all members."""
+def _leaves(data: dict[str, Any]) -> Iterator[tuple[str, Place]]:
+    """Every number of the tables: its key, and where it stands, also of those left out."""
+    body, start = data["body"], data["start"]
+    if "centre" in body and "g" not in body:
+        body.setdefault("weight", 0)
+    if "gamma" in start:
+        start.setdefault("psi", 0)
     pending: list[tuple[str, Any, Any]] = [
         (f"{section}.{key}", data[section], key) for section in _SECTIONS for key in data[section]
     ]
@@ -227,5 +225,4 @@ def _leaves(data: dict[str, Any], name: str) -> Iterable[tuple[str, tuple[Any, A
             table[at] = value = dict(value)
             pending += [(f"{key}.{name}", value, name) for name in value]
         elif not isinstance(value, bool) and at not in _WORDS:
-            table[at] = scene_file.exact_value(value, key, name)
             yield key, (table, at)

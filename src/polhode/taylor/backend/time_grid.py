@@ -57,9 +57,11 @@ class Times(Sequence[Fraction]):
             sizes = np.frexp(grid[1:] if grid[0] == 0 else grid)[1]
             if grid.dtype == kind and np.all(np.abs(sizes) < most):
                 inside = cls.of_grid(grid, number)
+        if inside is None and exponent:
+            by = 1 / frame.unit
+            inside = cls([t * by for t in times], number)
         if inside is None:
-            unit = Fraction(2) ** exponent
-            inside = cls([t * unit for t in times] if exponent else times, number)
+            inside = cls(times, number)
         inside.outside = times
         return inside
 

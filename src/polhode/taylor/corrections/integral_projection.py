@@ -45,9 +45,6 @@ from polhode.taylor.backend.protocols import Watcher
 from polhode.taylor.backend.types import CompiledFunction, Expression, HeyokaNumber
 from polhode.taylor.backend.wider_type import Conversions, conversions, wider
 
-#: Numbers among which nothing cancels by accident.
-_GENERIC = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47)
-
 #: Steps that a correction waits for an event beside it to pass, before it is given up.
 _MOST_WAITS = 16
 
@@ -304,9 +301,9 @@ def staying_zero(body: Body, state: Sequence[Exact]) -> set[int]:
     leaves, the smallest.
     """
     held = {i for i, x in enumerate(state) if sign(x) == 0}
-    generic = iter(_GENERIC)
-    k = {name: Fraction(next(generic)) for name in principal.coefficients(body)}
-    others = [Fraction(next(generic)) for _ in state]
+    names = [*principal.coefficients(body)]
+    numbers = [Fraction(n) for n in _primes(len(names) + len(state))]  # generic ones
+    k, others = dict(zip(names, numbers, strict=False)), numbers[len(names) :]
     while held:
         point = [ZERO if i in held else x for i, x in enumerate(others)]
         rates = principal.field(point, k, EXACT)
@@ -314,6 +311,17 @@ def staying_zero(body: Body, state: Sequence[Exact]) -> set[int]:
             break
         held -= leaving
     return held
+
+
+def _primes(count: int) -> list[int]:
+    """The first prime numbers, among which nothing cancels by accident."""
+    primes: list[int] = []
+    n = 2
+    while len(primes) < count:
+        if all(n % prime for prime in primes):
+            primes.append(n)
+        n += 1
+    return primes
 
 
 def constant_columns(scene: Scene) -> list[int]:

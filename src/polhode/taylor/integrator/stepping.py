@@ -153,7 +153,8 @@ class Integrator:
         if self.watcher is not None:
             self.watcher.counts_from(self.offset, self.heyoka)
         ahead = _with_room(Times.of(times, self.number).since(self.offset))
-        parts, passed, last = list[Array](), 0, self.steps + steps
+        parts: list[Array] = []
+        passed, last = 0, self.steps + steps
         while True:
             rows, ended = self._to_pause(ahead, passed, self._pause(last) - self.steps)
             if len(rows):

@@ -1,6 +1,6 @@
 """heyoka's run of the Euler–Poisson equations in a fast number, asked at any time.
 
-The equations are compiled once for every body: the nine constants are parameters.  Whoever needs a
+The equations are compiled once for every body: its constants are parameters.  Whoever needs a
 trajectory that is only approximately right, such as the enclosures, starts from here.
 """
 
@@ -8,10 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from functools import reduce
+from operator import mul
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from polhode.equations.terms import NAMES, ROWS
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import DOUBLE, EXTENDED, NumberType, extended_here
 from polhode.numbers.rows import Doubles
@@ -22,7 +25,6 @@ from polhode.taylor.backend.types import HeyokaOutput
 from polhode.taylor.integrator.engine import Engine, lent
 from polhode.taylor.integrator.specification import integrator
 
-_CYCLE = ((1, 2), (2, 0), (0, 1))
 _MOST_STEPS = 100_000
 
 
@@ -45,8 +47,8 @@ def path(
 ) -> Path | None:
     """A run of so long from six numbers; None where heyoka does not get there.
 
-    w_i' = c_i w_a w_b + c_(3+i) gamma_a + c_(6+i) gamma_b, gamma' = gamma x w, with i, a, b cyclic;
-    ``wide``: in long double rather than in double, where the machine has it.
+    ``constants``: the coefficients in the order of ``terms.NAMES``; ``wide``: in long double rather
+    than in double, where the machine has it.
     """
     number = EXTENDED if wide and extended_here() else DOUBLE
     kind = np.longdouble if number == EXTENDED else np.float64
@@ -67,10 +69,15 @@ def path(
 
 def _built(number: NumberType) -> Engine:
     """The engine of the equations for any body."""
-    w, g = hy.make_vars(*STATE[:3]), hy.make_vars(*STATE[3:])
-    system = [
-        (w[i], hy.sum([hy.par[i] * w[a] * w[b], hy.par[3 + i] * g[a], hy.par[6 + i] * g[b]]))
-        for i, (a, b) in enumerate(_CYCLE)
-    ]
-    system += [(g[i], g[a] * w[b] - g[b] * w[a]) for i, (a, b) in enumerate(_CYCLE)]
-    return Engine(integrator(system, number), number, coefficients=9)
+    x = hy.make_vars(*STATE)
+    system = []
+    for variable, row in zip(x, ROWS, strict=True):
+        values: list[list[Any]] = [[], []]  # of terms that are added, and that are taken away
+        for term in row:
+            factors = [x[n] for n in term.factors]
+            if term.coefficient is not None:
+                factors.insert(0, hy.par[term.coefficient])
+            values[term.sign < 0].append(reduce(mul, factors))
+        added, taken = values
+        system.append((variable, hy.sum(added) - hy.sum(taken) if taken else hy.sum(added)))
+    return Engine(integrator(system, number), number, coefficients=len(NAMES))

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from polhode.equations.forms import principal
+from polhode.equations.terms import NAMES
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Number
@@ -34,9 +34,9 @@ class Variations:
     def __init__(
         self, coefficients: Mapping[str, Number], start: Doubles, tangents: Doubles
     ) -> None:
-        equations = Equations(STATE, principal.NAMES, tangents=tangents.shape[1])
+        equations = Equations(STATE, NAMES, tangents=tangents.shape[1])
         self._ready = principal_engine(equations, Engine)
-        numbers = np.array([to_double(coefficients.get(name, 0)) for name in principal.NAMES])
+        numbers = np.array([to_double(coefficients.get(name, 0)) for name in NAMES])
         self.exponent = self.steps = 0
         self._ready.stand(np.concatenate([start, tangents.T.ravel()]), numbers)
 

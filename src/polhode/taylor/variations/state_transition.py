@@ -24,6 +24,7 @@ import numpy as np
 from polhode.common.cached_property import cached_property
 from polhode.equations.equilibrium import at_rest
 from polhode.equations.forms import principal
+from polhode.equations.terms import NAMES
 from polhode.motion.frame import Frame
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
@@ -49,7 +50,7 @@ class Stretch(NamedTuple):
 
     ``time``: own unit.  ``state``: six components, principal axes.  ``steps``: Taylor steps in
     double along it, about.  ``carried``: Phi, (6, 6).  ``driven``: U, a column for each coefficient
-    of :data:`polhode.equations.forms.principal.NAMES`.
+    of :data:`polhode.equations.terms.NAMES`.
     """
 
     time: float
@@ -162,11 +163,11 @@ class _Tangents:
         self._sizes, self._units = sizes, units
         self._used = np.flatnonzero(units)
         count = len(self._used)
-        equations = Equations(STATE, principal.NAMES, tangents=6 + count, driven=count, lanes=LANES)
+        equations = Equations(STATE, NAMES, tangents=6 + count, driven=count, lanes=LANES)
         self._ready = principal_engine(equations, CompiledBatch)
         columns = np.hstack([np.diag(sizes), np.zeros((6, count))])
         self._start = np.repeat(columns.T.ravel()[:, None], LANES, axis=1)
-        numbers = [to_double(plain.coefficients.get(name, 0)) for name in principal.NAMES]
+        numbers = [to_double(plain.coefficients.get(name, 0)) for name in NAMES]
         drives = np.diag(units)[self._used]
         self._numbers = np.concatenate([numbers, drives.ravel()])[:, None]
 
@@ -219,7 +220,7 @@ def coefficient_units(scene: Scene) -> tuple[float, ...]:
 
     Of a scene inside its frame.
     """
-    found = dict.fromkeys(principal.NAMES, 0.0)
+    found = dict.fromkeys(NAMES, 0.0)
     for by in principal.sensitivities(scene.body):
         for name, x in by.items():
             found[name] = max(found[name], abs(to_double(x)))

@@ -1,51 +1,25 @@
-"""Before a process refines anything: are the compiled field and the products by levels exact here?
+"""The compiled field and the products by levels beside integers, to the bit.
 
-Only these two, and the arithmetic of limbs, decide which digits come out; a fault in what corrects
-the stages would show as sweeps that do not converge.  A compiler that contracts or reassociates,
-a damaged cache of compiled code, a BLAS of fewer digits: all would show here.
+Only these two, and the arithmetic of limbs, decide which digits of a refined run come out; a fault
+in what corrects the stages would show as sweeps that do not converge.  A compiler that contracts or
+reassociates, a damaged cache of compiled code, a BLAS of fewer digits: all would show here.
 """
 
 from __future__ import annotations
 
 import random
 from fractions import Fraction
-from functools import cache
 
 import numpy as np
 
 from polhode.numbers.rows import Doubles
-from polhode.refined.collocation_tables import LARGEST_FIELD, Tables, tables
-from polhode.refined.compiled_field import COEFFICIENTS, FIELD_SHIFT, VARIABLES, Kernels, kernels
-from polhode.refined.errors import CannotRefine
+from polhode.refined.collocation_tables import LARGEST_FIELD, Tables
+from polhode.refined.compiled_field import COEFFICIENTS, FIELD_SHIFT, VARIABLES, Kernels
 from polhode.refined.expansions import Limbs
 
 NODES = 8  # that the field is tried at
 LONGEST = 16  # H
 _COLUMNS = 2
-
-
-@cache
-def trusted_kernels(limbs: Limbs) -> Kernels:
-    """The compiled functions, tried; raises CannotRefine."""
-    try:
-        found = kernels(limbs)
-    except (RuntimeError, ValueError) as fault:
-        raise CannotRefine(f"the field cannot be compiled: {fault}") from None
-    if field_error(found, limbs) > 2.0**-limbs.bits:
-        raise CannotRefine("the compiled field fails its self-test")
-    return found
-
-
-@cache
-def trusted_tables(limbs: Limbs, nodes: int) -> Tables:
-    """The tables for so many nodes, their products tried; raises CannotRefine."""
-    try:
-        found = tables(limbs, nodes)
-    except ValueError as fault:
-        raise CannotRefine(str(fault)) from None
-    if not products_are_exact(found, limbs):
-        raise CannotRefine("matrix products in double fail their self-test")
-    return found
 
 
 def field_error(compiled: Kernels, limbs: Limbs) -> float:

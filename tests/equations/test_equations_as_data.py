@@ -1,0 +1,224 @@
+"""The equations as data say what the vectors say, exactly, and so does what is made of them."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode.enclosures import (
+    defect,
+    fixed_point_problem,
+    proof_loop,
+    step_bound,
+    taylor_polynomials,
+    zonotope,
+)
+from polhode.equations import terms
+from polhode.numbers.conversion import to_double
+from polhode.scenes import scene_file
+from polhode.taylor.corrections.integral_projection import staying_zero
+
+DRAWS = 20
+
+
+def drawn(dice: random.Random, count: int) -> list[Fraction]:
+    return [Fraction(dice.randint(-99, 99), dice.randint(1, 9)) for _ in range(count)]
+
+
+def across(a: list[Fraction], b: list[Fraction]) -> list[Fraction]:
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def by_vectors(numbers: list[Fraction], state: list[Fraction]) -> list[Fraction]:
+    """I w' + w × I w = k × gamma turned round, gamma' = gamma × w."""
+    moments, k, w, g = numbers[:3], numbers[3:], state[:3], state[3:]
+    pull = across(g, k)
+    turn = across(w, [m * x for m, x in zip(moments, w, strict=True)])
+    return [(a - b) / m for a, b, m in zip(pull, turn, moments, strict=True)] + across(g, w)
+
+
+def by_terms(numbers: list[Fraction], state: list[Fraction]) -> list[Fraction]:
+    k = terms.coefficients_of(numbers)
+    return [sum(x.of(k) * terms.product(state, x.factors) for x in row) for row in terms.ROWS]
+
+
+def bodies() -> list[tuple[list[Fraction], list[Fraction]]]:
+    dice = random.Random(1)
+    return [
+        ([*(abs(x) + 1 for x in drawn(dice, 3)), *drawn(dice, 3)], drawn(dice, 6))
+        for _ in range(DRAWS)
+    ]
+
+
+def test_the_terms_are_the_vector_equations() -> None:
+    for numbers, state in bodies():
+        assert by_terms(numbers, state) == by_vectors(numbers, state)
+
+
+def test_their_slopes_are_the_derivative() -> None:
+    # Of quadratic rates a difference to both sides is the derivative, exactly.
+    for numbers, state in bodies():
+        k = terms.coefficients_of(numbers)
+        for column in range(6):
+            ends = []
+            for sign in (1, -1):
+                moved = [*state]
+                moved[column] += sign
+                ends.append(by_vectors(numbers, moved))
+            slopes = [Fraction(0)] * 6
+            for x in terms.SLOPES:
+                if x.column == column:
+                    slopes[x.row] += x.term.of(k) * (1 if x.other is None else state[x.other])
+            assert slopes == [(a - b) / 2 for a, b in zip(*ends, strict=True)]
+
+
+def test_derivatives_by_the_body_are_those_of_the_coefficients() -> None:
+    # Of what is linear in a number, or one over it, doubling the number tells it exactly.
+    for numbers, _ in bodies():
+        for place, x in enumerate(numbers):
+            found = terms.derivatives_of(numbers, place)
+            for n, (name, _, below, _) in enumerate(terms.COEFFICIENTS):
+                other = [*numbers]
+                other[place] = 2 * x
+                moved, at = (terms.coefficients_of(y)[n] for y in (other, numbers))
+                assert found.get(name, 0) == (2 if below == place else 1) * (moved - at)
+
+
+def test_times_turn_the_equations_round() -> None:
+    # w(-t) with w' unchanged: the motion backward is one of the same equations.
+    body = polhode.load("general/asymmetric-regular").body
+    forward, backward = (
+        terms.coefficients_of(terms.numbers_of(body, unit))
+        for unit in (Fraction(1, 4), -Fraction(1, 4))
+    )
+    for kind, x, y in zip(terms.COEFFICIENTS, forward, backward, strict=True):
+        assert y == (-1) ** kind.power * x
+        assert (
+            x
+            == terms.coefficients_of(terms.numbers_of(body))[terms.NAMES.index(kind.name)]
+            * Fraction(1, 4) ** kind.power
+        )
+
+
+def test_proofs_are_made_of_the_same_terms() -> None:
+    scene = polhode.load("general/asymmetric-regular")
+    motion = fixed_point_problem.motion(scene, unit=0)
+    numbers = [*motion.moments, *motion.torque]
+    state = drawn(random.Random(2), 6)
+    rates = [row.at(state) if row.terms else 0 for row in motion.field]
+    assert rates == by_vectors(numbers, state)
+    problem = fixed_point_problem.problem(motion, 64)
+    near = np.array([[[float(x) for x in state]]])
+    slopes = step_bound.jacobian(problem, near, np.ones(1))[0, 0]
+    for column in range(6):
+        ends = []
+        for sign in (1, -1):
+            moved = [*state]
+            moved[column] += sign
+            ends.append(by_vectors(numbers, moved))
+        for row in range(6):
+            exact = (ends[0][row] - ends[1][row]) / 2
+            assert abs(Fraction(slopes[row, column]) - exact) <= abs(exact) * Fraction(2, 2**52)
+
+
+def test_a_plane_that_is_kept_is_found_among_generic_numbers() -> None:
+    # A pendulum about its second axis: p, r and gamma2 stay 0, and nothing else does.
+    body = polhode.Body.of_moments([3, 2, 1], centre=[1, 0, 2], weight=1)
+    state = [Fraction(0), Fraction(1), Fraction(0), Fraction(3, 5), Fraction(0), Fraction(4, 5)]
+    assert staying_zero(body, state) == {0, 2, 4}
+    assert staying_zero(body, [*state[:4], Fraction(1, 7), state[5]]) == set()
+
+
+def test_a_body_is_replaced_but_for_what_is_given() -> None:
+    cone = polhode.Body.of_parts([polhode.Part("cone", 1, radius=3, height=4)], g="9.8")
+    heavier = cone.replaced(weight=2 * cone.weight)
+    assert heavier.parts == cone.parts
+    assert heavier.inertia == cone.inertia
+    assert heavier.torque[2] == 2 * cone.torque[2]
+    moved = cone.replaced(centre=(Fraction(0), Fraction(0), Fraction(1)))
+    assert moved.parts == ()
+    assert (moved.inertia, moved.weight) == (cone.inertia, cone.weight)
+    with pytest.raises(polhode.BadInput, match="sum of the others"):
+        cone.replaced(inertia=((1, 0, 0), (0, 1, 0), (0, 0, 3)))  # type: ignore[arg-type]
+
+
+def test_a_door_refuses_what_it_does_not_take() -> None:
+    scene = replace(
+        polhode.load("lagrange/nutation"),
+        outputs=("angles", "attitude"),
+        events=(polhode.Event("nutation"),),
+        form="momentum",
+    )
+    assert polhode.load(scene) is scene
+    assert polhode.load(scene, takes=("outputs", "events", "form")) is scene
+    for takes, said in (
+        (("events", "form"), "outputs = angles, attitude: expected none, or polhode.integrate"),
+        (("outputs", "form"), "events = nutation: expected none, or polhode.integrate"),
+        (("outputs", "events"), "run.form = momentum: expected principal, or polhode.integrate"),
+    ):
+        with pytest.raises(polhode.BadInput, match=said):
+            polhode.load(scene, takes=takes)
+
+
+@pytest.fixture
+def readings(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Texts that are read as TOML from now on."""
+    texts: list[str] = []
+    honest = scene_file.tables
+
+    def tables(text: str, name: str = "scene") -> dict[str, object]:
+        texts.append(text)
+        return honest(text, name)
+
+    monkeypatch.setattr(scene_file, "tables", tables)
+    return texts
+
+
+def test_a_scene_s_text_is_read_once(readings: list[str], tmp_path) -> None:
+    scene = polhode.load("lagrange/nutation")
+    assert len(readings) == 1
+    run = polhode.integrate(scene, at=[1, 2])
+    run.save(tmp_path / "run.json")
+    starts = np.array([[float(x) for x in scene.start]] * 3)
+    polhode.integrate_many(scene, starts=starts, at=[1])
+    polhode.integrate_many(scene, vary={"start.omega[1]": [0, 1]}, at=[1])
+    assert polhode.as_toml(scene) == scene.source
+    assert "\nat = [1, 2]\n" in polhode.as_toml(run.scene)
+    assert len(readings) == 1
+    top = polhode.top(moments=[2, 2, 1], omega=[0.5, 0, 3], end=10)
+    polhode.integrate(top).save(tmp_path / "top.json")  # its text is written, and read once
+    polhode.integrate_many(top, vary={"start.omega[1]": [0, 1]}, at=[1])
+    assert len(readings) == 2
+
+
+def test_the_text_of_a_changed_scene_tells_the_change() -> None:
+    scene = polhode.load("kovalevskaya/generic")
+    other = replace(scene, omega=(1, 2, 3), title="another")  # type: ignore[arg-type]
+    again = scene_file.parse(polhode.as_toml(other))
+    assert (again.omega, again.title, again.body) == (other.omega, "another", scene.body)
+    assert to_double(again.omega[2]) == 3.0
+
+
+def test_a_sum_in_the_derivative_is_not_proven(monkeypatch: pytest.MonkeyPatch) -> None:
+    # A term in q beside that in q r: an entry would be rounded once more than is bounded.
+    beside = terms.Slope(0, 1, terms.Term(0, (1,), 0), None)
+    motion = fixed_point_problem.motion(polhode.load("general/asymmetric-regular"))
+    problem = fixed_point_problem.problem(motion, 60)
+    state = zonotope.beginning(problem)
+    window = proof_loop.HONEST.window(problem, state, 1 << 12, 1, 1.0)
+    assert window is not None
+    pieces = taylor_polynomials.of_doubles(window.times, window.series)
+    known = defect.defects(problem, pieces)
+    given = np.zeros(pieces.near.shape), np.eye(6)[None, None].repeat(pieces.count, 0)
+    assert np.all(np.isfinite(step_bound.bounds(problem, known, *given).alpha))
+    monkeypatch.setattr(step_bound, "SLOPES", (*terms.SLOPES, beside))
+    with pytest.raises(fixed_point_problem.Refused, match="entries are sums"):
+        step_bound.bounds(problem, known, *given)
+    spared = replace(problem, factors=(0.0, *problem.factors[1:]))
+    spared = replace(spared, factor_slack=(0.0, *problem.factor_slack[1:]))
+    assert np.all(np.isfinite(step_bound.bounds(spared, known, *given).alpha))
